@@ -1,0 +1,40 @@
+# `make uav` and `make test` do all the set-up themselves; a second run starts in seconds.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+NATIVE := $(shell find octmip/native/src octmip/native/Cargo.toml -type f)
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+
+.PHONY: uav test lint tools benchmarks clean
+
+uav: $(VENV)/.installed
+	@$(BIN)/python -m benchmarks.uav $(if $(STRAINS),--strains $(STRAINS)) $(ARGS)
+
+test: $(VENV)/.installed-test lint
+	cd octmip/native && cargo test --release --quiet
+	$(BIN)/python -m pytest
+
+lint: $(VENV)/.installed-test
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	cd octmip/native && cargo fmt --check && cargo clippy --release --quiet --all-targets -- -D warnings
+
+tools:
+	@command -v $(PYTHON) >/dev/null || { echo "$(PYTHON) is missing: install Python 3.11 or newer, or say make PYTHON=/path/to/python"; exit 2; }
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "$$($(PYTHON) --version) is too old: install Python 3.11 or newer, or say make PYTHON=/path/to/python"; exit 2; }
+	@command -v cc >/dev/null || { echo "a C compiler (cc) is missing: install gcc or clang, for instance apt-get install build-essential"; exit 2; }
+	@command -v cargo >/dev/null || { echo "the Rust toolchain (cargo) is missing: install stable Rust 1.88 or newer, for instance with rustup"; exit 2; }
+
+# Editable: Python files are used where they lie, and the native core is built again when a Rust file changes.
+$(VENV)/.installed: pyproject.toml $(NATIVE) | tools
+	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --editable .
+	@touch $@
+
+$(VENV)/.installed-test: $(VENV)/.installed
+	$(BIN)/python -m pip install --quiet --editable '.[test]'
+	@touch $@
+
+clean:
+	rm -rf $(VENV) results octmip/native/target octmip/*.so

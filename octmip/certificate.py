@@ -1,0 +1,119 @@
+"""Certificates: what a solution claims, recomputed from problem and tree alone. Imports no solver."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.errors import CertificateError
+from octmip.problem import Problem
+from octmip.solution import Solution, Stop
+from octmip.tree import Leaf, Node, depth, leaf_index, leaves, n_splits
+
+
+@dataclass(frozen=True, slots=True)
+class Certificate:
+    """What was recounted, sample by sample, from the tree alone.
+
+    Attributes:
+        objective: recomputed objective.
+        normalised_objective: misclassification cost divided by the baseline's, plus alpha * complexity with
+            alpha = leaf_penalty / baseline. Source: Bertsimas & Dunn (2017), eq. 21.
+        errors: misclassified samples, unweighted.
+        n_splits, depth: of the tree.
+        sensors, sensor_cost: that it reads.
+        bound, gap: the solution's bound, consistent with the objective; whether it is a true bound is its solver's
+            claim, or its proof log's (`octmip certify --proof`).
+    """
+
+    objective: float
+    normalised_objective: float
+    errors: int
+    n_splits: int
+    depth: int
+    sensors: tuple[str, ...]
+    sensor_cost: float
+    bound: float
+    gap: float
+
+
+def certify(problem: Problem, solution: Solution) -> Certificate:
+    """Recompute what a solution claims and return it as a Certificate.
+
+    Raises:
+        CertificateError: the tree breaks a limit of the problem, or objective, bound or stop are not what they say.
+    """
+    tree = solution.tree
+    if tree is None:
+        raise CertificateError(f"{solution.solver} found no tree (stop: {solution.stop}); there is nothing to certify")
+    _check_tree(problem, tree)
+    leaf = leaf_index(tree, problem.features)
+    _check_leaf_sizes(problem, tree, np.bincount(leaf, minlength=len(leaves(tree))))
+    predicted = np.array([node.label for node in leaves(tree)], dtype=np.int64)[leaf]
+    objective = problem.objective_of(tree, predicted)
+    _check_claims(problem, solution, objective)
+    baseline = problem.baseline
+    return Certificate(
+        objective=objective,
+        normalised_objective=objective / baseline if baseline > 0 else math.nan,
+        errors=int((predicted != problem.codes).sum()),
+        n_splits=n_splits(tree),
+        depth=depth(tree),
+        sensors=problem.sensors_used(tree),
+        sensor_cost=problem.sensor_cost_of(tree),
+        bound=solution.bound,
+        gap=solution.gap,
+    )
+
+
+def _check_tree(problem: Problem, tree: Node) -> None:
+    if depth(tree) > problem.depth:
+        raise CertificateError(f"the tree has depth {depth(tree)} but the problem allows {problem.depth}")
+    largest = max(leaf.label for leaf in leaves(tree))
+    if largest >= problem.n_classes:
+        raise CertificateError(f"a leaf predicts class {largest} but the problem has {problem.n_classes} classes")
+    forbidden = problem.first_forbidden_split(tree)
+    if forbidden:
+        raise CertificateError(forbidden)
+    if problem.sensor_cost_of(tree) > problem.sensor_limit:
+        raise CertificateError(
+            f"the tree reads sensors {problem.sensors_used(tree)} of total cost {problem.sensor_cost_of(tree)}, "
+            f"over the budget of {problem.sensor_budget}"
+        )
+
+
+def _check_leaf_sizes(problem: Problem, tree: Node, sizes: NDArray[np.int64]) -> None:
+    smallest = int(sizes.argmin())
+    if not isinstance(tree, Leaf) and sizes[smallest] < problem.leaf_size:
+        raise CertificateError(
+            f"leaf {smallest} (from the left) holds {sizes[smallest]} samples but leaf_size is {problem.leaf_size}"
+        )
+
+
+def _check_claims(problem: Problem, solution: Solution, objective: float) -> None:
+    # fsum is exact up to one rounding, so integer objectives must agree exactly and others to a few units in the
+    # last place of the largest partial result.
+    slack = 0.0 if problem.has_integer_costs else 1e-12 * max(1.0, abs(objective))
+    if abs(solution.objective - objective) > slack:
+        raise CertificateError(
+            f"{solution.solver} claims objective {solution.objective} but the tree's own, recounted over "
+            f"{problem.n_samples} samples, is {objective}; tree and data do not belong together or one was changed"
+        )
+    if solution.bound > objective + slack + solution.tolerance:
+        raise CertificateError(
+            f"{solution.solver} claims that no tree is below {solution.bound} but its own tree has {objective}"
+        )
+    # A tree without a split is feasible in every problem, so no true bound lies above it.
+    if solution.bound > problem.baseline + slack + solution.tolerance:
+        raise CertificateError(
+            f"{solution.solver} claims the bound {solution.bound} but one leaf alone costs {problem.baseline}"
+        )
+    if solution.stop is Stop.OPTIMAL and not solution.is_optimal:
+        raise CertificateError(
+            f"{solution.solver} says optimal but its bound {solution.bound} does not meet its objective {objective}"
+        )
+    if not 0 <= solution.tolerance <= 1e-6 * max(1.0, objective):
+        raise CertificateError(f"tolerance {solution.tolerance} is too wide to call anything proven")
+
+

@@ -1,0 +1,173 @@
+"""The way to the native core and back: a Problem as ranks and integers, a table of nodes as a tree.
+
+Ranks, not values, enter the core. Feature values of float64 become dense ranks 0, 1, ...; a cut "rank <= k" comes back
+as the guarded midpoint of the k-th and (k+1)-th distinct value, so no float64 value is ever compared after rounding:
+
+    values       0.5  0.5  1.5  4.0  4.0
+    ranks          0    0    1    2    2
+    cut 1 means   rank <= 1, threshold midpoint(1.5, 4.0) = 2.75
+
+Costs become integers. Integer weights and costs enter as they are; others are multiplied by a power of two and rounded
+DOWN, so that a bound proven on the integers holds for the real costs too; the loss is stated as `IntegerCosts.tolerance`.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip import _native
+from octmip.problem import Problem
+from octmip.tree import HyperplaneSplit, Leaf, Node, Split, midpoint
+
+CAPACITY = 2.0**52  # integer objectives stay below it, so float64 holds every one of them exactly
+
+# One node of the native core's table, preorder, root first:
+# (kind 0 leaf | 1 split | 2 hyperplane, feature, cut, left, right, label, [(feature, coefficient)], offset)
+NodeRow = tuple[int, int, int, int, int, int, list[tuple[int, float]], float]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ranks:
+    """Dense ranks of each feature, and the distinct values behind them.
+
+    Attributes:
+        ranks: (n_features, n_samples) uint32, C-contiguous.
+        values: for each feature its distinct values, ascending: ``features[i, j] == values[j][ranks[j, i]]``.
+    """
+
+    ranks: NDArray[np.uint32]
+    values: tuple[NDArray[np.float64], ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class IntegerCosts:
+    """Weights, costs and penalty as integers.
+
+    Attributes:
+        weights: (n_samples,) int64.
+        costs: (n_classes, n_classes) int64.
+        penalty: of one feature in one split.
+        unit: what an integer objective is multiplied by to give the problem's.
+        tolerance: how far an integer optimum times `unit` may lie below the true optimum; 0 when nothing was rounded.
+    """
+
+    weights: NDArray[np.int64]
+    costs: NDArray[np.int64]
+    penalty: int
+    unit: float
+    tolerance: float
+
+
+def rank_features(problem: Problem) -> Ranks:
+    """Return the dense ranks of every feature of a problem."""
+    ranks = np.empty((problem.n_features, problem.n_samples), dtype=np.uint32)
+    values = []
+    for feature in range(problem.n_features):
+        distinct, inverse = np.unique(problem.features[:, feature], return_inverse=True)
+        ranks[feature] = inverse
+        values.append(distinct)
+    return Ranks(ranks, tuple(values))
+
+
+def integer_costs(problem: Problem) -> IntegerCosts:
+    """Return the weights, costs and penalty of a problem as integers, rounded down where they are not whole.
+
+    The smallest common power of two makes dyadic numbers (0.5, 2.25) whole; what does not fit below `CAPACITY` in
+    sum is rounded down, so every integer objective times `unit` is at most the true one.
+    """
+    weights, weight_unit = _whole_numbers(problem.weights, 2.0**26 / max(problem.weights.sum(), 1e-300))
+    prices = np.append(problem.costs.ravel(), problem.leaf_penalty / weight_unit)
+    costs, cost_unit = _whole_numbers(prices, 2.0**25 / max(prices.max(), 1e-300))
+    unit = weight_unit * cost_unit
+    penalty = int(costs[-1])
+    loss = _rounding_loss(problem, weights * weight_unit, costs * cost_unit, penalty * unit)
+    return IntegerCosts(weights, costs[:-1].reshape(problem.costs.shape), penalty, unit, loss)
+
+
+def _whole_numbers(numbers: NDArray[np.float64], largest_scale: float) -> tuple[NDArray[np.int64], float]:
+    """Return ``floor(numbers * scale)`` and ``1 / scale``, scale the least power of two that makes them whole."""
+    if (numbers == np.floor(numbers)).all() and numbers.sum() < CAPACITY:
+        return numbers.astype(np.int64), 1.0
+    most = math.floor(math.log2(largest_scale))
+    for exponent in range(1, most + 1):
+        scaled = numbers * 2.0**exponent
+        if (scaled == np.floor(scaled)).all():
+            return scaled.astype(np.int64), 2.0**-exponent
+    return np.floor(numbers * 2.0**most).astype(np.int64), 2.0**-most
+
+
+def _rounding_loss(
+    problem: Problem, weights: NDArray[np.float64], costs: NDArray[np.float64], penalty: float
+) -> float:
+    rounded_costs = costs[:-1].reshape(problem.costs.shape)
+    loss = problem.weights * problem.costs[problem.codes].max(axis=1)
+    exact = np.array_equal(weights, problem.weights) and np.array_equal(rounded_costs, problem.costs)
+    if exact and penalty == problem.leaf_penalty:
+        return 0.0
+    true = problem.weights[:, None] * problem.costs[problem.codes]
+    held = weights[:, None] * rounded_costs[problem.codes]
+    most_features = min(2.0**problem.depth - 1, problem.n_samples) * problem.max_split_size
+    return float((true - held).max(axis=1).sum() + (problem.leaf_penalty - penalty) * most_features + 1e-15 * loss.sum())
+
+
+def native_problem(problem: Problem, ranks: Ranks, costs: IntegerCosts) -> _native.Problem:
+    """Return the problem as the native core holds it."""
+    allowed = [problem.is_allowed((feature,)) for feature in range(problem.n_features)]
+    return _native.Problem(
+        ranks.ranks,
+        [len(values) for values in ranks.values],
+        problem.codes.astype(np.uint32),
+        costs.weights,
+        costs.costs,
+        costs.penalty,
+        problem.depth,
+        problem.leaf_size,
+        problem.sensor_index.tolist(),
+        problem.sensor_costs.tolist(),
+        problem.sensor_limit,
+        allowed,
+    )
+
+
+def tree_from_rows(rows: Sequence[NodeRow], ranks: Ranks) -> Node:
+    """Return the tree that a native node table stands for, thresholds at guarded midpoints."""
+
+    def build(index: int) -> Node:
+        kind, feature, cut, left, right, label, terms, offset = rows[index]
+        if kind == 0:
+            return Leaf(label)
+        if kind == 1:
+            values = ranks.values[feature]
+            return Split(feature, midpoint(float(values[cut]), float(values[cut + 1])), build(left), build(right))
+        ordered = sorted(terms)
+        features, coefficients = tuple(f for f, _ in ordered), tuple(c for _, c in ordered)
+        return HyperplaneSplit(features, coefficients, offset, build(left), build(right))
+
+    return build(0)
+
+
+def rows_from_tree(tree: Node, ranks: Ranks) -> list[NodeRow]:
+    """Return the native node table of a tree; a threshold outside the data's range becomes the nearest cut."""
+    rows: list[NodeRow] = []
+
+    def add(node: Node) -> int:
+        index = len(rows)
+        rows.append((0, 0, 0, 0, 0, 0, [], 0.0))
+        if isinstance(node, Leaf):
+            rows[index] = (0, 0, 0, 0, 0, node.label, [], 0.0)
+            return index
+        left, right = add(node.left), add(node.right)
+        if isinstance(node, Split):
+            # Trees whose sides all hold samples (see `tree.without_empty_sides`) have 0 <= cut < number of values - 1.
+            cut = int(np.searchsorted(ranks.values[node.feature], node.threshold, side="right")) - 1
+            rows[index] = (1, node.feature, cut, left, right, 0, [], 0.0)
+        else:
+            terms = list(zip(node.features, node.coefficients, strict=True))
+            rows[index] = (2, 0, 0, left, right, 0, terms, node.offset)
+        return index
+
+    add(tree)
+    return rows

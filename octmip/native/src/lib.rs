@@ -1,0 +1,13 @@
+//! The native core of octmip: classification trees over ranked features.
+//!
+//! Pure logic; the Python border is in `python.rs` alone, behind the feature `python`.
+#![forbid(unsafe_code)]
+#![warn(missing_docs)]
+#![cfg_attr(not(test), deny(clippy::unwrap_used))]
+
+pub mod control;
+pub mod problem;
+pub mod tree;
+
+#[cfg(feature = "python")]
+mod python;

@@ -1,0 +1,93 @@
+//! A classification problem over dense ranks, with integer weights and costs.
+
+/// What is wrong with a problem, with numbers.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ProblemError(pub String);
+
+/// Samples, costs and the limits of the tree that is wanted.
+///
+/// minimise `sum_i weights[i] * costs[labels[i]][predicted[i]] + penalty * (features summed over the splits)`.
+#[derive(Debug, Clone)]
+pub struct Problem {
+    /// Number of samples.
+    pub n: usize,
+    /// Number of features.
+    pub p: usize,
+    /// Number of classes.
+    pub n_classes: usize,
+    /// Dense ranks, feature-major: the rank of sample `i` in feature `f` is `ranks[f * n + i]`.
+    pub ranks: Vec<u32>,
+    /// Number of distinct values of each feature (`p`).
+    pub n_ranks: Vec<u32>,
+    /// Class of each sample (`n`).
+    pub labels: Vec<u32>,
+    /// Risk weight of each sample (`n`), 0 or more.
+    pub weights: Vec<i64>,
+    /// Cost of predicting column `k` for class row `i` (`n_classes * n_classes`, row-major), 0 or more.
+    pub costs: Vec<i64>,
+    /// Price of one feature in one split.
+    pub penalty: i64,
+    /// Levels of splits, 1 or more.
+    pub depth: usize,
+    /// Fewest samples in a leaf, 1 or more.
+    pub leaf_size: usize,
+    /// Index of the sensor that each feature is read from (`p`).
+    pub sensor_of_feature: Vec<u32>,
+    /// Cost of each sensor.
+    pub sensor_cost: Vec<f64>,
+    /// Most sensor cost in the whole tree, room for rounding included; infinite without a budget.
+    pub sensor_limit: f64,
+    /// Whether a feature may be used in an axis-aligned split (`p`).
+    pub allowed: Vec<bool>,
+}
+
+impl Problem {
+    /// The ranks of one feature, by sample.
+    pub fn feature(&self, f: usize) -> &[u32] {
+        &self.ranks[f * self.n..(f + 1) * self.n]
+    }
+
+    /// Cost of predicting class `k` for one unit of weight of class `label`.
+    pub fn cost(&self, label: usize, k: usize) -> i64 {
+        self.costs[label * self.n_classes + k]
+    }
+
+    /// Check every length and index once, so that the solvers may rely on them.
+    pub fn validate(&self) -> Result<(), ProblemError> {
+        let lengths = [
+            ("ranks", self.ranks.len(), self.p * self.n),
+            ("n_ranks", self.n_ranks.len(), self.p),
+            ("labels", self.labels.len(), self.n),
+            ("weights", self.weights.len(), self.n),
+            ("costs", self.costs.len(), self.n_classes * self.n_classes),
+            ("sensor_of_feature", self.sensor_of_feature.len(), self.p),
+            ("allowed", self.allowed.len(), self.p),
+        ];
+        for (name, got, expected) in lengths {
+            if got != expected {
+                return Err(ProblemError(format!("{name} has {got} entries, expected {expected}")));
+            }
+        }
+        if self.n == 0 || self.p == 0 || self.depth == 0 || self.leaf_size == 0 {
+            return Err(ProblemError(format!(
+                "n = {}, p = {}, depth = {}, leaf_size = {}: each must be 1 or more",
+                self.n, self.p, self.depth, self.leaf_size
+            )));
+        }
+        if let Some(i) = self.labels.iter().position(|&l| l as usize >= self.n_classes) {
+            return Err(ProblemError(format!("label {} of sample {i} is not a class", self.labels[i])));
+        }
+        if self.weights.iter().chain(&self.costs).chain([&self.penalty]).any(|&v| v < 0) {
+            return Err(ProblemError("a weight, cost or penalty is negative".into()));
+        }
+        for f in 0..self.p {
+            if let Some(i) = self.feature(f).iter().position(|&r| r >= self.n_ranks[f]) {
+                return Err(ProblemError(format!("rank of sample {i} in feature {f} is out of range")));
+            }
+            if self.sensor_of_feature[f] as usize >= self.sensor_cost.len() {
+                return Err(ProblemError(format!("feature {f} names sensor {}", self.sensor_of_feature[f])));
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,188 @@
+"""Trees as recursive nodes, and the one place that says which way a sample goes.
+
+The left rule: a sample x goes left when ``x[feature] <= threshold`` at a `Split`, and when
+``sum_j coefficients[j] * x[features[j]] <= offset`` at a `HyperplaneSplit`, the products rounded to float64 and added
+from the first feature to the last. Otherwise it goes right. Five values of one feature and a threshold between them:
+
+    x          0.5  1.5  2.5  3.5  4.5
+    threshold            2.5
+    goes to    L    L    L    R    R
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.errors import TreeError
+
+
+@dataclass(frozen=True, slots=True)
+class Leaf:
+    """A prediction: `label` is the index of the class in `Problem.class_names`."""
+
+    label: int
+
+    def __post_init__(self) -> None:
+        if self.label < 0:
+            raise TreeError(f"leaf label is {self.label}; expected the index of a class, 0 or more")
+
+
+@dataclass(frozen=True, slots=True)
+class Split:
+    """A threshold on one feature: left when ``x[feature] <= threshold``."""
+
+    feature: int
+    threshold: float
+    left: "Node"
+    right: "Node"
+
+    def __post_init__(self) -> None:
+        if self.feature < 0:
+            raise TreeError(f"split feature is {self.feature}; expected the index of a feature, 0 or more")
+        if not np.isfinite(self.threshold):
+            raise TreeError(f"threshold on feature {self.feature} is {self.threshold}; expected a finite number")
+
+    @property
+    def features(self) -> tuple[int, ...]:
+        """The one feature, as a tuple, so that both kinds of split read alike."""
+        return (self.feature,)
+
+
+@dataclass(frozen=True, slots=True)
+class HyperplaneSplit:
+    """A hyperplane over `features` (ascending, none twice): left when ``coefficients @ x[features] <= offset``."""
+
+    features: tuple[int, ...]
+    coefficients: tuple[float, ...]
+    offset: float
+    left: "Node"
+    right: "Node"
+
+    def __post_init__(self) -> None:
+        if not self.features or len(self.features) != len(self.coefficients):
+            raise TreeError(
+                f"hyperplane has {len(self.features)} features and {len(self.coefficients)} coefficients; "
+                "expected one coefficient for each of at least one feature"
+            )
+        if self.features[0] < 0 or any(a >= b for a, b in zip(self.features, self.features[1:], strict=False)):
+            raise TreeError(f"hyperplane features are {self.features}; expected ascending indices, none twice")
+        if not all(np.isfinite((*self.coefficients, self.offset))) or 0.0 in self.coefficients:
+            raise TreeError(
+                f"hyperplane over features {self.features} has coefficients {self.coefficients} and offset "
+                f"{self.offset}; expected finite numbers, no coefficient zero"
+            )
+
+
+Node = Leaf | Split | HyperplaneSplit
+
+
+def midpoint(low: float, high: float) -> float:
+    """Return a threshold with ``low <= threshold < high``: the mean of two neighbours, guarded against rounding.
+
+    The mean of two neighbouring float64 values can round to the upper one, which would send `high` left.
+    """
+    middle = low / 2 + high / 2
+    return middle if low <= middle < high else low
+
+
+def goes_left(split: Split | HyperplaneSplit, features: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Return which rows of `features` (n_samples, n_features) go left at `split`, shape (n_samples,)."""
+    if isinstance(split, Split):
+        return features[:, split.feature] <= split.threshold
+    total = np.zeros(len(features))
+    for feature, coefficient in zip(split.features, split.coefficients, strict=True):
+        total += coefficient * features[:, feature]
+    return total <= split.offset
+
+
+def leaf_index(tree: Node, features: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Return for every row of `features` (n_samples, n_features) the position of its leaf in `leaves(tree)`."""
+    index = np.zeros(len(features), dtype=np.int64)
+    first = 0
+    stack: list[tuple[Node, NDArray[np.int64]]] = [(tree, np.arange(len(features)))]
+    while stack:  # preorder with left on top of the stack, so leaves are numbered from left to right
+        node, rows = stack.pop()
+        if isinstance(node, Leaf):
+            index[rows] = first
+            first += 1
+        else:
+            left = goes_left(node, features[rows])
+            stack += [(node.right, rows[~left]), (node.left, rows[left])]
+    return index
+
+
+def predict(tree: Node, features: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Return the class index of every row of `features` (n_samples, n_features), shape (n_samples,)."""
+    labels = np.array([leaf.label for leaf in leaves(tree)], dtype=np.int64)
+    return labels[leaf_index(tree, features)]
+
+
+def nodes(tree: Node) -> Iterator[Node]:
+    """Yield every node in preorder: a node, its left subtree, its right subtree."""
+    stack = [tree]
+    while stack:
+        node = stack.pop()
+        yield node
+        if not isinstance(node, Leaf):
+            stack += [node.right, node.left]
+
+
+def splits(tree: Node) -> list[Split | HyperplaneSplit]:
+    """Return the splits in preorder."""
+    return [node for node in nodes(tree) if not isinstance(node, Leaf)]
+
+
+def leaves(tree: Node) -> list[Leaf]:
+    """Return the leaves from left to right."""
+    return [node for node in nodes(tree) if isinstance(node, Leaf)]
+
+
+def depth(tree: Node) -> int:
+    """Return the number of splits on the longest path from the root to a leaf (0 for a leaf)."""
+    return 0 if isinstance(tree, Leaf) else 1 + max(depth(tree.left), depth(tree.right))
+
+
+def n_splits(tree: Node) -> int:
+    """Return the number of splits."""
+    return len(splits(tree))
+
+
+def complexity(tree: Node) -> int:
+    """Return the number of features summed over the splits: what `Problem.leaf_penalty` is paid for.
+
+    It is the number of splits of an axis-aligned tree. Source: Bertsimas & Dunn (2017), eq. 24 (OCT) and 36 (OCT-H).
+    """
+    return sum(len(split.features) for split in splits(tree))
+
+
+def features_used(tree: Node) -> tuple[int, ...]:
+    """Return the features that some split reads, ascending."""
+    return tuple(sorted({feature for split in splits(tree) for feature in split.features}))
+
+
+def without_empty_sides(tree: Node, features: NDArray[np.float64]) -> Node:
+    """Return the tree without splits that send all the rows of `features` (n_samples, n_features) to one side."""
+    if isinstance(tree, Leaf):
+        return tree
+    left = goes_left(tree, features)
+    if left.all():
+        return without_empty_sides(tree.left, features)
+    if not left.any():
+        return without_empty_sides(tree.right, features)
+    return replace(
+        tree,
+        left=without_empty_sides(tree.left, features[left]),
+        right=without_empty_sides(tree.right, features[~left]),
+    )
+
+
+def simplify(tree: Node) -> Node:
+    """Return the tree without splits whose two sides are leaves of the same label (same predictions, fewer splits)."""
+    if isinstance(tree, Leaf):
+        return tree
+    left, right = simplify(tree.left), simplify(tree.right)
+    if isinstance(left, Leaf) and left == right:
+        return left
+    return replace(tree, left=left, right=right)
