@@ -115,5 +115,3 @@ def _check_claims(problem: Problem, solution: Solution, objective: float) -> Non
         )
     if not 0 <= solution.tolerance <= 1e-6 * max(1.0, objective):
         raise CertificateError(f"tolerance {solution.tolerance} is too wide to call anything proven")
-
-

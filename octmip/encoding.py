@@ -8,7 +8,7 @@ as the guarded midpoint of the k-th and (k+1)-th distinct value, so no float64 v
     cut 1 means   rank <= 1, threshold midpoint(1.5, 4.0) = 2.75
 
 Costs become integers. Integer weights and costs enter as they are; others are multiplied by a power of two and rounded
-DOWN, so that a bound proven on the integers holds for the real costs too; the loss is stated as `IntegerCosts.tolerance`.
+DOWN, so that a bound proven on the integers holds for the real costs too; the loss is `IntegerCosts.tolerance`.
 """
 
 import math
@@ -22,6 +22,7 @@ from octmip import _native
 from octmip.problem import Problem
 from octmip.tree import HyperplaneSplit, Leaf, Node, Split, midpoint
 
+FloatArray = NDArray[np.floating]
 CAPACITY = 2.0**52  # integer objectives stay below it, so float64 holds every one of them exactly
 
 # One node of the native core's table, preorder, root first:
@@ -83,8 +84,9 @@ def integer_costs(problem: Problem) -> IntegerCosts:
     costs, cost_unit = _whole_numbers(prices, 2.0**25 / max(prices.max(), 1e-300))
     unit = weight_unit * cost_unit
     penalty = int(costs[-1])
-    loss = _rounding_loss(problem, weights * weight_unit, costs * cost_unit, penalty * unit)
-    return IntegerCosts(weights, costs[:-1].reshape(problem.costs.shape), penalty, unit, loss)
+    matrix = costs[:-1].reshape(problem.costs.shape)
+    loss = _rounding_loss(problem, weights * weight_unit, matrix * cost_unit, penalty * unit)
+    return IntegerCosts(weights, matrix, penalty, unit, loss)
 
 
 def _whole_numbers(numbers: NDArray[np.float64], largest_scale: float) -> tuple[NDArray[np.int64], float]:
@@ -99,18 +101,17 @@ def _whole_numbers(numbers: NDArray[np.float64], largest_scale: float) -> tuple[
     return np.floor(numbers * 2.0**most).astype(np.int64), 2.0**-most
 
 
-def _rounding_loss(
-    problem: Problem, weights: NDArray[np.float64], costs: NDArray[np.float64], penalty: float
-) -> float:
-    rounded_costs = costs[:-1].reshape(problem.costs.shape)
-    loss = problem.weights * problem.costs[problem.codes].max(axis=1)
-    exact = np.array_equal(weights, problem.weights) and np.array_equal(rounded_costs, problem.costs)
+def _rounding_loss(problem: Problem, weights: FloatArray, costs: FloatArray, penalty: float) -> float:
+    """Return the most by which an objective counted with the rounded numbers can lie below the true one."""
+    exact = np.array_equal(weights, problem.weights) and np.array_equal(costs, problem.costs)
     if exact and penalty == problem.leaf_penalty:
         return 0.0
     true = problem.weights[:, None] * problem.costs[problem.codes]
-    held = weights[:, None] * rounded_costs[problem.codes]
+    held = weights[:, None] * costs[problem.codes]
     most_features = min(2.0**problem.depth - 1, problem.n_samples) * problem.max_split_size
-    return float((true - held).max(axis=1).sum() + (problem.leaf_penalty - penalty) * most_features + 1e-15 * loss.sum())
+    penalty_loss = (problem.leaf_penalty - penalty) * most_features
+    rounding_of_sums = 1e-15 * float(true.max(axis=1).sum())
+    return float((true - held).max(axis=1).sum()) + penalty_loss + rounding_of_sums
 
 
 def native_problem(problem: Problem, ranks: Ranks, costs: IntegerCosts) -> _native.Problem:

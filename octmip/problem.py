@@ -1,8 +1,8 @@
 """Problem: everything that says which tree is wanted, checked once, here.
 
-    minimise   sum_i weights_i * costs[label_i, predicted_i] + leaf_penalty * complexity(tree)
-    over       trees of at most `depth` levels of splits, every leaf with at least `leaf_size` samples,
-               at most `split_size` features a split, total sensor cost at most `sensor_budget`
+minimise   sum_i weights_i * costs[label_i, predicted_i] + leaf_penalty * complexity(tree)
+over       trees of at most `depth` levels of splits, every leaf with at least `leaf_size` samples,
+           at most `split_size` features a split, total sensor cost at most `sensor_budget`
 """
 
 import hashlib
@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from octmip.errors import ProblemError
 from octmip.tree import HyperplaneSplit, Node, complexity, features_used, splits
 
+_DERIVED: Any = None  # a field that is filled in when it is left out
 MAX_DEPTH = 30  # 2**30 leaves: beyond any use, and the node tables of the solvers are indexed by 32 bits
 
 
@@ -57,15 +58,15 @@ class Problem:
     split_size: int | None = field(kw_only=True, default=None)
     leaf_size: int = field(kw_only=True, default=1)
     leaf_penalty: float = field(kw_only=True, default=0.0)
-    weights: NDArray[np.float64] = field(kw_only=True, default=None)  # type: ignore[assignment]
-    costs: NDArray[np.float64] = field(kw_only=True, default=None)  # type: ignore[assignment]
+    weights: NDArray[np.float64] = field(kw_only=True, default=_DERIVED)
+    costs: NDArray[np.float64] = field(kw_only=True, default=_DERIVED)
     sensor_of_feature: Sequence[str] | None = field(kw_only=True, default=None)
     sensor_cost: Mapping[str, float] | Sequence[float] | None = field(kw_only=True, default=None)
     sensor_budget: float | None = field(kw_only=True, default=None)
     allowed_splits: Sequence[Sequence[str | int]] | None = field(kw_only=True, default=None)
     integer_normals: int | None = field(kw_only=True, default=None)
-    feature_names: tuple[str, ...] = field(kw_only=True, default=None)  # type: ignore[assignment]
-    class_names: tuple[Any, ...] = field(kw_only=True, default=None)  # type: ignore[assignment]
+    feature_names: tuple[str, ...] = field(kw_only=True, default=_DERIVED)
+    class_names: tuple[Any, ...] = field(kw_only=True, default=_DERIVED)
     codes: NDArray[np.int64] = field(init=False, repr=False)
     sensors: tuple[str, ...] = field(init=False, repr=False)
     sensor_index: NDArray[np.int64] = field(init=False, repr=False)
@@ -107,7 +108,7 @@ class Problem:
         if labels.dtype.kind == "f" and not np.isfinite(labels).all():
             row = int(np.flatnonzero(~np.isfinite(labels))[0])
             raise ProblemError(f"labels[{row}] is {labels[row]}; expected a class; drop the row or give its label")
-        present = sorted(set(labels.tolist()), key=lambda value: (type(value).__name__, value))
+        present, inverse = _distinct(labels)
         if len(present) < 2:
             raise ProblemError(f"labels holds one class only ({present[0]!r}); expected two or more")
         names = tuple(present) if self.class_names is None else tuple(self.class_names)
@@ -119,12 +120,14 @@ class Problem:
             )
         self._set("labels", labels)
         self._set("class_names", names)
-        self._set("codes", np.array([position[label] for label in labels.tolist()], dtype=np.int64))
+        self._set("codes", np.array([position[label] for label in present], dtype=np.int64)[inverse])
 
     def _set_weights_and_costs(self) -> None:
         weights = np.ones(self.n_samples) if self.weights is None else _numbers(self.weights, "weights", 1)
         if weights.shape != (self.n_samples,):
-            raise ProblemError(f"weights has {len(weights)} entries but features has {self.n_samples} rows; give one each")
+            raise ProblemError(
+                f"weights has {len(weights)} entries but features has {self.n_samples} rows; give one each"
+            )
         if (weights < 0).any():
             row = int(np.flatnonzero(weights < 0)[0])
             raise ProblemError(f"weights[{row}] is {weights[row]}; expected 0 or more")
@@ -133,7 +136,9 @@ class Problem:
         k = self.n_classes
         costs = 1.0 - np.eye(k) if self.costs is None else _numbers(self.costs, "costs", 2)
         if costs.shape != (k, k):
-            raise ProblemError(f"costs has shape {costs.shape}; expected ({k}, {k}), rows and columns {self.class_names}")
+            raise ProblemError(
+                f"costs has shape {costs.shape}; expected ({k}, {k}), rows and columns {self.class_names}"
+            )
         if (costs < 0).any():
             i, j = (int(index) for index in np.argwhere(costs < 0)[0])
             raise ProblemError(f"costs[{i}, {j}] is {costs[i, j]}; expected 0 or more")
@@ -145,7 +150,8 @@ class Problem:
         of_feature = tuple(str(name) for name in names)
         if len(of_feature) != self.n_features:
             raise ProblemError(
-                f"sensor_of_feature has {len(of_feature)} entries but there are {self.n_features} features; give one each"
+                f"sensor_of_feature has {len(of_feature)} entries but there are {self.n_features} features; "
+                "give one each"
             )
         sensors = tuple(dict.fromkeys(of_feature))
         self._set("sensor_of_feature", of_feature)
@@ -177,7 +183,9 @@ class Problem:
             indices = {position.get(entry, entry) if isinstance(entry, str) else entry for entry in group}
             wrong = [e for e in indices if isinstance(e, str) or not 0 <= e < self.n_features]
             if wrong or not indices:
-                raise ProblemError(f"allowed_splits names {wrong or 'an empty group'}; expected features by name or index")
+                raise ProblemError(
+                    f"allowed_splits names {wrong or 'an empty group'}; expected features by name or index"
+                )
             groups.append(tuple(sorted(int(e) for e in indices)))
         self._set("allowed_splits", tuple(groups))
 
@@ -267,6 +275,17 @@ class Problem:
             sha.update(np.ascontiguousarray(array).tobytes())
         sha.update(repr([str(name) for name in self.class_names]).encode())
         return sha.hexdigest()
+
+
+def _distinct(labels: NDArray[Any]) -> tuple[list[Any], NDArray[np.int64]]:
+    """Return the distinct labels in ascending order and the index of each sample's label among them."""
+    if labels.dtype != np.dtype(object):
+        distinct, inverse = np.unique(labels, return_inverse=True)
+        return distinct.tolist(), inverse.astype(np.int64)
+    values = labels.tolist()
+    present = sorted(set(values), key=lambda value: (type(value).__name__, value))
+    position = {value: k for k, value in enumerate(present)}
+    return present, np.array([position[value] for value in values], dtype=np.int64)
 
 
 def _numbers(values: ArrayLike, name: str, n_dimensions: int) -> NDArray[np.float64]:

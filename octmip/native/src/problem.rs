@@ -65,7 +65,9 @@ impl Problem {
         ];
         for (name, got, expected) in lengths {
             if got != expected {
-                return Err(ProblemError(format!("{name} has {got} entries, expected {expected}")));
+                return Err(ProblemError(format!(
+                    "{name} has {got} entries, expected {expected}"
+                )));
             }
         }
         if self.n == 0 || self.p == 0 || self.depth == 0 || self.leaf_size == 0 {
@@ -74,18 +76,36 @@ impl Problem {
                 self.n, self.p, self.depth, self.leaf_size
             )));
         }
-        if let Some(i) = self.labels.iter().position(|&l| l as usize >= self.n_classes) {
-            return Err(ProblemError(format!("label {} of sample {i} is not a class", self.labels[i])));
+        if let Some(i) = self
+            .labels
+            .iter()
+            .position(|&l| l as usize >= self.n_classes)
+        {
+            return Err(ProblemError(format!(
+                "label {} of sample {i} is not a class",
+                self.labels[i]
+            )));
         }
-        if self.weights.iter().chain(&self.costs).chain([&self.penalty]).any(|&v| v < 0) {
+        if self
+            .weights
+            .iter()
+            .chain(&self.costs)
+            .chain([&self.penalty])
+            .any(|&v| v < 0)
+        {
             return Err(ProblemError("a weight, cost or penalty is negative".into()));
         }
         for f in 0..self.p {
             if let Some(i) = self.feature(f).iter().position(|&r| r >= self.n_ranks[f]) {
-                return Err(ProblemError(format!("rank of sample {i} in feature {f} is out of range")));
+                return Err(ProblemError(format!(
+                    "rank of sample {i} in feature {f} is out of range"
+                )));
             }
             if self.sensor_of_feature[f] as usize >= self.sensor_cost.len() {
-                return Err(ProblemError(format!("feature {f} names sensor {}", self.sensor_of_feature[f])));
+                return Err(ProblemError(format!(
+                    "feature {f} names sensor {}",
+                    self.sensor_of_feature[f]
+                )));
             }
         }
         Ok(())

@@ -56,7 +56,9 @@ impl PyProblem {
             sensor_limit,
             allowed,
         };
-        inner.validate().map_err(|error| PyValueError::new_err(error.0))?;
+        inner
+            .validate()
+            .map_err(|error| PyValueError::new_err(error.0))?;
         Ok(Self { inner })
     }
 }
@@ -67,10 +69,18 @@ pub fn rows_from_tree(tree: &Tree) -> Vec<NodeRow> {
         .iter()
         .map(|node| match node {
             Node::Leaf { label } => (0, 0, 0, 0, 0, *label, Vec::new(), 0.0),
-            Node::Split { feature, cut, left, right } => (1, *feature, *cut, *left, *right, 0, Vec::new(), 0.0),
-            Node::Hyperplane { terms, offset, left, right } => {
-                (2, 0, 0, *left, *right, 0, terms.clone(), *offset)
-            }
+            Node::Split {
+                feature,
+                cut,
+                left,
+                right,
+            } => (1, *feature, *cut, *left, *right, 0, Vec::new(), 0.0),
+            Node::Hyperplane {
+                terms,
+                offset,
+                left,
+                right,
+            } => (2, 0, 0, *left, *right, 0, terms.clone(), *offset),
         })
         .collect()
 }
@@ -81,16 +91,30 @@ pub fn tree_from_rows(rows: Vec<NodeRow>) -> PyResult<Tree> {
     let nodes = rows
         .into_iter()
         .enumerate()
-        .map(|(i, (kind, feature, cut, left, right, label, terms, offset))| {
-            if kind != 0 && !(left > i as u32 && left < n && right > i as u32 && right < n) {
-                return Err(PyValueError::new_err(format!("node {i} of {n} has children {left} and {right}")));
-            }
-            Ok(match kind {
-                0 => Node::Leaf { label },
-                1 => Node::Split { feature, cut, left, right },
-                _ => Node::Hyperplane { terms, offset, left, right },
-            })
-        })
+        .map(
+            |(i, (kind, feature, cut, left, right, label, terms, offset))| {
+                if kind != 0 && !(left > i as u32 && left < n && right > i as u32 && right < n) {
+                    return Err(PyValueError::new_err(format!(
+                        "node {i} of {n} has children {left} and {right}"
+                    )));
+                }
+                Ok(match kind {
+                    0 => Node::Leaf { label },
+                    1 => Node::Split {
+                        feature,
+                        cut,
+                        left,
+                        right,
+                    },
+                    _ => Node::Hyperplane {
+                        terms,
+                        offset,
+                        left,
+                        right,
+                    },
+                })
+            },
+        )
         .collect::<PyResult<Vec<_>>>()?;
     if nodes.is_empty() {
         return Err(PyValueError::new_err("the node table is empty"));
@@ -100,7 +124,12 @@ pub fn tree_from_rows(rows: Vec<NodeRow>) -> PyResult<Tree> {
 
 /// Limits from `(seconds, gap, nodes, memory)`.
 pub fn limits(values: (f64, f64, f64, f64)) -> Limits {
-    Limits { seconds: values.0, gap: values.1, nodes: values.2, memory: values.3 }
+    Limits {
+        seconds: values.0,
+        gap: values.1,
+        nodes: values.2,
+        memory: values.3,
+    }
 }
 
 /// The name that `octmip.solution.Stop` gives a stop.
@@ -133,7 +162,10 @@ pub fn keep_going<'a>(
         Python::attach(|py| {
             let result = py.check_signals().and_then(|()| match progress {
                 Some(call) => call
-                    .call1(py, (state.seconds, state.objective, state.bound, state.n_nodes))
+                    .call1(
+                        py,
+                        (state.seconds, state.objective, state.bound, state.n_nodes),
+                    )
                     .map(|_| ()),
                 None => Ok(()),
             });
