@@ -1,0 +1,48 @@
+"""`python -m benchmarks.uav`: run the UAV study and write `results/uav/`."""
+
+import argparse
+import os
+import time
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")  # no display is needed, nor looked for
+
+from benchmarks.uav.report import write_results  # noqa: E402
+from benchmarks.uav.study import run_study  # noqa: E402
+from femlib.dataset import MeanStrains, Recipe, build_dataset, published_strains, simulated_strains  # noqa: E402
+from femlib.wing import uav_wing  # noqa: E402
+
+PUBLISHED = Path(__file__).parents[2].parent / "shared" / "uav" / "strains.csv"
+
+
+def main() -> None:
+    """Run the study with the options of the command line."""
+    options = _parser().parse_args()
+    start = time.perf_counter()
+    wing = uav_wing()
+    reference = published_strains(options.published) if Path(options.published).exists() else None
+    means: MeanStrains = published_strains(options.strains) if options.strains else simulated_strains(wing)
+    data = build_dataset(means, Recipe(), seed=options.seed)
+    print(f"{data.source}: {len(data.features)} readings of {len(data.gauges)} gauges; solving ...", flush=True)
+    outcomes = run_study(data, options.seconds, options.seed, options.jobs)
+    folder = Path(options.out)
+    write_results(folder, wing, means, reference, data, outcomes, time.perf_counter() - start)
+    print((folder / "table.md").read_text())
+    print(f"{time.perf_counter() - start:.0f} s; table, pictures and run.json lie in {folder.resolve()}")
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.uav", description=__doc__)
+    parser.add_argument("--strains", help="published strain table (CSV); default: strains of femlib's wing")
+    parser.add_argument("--published", default=PUBLISHED, help="published table to draw beside the model's strain")
+    parser.add_argument("--seconds", type=float, default=10.0, help="limit of each solve [s]")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes")
+    parser.add_argument("--out", default="results/uav")
+    return parser
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,104 @@
+"""Writes `results/uav/`: table.md, table.json, pictures (SVG and PNG) and run.json, each whole or not at all."""
+
+import json
+import os
+import platform
+import subprocess
+from collections.abc import Sequence
+from importlib.metadata import version
+from io import BytesIO
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+from matplotlib.figure import Figure
+
+from benchmarks.uav.pictures import strain_picture, wing_picture
+from benchmarks.uav.study import LABELS, Outcome, pick, problem_of
+from benchmarks.uav.tables import answers, markdown
+from femlib.dataset import Dataset, MeanStrains
+from femlib.wing import Wing
+from octmip.files import write_bytes
+from octmip.plot import partition_figure, tree_figure
+
+PACKAGES = ("octmip", "numpy", "scipy", "pandas", "scikit-learn", "pyomo", "highspy", "pyfe3d", "matplotlib")
+
+
+def write_results(
+    folder: Path,
+    wing: Wing,
+    means: MeanStrains,
+    published: MeanStrains | None,
+    data: Dataset,
+    outcomes: Sequence[Outcome],
+    seconds: float,
+) -> None:
+    """Write everything that a run of the study has to show."""
+    folder.mkdir(parents=True, exist_ok=True)
+    write_bytes(folder / "table.md", markdown(outcomes, answers(outcomes)).encode())
+    write_bytes(folder / "table.json", _json([outcome.row for outcome in outcomes]))
+    write_bytes(folder / "run.json", _json(_run(data, outcomes, seconds)))
+    for name, figure in _figures(wing, means, published, data, outcomes).items():
+        for kind in ("svg", "png"):
+            buffer = BytesIO()
+            figure.savefig(buffer, format=kind, dpi=150)
+            write_bytes(folder / f"{name}.{kind}", buffer.getvalue())
+        plt.close(figure)
+
+
+def _figures(
+    wing: Wing, means: MeanStrains, published: MeanStrains | None, data: Dataset, outcomes: Sequence[Outcome]
+) -> dict[str, Figure]:
+    figures: dict[str, Figure] = {}
+    used: dict[str, Sequence[str]] = {}
+    for label in LABELS:
+        deepest = pick(outcomes, label=label, depth=3, gauge_set="all")
+        tree = deepest.solution.tree
+        assert tree is not None
+        problem = problem_of(data, deepest.cell)
+        used[f"gauges of the depth-3 tree for {label}"] = problem.sensors_used(tree)
+        figures[f"tree_{label}"] = tree_figure(problem, tree)
+        figures[f"partition_{label}"] = _partition(data, outcomes, label)
+    figures["wing"] = wing_picture(wing, used)
+    figures["strain"] = strain_picture(means, wing, published)
+    return figures
+
+
+def _partition(data: Dataset, outcomes: Sequence[Outcome], label: str) -> Figure:
+    outcome = pick(outcomes, label=label, depth=3, gauge_set="two")
+    assert outcome.solution.tree is not None
+    problem = problem_of(data, outcome.cell)
+    return partition_figure(problem, outcome.solution.tree)
+
+
+def _run(data: Dataset, outcomes: Sequence[Outcome], seconds: float) -> dict[str, object]:
+    return {
+        "data": data.source,
+        "model_hash": data.model_hash,
+        "seed": data.seed,
+        "noise_sd_microstrain_per_g": data.noise_sd,
+        "seconds": seconds,
+        "seconds_limit_of_each_solve": outcomes[0].cell.seconds,
+        "threads_of_each_solve": 1,
+        "python": platform.python_version(),
+        "machine": {"system": platform.platform(), "processor": _processor(), "cores": os.cpu_count()},
+        "versions": {package: version(package) for package in PACKAGES},
+        "commit": _commit(),
+    }
+
+
+def _processor() -> str:
+    cpuinfo = Path("/proc/cpuinfo")
+    lines = cpuinfo.read_text().splitlines() if cpuinfo.exists() else []
+    return next((line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")), platform.processor())
+
+
+def _commit() -> str | None:
+    try:
+        result = subprocess.run(["git", "rev-parse", "HEAD"], capture_output=True, text=True, check=True)
+    except (OSError, subprocess.CalledProcessError):
+        return None  # not a clone: the versions above say what ran
+    return result.stdout.strip()
+
+
+def _json(content: object) -> bytes:
+    return (json.dumps(content, indent=1) + "\n").encode()

@@ -1,0 +1,157 @@
+"""The cells of the study: which tree is asked for, by which method, and what came of it."""
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from joblib import Parallel, delayed
+from numpy.typing import NDArray
+
+from benchmarks.uav.bayes import bayes_limit
+from femlib.dataset import Dataset
+from octmip import Limits, Problem, Solution, certify, predict
+from octmip.solver import solve
+
+LABELS = ("mu1", "mu2")
+DEPTHS = (1, 2, 3)
+METHODS = ("cart", "search", "exact", "oct")
+# The paper's two-gauge trees of depth 3: train and test MAE in percent (its section on sparse sensing, OCT).
+PAPER_MAE = {("mu1", 3, "two"): (0.65, 0.88), ("mu2", 3, "two"): (19.44, 20.7)}
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """One tree to be found: label and gauges that it may read, depth, method."""
+
+    label: str
+    gauges: tuple[str, ...]
+    gauge_set: str  # "all" or "two"
+    depth: int
+    method: str
+    seconds: float
+    seed: int
+    options: dict[str, object] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """A cell, its solution (certified) and the row that goes into the table."""
+
+    cell: Cell
+    solution: Solution
+    row: dict[str, object]
+
+
+def problem_of(data: Dataset, cell: Cell) -> Problem:
+    """Return the training problem of a cell: misclassified samples as objective, as in the paper."""
+    columns = [data.gauges.index(gauge) for gauge in cell.gauges]
+    return Problem(
+        data.features[data.is_train][:, columns],
+        getattr(data, cell.label)[data.is_train],
+        depth=cell.depth,
+        feature_names=cell.gauges,
+        **cell.options,  # type: ignore[arg-type]
+    )
+
+
+def mean_absolute_error(problem: Problem, data: Dataset, cell: Cell, solution: Solution, *, train: bool) -> float:
+    """Return the MAE in percent loss of stiffness on the training or the test rows."""
+    rows = data.is_train if train else ~data.is_train
+    columns = [data.gauges.index(gauge) for gauge in cell.gauges]
+    assert solution.tree is not None
+    codes = predict(solution.tree, data.features[rows][:, columns])
+    told = np.array(problem.class_names, dtype=float)[codes]
+    return float(np.abs(told - getattr(data, cell.label)[rows]).mean())
+
+
+def run_cell(data: Dataset, cell: Cell) -> Outcome:
+    """Solve and certify one cell; its row says everything a table needs."""
+    problem = problem_of(data, cell)
+    start = time.perf_counter()
+    solution = solve(problem, cell.method, limits=Limits(seconds=cell.seconds), seed=cell.seed)
+    seconds = time.perf_counter() - start
+    certificate = certify(problem, solution)
+    columns = [data.gauges.index(gauge) for gauge in cell.gauges]
+    limit = bayes_limit(
+        data.mean_features[:, columns],
+        data.states_percent[:, LABELS.index(cell.label)].astype(float),
+        data.noise_sd,
+        np.random.default_rng(data.seed),
+    )
+    paper = PAPER_MAE.get((cell.label, cell.depth, cell.gauge_set), (None, None))
+    row: dict[str, object] = {
+        "data": data.source,
+        "label": cell.label,
+        "depth": cell.depth,
+        "split": problem.split,
+        "split_size": problem.max_split_size,
+        "gauge_set": cell.gauge_set,
+        "n_gauges": len(cell.gauges),
+        "n_train": problem.n_samples,
+        "sensors": list(certificate.sensors),
+        "method": cell.method,
+        "errors": certificate.errors,
+        "objective": certificate.objective,
+        "bound": None if np.isinf(solution.bound) else solution.bound,
+        "gap": None if np.isinf(solution.gap) else solution.gap,
+        "is_optimal": solution.is_optimal,
+        "stop": str(solution.stop),
+        "mae_train": mean_absolute_error(problem, data, cell, solution, train=True),
+        "mae_test": mean_absolute_error(problem, data, cell, solution, train=False),
+        "bayes_mae": limit.mae,
+        "bayes_error_rate": limit.error_rate,
+        "paper_mae_train": paper[0],
+        "paper_mae_test": paper[1],
+        "seconds": seconds,
+        "seconds_limit": cell.seconds,
+        "seed": cell.seed,
+    }
+    return Outcome(cell, solution, row)
+
+
+def best_pair(data: Dataset, label: str, seed: int) -> tuple[str, ...]:
+    """Return the two gauges of the best depth-3 tree that may read only two: the paper's choice for mu1 is 1 and 2."""
+    if label == "mu1":
+        return ("g01", "g02")
+    cell = Cell(label, data.gauges, "all", 3, "exact", 30.0, seed, {"sensor_budget": 2.0})
+    solution = solve(problem_of(data, cell), cell.method, limits=Limits(seconds=cell.seconds), seed=seed)
+    assert solution.tree is not None
+    return problem_of(data, cell).sensors_used(solution.tree)
+
+
+def cells(data: Dataset, pairs: dict[str, tuple[str, ...]], seconds: float, seed: int) -> list[Cell]:
+    """Return the cells of the study, the slow ones first so that two processes end together."""
+    grid = [
+        Cell(label, gauges, gauge_set, depth, method, seconds, seed)
+        for label in LABELS
+        for gauge_set, gauges in (("all", data.gauges), ("two", pairs[label]))
+        for depth in DEPTHS
+        for method in METHODS
+    ]
+    return sorted(grid, key=lambda cell: (METHODS.index(cell.method), cell.depth), reverse=True)
+
+
+def run_study(data: Dataset, seconds: float, seed: int, n_jobs: int) -> list[Outcome]:
+    """Run every cell in `n_jobs` processes; the outcomes come in the order of the table."""
+    pairs = {label: best_pair(data, label, seed) for label in LABELS}
+    outcomes: Sequence[Outcome] = Parallel(n_jobs=n_jobs)(
+        delayed(run_cell)(data, cell) for cell in cells(data, pairs, seconds, seed)
+    )
+    return sorted(outcomes, key=_place)
+
+
+def _place(outcome: Outcome) -> tuple[int, str, int, int]:
+    cell = outcome.cell
+    return LABELS.index(cell.label), cell.gauge_set, cell.depth, METHODS.index(cell.method)
+
+
+def pick(outcomes: Sequence[Outcome], **wanted: object) -> Outcome:
+    """Return the best outcome (least objective, then proven) of the cells with these attributes."""
+    fitting = [o for o in outcomes if all(getattr(o.cell, name) == value for name, value in wanted.items())]
+    return min(fitting, key=lambda o: (o.solution.objective, not o.solution.is_optimal))
+
+
+def state_labels(data: Dataset, label: str) -> NDArray[np.int64]:
+    """Return the label of each of the 25 states, in percent."""
+    return data.states_percent[:, LABELS.index(label)]

@@ -1,0 +1,88 @@
+"""The table of the study in Markdown and JSON, and what it says in words."""
+
+from collections.abc import Sequence
+
+from benchmarks.uav.study import DEPTHS, LABELS, Outcome, pick
+
+METHOD_NAMES = {
+    "cart": "CART",
+    "search": "local search",
+    "exact": "exact branch and bound",
+    "oct": "OCT (HiGHS)",
+    "oct_h": "OCT-H (HiGHS)",
+}
+HEADER = (
+    "| depth | gauges | method | errors | lower bound | gap | proven | MAE train | MAE test | Bayes limit (MAE) "
+    "| paper train / test | gauges used | s |\n"
+    "|---|---|---|---|---|---|---|---|---|---|---|---|---|"
+)
+
+
+def markdown(outcomes: Sequence[Outcome], answers: Sequence[str]) -> str:
+    """Return the whole of table.md: the answer in words, then one table a label."""
+    first = outcomes[0].row
+    lines = [
+        "# UAV study: how far is the heuristic tree from the optimum, and what can no tree know?",
+        "",
+        f"Data: {first['data']}. Labels in percent loss of stiffness; errors are misclassified training samples; MAE in "
+        "percent stiffness. The Bayes limit is the least MAE of any classifier with these gauges and this noise: a "
+        "training MAE below it is overfitting. Every row was certified; seed "
+        f"{first['seed']}, at most {first['seconds_limit']:g} s a row on one thread.",
+        "",
+        *(f"* {answer}" for answer in answers),
+    ]
+    for label in LABELS:
+        rows = [o.row for o in outcomes if o.cell.label == label]
+        lines += ["", f"## {label}: {rows[0]['n_train']} training samples", "", HEADER, *map(_line, rows)]
+    return "\n".join(lines) + "\n"
+
+
+def _line(row: dict[str, object]) -> str:
+    paper = "" if row["paper_mae_train"] is None else f"{row['paper_mae_train']} / {row['paper_mae_test']}"
+    bound = "-" if row["bound"] is None else f"{row['bound']:g}"
+    gap = "-" if row["gap"] is None else f"{100 * float(str(row['gap'])):.1f} %"
+    sensors = row["sensors"]
+    assert isinstance(sensors, list)
+    cells = [
+        str(row["depth"]),
+        str(row["n_gauges"]),
+        METHOD_NAMES[str(row["method"])],
+        str(row["errors"]),
+        bound,
+        gap,
+        "yes" if row["is_optimal"] else "no",
+        f"{row['mae_train']:.2f}",
+        f"{row['mae_test']:.2f}",
+        f"{row['bayes_mae']:.2f}",
+        paper,
+        " ".join(str(name) for name in sensors),
+        f"{row['seconds']:.2f}",
+    ]
+    return "| " + " | ".join(cells) + " |"
+
+
+def answers(outcomes: Sequence[Outcome]) -> list[str]:
+    """Return one sentence a label and depth on the 20 gauges: greedy against the optimum, and the Bayes limit."""
+    return [_answer(outcomes, label, depth) for label in LABELS for depth in DEPTHS]
+
+
+def _answer(outcomes: Sequence[Outcome], label: str, depth: int) -> str:
+    greedy = pick(outcomes, label=label, depth=depth, gauge_set="all", method="cart")
+    best = pick(outcomes, label=label, depth=depth, gauge_set="all")
+    bound = max(o.solution.bound for o in outcomes if _is_same_task(o, greedy))
+    n = int(str(greedy.row["n_train"]))
+    least = 100 * float(str(best.row["bayes_error_rate"]))
+    if bound >= best.solution.objective:
+        proof = f"the proven optimum makes {best.row['errors']}"
+    else:
+        proof = f"the best tree found makes {best.row['errors']} and none makes fewer than {bound:g}"
+    return (
+        f"{label}, depth {depth}: CART makes {greedy.row['errors']} of {n} errors, {proof}; no classifier can be "
+        f"expected to make fewer than {least:.1f} % ({least * n / 100:.0f}), and the best tree's test MAE of "
+        f"{best.row['mae_test']:.2f} % stands against a Bayes limit of {best.row['bayes_mae']:.2f} %."
+    )
+
+
+def _is_same_task(one: Outcome, other: Outcome) -> bool:
+    same = (one.cell.label, one.cell.depth, one.cell.gauges) == (other.cell.label, other.cell.depth, other.cell.gauges)
+    return same and one.cell.options == other.cell.options
