@@ -39,6 +39,21 @@ pub struct Problem {
     pub sensor_limit: f64,
     /// Whether a feature may be used in an axis-aligned split (`p`).
     pub allowed: Vec<bool>,
+    /// What hyperplane splits need; none where every split is axis-aligned.
+    pub planes: Option<Planes>,
+}
+
+/// What splits over more than one feature need to know.
+#[derive(Debug, Clone)]
+pub struct Planes {
+    /// Feature values, feature-major as the ranks are.
+    pub values: Vec<f64>,
+    /// Most features in one split.
+    pub split_size: usize,
+    /// Groups of features that may meet in one split, each ascending; none: any may.
+    pub groups: Option<Vec<Vec<u32>>>,
+    /// Coefficients are integers of at most this size; none: real.
+    pub integer_normals: Option<i64>,
 }
 
 impl Problem {
@@ -108,6 +123,37 @@ impl Problem {
                 )));
             }
         }
-        Ok(())
+        self.planes
+            .as_ref()
+            .map_or(Ok(()), |planes| self.validate_planes(planes))
+    }
+
+    fn validate_planes(&self, planes: &Planes) -> Result<(), ProblemError> {
+        let (got, expected) = (planes.values.len(), self.p * self.n);
+        if got != expected {
+            return Err(ProblemError(format!(
+                "values has {got} entries, expected {expected}"
+            )));
+        }
+        if let Some(position) = planes.values.iter().position(|value| !value.is_finite()) {
+            return Err(ProblemError(format!(
+                "value {position} is {}",
+                planes.values[position]
+            )));
+        }
+        if planes.split_size == 0 || planes.integer_normals.is_some_and(|most| most < 1) {
+            return Err(ProblemError(format!(
+                "split_size = {}, integer_normals = {:?}: each must be 1 or more",
+                planes.split_size, planes.integer_normals
+            )));
+        }
+        let members = planes.groups.iter().flatten().flatten();
+        match members.into_iter().find(|&&f| f as usize >= self.p) {
+            Some(f) => Err(ProblemError(format!(
+                "a group names feature {f} of {}",
+                self.p
+            ))),
+            None => Ok(()),
+        }
     }
 }

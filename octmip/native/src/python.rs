@@ -7,11 +7,19 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::control::{Limits, Progress, Stop};
-use crate::problem::Problem;
+use crate::problem::{Planes, Problem};
 use crate::tree::{Node, Tree};
 
 /// One row of the node table: kind, feature, cut, left, right, label, hyperplane terms, hyperplane offset.
 pub type NodeRow = (u8, u32, u32, u32, u32, u32, Vec<(u32, f64)>, f64);
+
+/// What hyperplane splits need: values (p, n), split_size, groups, integer_normals.
+type PlaneArguments<'py> = (
+    PyReadonlyArray2<'py, f64>,
+    usize,
+    Option<Vec<Vec<u32>>>,
+    Option<i64>,
+);
 
 /// `crate::problem::Problem` as a Python object.
 #[pyclass(name = "Problem", frozen)]
@@ -23,6 +31,8 @@ pub struct PyProblem {
 #[pymethods]
 impl PyProblem {
     #[new]
+    #[pyo3(signature = (ranks, n_ranks, labels, weights, costs, penalty, depth, leaf_size, sensor_of_feature,
+        sensor_cost, sensor_limit, allowed, planes=None))]
     #[allow(clippy::too_many_arguments)]
     fn new(
         ranks: PyReadonlyArray2<'_, u32>,
@@ -37,8 +47,20 @@ impl PyProblem {
         sensor_cost: Vec<f64>,
         sensor_limit: f64,
         allowed: Vec<bool>,
+        planes: Option<PlaneArguments<'_>>,
     ) -> PyResult<Self> {
         let (p, n) = (ranks.shape()[0], ranks.shape()[1]);
+        let planes = planes
+            .map(|(values, split_size, groups, integer_normals)| {
+                let values = values.as_slice()?.to_vec();
+                PyResult::Ok(Planes {
+                    values,
+                    split_size,
+                    groups,
+                    integer_normals,
+                })
+            })
+            .transpose()?;
         let inner = Problem {
             n,
             p,
@@ -55,6 +77,7 @@ impl PyProblem {
             sensor_cost,
             sensor_limit,
             allowed,
+            planes,
         };
         inner
             .validate()
