@@ -18,7 +18,7 @@ lint: $(VENV)/.installed-test
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
-	cd octmip/native && cargo fmt --check && cargo clippy --release --quiet --all-targets -- -D warnings
+	cd octmip/native && cargo fmt --check && cargo clippy --release --quiet --all-targets --features python -- -D warnings
 
 tools:
 	@command -v $(PYTHON) >/dev/null || { echo "$(PYTHON) is missing: install Python 3.11 or newer, or say make PYTHON=/path/to/python"; exit 2; }
