@@ -9,10 +9,10 @@ import matplotlib
 
 matplotlib.use("Agg")  # no display is needed, nor looked for
 
-from benchmarks.uav.report import write_results  # noqa: E402
-from benchmarks.uav.study import run_study  # noqa: E402
-from femlib.dataset import MeanStrains, Recipe, build_dataset, published_strains, simulated_strains  # noqa: E402
-from femlib.wing import uav_wing  # noqa: E402
+from benchmarks.uav.report import write_results
+from benchmarks.uav.study import run_study
+from femlib.dataset import MeanStrains, Recipe, build_dataset, published_strains, simulated_strains
+from femlib.wing import uav_wing
 
 PUBLISHED = Path(__file__).parents[2].parent / "shared" / "uav" / "strains.csv"
 

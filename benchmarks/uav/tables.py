@@ -24,8 +24,8 @@ def markdown(outcomes: Sequence[Outcome], answers: Sequence[str]) -> str:
     lines = [
         "# UAV study: how far is the heuristic tree from the optimum, and what can no tree know?",
         "",
-        f"Data: {first['data']}. Labels in percent loss of stiffness; errors are misclassified training samples; MAE in "
-        "percent stiffness. The Bayes limit is the least MAE of any classifier with these gauges and this noise: a "
+        f"Data: {first['data']}. Labels in percent loss of stiffness; errors are misclassified training samples; MAE "
+        "in percent stiffness. The Bayes limit is the least MAE of any classifier with these gauges and this noise: a "
         "training MAE below it is overfitting. Every row was certified; seed "
         f"{first['seed']}, at most {first['seconds_limit']:g} s a row on one thread.",
         "",
