@@ -4,6 +4,7 @@ from octmip.certificate import Certificate, certify
 from octmip.errors import OctmipError
 from octmip.problem import Problem
 from octmip.solution import Limits, Progress, Solution, Stop
+from octmip.solver import solve
 from octmip.tree import HyperplaneSplit, Leaf, Split, predict
 
 __version__ = "0.1.0"
@@ -20,4 +21,5 @@ __all__ = [
     "Stop",
     "certify",
     "predict",
+    "solve",
 ]

@@ -47,9 +47,7 @@ def certify(problem: Problem, solution: Solution) -> Certificate:
     tree = solution.tree
     if tree is None:
         raise CertificateError(f"{solution.solver} found no tree (stop: {solution.stop}); there is nothing to certify")
-    _check_tree(problem, tree)
-    leaf = leaf_index(tree, problem.features)
-    _check_leaf_sizes(problem, tree, np.bincount(leaf, minlength=len(leaves(tree))))
+    leaf = checked_leaf_index(problem, tree)
     predicted = np.array([node.label for node in leaves(tree)], dtype=np.int64)[leaf]
     objective = problem.objective_of(tree, predicted)
     _check_claims(problem, solution, objective)
@@ -65,6 +63,18 @@ def certify(problem: Problem, solution: Solution) -> Certificate:
         bound=solution.bound,
         gap=solution.gap,
     )
+
+
+def checked_leaf_index(problem: Problem, tree: Node) -> NDArray[np.int64]:
+    """Return the leaf that each sample reaches, numbered from the left, shape (n_samples,).
+
+    Raises:
+        CertificateError: the tree breaks a limit of the problem.
+    """
+    _check_tree(problem, tree)
+    leaf = leaf_index(tree, problem.features)
+    _check_leaf_sizes(problem, tree, np.bincount(leaf, minlength=len(leaves(tree))))
+    return leaf
 
 
 def _check_tree(problem: Problem, tree: Node) -> None:

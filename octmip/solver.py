@@ -1,0 +1,215 @@
+"""One door to every solver: an incumbent from search, a proof from exact or mip, a certificate before it is returned.
+
+method    solver                                    tree found by        bound from
+cart      scikit-learn's CART                       greedy               none
+search    local search                              search               none
+exact     branch and bound over thresholds          search, exact        exact
+oct       Bertsimas & Dunn's OCT, HiGHS             search, HiGHS        HiGHS
+oct_h     Bertsimas & Dunn's OCT-H, HiGHS           search, HiGHS        HiGHS
+flow      the strengthened formulation, HiGHS       search, HiGHS        HiGHS
+auto      split="axis": exact; split="hyperplane": search (no proof of hyperplane trees scales beyond toys)
+"""
+
+import importlib
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Literal, Protocol, cast
+
+from octmip.certificate import certify, checked_leaf_index
+from octmip.errors import CertificateError, ProblemError, SolverError
+from octmip.problem import Problem
+from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop
+from octmip.tree import Node, predict
+
+Method = Literal["auto", "search", "exact", "oct", "oct_h", "flow", "cart"]
+
+# An incumbent may take this share of the time when time is limited: what remains is the proof's.
+SEARCH_SHARE = 0.2
+
+
+class Solver(Protocol):
+    """What every solver is called by."""
+
+    def __call__(
+        self,
+        problem: Problem,
+        *,
+        limits: Limits,
+        incumbent: Node | None,
+        seed: int,
+        n_jobs: int,
+        progress: ProgressCallback | None,
+    ) -> Solution:
+        """Return the best tree found within the limits and the bound proven for it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Registration:
+    """Where a method's solver lives, and whether it proves and so wants an incumbent first."""
+
+    module: str
+    function: str
+    proves: bool
+
+    def load(self) -> Solver:
+        """Return the solver, its module imported only now: Pyomo alone costs 0.6 s.
+
+        Raises:
+            SolverError: the module, or a package that it needs, is not installed.
+        """
+        try:
+            module = importlib.import_module(self.module)
+        except ModuleNotFoundError as error:
+            raise SolverError(
+                f"solver {self.module} needs the module {error.name}, which is not installed; choose another method"
+            ) from error
+        return cast(Solver, getattr(module, self.function))
+
+
+REGISTRY = {
+    "cart": Registration("octmip.cart", "greedy_tree", proves=False),
+    "search": Registration("octmip.search", "local_search", proves=False),
+    "exact": Registration("octmip.exact", "branch_and_bound", proves=True),
+    "oct": Registration("octmip.mip.oct", "solve_oct", proves=True),
+    "oct_h": Registration("octmip.mip.oct_h", "solve_oct_h", proves=True),
+    "flow": Registration("octmip.mip.flow", "solve_flow", proves=True),
+}
+METHODS = ("auto", *REGISTRY)
+
+
+def solve(
+    problem: Problem,
+    method: Method = "auto",
+    limits: Limits = Limits(),  # noqa: B008 (frozen)
+    incumbent: Node | Solution | None = None,
+    seed: int = 0,
+    n_jobs: int = 1,
+    progress: ProgressCallback | None = None,
+) -> Solution:
+    """Return the best tree that a method finds within the limits, and the bound that it proves.
+
+    Methods that prove begin with a local search for at most a fifth of the time limit, unless an incumbent is given;
+    the better of incumbent and proof's own tree is returned. Ctrl-C returns the best tree so far (`Stop.INTERRUPTED`).
+
+    Args:
+        problem: the problem.
+        method: see the table of the module. "auto" is "exact" for axis-aligned trees and "search" for hyperplanes.
+        limits: wall seconds, relative gap, nodes, memory; reaching one is no error.
+        incumbent: a tree of this problem to start from.
+        seed: of all random choices.
+        n_jobs: threads; the tree is the same for any number, unless time runs out.
+        progress: called now and then with the state of the solver.
+
+    Raises:
+        ProblemError: the method is unknown, or the incumbent is no tree of this problem.
+        SolverError: the solver failed, or its solution fails its certificate.
+    """
+    start = time.perf_counter()
+    name = chosen_method(problem, method)
+    registration = REGISTRY[name]
+    first = _checked_incumbent(problem, incumbent)
+    call = _Call(problem, limits, seed, n_jobs, progress, start)
+    if registration.proves and first is None:
+        first = _first_tree(call)
+        if first.stop is Stop.INTERRUPTED:
+            return _checked(problem, replace(first, seconds=time.perf_counter() - start))
+    solution = _checked(problem, _run(call, name, first))
+    if registration.proves:
+        solution = _with_better_tree(solution, first)
+    return _checked(problem, replace(solution, seconds=time.perf_counter() - start))
+
+
+def chosen_method(problem: Problem, method: str) -> str:
+    """Return the name of the solver that a method means for a problem.
+
+    Raises:
+        ProblemError: there is no such method.
+    """
+    if method not in METHODS:
+        raise ProblemError(f"method is {method!r}; expected one of {', '.join(METHODS)}")
+    if method != "auto":
+        return method
+    return "exact" if problem.split == "axis" else "search"
+
+
+@dataclass(frozen=True, slots=True)
+class _Call:
+    """What all the solvers of one `solve` share."""
+
+    problem: Problem
+    limits: Limits
+    seed: int
+    n_jobs: int
+    progress: ProgressCallback | None
+    start: float
+
+    def run(self, name: str, tree: Node | None, share: float = 1.0) -> Solution:
+        """Return the solution of one solver within `share` of the seconds that are left."""
+        spent = time.perf_counter() - self.start
+        limits = replace(self.limits, seconds=share * max(0.0, self.limits.seconds - spent))
+        return REGISTRY[name].load()(
+            self.problem,
+            limits=limits,
+            incumbent=tree,
+            seed=self.seed,
+            n_jobs=self.n_jobs,
+            progress=self._shifted_progress(spent),
+        )
+
+    def _shifted_progress(self, spent: float) -> Callable[[Progress], None] | None:
+        progress = self.progress
+        if progress is None:
+            return None
+        return lambda state: progress(replace(state, seconds=state.seconds + spent))
+
+
+def _first_tree(call: _Call) -> Solution:
+    try:
+        return call.run("search", None, SEARCH_SHARE)
+    except KeyboardInterrupt:
+        return replace(call.run("cart", None), stop=Stop.INTERRUPTED)
+    except SolverError:  # the local search is not built yet
+        return call.run("cart", None)
+
+
+def _run(call: _Call, name: str, first: Solution | None) -> Solution:
+    """Return one solver's solution; a Ctrl-C that it did not see itself ends with the incumbent."""
+    try:
+        return call.run(name, first.tree if first else None)
+    except KeyboardInterrupt:
+        if first is None:
+            first = call.run("cart", None)
+        return replace(first, stop=Stop.INTERRUPTED)
+
+
+def _checked_incumbent(problem: Problem, incumbent: Node | Solution | None) -> Solution | None:
+    tree = incumbent.tree if isinstance(incumbent, Solution) else incumbent
+    if tree is None:
+        return None
+    try:
+        checked_leaf_index(problem, tree)
+    except CertificateError as error:
+        raise ProblemError(f"the incumbent is no tree of this problem: {error}") from error
+    objective = problem.objective_of(tree, predict(tree, problem.features))
+    return Solution(tree, objective, -math.inf, Stop.FINISHED, 0.0, 0, "incumbent", "1", 0)
+
+
+def _with_better_tree(solution: Solution, first: Solution | None) -> Solution:
+    if first is None or first.objective >= solution.objective:
+        return solution
+    better = replace(solution, tree=first.tree, objective=first.objective)
+    if better.is_optimal and better.stop is not Stop.INTERRUPTED:
+        better = replace(better, stop=Stop.OPTIMAL)
+    return better
+
+
+def _checked(problem: Problem, solution: Solution) -> Solution:
+    if solution.tree is None:
+        return solution
+    try:
+        certify(problem, solution)
+    except CertificateError as error:
+        raise SolverError(f"{solution.solver} returned a solution that its certificate refutes: {error}") from error
+    return solution

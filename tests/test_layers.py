@@ -1,0 +1,170 @@
+"""The table of levels: a module imports only from lower levels of its own package, and equal levels are strangers.
+
+The pictures of the architecture in docs/developing.md and this table are the same table; who moves a module changes both
+and says why in the commit.
+"""
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+LEVELS = {
+    "octmip": {
+        "errors": 0,
+        "_native": 0,
+        "tree": 1,
+        "twin": 1,
+        "problem": 2,
+        "solution": 2,
+        "encoding": 3,
+        "certificate": 4,
+        "files": 4,
+        "proof": 5,
+        "mip": 5,
+        "exact": 5,
+        "search": 5,
+        "cart": 5,
+        "solver": 6,
+        "tradeoff": 7,
+        "sensing": 7,
+        "estimator": 7,
+        "monitor": 7,
+        "gap": 8,
+        "plot": 9,
+        "report": 9,
+        "cli": 10,
+    },
+    "femlib": {
+        "errors": 0,
+        "material": 1,
+        "geometry": 1,
+        "mesh": 2,
+        "elements": 3,
+        "assembly": 4,
+        "components": 5,
+        "rom": 6,
+        "sensors": 7,
+        "dataset": 8,
+        "wing": 9,
+    },
+}
+MOST_LINES = 400
+EMPTY_NOUNS = {"utils", "util", "helpers", "common", "core", "base", "misc"}
+
+
+def sources(folder: str) -> list[Path]:
+    files = (ROOT / folder).rglob("*.py")
+    return sorted(file for file in files if "target" not in file.parts and ".venv" not in file.parts)
+
+
+def imports(code: str) -> Iterator[str]:
+    """Yield the full dotted name of everything that a module imports, wherever in it."""
+    for node in ast.walk(ast.parse(code)):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            dots = "." * node.level
+            yield from (f"{dots}{node.module or ''}.{alias.name}" for alias in node.names)
+
+
+def complaints(package: str, part: str, code: str) -> list[str]:
+    """Return what is wrong with the imports of a module that belongs to `part` of a package."""
+    levels, wrong = LEVELS[package], []
+    for name in imports(code):
+        top, _, rest = name.partition(".")
+        other = rest.partition(".")[0]
+        if name.startswith("."):
+            wrong.append(f"{package}.{part} imports {name}: imports are absolute")
+        elif top in {*LEVELS, "benchmarks", "tests"} - {package}:
+            wrong.append(f"{package}.{part} imports {name}: {package} knows nothing of {top}")
+        elif top == package and other not in levels:
+            wrong.append(
+                f"{package}.{part} imports {name}: {other or 'the package itself'} is not in the table of levels"
+            )
+        elif top == package and other != part and levels[other] >= levels[part]:
+            wrong.append(f"{package}.{part} (level {levels[part]}) imports {name} (level {levels[other]})")
+    return wrong
+
+
+def parts(package: str) -> list[tuple[str, Path]]:
+    """Return every module file with the part of the package, a line of the table, that it belongs to."""
+    found = [(file.relative_to(ROOT / package).parts[0].removesuffix(".py"), file) for file in sources(package)]
+    return [(part, file) for part, file in found if part != "__init__"]
+
+
+@pytest.mark.parametrize("package", LEVELS)
+def test_every_module_is_in_the_table_of_levels(package):
+    assert {part for part, _ in parts(package)} <= set(LEVELS[package])
+
+
+@pytest.mark.parametrize("package", LEVELS)
+def test_imports_go_only_to_lower_levels(package):
+    wrong = [line for part, file in parts(package) for line in complaints(package, part, file.read_text())]
+    assert not wrong, "\n".join(wrong)
+
+
+@pytest.mark.parametrize(
+    ("part", "code"),
+    [
+        ("tree", "from octmip.problem import Problem"),
+        ("certificate", "def f():\n    from octmip.exact import branch_and_bound"),
+        ("exact", "from octmip.search import local_search"),
+        ("exact", "import octmip.search"),
+        ("gap", "import femlib.wing"),
+        ("gap", "from benchmarks.uav import study"),
+        ("solver", "from octmip import solve"),
+        ("solver", "from . import cart"),
+        ("solver", "from octmip.helpers import anything"),
+    ],
+)
+def test_a_forbidden_import_is_found(part, code):
+    assert complaints("octmip", part, code)
+
+
+@pytest.mark.parametrize(
+    ("part", "code"),
+    [
+        ("solver", "from octmip.cart import greedy_tree"),
+        ("mip", "from octmip.mip.highs import run"),
+        ("exact", "from octmip import _native"),
+        ("exact", "import numpy"),
+    ],
+)
+def test_an_allowed_import_passes(part, code):
+    assert not complaints("octmip", part, code)
+
+
+def test_the_top_packages_import_only_themselves():
+    for package in LEVELS:
+        init = ROOT / package / "__init__.py"
+        names = imports(init.read_text()) if init.exists() else ()
+        assert all(name.startswith(package + ".") for name in names)
+
+
+def test_siblings_under_benchmarks_do_not_import_each_other():
+    for file in sources("benchmarks"):
+        inside = file.relative_to(ROOT / "benchmarks").parts
+        allowed_case = f"benchmarks.cases.{inside[-1].removesuffix('.py')}"
+        for name in imports(file.read_text()):
+            package = name.split(".")[1] if name.startswith("benchmarks.") else None
+            if len(inside) > 1 and package in {"cases", "uav", "blind"}:
+                assert package == inside[0], f"{'/'.join(inside)} imports {name}"
+                is_case = inside[0] == "cases" and inside[-1] != "__init__.py"
+                assert not is_case or name.startswith(allowed_case), f"a case imports another: {name}"
+
+
+@pytest.mark.parametrize("folder", ["octmip", "femlib", "benchmarks", "tests"])
+def test_files_are_short_and_bear_nouns_of_the_field(folder):
+    for file in sources(folder):
+        assert len(file.read_text().splitlines()) <= MOST_LINES, file
+        assert file.stem not in EMPTY_NOUNS and file.parent.name not in EMPTY_NOUNS, file
+
+
+@pytest.mark.parametrize("package", LEVELS)
+def test_no_module_bears_the_name_of_a_function_it_exports(package):
+    for _, file in parts(package):
+        defined = {node.name for node in ast.parse(file.read_text()).body if isinstance(node, ast.FunctionDef)}
+        assert file.stem not in defined, file

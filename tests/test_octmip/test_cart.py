@@ -1,0 +1,120 @@
+"""CART as a Solution: scikit-learn's tree, judged by the objective of the Problem."""
+
+import numpy as np
+import pytest
+from sklearn.datasets import load_iris, load_wine
+from sklearn.tree import DecisionTreeClassifier
+
+from octmip import Leaf, Limits, Problem, Solution, Split, Stop, certify, predict
+from octmip.cart import greedy_tree
+from octmip.tree import features_used, leaf_index, n_splits
+
+
+def random_problem(seed: int, **settings: object) -> Problem:
+    rng = np.random.default_rng(seed)
+    features = np.round(rng.normal(size=(60, 4)), 1)
+    labels = (features[:, 0] + rng.normal(0, 0.7, 60) > 0).astype(int) + (features[:, 1] > 0.5)
+    return Problem(features, labels, depth=3, **settings)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("load", [load_iris, load_wine])
+@pytest.mark.parametrize("depth", [1, 2, 3, 4])
+def test_objective_is_the_error_of_scikit_learns_own_tree(load, depth):
+    features, labels = load(return_X_y=True)
+    own = DecisionTreeClassifier(max_depth=depth, random_state=0).fit(features, labels)
+    solution = greedy_tree(Problem(features, labels, depth=depth))
+    assert solution.objective == (own.predict(features) != labels).sum()
+
+
+def test_predictions_are_scikit_learns_own():
+    features, labels = load_iris(return_X_y=True)
+    own = DecisionTreeClassifier(max_depth=3, random_state=0).fit(features, labels)
+    tree = greedy_tree(Problem(features, labels, depth=3)).tree
+    assert tree is not None
+    assert (predict(tree, features) == own.predict(features)).all()
+
+
+def test_a_column_that_float32_cannot_tell_apart_is_separated():
+    column = 900 + 1e-6 * np.arange(40)
+    problem = Problem(column[:, None], np.arange(40) >= 17, depth=1)
+    assert greedy_tree(problem).objective == 0
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_every_setting_of_a_problem_is_honoured(seed):
+    rng = np.random.default_rng(seed + 100)
+    problem = random_problem(
+        seed,
+        leaf_size=int(rng.integers(1, 12)),
+        leaf_penalty=float(rng.choice([0.0, 0.5, 3.0])),
+        weights=rng.integers(0, 4, 60),
+        costs=np.abs(np.subtract.outer(np.arange(3), np.arange(3))),
+        sensor_budget=float(rng.integers(0, 3)),
+    )
+    solution = greedy_tree(problem, seed=seed)
+    certificate = certify(problem, solution)
+    assert solution.objective <= problem.baseline
+    assert solution.bound == -np.inf and solution.stop is Stop.FINISHED and not solution.is_optimal
+    assert certificate.sensor_cost <= problem.sensor_limit
+
+
+def test_leaves_take_the_label_of_least_cost():
+    problem = Problem([[0.0], [0.0], [0.0], [1.0]], [0, 0, 1, 1], depth=1, costs=[[0, 1], [5, 0]])
+    assert greedy_tree(problem).tree == Leaf(1)  # two zeros taken for ones cost 2, one one taken for a zero 5
+
+
+def test_a_split_that_does_not_pay_its_penalty_is_cut_away():
+    features = [[0.0], [1.0], [2.0], [3.0], [4.0], [5.0]]
+    labels = [0, 0, 0, 1, 1, 0]
+    assert n_splits(greedy_tree(Problem(features, labels, depth=2)).tree) == 2
+    tree = greedy_tree(Problem(features, labels, depth=2, leaf_penalty=1.0)).tree
+    assert tree == Leaf(0)  # two splits save two errors: no gain, so none is made
+
+
+def test_a_budget_takes_the_sensor_that_pays_most():
+    features = np.array([[i % 2, i % 4, i] for i in range(16)], dtype=float)
+    problem = Problem(features, np.arange(16) % 4 >= 2, depth=2, sensor_budget=1)
+    tree = greedy_tree(problem).tree
+    assert tree is not None and features_used(tree) == (1,)
+    assert greedy_tree(problem).objective == 0
+
+
+def test_a_sensor_dearer_than_the_budget_is_never_read():
+    features = np.arange(8, dtype=float)[:, None]
+    problem = Problem(features, np.arange(8) > 3, depth=1, sensor_cost=[2.0], sensor_budget=1.0)
+    assert greedy_tree(problem).tree == Leaf(0)
+
+
+def test_out_of_time_in_the_choice_of_sensors_returns_the_tree_so_far():
+    problem = random_problem(0, sensor_budget=1.0)
+    solution = greedy_tree(problem, limits=Limits(seconds=0))
+    assert solution.stop is Stop.TIME
+    certify(problem, solution)
+
+
+def test_features_in_no_allowed_group_are_not_read():
+    problem = random_problem(1, allowed_splits=[["x2"], ["x3"]])
+    tree = greedy_tree(problem).tree
+    assert tree is not None and set(features_used(tree)) <= {2, 3}
+
+
+def test_a_hyperplane_problem_gets_its_axis_aligned_tree():
+    axis, hyperplane = random_problem(2), random_problem(2, split="hyperplane", split_size=2)
+    assert greedy_tree(axis).tree == greedy_tree(hyperplane).tree
+
+
+def test_thresholds_lie_midway_between_the_samples_of_the_node():
+    solution = greedy_tree(Problem([[0.0], [1.0], [4.0], [9.0]], [0, 0, 1, 1], depth=1))
+    assert solution.tree == Split(0, 2.5, Leaf(0), Leaf(1))
+
+
+def test_one_seed_is_one_tree():
+    problem = random_problem(3)
+    assert greedy_tree(problem, seed=4).tree == greedy_tree(problem, seed=4).tree
+
+
+def test_samples_of_weight_zero_are_routed_and_have_no_say_in_labels():
+    problem = Problem([[0.0], [0.0], [1.0], [1.0]], [0, 1, 1, 1], depth=1, weights=[1, 0, 1, 1])
+    solution: Solution = greedy_tree(problem)
+    assert solution.tree is not None and solution.objective == 0
+    assert np.bincount(leaf_index(solution.tree, problem.features)).tolist() == [2, 2]

@@ -1,0 +1,138 @@
+"""solve: which solver answers, what it starts from, and that nothing leaves it uncertified."""
+
+import dataclasses
+import math
+
+import pytest
+
+from octmip import Leaf, Limits, Problem, Solution, Split, Stop, certify, solve, solver
+from octmip.cart import greedy_tree
+from octmip.errors import ProblemError, SolverError
+
+STRIPES = Problem([[0.0], [1.0], [2.0], [3.0]], [0, 1, 1, 0], depth=2)
+ZERO_ERRORS = Split(0, 0.5, Leaf(0), Split(0, 2.5, Leaf(1), Leaf(0)))
+
+
+def answering(**changes):
+    """Return a solver that answers with the error-free tree of STRIPES, some of its claims changed."""
+
+    def answer(problem, *, limits, incumbent, seed, n_jobs, progress):
+        answer.calls.append({"limits": limits, "incumbent": incumbent, "seed": seed, "n_jobs": n_jobs})
+        solution = Solution(ZERO_ERRORS, 0.0, 0.0, Stop.OPTIMAL, 0.0, 1, "answering", "1", seed)
+        return dataclasses.replace(solution, **changes)
+
+    answer.calls = []
+    return answer
+
+
+@pytest.fixture
+def registered(monkeypatch):
+    """Return a function that puts a solver in the registry's place of a method."""
+
+    def register(name, function, proves=True):
+        registration = dataclasses.replace(solver.REGISTRY[name], proves=proves)
+        monkeypatch.setitem(solver.REGISTRY, name, registration)
+        previous = solver.Registration.load
+        monkeypatch.setattr(
+            solver.Registration, "load", lambda self: function if self is registration else previous(self)
+        )
+        return function
+
+    return register
+
+
+def test_cart_answers_as_cart():
+    solution = solve(STRIPES, method="cart")
+    assert solution.solver == "cart" and solution.bound == -math.inf
+    assert solution.tree == greedy_tree(STRIPES).tree
+
+
+def test_an_unknown_method_is_refused_with_the_known_ones():
+    with pytest.raises(ProblemError, match="'magic'; expected one of auto, cart"):
+        solve(STRIPES, method="magic")  # type: ignore[arg-type]
+
+
+def test_auto_is_exact_for_axis_and_search_for_hyperplanes():
+    assert solver.chosen_method(STRIPES, "auto") == "exact"
+    hyperplane = Problem(STRIPES.features, STRIPES.labels, depth=1, split="hyperplane")
+    assert solver.chosen_method(hyperplane, "auto") == "search"
+    assert solver.chosen_method(hyperplane, "oct") == "oct"
+
+
+def test_a_proof_starts_from_a_tree_of_search(registered):
+    exact = registered("exact", answering())
+    registered("search", answering(bound=-math.inf, stop=Stop.FINISHED), proves=False)
+    solve(STRIPES, limits=Limits(seconds=100), seed=3, n_jobs=2)
+    call = exact.calls[0]
+    assert call["incumbent"] == ZERO_ERRORS and call["seed"] == 3 and call["n_jobs"] == 2
+    assert 99 < call["limits"].seconds < 100
+
+
+def test_an_incumbent_of_the_user_spares_the_search(registered):
+    exact = registered("exact", answering())
+    search = registered("search", answering(), proves=False)
+    stump = Split(0, 0.5, Leaf(0), Leaf(1))
+    solve(STRIPES, incumbent=stump)
+    assert not search.calls and exact.calls[0]["incumbent"] == stump
+
+
+def test_the_better_of_incumbent_and_proof_comes_back(registered):
+    leaf = answering(tree=Leaf(0), objective=2.0, bound=0.0, stop=Stop.TIME)
+    registered("exact", leaf)
+    solution = solve(STRIPES, incumbent=ZERO_ERRORS)
+    assert solution.tree == ZERO_ERRORS and solution.objective == 0 and solution.stop is Stop.OPTIMAL
+
+
+@pytest.mark.parametrize(
+    "changes", [{"objective": 1.0}, {"bound": 0.5}, {"tree": Leaf(0)}, {"tree": Leaf(0), "objective": 1.0}]
+)
+def test_a_solution_that_its_certificate_refutes_never_leaves(registered, changes):
+    registered("exact", answering(**changes))
+    registered("search", answering(), proves=False)
+    with pytest.raises(SolverError, match="certificate refutes"):
+        solve(STRIPES)
+
+
+@pytest.mark.parametrize("tree", [Split(3, 0.5, Leaf(0), Leaf(1)), Split(0, 9.0, Leaf(0), Leaf(1)), Leaf(7)])
+def test_an_incumbent_that_is_no_tree_of_the_problem_is_refused(tree):
+    with pytest.raises(ProblemError, match="incumbent is no tree of this problem"):
+        solve(STRIPES, method="cart", incumbent=tree)
+
+
+def test_ctrl_c_in_a_proof_returns_the_incumbent(registered):
+    def interrupted(problem, **_):
+        raise KeyboardInterrupt
+
+    registered("exact", interrupted)
+    solution = solve(STRIPES, incumbent=ZERO_ERRORS)
+    assert solution.tree == ZERO_ERRORS and solution.stop is Stop.INTERRUPTED and solution.bound == -math.inf
+
+
+def test_ctrl_c_in_the_search_returns_a_tree_without_starting_the_proof(registered):
+    def interrupted(problem, **_):
+        raise KeyboardInterrupt
+
+    registered("search", interrupted, proves=False)
+    exact = registered("exact", answering())
+    solution = solve(STRIPES)
+    assert not exact.calls and solution.stop is Stop.INTERRUPTED
+    certify(STRIPES, solution)
+
+
+def test_progress_counts_from_the_start_of_solve(registered):
+    seen = []
+
+    def reporting(problem, *, progress, **_):
+        progress(solver.Progress(0.0, 0.0, 0.0, 1))
+        return answering()(problem, progress=None, limits=None, incumbent=None, seed=0, n_jobs=1)
+
+    registered("exact", reporting)
+    solution = solve(STRIPES, incumbent=ZERO_ERRORS, progress=seen.append)
+    assert len(seen) == 1 and 0 < seen[0].seconds <= solution.seconds
+
+
+def test_a_solver_that_is_not_installed_says_so(registered, monkeypatch):
+    missing = dataclasses.replace(solver.REGISTRY["oct"], module="octmip.no_such_module")
+    monkeypatch.setitem(solver.REGISTRY, "oct", missing)
+    with pytest.raises(SolverError, match=r"needs the module octmip\.no_such_module"):
+        solve(STRIPES, method="oct", incumbent=ZERO_ERRORS)
