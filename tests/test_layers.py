@@ -22,7 +22,7 @@ LEVELS = {
         "encoding": 3,
         "certificate": 4,
         "files": 4,
-        "proof": 5,
+        "proof": 4,
         "mip": 5,
         "exact": 5,
         "search": 5,

@@ -1,0 +1,79 @@
+"""The optimum by exhaustive enumeration: every affordable set of sensors, every cut of every feature, every depth.
+
+Slow, short and exact: objectives are rational numbers made whole by one common denominator, so nothing is rounded and
+ties are ties. A set of samples is a bit mask. Imports nothing of octmip but the problem and the tree.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache
+from itertools import combinations, pairwise
+
+import numpy as np
+
+from octmip.problem import Problem
+from octmip.tree import Leaf, Node, Split, midpoint
+
+Cut = tuple[int, float, int]  # feature, threshold, mask of the samples that go left
+Best = tuple[int, int, Node]  # whole-numbered cost, splits, tree
+
+
+@dataclass(frozen=True, slots=True)
+class Optimum:
+    """The least objective, and the fewest splits, then the fewest sensors, among the trees that reach it."""
+
+    objective: float
+    n_splits: int
+    n_sensors: int
+    tree: Node
+
+
+def optimum(problem: Problem) -> Optimum:
+    """Return the optimum of an axis-aligned problem; effort grows as (samples x features)^depth x 2^sensors."""
+    prices, denominator = _whole_prices(problem)
+    found = []
+    for n_sensors in range(len(problem.sensors) + 1):
+        for chosen in combinations(range(len(problem.sensors)), n_sensors):
+            if math.fsum(problem.sensor_costs[list(chosen)]) <= problem.sensor_limit:
+                cost, n_splits, tree = _best_tree(problem, prices, list(_cuts(problem, chosen)))
+                found.append((cost, n_splits, n_sensors, tree))
+    best = min(found, key=lambda entry: entry[:3])
+    return Optimum(best[0] / denominator, *best[1:])
+
+
+def _whole_prices(problem: Problem) -> tuple[list[list[int]], int]:
+    """Return prices[i][k] of predicting k for sample i, last row the penalty; all times the denominator returned."""
+    costs = [[Fraction(float(c)) for c in problem.costs[code]] for code in problem.codes]
+    exact = [[Fraction(float(w)) * c for c in row] for w, row in zip(problem.weights, costs, strict=True)]
+    exact.append([Fraction(problem.leaf_penalty)])
+    denominator = math.lcm(*(c.denominator for row in exact for c in row))
+    return [[int(c * denominator) for c in row] for row in exact], denominator
+
+
+def _cuts(problem: Problem, sensors: tuple[int, ...]) -> Iterator[Cut]:
+    for feature in range(problem.n_features):
+        if problem.sensor_index[feature] in sensors and problem.is_allowed((feature,)):
+            column = problem.features[:, feature]
+            values = np.unique(column).tolist()
+            for low, high in pairwise(values):
+                yield feature, midpoint(low, high), sum(1 << int(i) for i in np.flatnonzero(column <= low))
+
+
+def _best_tree(problem: Problem, prices: list[list[int]], cuts: list[Cut]) -> Best:
+    @cache
+    def best(samples: int, depth: int) -> Best:
+        costs = zip(*(row for i, row in enumerate(prices[:-1]) if samples >> i & 1), strict=True)
+        cost, label = min((sum(column), k) for k, column in enumerate(costs))
+        found: Best = (cost, 0, Leaf(label))
+        for feature, threshold, mask in cuts if depth else ():
+            sides = samples & mask, samples & ~mask
+            if min(side.bit_count() for side in sides) >= problem.leaf_size:
+                left, right = (best(side, depth - 1) for side in sides)
+                cost, n_splits = left[0] + right[0] + prices[-1][0], left[1] + right[1] + 1
+                if (cost, n_splits) < found[:2]:
+                    found = (cost, n_splits, Split(feature, threshold, left[2], right[2]))
+        return found
+
+    return best((1 << problem.n_samples) - 1, problem.depth)

@@ -1,0 +1,106 @@
+"""The enumeration oracle against trees written out one by one, and against optima worked out by hand."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from octmip import Leaf, Problem, Split, predict
+from octmip.certificate import checked_leaf_index
+from octmip.errors import CertificateError
+from octmip.tree import n_splits
+from tests.oracles.enumeration import optimum
+from tests.strategies import random_problem, random_tree
+
+
+def every_tree(problem, depth):
+    """Yield every tree over the cuts of the whole data, the useless and the forbidden included."""
+    yield from (Leaf(k) for k in range(problem.n_classes))
+    if depth:
+        for feature in range(problem.n_features):
+            for threshold in np.unique(problem.features[:, feature])[:-1]:
+                sides = list(every_tree(problem, depth - 1))
+                for left, right in itertools.product(sides, sides):
+                    yield Split(feature, float(threshold), left, right)
+
+
+def value(problem, tree):
+    """Return (objective, splits, sensors) of a tree, None when the problem forbids it."""
+    try:
+        checked_leaf_index(problem, tree)
+    except CertificateError:
+        return None
+    objective = problem.objective_of(tree, predict(tree, problem.features))
+    return objective, n_splits(tree), len(problem.sensors_used(tree))
+
+
+def tiny_problems():
+    """Yield problems whose trees are few enough to write out."""
+    for seed in itertools.count():
+        problem = random_problem(np.random.default_rng(seed), max_samples=6, max_features=2, max_depth=2)
+        if problem.n_classes <= 3:
+            yield pytest.param(problem, id=f"seed {seed}")
+
+
+@pytest.mark.parametrize("problem", list(itertools.islice(tiny_problems(), 60)))
+def test_no_tree_written_out_is_better_than_the_oracles(problem):
+    best = optimum(problem)
+    values = [v for tree in every_tree(problem, problem.depth) if (v := value(problem, tree)) is not None]
+    least = min(objective for objective, _, _ in values)
+    assert best.objective == pytest.approx(least, rel=1e-12, abs=1e-12)
+    tied = [v[1:] for v in values if v[0] <= least + 1e-12 * max(1.0, least)]
+    assert (best.n_splits, best.n_sensors) == min(tied)
+
+
+@pytest.mark.parametrize("seed", range(200))
+def test_the_oracles_tree_is_allowed_and_holds_what_it_says(seed):
+    problem = random_problem(np.random.default_rng([1, seed]))
+    best = optimum(problem)
+    objective, splits, sensors = value(problem, best.tree)
+    assert objective == pytest.approx(best.objective, rel=1e-12, abs=1e-12)
+    assert (splits, sensors) == (best.n_splits, best.n_sensors)
+
+
+STRIPES = np.array([[0.0], [1.0], [2.0], [3.0]]), [0, 1, 0, 1]
+
+
+@pytest.mark.parametrize(
+    ("options", "objective", "splits"),
+    [
+        ({"depth": 1}, 1.0, 1),
+        ({"depth": 2}, 0.0, 3),
+        ({"depth": 2, "leaf_penalty": 1.0}, 2.0, 0),
+        ({"depth": 2, "leaf_size": 2}, 2.0, 0),
+        ({"depth": 2, "sensor_budget": 0}, 2.0, 0),
+        ({"depth": 1, "weights": [1, 1, 1, 5]}, 1.0, 1),
+        ({"depth": 1, "costs": [[0, 1], [9, 0]]}, 1.0, 1),
+    ],
+)
+def test_stripes_of_two_classes_by_hand(options, objective, splits):
+    best = optimum(Problem(*STRIPES, **options))
+    assert (best.objective, best.n_splits) == (objective, splits)
+
+
+def test_random_problems_hold_every_complication():
+    problems = [random_problem(np.random.default_rng(seed)) for seed in range(300)]
+    assert {problem.n_classes for problem in problems} == {2, 3, 4, 5, 6}
+    assert {problem.depth for problem in problems} == {1, 2, 3}
+    for complication in (
+        lambda q: q.leaf_size > 1,
+        lambda q: q.leaf_penalty > 0,
+        lambda q: q.sensor_budget is not None,
+        lambda q: len(q.sensors) < q.n_features,
+        lambda q: q.allowed_splits is not None,
+        lambda q: q.has_integer_costs and q.weights.max() > 1,
+        lambda q: not q.has_integer_costs,
+        lambda q: q.costs.diagonal().any(),
+        lambda q: not q.weights.all(),
+        lambda q: any(len(np.unique(column)) == 1 for column in q.features.T),
+        lambda q: len(np.unique(q.features, axis=0)) < q.n_samples,
+    ):
+        assert sum(map(complication, problems)) >= 10
+
+
+def test_random_trees_reach_every_depth():
+    rng = np.random.default_rng(0)
+    assert {n_splits(random_tree(rng, 3, 3, 3)) for _ in range(200)} >= {0, 1, 3, 7}
