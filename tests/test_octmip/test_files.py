@@ -1,0 +1,95 @@
+"""Files appear whole or not at all, and what cannot be read says why in one sentence."""
+
+import os
+
+import pytest
+
+from octmip.errors import DataError
+from octmip.files import check_writable, read_json_object, read_text, write_bytes
+
+
+def test_a_file_is_written_as_given(tmp_path):
+    write_bytes(tmp_path / "a.json", b"{}")
+    assert (tmp_path / "a.json").read_bytes() == b"{}" and len(list(tmp_path.iterdir())) == 1
+
+
+def test_a_write_that_fails_leaves_the_old_file_and_nothing_else(tmp_path, monkeypatch):
+    target = tmp_path / "a.json"
+    target.write_bytes(b"old")
+
+    def full(descriptor):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(DataError, match="No space left"):
+        write_bytes(target, b"new")
+    assert target.read_bytes() == b"old" and len(list(tmp_path.iterdir())) == 1
+
+
+def test_a_write_interrupted_by_ctrl_c_leaves_the_old_file_and_nothing_else(tmp_path, monkeypatch):
+    target = tmp_path / "a.json"
+    target.write_bytes(b"old")
+
+    def interrupted(descriptor):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(os, "fsync", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        write_bytes(target, b"new")
+    assert target.read_bytes() == b"old" and len(list(tmp_path.iterdir())) == 1
+
+
+def test_a_link_stays_and_its_target_is_replaced(tmp_path):
+    (tmp_path / "target").write_bytes(b"old")
+    (tmp_path / "link").symlink_to(tmp_path / "target")
+    write_bytes(tmp_path / "link", b"new")
+    assert (tmp_path / "link").is_symlink() and (tmp_path / "target").read_bytes() == b"new"
+
+
+def test_a_file_gets_the_permissions_of_the_user(tmp_path):
+    write_bytes(tmp_path / "a", b"1")
+    (tmp_path / "b").write_bytes(b"1")
+    assert (tmp_path / "a").stat().st_mode == (tmp_path / "b").stat().st_mode
+
+
+@pytest.mark.parametrize(("name", "reason"), [("", "is a folder"), ("none/a.json", "there is no folder")])
+def test_a_place_that_cannot_be_written_is_refused_beforehand(tmp_path, name, reason):
+    with pytest.raises(DataError, match=reason):
+        check_writable(tmp_path / name)
+
+
+@pytest.mark.parametrize(
+    ("content", "reason"),
+    [
+        (b"", "is empty"),
+        (b" \n", "is empty"),
+        (b"ab\n\xff\xfe", "line 2: byte 0xff is not UTF-8"),
+    ],
+)
+def test_text_that_cannot_be_read_says_why(tmp_path, content, reason):
+    (tmp_path / "a").write_bytes(content)
+    with pytest.raises(DataError, match=reason):
+        read_text(tmp_path / "a")
+
+
+def test_a_missing_file_says_so(tmp_path):
+    with pytest.raises(DataError, match="No such file"):
+        read_text(tmp_path / "none")
+
+
+@pytest.mark.parametrize(
+    ("content", "reason"),
+    [
+        ('{"a": [1, 2', "ends in the middle"),
+        ('{"a": "tex', "ends in the middle"),
+        ('{"a": 1,}', "line 1"),
+        ("[1]", "holds a JSON list"),
+        ('{"a": NaN}', "NaN is no JSON number"),
+        ('{"a": ' + "[" * 200_000, "recursion"),
+        ("a,b\n1,2\n", "expected JSON"),
+    ],
+)
+def test_json_that_cannot_be_read_says_why(tmp_path, content, reason):
+    (tmp_path / "a").write_text(content)
+    with pytest.raises(DataError, match=reason):
+        read_json_object(tmp_path / "a")

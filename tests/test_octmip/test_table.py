@@ -1,0 +1,147 @@
+"""Tables: every wrong cell is refused with its file, line and column, and every right one is read to the last bit."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from octmip.errors import DataError
+from octmip.table import read_costs, read_sensors, read_table
+
+
+def csv_file(tmp_path, text):
+    path = tmp_path / "data.csv"
+    path.write_bytes(text.encode())
+    return path
+
+
+def test_numbers_are_read_to_the_last_bit(tmp_path):
+    values = np.random.default_rng(0).normal(size=200) * 10.0 ** np.arange(-100, 100)
+    path = csv_file(tmp_path, "x,y\n" + "".join(f"{v!r},a\n" for v in values.tolist()))
+    assert (read_table(path).numbers(["x"])[:, 0] == values).all()
+
+
+@pytest.mark.parametrize("suffix", ["csv", "parquet"])
+def test_columns_come_as_numbers_and_labels(tmp_path, suffix):
+    frame = pd.DataFrame({"x": [1.5, 2.5], "n": [1, 2], "b": [True, False], "y": ["NA", "None"]})
+    path = tmp_path / f"data.{suffix}"
+    frame.to_csv(path, index=False) if suffix == "csv" else frame.to_parquet(path)
+    table = read_table(path)
+    assert table.numbers(["n", "x", "b"]).tolist() == [[1, 1.5, 1], [2, 2.5, 0]]
+    assert table.labels("y").tolist() == ["NA", "None"]  # names of classes, not missing values
+    assert table.labels("n").tolist() == [1, 2] and table.labels("b").tolist() == [True, False]
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("", "is empty"),
+        ("x,y\n", "2 columns and 0 rows"),
+        ("x,x,y\n1,2,a\n", "column 'x' 2 times"),
+        ("x,y\n1,a\n2,b,c\n", "Expected 2 fields in line 3, saw 3"),
+        ("x,y\n1,a,7\n2,b,7\n", "line 2: 3 cells but the header has 2"),
+    ],
+)
+def test_a_file_that_is_no_table_is_refused(tmp_path, text, sentence):
+    with pytest.raises(DataError, match=sentence):
+        read_table(csv_file(tmp_path, text))
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("x,y\n1,a\nlow,b\n", "line 3, column 'x': 'low' is no number"),
+        ("x,y\n1,a\n\n,b\n", "line 4, column 'x': the feature is empty"),
+        ("x,y\n1,a\nnan,b\n", "line 3, column 'x'"),
+        ("x,y\n1,a\n2\n", None),
+        ("x,y\n1,a\ninf,b\n", "line 3, column 'x': inf is not finite"),
+        ("x,y\n1,a\n9007199254740993,b\n", "line 3, column 'x': 9007199254740993 is beyond 2"),
+        ('x,y\n1,"a\nb"\n?,b\n', "line 4, column 'x'"),
+        ("z,y\n1,a\n", "no column 'x'; expected the feature among its 2 columns"),
+        ("x;y\n1;a\n", "separate columns by commas"),
+    ],
+)
+def test_a_wrong_feature_is_refused_with_its_place(tmp_path, text, sentence):
+    table = read_table(csv_file(tmp_path, text))
+    if sentence is None:  # a short line lacks its last cells only
+        assert table.numbers(["x"]).tolist() == [[1], [2]]
+    else:
+        with pytest.raises(DataError, match=sentence):
+            table.numbers(["x"])
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("x,y\n1,a\n2,\n", "line 3, column 'y': the label is empty"),
+        ("x,y\n1,a\n2\n", "line 3, column 'y': the label is empty"),
+        ("x,y\n1,a\n2,c\n", "line 3, column 'y': label 'c' was not seen at training"),
+        ("x,z\n1,a\n2,c\n", "no column 'y'; expected the label"),
+    ],
+)
+def test_a_wrong_label_is_refused_with_its_place(tmp_path, text, sentence):
+    with pytest.raises(DataError, match=sentence):
+        read_table(csv_file(tmp_path, text)).labels("y", known=["a", "b"])
+
+
+def test_labels_of_mixed_kind_are_text(tmp_path):
+    assert read_table(csv_file(tmp_path, "y\n1\nb\n")).labels("y").tolist() == ["1", "b"]
+
+
+def test_a_byte_order_mark_is_no_part_of_a_name(tmp_path):
+    assert read_table(csv_file(tmp_path, "\ufeffx,y\n1,a\n")).columns == ("x", "y")
+
+
+def test_another_suffix_is_refused(tmp_path):
+    with pytest.raises(DataError, match=r"neither \.csv nor \.parquet"):
+        read_table(tmp_path / "data.xlsx")
+
+
+@pytest.mark.parametrize("content", [b"", b"PAR1 and then nothing"])
+def test_a_broken_parquet_file_is_refused(tmp_path, content):
+    path = tmp_path / "data.parquet"
+    path.write_bytes(content)
+    with pytest.raises(DataError, match=r"empty|no Parquet file"):
+        read_table(path)
+
+
+def test_costs_are_read_in_any_order(tmp_path):
+    path = csv_file(tmp_path, "true,b,a\nb,0,1\na,10,0\n")
+    assert read_costs(path, ["a", "b"]).tolist() == [[0, 10], [1, 0]]
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("true,a,b\na,0,1\n", r"rows \['a'\]; expected each of the classes"),
+        ("true,a,c\na,0,1\nb,1,0\n", r"columns \['a', 'c'\]; expected each"),
+        ("true,a,b\na,0,x\nb,1,0\n", "'x' is no number, and a cost"),
+    ],
+)
+def test_wrong_costs_are_refused(tmp_path, text, sentence):
+    with pytest.raises(DataError, match=sentence):
+        read_costs(csv_file(tmp_path, text), ["a", "b"])
+
+
+def test_sensors_of_single_features(tmp_path):
+    sensors = read_sensors(csv_file(tmp_path, "sensor,cost\nb,2\na,1\nunused,9\n"), ["a", "b"])
+    assert sensors.of_feature == ("a", "b") and sensors.cost == {"a": 1, "b": 2}
+
+
+def test_sensors_that_give_several_features(tmp_path):
+    text = "feature,sensor,cost\na,left,1\nb,left,1\nc,right,2\n"
+    sensors = read_sensors(csv_file(tmp_path, text), ["a", "b", "c"])
+    assert sensors.of_feature == ("left", "left", "right") and sensors.cost == {"left": 1, "right": 2}
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("sensor,cost\na,1\n", "names the feature 'b' 0 times"),
+        ("sensor,cost\na,1\na,2\nb,1\n", "names the feature 'a' 2 times"),
+        ("feature,sensor,cost\na,left,1\nb,left,2\n", "sensor 'left' two costs, 1.0 and 2.0"),
+        ("sensor,price\na,1\nb,1\n", "no column 'cost'"),
+    ],
+)
+def test_wrong_sensors_are_refused(tmp_path, text, sentence):
+    with pytest.raises(DataError, match=sentence):
+        read_sensors(csv_file(tmp_path, text), ["a", "b"])

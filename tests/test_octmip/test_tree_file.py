@@ -1,0 +1,122 @@
+"""Tree files: what is written comes back the same, and what is no tree file is refused in one sentence."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from octmip import HyperplaneSplit, Leaf, Problem, Solution, Split, Stop, certify
+from octmip.cart import greedy_tree
+from octmip.errors import OctmipError, TreeError
+from octmip.tree_file import columns_read, encode, read_tree_file, record_tree, write_tree_file
+
+
+def full_problem() -> Problem:
+    rng = np.random.default_rng(0)
+    return Problem(
+        rng.normal(size=(40, 3)),
+        rng.choice(["low", "high"], 40),
+        depth=2,
+        split="hyperplane",
+        split_size=2,
+        leaf_size=2,
+        leaf_penalty=0.25,
+        weights=rng.random(40),
+        costs=[[0, 2.5], [1, 0]],
+        sensor_of_feature=["left", "left", "right"],
+        sensor_cost={"left": 1.5, "right": 2},
+        sensor_budget=4,
+        allowed_splits=[["a", "b"], ["c"]],
+        feature_names=("a", "b", "c"),
+    )
+
+
+def written(tmp_path, problem=None):
+    problem = problem or full_problem()
+    path = tmp_path / "tree.json"
+    write_tree_file(path, record_tree(problem, greedy_tree(problem), "y", "w"))
+    return path
+
+
+def test_everything_comes_back_the_same(tmp_path):
+    problem = full_problem()
+    solution = greedy_tree(problem)
+    file = record_tree(problem, solution, "y", "w")
+    write_tree_file(tmp_path / "t.json", file)
+    back = read_tree_file(tmp_path / "t.json")
+    assert encode(back) == encode(file)
+    assert back.solution == solution and back.label_column == "y" and back.weights_column == "w"
+    again = back.problem(problem.features, problem.labels, problem.weights)
+    assert again.digest() == problem.digest() == back.sha256
+    assert certify(again, back.solution) == certify(problem, solution)
+    assert back.leaf_counts.sum() == 40
+
+
+def test_hyperplanes_come_back_to_the_last_bit(tmp_path):
+    problem = full_problem()
+    tree = HyperplaneSplit((0, 1), (0.1 + 0.2, -1 / 3), 2**-40, Leaf(0), Split(2, 1e300, Leaf(0), Leaf(1)))
+    solution = Solution(tree, 9.0, 1.5, Stop.TIME, 0.1, 5, "search", "1", 0)
+    write_tree_file(tmp_path / "t.json", record_tree(problem, solution))
+    back = read_tree_file(tmp_path / "t.json")
+    assert back.tree == tree and back.solution == solution
+    assert columns_read(back) == ("a", "b", "c")
+
+
+def test_a_bound_that_was_not_proven_is_null(tmp_path):
+    path = written(tmp_path)
+    assert json.loads(path.read_text())["solution"]["bound"] is None
+    assert read_tree_file(path).solution.bound == -math.inf
+
+
+def test_a_solution_without_a_tree_is_not_written():
+    with pytest.raises(TreeError, match="nothing to write"):
+        record_tree(full_problem(), Solution(None, math.inf, 0.0, Stop.TIME, 0.0, 0, "oct", "1", 0))
+
+
+@pytest.mark.parametrize("share", [0.0, 0.1, 0.5, 0.9, 0.99])
+def test_a_truncated_file_is_refused(tmp_path, share):
+    path = written(tmp_path)
+    content = path.read_bytes()
+    path.write_bytes(content[: int(len(content) * share)])
+    with pytest.raises(OctmipError, match=r"tree\.json"):
+        read_tree_file(path)
+
+
+LOW = {"label": "low"}
+
+
+def change(content, *keys, to):
+    for key in keys[:-1]:
+        content = content[key]
+    content[keys[-1]] = to
+
+
+@pytest.mark.parametrize(
+    ("keys", "to", "sentence"),
+    [
+        (("format",), "pmml", "is no tree file: format is 'pmml'"),
+        (("version",), 99, "of version 99, newer than"),
+        (("version",), "1", "has version '1'"),
+        (("tree",), {"label": "unknown"}, "class 'unknown', which is not among"),
+        (
+            ("tree",),
+            {"feature": "z", "threshold": 1, "left": {"label": "low"}, "right": {"label": "low"}},
+            "feature 'z'",
+        ),
+        (("tree",), {"feature": "a", "threshold": "1", "left": {"label": "low"}, "right": {"label": "low"}}, "number"),
+        (("tree",), [], "no valid tree"),
+        (("tree",), {}, "lacks the entry 'left'"),
+        (("solution", "stop"), "tired", "'tired' is not a valid Stop"),
+        (("solution", "bound"), [], "no valid tree"),
+        (("solution",), {}, "lacks the entry"),
+        (("training", "leaf_counts"), [[1, 2]], "leaf_counts has shape"),
+    ],
+)
+def test_a_file_changed_by_hand_is_refused(tmp_path, keys, to, sentence):
+    path = written(tmp_path)
+    content = json.loads(path.read_text())
+    change(content, *keys, to=to)
+    path.write_text(json.dumps(content))
+    with pytest.raises(TreeError, match=sentence):
+        read_tree_file(path)
