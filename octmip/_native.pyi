@@ -1,5 +1,7 @@
 """The native core: see octmip/native/src/python.rs."""
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,4 +22,20 @@ class Problem:
         sensor_cost: list[float],
         sensor_limit: float,
         allowed: list[bool],
+        planes: tuple[NDArray[np.float64], int, list[list[int]] | None, int | None] | None = None,
     ) -> Problem: ...
+
+NodeRow = tuple[int, int, int, int, int, int, list[tuple[int, float]], float]
+__version__: str
+
+def search(
+    problem: Problem,
+    n_restarts: int,
+    n_kicks: int,
+    seed: int,
+    n_threads: int,
+    limit_values: tuple[float, float, float, float],
+    start: list[NodeRow] | None = None,
+    progress: Callable[[float, int, int, int], None] | None = None,
+) -> tuple[list[NodeRow], int, int, str, int]:
+    """Return node table, objective, bound, stop and number of visited nodes."""

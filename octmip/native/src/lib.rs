@@ -7,6 +7,7 @@
 
 pub mod control;
 pub mod problem;
+pub mod search;
 pub mod tree;
 
 #[cfg(feature = "python")]

@@ -1,5 +1,7 @@
 //! The Python border: arrays in, a flat node table and counters out. No logic of trees lives here.
 
+mod search;
+
 use std::time::{Duration, Instant};
 
 use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
@@ -208,5 +210,6 @@ pub fn keep_going<'a>(
 #[pymodule]
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_function(wrap_pyfunction!(search::py_search, module)?)?;
     module.add_class::<PyProblem>()
 }

@@ -1,0 +1,139 @@
+"""Local search: good trees of any depth and either kind of split, without a proof; a thin wrapper of the native core.
+
+    minimise  the objective of the Problem
+    by        restarts from randomised greedy trees; at one node after the other, in random order, the best new split
+              with the rest of the tree fixed, a leaf in its place, or one of its children in its place;
+              kicks (another cut, a subtree grown anew) out of local optima, kept when they are no worse
+
+Every restart draws from its own random stream, told by the seed and the restart's number, so one seed gives one tree
+for any number of threads unless time runs out. The first restart begins at the greedy tree without chance.
+Source: Bertsimas & Dunn (2019), Machine Learning Under a Modern Optimization Lens, ch. 8, for the moves at one node.
+"""
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip import _native
+from octmip.encoding import integer_costs, native_problem, rank_features, rows_from_tree, tree_from_rows
+from octmip.errors import ProblemError
+from octmip.problem import Problem
+from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop
+from octmip.tree import Leaf, Node, Split, goes_left, midpoint, predict, simplify, without_empty_sides
+
+RESTARTS = 20
+KICKS = 20
+
+
+def local_search(
+    problem: Problem,
+    *,
+    limits: Limits = Limits(),  # noqa: B008 (frozen)
+    incumbent: Node | None = None,
+    seed: int = 0,
+    n_jobs: int = 1,
+    progress: ProgressCallback | None = None,
+    restarts: int = RESTARTS,
+    kicks: int = KICKS,
+) -> Solution:
+    """Return the best tree that a local search finds.
+
+    Args:
+        problem: the problem.
+        limits: wall seconds and nodes (visits to a node of the tree); a proof's limits do not apply.
+        incumbent: a tree of this problem; the first restart begins there, so the result is never worse.
+        seed: of the restarts' random streams.
+        n_jobs: threads.
+        progress: called every few hundredths of a second.
+        restarts: independent starts.
+        kicks: a restart ends after so many kicks in a row without a better tree.
+
+    Returns:
+        The solution; its bound is -inf, or the objective where no cost at all is left (`Stop.OPTIMAL`).
+
+    Raises:
+        ProblemError: `restarts` or `n_jobs` is below 1, or `kicks` below 0.
+    """
+    for name, value, least in (("restarts", restarts, 1), ("n_jobs", n_jobs, 1), ("kicks", kicks, 0)):
+        if value < least:
+            raise ProblemError(f"{name} is {value}; expected {least} or more")
+    start = time.perf_counter()
+    ranks, costs = rank_features(problem), integer_costs(problem)
+    first = None if incumbent is None else rows_from_tree(without_empty_sides(incumbent, problem.features), ranks)
+    rows, _, _, stop, n_nodes = _native.search(
+        native_problem(problem, ranks, costs),
+        restarts,
+        kicks,
+        seed % 2**64,
+        n_jobs,
+        (limits.seconds, limits.gap, limits.nodes, limits.memory),
+        first,
+        _native_progress(progress, costs.unit),
+    )
+    tree = _finished(problem, tree_from_rows(rows, ranks))
+    objective = problem.objective_of(tree, predict(tree, problem.features))
+    if incumbent is not None:
+        known = problem.objective_of(incumbent, predict(incumbent, problem.features))
+        # Rounded costs can rank two trees the wrong way round; the incumbent stands unless truly beaten.
+        tree, objective = (incumbent, known) if known < objective else (tree, objective)
+    return Solution(
+        tree=tree,
+        objective=objective,
+        bound=0.0 if objective == 0 else -math.inf,
+        stop=_stop(stop, objective),
+        seconds=time.perf_counter() - start,
+        n_nodes=n_nodes,
+        solver="search",
+        version=_native.__version__,
+        seed=seed,
+    )
+
+
+def _stop(name: str, objective: float) -> Stop:
+    """Return the stop as a Solution means it: the core calls a tree optimal when its rounded costs are 0."""
+    stop = Stop(name)
+    if objective == 0 and stop is not Stop.INTERRUPTED:
+        return Stop.OPTIMAL
+    return Stop.FINISHED if stop is Stop.OPTIMAL else stop
+
+
+def _native_progress(progress: ProgressCallback | None, unit: float) -> Callable[[float, int, int, int], None] | None:
+    if progress is None:
+        return None
+
+    def report(seconds: float, objective: int, bound: int, n_nodes: int) -> None:
+        found = math.inf if objective == 2**63 - 1 else objective * unit
+        progress(Progress(seconds, found, bound * unit, n_nodes))
+
+    return report
+
+
+def _finished(problem: Problem, tree: Node) -> Node:
+    """Return the tree with leaves labelled by the true costs, idle splits removed and thresholds in mid-gap."""
+    rows = np.arange(problem.n_samples)
+    return _centred(problem, simplify(_labelled(problem, tree, rows)), rows)
+
+
+def _labelled(problem: Problem, tree: Node, rows: NDArray[np.int64]) -> Node:
+    if isinstance(tree, Leaf):
+        return Leaf(int(problem.class_costs(rows).argmin()))
+    left = goes_left(tree, problem.features[rows])
+    return replace(
+        tree, left=_labelled(problem, tree.left, rows[left]), right=_labelled(problem, tree.right, rows[~left])
+    )
+
+
+def _centred(problem: Problem, tree: Node, rows: NDArray[np.int64]) -> Node:
+    """Return the tree with every threshold midway between the samples of its own node: the widest margin."""
+    if isinstance(tree, Leaf):
+        return tree
+    left = goes_left(tree, problem.features[rows])
+    children = _centred(problem, tree.left, rows[left]), _centred(problem, tree.right, rows[~left])
+    if not isinstance(tree, Split):
+        return replace(tree, left=children[0], right=children[1])
+    values = problem.features[rows, tree.feature]
+    return Split(tree.feature, midpoint(float(values[left].max()), float(values[~left].min())), *children)

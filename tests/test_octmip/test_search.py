@@ -1,0 +1,144 @@
+"""Local search: what every tree it returns must hold, against enumeration and certificate."""
+
+import math
+import signal
+import threading
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from octmip import Leaf, Limits, Problem, Split, Stop, certify
+from octmip.cart import greedy_tree
+from octmip.errors import ProblemError
+from octmip.search import local_search
+from tests.oracles.enumeration import optimum
+from tests.strategies import random_problem
+
+NOISE = np.random.default_rng(1)
+LARGE = Problem(NOISE.normal(size=(400, 6)), NOISE.integers(0, 4, 400), depth=4)
+
+
+def test_random_problems_get_feasible_trees_with_true_objectives_seldom_above_the_optimum():
+    rng = np.random.default_rng(2)
+    n_missed = 0
+    for seed in range(300):
+        problem = random_problem(rng)
+        solution = local_search(problem, seed=seed, restarts=5)
+        certify(problem, solution)
+        best = optimum(problem).objective
+        assert solution.objective >= best - 1e-9 * max(1.0, best)
+        n_missed += solution.objective > best + 1e-9 * max(1.0, best)
+    assert n_missed <= 6
+
+
+def test_larger_random_problems_get_feasible_trees_no_worse_than_cart_that_they_start_from():
+    rng = np.random.default_rng(3)
+    for seed in range(40):
+        problem = random_problem(rng, max_samples=120, max_features=8, max_depth=6)
+        cart = greedy_tree(problem)
+        solution = local_search(problem, seed=seed, restarts=2, kicks=5, incumbent=cart.tree)
+        certify(problem, solution)
+        assert solution.objective <= cart.objective
+
+
+def test_one_seed_is_one_tree_for_any_number_of_threads():
+    alone = local_search(LARGE, seed=7, restarts=6, kicks=3)
+    together = local_search(LARGE, seed=7, restarts=6, kicks=3, n_jobs=4)
+    assert alone.tree == together.tree and alone.objective == together.objective
+
+
+def test_one_seed_is_one_tree_for_any_number_of_threads_even_when_the_bound_is_reached_early():
+    rng = np.random.default_rng(4)
+    for seed in range(20):
+        features = rng.integers(0, 4, (60, 3)).astype(float)
+        problem = Problem(features, (features[:, 0] > 1) ^ (features[:, 1] > 2), depth=2)
+        alone, together = (local_search(problem, seed=seed, n_jobs=n) for n in (1, 3))
+        assert alone.tree == together.tree
+
+
+def test_other_seeds_reach_other_trees():
+    assert len({repr(local_search(LARGE, seed=seed, restarts=2, kicks=5).tree) for seed in range(5)}) > 1
+
+
+def test_no_cost_left_is_a_proof_and_any_other_tree_has_no_bound():
+    separable = Problem([[0.0], [1.0]], [0, 1], depth=1)
+    solved = local_search(separable)
+    assert solved.is_optimal and solved.bound == 0.0 and solved.stop is Stop.OPTIMAL
+    open_end = local_search(LARGE, restarts=1, kicks=0)
+    assert open_end.bound == -math.inf and open_end.stop is Stop.FINISHED
+
+
+def test_neighbours_that_float32_cannot_tell_apart_are_separated_and_thresholds_lie_in_mid_gap():
+    features = 900 + 1e-6 * np.arange(40.0)[:, None]
+    solution = local_search(Problem(features, np.arange(40) >= 17, depth=1))
+    assert solution.objective == 0
+    assert isinstance(solution.tree, Split)
+    assert solution.tree.threshold == pytest.approx(900 + 16.5e-6, abs=1e-12)
+
+
+def test_the_penalty_buys_no_split_that_does_not_pay():
+    features = np.arange(10.0)[:, None]
+    labels = np.arange(10) == 9
+    assert isinstance(local_search(Problem(features, labels, depth=2, leaf_penalty=1.0)).tree, Leaf | Split)
+    assert isinstance(local_search(Problem(features, labels, depth=2, leaf_penalty=1.5)).tree, Leaf)
+
+
+def test_a_time_limit_ends_the_search_with_a_tree():
+    solution = local_search(LARGE, limits=Limits(seconds=0.05), restarts=10**6)
+    certify(LARGE, solution)
+    assert solution.stop is Stop.TIME
+    nothing = local_search(LARGE, limits=Limits(seconds=0.0))
+    certify(LARGE, nothing)
+    assert nothing.stop is Stop.TIME
+
+
+def test_a_node_limit_ends_the_search():
+    assert local_search(LARGE, limits=Limits(nodes=50), restarts=10**6).stop is Stop.NODES
+
+
+def test_control_c_returns_the_best_tree_so_far():
+    timer = threading.Timer(0.3, signal.raise_signal, (signal.SIGINT,))
+    timer.start()
+    solution = local_search(LARGE, restarts=10**6, limits=Limits(seconds=60))
+    timer.join()
+    certify(LARGE, solution)
+    assert solution.stop is Stop.INTERRUPTED
+
+
+def test_progress_is_reported_and_what_it_raises_is_raised():
+    seen = []
+    local_search(LARGE, restarts=10**6, limits=Limits(seconds=0.4), progress=seen.append)
+    assert seen and all(state.seconds >= 0 for state in seen)
+
+    def fail(state):
+        raise ValueError("from the callback")
+
+    with pytest.raises(ValueError, match="from the callback"):
+        local_search(LARGE, restarts=10**6, limits=Limits(seconds=60), progress=fail)
+
+
+@pytest.mark.parametrize("options", [{"restarts": 0}, {"n_jobs": 0}, {"kicks": -1}])
+def test_options_out_of_range_are_refused(options):
+    with pytest.raises(ProblemError, match="expected"):
+        local_search(LARGE, **options)
+
+
+STRAINS = Path(__file__).parents[3] / "shared" / "uav" / "strains.csv"
+
+
+@pytest.mark.skipif(not STRAINS.exists(), reason=f"the published strains are not at {STRAINS}")
+def test_search_is_never_worse_than_cart_and_finds_its_lost_class_on_the_published_two_gauge_task():
+    rows = pd.read_csv(STRAINS).query("load_factor == 3 and kind == 'mean'")
+    means, labels = rows[["strain_01", "strain_02"]].to_numpy(), rows["mu1_percent"].to_numpy()
+    escaped = 0
+    for seed in range(20):
+        rng = np.random.default_rng(seed)
+        features = (np.repeat(means, 100, axis=0) + rng.normal(0, 1000**0.5, (2500, 2))) / 3
+        train = rng.permutation(2500)[:1750]
+        problem = Problem(features[train], np.repeat(labels, 100)[train], depth=3)
+        objective = local_search(problem, seed=seed, restarts=5).objective
+        assert objective <= greedy_tree(problem).objective
+        escaped += objective < 60  # a lost class costs about 350 of the 1750 samples
+    assert escaped >= 19
