@@ -1,0 +1,90 @@
+"""Figures: what is drawn is what the tree says."""
+
+import io
+
+import numpy as np
+import pytest
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+from matplotlib.patches import Polygon
+
+from octmip import HyperplaneSplit, Leaf, Problem, Progress, Split, predict
+from octmip.errors import ProblemError
+from octmip.plot import class_colours, partition_figure, progress_figure, tree_figure
+
+RNG = np.random.default_rng(0)
+POINTS = RNG.random((60, 2)) * [10, 1000]
+PROBLEM = Problem(POINTS, RNG.integers(0, 3, 60), depth=3, feature_names=("g01", "g02"), class_names=(0, 1, 2))
+AXIS = Split(0, 4.0, Split(1, 300.0, Leaf(0), Leaf(1)), Split(0, 8.0, Leaf(2), Split(1, 700.0, Leaf(1), Leaf(0))))
+OBLIQUE = HyperplaneSplit((0, 1), (100.0, -1.0), 20.0, Split(1, 500.0, Leaf(0), Leaf(1)), Leaf(2))
+
+
+def texts(figure: Figure) -> str:
+    return "\n".join(text.get_text() for axes in figure.axes for text in axes.texts)
+
+
+@pytest.mark.parametrize("tree", [AXIS, OBLIQUE, Leaf(1), Split(0, 99.0, Leaf(0), Leaf(1))])
+@pytest.mark.parametrize("kind", ["svg", "png"])
+def test_figures_can_be_saved(tree, kind):
+    for figure in (tree_figure(PROBLEM, tree, "tree"), partition_figure(PROBLEM, tree, title="plane")):
+        buffer = io.BytesIO()
+        figure.savefig(buffer, format=kind)
+        assert len(buffer.getvalue()) > 1000
+
+
+def test_a_tree_says_its_conditions_classes_and_errors():
+    words = texts(tree_figure(PROBLEM, AXIS))
+    assert "g01 ≤ 4" in words and "g02 ≤ 700" in words and "yes" in words
+    wrong = int((predict(AXIS, POINTS) != PROBLEM.codes).sum())
+    said = [int(line.split(", ")[1].split()[0]) for line in words.splitlines() if line.endswith("wrong")]
+    assert sum(said) == wrong
+
+
+@pytest.mark.parametrize("tree", [AXIS, OBLIQUE, Leaf(1)])
+def test_every_point_of_the_plane_has_the_tint_of_its_prediction(tree):
+    axes = partition_figure(PROBLEM, tree).axes[0]
+    colours = class_colours(PROBLEM.class_names)
+    grid = RNG.random((400, 2)) * [10, 1000]
+    cells = [patch for patch in axes.patches if isinstance(patch, Polygon)]
+    for point, label in zip(grid, predict(tree, grid), strict=True):
+        holding = [cell for cell in cells if cell.get_path().contains_point(point)]
+        assert len(holding) == 1
+        assert to_rgb(holding[0].get_facecolor()) == pytest.approx(colours[label])
+
+
+def test_split_lines_end_where_their_cell_ends():
+    lines = [line.get_xydata() for line in partition_figure(PROBLEM, AXIS).axes[0].lines]
+    assert len(lines) == 4
+    horizontal = [line for line in lines if line[0, 1] == line[1, 1]]
+    assert [line[0, 1] for line in horizontal] == [300.0, 700.0]
+    assert max(horizontal[0][:, 0]) == pytest.approx(4.0) and min(horizontal[1][:, 0]) == pytest.approx(8.0)
+
+
+def test_the_plane_of_a_tree_over_three_features_is_refused():
+    problem = Problem(RNG.random((9, 3)), [0, 1, 0] * 3, depth=2)
+    tree = Split(0, 0.5, Split(1, 0.5, Leaf(0), Leaf(1)), Split(2, 0.5, Leaf(0), Leaf(1)))
+    with pytest.raises(ProblemError, match="reads 3 features"):
+        partition_figure(problem, tree)
+    with pytest.raises(ProblemError, match="predicts class 5"):
+        tree_figure(problem, Leaf(5))
+
+
+def test_the_plane_is_that_of_the_features_read():
+    problem = Problem(RNG.random((9, 3)), [0, 1, 0] * 3, depth=2)
+    axes = partition_figure(problem, Split(0, 0.5, Split(2, 0.5, Leaf(0), Leaf(1)), Leaf(0))).axes[0]
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("x0", "x2")
+
+
+def test_classes_have_distinct_colours_and_numbers_keep_their_order():
+    for names in (["a", "b"], list("abcdefgh"), list("abcdefghij"), [0, 20, 40, 60, 80], [True, False]):
+        colours = class_colours(names)
+        assert len(set(colours)) == len(names)
+    assert class_colours([40, 0, 20]) == [class_colours([0, 20, 40])[i] for i in (2, 0, 1)]
+
+
+def test_progress_shows_bound_and_objective():
+    states = [Progress(0.1, 9.0, -np.inf, 1), Progress(1.0, 7.0, 5.0, 10), Progress(2.0, 7.0, 7.0, 20)]
+    lines = progress_figure(states, "run").axes[0].lines
+    assert lines[0].get_ydata().tolist() == [9, 7, 7] and np.isnan(lines[1].get_ydata()[0])
+    with pytest.raises(ProblemError, match="no progress"):
+        progress_figure([])
