@@ -1,0 +1,278 @@
+"""From mean strains to the training samples of the study.
+
+The paper's recipe: for each of 25 states (mu1, mu2 in 0, 20, 40, 60, 80 % loss of stiffness) draw s noisy readings at
+load factor L = 3, N(mean, 1000 I) microstrain^2, divide by L, leave out the gauges inside the damage regions, and
+split the rows 70 / 30 at random into training and test. The same recipe takes the wing's strains or the published
+table's.
+
+Source: M. G. Kapteyn, K. E. Willcox, From Physics-Based Models to Predictive Digital Twins via Interpretable Machine
+Learning (2020), section 4.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+import pandas as pd
+
+from femlib.arrays import BoolArray, FloatArray, IntArray, frozen_floats, frozen_ints
+from femlib.errors import InputError
+
+LEVELS_PERCENT = (0, 20, 40, 60, 80)
+"""Losses of stiffness of the study."""
+LOAD_FACTOR = 3.0
+"""Load factor at which the study measures."""
+PUBLISHED_INSIDE_REGIONS = ("g17", "g18", "g23", "g24")
+"""Gauges of the published table that lie in a damage region and are left out. Deduced from the table's increments."""
+N_PUBLISHED_GAUGES = 24
+
+
+class GaugePlaces(Protocol):
+    """Names of gauges, and which of them lie outside every region."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names (n_gauges,)."""
+
+    @property
+    def is_usable(self) -> BoolArray:
+        """Whether each gauge may be used (n_gauges,)."""
+
+
+class StrainModel(Protocol):
+    """What the recipe asks of a model of two damage parameters, mu1 and mu2."""
+
+    @property
+    def gauges(self) -> GaugePlaces:
+        """The gauges."""
+
+    @property
+    def model_hash(self) -> str:
+        """Fingerprint of the model."""
+
+    def strains_microstrain(self, states: FloatArray, load_factor: float) -> FloatArray:
+        """Return strains (n_states, n_gauges) of damage fractions (n_states, 2), compressive positive."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MeanStrains:
+    """Noise-free strains of a library of states.
+
+    Attributes
+    ----------
+    states_percent : IntArray
+        Loss of stiffness (n_states, 2) of mu1 and mu2 [%].
+    strain_microstrain : FloatArray
+        Strains (n_states, n_gauges) at `load_factor`, compressive positive.
+    load_factor : float
+        Load factor of the strains.
+    gauges : tuple of str
+        Names (n_gauges,).
+    is_usable : BoolArray
+        Whether a gauge enters the dataset (n_gauges,).
+    source : str
+        Where the strains come from.
+    model_hash : str
+        Fingerprint of the model, "" for a table.
+    """
+
+    states_percent: IntArray
+    strain_microstrain: FloatArray
+    load_factor: float
+    gauges: tuple[str, ...]
+    is_usable: BoolArray
+    source: str
+    model_hash: str
+
+    def __post_init__(self) -> None:
+        n_states, n_gauges = len(self.states_percent), len(self.gauges)
+        object.__setattr__(self, "states_percent", frozen_ints(self.states_percent, "states_percent", (-1, 2)))
+        strains = frozen_floats(self.strain_microstrain, "strain_microstrain", (n_states, n_gauges))
+        object.__setattr__(self, "strain_microstrain", strains)
+
+
+def study_states_percent() -> IntArray:
+    """Return the 25 states (25, 2), mu1 slowest [%]."""
+    mu1, mu2 = np.meshgrid(LEVELS_PERCENT, LEVELS_PERCENT, indexing="ij")
+    return np.stack([mu1.ravel(), mu2.ravel()], axis=1).astype(np.int64)
+
+
+def simulated_strains(model: StrainModel, load_factor: float = LOAD_FACTOR) -> MeanStrains:
+    """Return the strains of the 25 states from a model."""
+    states = study_states_percent()
+    strains = model.strains_microstrain(states / 100.0, load_factor)
+    return MeanStrains(
+        states, strains, load_factor, model.gauges.names, model.gauges.is_usable, "femlib wing", model.model_hash
+    )
+
+
+def published_strains(path: str | Path) -> MeanStrains:
+    """Return the strains of the 25 states from a table in the published layout, rows `mean` at load factor 3.
+
+    Columns: mu1_percent, mu2_percent, load_factor, kind, strain_01 to strain_24 [microstrain at that load].
+
+    Raises
+    ------
+    InputError
+        If the file is missing, a column is missing, a state is missing or double, or a number is not finite.
+    """
+    table = _read_table(Path(path))
+    columns = [f"strain_{k:02d}" for k in range(1, N_PUBLISHED_GAUGES + 1)]
+    missing = [c for c in ("mu1_percent", "mu2_percent", "load_factor", "kind", *columns) if c not in table.columns]
+    if missing:
+        raise InputError(f"{path} lacks the columns {missing}; expected the published layout; complete the table")
+    means = table[(table["kind"] == "mean") & (table["load_factor"] == LOAD_FACTOR)]
+    means = means.sort_values(["mu1_percent", "mu2_percent"])
+    states = means[["mu1_percent", "mu2_percent"]].to_numpy(dtype=np.int64)
+    if not np.array_equal(states, study_states_percent()):
+        raise InputError(
+            f"{path} has {len(states)} mean rows at load factor {LOAD_FACTOR:g}; expected one for each of the 25 "
+            f"states of mu1_percent and mu2_percent in {list(LEVELS_PERCENT)}; complete the table"
+        )
+    names = tuple(f"g{k:02d}" for k in range(1, N_PUBLISHED_GAUGES + 1))
+    usable = np.array([name not in PUBLISHED_INSIDE_REGIONS for name in names])
+    strains = means[columns].to_numpy(dtype=np.float64)
+    return MeanStrains(states, strains, LOAD_FACTOR, names, usable, f"published table {Path(path).name}", "")
+
+
+@dataclass(frozen=True, slots=True)
+class Recipe:
+    """How readings are drawn.
+
+    Attributes
+    ----------
+    samples_per_state : int
+        Readings of each state.
+    noise_variance : float
+        Variance of a reading at the load factor of the strains, before the division [microstrain^2].
+    train_fraction : float
+        Share of the rows for training.
+    """
+
+    samples_per_state: int = 100
+    noise_variance: float = 1000.0
+    train_fraction: float = 0.7
+
+    def __post_init__(self) -> None:
+        if self.samples_per_state < 1:
+            raise InputError(f"samples_per_state is {self.samples_per_state}; expected 1 or more; the study uses 100")
+        if not 0.0 <= self.noise_variance < np.inf:
+            raise InputError(
+                f"noise_variance is {self.noise_variance}; expected 0 or more microstrain^2; the study uses 1000"
+            )
+        if not 0.0 < self.train_fraction < 1.0:
+            raise InputError(f"train_fraction is {self.train_fraction}; expected between 0 and 1; the study uses 0.7")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Dataset:
+    """Noisy load-normalised readings with their states.
+
+    Attributes
+    ----------
+    features : FloatArray
+        Readings over the load factor (n, n_gauges) [microstrain].
+    states : IntArray
+        Index of each row's state (n,).
+    states_percent : IntArray
+        Loss of stiffness (n_states, 2) of mu1 and mu2 [%].
+    mean_features : FloatArray
+        Noise-free features (n_states, n_gauges) [microstrain].
+    gauges : tuple of str
+        Names of the columns.
+    is_train : BoolArray
+        Whether a row is for training (n,).
+    load_factor : float
+        Load factor of the readings, by which they are divided.
+    recipe : Recipe
+        How they were drawn.
+    seed : int
+        Seed of noise and split.
+    source, model_hash : str
+        Where the mean strains come from.
+    """
+
+    features: FloatArray
+    states: IntArray
+    states_percent: IntArray
+    mean_features: FloatArray
+    gauges: tuple[str, ...]
+    is_train: BoolArray
+    load_factor: float
+    recipe: Recipe
+    seed: int
+    source: str
+    model_hash: str
+
+    def __post_init__(self) -> None:
+        n, n_gauges = len(self.states), len(self.gauges)
+        object.__setattr__(self, "features", frozen_floats(self.features, "features", (n, n_gauges)))
+        object.__setattr__(self, "states", frozen_ints(self.states, "states", (n,)))
+        object.__setattr__(self, "states_percent", frozen_ints(self.states_percent, "states_percent", (-1, 2)))
+        object.__setattr__(self, "mean_features", frozen_floats(self.mean_features, "mean_features", (-1, n_gauges)))
+        mask = np.array(self.is_train, dtype=bool)
+        mask.flags.writeable = False
+        object.__setattr__(self, "is_train", mask)
+
+    @property
+    def mu1(self) -> IntArray:
+        """Loss of stiffness of region 1 of each row (n,) [%]."""
+        return np.asarray(self.states_percent[self.states, 0])
+
+    @property
+    def mu2(self) -> IntArray:
+        """Loss of stiffness of region 2 of each row (n,) [%]."""
+        return np.asarray(self.states_percent[self.states, 1])
+
+    @property
+    def noise_sd(self) -> float:
+        """Standard deviation of a feature [microstrain], after the division by the load factor."""
+        return float(np.sqrt(self.recipe.noise_variance) / self.load_factor)
+
+
+def build_dataset(means: MeanStrains, recipe: Recipe | None = None, seed: int = 0) -> Dataset:
+    """Draw the readings of the recipe (the paper's if not given) from a seed: noise first, then the split.
+
+    Raises
+    ------
+    InputError
+        If no gauge is usable or the seed is negative.
+    """
+    drawn = Recipe() if recipe is None else recipe
+    if seed < 0:
+        raise InputError(f"seed is {seed}; expected 0 or more; choose another")
+    if not means.is_usable.any():
+        raise InputError(
+            f"none of {len(means.gauges)} gauges is usable; expected at least one outside the regions; move one"
+        )
+    rng = np.random.default_rng(seed)
+    clean = means.strain_microstrain[:, means.is_usable]
+    states = np.repeat(np.arange(len(clean)), drawn.samples_per_state)
+    readings = clean[states] + rng.normal(0.0, np.sqrt(drawn.noise_variance), (len(states), clean.shape[1]))
+    is_train = np.zeros(len(states), dtype=bool)
+    is_train[rng.permutation(len(states))[: round(drawn.train_fraction * len(states))]] = True
+    gauges = tuple(name for name, usable in zip(means.gauges, means.is_usable, strict=True) if usable)
+    return Dataset(
+        readings / means.load_factor,
+        states,
+        means.states_percent,
+        clean / means.load_factor,
+        gauges,
+        is_train,
+        means.load_factor,
+        drawn,
+        seed,
+        means.source,
+        means.model_hash,
+    )
+
+
+def _read_table(path: Path) -> pd.DataFrame:
+    """Return a CSV as a table, or one sentence on why not."""
+    try:
+        return pd.read_csv(path)
+    except FileNotFoundError as error:
+        raise InputError(f"{path} does not exist; expected a CSV table; correct the path") from error
+    except (pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeDecodeError, OSError) as error:
+        raise InputError(f"{path} cannot be read ({error}); expected a CSV table; repair the file") from error

@@ -1,0 +1,1 @@
+"""Shell elements: stiffness, mass and strain rows in global axes, one file an element."""

@@ -1,0 +1,63 @@
+"""Three-node laminated shell with discrete shear gaps.
+
+Source: K.-U. Bletzinger, M. Bischoff, E. Ramm, Computers & Structures 75 (2000) 321-334, as in pyfe3d. Its membrane
+part is the constant-strain triangle: stiff in in-plane bending, so the wing uses it only where a rib ends in a point.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from pyfe3d import INT, Tria3DSG, Tria3DSGProbe
+
+from femlib.arrays import FloatArray, IntArray
+from femlib.elements.frame import StrainOperator, align, element_axes, shell_property, to_global
+from femlib.material import Laminate, isotropic_plate
+
+N_NODES = 3
+N_DOFS = 18
+
+
+def stiffness(points: FloatArray, laminates: Sequence[Laminate], section: IntArray, axis: FloatArray) -> FloatArray:
+    """Return the stiffness matrices (n, 18, 18) in global axes, arguments as the quadrilateral's."""
+    properties = [shell_property(laminate) for laminate in laminates]
+    values = np.zeros((len(points), N_DOFS * N_DOFS))
+    unused = np.zeros(1, dtype=INT)
+    for corners, kind, row in zip(points, section, values, strict=True):
+        _placed(corners, axis).update_KC0(unused, unused, row, properties[kind], 1)
+    return values.reshape(-1, N_DOFS, N_DOFS)
+
+
+def mass(points: FloatArray, laminates: Sequence[Laminate], section: IntArray) -> FloatArray:
+    """Return the consistent mass matrices (n, 18, 18) in global axes."""
+    properties = [shell_property(laminate) for laminate in laminates]
+    matrices = np.zeros((len(points), N_DOFS, N_DOFS))
+    rows, columns = np.zeros(N_DOFS**2, dtype=INT), np.zeros(N_DOFS**2, dtype=INT)
+    for corners, kind, matrix in zip(points, section, matrices, strict=True):
+        values = np.zeros(N_DOFS**2)
+        _placed(corners, np.zeros(3)).update_M(rows, columns, values, properties[kind], 0)
+        np.add.at(matrix, (rows, columns), values)
+    return matrices
+
+
+def strain_operator(points: FloatArray) -> StrainOperator:
+    """Return the strain rows, constant over the element, of one element with corners (3, 3) [m]."""
+    element = _placed(points, np.zeros(3))
+    probe = element.probe
+    # the library fills the strain rows only while it forms a stiffness, whatever the section is
+    unused = np.zeros(1, dtype=INT)
+    element.update_KC0(unused, unused, np.zeros(N_DOFS**2), shell_property(isotropic_plate(1.0, 0.0, 1.0)), 1)
+    axes = element_axes(element)
+    membrane = np.array([probe.BLexx, probe.BLeyy, probe.BLgxy])
+    curvature = np.array([probe.BLkxx, probe.BLkyy, probe.BLkxy])
+    return StrainOperator(to_global(membrane, axes), to_global(curvature, axes), axes)
+
+
+def _placed(corners: FloatArray, axis: FloatArray) -> Tria3DSG:
+    """Return an element that sees only its own nine coordinates."""
+    element = Tria3DSG(Tria3DSGProbe())
+    element.c1, element.c2, element.c3 = 0, 6, 12
+    flat = np.ascontiguousarray(corners, dtype=np.float64).ravel()
+    element.update_rotation_matrix(flat)
+    align(element, axis)
+    element.update_probe_xe(flat)
+    return element

@@ -1,0 +1,194 @@
+"""Materials and laminates: from moduli to the shell stiffness A, B, D.
+
+A shell of plies at heights z has, per unit width, membrane forces N and moments M
+
+    N = A eps + B kappa,   M = B eps + D kappa,   (A, B, D) = sum over plies of integral (1, z, z^2) Q dz,
+
+and transverse shear forces `shear @ gamma`, order (yz, xz). Source: R. M. Jones, Mechanics of Composite Materials
+(1999), eqs 4.22-4.24.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from femlib.arrays import FloatArray, frozen_floats
+from femlib.errors import InputError
+
+SHEAR_CORRECTION = 5.0 / 6.0
+"""Ratio of the shear stiffness of a homogeneous section to a constant shear strain. Price: exact for one ply only."""
+
+
+@dataclass(frozen=True, slots=True)
+class Ply:
+    """One orthotropic layer in plane stress.
+
+    Attributes
+    ----------
+    young_1, young_2 : float
+        Moduli along and across the fibres [Pa].
+    poisson_12 : float
+        Contraction across the fibres under stress along them [-].
+    shear_12, shear_13, shear_23 : float
+        Shear moduli [Pa].
+    thickness : float
+        Thickness [m].
+    angle : float
+        Fibre direction against the shell's axis [rad].
+    density : float
+        Mass density [kg/m^3].
+    expansion_1, expansion_2 : float
+        Thermal expansion along and across the fibres [1/K].
+
+    Raises
+    ------
+    InputError
+        If a modulus or the thickness is not positive, or the Poisson ratio breaks positive definiteness.
+    """
+
+    young_1: float
+    young_2: float
+    poisson_12: float
+    shear_12: float
+    shear_13: float
+    shear_23: float
+    thickness: float
+    angle: float = 0.0
+    density: float = 0.0
+    expansion_1: float = 0.0
+    expansion_2: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("young_1", "young_2", "shear_12", "shear_13", "shear_23", "thickness"):
+            value = getattr(self, name)
+            if not value > 0.0:
+                raise InputError(
+                    f"ply {name} is {value}; expected a positive number in SI units; correct the material card"
+                )
+        if self.density < 0.0:
+            raise InputError(f"ply density is {self.density} kg/m^3; expected 0 or more; correct the material card")
+        if self.poisson_12**2 * self.young_2 >= self.young_1:
+            raise InputError(
+                f"ply poisson_12 is {self.poisson_12}; expected less than sqrt(young_1 / young_2) in size, "
+                "or the stiffness is not positive definite; correct the material card"
+            )
+
+    def plane_stress(self) -> FloatArray:
+        """Return the stiffness (3, 3) [Pa] of strains (xx, yy, xy) in the shell's axes."""
+        rest = 1.0 - self.poisson_12**2 * self.young_2 / self.young_1
+        q12 = self.poisson_12 * self.young_2 / rest
+        along = np.array([[self.young_1 / rest, q12, 0.0], [q12, self.young_2 / rest, 0.0], [0.0, 0.0, self.shear_12]])
+        turn = self._strain_turn()
+        return np.asarray(turn.T @ along @ turn)
+
+    def transverse_shear(self) -> FloatArray:
+        """Return the stiffness (2, 2) [Pa] of the shear strains (yz, xz) in the shell's axes."""
+        c, s = np.cos(self.angle), np.sin(self.angle)
+        turn = np.array([[c, -s], [s, c]])
+        return np.asarray(turn.T @ np.diag([self.shear_23, self.shear_13]) @ turn)
+
+    def free_strain(self) -> FloatArray:
+        """Return the strain (3,) [1/K] of one kelvin of free expansion in the shell's axes."""
+        fibre = np.array([self.expansion_1, self.expansion_2, 0.0])
+        return np.linalg.solve(self._strain_turn(), fibre)
+
+    def _strain_turn(self) -> FloatArray:
+        """Rotation of engineering strains from the shell's axes to the fibre's."""
+        c, s = np.cos(self.angle), np.sin(self.angle)
+        return np.array([[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Laminate:
+    """Shell stiffness, mass and thermal forces per unit area of a stack of plies.
+
+    Attributes
+    ----------
+    membrane, coupling, bending : FloatArray
+        A [N/m], B [N] and D [N m], each (3, 3).
+    shear : FloatArray
+        Transverse shear stiffness (2, 2) of (yz, xz) [N/m], correction included.
+    thickness : float
+        Total thickness [m]; the reference surface lies in the middle.
+    mass, mass_moment, rotary_inertia : float
+        Integrals of density times 1, z, z^2 [kg/m^2, kg/m, kg].
+    thermal_force, thermal_moment : FloatArray
+        Force (3,) [N/m/K] and moment (3,) [N/K] of one kelvin of hindered uniform warming.
+    gradient_force, gradient_moment : FloatArray
+        The same of a temperature z * (1 K/m): (3,) [N/(K/m)/m] and (3,) [N m/(K/m)/m].
+    """
+
+    membrane: FloatArray
+    coupling: FloatArray
+    bending: FloatArray
+    shear: FloatArray
+    thickness: float
+    mass: float
+    mass_moment: float
+    rotary_inertia: float
+    thermal_force: FloatArray
+    thermal_moment: FloatArray
+    gradient_force: FloatArray
+    gradient_moment: FloatArray
+
+    def __post_init__(self) -> None:
+        if not self.thickness > 0.0:
+            raise InputError(f"laminate thickness is {self.thickness} m; expected a positive number; correct the plies")
+        shapes: tuple[tuple[str, tuple[int, ...]], ...] = (
+            *((name, (3, 3)) for name in ("membrane", "coupling", "bending")),
+            ("shear", (2, 2)),
+            *((name, (3,)) for name in ("thermal_force", "thermal_moment", "gradient_force", "gradient_moment")),
+        )
+        for name, shape in shapes:
+            object.__setattr__(self, name, frozen_floats(getattr(self, name), f"laminate {name}", shape))
+
+
+def laminate(plies: Sequence[Ply]) -> Laminate:
+    """Stack plies from the bottom to the top face.
+
+    Raises
+    ------
+    InputError
+        If there is no ply.
+    """
+    if not plies:
+        raise InputError("laminate got 0 plies; expected at least one; list them from the bottom to the top face")
+    heights = np.concatenate([[0.0], np.cumsum([ply.thickness for ply in plies])])
+    heights -= heights[-1] / 2.0
+    powers = [np.diff(heights ** (k + 1)) / (k + 1) for k in range(3)]
+    stiff = np.array([ply.plane_stress() for ply in plies])
+    free = np.array([ply.plane_stress() @ ply.free_strain() for ply in plies])
+    density = np.array([ply.density for ply in plies])
+    shear = np.einsum("p,pij->ij", powers[0], np.array([ply.transverse_shear() for ply in plies]))
+    membrane, coupling, bending = (np.einsum("p,pij->ij", power, stiff) for power in powers)
+    mass, mass_moment, rotary_inertia = (float(power @ density) for power in powers)
+    return Laminate(
+        membrane=membrane,
+        coupling=coupling,
+        bending=bending,
+        shear=SHEAR_CORRECTION * shear,
+        thickness=float(heights[-1] - heights[0]),
+        mass=mass,
+        mass_moment=mass_moment,
+        rotary_inertia=rotary_inertia,
+        thermal_force=powers[0] @ free,
+        thermal_moment=powers[1] @ free,
+        gradient_force=powers[1] @ free,
+        gradient_moment=powers[2] @ free,
+    )
+
+
+def isotropic_ply(young: float, poisson: float, thickness: float, density: float = 0.0, expansion: float = 0.0) -> Ply:
+    """Return a ply of isotropic material, moduli [Pa], thickness [m], density [kg/m^3], expansion [1/K]."""
+    if not -1.0 < poisson < 0.5:
+        raise InputError(f"poisson is {poisson}; expected more than -1 and less than 0.5; correct the material card")
+    shear = young / (2.0 * (1.0 + poisson))
+    return Ply(young, young, poisson, shear, shear, shear, thickness, 0.0, density, expansion, expansion)
+
+
+def isotropic_plate(
+    young: float, poisson: float, thickness: float, density: float = 0.0, expansion: float = 0.0
+) -> Laminate:
+    """Return the laminate of one isotropic layer, arguments as `isotropic_ply`."""
+    return laminate([isotropic_ply(young, poisson, thickness, density, expansion)])

@@ -1,0 +1,158 @@
+"""A shell mesh of quadrilaterals and triangles, with the checks that the elements need.
+
+Elements are numbered quadrilaterals first, then triangles. Each belongs to a named patch ("top", "web", ...), across
+whose border strains may jump.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from femlib.arrays import FloatArray, IntArray, frozen_floats, frozen_ints
+from femlib.errors import MeshError
+
+DOFS_PER_NODE = 6
+"""Translations along x, y, z [m], then rotations about x, y, z [rad]."""
+
+
+@dataclass(frozen=True, slots=True)
+class QualityLimits:
+    """What the shell elements bear.
+
+    Attributes
+    ----------
+    warp : float
+        Distance of a corner from the mean plane over the longest edge. The quadrilateral ignores warp: a twisted beam
+        of warped elements gave .25 to .82 of its reference, so warp is refused and not corrected.
+    aspect : float
+        Longest over shortest edge.
+    distortion : float
+        Least over largest corner area of a quadrilateral must exceed this (0 = a corner of 180 degrees).
+    """
+
+    warp: float = 1e-3
+    aspect: float = 40.0
+    distortion: float = 0.02
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Mesh:
+    """Nodes and shell elements.
+
+    Attributes
+    ----------
+    nodes : FloatArray
+        Positions (n_nodes, 3) [m].
+    quads : IntArray
+        Corners (n_quads, 4), counter-clockwise seen from the top side.
+    trias : IntArray
+        Corners (n_trias, 3), likewise.
+    patches : tuple of str
+        Names of the patches.
+    patch_of_element : IntArray
+        Index into `patches` (n_elements,), quadrilaterals first.
+
+    Raises
+    ------
+    MeshError
+        If an element names a missing node, has no area, or exceeds `limits` (with the element's number).
+    """
+
+    nodes: FloatArray
+    quads: IntArray
+    trias: IntArray
+    patches: tuple[str, ...]
+    patch_of_element: IntArray
+    limits: QualityLimits = QualityLimits()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "nodes", frozen_floats(self.nodes, "mesh nodes", (-1, 3)))
+        object.__setattr__(self, "quads", frozen_ints(self.quads, "mesh quads", (-1, 4)))
+        object.__setattr__(self, "trias", frozen_ints(self.trias, "mesh trias", (-1, 3)))
+        counts = (self.n_elements,)
+        object.__setattr__(
+            self, "patch_of_element", frozen_ints(self.patch_of_element, "mesh patch_of_element", counts)
+        )
+        for corners, first in ((self.quads, 0), (self.trias, len(self.quads))):
+            _check_corners(corners, first, len(self.nodes))
+            if len(corners):
+                _check_quality(self.nodes[corners], first, self.limits)
+
+    @property
+    def n_elements(self) -> int:
+        """Number of quadrilaterals and triangles."""
+        return len(self.quads) + len(self.trias)
+
+    @property
+    def n_dofs(self) -> int:
+        """Number of degrees of freedom, supports included."""
+        return DOFS_PER_NODE * len(self.nodes)
+
+    def corners_of(self, element: int) -> IntArray:
+        """Return the nodes (4,) or (3,) of an element."""
+        n_quads = len(self.quads)
+        return np.asarray(self.quads[element] if element < n_quads else self.trias[element - n_quads])
+
+    def elements_in(self, patch: str) -> IntArray:
+        """Return the element numbers of a patch."""
+        if patch not in self.patches:
+            raise MeshError(
+                f"patch {patch!r} is not in the mesh; expected one of {list(self.patches)}; correct the name"
+            )
+        return np.flatnonzero(self.patch_of_element == self.patches.index(patch))
+
+    def centroids(self) -> FloatArray:
+        """Return the mean of the corners (n_elements, 3) [m]."""
+        return np.concatenate([self.nodes[self.quads].mean(axis=1), self.nodes[self.trias].mean(axis=1)])
+
+    def area_vectors(self) -> FloatArray:
+        """Return the normals (n_elements, 3) toward the top side, as long as the area [m^2]."""
+        q, t = self.nodes[self.quads], self.nodes[self.trias]
+        quads = 0.5 * np.cross(q[:, 2] - q[:, 0], q[:, 3] - q[:, 1])
+        return np.concatenate([quads, 0.5 * np.cross(t[:, 1] - t[:, 0], t[:, 2] - t[:, 0])])
+
+
+def dofs_of_nodes(nodes: IntArray | Sequence[int]) -> IntArray:
+    """Return the degrees of freedom (n_nodes, 6) of nodes."""
+    return DOFS_PER_NODE * np.asarray(nodes, dtype=np.int64)[..., None] + np.arange(DOFS_PER_NODE)
+
+
+def _check_corners(corners: IntArray, first: int, n_nodes: int) -> None:
+    bad = (corners < 0) | (corners >= n_nodes)
+    if bad.any():
+        row, column = (int(k) for k in np.argwhere(bad)[0])
+        raise MeshError(
+            f"element {first + row} names node {corners[row, column]}; expected 0 to {n_nodes - 1}; "
+            "number the nodes from zero"
+        )
+
+
+def _check_quality(points: FloatArray, first: int, limits: QualityLimits) -> None:
+    """Refuse the first element of `points` (m, 3 or 4, 3) beyond the limits."""
+    edges = np.linalg.norm(np.roll(points, -1, axis=1) - points, axis=2)
+    longest, shortest = edges.max(axis=1), edges.min(axis=1)
+    _refuse(shortest <= 1e-12 * longest, first, shortest, "a shortest edge of", "m", "more than 0")
+    _refuse(
+        longest > limits.aspect * shortest, first, longest / shortest, "an aspect ratio of", "", f"<= {limits.aspect:g}"
+    )
+    forward = np.roll(points, -1, axis=1) - points
+    turns = np.cross(np.roll(forward, 1, axis=1), forward)
+    mean = turns.mean(axis=1)
+    size = np.linalg.norm(mean, axis=1)
+    _refuse(size <= 1e-12 * longest**2, first, size, "a mean corner area of", "m^2", "more than 0")
+    normal = mean / size[:, None]
+    signed = np.einsum("eki,ei->ek", turns, normal)
+    worst = signed.min(axis=1) / signed.max(axis=1)
+    _refuse(worst < limits.distortion, first, worst, "a corner ratio of", "", f">= {limits.distortion:g}")
+    height = np.abs(np.einsum("eki,ei->ek", points - points.mean(axis=1, keepdims=True), normal)).max(axis=1)
+    _refuse(height > limits.warp * longest, first, height / longest, "a warp of", "", f"<= {limits.warp:g}")
+
+
+def _refuse(bad: np.ndarray, first: int, values: FloatArray, what: str, unit: str, expected: str) -> None:
+    if bad.any():
+        row = int(np.flatnonzero(bad)[0])
+        raise MeshError(
+            f"element {first + row} has {what} {values[row]:.3g}{' ' if unit else ''}{unit}; expected {expected}; "
+            "refine or straighten the mesh there"
+        )

@@ -1,0 +1,163 @@
+"""Strain gauges: strain at a point, along a direction, on a side of a shell, as a linear map of the displacements.
+
+The strain inside one element is first-order accurate away from its centre. A gauge therefore reads the nodal averages
+of its element: at each corner the mean of the centre strains of the adjoining elements of the same patch, weighted by
+1 / area (exact for a linear field on a rectangular grid), then the element's own shape functions between the corners.
+Elements of other patches never enter, so a damage region's edge, where strain jumps, is not smeared.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sparse
+
+from femlib.arrays import FloatArray, IntArray, frozen_floats
+from femlib.elements import quad4
+from femlib.errors import InputError
+from femlib.mesh import Mesh, dofs_of_nodes
+
+N_NEAREST = 12
+"""Elements, nearest by centroid, among which a gauge's element is looked for."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StrainGauge:
+    """One gauge on a quadrilateral shell patch.
+
+    Attributes
+    ----------
+    name : str
+        Name.
+    position : FloatArray
+        Point (3,) [m]; it is projected on the element.
+    direction : FloatArray
+        Measuring direction (3,), projected on the element; its length does not matter.
+    patches : tuple of str
+        Patches in which the gauge's element is looked for.
+    side : float
+        Height over half the thickness: 1 top, 0 middle, -1 bottom.
+    """
+
+    name: str
+    position: FloatArray
+    direction: FloatArray
+    patches: tuple[str, ...]
+    side: float = 1.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "position", frozen_floats(self.position, f"gauge {self.name} position", (3,)))
+        object.__setattr__(self, "direction", frozen_floats(self.direction, f"gauge {self.name} direction", (3,)))
+        if not -1.0 <= self.side <= 1.0:
+            raise InputError(f"gauge {self.name} side is {self.side}; expected -1 (bottom) to 1 (top); correct it")
+
+
+@dataclass(frozen=True, slots=True)
+class Spot:
+    """Where a gauge sits: element number and natural coordinates in it."""
+
+    element: int
+    xi: float
+    eta: float
+
+
+def strain_rows(mesh: Mesh, thickness: FloatArray, gauges: Sequence[StrainGauge]) -> sparse.csr_array:
+    """Return the map (n_gauges, n_dofs) from displacements to strain, tension positive [-].
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The shells.
+    thickness : FloatArray
+        Thickness of each element (n_elements,) [m].
+    gauges : sequence of StrainGauge
+        The gauges.
+
+    Raises
+    ------
+    InputError
+        If a gauge lies outside its patches or measures along the normal.
+    """
+    adjoining = _quads_at_nodes(mesh)
+    areas = np.linalg.norm(mesh.area_vectors(), axis=1)
+    rows = [_averaged_row(mesh, thickness, gauge, locate(mesh, gauge), adjoining, areas) for gauge in gauges]
+    return sparse.csr_array(sparse.vstack(rows))
+
+
+def locate(mesh: Mesh, gauge: StrainGauge) -> Spot:
+    """Return the element and the natural coordinates of a gauge.
+
+    Raises
+    ------
+    InputError
+        If no quadrilateral of the gauge's patches holds the point.
+    """
+    candidates = np.concatenate([mesh.elements_in(patch) for patch in gauge.patches])
+    candidates = candidates[candidates < len(mesh.quads)]
+    distance = np.linalg.norm(mesh.nodes[mesh.quads[candidates]].mean(axis=1) - gauge.position, axis=1)
+    nearest = candidates[np.argsort(distance, kind="stable")[:N_NEAREST]]
+    found = [(_natural(mesh.nodes[mesh.quads[e]], gauge.position), int(e)) for e in nearest]
+    (xi, eta), element = min(found, key=lambda item: (_overshoot(*item[0]), item[1]))
+    if _overshoot(xi, eta) > 1e-6:
+        raise InputError(
+            f"gauge {gauge.name} at {[round(float(p), 4) for p in gauge.position]} m lies outside "
+            f"{list(gauge.patches)} (nearest element {element}); expected a point of the patch; move the gauge"
+        )
+    return Spot(element, float(np.clip(xi, -1.0, 1.0)), float(np.clip(eta, -1.0, 1.0)))
+
+
+def point_strain_row(
+    points: FloatArray, xi: float, eta: float, direction: FloatArray, height: float, name: str
+) -> FloatArray:
+    """Return the row (24,) of strain at one point of one quadrilateral, without averaging, at `height` [m]."""
+    operator = quad4.strain_operator(points, xi, eta)
+    along = operator.axes.T @ direction
+    length = np.hypot(along[0], along[1])
+    if length < 1e-6 * np.linalg.norm(direction) or length == 0.0:
+        raise InputError(f"gauge {name} measures along the shell's normal; expected one in the surface; turn it")
+    c, s = along[0] / length, along[1] / length
+    weights = np.array([c * c, s * s, c * s])
+    return np.asarray(weights @ (operator.membrane + height * operator.curvature))
+
+
+def _averaged_row(
+    mesh: Mesh, thickness: FloatArray, gauge: StrainGauge, spot: Spot, adjoining: list[IntArray], areas: FloatArray
+) -> sparse.csr_array:
+    patch = mesh.patch_of_element[spot.element]
+    weights: dict[int, float] = {}
+    for corner, share in zip(mesh.quads[spot.element], quad4.shape(spot.xi, spot.eta), strict=True):
+        around = [int(e) for e in adjoining[corner] if mesh.patch_of_element[e] == patch]
+        inverse = np.array([1.0 / areas[e] for e in around])
+        for element, part in zip(around, share * inverse / inverse.sum(), strict=True):
+            weights[element] = weights.get(element, 0.0) + float(part)
+    row = np.zeros((1, mesh.n_dofs))
+    for element, weight in weights.items():
+        height = gauge.side * thickness[element] / 2.0
+        corners = mesh.quads[element]
+        strain = point_strain_row(mesh.nodes[corners], 0.0, 0.0, gauge.direction, height, gauge.name)
+        row[0, dofs_of_nodes(corners).ravel()] += weight * strain
+    return sparse.csr_array(row)
+
+
+def _quads_at_nodes(mesh: Mesh) -> list[IntArray]:
+    """Return for each node the quadrilaterals that touch it."""
+    order = np.argsort(mesh.quads.ravel(), kind="stable")
+    counts = np.bincount(mesh.quads.ravel(), minlength=len(mesh.nodes))
+    return np.split(order // quad4.N_NODES, np.cumsum(counts)[:-1])
+
+
+def _overshoot(xi: float, eta: float) -> float:
+    """Return how far natural coordinates lie outside the element."""
+    return float(np.hypot(max(0.0, abs(xi) - 1.0), max(0.0, abs(eta) - 1.0)))
+
+
+def _natural(points: FloatArray, position: FloatArray) -> tuple[float, float]:
+    """Return (xi, eta) of the projection of `position` on the bilinear surface, by Gauss-Newton."""
+    xi = eta = 0.0
+    for _ in range(6):
+        gap = position - quad4.shape(xi, eta) @ points
+        along_xi = 0.25 * np.array([eta - 1, 1 - eta, 1 + eta, -1 - eta]) @ points
+        along_eta = 0.25 * np.array([xi - 1, -1 - xi, 1 + xi, 1 - xi]) @ points
+        step = np.linalg.lstsq(np.stack([along_xi, along_eta], axis=1), gap, rcond=None)[0]
+        xi, eta = float(np.clip(xi + step[0], -3, 3)), float(np.clip(eta + step[1], -3, 3))
+    return xi, eta

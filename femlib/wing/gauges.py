@@ -1,0 +1,89 @@
+"""Strain gauges of the wing: 24 installed and 58 candidates, all spanwise on the top skin.
+
+Their places were not published; they are deduced from the published strains (two rows, a gap at mid-span) and fitted.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from femlib.arrays import BoolArray, FloatArray, frozen_floats
+from femlib.geometry import Naca4, Planform
+from femlib.sensors import StrainGauge
+from femlib.wing.damage import DamageRegion
+
+SPANWISE = np.array([0.0, 1.0, 0.0])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class GaugeSet:
+    """Names and places of gauges.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Names (n,).
+    eta, chord_fraction : FloatArray
+        Span and chord fractions (n,).
+    position : FloatArray
+        Points (n, 3) on the top skin: x aft of the spar, y outboard, z up [m].
+    regions : tuple of str
+        Name of the damage region that holds each gauge, "" if none does (n,).
+    """
+
+    names: tuple[str, ...]
+    eta: FloatArray
+    chord_fraction: FloatArray
+    position: FloatArray
+    regions: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        n = len(self.names)
+        for name, shape in (("eta", (n,)), ("chord_fraction", (n,)), ("position", (n, 3))):
+            object.__setattr__(self, name, frozen_floats(getattr(self, name), f"gauge {name}", shape))
+
+    @property
+    def is_usable(self) -> BoolArray:
+        """Whether each gauge lies outside every damage region (n,)."""
+        return np.array([region == "" for region in self.regions])
+
+    def strain_gauges(self, patches: tuple[str, ...], side: float) -> list[StrainGauge]:
+        """Return the gauges for `patches` of the top skin; those in a region look in the region's patch alone.
+
+        `side` is the height at which a gauge reads over half the skin's thickness.
+        """
+        return [
+            StrainGauge(name, point, SPANWISE, (region,) if region else patches, side)
+            for name, point, region in zip(self.names, self.position, self.regions, strict=True)
+        ]
+
+
+def installed_places() -> FloatArray:
+    """Return (24, 2) span and chord fractions of g01 to g24: row A with 16, row B with 8."""
+    row_a = np.concatenate([np.linspace(0.26, 0.47, 8), np.linspace(0.57, 0.755, 8)])
+    row_b = np.concatenate([np.linspace(0.26, 0.47, 4), np.linspace(0.57, 0.755, 4)])
+    eta = np.concatenate([row_a, row_b])
+    return np.stack([eta, np.repeat([0.21, 0.35], [16, 8])], axis=1)
+
+
+def candidate_places() -> FloatArray:
+    """Return (58, 2) span and chord fractions of c01 to c58: four rows with 15, 14, 15 and 14 gauges."""
+    rows = [(0.12, 15), (0.26, 14), (0.42, 15), (0.52, 14)]
+    return np.concatenate([np.stack([np.linspace(0.20, 0.80, n), np.full(n, x)], axis=1) for x, n in rows])
+
+
+def gauge_set(planform: Planform, section: Naca4, regions: tuple[DamageRegion, ...], candidates: bool) -> GaugeSet:
+    """Return the installed gauges, with the candidates after them if asked."""
+    names = [f"g{k:02d}" for k in range(1, 25)]
+    places = installed_places()
+    if candidates:
+        names += [f"c{k:02d}" for k in range(1, 59)]
+        places = np.concatenate([places, candidate_places()])
+    eta, chord = places.T
+    height = planform.chord(eta) * section.heights(chord)[0]
+    position = np.concatenate([planform.position(eta, chord), height[:, None]], axis=1)
+    held = [
+        next((r.name for r in regions if r.contains(np.array(e), np.array(x))), "")
+        for e, x in zip(eta, chord, strict=True)
+    ]
+    return GaugeSet(tuple(names), eta, chord, position, tuple(held))

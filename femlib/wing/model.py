@@ -1,0 +1,183 @@
+"""The wing as a model: a damage state and a load factor in, displacements and gauge strains out.
+
+Strain is compressive positive (the gauges sit on the compressed top skin), in microstrain, at the given load factor
+and not divided by it. The model is linear in load.
+"""
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+
+import numpy as np
+import scipy.sparse as sparse
+
+from femlib import sensors
+from femlib.arrays import FloatArray
+from femlib.assembly import Supports
+from femlib.components import Component, DamagedStructure, damage_row
+from femlib.errors import InputError
+from femlib.mesh import DOFS_PER_NODE
+from femlib.wing.damage import UAV_REGIONS, DamageRegion
+from femlib.wing.gauges import GaugeSet, gauge_set, installed_places
+from femlib.wing.loads import EFFECTIVE_MASS, elliptic_lift
+from femlib.wing.planform import N_RIBS, PLANFORM, SECTION
+from femlib.wing.structure import WingGrid, WingMaterials, wing_grid, wing_mesh, wing_shells
+
+MICRO = 1e6
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Wing:
+    """A clamped half wing with damage regions and strain gauges.
+
+    Attributes
+    ----------
+    structure : DamagedStructure
+        Shells, clamped root, damage components.
+    grid : WingGrid
+        Node numbers by span station and chord line.
+    regions : tuple of DamageRegion
+        Damage regions, in the order of the structure's components.
+    gauges : GaugeSet
+        Gauges, in the order of the strains.
+    materials : WingMaterials
+        Moduli and thicknesses.
+    lift : FloatArray
+        Nodal forces (n_dofs,) at load factor 1 [N].
+    strain_rows : csr_array
+        Map (n_gauges, n_dofs) from displacements to strain, compressive positive [-].
+    """
+
+    structure: DamagedStructure
+    grid: WingGrid
+    regions: tuple[DamageRegion, ...]
+    gauges: GaugeSet
+    materials: WingMaterials
+    lift: FloatArray
+    strain_rows: sparse.csr_array = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        shells = self.structure.shells
+        side = self.materials.face_height / (self.materials.skin_thickness / 2.0)
+        thickness = np.array([laminate.thickness for laminate in shells.laminates])[shells.section]
+        gauges = self.gauges.strain_gauges(("top",), side)
+        object.__setattr__(self, "strain_rows", -sensors.strain_rows(shells.mesh, thickness, gauges))
+
+    @property
+    def span(self) -> float:
+        """Half-span [m]."""
+        return PLANFORM.span
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the damage parameters: the columns of a state array."""
+        return self.structure.parameters
+
+    @property
+    def model_hash(self) -> str:
+        """SHA-256 of everything the strains depend on: nodes, corners, materials, regions, loads, gauges."""
+        digest = hashlib.sha256()
+        mesh = self.structure.shells.mesh
+        for array in (mesh.nodes, mesh.quads, mesh.trias, self.structure.shells.scale, self.lift, self.gauges.position):
+            digest.update(np.ascontiguousarray(array).tobytes())
+        named = {"materials": asdict(self.materials), "regions": [asdict(region) for region in self.regions]}
+        digest.update(json.dumps(named, sort_keys=True).encode())
+        return digest.hexdigest()
+
+    def solve(self, state: Mapping[str, float], load_factor: float) -> FloatArray:
+        """Return the displacements (n_nodes, 6) [m, rad] of a state of named damage fractions.
+
+        Raises
+        ------
+        InputError
+            If the state names an unknown parameter, a damage is outside [0, 1), or the load factor is not finite.
+        """
+        row = damage_row(state, self.parameters)[None, :]
+        load = _checked_load_factor(load_factor) * self.lift
+        return np.asarray(self.structure.solve(row, load)[0].reshape(-1, DOFS_PER_NODE))
+
+    def strain_microstrain(self, state: Mapping[str, float], load_factor: float) -> FloatArray:
+        """Return the gauge strains (n_gauges,) of a state of named damage fractions, compressive positive.
+
+        Raises
+        ------
+        InputError
+            As `solve`.
+        """
+        return np.asarray(self.strains_microstrain(damage_row(state, self.parameters)[None, :], load_factor)[0])
+
+    def strains_microstrain(self, states: FloatArray, load_factor: float) -> FloatArray:
+        """Return the gauge strains (n_states, n_gauges) of damage fractions (n_states, n_parameters).
+
+        Raises
+        ------
+        InputError
+            As `solve`.
+        """
+        load = _checked_load_factor(load_factor) * self.lift
+        return MICRO * self.structure.solve_outputs(states, load, self.strain_rows)
+
+    def tip_stiffness(self) -> float:
+        """Return force over deflection of a tip load at the spar [N/m]."""
+        nodes = self.grid.columns(len(self.grid.eta) - 1)[self.grid.spar_column]
+        load = np.zeros_like(self.lift)
+        load[DOFS_PER_NODE * nodes + 2] = 1.0 / len(nodes)
+        undamaged = np.zeros((1, len(self.parameters)))
+        return 1.0 / float(load @ self.structure.solve(undamaged, load)[0])
+
+    def outline(self) -> FloatArray:
+        """Return the closed polygon (5, 2) of the planform in (x, y) [m]."""
+        return PLANFORM.outline()
+
+    def region_outline(self, region: DamageRegion) -> FloatArray:
+        """Return the closed polygon (5, 2) of a region in (x, y) [m]."""
+        eta = [region.eta_min, region.eta_max, region.eta_max, region.eta_min, region.eta_min]
+        chord = [region.chord_min, region.chord_min, region.chord_max, region.chord_max, region.chord_min]
+        return PLANFORM.position(eta, chord)
+
+
+def uav_wing(
+    candidates: bool = False,
+    refinement: float = 1.0,
+    materials: WingMaterials | None = None,
+    effective_mass: float = EFFECTIVE_MASS,
+) -> Wing:
+    """Return the UAV wing of the study, ready to solve.
+
+    Parameters
+    ----------
+    candidates : bool
+        Add the 58 candidate gauges to the 24 installed ones.
+    refinement : float
+        Divides the mesh steps; degrees of freedom grow with its square.
+    materials : WingMaterials, optional
+        Moduli and thicknesses; the fitted ones if not given.
+    effective_mass : float
+        Mass that the wing carries at load factor 1 [kg].
+
+    Raises
+    ------
+    InputError
+        If the refinement or the mass is not positive.
+    """
+    for name, value in (("refinement", refinement), ("effective_mass", effective_mass)):
+        if not 0.0 < value < np.inf:
+            raise InputError(f"{name} is {value}; expected a positive finite number; correct it")
+    cards = WingMaterials() if materials is None else materials
+    grid = wing_grid(PLANFORM, N_RIBS, UAV_REGIONS, installed_places()[:, 0], refinement)
+    mesh = wing_mesh(PLANFORM, SECTION, grid, UAV_REGIONS)
+    shells = wing_shells(mesh, PLANFORM, cards)
+    supports = Supports.clamping(mesh, np.flatnonzero(mesh.nodes[:, 1] == 0.0))
+    components = tuple(
+        Component(r.name, r.parameter, mesh.patch_of_element == mesh.patches.index(r.name)) for r in UAV_REGIONS
+    )
+    structure = DamagedStructure(shells, supports, components)
+    gauges = gauge_set(PLANFORM, SECTION, UAV_REGIONS, candidates)
+    return Wing(structure, grid, UAV_REGIONS, gauges, cards, elliptic_lift(mesh, grid, effective_mass))
+
+
+def _checked_load_factor(load_factor: float) -> float:
+    if not np.isfinite(load_factor):
+        raise InputError(f"load_factor is {load_factor}; expected a finite number; 1 is steady level flight")
+    return float(load_factor)

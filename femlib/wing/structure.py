@@ -1,0 +1,206 @@
+"""The wing as shells: skins, one spar web and ribs on a grid of span and chord lines.
+
+Both skins share their nodes at the leading and trailing edge; web and ribs share the skins' nodes. Nodes of one span
+station are scaled copies of the next station's, so every quadrilateral is plane.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from femlib.arrays import FloatArray, IntArray
+from femlib.assembly import Shells
+from femlib.geometry import Naca4, Planform, grid_lines
+from femlib.material import Laminate, isotropic_plate
+from femlib.mesh import Mesh
+from femlib.wing.damage import DamageRegion
+
+SKIN_PATCHES = ("top", "bottom")
+STEP_ETA = 0.016
+"""Largest step of the span fraction at refinement 1."""
+STEP_CHORD = 0.028
+"""Largest step of the chord fraction at refinement 1, aft of the nose."""
+NOSE_END = 0.12
+"""Chord fraction up to which the lines crowd toward the leading edge."""
+STEP_NOSE = 0.2
+"""Largest step of sqrt(x/c / 0.12) at refinement 1: the section curves most at its nose."""
+N_WEB_LEVELS = 2
+"""Elements over the height of web and ribs."""
+
+
+@dataclass(frozen=True, slots=True)
+class WingMaterials:
+    """Moduli and thicknesses, all fitted or assumed: none was published.
+
+    Attributes
+    ----------
+    skin_young, skin_poisson, skin_thickness : float
+        One layer [Pa, -, m] equivalent to a sandwich of two carbon faces of E t = 2.11e6 N/m at +-1.1 mm. Fitted to the
+        published strains. A thin monolithic skin would buckle at 40 to 100 microstrain.
+    face_height : float
+        Height of the carbon face over the skin's middle [m]: a gauge reads there, not at the equivalent layer's
+        surface.
+    skin_taper : float
+        Skin modulus at the tip over the root's, linear between. Fitted.
+    wood_young, wood_poisson, wood_thickness : float
+        Plywood of web and ribs [Pa, -, m]. Assumed.
+    modulus_scale : float
+        Factor on all moduli, fitted to the published tip stiffness 0.677 N/mm.
+    skin_density, wood_density : float
+        Masses [kg/m^3], fitted to about 2.3 kg of wing.
+    skin_expansion, wood_expansion : float
+        Thermal expansion [1/K]. Assumed: carbon fabric and plywood along the grain.
+    """
+
+    skin_young: float = 1.11e9
+    skin_poisson: float = 0.31
+    skin_thickness: float = 3.81e-3
+    face_height: float = 1.1e-3
+    skin_taper: float = 0.31
+    wood_young: float = 3.25e9
+    wood_poisson: float = 0.30
+    wood_thickness: float = 3.0e-3
+    modulus_scale: float = 1.0094
+    skin_density: float = 290.0
+    wood_density: float = 600.0
+    skin_expansion: float = 2.0e-6
+    wood_expansion: float = 5.0e-6
+
+    def laminates(self) -> tuple[Laminate, Laminate]:
+        """Return the sections (skin at the root, wood)."""
+        factor = self.modulus_scale
+        skin = isotropic_plate(
+            factor * self.skin_young, self.skin_poisson, self.skin_thickness, self.skin_density, self.skin_expansion
+        )
+        wood = isotropic_plate(
+            factor * self.wood_young, self.wood_poisson, self.wood_thickness, self.wood_density, self.wood_expansion
+        )
+        return skin, wood
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WingGrid:
+    """Node numbers of the wing on its grid lines.
+
+    Attributes
+    ----------
+    eta, chord : FloatArray
+        Span fractions (n_eta,) and chord fractions (n_chord,) of the grid lines.
+    upper, lower : IntArray
+        Nodes (n_eta, n_chord) of the skins; equal in the first and last column.
+    inside : IntArray
+        Nodes (n_eta, n_chord, N_WEB_LEVELS - 1) between the skins, -1 where neither web nor rib needs one.
+    rib_rows : IntArray
+        Indices into `eta` of the ribs (n_ribs,).
+    spar_column : int
+        Index into `chord` of the spar.
+    """
+
+    eta: FloatArray
+    chord: FloatArray
+    upper: IntArray
+    lower: IntArray
+    inside: IntArray
+    rib_rows: IntArray
+    spar_column: int
+
+    def columns(self, row: int) -> IntArray:
+        """Return the nodes (n_chord, N_WEB_LEVELS + 1) of a span station from the upper to the lower skin."""
+        return np.concatenate([self.upper[row, :, None], self.inside[row], self.lower[row, :, None]], axis=1)
+
+
+def wing_grid(
+    planform: Planform,
+    n_ribs: int,
+    regions: Sequence[DamageRegion],
+    gauge_eta: FloatArray,
+    refinement: float,
+) -> WingGrid:
+    """Number the nodes.
+
+    Ribs, spar, region edges and the span fractions `gauge_eta` of the installed gauges lie on grid lines, so that
+    strains and damage increments converge smoothly; steps shrink with 1 / `refinement`.
+    """
+    ribs = np.linspace(0.0, 1.0, n_ribs)
+    span_edges = [e for r in regions for e in (r.eta_min, r.eta_max)]
+    eta = grid_lines([*ribs, *span_edges, *gauge_eta], STEP_ETA / refinement)
+    nose = NOSE_END * grid_lines([0.0, 1.0], STEP_NOSE / refinement) ** 2
+    edges = [e for r in regions for e in (r.chord_min, r.chord_max)]
+    rest = grid_lines([NOSE_END, planform.spar_fraction, 1.0, *edges], STEP_CHORD / refinement)
+    chord = np.concatenate([nose[:-1], rest])
+    rib_rows = np.searchsorted(eta, ribs - 1e-9)
+    spar = int(np.searchsorted(chord, planform.spar_fraction - 1e-9))
+    shape = (len(eta), len(chord))
+    upper = np.arange(shape[0] * shape[1]).reshape(shape)
+    lower = upper.copy()
+    lower[:, 1:-1] = upper.size + np.arange(shape[0] * (shape[1] - 2)).reshape(shape[0], -1)
+    needed = np.zeros((*shape, N_WEB_LEVELS - 1), dtype=bool)
+    needed[:, spar] = True
+    needed[rib_rows, 1:-1] = True
+    inside = np.full(needed.shape, -1)
+    inside[needed] = lower.max() + 1 + np.arange(needed.sum())
+    return WingGrid(eta, chord, upper, lower, inside, rib_rows, spar)
+
+
+def wing_mesh(planform: Planform, section: Naca4, grid: WingGrid, regions: Sequence[DamageRegion]) -> Mesh:
+    """Return the mesh with patches top, bottom, web, ribs and one for each region."""
+    top, bottom = _skin(grid.upper), _skin(grid.lower)[:, ::-1]
+    patches = ("top", "bottom", "web", "ribs", *(region.name for region in regions))
+    top_patch = np.zeros(len(top), dtype=np.int64)
+    middle_eta = np.repeat(0.5 * (grid.eta[1:] + grid.eta[:-1]), len(grid.chord) - 1)
+    middle_chord = np.tile(0.5 * (grid.chord[1:] + grid.chord[:-1]), len(grid.eta) - 1)
+    for number, region in enumerate(regions):
+        top_patch[region.contains(middle_eta, middle_chord)] = 4 + number
+    web = _web(grid)
+    ribs, ends = _ribs(grid)
+    sizes = [(1, len(bottom)), (2, len(web)), (3, len(ribs)), (3, len(ends))]
+    patch = np.concatenate([top_patch, *(np.full(size, number) for number, size in sizes)])
+    return Mesh(_positions(planform, section, grid), np.concatenate([top, bottom, web, ribs]), ends, patches, patch)
+
+
+def wing_shells(mesh: Mesh, planform: Planform, materials: WingMaterials) -> Shells:
+    """Give each element its section; the skins' modulus falls linearly along the span."""
+    wood = np.isin(mesh.patch_of_element, [mesh.patches.index(p) for p in ("web", "ribs")])
+    eta = mesh.centroids()[:, 1] / planform.span
+    taper = 1.0 - (1.0 - materials.skin_taper) * eta
+    spanwise = np.array([0.0, 1.0, 0.0])
+    return Shells(mesh, materials.laminates(), wood.astype(np.int64), np.where(wood, 1.0, taper), spanwise)
+
+
+def _skin(nodes: IntArray) -> IntArray:
+    """Quadrilaterals of a node grid (n_eta, n_chord), normal up where x runs aft and y outboard."""
+    return np.stack([nodes[:-1, :-1], nodes[:-1, 1:], nodes[1:, 1:], nodes[1:, :-1]], axis=-1).reshape(-1, 4)
+
+
+def _web(grid: WingGrid) -> IntArray:
+    stacks = np.stack([grid.columns(row)[grid.spar_column] for row in range(len(grid.eta))])
+    return _skin(stacks)
+
+
+def _ribs(grid: WingGrid) -> tuple[IntArray, IntArray]:
+    """Quadrilaterals of the ribs, and the triangles at their noses and tails."""
+    quads, trias = [], []
+    for row in grid.rib_rows:
+        columns = grid.columns(int(row))
+        quads.append(_skin(columns[1:-1]))
+        for tip, stack in ((grid.upper[row, 0], columns[1]), (grid.upper[row, -1], columns[-2][::-1])):
+            trias.append(np.stack([np.full(N_WEB_LEVELS, tip), stack[:-1], stack[1:]], axis=-1))
+    return np.concatenate(quads), np.concatenate(trias)
+
+
+def _positions(planform: Planform, section: Naca4, grid: WingGrid) -> FloatArray:
+    """Node positions (n_nodes, 3): a section scaled by the chord at each station."""
+    upper, lower = section.heights(grid.chord)
+    n_nodes = int(max(grid.lower.max(), grid.inside.max())) + 1
+    nodes = np.zeros((n_nodes, 3))
+    chords = planform.chord(grid.eta)
+    plane = planform.position(grid.eta[:, None], grid.chord[None, :])
+    levels = np.linspace(0.0, 1.0, N_WEB_LEVELS + 1)[1:-1]
+    stacks = [(grid.upper, upper), (grid.lower, lower)]
+    stacks += [(grid.inside[:, :, k], upper + level * (lower - upper)) for k, level in enumerate(levels)]
+    for numbers, height in stacks:
+        z = chords[:, None] * height[None, :]
+        points = np.concatenate([plane, z[:, :, None]], axis=2)
+        nodes[numbers[numbers >= 0]] = points[numbers >= 0]
+    return nodes

@@ -1,0 +1,38 @@
+"""The wing as a twin: what a monitor or a diagnosis asks of any model, by shape and without knowing this package."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from femlib.arrays import FloatArray
+from femlib.wing.model import Wing, uav_wing
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WingTwin:
+    """A wing that answers with gauge strains.
+
+    Attributes
+    ----------
+    wing : Wing
+        The model.
+    effects : mapping
+        What a real wing may have that the model lacks, by name. Empty: the wing has no unmodelled effect of its own
+        yet.
+    """
+
+    wing: Wing
+    effects: Mapping[str, object] = field(default_factory=dict)
+
+    @property
+    def gauges(self) -> tuple[str, ...]:
+        """Names of the gauges."""
+        return self.wing.gauges.names
+
+    def predict(self, state: Mapping[str, float], load_factor: float) -> FloatArray:
+        """Return the strains (n_gauges,) in microstrain of a state of damage fractions, compressive positive."""
+        return self.wing.strain_microstrain(state, load_factor)
+
+
+def uav_twin() -> WingTwin:
+    """Return the twin of the UAV wing with its 24 installed gauges."""
+    return WingTwin(uav_wing())

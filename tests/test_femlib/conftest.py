@@ -1,0 +1,37 @@
+"""One wing for all tests, and the published table where it lies beside the project."""
+
+from pathlib import Path
+
+import pytest
+
+from femlib.dataset import MeanStrains, published_strains, simulated_strains
+from femlib.wing import Wing, uav_wing
+
+SHARED = Path(__file__).resolve().parents[3] / "shared"
+PUBLISHED = SHARED / "uav" / "strains.csv"
+
+
+@pytest.fixture(scope="session")
+def wing() -> Wing:
+    """The wing at its default mesh."""
+    return uav_wing()
+
+
+@pytest.fixture(scope="session")
+def coarse() -> Wing:
+    """The wing on a coarse mesh with all 82 gauges, for tests of exactness that hold on any mesh."""
+    return uav_wing(candidates=True, refinement=0.5)
+
+
+@pytest.fixture(scope="session")
+def simulated(wing: Wing) -> MeanStrains:
+    """Mean strains of the 25 states from the wing."""
+    return simulated_strains(wing)
+
+
+@pytest.fixture(scope="session")
+def published() -> MeanStrains:
+    """Mean strains of the 25 states from the published table."""
+    if not PUBLISHED.exists():
+        pytest.skip("the published strain table is not beside the project (../shared/uav/strains.csv)")
+    return published_strains(PUBLISHED)

@@ -1,0 +1,90 @@
+"""Damage through ports is the full model, state by state."""
+
+import numpy as np
+import pytest
+
+from femlib.assembly import factorise
+from femlib.components import Component, DamagedStructure
+from femlib.errors import InputError
+from femlib.wing import Wing
+
+STATES = np.array([[0.0, 0.0], [0.8, 0.0], [0.0, 0.4], [0.6, 0.999]])
+
+
+def full_solution(wing: Wing, mu: np.ndarray, load: np.ndarray) -> np.ndarray:
+    structure = wing.structure
+    supports = structure.supports
+    factors = factorise(structure.stiffness(mu), supports.free // 6)
+    return supports.expand(factors.solve(load[supports.free]))
+
+
+def test_the_condensed_solution_is_that_of_a_new_factorisation(coarse: Wing) -> None:
+    rng = np.random.default_rng(1)
+    load = coarse.lift + 0.1 * rng.normal(size=coarse.lift.shape)  # loads inside the regions too
+    moved = coarse.structure.solve(STATES, load)
+    for mu, displacement in zip(STATES, moved, strict=True):
+        full = full_solution(coarse, mu, load)
+        assert np.abs(displacement - full).max() < 1e-8 * np.abs(full).max()
+
+
+def test_outputs_without_displacements_are_those_of_the_displacements(coarse: Wing) -> None:
+    moved = coarse.structure.solve(STATES, 3.0 * coarse.lift)
+    direct = 1e6 * (coarse.strain_rows @ moved.T).T
+    assert coarse.strains_microstrain(STATES, 3.0) == pytest.approx(direct, abs=1e-4)
+
+
+def test_stiffness_is_affine_symmetric_and_positive_definite_in_every_state(coarse: Wing) -> None:
+    structure = coarse.structure
+    none, first, half = (structure.stiffness(np.array([a, 0.0])) for a in (0.0, 0.8, 0.4))
+    assert abs(0.5 * (none + first) - half).max() < 1e-9 * abs(none).max()
+    rng = np.random.default_rng(0)
+    for mu in STATES:
+        matrix = structure.stiffness(mu)
+        assert abs(matrix - matrix.T).max() < 1e-12 * abs(matrix).max()
+        trial = rng.normal(size=(matrix.shape[0], 5))
+        assert (np.einsum("ik,ik->k", trial, matrix @ trial) > 0).all()
+    assert np.linalg.eigvalsh(structure.condensed_stiffness).min() > 0
+
+
+def test_a_structure_without_components_is_solved(coarse: Wing) -> None:
+    bare = DamagedStructure(coarse.structure.shells, coarse.structure.supports, ())
+    undamaged = coarse.structure.solve(np.zeros((1, 2)), coarse.lift)
+    assert bare.solve(np.zeros((1, 0)), coarse.lift) == pytest.approx(undamaged, abs=1e-10)
+
+
+def test_damage_only_softens(coarse: Wing) -> None:
+    states = np.column_stack([np.linspace(0, 0.9, 5), np.zeros(5)])
+    work = coarse.structure.solve(states, coarse.lift) @ coarse.lift
+    assert (np.diff(work) > 0).all()
+
+
+@pytest.mark.parametrize(
+    ("states", "sentence"),
+    [
+        ([[0.0, 1.0]], r"state 0 has mu2 = 1; expected a loss of stiffness from 0 to below 1"),
+        ([[0.0, 0.0], [20.0, 0.0]], r"state 1 has mu1 = 20; .*give it as a fraction, not in percent"),
+        ([[-0.1, 0.0]], r"state 0 has mu1 = -0.1"),
+        ([[0.0]], r"states has shape \(1, 1\); expected \('n', 2\)"),
+        ([[np.nan, 0.0]], r"states\[0, 0\] is nan; expected finite numbers"),
+    ],
+)
+def test_a_bad_state_gets_a_sentence(coarse: Wing, states: list[list[float]], sentence: str) -> None:
+    with pytest.raises(InputError, match=sentence):
+        coarse.strains_microstrain(np.array(states), 3.0)
+
+
+def test_a_bad_load_gets_a_sentence(coarse: Wing) -> None:
+    load = coarse.lift.copy()
+    load[7] = np.nan
+    with pytest.raises(InputError, match=r"load\[7\] is nan; expected finite numbers"):
+        coarse.structure.solve(STATES, load)
+
+
+def test_overlapping_or_empty_regions_are_refused(coarse: Wing) -> None:
+    structure = coarse.structure
+    first = structure.components[0]
+    with pytest.raises(InputError, match=r"regions R1 and R9 share \d+ elements; expected none"):
+        DamagedStructure(structure.shells, structure.supports, (first, Component("R9", "mu9", first.elements)))
+    nothing = Component("R9", "mu9", np.zeros_like(first.elements))
+    with pytest.raises(InputError, match="region R9 holds no element"):
+        DamagedStructure(structure.shells, structure.supports, (nothing,))

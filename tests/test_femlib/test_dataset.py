@@ -1,0 +1,175 @@
+"""The recipe is reproducible, files come back as they went, bad tables get a sentence."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from femlib.dataset import (
+    Dataset,
+    MeanStrains,
+    Recipe,
+    build_dataset,
+    published_strains,
+    read_dataset,
+    study_states_percent,
+    write_dataset,
+)
+from femlib.errors import InputError
+
+
+@pytest.fixture
+def means() -> MeanStrains:
+    """Made-up strains of 25 states on four gauges, the last inside a region."""
+    states = study_states_percent()
+    strains = 1000.0 + states @ np.array([[3.0, 1.0, 0.0, 9.0], [0.0, 0.5, 2.0, 9.0]])
+    usable = np.array([True, True, True, False])
+    return MeanStrains(states, strains, 3.0, ("g01", "g02", "g03", "g04"), usable, "made up", "abc")
+
+
+def table_text() -> str:
+    header = "mu1_percent,mu2_percent,load_factor,modulus_scale,kind," + ",".join(
+        f"strain_{k:02d}" for k in range(1, 25)
+    )
+    rows = [
+        f"{a},{b},{load},1.0,{kind}," + ",".join(str(float(load * (a + b) + k)) for k in range(24))
+        for a, b in study_states_percent()[::-1]
+        for load in (2, 3)
+        for kind in ("mean", "sample")
+    ]
+    return "\n".join([header, *rows]) + "\n"
+
+
+def same(first: Dataset, second: Dataset) -> bool:
+    arrays = ("features", "states", "states_percent", "mean_features", "is_train")
+    plain = ("gauges", "load_factor", "recipe", "seed", "source", "model_hash")
+    return all(np.array_equal(getattr(first, a), getattr(second, a)) for a in arrays) and all(
+        getattr(first, a) == getattr(second, a) for a in plain
+    )
+
+
+def test_the_recipe_gives_the_size_split_and_labels_of_the_study(means: MeanStrains) -> None:
+    data = build_dataset(means)
+    assert data.features.shape == (2500, 3) and data.gauges == ("g01", "g02", "g03")
+    assert int(data.is_train.sum()) == 1750
+    assert np.bincount(data.mu1).nonzero()[0].tolist() == [0, 20, 40, 60, 80]
+    assert (np.bincount(data.states) == 100).all()
+    assert (data.states_percent[data.states, 1] == data.mu2).all()
+
+
+def test_noise_has_the_variance_of_the_recipe_after_the_division(means: MeanStrains) -> None:
+    data = build_dataset(means, Recipe(samples_per_state=2000), seed=4)
+    noise = data.features - data.mean_features[data.states]
+    assert data.noise_sd == pytest.approx(np.sqrt(1000.0) / 3.0)
+    assert noise.std() == pytest.approx(data.noise_sd, rel=0.01)
+    assert np.abs(np.corrcoef(noise.T) - np.eye(3)).max() < 0.02
+
+
+def test_a_seed_gives_the_same_data_and_another_seed_other_data(means: MeanStrains) -> None:
+    assert same(build_dataset(means, seed=7), build_dataset(means, seed=7))
+    assert not np.array_equal(build_dataset(means, seed=7).features, build_dataset(means, seed=8).features)
+
+
+def test_arrays_cannot_be_written_to(means: MeanStrains) -> None:
+    with pytest.raises(ValueError, match="read-only"):
+        build_dataset(means).features[0, 0] = 1.0
+
+
+@pytest.mark.parametrize("ending", ["csv", "parquet"])
+def test_a_dataset_comes_back_bit_for_bit(means: MeanStrains, tmp_path: Path, ending: str) -> None:
+    data = build_dataset(means, seed=3)
+    path = tmp_path / f"data.{ending}"
+    write_dataset(data, path)
+    assert same(read_dataset(path), data)
+    assert sorted(p.name for p in tmp_path.iterdir()) == [f"data.{ending}", f"data.{ending}.json"]
+
+
+def test_the_side_file_says_seed_noise_model_and_units(means: MeanStrains, tmp_path: Path) -> None:
+    write_dataset(build_dataset(means, seed=3), tmp_path / "data.csv")
+    side = json.loads((tmp_path / "data.csv.json").read_text())
+    assert side["seed"] == 3 and side["model_hash"] == "abc" and side["recipe"]["noise_variance"] == 1000.0
+    assert "microstrain" in side["units"]["features"] and side["rows"] == 2500
+
+
+def test_a_changed_or_truncated_file_is_refused(means: MeanStrains, tmp_path: Path) -> None:
+    path = tmp_path / "data.csv"
+    write_dataset(build_dataset(means), path)
+    path.write_text(path.read_text()[:-100])
+    with pytest.raises(InputError, match=r"data.csv is not the file its side file describes"):
+        read_dataset(path)
+
+
+def test_missing_and_broken_files_are_refused(means: MeanStrains, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"data.csv.json does not exist; expected the side file of data.csv"):
+        read_dataset(tmp_path / "data.csv")
+    (tmp_path / "data.csv.json").write_text("{")
+    with pytest.raises(InputError, match=r"data.csv.json is not JSON"):
+        read_dataset(tmp_path / "data.csv")
+    with pytest.raises(InputError, match=r"ends in '.txt'; expected .csv or .parquet"):
+        write_dataset(build_dataset(means), tmp_path / "data.txt")
+    with pytest.raises(InputError, match=r"cannot be written .*expected a writable folder"):
+        write_dataset(build_dataset(means), tmp_path / "nowhere" / "data.csv")
+
+
+def test_nothing_is_left_behind_when_writing_fails(means: MeanStrains, tmp_path: Path) -> None:
+    (tmp_path / "data.csv").mkdir()
+    with pytest.raises(OSError, match=r"."):
+        write_dataset(build_dataset(means), tmp_path / "data.csv")
+    assert [p.name for p in tmp_path.iterdir()] == ["data.csv"]
+
+
+def test_the_published_layout_is_read_in_any_row_order(tmp_path: Path) -> None:
+    path = tmp_path / "strains.csv"
+    path.write_text(table_text())
+    means = published_strains(path)
+    assert means.strain_microstrain[7] == pytest.approx(3.0 * (20 + 40) + np.arange(24))
+    assert means.gauges[0] == "g01" and int(means.is_usable.sum()) == 20
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        (lambda text: text.replace("strain_07", "strain_7"), r"lacks the columns \['strain_07'\]"),
+        (
+            lambda text: text.replace("\n80,80,3", "\n80,80,4"),
+            r"has 24 mean rows at load factor 3; expected one for each",
+        ),
+        (lambda text: text.replace("60.0,", "nan,", 1) if "60.0," in text else text, r"strain_microstrain\[|lacks"),
+        (lambda text: "", r"cannot be read"),
+    ],
+)
+def test_a_bad_table_gets_a_sentence(tmp_path: Path, change, sentence: str) -> None:  # type: ignore[no-untyped-def]
+    path = tmp_path / "strains.csv"
+    text = table_text()
+    lines = text.splitlines()
+    if sentence.startswith("strain_microstrain"):
+        lines = [line.replace(",80.0,", ",,") if line.split(",")[2:5:2] == ["3", "mean"] else line for line in lines]
+        path.write_text("\n".join(lines))
+    else:
+        path.write_text(change(text))
+    with pytest.raises(InputError, match=sentence):
+        published_strains(path)
+
+
+def test_a_missing_table_gets_a_sentence(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"none.csv does not exist; expected a CSV table"):
+        published_strains(tmp_path / "none.csv")
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({"samples_per_state": 0}, "samples_per_state is 0; expected 1 or more"),
+        ({"noise_variance": -1.0}, "noise_variance is -1.0; expected 0 or more"),
+        ({"train_fraction": 1.0}, "train_fraction is 1.0; expected between 0 and 1"),
+    ],
+)
+def test_a_bad_recipe_gets_a_sentence(change: dict[str, float], sentence: str) -> None:
+    with pytest.raises(InputError, match=sentence):
+        Recipe(**change)  # type: ignore[arg-type]
+
+
+def test_a_negative_seed_gets_a_sentence(means: MeanStrains) -> None:
+    with pytest.raises(InputError, match="seed is -1; expected 0 or more"):
+        build_dataset(means, seed=-1)

@@ -1,0 +1,63 @@
+"""Laminates against closed forms."""
+
+import numpy as np
+import pytest
+
+from femlib.errors import FemlibError, InputError
+from femlib.material import Ply, isotropic_plate, isotropic_ply, laminate
+
+CARBON = Ply(140e9, 10e9, 0.3, 5e9, 5e9, 3e9, 0.125e-3, expansion_1=-0.5e-6, expansion_2=30e-6, density=1600.0)
+
+
+def turned(angle: float) -> Ply:
+    return Ply(140e9, 10e9, 0.3, 5e9, 5e9, 3e9, 0.125e-3, np.radians(angle), 1600.0, -0.5e-6, 30e-6)
+
+
+def test_isotropic_plate_has_the_plate_stiffness_of_the_textbook() -> None:
+    plate = isotropic_plate(70e9, 0.3, 2e-3, density=2700.0)
+    rigidity = 70e9 * 2e-3**3 / 12.0 / (1.0 - 0.3**2)
+    assert plate.bending[0, 0] == pytest.approx(rigidity, rel=1e-14)
+    assert plate.bending[0, 1] == pytest.approx(0.3 * rigidity, rel=1e-14)
+    assert plate.membrane[2, 2] == pytest.approx(70e9 / 2.6 * 2e-3, rel=1e-14)
+    assert plate.mass == pytest.approx(5.4) and plate.rotary_inertia == pytest.approx(2700 * 2e-3**3 / 12)
+    assert not plate.coupling.any()
+
+
+def test_symmetric_laminate_has_no_coupling_and_quasi_isotropic_has_isotropic_membrane() -> None:
+    stack = laminate([turned(a) for a in (0, 45, -45, 90, 90, -45, 45, 0)])
+    assert np.abs(stack.coupling).max() < 1e-9 * np.abs(stack.membrane).max() * stack.thickness
+    a = stack.membrane
+    assert a[0, 0] == pytest.approx(a[1, 1]) and a[2, 2] == pytest.approx(0.5 * (a[0, 0] - a[0, 1]))
+    assert np.abs(stack.thermal_moment).max() < 1e-9
+
+
+def test_a_ply_turned_by_ninety_degrees_swaps_its_axes() -> None:
+    q, r = CARBON.plane_stress(), turned(90).plane_stress()
+    assert r == pytest.approx(q[[1, 0, 2]][:, [1, 0, 2]], rel=1e-12, abs=1e-3)
+    assert turned(90).free_strain() == pytest.approx([30e-6, -0.5e-6, 0.0], abs=1e-18)
+
+
+def test_free_expansion_of_an_isotropic_plate_is_its_coefficient() -> None:
+    plate = isotropic_plate(3e9, 0.3, 4e-3, expansion=5e-6)
+    assert np.linalg.solve(plate.membrane, plate.thermal_force) == pytest.approx([5e-6, 5e-6, 0.0])
+    assert np.linalg.solve(plate.bending, plate.gradient_moment) == pytest.approx([5e-6, 5e-6, 0.0])
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({"thickness": -1e-3}, r"ply thickness is -0.001; expected a positive number"),
+        ({"young": 0.0}, r"ply young_1 is 0.0; expected a positive"),
+        ({"poisson": 0.5}, r"poisson is 0.5; expected more than -1 and less than 0.5"),
+        ({"density": -1.0}, r"ply density is -1.0 kg/m\^3; expected 0 or more"),
+    ],
+)
+def test_a_bad_material_card_gets_a_sentence(change: dict[str, float], sentence: str) -> None:
+    card = {"young": 1e9, "poisson": 0.3, "thickness": 1e-3, "density": 0.0} | change
+    with pytest.raises(InputError, match=sentence):
+        isotropic_ply(**card)
+
+
+def test_an_empty_laminate_gets_a_sentence() -> None:
+    with pytest.raises(FemlibError, match="laminate got 0 plies"):
+        laminate([])

@@ -1,0 +1,64 @@
+"""A mesh refuses what the elements cannot bear, with the element's number."""
+
+import numpy as np
+import pytest
+
+from femlib.errors import MeshError
+from femlib.geometry import Naca4, grid_lines
+from femlib.mesh import Mesh
+from tests.test_femlib.plates import grid_mesh
+
+
+def one_quad(corners: list[list[float]]) -> Mesh:
+    """A sound square as element 0 and the given one as element 1."""
+    sound = [[0, 0, 9], [1, 0, 9], [1, 1, 9], [0, 1, 9]]
+    quads = np.arange(8).reshape(2, 4)
+    return Mesh(
+        np.array(sound + corners, dtype=float),
+        quads,
+        np.zeros((0, 3), dtype=np.int64),
+        ("p",),
+        np.zeros(2, dtype=np.int64),
+    )
+
+
+@pytest.mark.parametrize(
+    ("corners", "sentence"),
+    [
+        ([[0, 0, 0], [1, 0, 0], [1, 1, 0.1], [0, 1, 0]], "element 1 has a warp of"),
+        ([[0, 0, 0], [50, 0, 0], [50, 1, 0], [0, 1, 0]], "element 1 has an aspect ratio of 50; expected <= 40"),
+        ([[0, 0, 0], [1, 0, 0], [0.2, 0.2, 0], [0, 1, 0]], "element 1 has a corner ratio of"),
+        ([[0, 0, 0], [0, 0, 0], [1, 1, 0], [0, 1, 0]], "element 1 has a shortest edge of 0 m"),
+        ([[0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0, 0]], "element 1 has a mean corner area of"),
+    ],
+)
+def test_a_bad_element_is_refused_by_number(corners: list[list[float]], sentence: str) -> None:
+    with pytest.raises(MeshError, match=sentence):
+        one_quad(corners)
+
+
+def test_a_missing_node_is_refused_by_number() -> None:
+    with pytest.raises(MeshError, match="element 0 names node 7; expected 0 to 3"):
+        Mesh(np.eye(4, 3), [[0, 1, 2, 7]], np.zeros((0, 3)), ("p",), [0])  # type: ignore[arg-type]
+
+
+def test_an_unknown_patch_is_refused_with_the_known_ones() -> None:
+    with pytest.raises(MeshError, match=r"patch 'tail' is not in the mesh; expected one of \['plate'\]"):
+        grid_mesh(np.linspace(0, 1, 3), np.linspace(0, 1, 3)).elements_in("tail")
+
+
+def test_area_vectors_point_to_the_top_side() -> None:
+    vectors = grid_mesh(np.linspace(0, 2, 5), np.linspace(0, 1, 3)).area_vectors()
+    assert vectors.sum(axis=0) == pytest.approx([0, 0, 2])
+
+
+def test_grid_lines_hold_every_stop_and_no_step_is_too_long() -> None:
+    lines = grid_lines([1.0, 0.0, 0.24, 0.39], 0.1)
+    assert set(np.round([0.0, 0.24, 0.39, 1.0], 12)) <= set(np.round(lines, 12))
+    assert np.diff(lines).max() <= 0.1 + 1e-12 and np.diff(lines).min() > 0
+
+
+def test_the_section_is_that_of_the_series() -> None:
+    upper, lower = Naca4(0.04, 0.4, 0.15).heights([0.0, 0.3, 1.0])
+    assert (upper - lower)[1] == pytest.approx(0.15, abs=2e-4)
+    assert upper[[0, 2]] == pytest.approx([0, 0], abs=1e-12) and 0.5 * (upper + lower)[1] == pytest.approx(0.0375)

@@ -1,0 +1,91 @@
+"""A gauge reads the exact strain where the field is linear, along any direction and on any side."""
+
+import numpy as np
+import pytest
+
+from femlib.errors import InputError
+from femlib.mesh import Mesh
+from femlib.sensors import StrainGauge, locate, strain_rows
+from tests.test_femlib.plates import grid_mesh, rotation
+
+THICKNESS = 2e-3
+
+
+@pytest.fixture
+def mesh() -> Mesh:
+    return grid_mesh(np.array([0.0, 0.1, 0.25, 0.4]), np.array([0.0, 0.15, 0.2, 0.4]))
+
+
+def gauge(x: float, y: float, direction: tuple[float, float, float], side: float = 0.0) -> StrainGauge:
+    return StrainGauge("s", np.array([x, y, 0.0]), np.array(direction), ("plate",), side)
+
+
+def test_a_linear_strain_field_is_read_exactly(mesh: Mesh) -> None:
+    x, y, _ = mesh.nodes.T
+    u = np.zeros((len(x), 6))
+    u[:, 0] = x + 2 * x * y  # exx = 1 + 2 y, bilinear: the elements hold it exactly
+    row = strain_rows(mesh, np.full(mesh.n_elements, THICKNESS), [gauge(0.17, 0.17, (1, 0, 0))])
+    assert (row @ u.ravel())[0] == pytest.approx(1 + 2 * 0.17, rel=1e-12)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.4, 1.3, np.pi / 2])
+def test_strain_along_an_angle_is_the_quadratic_form_of_the_strain_tensor(mesh: Mesh, angle: float) -> None:
+    gradient = np.array([[1.0, 0.7], [-0.2, -0.5]])
+    u = np.zeros((len(mesh.nodes), 6))
+    u[:, :2] = mesh.nodes[:, :2] @ gradient.T
+    u[:, 5] = 0.5 * (gradient[1, 0] - gradient[0, 1])
+    along = np.array([np.cos(angle), np.sin(angle)])
+    row = strain_rows(mesh, np.full(mesh.n_elements, THICKNESS), [gauge(0.2, 0.1, (*along, 0.0))])
+    assert (row @ u.ravel())[0] == pytest.approx(along @ gradient @ along, rel=1e-12)
+
+
+@pytest.mark.parametrize("side", [-1.0, 0.0, 0.5, 1.0])
+def test_bending_strain_grows_with_the_side(mesh: Mesh, side: float) -> None:
+    u = np.zeros((len(mesh.nodes), 6))
+    u[:, 4] = mesh.nodes[:, 0]  # r_y = x: curvature 1 / m
+    row = strain_rows(mesh, np.full(mesh.n_elements, THICKNESS), [gauge(0.2, 0.1, (1, 0, 0), side)])
+    assert (row @ u.ravel())[0] == pytest.approx(side * THICKNESS / 2.0)
+
+
+def test_a_gauge_turned_with_its_plate_reads_the_same(mesh: Mesh) -> None:
+    turn = rotation(2)
+    turned = Mesh(mesh.nodes @ turn.T, mesh.quads, mesh.trias, mesh.patches, mesh.patch_of_element)
+    u = np.random.default_rng(0).normal(size=(len(mesh.nodes), 6))
+    moved = np.concatenate([u[:, :3] @ turn.T, u[:, 3:] @ turn.T], axis=1)
+    flat = gauge(0.2, 0.1, (1.0, 0.3, 0.0), 1.0)
+    thickness = np.full(mesh.n_elements, THICKNESS)
+    there = StrainGauge("s", turn @ flat.position, turn @ flat.direction, ("plate",), 1.0)
+    first = strain_rows(mesh, thickness, [flat]) @ u.ravel()
+    assert strain_rows(turned, thickness, [there]) @ moved.ravel() == pytest.approx(first, rel=1e-10)
+
+
+def test_strain_does_not_leak_over_the_border_of_a_patch(mesh: Mesh) -> None:
+    halves = (mesh.centroids()[:, 0] > 0.1).astype(np.int64)
+    split = Mesh(mesh.nodes, mesh.quads, mesh.trias, ("left", "right"), halves)
+    u = np.zeros((len(mesh.nodes), 6))
+    u[:, 0] = np.maximum(0.0, mesh.nodes[:, 0] - 0.1)  # strain 0 left of x = 0.1, 1 right of it
+    thickness = np.full(mesh.n_elements, THICKNESS)
+    at_border = StrainGauge("s", np.array([0.1, 0.1, 0.0]), np.array([1.0, 0, 0]), ("right",), 0.0)
+    assert (strain_rows(split, thickness, [at_border]) @ u.ravel())[0] == pytest.approx(1.0)
+
+
+def test_the_place_of_a_gauge_is_found_in_natural_coordinates(mesh: Mesh) -> None:
+    spot = locate(mesh, gauge(0.175, 0.18, (1, 0, 0)))
+    assert spot.element == 4 and spot.xi == pytest.approx(0.0) and spot.eta == pytest.approx(0.2)
+
+
+def test_a_gauge_outside_its_patch_is_refused(mesh: Mesh) -> None:
+    with pytest.raises(
+        InputError, match=r"gauge s at \[0.5, 0.1, 0.0\] m lies outside \['plate'\] \(nearest element 6\)"
+    ):
+        locate(mesh, gauge(0.5, 0.1, (1, 0, 0)))
+
+
+def test_a_gauge_along_the_normal_is_refused(mesh: Mesh) -> None:
+    with pytest.raises(InputError, match="gauge s measures along the shell's normal"):
+        strain_rows(mesh, np.full(mesh.n_elements, THICKNESS), [gauge(0.2, 0.1, (0, 0, 1))])
+
+
+def test_a_side_beyond_the_faces_is_refused() -> None:
+    with pytest.raises(InputError, match=r"gauge s side is 1.5; expected -1 \(bottom\) to 1 \(top\)"):
+        gauge(0.0, 0.0, (1, 0, 0), 1.5)

@@ -1,0 +1,139 @@
+"""The wing: geometry, loads, linearity, and its distance from the published table."""
+
+import numpy as np
+import pytest
+
+from femlib.dataset import Dataset, MeanStrains, build_dataset
+from femlib.errors import InputError
+from femlib.mesh import DOFS_PER_NODE
+from femlib.wing import Wing, uav_twin, uav_wing
+
+
+def rms(values: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+def state(means: MeanStrains, mu1: int, mu2: int) -> np.ndarray:
+    return means.strain_microstrain[(means.states_percent == [mu1, mu2]).all(axis=1)][0]
+
+
+def test_gauges_lie_where_the_wing_has_them(coarse: Wing) -> None:
+    gauges = coarse.gauges
+    assert gauges.names[:24] == tuple(f"g{k:02d}" for k in range(1, 25))
+    assert gauges.names[24:] == tuple(f"c{k:02d}" for k in range(1, 59))
+    assert gauges.eta[[0, 7, 8, 15, 16, 19, 20, 23]] == pytest.approx([0.26, 0.47, 0.57, 0.755] * 2)
+    assert gauges.chord_fraction[[0, 15, 16, 23]] == pytest.approx([0.21, 0.21, 0.35, 0.35])
+    assert [n for n, r in zip(gauges.names[:24], gauges.regions[:24], strict=True) if r] == ["g17", "g18", "g23", "g24"]
+    assert gauges.position[:, 1] == pytest.approx(coarse.span * gauges.eta)
+    assert (gauges.position[:, 2] > 0).all()
+
+
+def test_region_edges_and_installed_gauges_lie_on_grid_lines(coarse: Wing) -> None:
+    for region in coarse.regions:
+        assert np.isclose(coarse.grid.eta[:, None], [region.eta_min, region.eta_max]).any(axis=0).all()
+        assert np.isclose(coarse.grid.chord[:, None], [region.chord_min, region.chord_max]).any(axis=0).all()
+    assert np.isclose(coarse.grid.eta[:, None], coarse.gauges.eta[:24]).any(axis=0).all()
+
+
+def test_the_lift_has_its_total_its_ellipse_and_its_quarter_chord(coarse: Wing) -> None:
+    force = coarse.lift.reshape(-1, DOFS_PER_NODE)[:, 2]
+    x, y, _ = coarse.structure.shells.mesh.nodes.T
+    assert force.sum() == pytest.approx(25.0 * 9.81 / 2.0, rel=1e-12)
+    assert force @ y == pytest.approx(force.sum() * 4.0 / (3.0 * np.pi) * coarse.span, rel=1e-12)
+    taper = np.interp(y, [0.0, coarse.span], [0.43561, 0.261112])
+    assert force @ (x / taper + 0.30) == pytest.approx(0.25 * force.sum(), rel=1e-9)
+    assert (force >= 0).all()
+
+
+def test_the_skins_look_outward_and_close_the_wing(coarse: Wing) -> None:
+    mesh = coarse.structure.shells.mesh
+    vectors = mesh.area_vectors()
+    top = np.concatenate([mesh.elements_in(p) for p in ("top", "R1", "R2")])
+    assert (vectors[top, 2] > 0).all() and (vectors[mesh.elements_in("bottom"), 2] < 0).all()
+    used = np.unique(np.concatenate([mesh.quads.ravel(), mesh.trias.ravel()]))
+    assert np.array_equal(used, np.arange(len(mesh.nodes)))
+
+
+def test_strain_is_linear_in_load_and_zero_without_it(coarse: Wing) -> None:
+    at = {"mu1": 0.4, "mu2": 0.6}
+    one = coarse.strain_microstrain(at, 1.0)
+    assert coarse.strain_microstrain(at, -2.5) == pytest.approx(-2.5 * one, rel=1e-10)
+    assert not coarse.strain_microstrain(at, 0.0).any()
+
+
+def test_the_top_skin_is_compressed_and_the_tip_rises(coarse: Wing) -> None:
+    assert (coarse.strain_microstrain({}, 1.0)[:24] > 0).all()
+    moved = coarse.solve({}, 1.0)
+    assert moved[:, 2].max() == pytest.approx(moved[np.argmax(coarse.structure.shells.mesh.nodes[:, 1]), 2], rel=0.05)
+    root = coarse.structure.shells.mesh.nodes[:, 1] == 0.0
+    assert not moved[root].any()
+
+
+def test_the_tip_stiffness_is_the_published_one(wing: Wing) -> None:
+    assert wing.tip_stiffness() == pytest.approx(677.0, rel=1e-3)
+
+
+def test_pristine_strains_are_those_of_the_published_table(simulated: MeanStrains, published: MeanStrains) -> None:
+    usable = published.is_usable
+    assert np.array_equal(simulated.is_usable, usable)
+    ratio = state(simulated, 0, 0) / state(published, 0, 0) - 1.0
+    assert rms(ratio[usable]) < 0.04
+
+
+@pytest.mark.parametrize(("damage", "limit"), [((80, 0), 0.05), ((0, 80), 0.06)])
+def test_damage_increments_are_those_of_the_published_table(
+    simulated: MeanStrains, published: MeanStrains, damage: tuple[int, int], limit: float
+) -> None:
+    ours, theirs = (state(m, *damage) - state(m, 0, 0) for m in (simulated, published))
+    usable = published.is_usable
+    assert rms((ours - theirs)[usable]) < limit * np.abs(theirs).max()
+
+
+def bayes_errors(data: Dataset) -> list[float]:
+    """Share of rows that the rule which knows the 25 means gets wrong, for mu1 and mu2."""
+    distance = np.square(data.features[:, None] - data.mean_features[None]).sum(axis=2)
+    likely = np.exp(-0.5 * (distance - distance.min(axis=1, keepdims=True)) / data.noise_sd**2)
+    wrong = []
+    for label in data.states_percent.T:
+        levels = np.unique(label)
+        posterior = np.stack([likely[:, label == level].sum(axis=1) for level in levels], axis=1)
+        wrong.append(float(np.mean(levels[posterior.argmax(axis=1)] != label[data.states])))
+    return wrong
+
+
+def test_mu1_is_easy_and_mu2_is_hard(simulated: MeanStrains) -> None:
+    mu1, mu2 = bayes_errors(build_dataset(simulated))
+    assert mu1 < 0.01 and 0.4 < mu2 < 0.65
+
+
+def test_the_published_table_gives_the_same_picture(published: MeanStrains) -> None:
+    mu1, mu2 = bayes_errors(build_dataset(published))
+    assert mu1 < 0.01 and 0.5 < mu2 < 0.6
+
+
+def test_the_twin_answers_for_the_installed_gauges(wing: Wing) -> None:
+    twin = uav_twin()
+    assert twin.gauges == wing.gauges.names and len(twin.gauges) == 24
+    at = {"mu1": 0.2, "mu2": 0.0}
+    assert twin.predict(at, 2.0) == pytest.approx(wing.strain_microstrain(at, 2.0))
+    assert dict(twin.effects) == {}
+
+
+def test_the_model_hash_tells_models_apart(coarse: Wing) -> None:
+    assert coarse.model_hash == uav_wing(candidates=True, refinement=0.5).model_hash
+    assert coarse.model_hash != uav_wing(refinement=0.5).model_hash
+    assert coarse.model_hash != uav_wing(candidates=True, refinement=0.5, effective_mass=24.0).model_hash
+
+
+def test_an_unknown_parameter_gets_a_sentence(coarse: Wing) -> None:
+    with pytest.raises(InputError, match=r"state names \['mu3'\]; expected among \['mu1', 'mu2'\]"):
+        coarse.strain_microstrain({"mu3": 0.1}, 1.0)
+
+
+def test_a_bad_load_factor_refinement_or_mass_gets_a_sentence(coarse: Wing) -> None:
+    with pytest.raises(InputError, match="load_factor is nan; expected a finite number"):
+        coarse.solve({}, float("nan"))
+    with pytest.raises(InputError, match="refinement is 0; expected a positive finite number"):
+        uav_wing(refinement=0)
+    with pytest.raises(InputError, match="effective_mass is -1; expected a positive finite number"):
+        uav_wing(effective_mass=-1)
