@@ -11,7 +11,7 @@ matplotlib.use("Agg")  # no display is needed, nor looked for
 
 from benchmarks.uav.report import write_results
 from benchmarks.uav.study import run_study
-from femlib.dataset import MeanStrains, Recipe, build_dataset, published_strains, simulated_strains
+from femlib.dataset import Recipe, build_dataset, published_strains, simulated_strains
 from femlib.wing import uav_wing
 
 PUBLISHED = Path(__file__).parents[2].parent / "shared" / "uav" / "strains.csv"
@@ -23,12 +23,13 @@ def main() -> None:
     start = time.perf_counter()
     wing = uav_wing()
     reference = published_strains(options.published) if Path(options.published).exists() else None
-    means: MeanStrains = published_strains(options.strains) if options.strains else simulated_strains(wing)
+    simulated = simulated_strains(wing)
+    means = published_strains(options.strains) if options.strains else simulated
     data = build_dataset(means, Recipe(), seed=options.seed)
     print(f"{data.source}: {len(data.features)} readings of {len(data.gauges)} gauges; solving ...", flush=True)
     outcomes = run_study(data, options.seconds, options.seed, options.jobs)
     folder = Path(options.out)
-    write_results(folder, wing, means, reference, data, outcomes, time.perf_counter() - start)
+    write_results(folder, wing, simulated, reference, data, outcomes, time.perf_counter() - start)
     print((folder / "table.md").read_text())
     print(f"{time.perf_counter() - start:.0f} s; table, pictures and run.json lie in {folder.resolve()}")
 

@@ -10,6 +10,7 @@ from matplotlib.patches import Polygon
 from femlib.dataset import MeanStrains
 from femlib.wing import Wing
 
+NAME_HEIGHT = 0.16  # [m] ahead of the spar: clear of the leading edge
 INK, QUIET, ACCENT, DAMAGE = "#222222", "#9aa3ad", "#c2410c", "#f2b8a0"
 
 
@@ -20,10 +21,14 @@ def wing_picture(wing: Wing, used: dict[str, Sequence[str]]) -> Figure:
         _draw_planform(axis, wing)
         for name, position in zip(wing.gauges.names, wing.gauges.position, strict=True):
             is_used = name in gauges
-            axis.plot(position[1], -position[0], "o", ms=9 if is_used else 4, color=ACCENT if is_used else QUIET)
-            if is_used:
-                axis.annotate(name, (position[1], -position[0]), (0, 8), textcoords="offset points", ha="center")
+            place = (position[1], -position[0])
+            axis.plot(*place, "o", ms=8 if is_used else 4, color=ACCENT if is_used else QUIET)
+            if is_used:  # neighbours stand closer than their names are wide, so the names stand upright, off the wing
+                style = {"ha": "center", "va": "bottom", "fontsize": 8, "rotation": 90}
+                arrow = {"arrowstyle": "-", "color": QUIET, "lw": 0.8, "shrinkB": 4}
+                axis.annotate(name, place, (place[0], NAME_HEIGHT), arrowprops=arrow, **style)
         axis.set_title(title, loc="left", fontsize=10)
+        axis.set_ylim(top=NAME_HEIGHT + 0.09)
         axis.set_aspect("equal")
         axis.set_yticks([])
         axis.spines[["top", "right", "left"]].set_visible(False)
@@ -38,16 +43,17 @@ def _draw_planform(axis: plt.Axes, wing: Wing) -> None:
         corners = wing.region_outline(region)
         patch = np.column_stack([corners[:, 1], -corners[:, 0]])
         axis.add_patch(Polygon(patch, closed=True, fc=DAMAGE, ec="none", zorder=0))
-        axis.annotate(region.parameter, patch[:4].mean(axis=0), ha="center", va="center", fontsize=9, color=INK)
+        below = (patch[:4, 0].mean(), patch[:, 1].min())
+        axis.annotate(region.parameter, below, (0, -3), textcoords="offset points", ha="center", va="top", fontsize=9)
     axis.autoscale_view()
 
 
-def strain_picture(means: MeanStrains, wing: Wing, published: MeanStrains | None) -> Figure:
-    """Return strain at the undamaged state along the span, the two gauge rows, against the published table."""
+def strain_picture(wing: Wing, simulated: MeanStrains, published: MeanStrains | None) -> Figure:
+    """Return strain at the undamaged state along the span, the two gauge rows, against the published table if given."""
     figure, axis = plt.subplots(figsize=(8, 4), layout="constrained")
     rows = {"row A": [f"g{k:02d}" for k in range(1, 17)], "row B": [f"g{k:02d}" for k in range(17, 25)]}
     for (row, names), marker in zip(rows.items(), "os", strict=True):
-        for source, colour, table in (("femlib's wing", ACCENT, means), ("published", INK, published)):
+        for source, colour, table in (("femlib's wing", ACCENT, simulated), ("published", INK, published)):
             if table is None:
                 continue
             eta = [wing.gauges.eta[wing.gauges.names.index(name)] for name in names]
@@ -58,7 +64,7 @@ def strain_picture(means: MeanStrains, wing: Wing, published: MeanStrains | None
                 eta, strain, marker, color=colour, mfc=colour if filled else "none", ms=6, label=f"{source}, {row}"
             )
     axis.set_xlabel("span fraction")
-    axis.set_ylabel(f"compressive strain at {means.load_factor:g} g [microstrain]")
+    axis.set_ylabel(f"compressive strain at {simulated.load_factor:g} g [microstrain]")
     axis.set_title("Strain of the undamaged wing along the span", loc="left", fontsize=10)
     axis.spines[["top", "right"]].set_visible(False)
     axis.legend(frameon=False, fontsize=8)

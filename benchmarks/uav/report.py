@@ -26,7 +26,7 @@ PACKAGES = ("octmip", "numpy", "scipy", "pandas", "scikit-learn", "pyomo", "high
 def write_results(
     folder: Path,
     wing: Wing,
-    means: MeanStrains,
+    simulated: MeanStrains,
     published: MeanStrains | None,
     data: Dataset,
     outcomes: Sequence[Outcome],
@@ -37,7 +37,7 @@ def write_results(
     write_bytes(folder / "table.md", markdown(outcomes, answers(outcomes)).encode())
     write_bytes(folder / "table.json", _json([outcome.row for outcome in outcomes]))
     write_bytes(folder / "run.json", _json(_run(data, outcomes, seconds)))
-    for name, figure in _figures(wing, means, published, data, outcomes).items():
+    for name, figure in _figures(wing, simulated, published, data, outcomes).items():
         for kind in ("svg", "png"):
             buffer = BytesIO()
             figure.savefig(buffer, format=kind, dpi=150)
@@ -46,7 +46,7 @@ def write_results(
 
 
 def _figures(
-    wing: Wing, means: MeanStrains, published: MeanStrains | None, data: Dataset, outcomes: Sequence[Outcome]
+    wing: Wing, simulated: MeanStrains, published: MeanStrains | None, data: Dataset, outcomes: Sequence[Outcome]
 ) -> dict[str, Figure]:
     figures: dict[str, Figure] = {}
     used: dict[str, Sequence[str]] = {}
@@ -59,15 +59,15 @@ def _figures(
         figures[f"tree_{label}"] = tree_figure(problem, tree)
         figures[f"partition_{label}"] = _partition(data, outcomes, label)
     figures["wing"] = wing_picture(wing, used)
-    figures["strain"] = strain_picture(means, wing, published)
+    figures["strain"] = strain_picture(wing, simulated, published)
     return figures
 
 
 def _partition(data: Dataset, outcomes: Sequence[Outcome], label: str) -> Figure:
     outcome = pick(outcomes, label=label, depth=3, gauge_set="two")
     assert outcome.solution.tree is not None
-    problem = problem_of(data, outcome.cell)
-    return partition_figure(problem, outcome.solution.tree)
+    title = f"{label}, loss of stiffness [%]; strain per unit of load factor [microstrain]"
+    return partition_figure(problem_of(data, outcome.cell), outcome.solution.tree, title=title)
 
 
 def _run(data: Dataset, outcomes: Sequence[Outcome], seconds: float) -> dict[str, object]:

@@ -72,10 +72,9 @@ def _answer(outcomes: Sequence[Outcome], label: str, depth: int) -> str:
     bound = max(o.solution.bound for o in outcomes if _is_same_task(o, greedy))
     n = int(str(greedy.row["n_train"]))
     least = 100 * float(str(best.row["bayes_error_rate"]))
-    if bound >= best.solution.objective:
-        proof = f"the proven optimum makes {best.row['errors']}"
-    else:
-        proof = f"the best tree found makes {best.row['errors']} and none makes fewer than {bound:g}"
+    proof = f"the proven optimum makes {best.row['errors']}"
+    if bound < best.solution.objective:
+        proof = f"the best tree found makes {best.row['errors']} (no tree makes fewer than {max(bound, 0):g})"
     return (
         f"{label}, depth {depth}: CART makes {greedy.row['errors']} of {n} errors, {proof}; no classifier can be "
         f"expected to make fewer than {least:.1f} % ({least * n / 100:.0f}), and the best tree's test MAE of "
