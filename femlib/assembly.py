@@ -7,9 +7,9 @@ import numpy as np
 import scipy.sparse as sparse
 from scipy.sparse.linalg import SuperLU, splu
 
-from femlib.arrays import BoolArray, FloatArray, IntArray, frozen_floats, frozen_ints
+from femlib.arrays import BoolArray, FloatArray, IntArray
 from femlib.elements import quad4, tria3
-from femlib.errors import InputError, SolveError
+from femlib.errors import InputError, SolveError, frozen_floats, frozen_ints
 from femlib.material import Laminate
 from femlib.mesh import Mesh, dofs_of_nodes
 

@@ -24,9 +24,9 @@ import numpy as np
 import scipy.linalg as linalg
 import scipy.sparse as sparse
 
-from femlib.arrays import BoolArray, FloatArray, IntArray, frozen_floats
+from femlib.arrays import BoolArray, FloatArray, IntArray
 from femlib.assembly import Factors, Shells, Supports, factorise
-from femlib.errors import InputError
+from femlib.errors import InputError, frozen_floats
 from femlib.mesh import DOFS_PER_NODE
 
 

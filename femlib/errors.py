@@ -1,4 +1,11 @@
-"""The errors of femlib: one parent, children that also answer to the built-in errors a caller expects."""
+"""The errors of femlib, and the checks of incoming arrays that raise them.
+
+One parent, children that also answer to the built-in errors a caller expects. An array is taken in at a public noun:
+copied, checked, made read-only.
+"""
+
+import numpy as np
+import numpy.typing as npt
 
 
 class FemlibError(Exception):
@@ -15,3 +22,41 @@ class MeshError(InputError):
 
 class SolveError(FemlibError, RuntimeError):
     """A linear or nonlinear system could not be solved to the asked accuracy."""
+
+
+def frozen_floats(values: npt.ArrayLike, name: str, shape: tuple[int, ...]) -> npt.NDArray[np.float64]:
+    """Return a read-only float64 copy of `values` with the given shape (-1 = any length).
+
+    Raises
+    ------
+    InputError
+        If the shape differs or an entry is not finite.
+    """
+    array = np.array(values, dtype=np.float64)
+    _check_shape(array.shape, name, shape)
+    if not np.isfinite(array).all():
+        where = tuple(int(k) for k in np.argwhere(~np.isfinite(array))[0])
+        raise InputError(f"{name}{list(where)} is {array[where]}; expected finite numbers; remove or repair that entry")
+    array.flags.writeable = False
+    return array
+
+
+def frozen_ints(values: npt.ArrayLike, name: str, shape: tuple[int, ...]) -> npt.NDArray[np.int64]:
+    """Return a read-only int64 copy of `values` with the given shape (-1 = any length).
+
+    Raises
+    ------
+    InputError
+        If the shape differs.
+    """
+    array = np.array(values, dtype=np.int64)
+    _check_shape(array.shape, name, shape)
+    array.flags.writeable = False
+    return array
+
+
+def _check_shape(got: tuple[int, ...], name: str, expected: tuple[int, ...]) -> None:
+    fits = len(got) == len(expected) and all(e in (-1, g) for g, e in zip(got, expected, strict=True))
+    if not fits:
+        wanted = tuple("n" if e == -1 else e for e in expected)
+        raise InputError(f"{name} has shape {got}; expected {wanted}; reshape or complete it")

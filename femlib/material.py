@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from femlib.arrays import FloatArray, frozen_floats
-from femlib.errors import InputError
+from femlib.arrays import FloatArray
+from femlib.errors import InputError, frozen_floats
 
 SHEAR_CORRECTION = 5.0 / 6.0
 """Ratio of the shear stiffness of a homogeneous section to a constant shear strain. Price: exact for one ply only."""

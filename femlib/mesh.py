@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from femlib.arrays import FloatArray, IntArray, frozen_floats, frozen_ints
-from femlib.errors import MeshError
+from femlib.arrays import FloatArray, IntArray
+from femlib.errors import MeshError, frozen_floats, frozen_ints
 
 DOFS_PER_NODE = 6
 """Translations along x, y, z [m], then rotations about x, y, z [rad]."""

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sparse
 
-from femlib.arrays import FloatArray, IntArray, frozen_floats
+from femlib.arrays import FloatArray, IntArray
 from femlib.elements import quad4
-from femlib.errors import InputError
+from femlib.errors import InputError, frozen_floats
 from femlib.mesh import Mesh, dofs_of_nodes
 
 N_NEAREST = 12

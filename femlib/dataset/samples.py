@@ -16,8 +16,8 @@ from typing import Protocol
 import numpy as np
 import pandas as pd
 
-from femlib.arrays import BoolArray, FloatArray, IntArray, frozen_floats, frozen_ints
-from femlib.errors import InputError
+from femlib.arrays import BoolArray, FloatArray, IntArray
+from femlib.errors import InputError, frozen_floats, frozen_ints
 
 LEVELS_PERCENT = (0, 20, 40, 60, 80)
 """Losses of stiffness of the study."""

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from femlib.arrays import BoolArray, FloatArray, frozen_floats
+from femlib.arrays import BoolArray, FloatArray
+from femlib.errors import frozen_floats
 from femlib.geometry import Naca4, Planform
 from femlib.sensors import StrainGauge
 from femlib.wing.damage import DamageRegion
