@@ -85,20 +85,30 @@ def tree_figure(problem: Problem, tree: Node, title: str | None = None) -> Figur
         ProblemError: the tree reads a feature or predicts a class that the problem lacks.
     """
     _check_names(problem, tree)
+    counts = np.zeros((len(leaves(tree)), problem.n_classes), dtype=np.int64)
+    np.add.at(counts, (leaf_index(tree, problem.features), problem.codes), 1)
+    return counted_tree_figure(tree, counts, problem.feature_names, problem.class_names, title)
+
+
+def counted_tree_figure(
+    tree: Node,
+    counts: NDArray[np.int64],
+    feature_names: Sequence[str],
+    class_names: Sequence[Any],
+    title: str | None = None,
+) -> Figure:
+    """Return the drawing of a tree whose samples are known as `counts`, (n_leaves, n_classes), leaves from the left."""
     place = _places(tree, 0, 0)
     size = 1.25 + 0.35 * max(_lines(node) - 1 for node in nodes(tree))
     figure = Figure(figsize=(max(3.0, 1.2 * len(leaves(tree))), max(1.4, size * (depth(tree) + 0.8))), layout="tight")
     axes = figure.add_subplot()
-    index = leaf_index(tree, problem.features)
-    leaf_number = 0
+    rows = iter(counts)
     for here in place.walk():
         _draw_edges(axes, here, is_root=here is place)
         if isinstance(here.node, Leaf):
-            counts = np.bincount(problem.codes[index == leaf_number], minlength=problem.n_classes)
-            _draw_leaf(axes, here, counts, problem)
-            leaf_number += 1
+            _draw_leaf(axes, here, next(rows), class_names)
         else:
-            _draw_box(axes, here, split_text(here.node, problem.feature_names), PAPER)
+            _draw_box(axes, here, split_text(here.node, feature_names), PAPER)
     axes.set_xlim(-0.55, len(leaves(tree)) - 0.45)
     axes.set_ylim(depth(tree) + 0.5, -0.45)
     axes.set_axis_off()
@@ -131,11 +141,11 @@ def _draw_box(axes: Axes, place: _Place, text: str, fill: Any, edge: Any = INK) 
     axes.text(place.x, place.y, text, ha="center", va="center", fontsize=font, color=ink, zorder=3, linespacing=1.25)
 
 
-def _draw_leaf(axes: Axes, place: _Place, counts: NDArray[np.int64], problem: Problem) -> None:
+def _draw_leaf(axes: Axes, place: _Place, counts: NDArray[np.int64], class_names: Sequence[Any]) -> None:
     assert isinstance(place.node, Leaf)
-    colours, label, total = class_colours(problem.class_names), place.node.label, int(counts.sum())
+    colours, label, total = class_colours(class_names), place.node.label, int(counts.sum())
     wrong = total - int(counts[label])
-    text = f"{problem.class_names[label]}\n{total}" + (f", {wrong} wrong" if wrong else "")
+    text = f"{class_names[label]}\n{total}" + (f", {wrong} wrong" if wrong else "")
     _draw_box(axes, place, text, colours[label], edge=colours[label])
     left = place.x - NODE_WIDTH / 2
     for colour, count in zip(colours, counts.tolist(), strict=True):

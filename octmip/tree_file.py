@@ -224,9 +224,10 @@ def decode_tree(node: dict[str, Any], feature_names: tuple[str, ...], class_name
     right = decode_tree(node["right"], feature_names, class_names)
     if "feature" in node:
         return Split(_index(node["feature"], feature_names, "feature"), _float(node["threshold"]), left, right)
-    features = tuple(_index(name, feature_names, "feature") for name in node["features"])
-    coefficients = tuple(_float(value) for value in node["coefficients"])
-    return HyperplaneSplit(features, coefficients, _float(node["offset"]), left, right)
+    features = [_index(name, feature_names, "feature") for name in node["features"]]
+    coefficients = [_float(value) for value in node["coefficients"]]
+    terms = sorted(zip(features, coefficients, strict=True))
+    return HyperplaneSplit(tuple(j for j, _ in terms), tuple(c for _, c in terms), _float(node["offset"]), left, right)
 
 
 def _index(name: Any, names: tuple[Any, ...], kind: str) -> int:
@@ -239,6 +240,16 @@ def _float(value: Any) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise TreeError(f"a node holds {value!r} where a number is expected")
     return float(value)
+
+
+def tree_for(problem: Problem, file: TreeFile) -> Node:
+    """Return the tree of a file for a problem whose features and classes may stand in another order.
+
+    Raises:
+        TreeError: the problem lacks a feature or class that the tree names.
+    """
+    named = encode_tree(file.tree, file.feature_names, file.class_names)
+    return decode_tree(named, problem.feature_names, problem.class_names)
 
 
 def columns_read(file: TreeFile) -> tuple[str, ...]:

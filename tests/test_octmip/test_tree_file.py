@@ -6,10 +6,10 @@ import math
 import numpy as np
 import pytest
 
-from octmip import HyperplaneSplit, Leaf, Problem, Solution, Split, Stop, certify
+from octmip import HyperplaneSplit, Leaf, Problem, Solution, Split, Stop, certify, predict
 from octmip.cart import greedy_tree
 from octmip.errors import OctmipError, TreeError
-from octmip.tree_file import columns_read, encode, read_tree_file, record_tree, write_tree_file
+from octmip.tree_file import columns_read, encode, read_tree_file, record_tree, tree_for, write_tree_file
 
 
 def full_problem() -> Problem:
@@ -61,6 +61,19 @@ def test_hyperplanes_come_back_to_the_last_bit(tmp_path):
     back = read_tree_file(tmp_path / "t.json")
     assert back.tree == tree and back.solution == solution
     assert columns_read(back) == ("a", "b", "c")
+
+
+def test_a_tree_is_told_by_names_to_a_problem_of_another_order(tmp_path):
+    problem = full_problem()
+    tree = HyperplaneSplit((0, 1), (2.0, -1.0), 0.5, Leaf(0), Split(2, 0.1, Leaf(0), Leaf(1)))
+    file = record_tree(problem, Solution(tree, 9.0, 1.5, Stop.TIME, 0.1, 5, "search", "1", 0))
+    order = [2, 1, 0]
+    turned = Problem(
+        problem.features[:, order], problem.labels, depth=2, feature_names="cba", class_names=("low", "high")
+    )
+    retold = tree_for(turned, file)
+    told = np.array(problem.class_names)[predict(tree, problem.features)]
+    assert (np.array(turned.class_names)[predict(retold, turned.features)] == told).all()
 
 
 def test_a_bound_that_was_not_proven_is_null(tmp_path):

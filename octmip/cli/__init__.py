@@ -1,0 +1,73 @@
+"""The `octmip` command.
+
+Each command is one module with `add_arguments(parser)` and `run(arguments)`, imported when it is called: `octmip
+--help` does not wait for pandas. argparse of the standard library does all that is needed: no dependency is added.
+
+    exit code    0 done    1 refuted, or a solver failed    2 bad input    130 interrupted without a result
+"""
+
+import difflib
+import importlib
+import sys
+from collections.abc import Sequence
+from importlib.metadata import version
+
+from octmip.cli.arguments import Parser
+from octmip.errors import CertificateError, DataError, OctmipError, SolverError
+
+COMMANDS = {
+    "solve": "find the best tree of a table, and prove it",
+    "certify": "recount what a tree file claims, from tree and data alone",
+    "predict": "apply a tree file to a table",
+    "compare": "every method side by side, with gaps",
+    "report": "a tree file in words, or as a page, Markdown or DOT",
+}
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Run one command and return its exit code."""
+    words = list(sys.argv[1:] if words is None else words)
+    try:
+        return _run(words)
+    except OctmipError as error:
+        name = f"octmip {words[0]}" if words and words[0] in COMMANDS else "octmip"
+        print(f"{name}: {' '.join(str(error).split())}", file=sys.stderr)
+        return 1 if isinstance(error, CertificateError | SolverError) else 2
+    except KeyboardInterrupt:
+        print("octmip: interrupted", file=sys.stderr)
+        return 130
+    except BrokenPipeError:  # the reader of our output has seen enough
+        sys.stderr.close()
+        return 0
+
+
+def _run(words: list[str]) -> int:
+    if not words or words[0] in ("-h", "--help"):
+        print(_overview(), file=sys.stdout if words else sys.stderr)
+        return 0 if words else 2
+    if words[0] == "--version":
+        print(f"octmip {version('octmip')}")
+        return 0
+    if words[0] not in COMMANDS:
+        near = difflib.get_close_matches(words[0], COMMANDS, n=1)
+        hint = f"; did you mean {near[0]}?" if near else f"; expected one of {', '.join(COMMANDS)}"
+        raise DataError(f"there is no command {words[0]!r}{hint}")
+    command = importlib.import_module(f"octmip.cli.{words[0]}")
+    parser = Parser(prog=f"octmip {words[0]}", description=command.__doc__)
+    command.add_arguments(parser)
+    code: int = command.run(parser.parse_args(words[1:]))
+    sys.stdout.flush()
+    return code
+
+
+def _overview() -> str:
+    lines = [f"  octmip {name:<9} {summary}" for name, summary in COMMANDS.items()]
+    return "\n".join(
+        [
+            "octmip finds classification trees that are optimal, proves it, and says what a heuristic loses.",
+            "",
+            *lines,
+            "",
+            "octmip COMMAND --help says what a command takes; octmip --version which octmip this is.",
+        ]
+    )

@@ -1,0 +1,89 @@
+"""Every method side by side on one table, each within the same time limit.
+
+Each has its own gap and the gap to the best bound that any of them proved: how far from optimal it can be at most.
+
+A method that cannot answer the problem stands in the table with the reason.
+"""
+
+import argparse
+from typing import Any
+
+from octmip.certificate import certify
+from octmip.cli.answer import ProgressLine, describe, print_json
+from octmip.cli.arguments import add_problem_arguments, add_run_arguments, limits_of
+from octmip.cli.question import ask
+from octmip.errors import DataError, ProblemError, SolverError
+from octmip.problem import Problem
+from octmip.report.markdown import markdown_table
+from octmip.solution import Limits, Stop, relative_gap
+from octmip.solver import REGISTRY, solve
+from octmip.tree_file import finite_or_none
+
+DEFAULTS = {"axis": ("cart", "search", "exact", "flow", "oct"), "hyperplane": ("cart", "search", "flow", "oct_h")}
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of `octmip compare`."""
+    add_problem_arguments(parser)
+    add_run_arguments(parser, seconds=60.0)
+    parser.add_argument("--methods", metavar="A,B,...", help="default: all that suit the kind of split")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run every method and show them."""
+    limits = limits_of(arguments)
+    problem = ask(arguments).problem
+    rows = []
+    for method in _methods(arguments, problem):
+        rows.append(_row(arguments, problem, method, limits))
+        if rows[-1].get("stop") == Stop.INTERRUPTED:
+            break
+    _add_gap_to_best_bound(rows)
+    if arguments.json:
+        print_json({"n_samples": problem.n_samples, "baseline": problem.baseline, "rows": rows})
+        return 0
+    columns = ("method", "errors", "objective", "bound", "gap %", "gap to best bound %", "n_splits", "seconds", "stop")
+    print(markdown_table([_shown(row) for row in rows], columns))
+    for row in rows:
+        if "error" in row:
+            print(f"\n{row['method']}: {row['error']}")
+    return 0
+
+
+def _methods(arguments: argparse.Namespace, problem: Problem) -> list[Any]:
+    if not arguments.methods:
+        return list(DEFAULTS[problem.split])
+    names = [name.strip() for name in arguments.methods.split(",")]
+    unknown = [name for name in names if name not in REGISTRY]
+    if unknown:
+        raise DataError(f"--methods names {unknown[0]!r}; expected some of {', '.join(REGISTRY)}")
+    return names
+
+
+def _row(arguments: argparse.Namespace, problem: Problem, method: Any, limits: Limits) -> dict[str, Any]:
+    try:
+        with ProgressLine(f"{method}: ") as progress:
+            solution = solve(problem, method, limits, seed=arguments.seed, n_jobs=arguments.threads, progress=progress)
+        if solution.tree is None:
+            return {"method": method, "error": f"no tree found (stop: {solution.stop})"}
+        return describe(problem, solution, certify(problem, solution)) | {"method": method}
+    except (ProblemError, SolverError) as error:
+        return {"method": method, "error": " ".join(str(error).split())}
+
+
+def _add_gap_to_best_bound(rows: list[dict[str, Any]]) -> None:
+    """Say for each row how far it can be from the optimum: the best bound of all methods holds for all."""
+    best = max((row["bound"] for row in rows if row.get("bound") is not None), default=float("-inf"))
+    for row in rows:
+        if "objective" in row:
+            row["gap_to_best_bound"] = finite_or_none(relative_gap(row["objective"], best))
+
+
+def _shown(row: dict[str, Any]) -> dict[str, Any]:
+    gaps = {"gap %": row.get("gap"), "gap to best bound %": row.get("gap_to_best_bound")}
+    return {
+        **row,
+        **{name: None if gap is None else round(100 * gap, 2) for name, gap in gaps.items()},
+        "seconds": None if "seconds" not in row else round(row["seconds"], 3),
+        "stop": row.get("stop", "failed"),
+    }

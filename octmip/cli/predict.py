@@ -1,0 +1,81 @@
+"""Apply a tree file to a table: one prediction for each row, as CSV on standard output or in a file.
+
+With --label the predictions are also compared with the true classes.
+"""
+
+import argparse
+import csv
+import io
+import sys
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.cli.answer import print_json
+from octmip.cli.arguments import add_json_argument
+from octmip.files import check_writable, write_bytes
+from octmip.table import Table, read_table
+from octmip.tree import leaf_index, leaves
+from octmip.tree_file import TreeFile, columns_read, read_tree_file
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of `octmip predict`."""
+    parser.add_argument("tree", metavar="TREE.json", help="tree file of octmip solve --out")
+    parser.add_argument("data", metavar="DATA", help="table with the features that the tree reads, .csv or .parquet")
+    parser.add_argument("--label", metavar="COL", help="column with the true class, to count the errors")
+    parser.add_argument("--probabilities", action="store_true", help="add each class's share of the leaf at training")
+    parser.add_argument("--out", metavar="FILE.csv", help="write the predictions here")
+    add_json_argument(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Predict and show."""
+    if arguments.out:
+        check_writable(arguments.out)
+    file = read_tree_file(arguments.tree)
+    table = read_table(arguments.data)
+    reached = leaf_index(file.tree, _features(file, table))
+    labels = [file.class_names[leaf.label] for leaf in leaves(file.tree)]
+    predictions = [labels[leaf] for leaf in reached.tolist()]
+    errors = None
+    if arguments.label:
+        true = table.labels(arguments.label, file.class_names).tolist()
+        errors = sum(told != label for told, label in zip(predictions, true, strict=True))
+    shares = _shares(file)[reached].tolist() if arguments.probabilities else None
+    content = _csv(file, predictions, shares)
+    if arguments.out:
+        write_bytes(arguments.out, content.encode())
+    if arguments.json:
+        counted = {} if errors is None else {"errors": errors}
+        probabilities = {} if shares is None else {"class_names": list(file.class_names), "probabilities": shares}
+        print_json({"n_samples": len(predictions), **counted, "predictions": predictions, **probabilities})
+    elif not arguments.out:
+        print(content, end="")
+    if errors is not None and not arguments.json:
+        print(f"{errors} of {len(predictions)} samples wrong", file=sys.stderr)
+    return 0
+
+
+def _features(file: TreeFile, table: Table) -> NDArray[np.float64]:
+    """Return the features that the tree reads, in their places among all (the others 0: no split looks there)."""
+    features = np.zeros((len(table.frame), len(file.feature_names)))
+    for name in columns_read(file):
+        features[:, file.feature_names.index(name)] = table.numbers([name])[:, 0]
+    return features
+
+
+def _shares(file: TreeFile) -> NDArray[np.float64]:
+    totals = file.leaf_counts.sum(axis=1, keepdims=True)
+    return np.asarray(file.leaf_counts / np.maximum(totals, 1))
+
+
+def _csv(file: TreeFile, predictions: list[Any], shares: list[list[float]] | None) -> str:
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    names = [f"share of {name}" for name in file.class_names] if shares is not None else []
+    writer.writerow(["prediction", *names])
+    for row, prediction in enumerate(predictions):
+        writer.writerow([prediction, *(shares[row] if shares is not None else ())])
+    return text.getvalue()

@@ -1,0 +1,67 @@
+"""Find the best tree of a table within the limits, and the bound that proves how good it is.
+
+The result is certified (recounted from tree and data alone) before it is shown. A limit that is reached is no error,
+nor is Ctrl-C: the best tree so far and its bound are shown and written.
+"""
+
+import argparse
+
+from octmip.certificate import certify
+from octmip.cli.answer import ProgressLine, describe, print_json
+from octmip.cli.arguments import add_method_argument, add_problem_arguments, add_run_arguments, limits_of
+from octmip.cli.question import Question, ask
+from octmip.errors import SolverError
+from octmip.files import check_writable
+from octmip.report.text import solution_text, tree_text
+from octmip.solution import Solution
+from octmip.solver import solve
+from octmip.tree_file import leaf_counts, read_tree_file, record_tree, tree_for, write_tree_file
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of `octmip solve`."""
+    add_problem_arguments(parser)
+    add_run_arguments(parser)
+    add_method_argument(parser)
+    parser.add_argument("--incumbent", metavar="TREE.json", help="a tree of this problem to start from")
+    parser.add_argument("--out", metavar="TREE.json", help="write the tree here")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Solve, show, write."""
+    limits = limits_of(arguments)
+    if arguments.out:
+        check_writable(arguments.out)
+    question = ask(arguments)
+    incumbent = tree_for(question.problem, read_tree_file(arguments.incumbent)) if arguments.incumbent else None
+    with ProgressLine() as progress:
+        solution = solve(
+            question.problem,
+            arguments.method,
+            limits,
+            incumbent,
+            seed=arguments.seed,
+            n_jobs=arguments.threads,
+            progress=progress,
+        )
+    _show(arguments, question, solution)
+    return 0
+
+
+def _show(arguments: argparse.Namespace, question: Question, solution: Solution) -> None:
+    problem = question.problem
+    if solution.tree is None:
+        raise SolverError(f"{solution.solver} found no tree (stop: {solution.stop}); give it more time")
+    certificate = certify(problem, solution)
+    if arguments.out:
+        file = record_tree(problem, solution, question.label_column, question.weights_column)
+        write_tree_file(arguments.out, file)
+    if arguments.json:
+        print_json(describe(problem, solution, certificate) | {"threads": arguments.threads, "out": arguments.out})
+        return
+    print(solution_text(solution, certificate, problem.n_samples))
+    print()
+    counts = leaf_counts(problem, solution.tree)
+    print(tree_text(solution.tree, problem.feature_names, problem.class_names, counts))
+    if arguments.out:
+        print(f"\nwritten to {arguments.out}")

@@ -1,0 +1,34 @@
+"""A tree in the DOT language of Graphviz."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from octmip.report.text import condition
+from octmip.tree import Leaf, Node
+
+
+def tree_dot(tree: Node, feature_names: Sequence[str], class_names: Sequence[Any]) -> str:
+    """Return a tree as a DOT digraph: boxes for splits, ellipses for leaves, yes to the left."""
+    lines: list[str] = []
+
+    def add(node: Node) -> int:
+        index = len(lines)
+        lines.append("")
+        if isinstance(node, Leaf):
+            lines[index] = f"  n{index} [label={_quoted(str(class_names[node.label]))}, shape=ellipse];"
+            return index
+        left, right = add(node.left), add(node.right)
+        lines[index] = (
+            f"  n{index} [label={_quoted(condition(node, feature_names))}];\n"
+            f'  n{index} -> n{left} [label="yes"];\n'
+            f'  n{index} -> n{right} [label="no"];'
+        )
+        return index
+
+    add(tree)
+    return "\n".join(["digraph tree {", "  node [shape=box];", *lines, "}"])
+
+
+def _quoted(text: str) -> str:
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
+    return f'"{escaped}"'

@@ -1,0 +1,78 @@
+"""A tree in words, and a solution in three lines."""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from numpy.typing import NDArray
+
+from octmip.certificate import Certificate
+from octmip.solution import Solution
+from octmip.tree import HyperplaneSplit, Leaf, Node, Split
+
+
+def condition(split: Split | HyperplaneSplit, feature_names: Sequence[str]) -> str:
+    """Return the condition for going left on one line, numbers to six digits."""
+    if isinstance(split, Split):
+        return f"{feature_names[split.feature]} <= {split.threshold:.6g}"
+    terms = ""
+    for feature, coefficient in zip(split.features, split.coefficients, strict=True):
+        sign = (" - " if coefficient < 0 else " + ") if terms else ("-" if coefficient < 0 else "")
+        size = "" if abs(coefficient) == 1 else f"{abs(coefficient):.6g} "
+        terms += f"{sign}{size}{feature_names[feature]}"
+    return f"{terms} <= {split.offset:.6g}"
+
+
+def tree_text(
+    tree: Node, feature_names: Sequence[str], class_names: Sequence[Any], counts: NDArray[Any] | None = None
+) -> str:
+    """Return a tree as indented lines, with the training samples of each leaf where `counts` are given.
+
+    `counts` has shape (n_leaves, n_classes), leaves from the left.
+    """
+    lines: list[str] = []
+    rows = iter([] if counts is None else counts.tolist())
+
+    def say(node: Node, indent: str) -> None:
+        if isinstance(node, Leaf):
+            lines.append(f"{indent}{class_names[node.label]}{_leaf_note(next(rows, None), node.label)}")
+            return
+        lines.append(f"{indent}if {condition(node, feature_names)}")
+        say(node.left, indent + "    ")
+        lines.append(f"{indent}else")
+        say(node.right, indent + "    ")
+
+    say(tree, "")
+    return "\n".join(lines)
+
+
+def _leaf_note(counts: list[int] | None, label: int) -> str:
+    if counts is None:
+        return ""
+    total, wrong = sum(counts), sum(counts) - counts[label]
+    return f"    ({total} samples, {wrong} wrong)" if wrong else f"    ({total} samples)"
+
+
+def number(value: float | None) -> str:
+    """Return a number in at most six digits; a dash for what is unknown or infinite."""
+    return "-" if value is None or not math.isfinite(value) else f"{value:.6g}"
+
+
+def percent(share: float) -> str:
+    """Return a share as percent; a dash where it is infinite."""
+    return f"{100 * share:.3g} %" if math.isfinite(share) else "-"
+
+
+def solution_text(solution: Solution, certificate: Certificate, n_samples: int) -> str:
+    """Return what a solution claims and its certificate found, in three lines."""
+    proof = "proven optimal" if solution.is_optimal else f"gap {percent(solution.gap)}"
+    if math.isinf(solution.bound):
+        proof = "no proof"
+    share = percent(certificate.errors / n_samples)
+    splits = f"{certificate.n_splits} split" + ("" if certificate.n_splits == 1 else "s")
+    sensors = f"sensors {', '.join(certificate.sensors)}" if certificate.sensors else "no sensor"
+    return (
+        f"objective {number(solution.objective)}, bound {number(solution.bound)}: {proof}\n"
+        f"{certificate.errors} of {n_samples} samples wrong ({share}); depth {certificate.depth}, {splits}, {sensors}\n"
+        f"{solution.solver} {solution.version}, {solution.seconds:.3g} s, stop: {solution.stop}"
+    )

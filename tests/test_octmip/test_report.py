@@ -1,0 +1,85 @@
+"""Reports say what the tree says."""
+
+import re
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+from octmip import HyperplaneSplit, Leaf, Problem, Split
+from octmip.cart import greedy_tree
+from octmip.certificate import certify
+from octmip.report.dot import tree_dot
+from octmip.report.html import tree_page
+from octmip.report.markdown import markdown_table
+from octmip.report.text import solution_text, tree_text
+from octmip.tree_file import record_tree
+
+TREE = Split(0, 0.5, Leaf(1), HyperplaneSplit((0, 1), (-2.0, 1.0), 1 / 3, Leaf(0), Leaf(1)))
+FEATURES, CLASSES = ('a"1', "b<2"), ("no & never", "yes")
+
+
+def problem() -> Problem:
+    features = np.array([[0.0, 1], [1, 1], [2, 9], [3, 0]])
+    return Problem(features, ["yes", "no & never", "yes", "yes"], depth=2, feature_names=FEATURES)
+
+
+def test_a_tree_in_words():
+    counts = np.array([[0, 3], [2, 1], [0, 1]])
+    assert tree_text(TREE, ("a", "b"), ("no", "yes"), counts).splitlines() == [
+        "if a <= 0.5",
+        "    yes    (3 samples)",
+        "else",
+        "    if -2 a + b <= 0.333333",
+        "        no    (3 samples, 1 wrong)",
+        "    else",
+        "        yes    (1 samples)",
+    ]
+
+
+def test_a_solution_in_three_lines():
+    solution = greedy_tree(problem())
+    lines = solution_text(solution, certify(problem(), solution), 4).splitlines()
+    assert lines[0] == "objective 0, bound -: no proof" and lines[1].startswith(
+        "0 of 4 samples wrong (0 %); depth 2, 2"
+    )
+
+
+def test_dot_has_every_node_and_edge_once_and_quotes_names():
+    text = tree_dot(TREE, FEATURES, CLASSES)
+    assert len(re.findall(r"-> n\d", text)) == 4 and len(re.findall(r"shape=ellipse", text)) == 3
+    assert r'label="a\"1 <= 0.5"' in text
+
+
+def test_a_markdown_table_is_aligned_and_shows_unknown_as_dash():
+    table = markdown_table([{"method": "cart", "bound": None}, {"method": "a|b", "bound": 1.5}])
+    assert table.splitlines() == [
+        "| method | bound |",
+        "| ------ | ----: |",
+        "| cart   |     - |",
+        r"| a\|b   |   1.5 |",
+    ]
+
+
+@pytest.fixture
+def page():
+    file = record_tree(problem(), greedy_tree(problem()), "y")
+    return tree_page(file, "<tree>.json")
+
+
+def test_a_page_is_whole_in_itself(page):
+    assert not re.search(r"(src|href)\s*=\s*[\"'](?!#)", page) and "<script" not in page and "@import" not in page
+    outside = set(re.findall(r"https?://[^\s\"'<]+", page))
+    assert all("w3.org" in address for address in outside)  # names of XML vocabularies, never fetched
+
+
+def test_a_page_is_well_formed_and_escapes_names(page):
+    body = page.removeprefix("<!doctype html>\n").replace('<meta charset="utf-8">', "")
+    ElementTree.fromstring(body)
+    assert "<tree>" not in page and "&lt;tree&gt;.json" in page and "no &amp; never" in page
+
+
+def test_a_page_says_claims_settings_and_confusion(page):
+    assert "0 of 4 training samples wrong" in page and "without a proof" in page
+    assert "<th>depth</th><td>2</td>" in page
+    assert '<th>yes</th><td class="n">0</td><td class="n">3</td>' in page
