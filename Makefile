@@ -24,7 +24,7 @@ tools:
 	@command -v $(PYTHON) >/dev/null || { echo "$(PYTHON) is missing: install Python 3.11 or newer, or say make PYTHON=/path/to/python"; exit 2; }
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "$$($(PYTHON) --version) is too old: install Python 3.11 or newer, or say make PYTHON=/path/to/python"; exit 2; }
 	@command -v cc >/dev/null || { echo "a C compiler (cc) is missing: install gcc or clang, for instance apt-get install build-essential"; exit 2; }
-	@command -v cargo >/dev/null || { echo "the Rust toolchain (cargo) is missing: install stable Rust 1.88 or newer, for instance with rustup"; exit 2; }
+	@command -v cargo >/dev/null || { echo "the Rust toolchain (cargo) is missing: install stable Rust 1.89 or newer, for instance with rustup"; exit 2; }
 
 # Editable: Python files are used where they lie, and the native core is built again when a Rust file changes.
 $(VENV)/.installed: pyproject.toml $(NATIVE) | tools

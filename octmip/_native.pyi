@@ -39,3 +39,16 @@ def search(
     progress: Callable[[float, int, int, int], None] | None = None,
 ) -> tuple[list[NodeRow], int, int, str, int]:
     """Return node table, objective, bound, stop and number of visited nodes."""
+
+def branch_and_bound(
+    problem: Problem,
+    limits_: tuple[float, float, float, float],
+    n_threads: int,
+    incumbent: tuple[int, list[NodeRow]] | None = None,
+    off: list[str] = ...,
+    progress: Callable[[float, int, int, int], None] | None = None,
+) -> tuple[list[NodeRow], int, int, str, int]:
+    """Return node table, objective, bound, stop and number of evaluated cuts."""
+
+def prunes() -> list[str]:
+    """Return the names of all prunes of the exact core."""

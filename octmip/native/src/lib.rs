@@ -6,6 +6,7 @@
 #![cfg_attr(not(test), deny(clippy::unwrap_used))]
 
 pub mod control;
+pub mod exact;
 pub mod problem;
 pub mod search;
 pub mod tree;

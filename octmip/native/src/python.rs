@@ -1,5 +1,6 @@
 //! The Python border: arrays in, a flat node table and counters out. No logic of trees lives here.
 
+mod exact;
 mod search;
 
 use std::time::{Duration, Instant};
@@ -211,5 +212,6 @@ pub fn keep_going<'a>(
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_function(wrap_pyfunction!(search::py_search, module)?)?;
-    module.add_class::<PyProblem>()
+    module.add_class::<PyProblem>()?;
+    exact::register(module)
 }

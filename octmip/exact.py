@@ -1,0 +1,170 @@
+"""Branch and bound over thresholds: provably optimal axis-aligned trees. A thin wrapper of the native core.
+
+The core counts ranks and integers (see `octmip.encoding`); the algorithm, its bounds and their proofs are in
+docs/theory/exact.md. Categorical features: one column of 0/1 for each category, all columns reading one sensor
+(`sensor_of_feature`), so that a split asks "is it this category?" and the sensor is paid for once.
+"""
+
+import time
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip import _native
+from octmip.encoding import (
+    IntegerCosts,
+    integer_costs,
+    native_problem,
+    rank_features,
+    rows_from_tree,
+    tree_from_rows,
+)
+from octmip.errors import ProblemError
+from octmip.problem import Problem
+from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop
+from octmip.tree import (
+    HyperplaneSplit,
+    Node,
+    Split,
+    depth,
+    goes_left,
+    leaf_index,
+    leaves,
+    midpoint,
+    n_splits,
+    predict,
+    splits,
+    without_empty_sides,
+)
+
+SOLVER = "exact"
+
+
+def branch_and_bound(
+    problem: Problem,
+    *,
+    limits: Limits = Limits(),  # noqa: B008 - frozen
+    incumbent: Node | Solution | None = None,
+    seed: int = 0,
+    n_jobs: int = 1,
+    progress: ProgressCallback | None = None,
+    _off: Sequence[str] = (),
+) -> Solution:
+    """Return the best axis-aligned tree of a problem and the proof's bound.
+
+    Parameters:
+        problem: with ``split="axis"``; any weights, costs, depth, leaf size, penalty.
+        limits: seconds, relative gap, nodes (evaluated cuts), bytes of the core's own tables.
+        incumbent: a feasible tree to start from; a good one shortens the proof.
+        seed: of the start's random choices.
+        n_jobs: threads. The result does not depend on it.
+        progress: called with a `Progress` about every 50 ms.
+        _off: names of prunes to do without (`_native.prunes()`), for tests.
+
+    Raises:
+        ProblemError: the problem asks for hyperplanes, or the incumbent is not one of its trees.
+    """
+    started = time.perf_counter()
+    _check(problem, n_jobs)
+    ranks, costs = rank_features(problem), integer_costs(problem)
+
+    def report(seconds: float, objective: int, bound: int, n_nodes: int) -> None:
+        assert progress is not None
+        progress(Progress(seconds, objective * costs.unit, bound * costs.unit, n_nodes))
+
+    start = None if incumbent is None else _feasible(problem, incumbent)
+    rows, _, bound, stop, n_nodes = _native.branch_and_bound(
+        native_problem(problem, ranks, costs),
+        (limits.seconds, limits.gap, limits.nodes, limits.memory),
+        n_jobs,
+        None if start is None else (_integer_objective(problem, start, costs), rows_from_tree(start, ranks)),
+        list(_off),
+        None if progress is None else report,
+    )
+    tree, objective = _better(problem, tree_from_rows(rows, ranks), start)
+    return Solution(
+        tree=tree,
+        objective=objective,
+        bound=min(bound * costs.unit, objective),
+        stop=Stop(stop),
+        seconds=time.perf_counter() - started,
+        n_nodes=n_nodes,
+        solver=SOLVER,
+        version=_native.__version__,
+        seed=seed,
+        tolerance=costs.tolerance,
+    )
+
+
+def _check(problem: Problem, n_jobs: int) -> None:
+    if problem.split != "axis":
+        raise ProblemError(
+            "the exact core finds axis-aligned trees but split is 'hyperplane'; use method 'search' or 'oct_h'"
+        )
+    if problem.sensor_budget is not None and problem.sensor_costs.sum() > problem.sensor_limit:
+        raise ProblemError(
+            "the exact core does not know sensor budgets yet; use method 'search' or a mixed-integer one"
+        )
+    if n_jobs < 1:
+        raise ProblemError(f"n_jobs is {n_jobs}; expected 1 or more")
+
+
+def _feasible(problem: Problem, incumbent: Node | Solution) -> Node:
+    """Return the incumbent's tree without idle splits; refuse one that is no tree of the problem."""
+    given = incumbent.tree if isinstance(incumbent, Solution) else incumbent
+    if given is None:
+        raise ProblemError("the incumbent solution holds no tree; leave it out or give a tree")
+    if any(isinstance(split, HyperplaneSplit) for split in splits(given)):
+        raise ProblemError("the incumbent has a split over a hyperplane; the exact core needs an axis-aligned tree")
+    forbidden = problem.first_forbidden_split(given)
+    if forbidden:
+        raise ProblemError(f"the incumbent is not a tree of this problem: {forbidden}")
+    largest = max(leaf.label for leaf in leaves(given))
+    if largest >= problem.n_classes:
+        raise ProblemError(f"the incumbent predicts class {largest} but the problem has {problem.n_classes} classes")
+    tree = without_empty_sides(given, problem.features)
+    if depth(tree) > problem.depth:
+        raise ProblemError(f"the incumbent has depth {depth(tree)} but the problem allows {problem.depth}")
+    sizes = np.bincount(leaf_index(tree, problem.features), minlength=len(leaves(tree)))
+    if n_splits(tree) and sizes.min() < problem.leaf_size:
+        raise ProblemError(
+            f"a leaf of the incumbent holds {sizes.min()} samples but leaf_size is {problem.leaf_size}"
+        )
+    if problem.sensor_cost_of(tree) > problem.sensor_limit:
+        raise ProblemError(
+            f"the incumbent reads sensors of cost {problem.sensor_cost_of(tree)}, over the budget {problem.sensor_budget}"
+        )
+    return tree
+
+
+def _integer_objective(problem: Problem, tree: Node, costs: IntegerCosts) -> int:
+    predicted = predict(tree, problem.features)
+    paid = costs.weights * costs.costs[problem.codes, predicted]
+    return int(paid.sum()) + costs.penalty * n_splits(tree)
+
+
+def _better(problem: Problem, found: Node, start: Node | None) -> tuple[Node, float]:
+    """Return the cheaper of two trees by the true costs: rounded ones can rank two trees the wrong way round."""
+    tree = _centred(problem, found, np.arange(problem.n_samples))
+    objective = problem.objective_of(tree, predict(tree, problem.features))
+    if start is not None:
+        known = problem.objective_of(start, predict(start, problem.features))
+        if known < objective:
+            return start, known
+    return tree, objective
+
+
+def _centred(problem: Problem, tree: Node, rows: NDArray[np.int64]) -> Node:
+    """Return the tree with every threshold midway between the samples of its own node."""
+    if not isinstance(tree, Split):
+        return tree
+    left = goes_left(tree, problem.features[rows])
+    values = problem.features[rows, tree.feature]
+    threshold = midpoint(float(values[left].max()), float(values[~left].min()))
+    return Split(
+        tree.feature,
+        threshold,
+        _centred(problem, tree.left, rows[left]),
+        _centred(problem, tree.right, rows[~left]),
+    )

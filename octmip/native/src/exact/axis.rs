@@ -1,0 +1,246 @@
+//! One feature of a node: its cuts, what is known of them, and the proofs by which runs of cuts are dropped.
+//!
+//! Notation: cut `k` sends a set L(k) left and R(k) right, `e` is the added cost of the best tree of the children's
+//! depth, `mass(k)` the swing of L(k). For cuts a < k < b:
+//!
+//! * monotone: `e(L(k)) >= e(L(a))` and `e(R(k)) >= e(R(b))`: the best tree for the larger set, used on the smaller
+//!   one, costs no more there. False when leaves have a least size (the tree may be infeasible on the smaller set).
+//! * swing: `e(L(k)) >= e(L(b)) - (mass(b) - mass(k))` and `e(R(k)) >= e(R(a)) - (mass(k) - mass(a))`: the best tree
+//!   for the smaller set is feasible on the larger and costs at most the swing of the new samples more.
+//! * mixed labels: `e(L(k)) >= e(L(a)) + g(a, k)`, g the least cost of the samples between when only as many labels
+//!   may be predicted as the child has leaves: each of them lands in some leaf of the same tree. Needs monotone.
+
+use crate::exact::Switches;
+use crate::exact::samples::Samples;
+use crate::exact::view::View;
+
+/// Cuts of a feature in order; the first and the last are the trivial ones that leave a side empty.
+#[derive(Debug, Default)]
+pub struct Axis {
+    /// Samples left of each cut.
+    pub positions: Vec<u32>,
+    /// Swing left of each cut.
+    pub mass: Vec<i64>,
+    /// Lower bound of the left child, where `is_known`.
+    pub left: Vec<i64>,
+    /// Lower bound of the right child, where `is_known`.
+    pub right: Vec<i64>,
+    prefix: Vec<i64>,
+    n_columns: usize,
+    n_leaves: usize,
+    counts_labels: bool,
+    is_monotone: bool,
+    has_swing: bool,
+}
+
+/// Cuts `low..=high` between the solved cuts `a` and `b` are open.
+#[derive(Debug, Clone, Copy)]
+pub struct Interval {
+    /// Solved cut before.
+    pub a: usize,
+    /// Solved cut after.
+    pub b: usize,
+    /// First open cut.
+    pub low: usize,
+    /// Last open cut.
+    pub high: usize,
+}
+
+impl Axis {
+    /// Lay out the cuts of feature `f`, with `whole` a lower bound of the child problem on all samples.
+    pub fn lay(
+        &mut self,
+        samples: &Samples,
+        view: &View,
+        f: usize,
+        n_leaves: usize,
+        whole: i64,
+        switches: &Switches,
+    ) {
+        self.n_columns = samples.n_columns;
+        self.n_leaves = n_leaves;
+        self.is_monotone = samples.leaf_size == 1 && switches.monotone;
+        self.has_swing = switches.swing;
+        self.counts_labels = switches.mixed_labels
+            && self.is_monotone
+            && samples.is_single
+            && samples.n_columns > n_leaves;
+        for list in [
+            &mut self.mass,
+            &mut self.left,
+            &mut self.right,
+            &mut self.prefix,
+        ] {
+            list.clear();
+        }
+        self.positions.clear();
+        self.push(samples, 0, 0, &[]);
+        let (ranks, list) = (samples.ranks_of(f), view.list(f));
+        let smallest = samples.leaf_size;
+        let mut mass = 0;
+        let mut counts = vec![
+            0;
+            if self.counts_labels {
+                samples.n_columns
+            } else {
+                0
+            }
+        ];
+        for k in 1..view.len {
+            let sample = list[k - 1] as usize;
+            mass += samples.swing[sample];
+            if self.counts_labels {
+                counts[samples.column[sample] as usize] += samples.swing[sample];
+            }
+            let is_cut = ranks[sample] != ranks[list[k] as usize];
+            if is_cut && k >= smallest && view.len - k >= smallest {
+                self.push(samples, k, mass, &counts);
+            }
+        }
+        let totals: &[i64] = if self.counts_labels {
+            &view.totals
+        } else {
+            &[]
+        };
+        self.push(samples, view.len, view.mass, totals);
+        let last = self.last();
+        self.right[0] = whole;
+        self.left[last] = whole;
+    }
+
+    fn push(&mut self, samples: &Samples, position: usize, mass: i64, counts: &[i64]) {
+        self.positions.push(position as u32);
+        self.mass.push(mass);
+        self.left.push(0);
+        self.right.push(0);
+        if self.counts_labels {
+            self.prefix.extend_from_slice(counts);
+            self.prefix
+                .resize(self.positions.len() * samples.n_columns, 0);
+        }
+    }
+
+    /// Index of the trivial cut at the end.
+    pub fn last(&self) -> usize {
+        self.positions.len() - 1
+    }
+
+    /// All the cuts that split, None when there are none.
+    pub fn whole(&self) -> Option<Interval> {
+        let last = self.last();
+        (last > 1).then(|| Interval {
+            a: 0,
+            b: last,
+            low: 1,
+            high: last - 1,
+        })
+    }
+
+    /// Shrink an interval to cuts whose children may cost less than `target` together; None when there are none.
+    pub fn narrow(&self, mut interval: Interval, target: i64) -> Option<Interval> {
+        let Interval { a, b, .. } = interval;
+        // swing on both sides: e(L(k)) + e(R(k)) >= e(L(b)) + e(R(a)) - (mass(b) - mass(a)) for every k between
+        if self.has_swing && self.left[b] + self.right[a] - (self.mass[b] - self.mass[a]) >= target
+        {
+            return None;
+        }
+        if self.is_monotone {
+            // monotone on both sides
+            if self.left[a] + self.right[b] >= target {
+                return None;
+            }
+            if self.has_swing {
+                // monotone left of k, swing right of it: e(L(a)) + e(R(a)) - (mass(k) - mass(a)) < target is needed
+                let from = self.mass[a] + self.left[a] + self.right[a] - target;
+                interval.low +=
+                    self.mass[interval.low..=interval.high].partition_point(|&m| m <= from);
+                let to = self.mass[b] - (self.left[b] + self.right[b] - target);
+                let kept = self
+                    .mass
+                    .get(interval.low..=interval.high)?
+                    .partition_point(|&m| m < to);
+                if kept == 0 {
+                    return None;
+                }
+                interval.high = interval.low + kept - 1;
+            }
+        }
+        (interval.low <= interval.high).then_some(interval)
+    }
+
+    /// Lower bounds of both children of cut `k`, from the solved cuts around it.
+    pub fn bounds(&self, interval: &Interval, k: usize) -> (i64, i64) {
+        let Interval { a, b, .. } = *interval;
+        let (mut left, mut right) = (0, 0);
+        if self.has_swing {
+            left = self.left[b] - (self.mass[b] - self.mass[k]);
+            right = self.right[a] - (self.mass[k] - self.mass[a]);
+        }
+        if self.is_monotone {
+            left = left.max(self.left[a] + self.mixed(a, k));
+            right = right.max(self.right[b] + self.mixed(k, b));
+        }
+        (left.max(0), right.max(0))
+    }
+
+    /// Lower bound of the children of any cut of an interval.
+    pub fn least(&self, interval: &Interval) -> i64 {
+        let bounds = (interval.low..=interval.high).map(|k| self.bounds(interval, k));
+        bounds
+            .map(|(left, right)| left + right)
+            .min()
+            .unwrap_or(i64::MAX)
+    }
+
+    /// The open cut nearest the middle of the interval whose children's bounds stay below `target`.
+    pub fn pick(&self, interval: &Interval, target: i64) -> Option<usize> {
+        let middle = interval.low + (interval.high - interval.low) / 2;
+        if !self.counts_labels {
+            return Some(middle);
+        }
+        let survives = |k: usize| {
+            let (left, right) = self.bounds(interval, k);
+            left + right < target
+        };
+        for step in 0..=(interval.high - middle) {
+            if survives(middle + step) {
+                return Some(middle + step);
+            }
+            if step <= middle - interval.low && survives(middle - step) {
+                return Some(middle - step);
+            }
+        }
+        None
+    }
+
+    /// Swing between `k` and the farther end of the interval: what a child's bound is worth to its neighbours.
+    pub fn slack(&self, interval: &Interval, k: usize) -> i64 {
+        (self.mass[k] - self.mass[interval.low]).max(self.mass[interval.high] - self.mass[k])
+    }
+
+    /// Least cost of the samples between two cuts when at most `n_leaves` labels are predicted for them.
+    fn mixed(&self, from: usize, to: usize) -> i64 {
+        if !self.counts_labels {
+            return 0;
+        }
+        let k = self.n_columns;
+        let (low, high) = (
+            &self.prefix[from * k..(from + 1) * k],
+            &self.prefix[to * k..(to + 1) * k],
+        );
+        let mut largest = [0i64; 16];
+        let kept = self.n_leaves.min(16);
+        if kept < self.n_leaves {
+            return 0;
+        }
+        for (h, l) in high.iter().zip(low) {
+            let mut count = h - l;
+            for slot in &mut largest[..kept] {
+                if count > *slot {
+                    std::mem::swap(slot, &mut count);
+                }
+            }
+        }
+        self.mass[to] - self.mass[from] - largest[..kept].iter().sum::<i64>()
+    }
+}

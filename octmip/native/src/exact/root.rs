@@ -1,0 +1,263 @@
+//! The whole search: incumbent, shallower depths, the root's frontier, limits.
+
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::time::{Duration, Instant};
+
+use crate::control::{KeepGoing, Limits, Outcome, Progress, Stop};
+use crate::exact::Switches;
+use crate::exact::branch::Search;
+use crate::exact::effort::Control;
+use crate::exact::frontier::Frontier;
+use crate::exact::plan::Plan;
+use crate::exact::samples::Samples;
+use crate::exact::view::View;
+use crate::problem::Problem;
+use crate::tree::Tree;
+
+/// How to search.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// When to stop early.
+    pub limits: Limits,
+    /// Worker threads.
+    pub n_threads: usize,
+    /// A feasible tree and its objective.
+    pub incumbent: Option<(i64, Tree)>,
+    /// Which prunes are on.
+    pub switches: Switches,
+}
+
+/// The state of a search that is asked for progress.
+struct Run<'a> {
+    samples: &'a Samples,
+    view: &'a View,
+    options: &'a Options,
+    control: Control,
+    started: Instant,
+    base: i64,
+    /// Objective (above the base) and plan of the best tree; no plan: the incumbent that was given.
+    best: (i64, Option<Plan>),
+    bound: i64,
+    stop: Option<Stop>,
+}
+
+/// The best tree of the problem (without its sensor budget), and a bound.
+pub fn solve(problem: &Problem, options: &Options, keep_going: KeepGoing<'_>) -> Outcome {
+    let started = Instant::now();
+    let samples = Samples::new(problem);
+    let view = View::root(&samples);
+    let base: i64 = samples.base.iter().sum();
+    let mut run = Run {
+        samples: &samples,
+        view: &view,
+        options,
+        control: Control::new(),
+        started,
+        base,
+        best: (view.leaf(), Some(Plan::Leaf)),
+        bound: 0,
+        stop: None,
+    };
+    if let Some((objective, _)) = &options.incumbent
+        && objective - base <= run.best.0
+    {
+        run.best = (objective - base, None);
+    }
+    run.search(problem.depth, keep_going);
+    run.outcome()
+}
+
+impl Run<'_> {
+    fn search(&mut self, depth: usize, keep_going: KeepGoing<'_>) {
+        if self.best.0 <= self.samples.penalty || self.samples.p == 0 || self.samples.n_columns == 1
+        {
+            self.bound = self.best.0;
+            return;
+        }
+        let shallow = depth.min(2);
+        let (mut whole, mut attained) = self.shallow(shallow, keep_going);
+        if depth <= 2 {
+            self.bound = whole;
+            return;
+        }
+        for level in 3..=depth {
+            if self.stop.is_some() {
+                return;
+            }
+            let features = order(&attained, self.samples.p);
+            (whole, attained) = self.deep(level, level == depth, features, whole, keep_going);
+        }
+    }
+
+    /// Depth one or two, by one thread; a bound of that depth's trees, and what each feature reached.
+    fn shallow(&mut self, depth: usize, keep_going: KeepGoing<'_>) -> (i64, Vec<i64>) {
+        let upper = self.view.leaf() + 1;
+        let mut result = None;
+        std::thread::scope(|scope| {
+            let (sender, receiver) = channel::<()>();
+            let (samples, view, control, switches) = (
+                self.samples,
+                self.view,
+                &self.control,
+                self.options.switches,
+            );
+            let worker = scope.spawn(move || {
+                let _sender = sender;
+                let mut search = Search::new(samples, switches, control, depth);
+                let answer = search.solve(view, depth, upper, 0);
+                (answer, search.attained)
+            });
+            self.stop = watch(
+                self.started,
+                &self.options.limits,
+                control,
+                &receiver,
+                keep_going,
+                || (self.best.0 + self.base, self.base),
+            );
+            result = worker.join().ok();
+        });
+        let Some((answer, attained)) = result else {
+            return (0, Vec::new());
+        };
+        if let Some((cost, plan)) = answer.best
+            && cost < self.best.0
+        {
+            self.best = (cost, Some(plan));
+        }
+        (if self.stop.is_some() { 0 } else { answer.lower }, attained)
+    }
+
+    /// Depth three or more, by all threads.
+    fn deep(
+        &mut self,
+        depth: usize,
+        is_last: bool,
+        features: Vec<usize>,
+        whole: i64,
+        keep_going: KeepGoing<'_>,
+    ) -> (i64, Vec<i64>) {
+        let (samples, view, switches) = (self.samples, self.view, self.options.switches);
+        // The incumbent may be deeper than this level: the level's own trees are asked for up to the last level's cost.
+        let upper = self.best.0;
+        let frontier = Frontier::new(
+            samples,
+            switches,
+            &self.control,
+            view,
+            depth,
+            features,
+            whole,
+            upper,
+        );
+        let base = self.base;
+        std::thread::scope(|scope| {
+            let (sender, receiver) = channel::<()>();
+            for _ in 0..self.options.n_threads.max(1) {
+                let sender: Sender<()> = sender.clone();
+                let (frontier, control) = (&frontier, &self.control);
+                scope.spawn(move || {
+                    let _sender = sender;
+                    let mut search = Search::new(samples, switches, control, depth);
+                    if depth == 3 {
+                        search.prepare(view);
+                    }
+                    frontier.work(&mut search);
+                });
+            }
+            drop(sender);
+            self.stop = watch(
+                self.started,
+                &self.options.limits,
+                &self.control,
+                &receiver,
+                keep_going,
+                || {
+                    let (cost, bound) = frontier.progress();
+                    (cost + base, if is_last { bound + base } else { base })
+                },
+            );
+        });
+        let (cost, bound) = frontier.progress();
+        if let Some((cost, plan)) = frontier.best() {
+            self.best = (cost, Some(plan));
+        }
+        if is_last {
+            self.bound = bound;
+        }
+        (bound.min(cost), frontier.attained())
+    }
+
+    fn outcome(self) -> Outcome {
+        let objective = self.base + self.best.0;
+        let bound = self.base + self.bound.min(self.best.0);
+        let tree = match (&self.best.1, &self.options.incumbent) {
+            (Some(plan), _) => plan.tree(self.samples, self.view),
+            (None, Some((_, tree))) => tree.clone(),
+            (None, None) => Tree::leaf(self.samples.labels[self.view.best_column()]),
+        };
+        let stop = if bound >= objective {
+            Stop::Optimal
+        } else {
+            self.stop.unwrap_or(Stop::Interrupted)
+        };
+        Outcome {
+            tree,
+            objective,
+            bound,
+            stop,
+            n_nodes: self.control.n_evaluated(),
+        }
+    }
+}
+
+/// Features by what they reached, ties by index.
+fn order(attained: &[i64], p: usize) -> Vec<usize> {
+    let mut features: Vec<usize> = (0..p).collect();
+    features.sort_by_key(|&f| attained.get(f).copied().unwrap_or(i64::MAX));
+    features
+}
+
+/// Wait for the workers, looking at the limits and asking the caller meanwhile; why they were stopped, if they were.
+fn watch(
+    started: Instant,
+    limits: &Limits,
+    control: &Control,
+    workers: &std::sync::mpsc::Receiver<()>,
+    keep_going: KeepGoing<'_>,
+    progress: impl Fn() -> (i64, i64),
+) -> Option<Stop> {
+    let mut stop = None;
+    loop {
+        let left = limits.seconds - started.elapsed().as_secs_f64();
+        let wait = Duration::from_secs_f64(left.clamp(0.0, 0.02));
+        if workers.recv_timeout(wait) == Err(RecvTimeoutError::Disconnected) {
+            return stop;
+        }
+        let (objective, bound) = progress();
+        let n_nodes = control.n_evaluated();
+        let seconds = started.elapsed().as_secs_f64();
+        let has_gap =
+            limits.gap > 0.0 && (objective - bound) as f64 <= limits.gap * objective as f64;
+        let reason = if !keep_going(Progress {
+            seconds,
+            objective,
+            bound,
+            n_nodes,
+        }) {
+            Some(Stop::Interrupted)
+        } else if seconds >= limits.seconds {
+            Some(Stop::Time)
+        } else if n_nodes as f64 >= limits.nodes {
+            Some(Stop::Nodes)
+        } else if has_gap {
+            Some(Stop::Gap)
+        } else {
+            None
+        };
+        if let Some(reason) = reason {
+            stop = stop.or(Some(reason));
+            control.stop();
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! Best stumps by a plain walk along every list: the yardstick, and the way when leaves have a least size.
+
+use crate::exact::samples::Samples;
+use crate::exact::stumps::{Place, Stump, Stumps};
+use crate::exact::view::View;
+
+/// See the module.
+#[derive(Debug, Default)]
+pub struct Scan {
+    scores: Vec<i64>,
+}
+
+/// The best stump of one feature on one side: gain and cut (largest rank that goes left).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct BestCut {
+    /// Gain of both leaves.
+    pub gain: i64,
+    /// Largest rank that goes left.
+    pub cut: u32,
+}
+
+/// Walk one list over the samples that `keeps`, of total gains `totals` and number `size`.
+pub fn best_cut(
+    samples: &Samples,
+    list: &[u32],
+    f: usize,
+    totals: &[i64],
+    size: usize,
+    keeps: impl Fn(u32) -> bool,
+) -> Option<BestCut> {
+    let ranks = samples.ranks_of(f);
+    let mut left = vec![0i64; totals.len()];
+    let (mut n_left, mut last) = (0, None);
+    let mut best: Option<BestCut> = None;
+    for &i in list.iter().filter(|&&i| keeps(i)) {
+        let rank = ranks[i as usize];
+        if let Some(before) = last
+            && before != rank
+            && n_left >= samples.leaf_size
+            && size - n_left >= samples.leaf_size
+        {
+            let gain = split_gain(&left, totals);
+            if best.is_none_or(|b| gain > b.gain) {
+                best = Some(BestCut { gain, cut: before });
+            }
+        }
+        samples.count(i, 1, &mut left);
+        n_left += 1;
+        last = Some(rank);
+    }
+    best
+}
+
+/// Gain of two leaves, the left of gains `left`, together of gains `totals`.
+pub fn split_gain(left: &[i64], totals: &[i64]) -> i64 {
+    let (mut low, mut high) = (i64::MIN, i64::MIN);
+    for (l, t) in left.iter().zip(totals) {
+        low = low.max(*l);
+        high = high.max(t - l);
+    }
+    low + high
+}
+
+impl Stumps for Scan {
+    fn prepare(&mut self, _: &Samples, _: &View) {}
+
+    fn load(&mut self, _: &Samples, _: &View) {}
+
+    fn rewind(&mut self) {}
+
+    fn both(&mut self, samples: &Samples, place: &Place<'_>, _close: i64) -> [Stump; 2] {
+        self.scores.clear();
+        self.scores.resize(samples.p, 0);
+        [0, 1].map(|side| {
+            let mut totals = vec![0; samples.n_columns];
+            let mut mass = 0;
+            let list = place.view.list(place.f);
+            let members = if side == 0 {
+                &list[..place.k]
+            } else {
+                &list[place.k..]
+            };
+            for &i in members {
+                samples.count(i, 1, &mut totals);
+                mass += samples.swing[i as usize];
+            }
+            let mut gain = totals.iter().copied().max().unwrap_or(0);
+            for f in 0..samples.p {
+                let list = place.view.list(f);
+                let best = best_cut(samples, list, f, &totals, place.size(side), |i| {
+                    place.is_on(side, i)
+                });
+                if let Some(best) = best {
+                    gain = gain.max(best.gain - samples.penalty);
+                    self.scores[f] = best.gain;
+                }
+            }
+            Stump {
+                lower: mass - gain,
+                value: mass - gain,
+            }
+        })
+    }
+
+    fn attained(&self, scores: &mut Vec<i64>) {
+        scores.clone_from(&self.scores);
+    }
+
+    fn bytes(&self) -> usize {
+        self.scores.len() * 8
+    }
+}

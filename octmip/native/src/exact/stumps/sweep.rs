@@ -1,0 +1,247 @@
+//! The vector pass over the buckets: gains of stumps at the edges, bounds of those inside.
+//!
+//! Plain loops over arrays of a fixed width inside `pulp`'s dispatch: the compiler turns them into the widest vectors
+//! of the machine at hand. Integer arithmetic, so every width gives the same numbers.
+
+use pulp::{Simd, WithSimd};
+
+/// A number of a histogram lane.
+pub trait Lane: Copy + Ord + Default + Send + 'static {
+    /// From a sum that fits (see `finder`).
+    fn narrow(value: i64) -> Self;
+    /// To a sum.
+    fn widen(self) -> i64;
+    /// Sum.
+    fn plus(self, other: Self) -> Self;
+    /// Difference.
+    fn minus(self, other: Self) -> Self;
+    /// Half, rounded down.
+    fn half(self) -> Self;
+    /// The largest.
+    const MAX: Self;
+}
+
+macro_rules! lane {
+    ($($t:ty),*) => {$(
+        impl Lane for $t {
+            const MAX: Self = <$t>::MAX;
+            #[inline(always)]
+            fn narrow(value: i64) -> Self {
+                value as $t
+            }
+            #[inline(always)]
+            fn widen(self) -> i64 {
+                self as i64
+            }
+            #[inline(always)]
+            fn plus(self, other: Self) -> Self {
+                self.wrapping_add(other)
+            }
+            #[inline(always)]
+            fn minus(self, other: Self) -> Self {
+                self.wrapping_sub(other)
+            }
+            #[inline(always)]
+            fn half(self) -> Self {
+                self >> 1
+            }
+        }
+    )*};
+}
+lane!(i16, i32, i64);
+
+type Row<T, const N: usize> = [T; N];
+
+#[inline(always)]
+fn zip<T: Lane, const N: usize>(a: &Row<T, N>, b: &Row<T, N>, f: impl Fn(T, T) -> T) -> Row<T, N> {
+    let mut out = [T::default(); N];
+    for lane in 0..N {
+        out[lane] = f(a[lane], b[lane]);
+    }
+    out
+}
+
+#[inline(always)]
+fn add<T: Lane, const N: usize>(a: &Row<T, N>, b: &Row<T, N>) -> Row<T, N> {
+    zip(a, b, T::plus)
+}
+
+#[inline(always)]
+fn sub<T: Lane, const N: usize>(a: &Row<T, N>, b: &Row<T, N>) -> Row<T, N> {
+    zip(a, b, T::minus)
+}
+
+#[inline(always)]
+fn max<T: Lane, const N: usize>(a: &Row<T, N>, b: &Row<T, N>) -> Row<T, N> {
+    zip(a, b, |x, y| if x > y { x } else { y })
+}
+
+#[inline(always)]
+fn min<T: Lane, const N: usize>(a: &Row<T, N>, b: &Row<T, N>) -> Row<T, N> {
+    zip(a, b, |x, y| if x < y { x } else { y })
+}
+
+/// Buckets between two checkpoints of the running sums.
+pub const STRIDE: usize = 8;
+
+/// One group of lanes: what goes in and comes out.
+pub struct Group<'a, T, const N: usize> {
+    /// Histogram (`n_buckets * rows`).
+    pub histogram: &'a [Row<T, N>],
+    /// The largest where a bucket may have a cut inside, 0 where it has not (`n_buckets`).
+    pub open: &'a [Row<T, N>],
+    /// Sum of each column, by lane (`columns`).
+    pub totals: &'a [Row<T, N>],
+    /// Largest gain that a stump inside a bucket may have, out (`n_buckets`).
+    pub caps: &'a mut [Row<T, N>],
+    /// Running sums before every `STRIDE`-th bucket, out (`n_buckets / STRIDE * columns`).
+    pub runs: &'a mut [Row<T, N>],
+    /// Rows of a bucket: its columns, and its swing where samples gain in several columns.
+    pub rows: usize,
+    /// Largest gain seen at an edge, out.
+    pub best: Row<T, N>,
+    /// Largest gain that any stump may have, out.
+    pub reach: Row<T, N>,
+}
+
+impl<T: Lane, const N: usize> WithSimd for &mut Group<'_, T, N> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let has_mass_row = self.rows != self.totals.len();
+        match (has_mass_row, self.totals.len()) {
+            (false, 2) => self.sweep::<2>(),
+            (false, 3) => self.sweep::<3>(),
+            (false, 4) => self.sweep::<4>(),
+            (false, 5) => self.sweep::<5>(),
+            (false, 6) => self.sweep::<6>(),
+            _ => self.sweep_any(has_mass_row),
+        }
+    }
+}
+
+impl<T: Lane, const N: usize> Group<'_, T, N> {
+    #[inline(always)]
+    fn sweep<const K: usize>(&mut self) {
+        let mut totals = [[T::default(); N]; K];
+        totals.copy_from_slice(&self.totals[..K]);
+        let mut run = [[T::default(); N]; K];
+        let mut edge = Edge::first(&totals);
+        let (buckets, _) = self.histogram.as_chunks::<K>();
+        for (b, ((bucket, open), cap)) in buckets
+            .iter()
+            .zip(self.open)
+            .zip(self.caps.iter_mut())
+            .enumerate()
+        {
+            if b % STRIDE == 0 {
+                self.runs[b / STRIDE * K..][..K].copy_from_slice(&run);
+            }
+            let mut low = [T::default(); N];
+            let mut high = [T::default(); N];
+            let mut count = [T::default(); N];
+            let mut top = [T::default(); N];
+            for c in 0..K {
+                run[c] = add(&run[c], &bucket[c]);
+                low = max(&low, &run[c]);
+                high = max(&high, &sub(&totals[c], &run[c]));
+                count = add(&count, &bucket[c]);
+                top = max(&top, &bucket[c]);
+            }
+            edge.pass(&low, &high, &count, &sub(&count, &top), open, cap);
+        }
+        (self.best, self.reach) = (edge.best, edge.reach);
+    }
+
+    #[inline(always)]
+    fn sweep_any(&mut self, has_mass_row: bool) {
+        let k = self.totals.len();
+        let mut run = vec![[T::default(); N]; k];
+        let mut edge = Edge::first(self.totals);
+        for (b, bucket) in self.histogram.chunks_exact(self.rows).enumerate() {
+            if b % STRIDE == 0 {
+                self.runs[b / STRIDE * k..][..k].copy_from_slice(&run);
+            }
+            let mut low = [T::default(); N];
+            let mut high = [T::default(); N];
+            let mut count = [T::default(); N];
+            let mut top = [T::default(); N];
+            for (c, held) in bucket[..k].iter().enumerate() {
+                run[c] = add(&run[c], held);
+                low = max(&low, &run[c]);
+                high = max(&high, &sub(&self.totals[c], &run[c]));
+                count = add(&count, held);
+                top = max(&top, held);
+            }
+            if has_mass_row {
+                (count, top) = (bucket[k], [T::default(); N]);
+            }
+            edge.pass(
+                &low,
+                &high,
+                &count,
+                &sub(&count, &top),
+                &self.open[b],
+                &mut self.caps[b],
+            );
+        }
+        (self.best, self.reach) = (edge.best, edge.reach);
+    }
+}
+
+/// What is carried from one bucket edge to the next.
+struct Edge<T, const N: usize> {
+    high: Row<T, N>,
+    score: Row<T, N>,
+    best: Row<T, N>,
+    reach: Row<T, N>,
+}
+
+impl<T: Lane, const N: usize> Edge<T, N> {
+    #[inline(always)]
+    fn first(totals: &[Row<T, N>]) -> Self {
+        let mut high = [T::default(); N];
+        for row in totals {
+            high = max(&high, row);
+        }
+        Self {
+            high,
+            score: high,
+            best: high,
+            reach: high,
+        }
+    }
+
+    /// Pass a bucket: `low`, `high` the best gain left and right of its end, `count` its swing, `minor` its swing
+    /// outside its largest column.
+    ///
+    /// A cut inside the bucket has at most the least of these gains (start, end: the bucket's edges):
+    /// * `low(end) + high(start)`: gains grow with the set.
+    /// * `score(start) + c1` and `score(end) + c2` for the swings c1 + c2 = count on both sides of it, so at most
+    ///   their mean: moving a sample changes a gain by at most its swing.
+    /// * `max(score(start), score(end)) + minor`: without the samples outside the largest column, low + high is a
+    ///   convex function of how many samples of that one column lie left, so largest at an end, where it is at most
+    ///   the score with them; putting them back gains at most their swing.
+    #[inline(always)]
+    fn pass(
+        &mut self,
+        low: &Row<T, N>,
+        high: &Row<T, N>,
+        count: &Row<T, N>,
+        minor: &Row<T, N>,
+        open: &Row<T, N>,
+        cap: &mut Row<T, N>,
+    ) {
+        let score = add(low, high);
+        let cross = add(low, &self.high);
+        let mean = zip(&add(&score, count), &self.score, |a, b| a.plus(b).half());
+        let lifted = add(&max(&score, &self.score), minor);
+        let inside = min(&min(&cross, &mean), &min(&lifted, open));
+        *cap = inside;
+        self.best = max(&self.best, &score);
+        self.reach = max(&self.reach, &max(&inside, &score));
+        self.high = *high;
+        self.score = score;
+    }
+}

@@ -1,0 +1,118 @@
+//! The samples that reach a node: one list of ids a feature, each in the order of that feature.
+
+use crate::exact::samples::Samples;
+
+/// Samples of a node. The cut at position `k` of feature `f` sends the first `k` samples of list `f` left.
+#[derive(Debug, Clone, Default)]
+pub struct View {
+    /// Number of samples.
+    pub len: usize,
+    /// Sample ids, list after list (`p * len`).
+    pub lists: Vec<u32>,
+    /// Gain of predicting each column for all of them (`n_columns`).
+    pub totals: Vec<i64>,
+    /// Their swing.
+    pub mass: i64,
+}
+
+impl View {
+    /// All the samples.
+    pub fn root(samples: &Samples) -> Self {
+        let mut view = Self {
+            len: samples.n,
+            lists: samples.order.clone(),
+            ..Self::default()
+        };
+        view.recount(samples, 0..samples.n as u32);
+        view
+    }
+
+    /// The samples of `ids`, none twice.
+    pub fn subset(samples: &Samples, ids: &[u32]) -> Self {
+        let mut chosen = vec![false; samples.n];
+        for &i in ids {
+            chosen[i as usize] = true;
+        }
+        let lists = samples
+            .order
+            .iter()
+            .copied()
+            .filter(|&i| chosen[i as usize])
+            .collect();
+        let mut view = Self {
+            len: ids.len(),
+            lists,
+            ..Self::default()
+        };
+        view.recount(samples, ids.iter().copied());
+        view
+    }
+
+    /// The samples in the order of feature `f`.
+    pub fn list(&self, f: usize) -> &[u32] {
+        &self.lists[f * self.len..(f + 1) * self.len]
+    }
+
+    /// Added cost of the best leaf.
+    pub fn leaf(&self) -> i64 {
+        self.mass - self.totals.iter().copied().max().unwrap_or(0)
+    }
+
+    /// The column of the best leaf, the lowest among equals.
+    pub fn best_column(&self) -> usize {
+        let best = self.mass - self.leaf();
+        self.totals
+            .iter()
+            .position(|&gain| gain == best)
+            .unwrap_or(0)
+    }
+
+    /// Fill `sides` with the samples left and right of the cut at position `k` of feature `f`.
+    pub fn split(
+        &self,
+        samples: &Samples,
+        f: usize,
+        k: usize,
+        marks: &mut [bool],
+        sides: &mut [View; 2],
+    ) {
+        for (position, &i) in self.list(f).iter().enumerate() {
+            marks[i as usize] = position >= k;
+        }
+        let sizes = [k, self.len - k];
+        for (side, view) in sides.iter_mut().enumerate() {
+            view.len = sizes[side];
+            view.lists.resize(samples.p * sizes[side] + 1, 0); // one more: the branchless partition writes ahead
+        }
+        let [left, right] = sides;
+        for g in 0..samples.p {
+            let (mut to_left, mut to_right) = (g * k, g * (self.len - k));
+            for &i in self.list(g) {
+                let is_right = marks[i as usize];
+                left.lists[to_left] = i;
+                right.lists[to_right] = i;
+                to_left += usize::from(!is_right);
+                to_right += usize::from(is_right);
+            }
+        }
+        for (side, view) in sides.iter_mut().enumerate() {
+            view.lists.truncate(samples.p * sizes[side]);
+            let ids = if side == 0 {
+                &self.list(f)[..k]
+            } else {
+                &self.list(f)[k..]
+            };
+            view.recount(samples, ids.iter().copied());
+        }
+    }
+
+    fn recount(&mut self, samples: &Samples, ids: impl Iterator<Item = u32>) {
+        self.totals.clear();
+        self.totals.resize(samples.n_columns, 0);
+        self.mass = 0;
+        for i in ids {
+            samples.count(i, 1, &mut self.totals);
+            self.mass += samples.swing[i as usize];
+        }
+    }
+}

@@ -1,0 +1,131 @@
+"""The exact core against exhaustive enumeration, and against itself with every prune switched off."""
+
+import functools
+import itertools
+
+import numpy as np
+import pytest
+
+from octmip import _native, certify
+from octmip.errors import ProblemError
+from octmip.exact import branch_and_bound
+from octmip.problem import Problem
+from octmip.solution import Limits, Stop
+from octmip.tree import HyperplaneSplit, Leaf, Split
+
+
+def cheapest(problem: Problem) -> float:
+    """Return the optimum by enumeration of all trees over the distinct cuts of each node."""
+
+    @functools.cache
+    def best(rows: tuple[int, ...], levels: int) -> float:
+        index = np.array(rows, dtype=np.int64)
+        cost = float(problem.class_costs(index).min())
+        if levels == 0:
+            return cost
+        for feature in range(problem.n_features):
+            if not problem.is_allowed((feature,)):
+                continue
+            values = problem.features[index, feature]
+            for low in np.unique(values)[:-1]:
+                left, right = index[values <= low], index[values > low]
+                if min(len(left), len(right)) < problem.leaf_size:
+                    continue
+                pair = best(tuple(left), levels - 1) + best(tuple(right), levels - 1)
+                cost = min(cost, pair + problem.leaf_penalty)
+        return cost
+
+    return best(tuple(range(problem.n_samples)), problem.depth)
+
+
+def random_problem(seed: int, depth: int | None = None) -> Problem:
+    """Return a small problem with ties, duplicates, weights, costs, leaf sizes and penalties, by chance."""
+    rng = np.random.default_rng(seed)
+    n, p, k = int(rng.integers(2, 13)), int(rng.integers(1, 4)), int(rng.integers(2, 6))
+    n = max(n, k)
+    labels = np.concatenate([np.arange(k), rng.integers(0, k, n - k)]) if rng.random() < 0.8 else np.arange(n) % 2
+    classes = len(set(labels.tolist()))
+    return Problem(
+        rng.integers(0, rng.integers(2, 9), (n, p)).astype(float),
+        labels,
+        depth=int(rng.integers(1, 4)) if depth is None else depth,
+        weights=None if rng.random() < 0.5 else rng.integers(0, 5, n) + (np.arange(n) == 0),
+        costs=None if rng.random() < 0.6 else rng.integers(0, 6, (classes, classes)),
+        leaf_size=1 if rng.random() < 0.6 else int(rng.integers(1, 1 + n // 2)),
+        leaf_penalty=0 if rng.random() < 0.6 else int(rng.integers(0, 3)),
+        allowed_splits=None if p == 1 or rng.random() < 0.8 else [[0], [1]],
+    )
+
+
+@pytest.mark.parametrize("block", range(8))
+def test_it_finds_the_optimum_of_enumeration(block: int) -> None:
+    for seed in range(50 * block, 50 * block + 50):
+        problem = random_problem(seed)
+        solution = branch_and_bound(problem, n_jobs=1 + seed % 2)
+        assert certify(problem, solution).objective == cheapest(problem), seed
+        assert solution.stop is Stop.OPTIMAL, seed
+
+
+@pytest.mark.parametrize("prune", _native.prunes())
+def test_the_optimum_stays_with_a_prune_switched_off(prune: str) -> None:
+    for seed in range(1000, 1030):
+        problem = random_problem(seed)
+        assert branch_and_bound(problem, _off=[prune]).objective == branch_and_bound(problem).objective, seed
+
+
+def test_the_optimum_stays_with_every_prune_switched_off() -> None:
+    for seed in range(2000, 2020):
+        problem = random_problem(seed, depth=3)
+        assert branch_and_bound(problem, _off=_native.prunes()).objective == cheapest(problem), seed
+
+
+def larger(seed: int, n: int = 150, classes: int = 3) -> Problem:
+    """Return a problem whose lists fill several buckets."""
+    rng = np.random.default_rng(seed)
+    features = np.round(rng.normal(size=(n, 4)), 1)
+    labels = (features[:, 0] * features[:, 1] > 0).astype(int) + (rng.random(n) < 0.2) * rng.integers(0, classes, n)
+    return Problem(features, np.minimum(labels, classes - 1), depth=2)
+
+
+@pytest.mark.parametrize("prune", _native.prunes())
+def test_larger_problems_do_not_depend_on_prunes(prune: str) -> None:
+    for seed in range(6):
+        problem = larger(seed, classes=2 + seed % 4)
+        assert branch_and_bound(problem, _off=[prune]).objective == branch_and_bound(problem).objective, seed
+
+
+def test_float64_values_a_millionth_apart_are_told_apart() -> None:
+    features = (900 + 1e-6 * np.arange(40))[:, None]
+    problem = Problem(features, np.arange(40) >= 17, depth=1)
+    assert branch_and_bound(problem).objective == 0
+
+
+def test_limits_return_a_tree_and_a_bound() -> None:
+    problem = larger(1, n=400)
+    problem = Problem(problem.features, problem.labels, depth=5)
+    solution = branch_and_bound(problem, limits=Limits(seconds=0.05))
+    assert solution.stop in (Stop.TIME, Stop.OPTIMAL)
+    assert certify(problem, solution).bound <= solution.objective
+
+
+def test_an_incumbent_that_is_no_tree_of_the_problem_is_refused() -> None:
+    problem = Problem([[0.0], [1.0], [2.0]], [0, 1, 0], depth=1, leaf_size=2)
+    for incumbent in (
+        Split(0, 0.5, Leaf(0), Leaf(1)),
+        Split(1, 0.5, Leaf(0), Leaf(1)),
+        Split(0, 0.5, Leaf(0), Leaf(2)),
+        Split(0, 0.5, Leaf(0), Split(0, 1.5, Leaf(1), Leaf(0))),
+        HyperplaneSplit((0,), (1.0,), 0.5, Leaf(0), Leaf(1)),
+    ):
+        with pytest.raises(ProblemError, match="incumbent"):
+            branch_and_bound(problem, incumbent=incumbent)
+
+
+def test_the_order_of_samples_and_features_changes_nothing_but_names() -> None:
+    for seed, (rows, columns) in enumerate(itertools.product((False, True), repeat=2)):
+        problem = larger(seed)
+        rng = np.random.default_rng(seed)
+        order = rng.permutation(problem.n_samples) if rows else np.arange(problem.n_samples)
+        names = rng.permutation(4) if columns else np.arange(4)
+        other = Problem(problem.features[order][:, names], problem.labels[order], depth=2)
+        assert branch_and_bound(other).objective == branch_and_bound(problem).objective
