@@ -133,7 +133,7 @@ def _feasible(problem: Problem, incumbent: Node | Solution) -> Node:
         )
     if problem.sensor_cost_of(tree) > problem.sensor_limit:
         raise ProblemError(
-            f"the incumbent reads sensors of cost {problem.sensor_cost_of(tree)}, over the budget {problem.sensor_budget}"
+            f"the incumbent reads sensors of cost {problem.sensor_cost_of(tree)}; the budget is {problem.sensor_budget}"
         )
     return tree
 
