@@ -27,7 +27,6 @@ import scipy.sparse as sparse
 from femlib.arrays import BoolArray, FloatArray, IntArray
 from femlib.assembly import Factors, Shells, Supports, factorise
 from femlib.errors import InputError, frozen_floats
-from femlib.mesh import DOFS_PER_NODE
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -104,8 +103,7 @@ class DamagedStructure:
         _refuse_overlap(self.components)
         condensed = tuple(self._condense(component) for component in self.components)
         ports = np.unique(np.concatenate([*(c.ports for c in condensed), np.zeros(0, dtype=np.int64)]))
-        groups = self.supports.free // DOFS_PER_NODE
-        factors = factorise(self.supports.reduce(self.shells.stiffness()), groups, ports)
+        factors = factorise(self.supports.reduce(self.shells.stiffness()), self.supports.groups, ports)
         for name, value in (("_condensed", condensed), ("_factors", factors), ("_schur", factors.schur())):
             object.__setattr__(self, name, value)
 

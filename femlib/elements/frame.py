@@ -60,6 +60,19 @@ def align(element: Quad4 | Tria3DSG, axis: FloatArray) -> None:
         element.m12 = -element.m21
 
 
+def resultant_turn(axes: FloatArray, axis: FloatArray) -> FloatArray:
+    """Return the matrix (3, 3) that leads forces or moments (xx, yy, xy) from the laminate's axes to the element's.
+
+    `axes` (3, 3) are the element's, `axis` (3,) the laminates' direction as in `align`.
+    """
+    along_x, along_y, _ = axes.T @ axis
+    length = float(np.hypot(along_x, along_y))
+    if length <= 1e-10 * float(np.linalg.norm(axis)):
+        return np.eye(3)
+    c, s = along_x / length, along_y / length
+    return np.array([[c * c, s * s, -2 * c * s], [s * s, c * c, 2 * c * s], [c * s, -c * s, c * c - s * s]])
+
+
 def to_global(rows: FloatArray, axes: FloatArray) -> FloatArray:
     """Turn rows (k, 6 n) that act on element displacements into rows on global displacements."""
     blocks = rows.reshape(len(rows), -1, 3)

@@ -17,9 +17,9 @@ from femlib.mesh import Mesh
 from femlib.wing.damage import DamageRegion
 
 SKIN_PATCHES = ("top", "bottom")
-STEP_ETA = 0.016
+STEP_ETA = 0.011
 """Largest step of the span fraction at refinement 1."""
-STEP_CHORD = 0.028
+STEP_CHORD = 0.035
 """Largest step of the chord fraction at refinement 1, aft of the nose."""
 NOSE_END = 0.12
 """Chord fraction up to which the lines crowd toward the leading edge."""
@@ -61,7 +61,7 @@ class WingMaterials:
     wood_young: float = 3.25e9
     wood_poisson: float = 0.30
     wood_thickness: float = 3.0e-3
-    modulus_scale: float = 1.0094
+    modulus_scale: float = 1.00985
     skin_density: float = 290.0
     wood_density: float = 600.0
     skin_expansion: float = 2.0e-6

@@ -14,7 +14,7 @@ STATES = np.array([[0.0, 0.0], [0.8, 0.0], [0.0, 0.4], [0.6, 0.999]])
 def full_solution(wing: Wing, mu: np.ndarray, load: np.ndarray) -> np.ndarray:
     structure = wing.structure
     supports = structure.supports
-    factors = factorise(structure.stiffness(mu), supports.free // 6)
+    factors = factorise(structure.stiffness(mu), supports.groups)
     return supports.expand(factors.solve(load[supports.free]))
 
 

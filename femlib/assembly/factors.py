@@ -1,0 +1,113 @@
+"""Factors of a stiffness matrix, with chosen unknowns eliminated last."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sparse
+from scipy.sparse.linalg import SuperLU, splu
+
+from femlib.arrays import FloatArray, IntArray
+from femlib.errors import SolveError
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Factors:
+    """Factors of a symmetric positive definite matrix, eliminated with chosen rows ("ports") last.
+
+    Attributes
+    ----------
+    lu : SuperLU
+        Factors of the reordered matrix.
+    order : IntArray
+        Row k of the reordered matrix is row order[k] (n,); the ports are its last entries.
+    ports : IntArray
+        The rows eliminated last (n_ports,).
+    """
+
+    lu: SuperLU
+    order: IntArray
+    ports: IntArray
+
+    def solve(self, right: FloatArray) -> FloatArray:
+        """Return x of A x = right, (n,) or (n, k)."""
+        solution = np.empty_like(right)
+        solution[self.order] = self.lu.solve(right[self.order])
+        return solution
+
+    def schur(self) -> FloatArray:
+        """Return the Schur complement on the ports (n_ports, n_ports): the last block of L times that of U.
+
+        It costs nothing beyond the factorisation; solving for the flexibility at 400 ports took three times as long.
+        """
+        n, n_ports = len(self.order), len(self.ports)
+        rows, columns = self.lu.perm_r[n - n_ports :], self.lu.perm_c[n - n_ports :]
+        first = n - n_ports
+        if n_ports and (rows.min() < first or columns.min() < first):
+            raise SolveError(
+                f"{n_ports} ports were not eliminated last; expected a structure in one piece; connect its parts"
+            )
+        lower, upper = self.lu.L[first:, first:], self.lu.U[first:, first:]
+        block = (lower @ upper).toarray()[rows - first][:, columns - first]
+        return np.asarray(0.5 * (block + block.T))
+
+
+def factorise(matrix: sparse.csc_array, groups: IntArray, ports: IntArray | None = None) -> Factors:
+    """Return the factors of a symmetric positive definite matrix (n, n).
+
+    Parameters
+    ----------
+    matrix : csc_array
+        The matrix.
+    groups : IntArray
+        Node of each row (n,). The order of elimination (minimum degree) is found on the nodes' graph, 36 times smaller.
+    ports : IntArray, optional
+        Rows to eliminate last.
+
+    Raises
+    ------
+    SolveError
+        If the matrix is singular, as that of a structure which can still move.
+    """
+    last = np.zeros(0, dtype=np.int64) if ports is None else ports
+    rank = _minimum_degree(matrix, groups)[groups]
+    rank[last] = rank.max(initial=0) + 1
+    inner = np.argsort(rank, kind="stable")[: len(rank) - len(last)]
+    order = np.concatenate([inner, last])
+    reordered = sparse.csc_array(matrix[order][:, order])
+    if len(last):
+        reordered = _with_full_block(reordered, len(last))
+    try:
+        lu = splu(reordered, permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    except RuntimeError as error:
+        raise SolveError(
+            f"stiffness of {matrix.shape[0]} degrees of freedom is singular ({error}); "
+            "expected a supported structure; hold its rigid motions"
+        ) from error
+    return Factors(lu, order, last)
+
+
+def _minimum_degree(matrix: sparse.csc_array, groups: IntArray) -> IntArray:
+    """Return the position of each node in a fill-reducing order (n_nodes,)."""
+    n = matrix.shape[0]
+    gather = sparse.csc_array((np.ones(n), (np.arange(n), groups)))
+    graph = sparse.csc_array(gather.T @ abs(matrix) @ gather)
+    graph.data[:] = -1.0
+    degrees = np.diff(graph.indptr) + 1.0
+    laplacian = sparse.csc_array(graph + sparse.diags_array(degrees + 1.0))
+    options = {"SymmetricMode": True}
+    return splu(laplacian, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options).perm_c.astype(np.int64)
+
+
+def _with_full_block(matrix: sparse.csc_array, n_last: int) -> sparse.csc_array:
+    """Store zeros in the last diagonal block, so that no postordering moves its rows forward."""
+    first = matrix.shape[0] - n_last
+    rows, columns = (index.ravel() + first for index in np.indices((n_last, n_last)))
+    entries = sparse.coo_array(matrix)
+    joined = sparse.coo_array(
+        (
+            np.concatenate([entries.data, np.zeros(n_last * n_last)]),
+            (np.concatenate([entries.row, rows]), np.concatenate([entries.col, columns])),
+        ),
+        shape=matrix.shape,
+    )
+    return sparse.csc_array(joined)

@@ -1,0 +1,128 @@
+"""Consistent loads, free thermal expansion, and natural frequencies of beams and plates."""
+
+import numpy as np
+import pytest
+
+from femlib.assembly import (
+    Supports,
+    factorise,
+    line_load,
+    natural_modes,
+    point_masses,
+    surface_load,
+    thermal_load,
+)
+from femlib.errors import InputError
+from femlib.material import Ply, isotropic_plate, laminate
+from femlib.mesh import dofs_of_nodes
+from tests.test_femlib.plates import patch, rotation
+from tests.test_femlib.shell_problems import hold, mapped
+
+STEEL = isotropic_plate(210e9, 0.3, 4e-3, density=7850.0, expansion=12e-6)
+
+
+@pytest.mark.parametrize("shape", ["quad4", "tria3"])
+def test_a_surface_load_keeps_force_and_moment(shape: str) -> None:
+    shells = patch(STEEL, shape)
+    mesh = shells.mesh
+    area = np.linalg.norm(mesh.area_vectors(), axis=1)
+    forces = surface_load(mesh, np.tile([1.0, -2.0, 3.0], (mesh.n_elements, 1))).reshape(-1, 6)
+    assert forces[:, :3].sum(axis=0) == pytest.approx(0.5 * np.array([1.0, -2.0, 3.0]))
+    assert area.sum() == pytest.approx(0.5)
+    assert mesh.nodes[:, 0] @ forces[:, 2] == pytest.approx(3.0 * 0.5 * 0.5)  # resultant at x = 0.5
+
+
+def test_a_line_load_is_shared_by_length() -> None:
+    shells, node = mapped(lambda u, v: np.stack([u**2, v, 0 * u], axis=-1), 2, 1, STEEL)
+    forces = line_load(shells.mesh, node[:, 0], np.array([0.0, 0.0, 8.0])).reshape(-1, 6)
+    assert forces[node[:, 0], 2] == pytest.approx([1.0, 4.0, 3.0])
+
+
+@pytest.mark.parametrize("shape", ["quad4", "tria3"])
+@pytest.mark.parametrize("kind", ["warming", "gradient"])
+def test_free_thermal_expansion_has_no_mechanical_strain(shape: str, kind: str) -> None:
+    turn = rotation(4)
+    stack = STEEL
+    shells = patch(stack, shape, turn)
+    mesh = shells.mesh
+    n = mesh.n_elements
+    rise, slope = (30.0, 0.0) if kind == "warming" else (0.0, 1000.0)
+    load = thermal_load(shells, np.full(n, rise), np.full(n, slope))
+    x, y, _ = (mesh.nodes @ turn).T  # in the plate's own axes
+    flat = np.zeros((len(x), 6))
+    if kind == "warming":
+        flat[:, 0], flat[:, 1] = 12e-6 * rise * x, 12e-6 * rise * y
+    else:
+        flat[:, 2] = -0.5 * 12e-6 * slope * (x**2 + y**2)
+        flat[:, 3], flat[:, 4] = -12e-6 * slope * y, 12e-6 * slope * x
+    moved = np.concatenate([flat[:, :3] @ turn.T, flat[:, 3:] @ turn.T], axis=1).ravel()
+    supports = Supports.holding(mesh, dofs_of_nodes([0]).ravel())
+    solution = supports.expand(
+        factorise(supports.reduce(shells.stiffness()), supports.groups).solve(load[supports.free])
+    )
+    assert np.abs(shells.stiffness() @ moved - load).max() < 1e-9 * np.abs(load).max()
+    assert np.abs(solution - moved).max() < 1e-9 * np.abs(moved).max()  # node 0 lies at the origin
+
+
+def test_free_expansion_of_an_orthotropic_ply_follows_its_fibres() -> None:
+    ply = Ply(140e9, 10e9, 0.3, 5e9, 5e9, 3e9, 1e-3, 0.5, 0.0, -0.5e-6, 30e-6)
+    shells = patch(laminate([ply]), "quad4")
+    n = shells.mesh.n_elements
+    load = thermal_load(shells, np.full(n, 10.0), np.zeros(n))
+    c, s = np.cos(0.5), np.sin(0.5)
+    fibre, across = np.array([c, s]), np.array([-s, c])
+    strain = 10.0 * (-0.5e-6 * np.outer(fibre, fibre) + 30e-6 * np.outer(across, across))
+    moved = np.zeros((len(shells.mesh.nodes), 6))
+    moved[:, :2] = shells.mesh.nodes[:, :2] @ strain
+    assert np.abs(shells.stiffness() @ moved.ravel() - load).max() < 1e-9 * np.abs(load).max()
+
+
+def test_a_clamped_bar_is_pressed_by_its_hindered_expansion() -> None:
+    shells, node = mapped(lambda u, v: np.stack([u, 0.1 * v, 0 * u], axis=-1), 10, 2, STEEL)
+    load = thermal_load(shells, np.full(20, 50.0), np.zeros(20))
+    ends = [hold(node[[0, -1]], "uz"), hold(node[:1, :1], "v"), hold(node, "w")]  # z: the ends stay straight
+    held = Supports.holding(shells.mesh, np.concatenate(ends))
+    moved = held.expand(factorise(held.reduce(shells.stiffness()), held.groups).solve(load[held.free]))
+    reaction = (shells.stiffness() @ moved - load)[hold(node[0], "u")].sum()
+    assert reaction == pytest.approx(210e9 * 12e-6 * 50.0 * 0.1 * 4e-3, rel=1e-9)
+
+
+def test_a_cantilever_has_the_frequencies_of_beam_theory() -> None:
+    strip = isotropic_plate(70e9, 0.0, 5e-3, 2700.0)
+    shells, node = mapped(lambda u, v: np.stack([u, 0.04 * v, 0 * u], axis=-1), 40, 2, strip)
+    supports = Supports.clamping(shells.mesh, node[0])
+    modes = natural_modes(shells.stiffness(), shells.mass(), supports, 4)
+    del modes[2]  # in-plane bending, between the second and the third of these
+    root = np.sqrt(70e9 * 5e-3**2 / 12.0 / 2700.0) / (2.0 * np.pi)
+    exact = np.array([1.8751041, 4.6940911, 7.8547574]) ** 2 * root
+    assert [mode.frequency for mode in modes] == pytest.approx(exact, rel=5e-3)
+    assert modes[0].shape @ shells.mass() @ modes[0].shape == pytest.approx(1.0)
+
+
+def test_a_simply_supported_plate_has_the_frequency_of_its_series() -> None:
+    shells, node = mapped(lambda u, v: np.stack([u, v, 0 * u], axis=-1), 16, 16, STEEL)
+    edge = np.unique(np.concatenate([node[0], node[-1], node[:, 0], node[:, -1]]))
+    supports = Supports.holding(shells.mesh, np.concatenate([hold(edge, "w"), hold(node, "uvz")]))
+    frequency = natural_modes(shells.stiffness(), shells.mass(), supports, 1)[0].frequency
+    rigidity = 210e9 * 4e-3**3 / 12.0 / 0.91
+    assert frequency == pytest.approx(np.pi * np.sqrt(rigidity / (7850.0 * 4e-3)), rel=0.01)
+
+
+def test_a_tip_mass_lowers_the_frequency_as_it_should() -> None:
+    strip = isotropic_plate(70e9, 0.0, 5e-3, 1.0)
+    shells, node = mapped(lambda u, v: np.stack([u, 0.04 * v, 0 * u], axis=-1), 20, 2, strip)
+    supports = Supports.clamping(shells.mesh, node[0])
+    masses = point_masses(shells.mesh, {int(k): 2.0 / 3.0 for k in node[-1]})
+    tip = natural_modes(shells.stiffness(), shells.mass() + masses, supports, 1)[0].frequency
+    stiffness = 3.0 * 70e9 * 0.04 * 5e-3**3 / 12.0
+    assert tip == pytest.approx(np.sqrt(stiffness / 2.0) / (2.0 * np.pi), rel=4e-3)
+
+
+def test_bad_loads_and_masses_get_a_sentence() -> None:
+    shells = patch(STEEL, "quad4")
+    with pytest.raises(InputError, match=r"traction\[0, 2\] is nan; expected finite numbers"):
+        surface_load(shells.mesh, np.array([[0.0, 0.0, np.nan]] * 5))
+    with pytest.raises(InputError, match=r"warming has shape \(3,\); expected \(5,\)"):
+        thermal_load(shells, np.zeros(3), np.zeros(5))
+    with pytest.raises(InputError, match=r"point mass -1.0 kg at node 2; expected 0 kg or more"):
+        point_masses(shells.mesh, {2: -1.0})
