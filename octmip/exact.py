@@ -128,9 +128,7 @@ def _feasible(problem: Problem, incumbent: Node | Solution) -> Node:
         raise ProblemError(f"the incumbent has depth {depth(tree)} but the problem allows {problem.depth}")
     sizes = np.bincount(leaf_index(tree, problem.features), minlength=len(leaves(tree)))
     if n_splits(tree) and sizes.min() < problem.leaf_size:
-        raise ProblemError(
-            f"a leaf of the incumbent holds {sizes.min()} samples but leaf_size is {problem.leaf_size}"
-        )
+        raise ProblemError(f"a leaf of the incumbent holds {sizes.min()} samples but leaf_size is {problem.leaf_size}")
     if problem.sensor_cost_of(tree) > problem.sensor_limit:
         raise ProblemError(
             f"the incumbent reads sensors of cost {problem.sensor_cost_of(tree)}; the budget is {problem.sensor_budget}"
