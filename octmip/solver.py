@@ -92,7 +92,8 @@ def solve(
     """Return the best tree that a method finds within the limits, and the bound that it proves.
 
     Methods that prove begin with a local search for at most a fifth of the time limit, unless an incumbent is given or
-    the proof is quicker without; the better of incumbent and proof's own tree is returned. Ctrl-C returns the best tree so far (`Stop.INTERRUPTED`).
+    the proof is quicker without; the better of incumbent and proof's own tree is returned. Ctrl-C returns the best tree
+    so far (`Stop.INTERRUPTED`).
 
     Args:
         problem: the problem.

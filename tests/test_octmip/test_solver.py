@@ -62,10 +62,17 @@ def test_auto_is_exact_for_axis_and_search_for_hyperplanes():
 def test_a_proof_starts_from_a_tree_of_search(registered):
     exact = registered("exact", answering())
     registered("search", answering(bound=-math.inf, stop=Stop.FINISHED), proves=False)
-    solve(STRIPES, limits=Limits(seconds=100), seed=3, n_jobs=2)
+    solve(dataclasses.replace(STRIPES, depth=4), limits=Limits(seconds=100), seed=3, n_jobs=2)
     call = exact.calls[0]
     assert call["incumbent"] == ZERO_ERRORS and call["seed"] == 3 and call["n_jobs"] == 2
     assert 99 < call["limits"].seconds < 100
+
+
+def test_a_shallow_exact_proof_starts_at_once(registered):
+    exact = registered("exact", answering())
+    search = registered("search", answering(), proves=False)
+    solve(STRIPES)
+    assert not search.calls and exact.calls[0]["incumbent"] is None
 
 
 def test_an_incumbent_of_the_user_spares_the_search(registered):
@@ -114,7 +121,7 @@ def test_ctrl_c_in_the_search_returns_a_tree_without_starting_the_proof(register
 
     registered("search", interrupted, proves=False)
     exact = registered("exact", answering())
-    solution = solve(STRIPES)
+    solution = solve(dataclasses.replace(STRIPES, depth=4))
     assert not exact.calls and solution.stop is Stop.INTERRUPTED
     certify(STRIPES, solution)
 
