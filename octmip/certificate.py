@@ -123,5 +123,5 @@ def _check_claims(problem: Problem, solution: Solution, objective: float) -> Non
         raise CertificateError(
             f"{solution.solver} says optimal but its bound {solution.bound} does not meet its objective {objective}"
         )
-    if not 0 <= solution.tolerance <= 1e-6 * max(1.0, objective):
+    if not 0 <= solution.tolerance <= 1e-6 * max(1.0, problem.baseline):
         raise CertificateError(f"tolerance {solution.tolerance} is too wide to call anything proven")

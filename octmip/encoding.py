@@ -23,7 +23,8 @@ from octmip.problem import Problem
 from octmip.tree import HyperplaneSplit, Leaf, Node, Split, midpoint
 
 FloatArray = NDArray[np.floating]
-CAPACITY = 2.0**52  # integer objectives stay below it, so float64 holds every one of them exactly
+CAPACITY = 2.0**52  # exact integer objectives stay below it, so float64 holds every one of them exactly
+ROUNDED_CAPACITY = 2.0**60  # rounded ones need more digits than that, and sums of two of them still fit 63 bits
 
 # One node of the native core's table, preorder, root first:
 # (kind 0 leaf | 1 split | 2 hyperplane, feature, cut, left, right, label, [(feature, coefficient)], offset)
@@ -76,24 +77,64 @@ def rank_features(problem: Problem) -> Ranks:
 def integer_costs(problem: Problem) -> IntegerCosts:
     """Return the weights, costs and penalty of a problem as integers, rounded down where they are not whole.
 
-    The smallest common power of two makes dyadic numbers (0.5, 2.25) whole; what does not fit below `CAPACITY` in
-    sum is rounded down, so every integer objective times `unit` is at most the true one.
+    The smallest power of two makes dyadic numbers (0.5, 2.25) whole. Where there is none, or objectives of such
+    integers could reach `CAPACITY`, the numbers are rounded down to the digits that fit `ROUNDED_CAPACITY`: every
+    integer objective times `unit` is at most the true one, and none overflows.
     """
-    weights, weight_unit = _whole_numbers(problem.weights, 2.0**26 / max(problem.weights.sum(), 1e-300))
+    weights, weight_unit = _whole_numbers(problem.weights, CAPACITY)
     prices = np.append(problem.costs.ravel(), problem.leaf_penalty / weight_unit)
-    costs, cost_unit = _whole_numbers(prices, 2.0**25 / max(prices.max(), 1e-300))
-    unit = weight_unit * cost_unit
+    costs, cost_unit = _whole_numbers(prices, CAPACITY)
     penalty = int(costs[-1])
     matrix = costs[:-1].reshape(problem.costs.shape)
+    if float(weights.sum()) * float(matrix.max()) + penalty * _most_features(problem) >= CAPACITY:
+        weights, weight_unit, matrix, cost_unit, penalty = _rounded_numbers(problem)
+    unit = weight_unit * cost_unit
     loss = _rounding_loss(problem, weights * weight_unit, matrix * cost_unit, penalty * unit)
     return IntegerCosts(weights, matrix, penalty, unit, loss)
 
 
-def _whole_numbers(numbers: NDArray[np.float64], largest_scale: float) -> tuple[NDArray[np.int64], float]:
-    """Return ``floor(numbers * scale)`` and ``1 / scale``, scale the least power of two that makes them whole."""
-    if (numbers == np.floor(numbers)).all() and numbers.sum() < CAPACITY:
+def _rounded_numbers(problem: Problem) -> tuple[NDArray[np.int64], float, NDArray[np.int64], float, int]:
+    """Return weights and their unit, costs and theirs, and the penalty, rounded down into `ROUNDED_CAPACITY`.
+
+    Costs keep their digits where they have few (0/1), weights take what room is left, and costs what they leave.
+    """
+    ceiling, penalty = _ceiling(problem), _effective_penalty(problem)
+    room = ROUNDED_CAPACITY * ceiling / (ceiling + penalty * _most_features(problem))
+    # A cost loses 2^-digits of itself, the n weights together n 2^-(digits left): least when the two are equal.
+    digits = (math.log2(ROUNDED_CAPACITY) - math.log2(problem.n_samples)) / 2
+    costs, cost_unit = _whole_numbers(problem.costs.ravel(), 2.0**digits)
+    largest = max(float(costs.max()), 1.0)
+    weights, weight_unit = _whole_numbers(problem.weights, room / largest)
+    spare = 2.0 ** max(0, math.floor(math.log2(room / (max(float(weights.sum()), 1.0) * largest))))
+    cost_unit /= spare
+    matrix = np.floor(problem.costs / cost_unit).astype(np.int64)
+    return weights, weight_unit, matrix, cost_unit, math.floor(penalty / (weight_unit * cost_unit))
+
+
+def _ceiling(problem: Problem) -> float:
+    """Return what no tree's errors can exceed."""
+    return max(float(problem.weights.sum()) * float(problem.costs.max()), 1e-300)
+
+
+def _effective_penalty(problem: Problem) -> float:
+    """Return the penalty, at most twice the ceiling: above it no split ever pays, and the optimum is the same leaf."""
+    return min(problem.leaf_penalty, 2 * _ceiling(problem))
+
+
+def _most_features(problem: Problem) -> float:
+    """Return the largest complexity of a tree of the problem."""
+    return min(2.0**problem.depth - 1, problem.n_samples) * problem.max_split_size
+
+
+def _whole_numbers(numbers: NDArray[np.float64], capacity: float) -> tuple[NDArray[np.int64], float]:
+    """Return ``floor(numbers * scale)`` of a sum of at most `capacity`, and ``1 / scale``.
+
+    The scale is 1 or the least power of two that makes the numbers whole; where there is none, the greatest that fits.
+    """
+    total = max(float(numbers.sum()), 1e-300)
+    if (numbers == np.floor(numbers)).all() and total <= capacity:
         return numbers.astype(np.int64), 1.0
-    most = math.floor(math.log2(largest_scale))
+    most = math.floor(math.log2(capacity / total))
     for exponent in range(1, most + 1):
         scaled = numbers * 2.0**exponent
         if (scaled == np.floor(scaled)).all():
@@ -102,14 +143,13 @@ def _whole_numbers(numbers: NDArray[np.float64], largest_scale: float) -> tuple[
 
 
 def _rounding_loss(problem: Problem, weights: FloatArray, costs: FloatArray, penalty: float) -> float:
-    """Return the most by which an objective counted with the rounded numbers can lie below the true one."""
+    """Return the most by which an optimum counted with the rounded numbers can lie below the true one."""
     exact = np.array_equal(weights, problem.weights) and np.array_equal(costs, problem.costs)
     if exact and penalty == problem.leaf_penalty:
         return 0.0
     true = problem.weights[:, None] * problem.costs[problem.codes]
     held = weights[:, None] * costs[problem.codes]
-    most_features = min(2.0**problem.depth - 1, problem.n_samples) * problem.max_split_size
-    penalty_loss = (problem.leaf_penalty - penalty) * most_features
+    penalty_loss = (_effective_penalty(problem) - penalty) * _most_features(problem)
     rounding_of_sums = 1e-15 * float(true.max(axis=1).sum())
     return float((true - held).max(axis=1).sum()) + penalty_loss + rounding_of_sums
 

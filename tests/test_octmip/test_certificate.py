@@ -1,0 +1,132 @@
+"""Certificates: true claims pass with the right counts, and every hand-broken one fails with a sentence."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from octmip import HyperplaneSplit, Leaf, Problem, Solution, Split, Stop, certify, predict
+from octmip.errors import CertificateError
+from tests.strategies import problems, random_tree
+
+FEATURES = np.array([[0.0, 5.0], [1.0, 5.0], [2.0, 7.0], [3.0, 7.0], [4.0, 9.0]])
+PROBLEM = Problem(FEATURES, ["a", "a", "b", "b", "a"], depth=2, leaf_size=1, sensor_budget=2, feature_names=("g", "h"))
+TREE = Split(0, 1.5, Leaf(0), Split(1, 8.0, Leaf(1), Leaf(0)))
+SOLUTION = Solution(TREE, 0.0, 0.0, Stop.OPTIMAL, 0.1, 1, "exact", "1", 0)
+STUMP = dataclasses.replace(SOLUTION, tree=Split(0, 1.5, Leaf(0), Leaf(1)), objective=1.0, bound=0.0, stop=Stop.TIME)
+
+
+def problem_with(**changes):
+    settings = {"depth": 2, "feature_names": ("g", "h")} | changes
+    features = settings.pop("features", FEATURES)
+    labels = settings.pop("labels", PROBLEM.labels)
+    return Problem(features, labels, **settings)
+
+
+def test_what_is_true_is_counted():
+    certificate = certify(PROBLEM, SOLUTION)
+    assert (certificate.objective, certificate.errors, certificate.gap, certificate.bound) == (0, 0, 0, 0)
+    assert (certificate.n_splits, certificate.depth, certificate.sensors, certificate.sensor_cost) == (
+        2,
+        2,
+        ("g", "h"),
+        2,
+    )
+    assert certify(PROBLEM, STUMP).normalised_objective == 0.5  # one error where the best leaf makes two
+
+
+def test_weights_costs_and_penalty_are_paid():
+    problem = problem_with(weights=[1, 1, 1, 1, 10], costs=[[0, 3], [1, 0]], leaf_penalty=0.5)
+    paid = dataclasses.replace(STUMP, objective=30.5)
+    assert certify(problem, paid).errors == 1
+    with pytest.raises(CertificateError, match=r"claims objective 30\.0 but the tree's own"):
+        certify(problem, dataclasses.replace(paid, objective=30.0))
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"objective": 1.0}, r"claims objective 1\.0 but the tree's own"),
+        ({"tree": Split(0, 0.5, Leaf(0), TREE.right)}, "claims objective 0.0 but the tree's own"),
+        ({"tree": Split(0, 1.5, Leaf(1), TREE.right)}, "claims objective 0.0 but the tree's own"),
+        ({"tree": Split(0, 1.5, Leaf(5), TREE.right)}, "a leaf predicts class 5"),
+        ({"tree": Split(7, 1.5, Leaf(0), Leaf(1))}, "reads feature 7"),
+        ({"tree": Split(0, 1.5, Leaf(0), Split(1, 8.0, TREE, Leaf(0)))}, "depth 4 but the problem allows 2"),
+        ({"tree": Split(0, 9.0, TREE.right, Leaf(0))}, "leaf 2 .from the left. holds 0 samples"),
+        ({"tree": HyperplaneSplit((0, 1), (1.0, 1.0), 1.0, Leaf(0), Leaf(1))}, "is not allowed"),
+        ({"tree": None, "objective": math.inf, "bound": 0.0}, "found no tree"),
+        ({"bound": 0.5}, r"no tree is below 0\.5"),
+        ({"bound": -1.0}, "says optimal but its bound"),
+        ({"bound": -math.inf}, "says optimal but its bound"),
+        ({"tolerance": 0.5}, "too wide"),
+        ({"tolerance": -1.0}, "too wide|no tree is below"),
+        ({"tolerance": math.nan}, "too wide|says optimal"),
+    ],
+)
+def test_a_hand_broken_claim_fails_with_a_sentence(changes, sentence):
+    with pytest.raises(CertificateError, match=sentence):
+        certify(PROBLEM, dataclasses.replace(SOLUTION, **changes))
+
+
+def test_a_bound_above_the_best_leaf_fails():
+    problem = problem_with(leaf_penalty=5.0)
+    claim = dataclasses.replace(STUMP, objective=6.0, bound=5.5)
+    with pytest.raises(CertificateError, match=r"one leaf alone costs 2\.0"):
+        certify(problem, claim)
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"features": FEATURES[::-1]}, "claims objective 0.0 but the tree's own"),
+        ({"features": FEATURES + 0.6}, "claims objective 0.0 but the tree's own"),
+        ({"labels": ["a", "b", "b", "b", "a"]}, "claims objective 0.0 but the tree's own"),
+        ({"leaf_penalty": 0.25}, "claims objective 0.0 but the tree's own"),
+        ({"leaf_size": 2}, "leaf 2 .from the left. holds 1 samples but leaf_size is 2"),
+        ({"depth": 1}, "depth 2 but the problem allows 1"),
+        ({"sensor_budget": 1}, "over the budget of 1"),
+        ({"sensor_cost": {"g": 1, "h": 1.5}, "sensor_budget": 2}, "over the budget of 2"),
+        ({"allowed_splits": [["g"]]}, "a split over .'h'. is not allowed"),
+    ],
+)
+def test_a_tree_of_another_problem_fails_with_a_sentence(changes, sentence):
+    with pytest.raises(CertificateError, match=sentence):
+        certify(problem_with(**changes), SOLUTION)
+
+
+def test_coefficients_that_are_no_integers_fail_where_integers_are_wanted():
+    problem = problem_with(split="hyperplane", integer_normals=3)
+    for coefficients, is_right in (((1.0, -2.0), True), ((1.5, 1.0), False), ((4.0, 1.0), False)):
+        tree = HyperplaneSplit((0, 1), coefficients, -6.5, Leaf(0), Leaf(1))
+        objective = problem.objective_of(tree, predict(tree, FEATURES))
+        claim = dataclasses.replace(STUMP, tree=tree, objective=objective, bound=0.0)
+        if is_right and len(np.unique(predict(tree, FEATURES))) == 2:
+            certify(problem, claim)
+        else:
+            with pytest.raises(CertificateError):
+                certify(problem, claim)
+
+
+@given(problems(max_samples=12), st.integers(0, 2**32 - 1))
+def test_the_objective_is_the_sum_over_the_samples_one_by_one(problem, seed):
+    tree = random_tree(np.random.default_rng(seed), problem.n_features, problem.n_classes, problem.depth)
+    total = 0.0
+    for x, code, weight in zip(problem.features, problem.codes, problem.weights, strict=True):
+        node = tree
+        while isinstance(node, Split):
+            node = node.left if x[node.feature] <= node.threshold else node.right
+            total += 0.0
+        total += weight * problem.costs[code, node.label]
+    objective = problem.objective_of(tree, predict(tree, problem.features))
+    paid = total + problem.leaf_penalty * str(tree).count("Split")
+    assert objective == pytest.approx(paid, rel=1e-12)
+    claim = Solution(tree, objective, -math.inf, Stop.FINISHED, 0.0, 0, "search", "1", 0)
+    try:
+        certificate = certify(problem, claim)
+    except CertificateError as error:
+        assert "leaf" in str(error) or "not allowed" in str(error) or "budget" in str(error)  # the tree is random
+    else:
+        assert certificate.objective == objective

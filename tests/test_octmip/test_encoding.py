@@ -1,0 +1,115 @@
+"""Ranks and whole costs: the way to the native core loses nothing that a proof rests on, and the way back is exact."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from octmip import HyperplaneSplit, Leaf, Problem, Split, predict
+from octmip.encoding import integer_costs, rank_features, rows_from_tree, tree_from_rows
+from octmip.tree import complexity, midpoint, without_empty_sides
+from tests.strategies import problems, random_tree
+
+
+def with_costs(**settings):
+    return Problem([[0.0], [1.0], [2.0]], [0, 1, 0], depth=2, **settings)
+
+
+def integer_objective(problem, tree):
+    costs = integer_costs(problem)
+    told = predict(tree, problem.features)
+    paid = [int(w) * int(costs.costs[i, k]) for w, i, k in zip(costs.weights, problem.codes, told, strict=True)]
+    return sum(paid) + costs.penalty * complexity(tree)
+
+
+def test_ranks_point_to_the_values():
+    problem = Problem([[0.5, 1], [0.5, 0], [1.5, 0], [4.0, 0], [4.0, 0]], [0, 1, 0, 1, 0], depth=1)
+    ranks = rank_features(problem)
+    assert ranks.ranks[0].tolist() == [0, 0, 1, 2, 2] and ranks.values[0].tolist() == [0.5, 1.5, 4.0]
+    for j in range(2):
+        assert (ranks.values[j][ranks.ranks[j]] == problem.features[:, j]).all()
+
+
+def test_a_cut_comes_back_as_the_midpoint_of_its_neighbours():
+    ranks = rank_features(Problem([[0.5], [1.5], [4.0]], [0, 1, 0], depth=1))
+    rows = [(1, 0, 1, 1, 2, 0, [], 0.0), (0, 0, 0, 0, 0, 1, [], 0.0), (0, 0, 0, 0, 0, 0, [], 0.0)]
+    assert tree_from_rows(rows, ranks) == Split(0, 2.75, Leaf(1), Leaf(0))
+
+
+def test_hyperplanes_pass_the_border_unchanged():
+    tree = HyperplaneSplit((0, 2), (0.1, -3.0), 2**-30, Leaf(1), Leaf(0))
+    ranks = rank_features(Problem(np.eye(3), [0, 1, 0], depth=1, split="hyperplane"))
+    assert tree_from_rows(rows_from_tree(tree, ranks), ranks) == tree
+
+
+@given(problems(max_samples=12), st.integers(0, 2**32 - 1))
+def test_a_tree_passes_the_border_and_back_with_the_same_predictions(problem, seed):
+    tree = random_tree(np.random.default_rng(seed), problem.n_features, problem.n_classes, 3)
+    tree = without_empty_sides(tree, problem.features)
+    ranks = rank_features(problem)
+    back = tree_from_rows(rows_from_tree(tree, ranks), ranks)
+    assert (predict(back, problem.features) == predict(tree, problem.features)).all()
+
+
+@given(problems(max_samples=12), st.integers(0, 2**32 - 1))
+def test_an_integer_objective_is_below_the_true_one_by_at_most_the_tolerance(problem, seed):
+    tree = random_tree(np.random.default_rng(seed), problem.n_features, problem.n_classes, problem.depth)
+    tree = without_empty_sides(tree, problem.features)
+    costs = integer_costs(problem)
+    true = problem.objective_of(tree, predict(tree, problem.features))
+    held = integer_objective(problem, tree) * costs.unit
+    assert held <= true * (1 + 1e-15) and true - held <= costs.tolerance
+
+
+@pytest.mark.parametrize(
+    ("settings", "unit"),
+    [
+        ({}, 1.0),
+        ({"weights": [1, 7, 3], "costs": [[0, 4], [2, 0]], "leaf_penalty": 5}, 1.0),
+        ({"weights": [0.5, 2.25, 1]}, 0.25),
+        ({"weights": [0.5, 1, 1], "leaf_penalty": 0.125}, 0.125),
+        ({"costs": [[0, 0.5], [1, 0]]}, 0.5),
+        ({"weights": [1e9, 2e9, 4e9]}, 1.0),
+    ],
+)
+def test_whole_and_dyadic_numbers_lose_nothing(settings, unit):
+    costs = integer_costs(with_costs(**settings))
+    assert costs.tolerance == 0 and costs.unit == unit
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"weights": [0.1, 0.2, 0.3]},
+        {"costs": [[0, 1 / 3], [1, 0]]},
+        {"leaf_penalty": 1e-9},
+        {"leaf_penalty": 1e30},
+        {"weights": [1e12, 1e12, 3e12], "costs": [[0, 1e8], [1e8, 0]]},
+        {"weights": [1e12, 1e12, 3e12], "costs": [[0, 0.1], [0.1, 0]]},
+        {"weights": [2.0**40, 1, 1], "costs": [[0, 2.0**-30], [1, 0]]},
+        {"weights": [1e300, 1e-300, 1e300]},
+        {"weights": [0.1, 0.2, 0.3], "costs": [[0, 1 / 3], [1, 0]], "leaf_penalty": 0.1},
+    ],
+)
+def test_no_objective_overflows_whatever_the_numbers(settings):
+    problem = with_costs(**settings)
+    costs = integer_costs(problem)
+    most = int(costs.weights.sum()) * int(costs.costs.max()) + 3 * costs.penalty
+    assert 0 < most < 2**61
+    true = problem.objective_of(Leaf(0), np.zeros(3, dtype=np.int64))
+    held = integer_objective(problem, Leaf(0)) * costs.unit
+    assert 0 <= true - held <= costs.tolerance
+
+
+def test_a_threshold_between_neighbouring_floats_sends_the_upper_one_right():
+    low = 1.0
+    high = np.nextafter(low, 2)
+    assert low <= midpoint(low, high) < high
+    assert midpoint(-1e308, 1e308) == 0.0 and midpoint(1e308, 1.5e308) < 1.5e308
+
+
+@pytest.mark.parametrize("costs", [None, [[0, 1 / 3], [1, 0]]])
+def test_real_numbers_lose_so_little_that_a_proof_stands(costs):
+    rng = np.random.default_rng(0)
+    problem = Problem(rng.random((2000, 1)), np.arange(2000) % 2, depth=2, weights=rng.random(2000), costs=costs)
+    assert integer_costs(problem).tolerance < 5e-7 * problem.baseline

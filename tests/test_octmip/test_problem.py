@@ -1,0 +1,127 @@
+"""Problems: what is asked is checked once, here, and every wrong question is refused with a cure."""
+
+import numpy as np
+import pytest
+
+from octmip import HyperplaneSplit, Leaf, Problem, Split
+from octmip.errors import ProblemError
+
+FEATURES = np.arange(12.0).reshape(4, 3)
+LABELS = ["b", "a", "b", "a"]
+
+
+def problem(**changes):
+    settings = {"features": FEATURES, "labels": LABELS, "depth": 2} | changes
+    features, labels = settings.pop("features"), settings.pop("labels")
+    return Problem(features, labels, **settings)
+
+
+def test_what_is_left_out_is_filled_in():
+    p = problem()
+    assert p.class_names == ("a", "b") and p.codes.tolist() == [1, 0, 1, 0]
+    assert p.feature_names == ("x0", "x1", "x2") == p.sensors and p.sensor_costs.tolist() == [1, 1, 1]
+    assert p.weights.tolist() == [1] * 4 and p.costs.tolist() == [[0, 1], [1, 0]]
+    assert (p.n_samples, p.n_features, p.n_classes, p.max_split_size) == (4, 3, 2, 1)
+    assert p.baseline == 2 and p.has_integer_costs and p.sensor_limit == np.inf
+
+
+def test_arrays_are_copied_in_and_read_only():
+    features = FEATURES.copy()
+    p = problem(features=features)
+    features[0, 0] = 99.0
+    assert p.features[0, 0] == 0.0
+    for name in ("features", "weights", "costs", "codes", "sensor_costs"):
+        with pytest.raises(ValueError, match="read-only"):
+            getattr(p, name)[...] = 0
+
+
+def test_the_objective_is_cost_times_weight_plus_penalty_for_each_feature_of_each_split():
+    p = problem(weights=[1, 2, 3, 4], costs=[[0, 10], [1, 0]], leaf_penalty=0.5, split="hyperplane")
+    tree = Split(0, 1.0, Leaf(0), HyperplaneSplit((0, 2), (1.0, 1.0), 9.0, Leaf(1), Leaf(0)))
+    assert p.objective_of(tree, np.array([0, 1, 1, 0])) == 1 * 1 + 2 * 10 + 0 + 0 + 0.5 * 3
+    assert p.class_costs().tolist() == [4.0, 60.0] and p.baseline == 4.0
+    assert p.class_costs(np.array([1])).tolist() == [0.0, 20.0]
+
+
+def test_a_sensor_is_paid_once_however_many_features_it_gives():
+    p = problem(sensor_of_feature=["l", "l", "r"], sensor_cost={"r": 2, "l": 0.5}, sensor_budget=2)
+    tree = Split(0, 1.0, Split(1, 1.0, Leaf(0), Leaf(1)), Leaf(1))
+    assert p.sensors == ("l", "r") and p.sensors_used(tree) == ("l",) and p.sensor_cost_of(tree) == 0.5
+    assert p.sensor_cost_of(Split(2, 1.0, tree, Leaf(0))) == 2.5 > p.sensor_limit
+
+
+def test_decimal_costs_that_add_up_to_the_budget_are_within_it():
+    p = problem(sensor_cost=[0.1, 0.2, 5], sensor_budget=0.3)
+    assert (
+        0.1 + 0.2 > 0.3 and p.sensor_cost_of(Split(0, 1.0, Split(1, 1.0, Leaf(0), Leaf(1)), Leaf(1))) <= p.sensor_limit
+    )
+
+
+def test_features_may_meet_only_in_allowed_groups():
+    p = problem(split="hyperplane", split_size=2, allowed_splits=[["x0", 2], [1]])
+    assert p.is_allowed((0, 2)) and p.is_allowed((1,)) and not p.is_allowed((0, 1)) and not p.is_allowed((0, 1, 2))
+    assert "x1" in (p.first_forbidden_split(HyperplaneSplit((0, 1), (1.0, 1.0), 0.0, Leaf(0), Leaf(1))) or "")
+
+
+@pytest.mark.parametrize("values", [{"weights": [0.5] * 4}, {"costs": [[0, 0.1], [1, 0]]}, {"leaf_penalty": 0.2}])
+def test_costs_are_integers_only_when_all_numbers_are(values):
+    assert not problem(**values).has_integer_costs
+
+
+def test_the_digest_knows_the_training_data_and_nothing_else():
+    assert problem().digest() == problem(depth=3, leaf_penalty=1.0).digest()
+    changed = FEATURES.copy()
+    changed[2, 1] = np.nextafter(changed[2, 1], 99)
+    others = [{"features": changed}, {"labels": ["a", "a", "b", "b"]}, {"weights": [1, 1, 1, 2]}]
+    assert len({problem(**other).digest() for other in [{}, *others]}) == 4
+
+
+WRONG = {
+    "features of text": ({"features": [["x"]]}, "features cannot be read as numbers"),
+    "features of one dimension": ({"features": [1, 2, 3, 4]}, "features has 1 dimensions; expected 2"),
+    "no features": ({"features": np.empty((4, 0))}, r"features has shape \(4, 0\)"),
+    "no samples": ({"features": np.empty((0, 3)), "labels": []}, r"features has shape \(0, 3\)"),
+    "NaN": ({"features": [[0, np.nan], [0, 0], [0, 0], [0, 0]]}, r"features\[0, 1\] is not finite \(1 such in all\)"),
+    "infinity": ({"features": [[0, 1], [0, 0], [0, np.inf], [0, 0]]}, r"features\[2, 1\] is not finite"),
+    "too few labels": ({"labels": ["a", "b"]}, r"labels has shape \(2,\) but features has 4 rows"),
+    "NaN label": ({"labels": [0.0, 1.0, np.nan, 1.0]}, r"labels\[2\] is nan"),
+    "one class": ({"labels": ["a"] * 4}, "one class only"),
+    "unknown class": ({"class_names": ["a", "c"]}, r"labels holds \['b'\] which class_names"),
+    "class named twice": ({"class_names": ["a", "b", "a"]}, "names twice"),
+    "feature named twice": ({"feature_names": ["u", "u", "v"]}, r"feature_names has 3 entries \(2 different\)"),
+    "too few names": ({"feature_names": ["u"]}, "feature_names has 1 entries"),
+    "negative weight": ({"weights": [1, -1, 1, 1]}, r"weights\[1\] is -1\.0"),
+    "too few weights": ({"weights": [1, 1]}, "weights has 2 entries"),
+    "no weight at all": ({"weights": [0] * 4}, "all weights are 0"),
+    "NaN weight": ({"weights": [1, np.nan, 1, 1]}, r"weights\[1\] is not finite"),
+    "costs of wrong shape": ({"costs": [[0, 1, 2], [1, 0, 1]]}, r"costs has shape \(2, 3\); expected \(2, 2\)"),
+    "negative cost": ({"costs": [[0, -1], [1, 0]]}, r"costs\[0, 1\] is -1\.0"),
+    "depth 0": ({"depth": 0}, "depth is 0; expected a whole number from 1 to 30"),
+    "depth 2.5": ({"depth": 2.5}, "depth is 2.5"),
+    "depth True": ({"depth": True}, "depth is True"),
+    "depth 31": ({"depth": 31}, "depth is 31"),
+    "leaf size 0": ({"leaf_size": 0}, "leaf_size is 0"),
+    "leaf size above n": ({"leaf_size": 5}, "leaf_size is 5; expected a whole number from 1 to 4"),
+    "negative penalty": ({"leaf_penalty": -1.0}, r"leaf_penalty is -1\.0"),
+    "infinite penalty": ({"leaf_penalty": np.inf}, "leaf_penalty is inf"),
+    "unknown split": ({"split": "curve"}, "split is 'curve'"),
+    "split size of axis": ({"split_size": 2}, "split is 'axis'; say split='hyperplane'"),
+    "split size 0": ({"split": "hyperplane", "split_size": 0}, "split_size is 0"),
+    "integer normals 0": ({"split": "hyperplane", "integer_normals": 0}, "integer_normals is 0"),
+    "sensors of other length": ({"sensor_of_feature": ["a"]}, "sensor_of_feature has 1 entries"),
+    "sensor cost missing": ({"sensor_cost": {"x0": 1, "x1": 1}}, r"missing: \['x2'\]"),
+    "sensor cost unknown": ({"sensor_cost": {"x0": 1, "x1": 1, "x2": 1, "q": 1}}, r"unknown: \['q'\]"),
+    "sensor costs too few": ({"sensor_cost": [1, 2]}, "sensor_cost has 2 entries"),
+    "negative sensor cost": ({"sensor_cost": [1, 2, -3]}, "sensor_cost of 'x2' is -3"),
+    "negative budget": ({"sensor_budget": -1}, "sensor_budget is -1"),
+    "unknown group member": ({"allowed_splits": [["x0", "q"]]}, r"allowed_splits names \['q'\]"),
+    "group member out of range": ({"allowed_splits": [[7]]}, r"allowed_splits names \[7\]"),
+    "empty group": ({"allowed_splits": [[]]}, "an empty group"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_a_wrong_question_is_refused(name):
+    changes, sentence = WRONG[name]
+    with pytest.raises(ProblemError, match=sentence):
+        problem(**changes)
