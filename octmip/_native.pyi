@@ -52,3 +52,11 @@ def branch_and_bound(
 
 def prunes() -> list[str]:
     """Return the names of all prunes of the exact core."""
+
+def two_feature_branch_and_bound(
+    problem: Problem,
+    n_threads: int,
+    limit_values: tuple[float, float, float, float],
+    progress: Callable[[float, int, int, int], None] | None = None,
+) -> tuple[list[NodeRow], int, int, str, int]:
+    """Return node table, objective, bound, stop and number of boxes."""

@@ -27,6 +27,7 @@ LEVELS = {
         "proof": 4,
         "mip": 5,
         "exact": 5,
+        "oblique": 5,
         "search": 5,
         "cart": 5,
         "solver": 6,

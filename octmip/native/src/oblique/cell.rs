@@ -1,0 +1,202 @@
+//! Cells of lines: which samples a whole cell sends left, which right, and which it leaves open.
+//!
+//! The line `x_f + t x_g = r` is the point (t, r); a sample is the straight line `r = x_f + t x_g` in that plane and goes
+//! left where it runs below the point. A cell is the trapezoid between two straight edges over `t0 <= t <= t1`. A sample
+//! that is below the lower edge at both ends is below it everywhere, so two comparisons settle it for the whole cell.
+
+use super::plane::Plane;
+
+/// Room for rounding: coordinates and edges are below 8 and wrong by less than 2^-48 after all the splits of a search.
+pub const EPS: f64 = 1.0 / (1u64 << 42) as f64;
+/// A cell below this size is not split further.
+const TINY: f64 = 1.0 / (1u64 << 34) as f64;
+
+/// A trapezoid: lower edge from (t0, l0) to (t1, l1), upper edge from (t0, u0) to (t1, u1).
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[allow(missing_docs)]
+pub struct Cell {
+    pub t0: f64,
+    pub t1: f64,
+    pub l0: f64,
+    pub l1: f64,
+    pub u0: f64,
+    pub u1: f64,
+}
+
+/// Where a cell sends a sample.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(missing_docs)]
+pub enum Side {
+    Left,
+    Open,
+    Right,
+}
+
+impl Cell {
+    /// Where the cell sends the sample at (x, y).
+    #[inline]
+    pub fn side(&self, x: f64, y: f64) -> Side {
+        let (a, b) = (x + self.t0 * y, x + self.t1 * y);
+        if a <= self.l0 - EPS && b <= self.l1 - EPS {
+            Side::Left
+        } else if a >= self.u0 + EPS && b >= self.u1 + EPS {
+            Side::Right
+        } else {
+            Side::Open
+        }
+    }
+
+    /// The line in the middle of the cell, as (t, r).
+    pub fn center(&self) -> (f64, f64) {
+        (
+            (self.t0 + self.t1) / 2.0,
+            (self.l0 + self.l1 + self.u0 + self.u1) / 4.0,
+        )
+    }
+
+    /// The two cells to both sides of `t`.
+    pub fn split_t(&self, t: f64) -> [Self; 2] {
+        let part = (t - self.t0) / (self.t1 - self.t0);
+        let low = self.l0 + part * (self.l1 - self.l0);
+        let high = self.u0 + part * (self.u1 - self.u0);
+        [
+            Self {
+                t1: t,
+                l1: low,
+                u1: high,
+                ..*self
+            },
+            Self {
+                t0: t,
+                l0: low,
+                u0: high,
+                ..*self
+            },
+        ]
+    }
+
+    /// The two cells below and above the edge from (t0, m0) to (t1, m1).
+    pub fn split_r(&self, m0: f64, m1: f64) -> [Self; 2] {
+        [
+            Self {
+                u0: m0,
+                u1: m1,
+                ..*self
+            },
+            Self {
+                l0: m0,
+                l1: m1,
+                ..*self
+            },
+        ]
+    }
+
+    /// The edge through the middle of the open samples, kept clear of the cell's own edges.
+    pub fn middle_edge(&self, x: &[f64], y: &[f64], open: &[u32]) -> (f64, f64) {
+        let (mut sum0, mut sum1) = (0.0, 0.0);
+        for &i in open {
+            let (a, b) = (x[i as usize], y[i as usize]);
+            sum0 += (a + self.t0 * b).clamp(self.l0, self.u0);
+            sum1 += (a + self.t1 * b).clamp(self.l1, self.u1);
+        }
+        let m = open.len() as f64;
+        let clear = |mean: f64, low: f64, high: f64| {
+            let margin = (high - low) / 8.0;
+            mean.clamp(low + margin, high - margin)
+        };
+        (
+            clear(sum0 / m, self.l0, self.u0),
+            clear(sum1 / m, self.l1, self.u1),
+        )
+    }
+
+    /// Whether there is room between the edges.
+    pub fn has_room(&self) -> bool {
+        self.u0 > self.l0 || self.u1 > self.l1
+    }
+
+    /// Whether splitting in t is still worth while.
+    pub fn is_wide(&self) -> bool {
+        self.t1 - self.t0 > TINY
+    }
+
+    /// Whether splitting in r is still worth while.
+    pub fn is_high(&self) -> bool {
+        (self.u0 - self.l0).max(self.u1 - self.l1) > TINY
+    }
+
+    /// The samples of `ids` that the cell leaves open; `settled` is told the others.
+    pub fn sort(
+        &self,
+        x: &[f64],
+        y: &[f64],
+        ids: &[u32],
+        mut settled: impl FnMut(u32, bool),
+    ) -> Vec<u32> {
+        let mut open = Vec::new();
+        for &i in ids {
+            match self.side(x[i as usize], y[i as usize]) {
+                Side::Left => settled(i, true),
+                Side::Right => settled(i, false),
+                Side::Open => open.push(i),
+            }
+        }
+        open
+    }
+
+    /// How many of `ids` both cells leave open, added up.
+    pub fn count_open(cells: &[Self; 2], x: &[f64], y: &[f64], ids: &[u32]) -> usize {
+        ids.iter()
+            .map(|&i| {
+                let (a, b) = (x[i as usize], y[i as usize]);
+                cells.iter().filter(|c| c.side(a, b) == Side::Open).count()
+            })
+            .sum()
+    }
+
+    /// The line of the cell that runs clearest of the samples when `left` go left and `right` go right.
+    ///
+    /// Returns the least distance in r (negative: no line of the cell does it), t and r. The distance is a concave
+    /// function of t, so a ternary search finds its maximum.
+    pub fn clearest(
+        &self,
+        plane: &Plane,
+        features: (usize, usize),
+        left: &[u32],
+        right: &[u32],
+    ) -> (f64, f64, f64) {
+        let (x, y) = (plane.column(features.0), plane.column(features.1));
+        let room = |t: f64| {
+            let part = if self.t1 > self.t0 {
+                (t - self.t0) / (self.t1 - self.t0)
+            } else {
+                0.0
+            };
+            let reach = |i: &u32| x[*i as usize] + t * y[*i as usize];
+            let low = left
+                .iter()
+                .map(reach)
+                .fold(self.l0 + part * (self.l1 - self.l0), f64::max);
+            let high = right
+                .iter()
+                .map(reach)
+                .fold(self.u0 + part * (self.u1 - self.u0), f64::min);
+            (high - low, (high + low) / 2.0)
+        };
+        let (mut a, mut b) = (self.t0, self.t1);
+        for _ in 0..90 {
+            let (c, d) = (a + (b - a) / 3.0, b - (b - a) / 3.0);
+            if room(c).0 < room(d).0 {
+                a = c;
+            } else {
+                b = d;
+            }
+        }
+        let best = [a, b, self.t0, self.t1]
+            .into_iter()
+            .max_by(|&s, &t| room(s).0.total_cmp(&room(t).0))
+            .unwrap_or(a);
+        let (distance, r) = room(best);
+        (distance, best, r)
+    }
+}

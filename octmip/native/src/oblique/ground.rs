@@ -1,0 +1,94 @@
+//! What a search stands on: coordinates, labels, weights, costs, and the pairs of features that a split may use.
+
+use crate::problem::Problem;
+
+use super::loss::Loss;
+use super::plane::Plane;
+use super::stump::View;
+
+/// A problem as the search sees it.
+#[derive(Debug, Clone)]
+pub struct Ground {
+    /// Coordinates.
+    pub plane: Plane,
+    /// Class of each sample.
+    pub labels: Vec<u32>,
+    /// Weight of each sample; one cost for all mistakes is in here too.
+    pub weights: Vec<i64>,
+    /// Costs and prices.
+    pub loss: Loss,
+    /// Charts that a split may come from, as pairs of features; (f, p) is an axis-aligned split of f.
+    pub charts: Vec<(usize, usize)>,
+}
+
+impl Ground {
+    /// The ground of a problem; without hyperplane splits in it, ranks serve as values.
+    pub fn new(problem: &Problem) -> Self {
+        let (loss, unit) = Loss::of(problem);
+        let values = match &problem.planes {
+            Some(planes) => planes.values.clone(),
+            None => problem.ranks.iter().map(|&rank| f64::from(rank)).collect(),
+        };
+        Self {
+            plane: Plane::new(problem.n, problem.p, &values, &problem.ranks),
+            labels: problem.labels.clone(),
+            weights: problem.weights.iter().map(|weight| weight * unit).collect(),
+            loss,
+            charts: charts_of(problem),
+        }
+    }
+
+    /// The samples as a stump sees them.
+    pub fn view(&self) -> View<'_> {
+        View {
+            plane: &self.plane,
+            labels: &self.labels,
+            weights: &self.weights,
+            loss: &self.loss,
+        }
+    }
+
+    /// All samples.
+    pub fn all(&self) -> Vec<u32> {
+        (0..self.plane.n as u32).collect()
+    }
+}
+
+/// The charts that the groups, the size of a split and the budget for a single split allow, axis-aligned ones first.
+fn charts_of(problem: &Problem) -> Vec<(usize, usize)> {
+    let p = problem.p;
+    let axis = (0..p).map(|f| (f, p));
+    let pairs = (0..p).flat_map(|f| (0..p).filter(move |&g| g != f).map(move |g| (f, g)));
+    axis.chain(pairs)
+        .filter(|&(f, g)| {
+            is_allowed(problem, f, g) && sensor_cost(problem, f, g) <= problem.sensor_limit
+        })
+        .collect()
+}
+
+fn is_allowed(problem: &Problem, f: usize, g: usize) -> bool {
+    if g == problem.p {
+        return problem.allowed[f];
+    }
+    let Some(planes) = problem
+        .planes
+        .as_ref()
+        .filter(|planes| planes.split_size >= 2)
+    else {
+        return false;
+    };
+    planes.groups.as_ref().is_none_or(|groups| {
+        let has = |group: &Vec<u32>, f: usize| group.contains(&(f as u32));
+        groups.iter().any(|group| has(group, f) && has(group, g))
+    })
+}
+
+fn sensor_cost(problem: &Problem, f: usize, g: usize) -> f64 {
+    let sensor = |f: usize| problem.sensor_of_feature[f] as usize;
+    let first = problem.sensor_cost[sensor(f)];
+    if g == problem.p || sensor(f) == sensor(g) {
+        first
+    } else {
+        first + problem.sensor_cost[sensor(g)]
+    }
+}

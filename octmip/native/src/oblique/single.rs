@@ -1,0 +1,37 @@
+//! The best single split of many samples over many pairs: charts made one at a time, so memory stays small.
+
+use std::sync::atomic::AtomicBool;
+
+use super::chart::Chart;
+use super::stump::{Answer, Line, Search, View};
+
+/// Strips of a chart that is used once.
+const STRIPS: usize = 16;
+
+/// Find the best leaf or split of `ids` over these charts; exact if below `cutoff`. A move for a local search, too.
+///
+/// Every side of a split holds at least `need` samples. `lines` are splits that may be good.
+pub fn best_single(
+    view: View<'_>,
+    charts: &[(usize, usize)],
+    ids: &[u32],
+    need: i64,
+    cutoff: i64,
+    lines: impl IntoIterator<Item = Line>,
+    stop: &AtomicBool,
+) -> Answer {
+    let mut search = Search::new(view, ids, need, cutoff, stop);
+    search.try_lines(lines);
+    for &features in charts {
+        if stop.load(std::sync::atomic::Ordering::Relaxed) {
+            break;
+        }
+        let chart = Chart::new(view.plane, features, STRIPS);
+        search.begin_chart();
+        for strip in 0..chart.n_strips() {
+            search.scan(&chart, strip);
+        }
+        search.try_best_of_chart();
+    }
+    search.finish(0)
+}

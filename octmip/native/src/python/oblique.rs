@@ -1,0 +1,40 @@
+//! `octmip._native.two_feature_branch_and_bound`: problem and limits in; a node table, objective, bound, counters out.
+
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+use crate::oblique::solve;
+use crate::python::{NodeRow, PyProblem, keep_going, limits, rows_from_tree, stop_name};
+
+/// Node table, objective, bound, stop, boxes searched.
+type Found = (Vec<NodeRow>, i64, i64, &'static str, u64);
+
+/// Find an optimal tree with splits over up to two features.
+#[pyfunction(name = "two_feature_branch_and_bound")]
+#[pyo3(signature = (problem, n_threads, limit_values, progress=None))]
+pub fn py_two_feature_branch_and_bound(
+    py: Python<'_>,
+    problem: &PyProblem,
+    n_threads: usize,
+    limit_values: (f64, f64, f64, f64),
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Found> {
+    let mut error = None;
+    let outcome = py.detach(|| {
+        let mut go_on = keep_going(progress.as_ref(), &mut error);
+        solve(&problem.inner, limits(limit_values), n_threads, &mut go_on)
+    });
+    if let Some(raised) = error {
+        return Err(raised);
+    }
+    let outcome = outcome.ok_or_else(|| {
+        PyValueError::new_err(format!("depth is {}; expected 1 or 2", problem.inner.depth))
+    })?;
+    Ok((
+        rows_from_tree(&outcome.tree),
+        outcome.objective,
+        outcome.bound,
+        stop_name(outcome.stop),
+        outcome.n_nodes,
+    ))
+}

@@ -1,0 +1,121 @@
+"""Optimal trees whose splits use one or two features, proven by branch and bound: a thin wrapper of the native core.
+
+    minimise  the objective of the Problem
+    over      trees of depth 1 or 2 whose splits are lines  a x_f + b x_g = c  or thresholds  x_f = c
+
+The bound holds for every tree whose lines are taken in exact arithmetic over the float64 values as given: nothing is
+rounded to a grid. Coordinates scaled to [0, 1] settle all samples that keep 2^-42 clear of a line; the few others are
+parted in whole numbers of up to 240 bits. A way of parting that no float64 line does with that much room counts for the
+bound but is not returned: `Solution.details["thin"]` then says so. See docs/theory/oblique.md.
+"""
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip import _native
+from octmip.encoding import integer_costs, native_problem, rank_features, tree_from_rows
+from octmip.errors import ProblemError
+from octmip.problem import Problem
+from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop
+from octmip.tree import HyperplaneSplit, Leaf, Node, Split, goes_left, midpoint, predict
+
+MOST_DEPTH = 2
+MOST_FEATURES = 2
+
+
+def two_feature_branch_and_bound(
+    problem: Problem,
+    *,
+    limits: Limits = Limits(),  # noqa: B008 (frozen)
+    incumbent: Node | None = None,
+    seed: int = 0,
+    n_jobs: int = 1,
+    progress: ProgressCallback | None = None,
+    proof: None = None,
+) -> Solution:
+    """Return a proven optimal tree, or the best tree and the bound when a limit is reached.
+
+    Args:
+        problem: of depth 1 or 2 and at most two features a split (`split_size=2`, or no more than two features).
+        limits: when to stop early.
+        incumbent: a tree of this problem; the result is never worse.
+        seed: has no effect on the optimum; kept for the record.
+        n_jobs: threads; the result does not depend on them.
+        progress: called every few hundredths of a second.
+        proof: there is no proof log yet.
+
+    Raises:
+        ProblemError: the problem is deeper, allows more features in a split, or `proof` is asked for.
+    """
+    _check(problem, n_jobs, proof)
+    start = time.perf_counter()
+    ranks, costs = rank_features(problem), integer_costs(problem)
+    rows, _, bound, stop, n_nodes = _native.two_feature_branch_and_bound(
+        native_problem(problem, ranks, costs),
+        n_jobs,
+        (limits.seconds, limits.gap, limits.nodes, limits.memory),
+        _native_progress(progress, costs.unit),
+    )
+    tree = _finished(problem, tree_from_rows(rows, ranks), np.arange(problem.n_samples))
+    objective = problem.objective_of(tree, predict(tree, problem.features))
+    if incumbent is not None:
+        known = problem.objective_of(incumbent, predict(incumbent, problem.features))
+        tree, objective = (incumbent, known) if known < objective else (tree, objective)
+    lower = bound * costs.unit
+    met = lower >= objective - costs.tolerance
+    return Solution(
+        tree=tree,
+        objective=objective,
+        bound=min(lower, objective, problem.baseline),
+        stop=Stop.OPTIMAL if met else Stop(stop),
+        seconds=time.perf_counter() - start,
+        n_nodes=n_nodes,
+        solver="two-feature exact",
+        version=_native.__version__,
+        seed=seed,
+        tolerance=costs.tolerance,
+        details={"arithmetic": "float64 as given", "thin": not met and stop == "finished"},
+    )
+
+
+def _check(problem: Problem, n_jobs: int, proof: None) -> None:
+    if problem.depth > MOST_DEPTH:
+        raise ProblemError(
+            f"depth is {problem.depth} but two-feature trees are proven to depth {MOST_DEPTH}; take method='search'"
+        )
+    if problem.max_split_size > MOST_FEATURES:
+        raise ProblemError(
+            f"a split may have {problem.max_split_size} features; expected at most {MOST_FEATURES}; say split_size=2"
+        )
+    if n_jobs < 1:
+        raise ProblemError(f"n_jobs is {n_jobs}; expected 1 or more")
+    if proof is not None:
+        raise ProblemError("proof is given but two-feature splits have no proof log; leave it out")
+
+
+def _native_progress(progress: ProgressCallback | None, unit: float) -> Callable[[float, int, int, int], None] | None:
+    if progress is None:
+        return None
+
+    def report(seconds: float, objective: int, bound: int, n_nodes: int) -> None:
+        progress(Progress(seconds, objective * unit, bound * unit, n_nodes))
+
+    return report
+
+
+def _finished(problem: Problem, tree: Node, rows: NDArray[np.int64]) -> Node:
+    """Return the tree with leaves labelled by the true costs and thresholds midway between the node's own samples."""
+    if isinstance(tree, Leaf):
+        return Leaf(int(problem.class_costs(rows).argmin()))
+    left = goes_left(tree, problem.features[rows])
+    below, above = _finished(problem, tree.left, rows[left]), _finished(problem, tree.right, rows[~left])
+    if isinstance(tree, HyperplaneSplit) and len(tree.features) == 2:
+        return replace(tree, left=below, right=above)
+    values = problem.features[rows, tree.features[0]]
+    if isinstance(tree, HyperplaneSplit) and tree.coefficients[0] < 0:
+        below, above, left = above, below, ~left
+    return Split(tree.features[0], midpoint(float(values[left].max()), float(values[~left].min())), below, above)

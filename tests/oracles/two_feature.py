@@ -1,0 +1,78 @@
+"""Optimal trees of splits over one or two features by trying every way in which a line can part the samples.
+
+Exact: feature values enter as fractions. Every way of parting distinct points by a line is that of the line through two
+of them, turned a little about a place on it, so the points on it come apart as a prefix and a suffix.
+"""
+
+import math
+from fractions import Fraction
+from itertools import combinations
+
+import numpy as np
+
+from octmip.problem import Problem
+
+
+def partings(problem: Problem) -> dict[int, set[tuple[int, frozenset[int]]]]:
+    """Return for each side of each split (a bit mask of its left samples) the prices and features that make it."""
+    found: dict[int, set[tuple[int, frozenset[int]]]] = {}
+    columns = [[Fraction(value) for value in column] for column in problem.features.T.tolist()]
+    everything = (1 << problem.n_samples) - 1
+
+    def add(left: int, features: tuple[int, ...]) -> None:
+        for side in (left, everything ^ left):
+            found.setdefault(side, set()).add((len(features), frozenset(features)))
+
+    for f in range(problem.n_features):
+        if problem.is_allowed((f,)):
+            for value in set(columns[f]):
+                add(_mask(x <= value for x in columns[f]), (f,))
+    for f, g in combinations(range(problem.n_features), 2):
+        if problem.is_allowed((f, g)):
+            points = list(zip(columns[f], columns[g], strict=True))
+            for a, b in combinations(sorted(set(points)), 2):
+                normal = (b[1] - a[1], a[0] - b[0])
+                turn = [normal[0] * (p[0] - a[0]) + normal[1] * (p[1] - a[1]) for p in points]
+                for end in {p for p, t in zip(points, turn, strict=True) if t == 0}:
+                    for goes_left in (lambda p, end=end: p <= end, lambda p, end=end: p > end):
+                        sides = zip(points, turn, strict=True)
+                        add(_mask(t > 0 or (t == 0 and goes_left(p)) for p, t in sides), (f, g))
+    return found
+
+
+def _mask(bits: object) -> int:
+    return sum(1 << i for i, bit in enumerate(bits) if bit)  # type: ignore[call-overload]
+
+
+def best_objective(problem: Problem) -> float:
+    """Return the least objective over all trees of a problem of depth 1 or 2."""
+    made = partings(problem)
+
+    def leaf(samples: int) -> float:
+        rows = np.array([i for i in range(problem.n_samples) if samples >> i & 1], dtype=np.int64)
+        return float(problem.class_costs(rows).min()) if len(rows) >= problem.leaf_size else math.inf
+
+    def affordable(features: frozenset[int]) -> bool:
+        sensors = {int(problem.sensor_index[f]) for f in features}
+        return sum(problem.sensor_costs[s] for s in sensors) <= problem.sensor_limit
+
+    def best(samples: int, depth: int) -> dict[frozenset[int], float]:
+        options = {frozenset[int](): leaf(samples)}
+        parts: dict[int, set[tuple[int, frozenset[int]]]] = {}
+        for side, ways in made.items() if depth else ():
+            if 0 < side & samples < samples:
+                parts.setdefault(side & samples, set()).update(ways)
+        known: dict[int, dict[frozenset[int], float]] = {}
+        for side, ways in parts.items():
+            for part in (side, samples ^ side):
+                known[part] = known.get(part) or best(part, depth - 1)
+            for left, left_cost in known[side].items():
+                for right, right_cost in known[samples ^ side].items():
+                    for size, features in ways:
+                        used = frozenset() if math.isinf(problem.sensor_limit) else left | right | features
+                        cost = left_cost + right_cost + problem.leaf_penalty * size
+                        if cost < options.get(used, math.inf) and affordable(used | features):
+                            options[used] = cost
+        return options
+
+    return min(best((1 << problem.n_samples) - 1, problem.depth).values())

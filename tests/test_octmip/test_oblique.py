@@ -1,0 +1,71 @@
+"""Two-feature splits: the proven optimum against enumeration, and what the returned tree must hold."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from octmip import Limits, Problem, Stop, certify
+from octmip.errors import ProblemError
+from octmip.oblique import two_feature_branch_and_bound
+from octmip.problem import Problem as AnyProblem
+from octmip.tree import HyperplaneSplit, splits
+from tests.oracles.two_feature import best_objective
+from tests.two_feature_problems import random_two_feature_problem
+
+
+def solve_and_certify(problem: AnyProblem, **options: object) -> float:
+    solution = two_feature_branch_and_bound(problem, **options)  # type: ignore[arg-type]
+    certify(problem, solution)
+    assert solution.is_optimal, solution
+    return solution.objective
+
+
+@pytest.mark.parametrize(("depth", "max_samples", "n_problems"), [(1, 12, 150)])
+def test_random_problems_reach_the_optimum_of_enumeration(depth: int, max_samples: int, n_problems: int) -> None:
+    for seed in range(n_problems):
+        problem = random_two_feature_problem(np.random.default_rng(seed), depth=depth, max_samples=max_samples)
+        assert solve_and_certify(problem) == best_objective(problem), f"seed {seed}"
+
+
+def test_a_point_one_unit_in_the_last_place_off_a_line_counts_as_off_it() -> None:
+    # The middle point lies above the diagonal by 2^-52: exact arithmetic parts it, and so does a float64 line.
+    options: dict[str, Any] = {"depth": 1, "split": "hyperplane", "leaf_penalty": 0.1}
+    problem = Problem([[0, 0], [1, np.nextafter(1, 2)], [2, 2]], [0, 1, 0], **options)
+    on_line = Problem([[0, 0], [1, 1], [2, 2]], [0, 1, 0], **options)
+    assert best_objective(problem) < best_objective(on_line) == solve_and_certify(on_line)
+    assert two_feature_branch_and_bound(problem).bound == pytest.approx(best_objective(problem), abs=1e-6)
+
+
+def test_the_line_is_the_one_with_the_widest_margin() -> None:
+    problem = Problem([[0, 0], [0, 2], [4, 0], [4, 2]], [0, 0, 1, 1], depth=1, split="hyperplane")
+    tree = two_feature_branch_and_bound(problem).tree
+    assert tree is not None
+    assert splits(tree)[0].features == (0,)
+    tilted = Problem([[0, 0], [1, 0], [0, 3], [1, 3], [0, 1], [1, 2]], [0, 1, 1, 1, 0, 1], depth=1, split="hyperplane")
+    tree = two_feature_branch_and_bound(tilted).tree
+    assert tree is not None
+    (split,) = splits(tree)
+    assert isinstance(split, HyperplaneSplit)
+    assert solve_and_certify(tilted) == 0
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"depth": 3}, "depth is 3"),
+        ({"depth": 1, "split_size": 3}, "3 features"),
+    ],
+)
+def test_what_is_not_proven_is_refused(options: dict[str, int], message: str) -> None:
+    problem = Problem(np.eye(4), [0, 1, 0, 1], split="hyperplane", **options)  # type: ignore[arg-type]
+    with pytest.raises(ProblemError, match=message):
+        two_feature_branch_and_bound(problem)
+
+
+def test_a_time_limit_of_nothing_returns_a_tree_and_a_valid_bound() -> None:
+    rng = np.random.default_rng(0)
+    problem = Problem(rng.normal(size=(3000, 8)), rng.integers(0, 3, 3000), depth=1, split="hyperplane", split_size=2)
+    solution = two_feature_branch_and_bound(problem, limits=Limits(seconds=0.0))
+    certify(problem, solution)
+    assert solution.stop in (Stop.TIME, Stop.OPTIMAL)

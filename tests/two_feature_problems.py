@@ -1,0 +1,53 @@
+"""Random problems for splits over one or two features: grids, duplicates, points on lines, ties, all the options."""
+
+from typing import Any
+
+import numpy as np
+
+from octmip.problem import Problem
+
+
+def random_two_feature_problem(rng: np.random.Generator, *, depth: int, max_samples: int) -> Problem:
+    """Return a random problem that enumeration can solve, each complication present with a probability of its own."""
+    n, p, k = int(rng.integers(2, max_samples + 1)), int(rng.integers(1, 4)), int(rng.integers(2, 6))
+    labels = rng.integers(0, k, n)
+    labels[0], labels[-1] = 0, 1
+    options: dict[str, Any] = {}
+    if rng.random() < 0.4:
+        options["weights"] = rng.integers(0, 5, n).astype(float)
+        options["weights"][0] = 1.0
+    if rng.random() < 0.3:
+        options["costs"] = rng.integers(0, 6, (k, k)).astype(float)
+    if rng.random() < 0.3:
+        options["leaf_size"] = int(rng.integers(1, max(2, n // 2)))
+    if rng.random() < 0.4:
+        options["leaf_penalty"] = float(rng.choice([1, 2, 0.5, 0.25]))
+    if rng.random() < 0.3:
+        options["sensor_budget"] = float(rng.integers(0, 4))
+    if p == 3 and rng.random() < 0.2:
+        options["sensor_of_feature"] = ["a", "a", "b"]
+    if p == 3 and rng.random() < 0.2:
+        options["allowed_splits"] = [[0, 1], [2]]
+    return Problem(
+        _features(rng, n, p),
+        labels,
+        depth=depth,
+        split="hyperplane",
+        split_size=min(2, p),
+        class_names=tuple(range(k)),
+        **options,
+    )
+
+
+def _features(rng: np.random.Generator, n: int, p: int) -> np.ndarray[Any, np.dtype[np.float64]]:
+    kind = rng.integers(4)
+    if kind == 0:  # a small grid: duplicates and many points on one line
+        return rng.integers(0, 4, (n, p)).astype(float)
+    if kind == 1:
+        return rng.normal(size=(n, p))
+    if kind == 2:  # a grid of other units in every column
+        return rng.integers(0, 8, (n, p)) / 8 * 2.0 ** rng.integers(-3, 9, p)
+    features = rng.integers(0, 6, (n, p)).astype(float)
+    if p > 1:  # nearly all points on one line
+        features[:, 1] = 2 * features[:, 0] + (rng.random(n) < 0.3)
+    return features
