@@ -29,7 +29,7 @@ LEVELS = {
         "exact": 5,
         "oblique": 5,
         "search": 5,
-        "cart": 5,
+        "cart": 4,
         "solver": 6,
         "tradeoff": 7,
         "sensing": 7,

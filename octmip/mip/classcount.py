@@ -1,0 +1,71 @@
+"""Class counts: what q leaves can earn on a set of samples of which only the class weights are known.
+
+Let Cmax_i be the largest cost of class i and gain[i, k] = Cmax_i - C[i, k] what predicting k earns over it. The q
+leaves below one side of a split name at most q labels Q, so with class weights W on that side they earn at most
+
+    G_q(W) = max over |Q| = q of  sum_i W_i max_{k in Q} gain[i, k]          (0/1 costs: the q largest of W)
+
+whatever splits lie between. A split with class weights W_left, W_right costs at least
+W_all @ Cmax - G_q(W_left) - G_q(W_right) (and its penalty). At depth 1 (q = 1) that is the exact cost of the stump.
+"""
+
+import math
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.encoding import Ranks
+from octmip.problem import Problem
+
+MOST_LABEL_SETS = 500  # beyond it every class is taken to be earned: still a bound, a weaker one
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ClassCount:
+    """Class weights on the left of every cut of every feature, and what leaves can earn on them."""
+
+    problem: Problem
+    ranks: Ranks
+
+    @property
+    def worst(self) -> float:
+        """Cost when every sample has its dearest label."""
+        return float((self.problem.weights * self.problem.costs[self.problem.codes].max(axis=1)).sum())
+
+    @property
+    def gain(self) -> NDArray[np.float64]:
+        """(n_classes, n_classes) what predicting column k for a unit of class row i earns over the dearest label."""
+        costs = self.problem.costs
+        return np.asarray(costs.max(axis=1, keepdims=True) - costs)
+
+    def total(self) -> NDArray[np.float64]:
+        """Return the class weights of all samples, shape (n_classes,)."""
+        counted = np.bincount(self.problem.codes, self.problem.weights, self.problem.n_classes)
+        return counted.astype(np.float64)
+
+    def left_of_cuts(self, j: int) -> NDArray[np.float64]:
+        """Return the class weights left of each cut of feature j, shape (n_cuts, n_classes)."""
+        shape = (len(self.ranks.values[j]), self.problem.n_classes)
+        flat = self.ranks.ranks[j].astype(np.int64) * shape[1] + self.problem.codes
+        weights = np.bincount(flat, self.problem.weights, shape[0] * shape[1]).reshape(shape)
+        return np.asarray(weights.cumsum(axis=0)[:-1])
+
+    def earned(self, weights: NDArray[np.float64], n_leaves: int) -> NDArray[np.float64]:
+        """Return G_q for each row of `weights` (n, n_classes) with q = `n_leaves`, shape (n,)."""
+        n_classes = self.problem.n_classes
+        if n_leaves >= n_classes or math.comb(n_classes, n_leaves) > MOST_LABEL_SETS:
+            return np.asarray(weights @ self.gain.max(axis=1))
+        sets = [self.gain[:, list(labels)].max(axis=1) for labels in combinations(range(n_classes), n_leaves)]
+        return np.asarray((weights @ np.array(sets).T).max(axis=1))
+
+    def earned_by_side(self, j: int, n_leaves: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return what `n_leaves` leaves earn at most left and right of each cut of feature j, shapes (n_cuts,)."""
+        left = self.left_of_cuts(j)
+        return self.earned(left, n_leaves), self.earned(self.total() - left, n_leaves)
+
+    def bound_by_cut(self, j: int) -> NDArray[np.float64]:
+        """Return the class-count bound of every tree whose root makes each cut of feature j, shape (n_cuts,)."""
+        left, right = self.earned_by_side(j, 2 ** (self.problem.depth - 1))
+        return self.worst - left - right + self.problem.leaf_penalty

@@ -1,0 +1,140 @@
+"""Rows: a mixed-integer model as arrays, built a whole family of columns or rows at a time.
+
+    minimise cost @ x + offset   subject to   row_lower <= A x <= row_upper,  lower <= x <= upper,  some x integer
+
+A family of columns is an array of column indices, shaped like its subscripts: ``a = rows.columns("a", (p, branches))``.
+A family of rows is given by its terms, each an array of columns (n_rows, n_terms) with coefficients of that shape:
+
+    rows.add("one leaf", 1, 1, (z, 1.0))          # sum_t z[i, t] = 1 for every i
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import product
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import ArrayLike, NDArray
+
+Columns = NDArray[np.int64]
+Term = tuple[Columns, NDArray[np.float64] | NDArray[np.int64] | float]
+
+
+@dataclass(slots=True, eq=False)
+class Rows:
+    """A mixed-integer model under construction."""
+
+    offset: float = 0.0
+    n_columns: int = 0
+    n_rows: int = 0
+    families: dict[str, tuple[Columns, tuple[tuple[int, ...], ...]]] = field(default_factory=dict)
+    row_families: list[tuple[str, int]] = field(default_factory=list)
+    _columns: list[tuple[NDArray[np.float64], ...]] = field(default_factory=list)
+    _entries: list[tuple[Columns, Columns, NDArray[np.float64]]] = field(default_factory=list)
+    _bounds: list[tuple[NDArray[np.float64], NDArray[np.float64]]] = field(default_factory=list)
+
+    def columns(
+        self,
+        letter: str,
+        axes: Sequence[Sequence[int]],
+        lower: ArrayLike = 0.0,
+        upper: ArrayLike = 1.0,
+        *,
+        cost: ArrayLike = 0.0,
+        integer: bool = False,
+    ) -> Columns:
+        """Add a family of columns with the given subscripts and return their indices, one axis for each."""
+        shape = tuple(len(axis) for axis in axes)
+        size = int(np.prod(shape))
+        index = np.arange(self.n_columns, self.n_columns + size, dtype=np.int64).reshape(shape)
+        values = (lower, upper, cost, float(integer))
+        self._columns.append(tuple(np.broadcast_to(np.asarray(v, dtype=float), shape).ravel() for v in values))
+        self.families[letter] = (index, tuple(tuple(axis) for axis in axes))
+        self.n_columns += size
+        return index
+
+    def add(self, name: str, lower: ArrayLike, upper: ArrayLike, *terms: Term) -> None:
+        """Add a family of rows: ``lower <= sum of coefficients * columns <= upper``, one row for each term row."""
+        count = max(len(np.atleast_2d(columns)) for columns, _ in terms)
+        for columns, coefficients in terms:
+            wide = np.atleast_2d(columns)
+            full = np.broadcast_to(wide, (count, wide.shape[1]))
+            numbers = np.broadcast_to(np.asarray(coefficients, dtype=float), full.shape).ravel()
+            row = np.repeat(np.arange(self.n_rows, self.n_rows + count), full.shape[1])
+            keep = numbers != 0
+            self._entries.append((row[keep], full.ravel()[keep], numbers[keep]))
+        bounds = (np.broadcast_to(np.asarray(v, dtype=float), (count,)) for v in (lower, upper))
+        self._bounds.append((next(bounds), next(bounds)))
+        self.row_families.append((name, count))
+        self.n_rows += count
+
+    def _stack(self, position: int) -> NDArray[np.float64]:
+        return np.concatenate([block[position] for block in self._columns])
+
+    @property
+    def lower(self) -> NDArray[np.float64]:
+        """Lower bounds of the columns."""
+        return self._stack(0)
+
+    @property
+    def upper(self) -> NDArray[np.float64]:
+        """Upper bounds of the columns."""
+        return self._stack(1)
+
+    @property
+    def cost(self) -> NDArray[np.float64]:
+        """Objective coefficients of the columns."""
+        return self._stack(2)
+
+    @property
+    def is_integer(self) -> NDArray[np.bool_]:
+        """Which columns are integer."""
+        return self._stack(3) > 0
+
+    @property
+    def row_bounds(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Lower and upper bounds of the rows."""
+        low, high = zip(*self._bounds, strict=True)
+        return np.concatenate(low), np.concatenate(high)
+
+    def matrix(self) -> sp.csr_array:
+        """Return A (n_rows, n_columns); coefficients given twice are added."""
+        row, column, value = (np.concatenate(part) for part in zip(*self._entries, strict=True))
+        matrix = sp.coo_array((value, (row, column)), shape=(self.n_rows, self.n_columns)).tocsr()
+        matrix.eliminate_zeros()
+        return matrix
+
+    def objective(self, values: NDArray[np.float64]) -> float:
+        """Return the objective at `values` (n_columns,)."""
+        return float(self.cost @ values) + self.offset
+
+    def violation(self, values: NDArray[np.float64]) -> tuple[float, str]:
+        """Return by how much `values` (n_columns,) break the worst row, bound or integrality, and which that is."""
+        activity = self.matrix() @ values
+        low, high = self.row_bounds
+        by_row = np.maximum(low - activity, activity - high)
+        by_column = np.maximum(self.lower - values, values - self.upper)
+        by_column = np.maximum(by_column, np.where(self.is_integer, np.abs(values - np.round(values)), 0.0))
+        if by_row.max(initial=0.0) >= by_column.max():
+            return float(by_row.max(initial=0.0)), self.row_name(int(by_row.argmax())) if self.n_rows else ""
+        return float(by_column.max()), self.column_names()[int(by_column.argmax())]
+
+    def row_name(self, row: int) -> str:
+        """Return the family of a row and its place in it."""
+        for name, count in self.row_families:
+            if row < count:
+                return f"{name}[{row}]"
+            row -= count
+        raise IndexError(row)
+
+    def row_names(self) -> list[str]:
+        """Return the names of all rows."""
+        return [f"{name}[{i}]" for name, count in self.row_families for i in range(count)]
+
+    def column_names(self) -> list[str]:
+        """Return the names of all columns: letter and subscripts, ``a[3,1]``."""
+        return [
+            f"{letter}[{','.join(map(str, key))}]"
+            for letter, (_, axes) in self.families.items()
+            for key in product(*axes)
+        ]

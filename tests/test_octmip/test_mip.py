@@ -1,0 +1,249 @@
+"""Every formulation against exhaustive enumeration, known optima, and what HiGHS must not be believed."""
+
+import csv
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from octmip import Leaf, Limits, Problem, Split, Stop, certify
+from octmip.errors import ProblemError, SolverError
+from octmip.mip import engine, highs
+from octmip.mip.flow import solve_flow
+from octmip.mip.oct import encode, solve_oct
+from tests.oracles.enumeration import optimum
+from tests.strategies import random_problem
+
+SHARED = Path(__file__).resolve().parents[2].parent / "shared"
+SOLVERS = {"oct": solve_oct, "flow": solve_flow}
+
+
+def uci(name: str, **options: object) -> Problem:
+    """Return a set of the data beside the project as a problem, or skip."""
+    file = SHARED / "uci" / f"{name}.csv"
+    if not file.exists():
+        pytest.skip(f"{file} is absent")
+    rows = [row for row in csv.reader(file.read_text().splitlines()) if row][1:]
+    return Problem([[float(v) for v in row[:-1]] for row in rows], [row[-1] for row in rows], **options)
+
+
+def blobs(n: int = 12, **options: object) -> Problem:
+    """Return a small problem of three overlapping classes."""
+    rng = np.random.default_rng(3)
+    labels = np.arange(n) % 3
+    return Problem(np.round(rng.normal(size=(n, 2)) + labels[:, None], 1), labels, **options)
+
+
+def best_stump(problem: Problem) -> float:
+    """Return the optimum at depth 1, every cut of every feature tried."""
+    found = problem.baseline
+    for column in problem.features.T:
+        for value in np.unique(column)[:-1]:
+            sides = (np.flatnonzero(side) for side in (column <= value, column > value))
+            found = min(found, sum(problem.class_costs(rows).min() for rows in sides))
+    return found
+
+
+CASES = {
+    "depth 1": blobs(depth=1),
+    "depth 2": blobs(depth=2),
+    "weights": blobs(depth=2, weights=np.arange(12) % 4),
+    "real weights": blobs(depth=2, weights=0.1 + 0.3 * np.arange(12)),
+    "costs": blobs(depth=2, costs=np.abs(np.subtract.outer(np.arange(3), np.arange(3))) * 20),
+    "lopsided costs": blobs(depth=2, costs=[[0, 5, 1], [2, 1, 9], [3, 4, 0]]),
+    "leaf size": blobs(depth=2, leaf_size=3),
+    "penalty": blobs(depth=2, leaf_penalty=2.0),
+    "steep penalty": blobs(depth=2, leaf_penalty=50.0),
+    "budget": blobs(depth=2, sensor_budget=1.0, sensor_cost={"x0": 1.0, "x1": 0.5}),
+    "no budget at all": blobs(depth=2, sensor_budget=0.0),
+    "one feature allowed": blobs(depth=2, allowed_splits=[["x1"]]),
+    "constant feature": Problem([[1, 2], [1, 3], [1, 4], [1, 1]], [0, 1, 0, 1], depth=2),
+    "duplicates that disagree": Problem([[1], [1], [1], [2], [2]], [0, 1, 1, 0, 0], depth=2),
+}
+
+
+@pytest.mark.parametrize("method", SOLVERS)
+@pytest.mark.parametrize("case", CASES)
+def test_the_optimum_is_that_of_enumeration(method, case):
+    problem = CASES[case]
+    solution = SOLVERS[method](problem)
+    certify(problem, solution)
+    assert solution.objective == pytest.approx(optimum(problem).objective, abs=1e-6)
+    assert solution.stop is Stop.OPTIMAL and solution.is_optimal
+    assert solution.details["start"]["accepted"], solution.details["start"]
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_random_problems_have_the_optimum_of_enumeration(seed):
+    problem = random_problem(np.random.default_rng(seed), max_samples=9, max_depth=2)
+    for solve in SOLVERS.values():
+        solution = solve(problem)
+        certify(problem, solution)
+        assert solution.objective == pytest.approx(optimum(problem).objective, rel=1e-6, abs=1e-6)
+        assert solution.is_optimal
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_the_optimum_stays_without_fixing_and_without_class_counts(case):
+    from octmip.mip.flow import encode as encode_flow
+
+    problem = CASES[case]
+    for fix, class_count in ((False, True), (True, False), (False, False)):
+        request = engine.Request("flow")
+        solution = engine.drive(
+            problem, lambda best, f=fix, k=class_count: encode_flow(problem, best, fix=f, class_count=k), request
+        )
+        assert solution.objective == pytest.approx(optimum(problem).objective, abs=1e-6)
+        assert solution.is_optimal
+
+
+@pytest.mark.parametrize(("depth", "errors"), [(1, 50), (2, 6)])
+def test_strengthened_rows_prove_iris(depth, errors):
+    problem = uci("iris", depth=depth)
+    solution = solve_oct(problem, strengthen=True)
+    assert (solution.objective, solution.bound, certify(problem, solution).errors) == (errors, errors, errors)
+
+
+def test_the_printed_rows_prove_iris_at_depth_one():
+    solution = solve_oct(uci("iris", depth=1))
+    assert (solution.objective, solution.bound) == (50, 50)
+
+
+def test_depth_one_is_proven_on_175_rows_of_the_published_strains():
+    file = SHARED / "uav" / "strains.csv"
+    if not file.exists():
+        pytest.skip(f"{file} is absent")
+    table = np.genfromtxt(file, delimiter=",", skip_header=1, usecols=[0, 1, 2, *range(5, 25)])
+    rows = table[table[:, 2] == 3]
+    rows = rows[np.random.default_rng(0).permutation(len(rows))[:175]]
+    problem = Problem(rows[:, 3:] / 3, rows[:, :2].max(axis=1), depth=1)
+    solution = solve_flow(problem)
+    certify(problem, solution)
+    assert solution.is_optimal and solution.objective == best_stump(problem)
+
+
+def test_the_printed_form_leaks_at_unsplit_nodes_and_the_closed_form_does_not():
+    problem = uci("iris", depth=2)
+    spread = {}
+    for closed in (False, True):
+        model = encode(problem, closed=closed)
+        values = np.zeros(model.rows.n_columns)
+        values[model.leaves.z[np.arange(150), problem.codes]] = 1  # each class in a leaf of its own, no node split
+        for t in range(3):
+            values[model.leaves.l[t]] = values[model.leaves.c[t, t]] = 1
+            values[model.leaves.N_kt[t, t]] = values[model.leaves.N_t[t]] = 50
+        assert model.rows.objective(values) == 0
+        spread[closed] = model.rows.violation(values)[0]
+    assert spread[False] == 0.0
+    assert spread[True] > 0.005
+
+
+def test_a_solution_that_routing_contradicts_is_refused():
+    problem = blobs(depth=2)
+    decoded = engine.Decoded(raw_objective=7.0, tree=Leaf(0), objective=7.0)
+    assert "claims objective 6" in engine.refutation(problem, 6, 5, decoded)
+    assert "no tree is below 8" in engine.refutation(problem, 7, 8, decoded)
+    assert engine.refutation(problem, 7, 6, decoded) == ""
+
+
+def test_a_leaking_model_is_refused_with_both_numbers():
+    problem = uci("iris", depth=2)
+    with pytest.raises(SolverError, match=r"claims objective .* but its tree costs"):
+        engine.drive(problem, lambda _: encode(problem, closed=False), engine.Request("oct", Limits(seconds=30)))
+
+
+def test_a_time_limit_returns_the_start_and_an_honest_bound():
+    problem = uci("iris", depth=2)
+    solution = solve_oct(problem, limits=Limits(seconds=0.5))
+    certify(problem, solution)
+    assert solution.stop is Stop.TIME and solution.bound < 6 == solution.objective
+
+
+def test_a_node_limit_stops():
+    assert solve_oct(uci("iris", depth=1), limits=Limits(nodes=2)).stop is Stop.NODES
+
+
+def test_a_gap_that_is_reached_stops_and_says_so():
+    solution = solve_oct(uci("iris", depth=1), limits=Limits(gap=0.9), incumbent=Leaf(0))
+    assert solution.stop in (Stop.GAP, Stop.OPTIMAL) and solution.gap <= 0.9
+
+
+def test_ctrl_c_returns_incumbent_and_bound():
+    def interrupt(state):
+        if state.seconds > 0.3:
+            raise KeyboardInterrupt
+
+    problem = uci("iris", depth=2)
+    solution = solve_oct(problem, limits=Limits(seconds=60), progress=interrupt)
+    certify(problem, solution)
+    assert solution.stop is Stop.INTERRUPTED and solution.objective == 6 and math.isfinite(solution.bound)
+
+
+def test_what_progress_raises_comes_out():
+    def fail(state):
+        raise ValueError("no progress bar here")
+
+    with pytest.raises(ValueError, match="no progress bar"):
+        solve_oct(uci("iris", depth=2), limits=Limits(seconds=60), progress=fail)
+
+
+def test_progress_is_reported_and_the_bound_never_falls():
+    states = []
+    solve_oct(uci("iris", depth=2), limits=Limits(seconds=1.0), progress=states.append)
+    bounds = [state.bound for state in states]
+    assert len(states) > 5 and bounds == sorted(bounds)
+
+
+def test_a_bound_proven_elsewhere_enters_as_a_row_and_is_named():
+    problem = uci("iris", depth=2)
+    solution = solve_oct(problem, limits=Limits(seconds=60), lower_bound=6)
+    assert solution.is_optimal and solution.n_nodes <= 1 and solution.details["lower_bound_given"] == 6
+
+
+def test_incumbents_are_injected_while_highs_runs():
+    problem = uci("iris", depth=2)
+    best = solve_flow(problem).tree
+    asked = []
+
+    def source(objective):
+        asked.append(objective)
+        return best
+
+    solution = solve_oct(problem, limits=Limits(seconds=2), incumbent=Split(0, 5.5, Leaf(0), Leaf(2)), inject=source)
+    assert asked and solution.objective == 6
+
+
+def test_a_tree_deeper_than_the_problem_is_refused():
+    problem = blobs(depth=1)
+    deep = Split(0, 0.5, Leaf(0), Split(1, 0.7, Leaf(1), Leaf(2)))
+    with pytest.raises(ProblemError, match="depth 2"):
+        solve_flow(problem, incumbent=deep)
+
+
+def test_hyperplane_problems_are_sent_elsewhere():
+    with pytest.raises(ProblemError, match="oct_h"):
+        solve_oct(blobs(depth=1, split="hyperplane"))
+
+
+def test_highs_says_nothing_on_standard_output(capfd):
+    solve_oct(blobs(depth=2))
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("suffix", [".mps", ".lp"])
+def test_a_written_model_has_the_optimum_of_the_problem(tmp_path, suffix):
+    import highspy
+
+    problem = blobs(depth=1)
+    solution = solve_oct(problem, write=tmp_path / f"model{suffix}")
+    reader = highspy.Highs()
+    reader.setOptionValue("output_flag", False)
+    reader.readModel(str(tmp_path / f"model{suffix}"))
+    reader.run()
+    assert reader.getInfo().objective_function_value == pytest.approx(solution.objective)
+
+
+def test_a_model_file_of_an_unknown_kind_is_refused(tmp_path):
+    with pytest.raises(SolverError, match=r"\.mps or \.lp"):
+        highs.write(encode(blobs(depth=1)).rows, tmp_path / "model.txt")
