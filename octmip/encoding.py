@@ -53,6 +53,7 @@ class IntegerCosts:
         costs: (n_classes, n_classes) int64.
         penalty: of one feature in one split.
         unit: what an integer objective is multiplied by to give the problem's.
+        weight_unit: the part of `unit` that scales the weights; both are powers of two.
         tolerance: how far an integer optimum times `unit` may lie below the true optimum; 0 when nothing was rounded.
     """
 
@@ -60,6 +61,7 @@ class IntegerCosts:
     costs: NDArray[np.int64]
     penalty: int
     unit: float
+    weight_unit: float
     tolerance: float
 
 
@@ -77,79 +79,61 @@ def rank_features(problem: Problem) -> Ranks:
 def integer_costs(problem: Problem) -> IntegerCosts:
     """Return the weights, costs and penalty of a problem as integers, rounded down where they are not whole.
 
-    The smallest power of two makes dyadic numbers (0.5, 2.25) whole. Where there is none, or objectives of such
-    integers could reach `CAPACITY`, the numbers are rounded down to the digits that fit `ROUNDED_CAPACITY`: every
-    integer objective times `unit` is at most the true one, and none overflows.
+    The smallest powers of two that make dyadic numbers (0.5, 2.25) whole; where none below `CAPACITY` does, numbers are
+    scaled to `ROUNDED_CAPACITY` in sum and rounded down, so every integer objective times `unit` is at most the true
+    one. A penalty above every other cost is cut to just above: no tree with a split is optimal either way.
     """
-    weights, weight_unit = _whole_numbers(problem.weights, CAPACITY)
-    prices = np.append(problem.costs.ravel(), problem.leaf_penalty / weight_unit)
-    costs, cost_unit = _whole_numbers(prices, CAPACITY)
-    penalty = int(costs[-1])
-    matrix = costs[:-1].reshape(problem.costs.shape)
-    if float(weights.sum()) * float(matrix.max()) + penalty * _most_features(problem) >= CAPACITY:
-        weights, weight_unit, matrix, cost_unit, penalty = _rounded_numbers(problem)
-    unit = weight_unit * cost_unit
-    loss = _rounding_loss(problem, weights * weight_unit, matrix * cost_unit, penalty * unit)
-    return IntegerCosts(weights, matrix, penalty, unit, loss)
+    weight_exponent, cost_exponent = _exponents(problem)
+    weights = np.floor(np.ldexp(problem.weights, weight_exponent)).astype(np.int64)
+    costs = np.floor(np.ldexp(problem.costs, cost_exponent)).astype(np.int64)
+    weight_unit, unit = 2.0**-weight_exponent, 2.0 ** -(weight_exponent + cost_exponent)
+    above_all = int(weights.sum()) * max(int(costs.max()), 1) + 1
+    penalty = math.floor(min(problem.leaf_penalty / unit, above_all))
+    paid = problem.leaf_penalty if penalty == above_all else penalty * unit
+    loss = _rounding_loss(problem, weights * weight_unit, costs * (unit / weight_unit), paid, above_all < CAPACITY)
+    return IntegerCosts(weights, costs, penalty, unit, weight_unit, loss)
 
 
-def _rounded_numbers(problem: Problem) -> tuple[NDArray[np.int64], float, NDArray[np.int64], float, int]:
-    """Return weights and their unit, costs and theirs, and the penalty, rounded down into `ROUNDED_CAPACITY`.
-
-    Costs keep their digits where they have few (0/1), weights take what room is left, and costs what they leave.
-    """
-    ceiling, penalty = _ceiling(problem), _effective_penalty(problem)
-    room = ROUNDED_CAPACITY * ceiling / (ceiling + penalty * _most_features(problem))
-    # A cost loses 2^-digits of itself, the n weights together n 2^-(digits left): least when the two are equal.
-    digits = (math.log2(ROUNDED_CAPACITY) - math.log2(problem.n_samples)) / 2
-    costs, cost_unit = _whole_numbers(problem.costs.ravel(), 2.0**digits)
-    largest = max(float(costs.max()), 1.0)
-    weights, weight_unit = _whole_numbers(problem.weights, room / largest)
-    spare = 2.0 ** max(0, math.floor(math.log2(room / (max(float(weights.sum()), 1.0) * largest))))
-    cost_unit /= spare
-    matrix = np.floor(problem.costs / cost_unit).astype(np.int64)
-    return weights, weight_unit, matrix, cost_unit, math.floor(penalty / (weight_unit * cost_unit))
-
-
-def _ceiling(problem: Problem) -> float:
-    """Return what no tree's errors can exceed."""
-    return max(float(problem.weights.sum()) * float(problem.costs.max()), 1e-300)
+def _exponents(problem: Problem) -> tuple[int, int]:
+    """Return the powers of two that weights and costs are multiplied by."""
+    largest = float(problem.weights.sum()) * (float(problem.costs.max()) or 1.0)
+    room = math.floor(math.log2(CAPACITY / largest))
+    weights, costs = _whole_exponent(problem.weights, room), _whole_exponent(problem.costs, room)
+    if weights is not None and costs is not None and weights + costs <= room:
+        penalty = _whole_exponent(np.array([problem.leaf_penalty]), room)
+        if penalty is not None:
+            return weights, max(costs, penalty - weights)
+    room = math.floor(math.log2(ROUNDED_CAPACITY / largest))
+    if weights is not None and weights <= room // 2:
+        return weights, room - weights
+    if costs is not None and costs <= room // 2:
+        return room - costs, costs
+    # A weight loses up to 2^-a on each of n samples, a cost up to 2^-b on the sum of the weights: best when equal.
+    balance = math.log2(problem.n_samples * float(problem.costs.max()) / float(problem.weights.sum()))
+    half = math.floor((room + balance) / 2)
+    return half, room - half
 
 
-def _effective_penalty(problem: Problem) -> float:
-    """Return the penalty, at most twice the ceiling: above it no split ever pays, and the optimum is the same leaf."""
-    return min(problem.leaf_penalty, 2 * _ceiling(problem))
-
-
-def _most_features(problem: Problem) -> float:
-    """Return the largest complexity of a tree of the problem."""
-    return min(2.0**problem.depth - 1, problem.n_samples) * problem.max_split_size
-
-
-def _whole_numbers(numbers: NDArray[np.float64], capacity: float) -> tuple[NDArray[np.int64], float]:
-    """Return ``floor(numbers * scale)`` of a sum of at most `capacity`, and ``1 / scale``.
-
-    The scale is 1 or the least power of two that makes the numbers whole; where there is none, the greatest that fits.
-    """
-    total = max(float(numbers.sum()), 1e-300)
-    if (numbers == np.floor(numbers)).all() and total <= capacity:
-        return numbers.astype(np.int64), 1.0
-    most = math.floor(math.log2(capacity / total))
-    for exponent in range(1, most + 1):
-        scaled = numbers * 2.0**exponent
+def _whole_exponent(numbers: NDArray[np.float64], most: int) -> int | None:
+    """Return the least power of two, `most` at most, that makes all of them whole."""
+    for exponent in range(most + 1):
+        scaled = np.ldexp(numbers, exponent)
         if (scaled == np.floor(scaled)).all():
-            return scaled.astype(np.int64), 2.0**-exponent
-    return np.floor(numbers * 2.0**most).astype(np.int64), 2.0**-most
+            return exponent
+    return None
 
 
-def _rounding_loss(problem: Problem, weights: FloatArray, costs: FloatArray, penalty: float) -> float:
-    """Return the most by which an optimum counted with the rounded numbers can lie below the true one."""
+def _rounding_loss(
+    problem: Problem, weights: FloatArray, costs: FloatArray, penalty: float, sums_are_exact: bool
+) -> float:
+    """Return the most by which an objective counted with the rounded numbers can lie below the true one."""
     exact = np.array_equal(weights, problem.weights) and np.array_equal(costs, problem.costs)
-    if exact and penalty == problem.leaf_penalty:
+    if exact and penalty == problem.leaf_penalty and sums_are_exact:
         return 0.0
     true = problem.weights[:, None] * problem.costs[problem.codes]
     held = weights[:, None] * costs[problem.codes]
-    penalty_loss = (_effective_penalty(problem) - penalty) * _most_features(problem)
+    most_features = min(2.0**problem.depth - 1, problem.n_samples) * problem.max_split_size
+    penalty_loss = (problem.leaf_penalty - penalty) * most_features
     rounding_of_sums = 1e-15 * float(true.max(axis=1).sum())
     return float((true - held).max(axis=1).sum()) + penalty_loss + rounding_of_sums
 
