@@ -21,7 +21,8 @@ IRIS = load_iris(return_X_y=True)
 
 @parametrize_with_checks(
     [
-        OptimalTreeClassifier(depth=2, method="search"),
+        OptimalTreeClassifier(depth=2),
+        OptimalTreeClassifier(depth=3, method="search"),
         OptimalTreeClassifier(depth=2, method="cart"),
         OptimalTreeClassifier(depth=2, split="hyperplane", split_size=2),
     ]
