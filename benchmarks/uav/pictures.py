@@ -4,8 +4,10 @@ from collections.abc import Sequence
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
+from numpy.typing import NDArray
 
 from femlib.dataset import MeanStrains
 from femlib.wing import Wing
@@ -36,7 +38,7 @@ def wing_picture(wing: Wing, used: dict[str, Sequence[str]]) -> Figure:
     return figure
 
 
-def _draw_planform(axis: plt.Axes, wing: Wing) -> None:
+def _draw_planform(axis: Axes, wing: Wing) -> None:
     outline = wing.outline()
     axis.add_patch(Polygon(np.column_stack([outline[:, 1], -outline[:, 0]]), closed=True, fill=False, ec=INK, lw=1.2))
     for region in wing.regions:
@@ -71,6 +73,7 @@ def strain_picture(wing: Wing, simulated: MeanStrains, published: MeanStrains | 
     return figure
 
 
-def _pristine(means: MeanStrains) -> np.ndarray:
+def _pristine(means: MeanStrains) -> NDArray[np.float64]:
     row = int(np.flatnonzero((means.states_percent == 0).all(axis=1))[0])
-    return means.strain_microstrain[row]
+    strain: NDArray[np.float64] = means.strain_microstrain[row]
+    return strain

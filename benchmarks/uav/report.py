@@ -50,23 +50,23 @@ def _figures(
 ) -> dict[str, Figure]:
     figures: dict[str, Figure] = {}
     used: dict[str, Sequence[str]] = {}
+    depth = max(outcome.cell.depth for outcome in outcomes)
     for label in LABELS:
-        deepest = pick(outcomes, label=label, depth=3, gauge_set="all")
+        deepest = pick(outcomes, label=label, depth=depth, gauge_set="all")
         tree = deepest.solution.tree
         assert tree is not None
         problem = problem_of(data, deepest.cell)
-        used[f"gauges of the depth-3 tree for {label}"] = problem.sensors_used(tree)
+        used[f"gauges of the depth-{depth} tree for {label}"] = problem.sensors_used(tree)
         figures[f"tree_{label}"] = tree_figure(problem, tree)
-        figures[f"partition_{label}"] = _partition(data, outcomes, label)
+        figures[f"partition_{label}"] = _partition(data, pick(outcomes, label=label, depth=depth, gauge_set="two"))
     figures["wing"] = wing_picture(wing, used)
     figures["strain"] = strain_picture(wing, simulated, published)
     return figures
 
 
-def _partition(data: Dataset, outcomes: Sequence[Outcome], label: str) -> Figure:
-    outcome = pick(outcomes, label=label, depth=3, gauge_set="two")
+def _partition(data: Dataset, outcome: Outcome) -> Figure:
     assert outcome.solution.tree is not None
-    title = f"{label}, loss of stiffness [%]; strain per unit of load factor [microstrain]"
+    title = f"{outcome.cell.label}, loss of stiffness [%]; strain per unit of load factor [microstrain]"
     return partition_figure(problem_of(data, outcome.cell), outcome.solution.tree, title=title)
 
 
@@ -77,7 +77,7 @@ def _run(data: Dataset, outcomes: Sequence[Outcome], seconds: float) -> dict[str
         "seed": data.seed,
         "noise_sd_microstrain_per_g": data.noise_sd,
         "seconds": seconds,
-        "seconds_limit_of_each_solve": outcomes[0].cell.seconds,
+        "seconds_limit": {outcome.cell.method: outcome.cell.seconds for outcome in outcomes},
         "threads_of_each_solve": 1,
         "python": platform.python_version(),
         "machine": {"system": platform.platform(), "processor": _processor(), "cores": os.cpu_count()},

@@ -1,0 +1,53 @@
+"""The UAV study in small: every method answers, the rows say what they must, the files are whole."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from benchmarks.uav import study
+from benchmarks.uav.report import write_results
+from femlib.dataset import Recipe, build_dataset, simulated_strains
+from femlib.wing import uav_wing
+
+KEYS = {
+    *("data", "label", "depth", "split", "split_size", "sensors", "method", "errors", "objective", "bound", "gap"),
+    *("is_optimal", "stop", "mae_train", "mae_test", "bayes_mae", "seconds", "seed"),
+}
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("uav")
+    wing = uav_wing()
+    simulated = simulated_strains(wing)
+    data = build_dataset(simulated, Recipe(samples_per_state=8), seed=1)
+    outcomes = study.run_study(data, study.StudyLimits(10.0, 1.0), seed=1, n_jobs=1, depths=(1, 2))
+    write_results(folder, wing, simulated, None, data, outcomes, 0.0)
+    return folder
+
+
+def test_every_row_holds_what_a_reader_needs(results: Path) -> None:
+    rows = json.loads((results / "table.json").read_text())
+    assert len(rows) == 2 * 2 * 2 * len(study.METHODS)
+    assert all(KEYS <= set(row) for row in rows)
+
+
+def test_no_method_is_below_the_proven_optimum(results: Path) -> None:
+    rows = json.loads((results / "table.json").read_text())
+    proven = {_task(row): row["objective"] for row in rows if row["method"] == "exact"}
+    assert all(row["objective"] >= proven[_task(row)] for row in rows)
+    assert all(row["bound"] is None or row["bound"] <= proven[_task(row)] for row in rows)
+    assert all(row["is_optimal"] for row in rows if row["method"] == "exact")
+
+
+def test_pictures_and_run_record_are_written(results: Path) -> None:
+    names = {path.name for path in results.iterdir()}
+    pictures = ("tree_mu1", "tree_mu2", "partition_mu1", "partition_mu2", "wing", "strain")
+    assert {f"{picture}.{kind}" for picture in pictures for kind in ("svg", "png")} <= names
+    assert {"table.md", "table.json", "run.json"} <= names
+    assert {"versions", "machine", "seed", "commit"} <= set(json.loads((results / "run.json").read_text()))
+
+
+def _task(row: dict[str, object]) -> tuple[object, ...]:
+    return row["label"], row["depth"], row["gauge_set"]
