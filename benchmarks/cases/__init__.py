@@ -1,0 +1,1 @@
+"""Benchmark cases: one file a family, one line in `benchmarks.registry`."""

@@ -1,0 +1,47 @@
+"""What can be measured: each family of cases is one file under benchmarks/cases and one line here.
+
+A family's module has `cases()`, questions that several solvers answer side by side, or `results(limit, threads)`, a
+study that yields its own result lines; it may have `summary(lines)`, which returns its table in Markdown.
+"""
+
+import importlib
+from collections.abc import Callable
+from dataclasses import dataclass
+from types import ModuleType
+
+from octmip.problem import Problem
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """One question to be answered by several solvers, each in a process of its own.
+
+    Attributes:
+        size: what is asked, in words that name it within its family ("iris, depth 3").
+        seed: of the data.
+        build: returns the problem; called in the solver's process, not measured.
+        solvers: names in `benchmarks.rivals.RIVALS`.
+    """
+
+    size: str
+    seed: int
+    build: Callable[[], Problem]
+    solvers: tuple[str, ...]
+
+
+FAMILIES = {
+    "exact_uci": "benchmarks.cases.exact_uci",
+    "exact_uav": "benchmarks.cases.exact_uav",
+    "fuzz_exact": "benchmarks.cases.fuzz_exact",
+}
+
+
+def family(name: str) -> ModuleType:
+    """Return the module of a family.
+
+    Raises:
+        SystemExit: there is no such family.
+    """
+    if name not in FAMILIES:
+        raise SystemExit(f"no benchmark family is called {name!r}; choose from: {', '.join(FAMILIES)}")
+    return importlib.import_module(FAMILIES[name])

@@ -1,0 +1,133 @@
+"""The solvers that answer benchmark cases, ours and others', behind one face; imported only when they run.
+
+Each takes a problem and returns a function that solves it within so many seconds on so many threads, and answers. Only
+that function is measured: ranking, binarising and copying for a rival are not.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib.metadata import version
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.problem import Problem
+from octmip.solution import Limits
+
+# STreeD and DL8.5 know binary features only. They take part where one for each threshold is not more than this, so that
+# they solve the same question; a few quantiles instead is another question (it loses to plain CART, see the docs).
+MOST_BINARY_FEATURES = 300
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What a solver said: `bound` is -inf where it claims no proof."""
+
+    objective: float
+    bound: float
+    settings: str
+    n_nodes: int = 0
+
+
+Fit = Callable[[float, int], Answer]
+
+
+@dataclass(frozen=True, slots=True)
+class Rival:
+    """A solver: how to prepare it, which package it is of, and whether it uses more than one thread."""
+
+    prepare: Callable[[Problem], Fit]
+    package: str
+    is_threaded: bool = False
+
+    @property
+    def version(self) -> str:
+        """The installed version."""
+        return f"{self.package} {version(self.package)}"
+
+
+def _octmip(problem: Problem) -> Fit:
+    from octmip.solver import solve
+
+    def fit(seconds: float, threads: int) -> Answer:
+        solution = solve(problem, method="exact", limits=Limits(seconds=seconds), n_jobs=threads)
+        return Answer(solution.objective, solution.bound, "solve(method='exact')", solution.n_nodes)
+
+    return fit
+
+
+def _octmip_core(problem: Problem) -> Fit:
+    from octmip.exact import branch_and_bound
+
+    def fit(seconds: float, threads: int) -> Answer:
+        solution = branch_and_bound(problem, limits=Limits(seconds=seconds), n_jobs=threads)
+        return Answer(solution.objective, solution.bound, "branch_and_bound, no incumbent", solution.n_nodes)
+
+    return fit
+
+
+def _pycontree(problem: Problem) -> Fit:
+    from pycontree import ConTree
+
+    # It keeps float32, so it gets dense ranks, which float32 holds exactly below 2^24.
+    ranks = np.column_stack([np.unique(column, return_inverse=True)[1] for column in problem.features.T])
+    features, labels = ranks.astype(np.float64), problem.codes.astype(np.int32)
+
+    def fit(seconds: float, threads: int) -> Answer:
+        model = ConTree(max_depth=problem.depth, time_limit=seconds)
+        model.fit(features, labels)
+        errors = float((np.asarray(model.predict(features)).astype(np.int64) != problem.codes).sum())
+        return Answer(errors, errors, "max_gap=0, dense ranks")
+
+    return fit
+
+
+def _binary(problem: Problem) -> NDArray[np.int32]:
+    columns = [column <= value for column in problem.features.T for value in np.unique(column)[:-1]]
+    return np.column_stack(columns).astype(np.int32)
+
+
+def _pystreed(problem: Problem) -> Fit:
+    from pystreed import STreeDClassifier
+
+    features = _binary(problem)
+
+    def fit(seconds: float, threads: int) -> Answer:
+        model = STreeDClassifier(
+            max_depth=problem.depth,
+            max_num_nodes=2**problem.depth - 1,
+            cost_complexity=0.0,
+            time_limit=seconds,
+        )
+        model.fit(features, problem.codes)
+        errors = float((np.asarray(model.predict(features)) != problem.codes).sum())
+        return Answer(errors, errors, f"{features.shape[1]} binary features, every threshold")
+
+    return fit
+
+
+def _pydl85(problem: Problem) -> Fit:
+    from pydl85 import DL85Classifier
+
+    features = _binary(problem)
+
+    def fit(seconds: float, threads: int) -> Answer:
+        model = DL85Classifier(max_depth=problem.depth, time_limit=int(np.ceil(seconds)))
+        model.fit(features, problem.codes)
+        return Answer(float(model.error_), float(model.error_), f"{features.shape[1]} binary features, every threshold")
+
+    return fit
+
+
+def can_be_binary(features: NDArray[np.float64]) -> bool:
+    """Whether one binary feature for each threshold is few enough for the binary solvers."""
+    return sum(len(np.unique(column)) - 1 for column in features.T) <= MOST_BINARY_FEATURES
+
+
+RIVALS = {
+    "octmip": Rival(_octmip, "octmip", is_threaded=True),
+    "octmip-core": Rival(_octmip_core, "octmip", is_threaded=True),
+    "pycontree": Rival(_pycontree, "pycontree"),
+    "pystreed": Rival(_pystreed, "pystreed"),
+    "pydl8.5": Rival(_pydl85, "pydl8.5"),
+}

@@ -1,0 +1,140 @@
+"""Measure a family of cases: `python -m benchmarks.run NAME [--limit 60] [--threads 1,2] [--out FILE]`.
+
+Prints one JSON line a result. Every solver answers in a process of its own, killed soon after its limit; CPU and wall
+seconds are those of the solving call alone (all threads of it), the median of several where it is short.
+"""
+
+import argparse
+import json
+import math
+import os
+import platform
+import resource
+import statistics
+import subprocess
+import sys
+import time
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from benchmarks.registry import FAMILIES, Case, family
+from benchmarks.rivals import RIVALS
+
+Line = dict[str, Any]
+GRACE = 20.0  # seconds to start, build the data and stop politely before a solver is killed
+SHORT = 0.5  # a solving call is repeated until so many seconds have passed, at most 5 times
+
+
+def main() -> None:
+    """Run one family and print its lines, then its table on standard error."""
+    options = _options()
+    if options.child:
+        print(json.dumps(_measure(_find(options.name, options.size, options.seed), options)))
+        return
+    module = family(options.name)
+    threads = [int(count) for count in options.threads.split(",")]
+    if hasattr(module, "results"):
+        lines = module.results(options.limit, threads)
+    else:
+        lines = _race(module.cases(), options, threads)
+    out = open(options.out, "a") if options.out else None
+    shown = []
+    for line in lines:
+        shown.append({"case": options.name, **line, **_context()})
+        for file in filter(None, (sys.stdout, out)):
+            print(json.dumps(shown[-1]), file=file, flush=True)
+    if hasattr(module, "summary"):
+        print(module.summary(shown), file=sys.stderr)
+
+
+def _options() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("name", help=", ".join(FAMILIES))
+    parser.add_argument("--limit", type=float, default=60.0, help="seconds for each solver and case")
+    parser.add_argument("--threads", default="1", help="thread counts of the solvers that use several, such as 1,2")
+    parser.add_argument("--only", default="", help="only cases whose size contains this")
+    parser.add_argument("--solvers", default="", help="only these solvers, such as octmip,pycontree")
+    parser.add_argument("--out", help="append the lines to this file")
+    for name, kind in {"size": str, "seed": int, "solver": str}.items():
+        parser.add_argument(f"--{name}", type=kind, help=argparse.SUPPRESS)
+    parser.add_argument("--child", action="store_true", help=argparse.SUPPRESS)
+    return parser.parse_args()
+
+
+def _race(cases: Iterator[Case], options: argparse.Namespace, threads: list[int]) -> Iterator[Line]:
+    wanted = options.solvers.split(",") if options.solvers else list(RIVALS)
+    for case in cases:
+        for solver in case.solvers if options.only in case.size else ():
+            for count in threads if RIVALS[solver].is_threaded else [1]:
+                if solver in wanted:
+                    yield _in_own_process(case, solver, count, options)
+
+
+def _in_own_process(case: Case, solver: str, threads: int, options: argparse.Namespace) -> Line:
+    command = [sys.executable, "-m", "benchmarks.run", options.name, "--child", "--size", case.size]
+    command += ["--seed", str(case.seed), "--solver", solver, "--limit", str(options.limit), "--threads", str(threads)]
+    line = {"size": case.size, "seed": case.seed, "solver": solver, "threads": threads, "limit": options.limit}
+    one_thread = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
+    try:
+        done = subprocess.run(
+            command, capture_output=True, text=True, timeout=options.limit + GRACE, env=os.environ | one_thread
+        )
+    except subprocess.TimeoutExpired:
+        return line | {"outcome": "killed past the limit", "version": RIVALS[solver].version}
+    if done.returncode:
+        reason = (done.stderr.strip().splitlines() or [f"exit code {done.returncode}"])[-1]
+        return line | {"outcome": f"failed: {reason[:200]}", "version": RIVALS[solver].version}
+    answer: Line = json.loads(done.stdout.splitlines()[-1])
+    return line | answer
+
+
+def _find(name: str, size: str, seed: int) -> Case:
+    return next(case for case in family(name).cases() if (case.size, case.seed) == (size, seed))
+
+
+def _measure(case: Case, options: argparse.Namespace) -> Line:
+    """Solve one case in this process and return what came of it."""
+    warnings.simplefilter("ignore")  # rivals warn of their time limits
+    rival = RIVALS[options.solver]
+    fit = rival.prepare(case.build())
+    cpu, wall = [], []
+    while sum(wall) < SHORT and len(wall) < 5:
+        before, start = resource.getrusage(resource.RUSAGE_SELF), time.perf_counter()
+        answer = fit(options.limit, int(options.threads))
+        wall.append(time.perf_counter() - start)
+        after = resource.getrusage(resource.RUSAGE_SELF)
+        cpu.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
+    # Rivals do not say whether they finished: within the limit they claim the optimum, past it nothing.
+    in_time = wall[-1] < 0.98 * options.limit
+    bound = answer.bound if in_time or options.solver.startswith("octmip") else -math.inf
+    return {
+        "outcome": "proven" if bound >= answer.objective - 1e-9 * max(1.0, answer.objective) else "not proven",
+        "objective": answer.objective,
+        "bound": bound if math.isfinite(bound) else None,
+        "gap": (answer.objective - bound) / max(answer.objective, 1e-300) if math.isfinite(bound) else None,
+        "cpu_seconds": round(statistics.median(cpu), 6),
+        "wall_seconds": round(statistics.median(wall), 6),
+        "repeats": len(wall),
+        "peak_megabytes": after.ru_maxrss // 1024,
+        "version": rival.version,
+        "settings": answer.settings,
+    }
+
+
+def _context() -> Line:
+    here = Path(__file__).parent
+    commit = subprocess.run(["git", "describe", "--always", "--dirty"], capture_output=True, text=True, cwd=here)
+    return {"commit": commit.stdout.strip(), "machine": _machine()}
+
+
+def _machine() -> str:
+    cpuinfo = Path("/proc/cpuinfo")
+    lines = cpuinfo.read_text().splitlines() if cpuinfo.exists() else []
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return f"{names[0] if names else platform.processor()}, {os.cpu_count()} CPUs, Python {platform.python_version()}"
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,85 @@
+"""Markdown tables of benchmark lines: one row a case, one column a solver; ratios and their geometric mean."""
+
+import math
+from collections.abc import Iterable
+from typing import Any
+
+Line = dict[str, Any]
+OURS, PEER = "octmip", "pycontree"
+
+
+def race_table(lines: Iterable[Line]) -> str:
+    """Return the table of a race with the CPU seconds of each solver, and the ratios to the peer below it."""
+    rows: dict[tuple[str, int], dict[str, Line]] = {}
+    columns: list[str] = []
+    for line in lines:
+        column = _column(line)
+        rows.setdefault((line["size"], line["seed"]), {})[column] = line
+        columns += [column] if column not in columns else []
+    head = ["case", "seed", "optimum", *columns, "ratio"]
+    table = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
+    for (size, seed), row in rows.items():
+        cells = [size, str(seed), _optimum(row), *(_cell(row.get(column)) for column in columns), _ratio_cell(row)]
+        table.append("| " + " | ".join(cells) + " |")
+    return "\n".join([*table, "", *_verdicts(list(rows.values()))])
+
+
+def _column(line: Line) -> str:
+    return line["solver"] if line["threads"] == 1 else f"{line['solver']}, {line['threads']} threads (wall)"
+
+
+def _cell(line: Line | None) -> str:
+    if line is None:
+        return ""
+    if "cpu_seconds" not in line:
+        return f"> {line['limit']:g}" if "killed" in line["outcome"] else line["outcome"]
+    seconds = line["cpu_seconds"] if line["threads"] == 1 else line["wall_seconds"]
+    mark = "" if line["outcome"] == "proven" else f" ({line['objective']:g}, not proven)"
+    return f"{seconds:.3g}{mark}"
+
+
+def _optimum(row: dict[str, Line]) -> str:
+    proven = {line["objective"] for line in row.values() if line.get("outcome") == "proven"}
+    if len(proven) > 1:
+        return "DISAGREE: " + ", ".join(f"{value:g}" for value in sorted(proven))
+    return f"{proven.pop():g}" if proven else "?"
+
+
+def peer_seconds(row: dict[str, Line]) -> float:
+    """Return the peer's CPU seconds, its limit where it did not finish, nan where it did not run."""
+    line = row.get(PEER)
+    if line is None or line["outcome"].startswith("failed"):
+        return math.nan
+    return line["cpu_seconds"] if line["outcome"] == "proven" else line["limit"]
+
+
+def ratio(row: dict[str, Line]) -> float:
+    """Return how many times faster ours is on one thread, in CPU; nan where either has no figure."""
+    ours = row.get(OURS, {})
+    seconds = ours.get("cpu_seconds", math.nan)
+    if ours.get("outcome") != "proven":
+        # Both ran into the limit: neither is faster, unless the peer finished.
+        seconds = ours.get("limit", math.nan)
+    return peer_seconds(row) / max(seconds, 1e-6)
+
+
+def _ratio_cell(row: dict[str, Line]) -> str:
+    value = ratio(row)
+    if math.isnan(value):
+        return ""
+    at_least = ">" if row[PEER]["outcome"] != "proven" and row.get(OURS, {}).get("outcome") == "proven" else ""
+    return f"{at_least}{value:.3g}"
+
+
+def _verdicts(rows: list[dict[str, Line]]) -> list[str]:
+    slow = [ratio(row) for row in rows if peer_seconds(row) > 0.1 and not math.isnan(ratio(row))]
+    slower = [row for row in rows if peer_seconds(row) > 0.02 and ratio(row) < 1]
+    lines = []
+    if slow:
+        mean = math.exp(sum(math.log(value) for value in slow) / len(slow))
+        lines.append(
+            f"Geometric mean of the ratios over the {len(slow)} cases where {PEER} needs more than 0.1 s: {mean:.3g}."
+        )
+    names = [next(iter(row.values()))["size"] for row in slower]
+    lines.append(f"Slower than {PEER} where it needs more than 0.02 s: {', '.join(names) or 'nowhere'}.")
+    return lines
