@@ -15,9 +15,10 @@ auto      exact for axis-aligned trees without a tight sensor budget, else searc
 import importlib
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Literal, Protocol, cast
+from types import MappingProxyType
+from typing import Any, Literal, Protocol, cast
 
 from octmip.certificate import certify, checked_leaf_index
 from octmip.errors import CertificateError, ProblemError, SolverError
@@ -43,6 +44,7 @@ class Solver(Protocol):
         seed: int,
         n_jobs: int,
         progress: ProgressCallback | None,
+        **options: Any,
     ) -> Solution:
         """Return the best tree found within the limits and the bound proven for it."""
 
@@ -89,6 +91,7 @@ def solve(
     seed: int = 0,
     n_jobs: int = 1,
     progress: ProgressCallback | None = None,
+    options: Mapping[str, Any] | None = None,
 ) -> Solution:
     """Return the best tree that a method finds within the limits, and the bound that it proves.
 
@@ -104,6 +107,7 @@ def solve(
         seed: of all random choices.
         n_jobs: threads; the tree is the same for any number, unless time runs out.
         progress: called now and then with the state of the solver.
+        options: what the method's own solver takes beyond all this, for instance ``restarts`` of the search.
 
     Raises:
         ProblemError: the method is unknown, or the incumbent is no tree of this problem.
@@ -119,7 +123,7 @@ def solve(
         first = _first_tree(call)
         if first.stop is Stop.INTERRUPTED:
             return _checked(problem, replace(first, seconds=time.perf_counter() - start))
-    solution = _checked(problem, _run(call, name, first))
+    solution = _checked(problem, _run(call, name, first, options or {}))
     if registration.proves:
         solution = _with_better_tree(solution, first)
     return _checked(problem, replace(solution, seconds=time.perf_counter() - start))
@@ -160,7 +164,9 @@ class _Call:
     progress: ProgressCallback | None
     start: float
 
-    def run(self, name: str, tree: Node | None, share: float = 1.0) -> Solution:
+    def run(
+        self, name: str, tree: Node | None, *, share: float = 1.0, options: Mapping[str, Any] = MappingProxyType({})
+    ) -> Solution:
         """Return the solution of one solver within `share` of the seconds that are left."""
         spent = time.perf_counter() - self.start
         limits = replace(self.limits, seconds=share * max(0.0, self.limits.seconds - spent))
@@ -171,6 +177,7 @@ class _Call:
             seed=self.seed,
             n_jobs=self.n_jobs,
             progress=self._shifted_progress(spent),
+            **options,
         )
 
     def _shifted_progress(self, spent: float) -> Callable[[Progress], None] | None:
@@ -182,15 +189,15 @@ class _Call:
 
 def _first_tree(call: _Call) -> Solution:
     try:
-        return call.run("search", None, SEARCH_SHARE)
+        return call.run("search", None, share=SEARCH_SHARE)
     except KeyboardInterrupt:
         return replace(call.run("cart", None), stop=Stop.INTERRUPTED)
 
 
-def _run(call: _Call, name: str, first: Solution | None) -> Solution:
+def _run(call: _Call, name: str, first: Solution | None, options: Mapping[str, Any]) -> Solution:
     """Return one solver's solution; a Ctrl-C that it did not see itself ends with the incumbent."""
     try:
-        return call.run(name, first.tree if first else None)
+        return call.run(name, first.tree if first else None, options=options)
     except KeyboardInterrupt:
         if first is None:
             first = call.run("cart", None)

@@ -1,7 +1,7 @@
 """Tables of samples from CSV and Parquet files: every column checked before it becomes numbers or labels.
 
 Numbers of a CSV file are read to the last bit: one that is off in the last place would end on the other side of a
-threshold. Nothing but an empty cell counts as missing, so that a class may be called "NA".
+threshold. Nothing but an empty cell and NaN counts as missing, so that a class may be called "NA".
 """
 
 import csv
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from octmip.errors import DataError
 from octmip.files import PathLike, read_bytes, read_text
 
+MISSING_WORDS = {"na", "n/a", "nan", "none", "null", "nil", "?", "-", "missing"}
 EXACT_INTEGERS = 2**53  # beyond it float64 merges neighbouring integers
 # From 3.1 on pandas reads numbers exactly by default and warns of the option; before, its default may be off.
 IS_EXACT = tuple(int(part) for part in pd.__version__.split(".")[:2]) >= (3, 1)
@@ -48,11 +49,14 @@ class Table:
             DataError: there is none of that name.
         """
         if name not in self.columns:
-            shown = ", ".join(self.columns[:12]) + (", ..." if len(self.columns) > 12 else "")
-            cure = "separate columns by commas" if len(self.columns) == 1 and ";" in shown else f"name the {purpose}"
+            shown = ", ".join(repr(column) for column in self.columns[:12]) + (
+                ", ..." if len(self.columns) > 12 else ""
+            )
+            is_otherwise_separated = len(self.columns) == 1 and (";" in shown or "\\t" in shown)
+            cure = "separate columns by commas" if is_otherwise_separated else "spell it as the header does"
             raise DataError(
                 f"{self.path} has no column {name!r}; expected the {purpose} among its {len(self.columns)} columns "
-                f"({shown}); {cure} as the header spells it"
+                f"({shown}); {cure}"
             )
         return self.frame[name]
 
@@ -72,9 +76,10 @@ class Table:
         if column.dtype.kind not in "biuf":
             numbers = pd.to_numeric(column, errors="coerce").to_numpy(dtype=np.float64)
             row = int(np.isnan(numbers).argmax())
+            leave_out = ", or leave the column out with --features" if purpose == "feature" else ""
             raise DataError(
                 f"{self.place(row, name)}: {str(column.iloc[row])!r} is no number, and a {purpose} holds numbers only; "
-                "encode it as numbers, or leave the column out with --features"
+                f"encode it as numbers{leave_out}"
             )
         if column.dtype.kind in "iu" and (column.abs() > EXACT_INTEGERS).any():
             row = int((column.abs() > EXACT_INTEGERS).to_numpy().argmax())
@@ -88,17 +93,18 @@ class Table:
             raise DataError(f"{self.place(row, name)}: {numbers[row]} is not finite; expected a finite number")
         return numbers
 
-    def labels(self, column: str, known: Sequence[Any] | None = None) -> NDArray[Any]:
+    def labels(self, column: str, known: Sequence[Any] | None = None, purpose: str = "label") -> NDArray[Any]:
         """Return the label of each row, shape (n_rows,): whole numbers, numbers, booleans or text.
 
         Raises:
-            DataError: the column is missing, a label is empty, or (with `known`) was not seen at training.
+            DataError: the column is missing, a label is empty or says so, or (with `known`) was not seen at training.
         """
-        values = self.column(column, "label")
-        self._refuse_empty(column, values, "label")
+        values = self.column(column, purpose)
+        self._refuse_empty(column, values, purpose)
         labels = values.to_numpy()
-        if labels.dtype.kind in "OU" or not isinstance(labels, np.ndarray):
+        if labels.dtype.kind not in "biuf":
             labels = np.array([str(value) for value in values], dtype=object)
+            self._refuse_missing_among_numbers(column, labels)
         if known is not None:
             unseen = [row for row, label in enumerate(labels.tolist()) if label not in set(known)]
             if unseen:
@@ -107,6 +113,16 @@ class Table:
                     f"({len(unseen)} such rows); the tree knows {list(known)}"
                 )
         return labels
+
+    def _refuse_missing_among_numbers(self, name: str, labels: NDArray[Any]) -> None:
+        """Refuse "NA" in a column of numbers; in a column of words it is a class like any other."""
+        is_text = pd.to_numeric(pd.Series(labels), errors="coerce").isna().to_numpy()
+        if 0 < is_text.sum() < len(labels) and {str(label).lower() for label in labels[is_text]} <= MISSING_WORDS:
+            row = int(is_text.argmax())
+            raise DataError(
+                f"{self.place(row, name)}: {labels[row]!r} among numbers ({int(is_text.sum())} such rows); drop the "
+                "row, or name every class by a word"
+            )
 
     def _refuse_empty(self, name: str, column: "pd.Series[Any]", purpose: str) -> None:
         empty = column.isna().to_numpy()
@@ -134,9 +150,15 @@ def read_table(path: PathLike) -> Table:
 
 def _read_csv(path: Path) -> pd.DataFrame:
     text = read_text(path)
-    reader = csv.reader(io.StringIO(text))
-    header, first = next(reader, []), next((cells for cells in reader if cells), [])
+    reader = csv.reader(io.StringIO(text, newline=""))
+    try:
+        header, first = next(reader, []), next((cells for cells in reader if cells), [])
+    except csv.Error as error:
+        raise DataError(f"{path}, line {reader.line_num}: {error}; expected cells separated by commas") from error
     _refuse_twice(path, header)
+    if "" in (name.strip() for name in header):
+        place = [name.strip() for name in header].index("") + 1
+        raise DataError(f"{path}, line 1: column {place} has no name; name it, or drop it if it only counts the rows")
     if len(first) > len(header):  # pandas would take the first column for an index
         raise DataError(f"{path}, line 2: {len(first)} cells but the header has {len(header)}; name every column")
     try:
@@ -144,7 +166,7 @@ def _read_csv(path: Path) -> pd.DataFrame:
             io.StringIO(text),
             **EXACT_NUMBERS,
             keep_default_na=False,
-            na_values=[""],
+            na_values=["", "nan", "NaN"],
             low_memory=False,
         )
     except (pd.errors.ParserError, pd.errors.EmptyDataError) as error:
@@ -224,8 +246,9 @@ def read_sensors(path: PathLike, feature_names: Sequence[str]) -> Sensors:
         DataError: a column or feature is missing or named twice, or one sensor has two costs.
     """
     table = read_table(path)
-    names = [str(value) for value in table.labels("feature" if "feature" in table.columns else "sensor")]
-    sensors = [str(value) for value in table.labels("sensor")]
+    column = "feature" if "feature" in table.columns else "sensor"
+    names = [str(value) for value in table.labels(column, purpose=f"{column} name")]
+    sensors = [str(value) for value in table.labels("sensor", purpose="sensor name")]
     costs = table.numbers(["cost"], "sensor cost")[:, 0].tolist()
     missing = [name for name in feature_names if names.count(name) != 1]
     if missing:

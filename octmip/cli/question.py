@@ -56,7 +56,7 @@ def ask(arguments: argparse.Namespace) -> Question:
 
 def _feature_columns(table: Table, arguments: argparse.Namespace) -> list[str]:
     taken = [arguments.label, arguments.weights]
-    if not arguments.features:
+    if arguments.features is None:
         names = [name for name in table.columns if name not in taken]
         if not names:
             raise DataError(f"{table.path} has no column beside {arguments.label!r}; expected at least one feature")

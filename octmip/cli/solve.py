@@ -5,12 +5,13 @@ nor is Ctrl-C: the best tree so far and its bound are shown and written.
 """
 
 import argparse
+from pathlib import Path
 
 from octmip.certificate import certify
 from octmip.cli.answer import ProgressLine, describe, print_json
 from octmip.cli.arguments import add_method_argument, add_problem_arguments, add_run_arguments, limits_of
 from octmip.cli.question import Question, ask
-from octmip.errors import SolverError
+from octmip.errors import DataError, SolverError
 from octmip.files import check_writable
 from octmip.report.text import solution_text, tree_text
 from octmip.solution import Solution
@@ -24,6 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_run_arguments(parser)
     add_method_argument(parser)
     parser.add_argument("--incumbent", metavar="TREE.json", help="a tree of this problem to start from")
+    parser.add_argument("--write", metavar="MODEL", help="write the mixed-integer model to this .mps or .lp file too")
     parser.add_argument("--out", metavar="TREE.json", help="write the tree here")
 
 
@@ -32,6 +34,7 @@ def run(arguments: argparse.Namespace) -> int:
     limits = limits_of(arguments)
     if arguments.out:
         check_writable(arguments.out)
+    options = _options(arguments)
     question = ask(arguments)
     incumbent = tree_for(question.problem, read_tree_file(arguments.incumbent)) if arguments.incumbent else None
     with ProgressLine() as progress:
@@ -43,9 +46,23 @@ def run(arguments: argparse.Namespace) -> int:
             seed=arguments.seed,
             n_jobs=arguments.threads,
             progress=progress,
+            options=options,
         )
     _show(arguments, question, solution)
     return 0
+
+
+def _options(arguments: argparse.Namespace) -> dict[str, object]:
+    if not arguments.write:
+        return {}
+    if arguments.method not in ("oct", "oct_h", "flow"):
+        raise DataError(
+            f"--write needs a mixed-integer method, not {arguments.method!r}; add --method oct, oct_h or flow"
+        )
+    if Path(arguments.write).suffix not in (".mps", ".lp"):
+        raise DataError(f"--write {arguments.write} ends with neither .mps nor .lp; expected one of these")
+    check_writable(arguments.write)
+    return {"write": arguments.write}
 
 
 def _show(arguments: argparse.Namespace, question: Question, solution: Solution) -> None:

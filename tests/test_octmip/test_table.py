@@ -39,6 +39,9 @@ def test_columns_come_as_numbers_and_labels(tmp_path, suffix):
         ("x,x,y\n1,2,a\n", "column 'x' 2 times"),
         ("x,y\n1,a\n2,b,c\n", "Expected 2 fields in line 3, saw 3"),
         ("x,y\n1,a,7\n2,b,7\n", "line 2: 3 cells but the header has 2"),
+        (",x,y\n0,1,a\n1,2,b\n", "line 1: column 1 has no name"),
+        ('x,y\n1,"a\n2,b\n', "EOF inside string"),
+        ("x,y\n1," + "a" * 200_000 + "\n", "line 2: field larger than field limit"),
     ],
 )
 def test_a_file_that_is_no_table_is_refused(tmp_path, text, sentence):
@@ -58,6 +61,8 @@ def test_a_file_that_is_no_table_is_refused(tmp_path, text, sentence):
         ('x,y\n1,"a\nb"\n?,b\n', "line 4, column 'x'"),
         ("z,y\n1,a\n", "no column 'x'; expected the feature among its 2 columns"),
         ("x;y\n1;a\n", "separate columns by commas"),
+        ("x\ty\n1\ta\n", "separate columns by commas"),
+        (" x ,y\n1,a\n", "' x '"),
     ],
 )
 def test_a_wrong_feature_is_refused_with_its_place(tmp_path, text, sentence):
@@ -83,8 +88,25 @@ def test_a_wrong_label_is_refused_with_its_place(tmp_path, text, sentence):
         read_table(csv_file(tmp_path, text)).labels("y", known=["a", "b"])
 
 
+@pytest.mark.parametrize("word", ["NA", "None", "?"])
+def test_a_word_for_missing_among_numbers_is_no_class(tmp_path, word):
+    with pytest.raises(DataError, match=r"line 4, column 'y': .* among numbers"):
+        read_table(csv_file(tmp_path, f"y\n1\n2\n{word}\n")).labels("y")
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_lines_may_end_as_on_any_machine(tmp_path, end):
+    table = read_table(csv_file(tmp_path, end.join(["x,y", "1,a", "2,b", ""])))
+    assert table.columns == ("x", "y") and table.numbers(["x"]).tolist() == [[1], [2]]
+
+
 def test_labels_of_mixed_kind_are_text(tmp_path):
     assert read_table(csv_file(tmp_path, "y\n1\nb\n")).labels("y").tolist() == ["1", "b"]
+
+
+def test_words_that_look_like_numbers_stay_words(tmp_path):
+    pd.DataFrame({"y": ["1", "2"]}).to_parquet(tmp_path / "data.parquet")
+    assert read_table(tmp_path / "data.parquet").labels("y").tolist() == ["1", "2"]
 
 
 def test_a_byte_order_mark_is_no_part_of_a_name(tmp_path):
