@@ -286,6 +286,34 @@ def progress_figure(progress: Sequence[Progress], title: str | None = None) -> F
     return figure
 
 
+def frontier_figure(
+    values: Sequence[float], objectives: Sequence[float], bounds: Sequence[float], name: str, title: str | None = None
+) -> Figure:
+    """Return objectives and bounds against what was varied, the gaps between them as bars; `name` is of the values.
+
+    Raises:
+        ProblemError: there is no point to draw.
+    """
+    if not values:
+        raise ProblemError("the frontier has no points; give it at least one value")
+    figure = Figure(figsize=(5.6, 3.2), layout="tight")
+    axes = figure.add_subplot()
+    proven = np.where(np.isfinite(bounds), bounds, np.nan)
+    axes.vlines(values, proven, objectives, color=DISTINCT[0], alpha=0.35, linewidth=5)
+    axes.plot(values, objectives, color=DISTINCT[1], marker="o", markersize=4, label="best tree")
+    axes.plot(values, proven, color=DISTINCT[0], marker="_", linewidth=0, label="proven bound")
+    axes.set_ylim(bottom=0)
+    if all(value == round(value) for value in values) and len(values) < 20:
+        axes.set_xticks(values)
+    axes.set_xlabel(name, color=INK)
+    axes.set_ylabel("objective", color=INK)
+    axes.legend(frameon=False, fontsize=8)
+    _quiet_frame(axes)
+    if title:
+        axes.set_title(title, fontsize=10, color=INK)
+    return figure
+
+
 def _quiet_frame(axes: Axes) -> None:
     axes.tick_params(colors=QUIET, labelsize=8, labelcolor=INK)
     for side in axes.spines.values():

@@ -20,6 +20,7 @@ COMMANDS = {
     "certify": "recount what a tree file claims, from tree and data alone",
     "predict": "apply a tree file to a table",
     "compare": "every method side by side, with gaps",
+    "frontier": "the least cost against depth, sensor budget or leaf penalty",
     "report": "a tree file in words, or as a page, Markdown or DOT",
 }
 

@@ -310,3 +310,13 @@ def test_ctrl_c_outside_a_solver_ends_with_130(run, monkeypatch):
     monkeypatch.setattr("octmip.cli.report.run", interrupted)
     code, _, err = run("report", "t.json")
     assert code == 130 and err == "octmip: interrupted\n"
+
+
+def test_frontier_shows_one_row_for_each_value(data, run, tmp_path):
+    words = ["frontier", data, "--label", "y", "--features", "a,b", "--depth", 3, "--over", "depth"]
+    code, out, err = run(*words, "--out", tmp_path / "f.png")
+    assert code == 0 and err == "" and len(out.splitlines()) == 5 and (tmp_path / "f.png").stat().st_size > 1000
+    rows = json.loads(run(*words, "--json", "--values", "1,2")[1])["rows"]
+    assert [row["depth"] for row in rows] == [1, 2]
+    code, _, err = run(*words, "--values", "1,x")
+    assert code == 2 and "--values is '1,x'" in err

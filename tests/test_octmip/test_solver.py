@@ -16,7 +16,7 @@ ZERO_ERRORS = Split(0, 0.5, Leaf(0), Split(0, 2.5, Leaf(1), Leaf(0)))
 def answering(**changes):
     """Return a solver that answers with the error-free tree of STRIPES, some of its claims changed."""
 
-    def answer(problem, *, limits, incumbent, seed, n_jobs, progress):
+    def answer(problem, *, limits, incumbent, seed, n_jobs, progress, **options):
         answer.calls.append({"limits": limits, "incumbent": incumbent, "seed": seed, "n_jobs": n_jobs})
         solution = Solution(ZERO_ERRORS, 0.0, 0.0, Stop.OPTIMAL, 0.0, 1, "answering", "1", seed)
         return dataclasses.replace(solution, **changes)

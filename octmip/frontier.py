@@ -1,0 +1,99 @@
+"""Frontiers: the least cost against depth, sensor budget or leaf penalty, one proof after the other.
+
+A tree that meets a tight limit meets a wide one too. So each point starts from the tree of the point before, and a
+bound proven under a wide limit holds under every tighter one: along a frontier of depth or budget objectives never rise
+and bounds never fall behind.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from octmip.errors import ProblemError
+from octmip.problem import Problem
+from octmip.solution import Limits, ProgressCallback, Solution, Stop
+from octmip.solver import Method, solve
+
+Over = Literal["depth", "budget", "penalty"]
+OVERS: tuple[Over, ...] = ("depth", "budget", "penalty")
+PENALTY_SHARES = (0.0, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1)
+
+
+@dataclass(frozen=True, slots=True)
+class Point:
+    """One point: the value of what is varied, the problem with it, and its solution."""
+
+    value: float
+    problem: Problem
+    solution: Solution
+
+
+def default_values(problem: Problem, over: Over) -> tuple[float, ...]:
+    """Return the values that a frontier takes when none are given.
+
+    Depths from 1 to the problem's; as many sensors as a tree of its depth can read, where each costs 1; penalties as
+    shares (B&D's alpha) of the baseline.
+
+    Raises:
+        ProblemError: sensors have other costs, so that budgets must be named.
+    """
+    if over == "depth":
+        return tuple(range(1, problem.depth + 1))
+    if over == "penalty":
+        return tuple(share * problem.baseline for share in PENALTY_SHARES)
+    if (problem.sensor_costs != 1).any():
+        raise ProblemError("sensors do not cost 1 each, so the budgets of interest are not 1, 2, ...; name the values")
+    readable = (2**problem.depth - 1) * problem.max_split_size
+    return tuple(range(1, min(len(problem.sensors), readable) + 1))
+
+
+def trace_frontier(
+    problem: Problem,
+    over: Over,
+    values: Sequence[float] | None = None,
+    *,
+    method: Method = "auto",
+    limits: Limits = Limits(),  # noqa: B008 (frozen)
+    seed: int = 0,
+    n_jobs: int = 1,
+    progress: ProgressCallback | None = None,
+) -> list[Point]:
+    """Return one point for each value, values ascending; `limits` hold for each point by itself.
+
+    Ctrl-C ends the frontier: the points so far come back, the last one interrupted.
+
+    Raises:
+        ProblemError: `over` is unknown, or a value makes no problem.
+    """
+    if over not in OVERS:
+        raise ProblemError(f"over is {over!r}; expected one of {', '.join(OVERS)}")
+    points: list[Point] = []
+    for value in sorted(default_values(problem, over) if values is None else values):
+        here = _problem_at(problem, over, value)
+        known = points[-1].solution.tree if points else None
+        solution = solve(here, method, limits, known, seed, n_jobs, progress)
+        points.append(Point(value, here, solution))
+        if solution.stop is Stop.INTERRUPTED:
+            break
+    return points if over == "penalty" else _with_bounds_of_wider_limits(points)
+
+
+def _problem_at(problem: Problem, over: Over, value: float) -> Problem:
+    if over == "depth":
+        return replace(problem, depth=int(value) if value == math.floor(value) else value)  # type: ignore[arg-type]
+    return replace(problem, sensor_budget=value) if over == "budget" else replace(problem, leaf_penalty=value)
+
+
+def _with_bounds_of_wider_limits(points: Sequence[Point]) -> list[Point]:
+    """Return the points with each bound at least that of every wider limit, which allows all its trees and more."""
+    best, out = -math.inf, []
+    for point in reversed(points):
+        solution = point.solution
+        best = max(best, solution.bound)
+        if best > solution.bound:
+            solution = replace(solution, bound=min(best, solution.objective))
+            if solution.is_optimal and solution.stop is not Stop.INTERRUPTED:
+                solution = replace(solution, stop=Stop.OPTIMAL)
+        out.append(replace(point, solution=solution))
+    return out[::-1]
