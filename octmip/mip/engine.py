@@ -25,7 +25,7 @@ from octmip.problem import Problem
 from octmip.solution import Limits, ProgressCallback, Solution, Stop
 from octmip.tree import HyperplaneSplit, Node, Split, depth, leaf_index, leaves, predict, simplify, without_empty_sides
 
-TOLERANCES = (1e-6, 1e-9)  # HiGHS's feasibility tolerance, and what a refuted solution is tried again with
+FINEST = 1e-9  # HiGHS's feasibility tolerance that a refuted solution is tried again with
 START_SLACK = 1e-7  # rows may be broken by so much in a start: rounding of x and eps
 
 
@@ -43,6 +43,14 @@ class Formulation(Protocol):
     @property
     def scope(self) -> str:
         """The trees that its bound speaks about, in words."""
+
+    @property
+    def tolerance(self) -> float:
+        """The feasibility tolerance that its numbers need."""
+
+    @property
+    def notes(self) -> Mapping[str, object]:
+        """What else is to be said about it in a Solution."""
 
     def start(self, placed: Placed) -> NDArray[np.float64] | None:
         """Return the values of a tree laid into the heap, None when the formulation does not hold that tree."""
@@ -182,7 +190,7 @@ def _run_until_sound(
     details: dict[str, object],
 ) -> tuple[highs.Outcome, Decoded | None]:
     refuted = ""
-    for tolerance in TOLERANCES:
+    for tolerance in dict.fromkeys((formulation.tolerance, FINEST)):
         left = max(request.limits.seconds - (time.perf_counter() - began), 0.0)
         options = highs.Options(
             limits=replace(request.limits, seconds=left),
@@ -201,7 +209,7 @@ def _run_until_sound(
         if not refuted:
             return outcome, decoded
     raise SolverError(
-        f"{request.method}: {refuted}, even at feasibility tolerance {TOLERANCES[-1]}; the numbers of this problem are "
+        f"{request.method}: {refuted}, even at feasibility tolerance {FINEST}; the numbers of this problem are "
         "too close for HiGHS; solve it by method='exact' or round the features"
     )
 
@@ -263,6 +271,7 @@ def _describe(problem: Problem, formulation: Formulation, request: Request) -> d
     rows = formulation.rows
     details: dict[str, object] = {
         "scope": formulation.scope,
+        **formulation.notes,
         "model": {
             "rows": rows.n_rows,
             "columns": rows.n_columns,

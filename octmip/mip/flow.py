@@ -17,14 +17,17 @@ once a leaf. Then, each valid because it only removes trees that another tree of
 
 * sibling leaves differ: c_k,2t + c_k,2t+1 <= 1 (a split into two leaves of one label is not needed);
 * a left leaf names a class only if its parent splits;
-* class counts: the leaves below one side of a cut earn at most G_q of the class weights on that side, for every branch
-  node (the samples that reach it are a part of all): see `octmip.mip.classcount`. At depth 1 this closes the root;
+* of a hyperplane and its mirror image one is enough: one chosen sample is kept by the rightmost leaf or by none;
+* class counts (axis-aligned): the leaves below one side of a cut earn at most G_q of the class weights on that side,
+  for every branch node (the samples that reach it are a part of all): see `octmip.mip.classcount`. At depth 1 this
+  closes the root;
 * cuts that cannot lead to a better tree than the one known are left out: see `octmip.mip.thresholds`.
 
 Source: the flow of samples through a tree: Aghaei, Gomez & Vayanos (2021), Strong optimal classification trees.
 Thresholds as monotone columns, class counts and the fixing of cuts are this project's.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -32,16 +35,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.encoding import rank_features
-from octmip.mip import axis, extras
+from octmip.mip import extras
 from octmip.mip.classcount import ClassCount
 from octmip.mip.engine import Request, drive, objective_of
 from octmip.mip.groups import Groups, group_samples
 from octmip.mip.heap import Heap, Placed, place
+from octmip.mip.hyperplanes import Hyperplanes, add_hyperplanes, all_samples_band, choose_mu, space_of
 from octmip.mip.rows import Columns, Rows
 from octmip.mip.thresholds import Thresholds, add_thresholds, admissible_cuts
 from octmip.problem import Problem
 from octmip.solution import Limits, ProgressCallback, Solution
-from octmip.tree import Node, Split
+from octmip.tree import HyperplaneSplit, Node, Split
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,7 +56,7 @@ class Flow:
     groups: Groups
     heap: Heap
     rows: Rows
-    node_splits: Thresholds
+    node_splits: Thresholds | Hyperplanes
     c: Columns  # (n_classes, n_leaves)
     f: Columns  # (n_pairs, n_leaves)
     z: Columns | None  # (n_groups, n_leaves), only where leaf sizes are to be counted
@@ -63,24 +67,41 @@ class Flow:
         """The trees that the bound speaks about."""
         return self.node_splits.scope
 
+    @property
+    def tolerance(self) -> float:
+        """Feasibility tolerance that the splits need."""
+        return self.node_splits.tolerance
+
+    @property
+    def notes(self) -> Mapping[str, object]:
+        """What is to be said about the splits in a Solution."""
+        return self.node_splits.notes
+
     def start(self, placed: Placed) -> NDArray[np.float64] | None:
         """Return the values of a tree laid into the heap, None when the rows leave it out."""
         values = np.zeros(self.rows.n_columns)
-        if not self.node_splits.set(values, placed):
-            return None
+        if isinstance(self.node_splits, Hyperplanes):
+            placed = placed.turned(self.heap, int(self.groups.sample[self.groups.heaviest]))
         for leaf, label in placed.labels.items():
             values[self.c[label, leaf - self.heap.leaves[0]]] = 1
         position = placed.position[self.groups.sample]
         label_at = np.array([placed.labels.get(leaf, -1) for leaf in self.heap.leaves])
         earns = np.flatnonzero(label_at[position[self.groups.pair_group]] == self.groups.pair_label)
         values[self.f[earns, position[self.groups.pair_group[earns]]]] = 1
+        kept = np.zeros(self.problem.n_samples, dtype=bool)
+        kept[self.groups.sample if self.z is not None else self.groups.sample[self.groups.pair_group[earns]]] = True
+        sides = {m: all_samples_band(placed, self.heap, m) for m in placed.splits}
+        if not self.node_splits.set(
+            values, placed, {m: (left & kept, right & kept) for m, (left, right) in sides.items()}
+        ):
+            return None
         if self.z is not None and self.l is not None:
             values[self.z[np.arange(len(position)), position]] = 1
             values[self.l[np.unique(position)]] = 1
         extras.set_sensors(values, self.rows, self.problem, placed)
         return values
 
-    def splits(self, values: NDArray[np.float64]) -> dict[int, Split]:
+    def splits(self, values: NDArray[np.float64]) -> Mapping[int, Split | HyperplaneSplit]:
         """Return the split of each branch node that has one."""
         return self.node_splits.splits(values)
 
@@ -91,7 +112,13 @@ class Flow:
 
 
 def encode(
-    problem: Problem, best: Node, *, fix: bool = True, class_count: bool = True, max_splits: int | None = None
+    problem: Problem,
+    best: Node,
+    *,
+    fix: bool = True,
+    class_count: bool = True,
+    max_splits: int | None = None,
+    mu: float | None = None,
 ) -> Flow:
     """Return the flow formulation of a problem as rows.
 
@@ -99,42 +126,50 @@ def encode(
         best: the best tree known; cuts that lead to nothing better are left out.
         fix: False leaves every cut in.
         class_count: False leaves the class-count rows out.
-        max_splits: at most so many splits; None: no limit.
-
-    Raises:
-        ProblemError: the problem asks for hyperplanes.
+        max_splits: at most so many splits (features summed over the splits); None: no limit.
+        mu: strictness of hyperplanes; None: chosen from the data.
     """
-    axis.require_axis(problem, "flow")
     ranks, heap, rows = rank_features(problem), Heap(problem.depth), Rows()
     counts, groups = ClassCount(problem, ranks), group_samples(problem, ranks)
     laid = place(best, heap, problem.features)
-    cuts = admissible_cuts(problem, ranks, heap, counts, laid, objective_of(problem, best), fix=fix)
-    splits = add_thresholds(rows, problem, ranks, heap, cuts)
-    c, f, z, l = _add_leaves(rows, problem, heap, groups)  # noqa: E741
+    splits: Thresholds | Hyperplanes
+    if problem.max_split_size == 1:
+        cuts = admissible_cuts(problem, ranks, heap, counts, laid, objective_of(problem, best), fix=fix)
+        splits = add_thresholds(rows, problem, ranks, heap, cuts, max_splits)
+    else:
+        space = space_of(problem)
+        splits = add_hyperplanes(
+            rows, problem, heap, space, choose_mu(space, laid, heap) if mu is None else mu, max_splits
+        )
+    c, f, z, l = _add_leaves(rows, problem, heap, groups, may_turn=isinstance(splits, Hyperplanes))  # noqa: E741
     _add_routing(rows, heap, groups, splits, f if z is None else z, groups.pair_group if z is None else None)
     _add_symmetry(rows, heap, splits, c)
-    if class_count:
+    if class_count and isinstance(splits, Thresholds):
         _add_class_counts(rows, problem, heap, groups, splits, counts, f)
     extras.add_sensor_rows(rows, problem, [splits.feature_columns(m) for m in heap.branches])
-    if max_splits is not None:
-        rows.add("max_splits", -np.inf, max_splits, (np.concatenate([splits.first(m) for m in heap.branches]), 1.0))
     rows.offset = counts.worst
     return Flow(problem, groups, heap, rows, splits, c, f, z, l)
 
 
 def _add_leaves(
-    rows: Rows, problem: Problem, heap: Heap, groups: Groups
+    rows: Rows, problem: Problem, heap: Heap, groups: Groups, *, may_turn: bool
 ) -> tuple[Columns, Columns, Columns | None, Columns | None]:
     """Add c, f and, where leaf sizes are to be counted, z and l."""
     leaves, pairs = heap.leaves, range(len(groups.pair_group))
     c = rows.columns("c", (range(problem.n_classes), leaves), integer=True)
-    f = rows.columns("f", (pairs, leaves), cost=-np.repeat(groups.earning[:, None], len(leaves), axis=1))
+    f_most = np.ones((len(groups.pair_group), len(leaves)))
+    z_most = np.ones((len(groups.sample), len(leaves)))
+    if may_turn:  # of a hyperplane and its mirror image one is enough: one sample lies rightmost wherever it is kept
+        f_most[groups.pair_group == groups.heaviest, :-1] = z_most[groups.heaviest, :-1] = 0
+    price = -np.repeat(groups.earning[:, None], len(leaves), axis=1)
+    # The big M of a hyperplane lets a fraction of a flow through on the wrong side; a threshold's rows do not.
+    f = rows.columns("f", (pairs, leaves), upper=f_most, cost=price, integer=may_turn)
     rows.add("one_class", -np.inf, 1, (c.T, 1.0))
     label = c[groups.pair_label]
     rows.add("earned_if_chosen", -np.inf, 0, (f.reshape(-1, 1), 1.0), (label.reshape(-1, 1), -1.0))
     if problem.leaf_size == 1:
         return c, f, None, None
-    z = rows.columns("z", (range(len(groups.sample)), leaves), integer=True)
+    z = rows.columns("z", (range(len(groups.sample)), leaves), upper=z_most, integer=True)
     l = rows.columns("l", (leaves,), integer=True)  # noqa: E741
     rows.add("one_leaf", 1, 1, (z, 1.0))
     rows.add("leaf_used", -np.inf, 0, (z.reshape(-1, 1), 1.0), (np.tile(l, len(z))[:, None], -1.0))
@@ -143,14 +178,16 @@ def _add_leaves(
     return c, f, z, l
 
 
-def _add_routing(rows: Rows, heap: Heap, groups: Groups, splits: Thresholds, flow: Columns, of_pair: Any) -> None:
+def _add_routing(
+    rows: Rows, heap: Heap, groups: Groups, splits: Thresholds | Hyperplanes, flow: Columns, of_pair: Any
+) -> None:
     """Add, for every branch node, that what flows below its left (right) side has gone left (right) there."""
     incoming = flow[:, None, :] if of_pair is None else _by_group(flow, of_pair, len(groups.sample))
+    if isinstance(splits, Hyperplanes):
+        rows.add("one_leaf_earns", -np.inf, 1, _summed(incoming))
     for m in heap.branches:
-        columns, ones = splits.left_terms(m, groups.sample)
-        below_left, below_right = (incoming[:, :, heap.leaves_under(child)] for child in (2 * m, 2 * m + 1))
-        rows.add("left", -np.inf, 0, _summed(below_left), (columns, -ones))
-        rows.add("right", -np.inf, 1, _summed(below_right), (columns, ones))
+        left, right = (_summed(incoming[:, :, heap.leaves_under(child)]) for child in (2 * m, 2 * m + 1))
+        splits.add_routing(rows, m, groups.sample, left, right)
 
 
 def _by_group(flow: Columns, of_pair: NDArray[np.int64], n_groups: int) -> Columns:
@@ -168,7 +205,7 @@ def _summed(columns: Columns) -> tuple[Columns, NDArray[np.float64]]:
     return np.maximum(wide, 0), (wide >= 0).astype(float)
 
 
-def _add_symmetry(rows: Rows, heap: Heap, splits: Thresholds, c: Columns) -> None:
+def _add_symmetry(rows: Rows, heap: Heap, splits: Thresholds | Hyperplanes, c: Columns) -> None:
     """Add that sibling leaves differ and that a left leaf names a class only below a split."""
     left = c[:, 0::2]
     rows.add("siblings_differ", -np.inf, 1, (left.reshape(-1, 1), 1.0), (c[:, 1::2].reshape(-1, 1), 1.0))
@@ -204,17 +241,19 @@ def solve_flow(
     n_jobs: int = 1,
     progress: ProgressCallback | None = None,
     max_splits: int | None = None,
+    mu: float | None = None,
     **request: Any,
 ) -> Solution:
     """Solve the flow formulation with HiGHS and return the tree and the bound.
 
     Args:
         incumbent: tree to start from; None: CART's.
-        max_splits: at most so many splits.
+        max_splits: at most so many splits (features summed over the splits).
+        mu: strictness of hyperplanes; None: chosen from the data by the rule of `octmip.mip.hyperplanes`.
         request: the other fields of `octmip.mip.engine.Request`.
 
     Raises:
         SolverError: HiGHS failed, or its solution does not survive decoding.
     """
     settings = Request("flow", limits, incumbent, seed, n_jobs, progress, **request)
-    return drive(problem, lambda best: encode(problem, best, max_splits=max_splits), settings)
+    return drive(problem, lambda best: encode(problem, best, max_splits=max_splits, mu=mu), settings)

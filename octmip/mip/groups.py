@@ -28,6 +28,11 @@ class Groups:
     pair_label: NDArray[np.int64]
     earning: NDArray[np.float64]
 
+    @property
+    def heaviest(self) -> int:
+        """The group that may earn most."""
+        return int(self.pair_group[self.earning.argmax()]) if len(self.earning) else 0
+
 
 def group_samples(problem: Problem, ranks: Ranks) -> Groups:
     """Return the groups of a problem; a group that weighs nothing stays only where leaf sizes are counted."""

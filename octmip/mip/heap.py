@@ -68,11 +68,38 @@ class Placed:
         splits: the split of each branch node that has one.
         labels: the label at each leaf of the heap that a leaf of the tree sits at.
         position: (n_samples,) the position in `Heap.leaves` that each sample reaches.
+        flipped: the splits whose sides are exchanged (see `turned`).
     """
 
     splits: Mapping[int, Split | HyperplaneSplit]
     labels: Mapping[int, int]
     position: NDArray[np.int64]
+    flipped: frozenset[int] = frozenset()
+
+    def turned(self, heap: Heap, sample: int) -> "Placed":
+        """Return the same tree with the sides exchanged wherever `sample` went left, so that it ends rightmost.
+
+        The splits that exchanged their sides are named in `flipped`, to be read with normals of the other sign.
+        """
+        splits: dict[int, Split | HyperplaneSplit] = {}
+        labels: dict[int, int] = {}
+        flipped: set[int] = set()
+        moved = np.zeros(len(heap.leaves), dtype=np.int64)
+        first, goal = heap.leaves[0], heap.leaves[int(self.position[sample])]
+        stack = [(1, 1)]
+        while stack:
+            new, old = stack.pop()
+            if new in heap.leaves:
+                moved[old - first] = new - first
+                if old in self.labels:
+                    labels[new] = self.labels[old]
+                continue
+            is_flipped = goal >> (heap.depth + 1 - (2 * old).bit_length()) == 2 * old
+            if old in self.splits:
+                splits[new] = self.splits[old]
+                flipped |= {new} if is_flipped else set()
+            stack += [(2 * new + is_flipped, 2 * old), (2 * new + 1 - is_flipped, 2 * old + 1)]
+        return Placed(splits, labels, moved[self.position], frozenset(flipped))
 
 
 def place(tree: Node, heap: Heap, features: NDArray[np.float64]) -> Placed:

@@ -39,7 +39,8 @@ Where this departs from print, and why
 Source: Bertsimas & Dunn (2017), Optimal classification trees, Machine Learning 106, eq. 2-24.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -50,7 +51,7 @@ from octmip.encoding import Ranks, rank_features
 from octmip.mip import axis, extras, flow
 from octmip.mip.engine import Request, drive
 from octmip.mip.heap import Heap, Placed
-from octmip.mip.leaves import Leaves, add_leaves, is_zero_one, largest_cost
+from octmip.mip.leaves import Leaves, add_leaves, state_leaves
 from octmip.mip.rows import Columns, Rows
 from octmip.problem import Problem
 from octmip.solution import Limits, ProgressCallback, Solution
@@ -70,6 +71,8 @@ class Oct:
     d: Columns  # (n_branches,)
     leaves: Leaves
     scope: str = "all axis-aligned trees"
+    tolerance: float = 1e-6
+    notes: Mapping[str, object] = field(default_factory=dict)
 
     def start(self, placed: Placed) -> NDArray[np.float64]:
         """Return the values (n_columns,) of a tree laid into the heap."""
@@ -143,40 +146,19 @@ def statement(problem: Problem, *, closed: bool = True, max_splits: int | None =
     """Return OCT as a Pyomo ConcreteModel that reads as on paper; the letters are the module's."""
     ranks, heap = rank_features(problem), Heap(problem.depth)
     x, eps = scaled_features(ranks)
-    w, y, costs = problem.weights, problem.codes, problem.costs
     usable = set(axis.usable_features(problem, ranks))
-    eps_max, shift, W = eps.max(), eps.min() if closed else 0.0, largest_cost(problem)
-    T_B, T_L, samples = heap.branches, heap.leaves, range(problem.n_samples)
-    J, K = range(problem.n_features), range(problem.n_classes)
+    eps_max, shift = eps.max(), eps.min() if closed else 0.0
+    T_B, T_L, samples, J = heap.branches, heap.leaves, range(problem.n_samples), range(problem.n_features)
 
     M = pyo.ConcreteModel("OCT")
     M.a = pyo.Var(J, T_B, domain=pyo.Binary, bounds=lambda _, j, t: (0, int(j in usable)))
     M.b = pyo.Var(T_B, bounds=(0, 1))
     M.d = pyo.Var(T_B, domain=pyo.Binary)
-    M.z = pyo.Var(samples, T_L, domain=pyo.Binary)
-    M.l = pyo.Var(T_L, domain=pyo.Binary)
-    M.c = pyo.Var(K, T_L, domain=pyo.Binary)
-    M.N_kt = pyo.Var(K, T_L, domain=pyo.NonNegativeReals)
-    M.N_t = pyo.Var(T_L, domain=pyo.NonNegativeReals)
-    M.L = pyo.Var(T_L, domain=pyo.NonNegativeReals)
-
-    def cost_of(k: int, t: int) -> Any:
-        return M.N_t[t] - M.N_kt[k, t] if is_zero_one(problem) else sum(costs[i, k] * M.N_kt[i, t] for i in K)
-
-    M.cost = pyo.Objective(expr=sum(M.L[t] for t in T_L) + problem.leaf_penalty * sum(M.d[t] for t in T_B))
+    cost = state_leaves(M, problem, heap)
+    M.cost = pyo.Objective(expr=cost + problem.leaf_penalty * sum(M.d.values()))
     M.one_feature = pyo.Constraint(T_B, rule=lambda M, t: sum(M.a[j, t] for j in J) == M.d[t])
     M.threshold = pyo.Constraint(T_B, rule=lambda M, t: M.b[t] <= M.d[t])
     M.parent_splits = pyo.Constraint(T_B[1:], rule=lambda M, t: M.d[t] <= M.d[t // 2])
-    M.leaf_used = pyo.Constraint(samples, T_L, rule=lambda M, i, t: M.z[i, t] <= M.l[t])
-    M.leaf_size = pyo.Constraint(T_L, rule=lambda M, t: sum(M.z[i, t] for i in samples) >= problem.leaf_size * M.l[t])
-    M.one_leaf = pyo.Constraint(samples, rule=lambda M, i: sum(M.z[i, t] for t in T_L) == 1)
-    M.one_class = pyo.Constraint(T_L, rule=lambda M, t: sum(M.c[k, t] for k in K) == M.l[t])
-    M.class_weight = pyo.Constraint(
-        K, T_L, rule=lambda M, k, t: M.N_kt[k, t] == sum(w[i] * M.z[i, t] for i in samples if y[i] == k)
-    )
-    M.leaf_weight = pyo.Constraint(T_L, rule=lambda M, t: M.N_t[t] == sum(w[i] * M.z[i, t] for i in samples))
-    M.cost_if_chosen = pyo.Constraint(K, T_L, rule=lambda M, k, t: M.L[t] >= cost_of(k, t) - W * (1 - M.c[k, t]))
-    M.cost_at_most = pyo.Constraint(K, T_L, rule=lambda M, k, t: M.L[t] <= cost_of(k, t) + W * M.c[k, t])
     right = [(i, m, t) for t in T_L for m in heap.right_ancestors(t) for i in samples]
     left = [(i, m, t) for t in T_L for m in heap.left_ancestors(t) for i in samples]
     M.right = pyo.Constraint(
@@ -188,20 +170,8 @@ def statement(problem: Problem, *, closed: bool = True, max_splits: int | None =
             sum(M.a[j, m] * (x[i, j] + eps[j] - shift) for j in J) + shift <= M.b[m] + (1 + eps_max) * (1 - M.z[i, t])
         ),
     )
-    _state_extras(M, problem, max_splits)
+    extras.state_extras(M, problem, M.a, None if max_splits is None else (sum(M.d.values()), max_splits))
     return M
-
-
-def _state_extras(M: Any, problem: Problem, max_splits: int | None) -> None:
-    """Add what the paper lacks: sensor budget u_s >= a_jt, sum_s cost_s u_s <= budget; sum_t d_t <= C."""
-    if max_splits is not None:
-        M.max_splits = pyo.Constraint(expr=sum(M.d.values()) <= max_splits)
-    if problem.sensor_budget is not None:
-        M.u = pyo.Var(range(len(problem.sensors)), domain=pyo.Binary)
-        M.sensor_read = pyo.Constraint(M.a.index_set(), rule=lambda M, j, t: M.u[problem.sensor_index[j]] >= M.a[j, t])
-        M.sensor_budget = pyo.Constraint(
-            expr=sum(c * M.u[s] for s, c in enumerate(problem.sensor_costs)) <= problem.sensor_limit
-        )
 
 
 def solve_oct(

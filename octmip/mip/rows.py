@@ -11,13 +11,14 @@ A family of rows is given by its terms, each an array of columns (n_rows, n_term
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import product
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
 
 Columns = NDArray[np.int64]
-Term = tuple[Columns, NDArray[np.float64] | NDArray[np.int64] | float]
+Term = tuple[Columns, NDArray[Any] | float]
 
 
 @dataclass(slots=True, eq=False)

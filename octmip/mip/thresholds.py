@@ -10,7 +10,7 @@ Cuts that no better tree needs are left out of the model (`admissible_cuts`); th
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,7 @@ from octmip.encoding import Ranks
 from octmip.mip import axis
 from octmip.mip.classcount import ClassCount
 from octmip.mip.heap import Heap, Placed
+from octmip.mip.hyperplanes import Band
 from octmip.mip.rows import Columns, Rows, Term
 from octmip.problem import Problem
 from octmip.tree import Leaf, Split
@@ -34,6 +35,8 @@ class Thresholds:
     cuts: Mapping[int, Cuts]
     S: Mapping[int, Mapping[int, Columns]]
     scope: str = "all axis-aligned trees"
+    tolerance: float = 1e-6
+    notes: Mapping[str, object] = field(default_factory=dict)
 
     def first(self, m: int) -> Columns:
         """Return the columns S_mj0, one for each feature that node m may split on: their sum is d_m."""
@@ -53,6 +56,12 @@ class Thresholds:
             columns[inside, place], ones[inside, place] = S[at[inside]], 1.0
         return columns, ones
 
+    def add_routing(self, rows: Rows, m: int, samples: NDArray[np.int64], left: Term, right: Term) -> None:
+        """Add that what flows below the left (right) side of node m has gone left (right) there."""
+        columns, ones = self.left_terms(m, samples)
+        rows.add("left", -np.inf, 0, left, (columns, -ones))
+        rows.add("right", -np.inf, 1, right, (columns, ones))
+
     def by_cut(self, m: int, value: Mapping[int, NDArray[np.float64]]) -> tuple[Columns, NDArray[np.float64]]:
         """Return the terms whose sum is ``value[j][cut]`` of the cut that node m makes, 0 when it makes none."""
         columns, numbers = [np.zeros(0, dtype=np.int64)], [np.zeros(0)]
@@ -61,9 +70,11 @@ class Thresholds:
             numbers.append(np.diff(value[j][self.cuts[m][j]], prepend=0.0))
         return np.concatenate(columns), np.concatenate(numbers)
 
-    def set(self, values: NDArray[np.float64], placed: Placed) -> bool:
-        """Write the splits of a tree into `values`; False when a cut of it is not admissible."""
+    def set(self, values: NDArray[np.float64], placed: Placed, bands: Mapping[int, Band]) -> bool:
+        """Write the splits of a tree into `values`; False when a cut of it is not admissible. `bands` is not needed."""
         for m, split in placed.splits.items():
+            if not isinstance(split, Split):
+                return False
             (feature,) = split.features
             cuts = self.cuts[m].get(feature, np.zeros(0, dtype=np.int64))
             at = int(np.searchsorted(cuts, axis.cut_of(split, self.ranks)))
@@ -84,8 +95,15 @@ class Thresholds:
         return found
 
 
-def add_thresholds(rows: Rows, problem: Problem, ranks: Ranks, heap: Heap, cuts: Mapping[int, Cuts]) -> Thresholds:
-    """Add S, its monotony, at most one feature a node, and no split below an unsplit node."""
+def add_thresholds(
+    rows: Rows,
+    problem: Problem,
+    ranks: Ranks,
+    heap: Heap,
+    cuts: Mapping[int, Cuts],
+    max_splits: int | None = None,
+) -> Thresholds:
+    """Add S, its monotony, at most one feature a node, no split below an unsplit node, at most `max_splits`."""
     lengths = [len(of_feature) for at_node in cuts.values() for of_feature in at_node.values()]
     count = sum(lengths)
     price = np.zeros(count)  # the penalty is paid by S_mj0, the first column of each feature
@@ -108,6 +126,8 @@ def add_thresholds(rows: Rows, problem: Problem, ranks: Ranks, heap: Heap, cuts:
             rows.add("one_feature", -np.inf, 1, (thresholds.first(m), 1.0))
             if m > 1:
                 rows.add("parent_splits", -np.inf, 0, (thresholds.first(m), 1.0), (thresholds.first(m // 2), -1.0))
+    if max_splits is not None:
+        rows.add("max_splits", -np.inf, max_splits, (np.concatenate([thresholds.first(m) for m in heap.branches]), 1.0))
     return thresholds
 
 
@@ -133,9 +153,10 @@ def admissible_cuts(
             cuts = {j: np.intersect1d(cuts[j], _boundaries(problem, ranks, j)) for j in cuts}
         if fix and m == 1:
             cuts = {j: cuts[j][counts.bound_by_cut(j)[cuts[j]] < objective - 1e-9] for j in cuts}
-        if m in best.splits:
-            (j,) = best.splits[m].features
-            cuts[j] = np.union1d(cuts.get(j, np.zeros(0, dtype=np.int64)), axis.cut_of(best.splits[m], ranks))
+        split = best.splits.get(m)
+        if isinstance(split, Split):
+            j = split.feature
+            cuts[j] = np.union1d(cuts.get(j, np.zeros(0, dtype=np.int64)), axis.cut_of(split, ranks))
         admissible[m] = {j: cut.astype(np.int64) for j, cut in cuts.items() if len(cut)}
     return admissible
 

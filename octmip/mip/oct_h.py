@@ -1,0 +1,220 @@
+"""OCT-H: optimal classification trees with hyperplane splits, as Bertsimas & Dunn print them, as a Pyomo statement.
+
+    letter    word
+    a_jt      coefficient of feature j at node t, in [-1, 1], features scaled to [0, 1]
+    ahat_jt   at least |a_jt|; their sum is at most d_t
+    s_jt      1 if node t reads feature j
+    b_t       offset of node t, in [-d_t, d_t]
+    d_t       1 if node t splits
+    mu        strictness: how far left of b a sample must lie to be left
+    The letters of the leaves (z, l, c, N, L, alpha, Lhat, W) are those of `octmip.mip.oct`.
+
+    minimise    (1 / Lhat) sum_t L_t + alpha sum_jt s_jt
+    subject to  sum_j ahat_jt <= d_t,   ahat_jt >= a_jt,   ahat_jt >= -a_jt,   -s_jt <= a_jt <= s_jt
+                s_jt <= d_t,   sum_j s_jt >= d_t,   -d_t <= b_t <= d_t,   d_t <= d_p(t)
+                a_m'x_i + mu <= b_m + (2 + mu)(1 - z_it)                     m in A_L(t)
+                a_m'x_i >= b_m - 2 (1 - z_it)                                m in A_R(t)
+                and the rows of the leaves as in OCT
+
+An unsplit node does not leak here: d_m = 0 leaves mu <= 0 in the left row, so no sample is left of it.
+
+What the printed form does not say, and what is done about it
+* OCT-H(mu) is no relaxation of OCT: an axis-aligned tree whose neighbouring samples are closer than mu is outside. The
+  Solution is the best of both kinds (OCT-H's own tree, and the tree it started from), and `details["scope"]` says over
+  which trees the bound is proven. mu is chosen from the data: `octmip.mip.hyperplanes`.
+* split_size, allowed_splits, sensor budget and integer normals are more rows: `octmip.mip.hyperplanes`.
+* For integer normals the features are not scaled to [0, 1], and 2 becomes twice the reach of a'x.
+
+Source: Bertsimas & Dunn (2017), Optimal classification trees, Machine Learning 106, section 3, eq. 36.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pyomo.environ as pyo
+from numpy.typing import NDArray
+
+from octmip.errors import ProblemError
+from octmip.mip import extras, flow
+from octmip.mip.engine import Request, drive
+from octmip.mip.heap import Heap, Placed, place
+from octmip.mip.hyperplanes import (
+    Hyperplanes,
+    add_hyperplanes,
+    all_samples_band,
+    choose_mu,
+    space_of,
+    usable_features,
+)
+from octmip.mip.leaves import Leaves, add_leaves, state_leaves
+from octmip.mip.rows import Rows
+from octmip.problem import Problem
+from octmip.solution import Limits, ProgressCallback, Solution
+from octmip.tree import HyperplaneSplit, Node, Split
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class OctH:
+    """The rows of OCT-H, and the ways from a tree to a solution and back."""
+
+    problem: Problem
+    heap: Heap
+    rows: Rows
+    hyperplanes: Hyperplanes
+    leaves: Leaves
+
+    @property
+    def scope(self) -> str:
+        """The trees that the bound speaks about."""
+        return self.hyperplanes.scope
+
+    @property
+    def tolerance(self) -> float:
+        """Feasibility tolerance that mu needs."""
+        return self.hyperplanes.tolerance
+
+    @property
+    def notes(self) -> dict[str, object]:
+        """What is to be said about the splits in a Solution."""
+        return self.hyperplanes.notes
+
+    def start(self, placed: Placed) -> NDArray[np.float64] | None:
+        """Return the values (n_columns,) of a tree laid into the heap, None when it has no band of mu."""
+        values = np.zeros(self.rows.n_columns)
+        bands = {m: all_samples_band(placed, self.heap, m) for m in placed.splits}
+        if not self.hyperplanes.set(values, placed, bands):
+            return None
+        self.leaves.set(values, self.problem, self.heap, placed)
+        extras.set_sensors(values, self.rows, self.problem, placed)
+        return values
+
+    def splits(self, values: NDArray[np.float64]) -> dict[int, Split | HyperplaneSplit]:
+        """Return the split of each branch node, read at mid-band."""
+        return self.hyperplanes.splits(values)
+
+    def labels(self, values: NDArray[np.float64]) -> dict[int, int]:
+        """Return the label of every leaf that holds samples."""
+        return self.leaves.labels(values, self.heap)
+
+
+def encode(problem: Problem, mu: float, *, max_splits: int | None = None) -> OctH:
+    """Return OCT-H as rows, built a family at a time: the same model as `statement`.
+
+    Args:
+        mu: strictness.
+        max_splits: at most so many features summed over the splits, the C of Bertsimas & Dunn's tuning.
+    """
+    heap, rows, space = Heap(problem.depth), Rows(), space_of(problem, centred=False)
+    hyperplanes = add_hyperplanes(rows, problem, heap, space, mu, max_splits)
+    leaves = add_leaves(rows, problem, heap)
+    a, b, wide = hyperplanes.a, hyperplanes.b, 2 * space.reach
+    for t, leaf in enumerate(heap.leaves):
+        z = leaves.z[:, [t]]
+        for m in heap.left_ancestors(leaf):
+            normal = (a[:, m - 1][None, :], space.x)
+            rows.add("left", -np.inf, wide, normal, (b[[m - 1]], -1.0), (z, wide + mu))
+        for m in heap.right_ancestors(leaf):
+            normal = (a[:, m - 1][None, :], space.x)
+            rows.add("right", -wide, np.inf, normal, (b[[m - 1]], -1.0), (z, -wide))
+    extras.add_sensor_rows(rows, problem, [hyperplanes.feature_columns(m) for m in heap.branches])
+    return OctH(problem, heap, rows, hyperplanes, leaves)
+
+
+def statement(problem: Problem, mu: float, *, max_splits: int | None = None) -> Any:
+    """Return OCT-H as a Pyomo ConcreteModel that reads as on paper; the letters are the module's."""
+    space, heap = space_of(problem, centred=False), Heap(problem.depth)
+    usable, reach, largest = usable_features(problem), space.reach, space.coefficient
+    T_B, T_L, samples, J = heap.branches, heap.leaves, range(problem.n_samples), range(problem.n_features)
+    x = space.x
+
+    M = pyo.ConcreteModel("OCT-H")
+    whole = pyo.Integers if space.is_integer else pyo.Reals
+    M.a = pyo.Var(J, T_B, domain=whole, bounds=lambda _, j, t: (-largest * usable[j], largest * usable[j]))
+    M.s = pyo.Var(J, T_B, domain=pyo.Binary, bounds=lambda _, j, t: (0, int(usable[j])))
+    M.b = pyo.Var(T_B, bounds=(-reach, reach))
+    M.d = pyo.Var(T_B, domain=pyo.Binary)
+    cost = state_leaves(M, problem, heap)
+    M.cost = pyo.Objective(expr=cost + problem.leaf_penalty * sum(M.s.values()))
+    if not space.is_integer:
+        M.a_hat = pyo.Var(J, T_B, bounds=(0, 1))
+        M.size_above = pyo.Constraint(J, T_B, rule=lambda M, j, t: M.a_hat[j, t] >= M.a[j, t])
+        M.size_below = pyo.Constraint(J, T_B, rule=lambda M, j, t: M.a_hat[j, t] >= -M.a[j, t])
+        M.normal_size = pyo.Constraint(T_B, rule=lambda M, t: sum(M.a_hat[j, t] for j in J) <= M.d[t])
+    M.read_above = pyo.Constraint(J, T_B, rule=lambda M, j, t: M.a[j, t] <= largest * M.s[j, t])
+    M.read_below = pyo.Constraint(J, T_B, rule=lambda M, j, t: M.a[j, t] >= -largest * M.s[j, t])
+    M.read_if_split = pyo.Constraint(J, T_B, rule=lambda M, j, t: M.s[j, t] <= M.d[t])
+    M.split_reads = pyo.Constraint(T_B, rule=lambda M, t: sum(M.s[j, t] for j in J) >= M.d[t])
+    M.offset_above = pyo.Constraint(T_B, rule=lambda M, t: M.b[t] <= reach * M.d[t])
+    M.offset_below = pyo.Constraint(T_B, rule=lambda M, t: M.b[t] >= -reach * M.d[t])
+    M.parent_splits = pyo.Constraint(T_B[1:], rule=lambda M, t: M.d[t] <= M.d[t // 2])
+    left = [(i, m, t) for t in T_L for m in heap.left_ancestors(t) for i in samples]
+    right = [(i, m, t) for t in T_L for m in heap.right_ancestors(t) for i in samples]
+    M.left = pyo.Constraint(
+        left,
+        rule=lambda M, i, m, t: sum(M.a[j, m] * x[i, j] for j in J) + mu <= M.b[m] + (2 * reach + mu) * (1 - M.z[i, t]),
+    )
+    M.right = pyo.Constraint(
+        right,
+        rule=lambda M, i, m, t: sum(M.a[j, m] * x[i, j] for j in J) >= M.b[m] - 2 * reach * (1 - M.z[i, t]),
+    )
+    _state_extras(M, problem, max_splits)
+    return M
+
+
+def _state_extras(M: Any, problem: Problem, max_splits: int | None) -> None:
+    """Add what the paper lacks: split_size, allowed_splits, sensor budget, number of splits."""
+    J, T_B = range(problem.n_features), list(M.d.keys())
+    if problem.max_split_size < problem.n_features:
+        size = problem.max_split_size
+        M.split_size = pyo.Constraint(T_B, rule=lambda M, t: sum(M.s[j, t] for j in J) <= size * M.d[t])
+    if problem.allowed_splits is not None:
+        groups = problem.allowed_splits
+        Q = range(len(groups))
+        M.group = pyo.Var(Q, T_B, domain=pyo.Binary)
+        M.one_group = pyo.Constraint(T_B, rule=lambda M, t: sum(M.group[q, t] for q in Q) == M.d[t])
+        M.read_in_group = pyo.Constraint(
+            J, T_B, rule=lambda M, j, t: M.s[j, t] <= sum(M.group[q, t] for q in Q if j in groups[q])
+        )
+    extras.state_extras(M, problem, M.s, None if max_splits is None else (sum(M.s.values()), max_splits))
+
+
+def solve_oct_h(
+    problem: Problem,
+    *,
+    limits: Limits = Limits(),  # noqa: B008  (frozen)
+    incumbent: Node | None = None,
+    seed: int = 0,
+    n_jobs: int = 1,
+    progress: ProgressCallback | None = None,
+    max_splits: int | None = None,
+    strengthen: bool = False,
+    mu: float | None = None,
+    **request: Any,
+) -> Solution:
+    """Solve OCT-H with HiGHS and return the best tree of both kinds and the bound over the mu-separated ones.
+
+    Args:
+        incumbent: tree to start from; None: CART's.
+        max_splits: at most so many features summed over the splits.
+        strengthen: use the rows of `octmip.mip.flow` instead of the printed ones.
+        mu: strictness; None: chosen from the data by the rule of `octmip.mip.hyperplanes`.
+        request: the other fields of `octmip.mip.engine.Request`.
+
+    Raises:
+        ProblemError: the problem asks for axis-aligned trees.
+        SolverError: HiGHS failed, or its solution does not survive decoding.
+    """
+    if problem.split != "hyperplane":
+        raise ProblemError(f"method 'oct_h' finds hyperplane trees but split is {problem.split!r}; say method='oct'")
+    settings = Request("oct_h", limits, incumbent, seed, n_jobs, progress, **request)
+    if strengthen:
+        return drive(problem, lambda best: flow.encode(problem, best, max_splits=max_splits, mu=mu), settings)
+
+    def build(best: Node) -> OctH:
+        heap = Heap(problem.depth)
+        placed = place(best, heap, problem.features)
+        strictness = choose_mu(space_of(problem, centred=False), placed, heap) if mu is None else mu
+        return encode(problem, strictness, max_splits=max_splits)
+
+    return drive(problem, build, settings)

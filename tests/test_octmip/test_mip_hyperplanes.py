@@ -1,0 +1,202 @@
+"""Hyperplane formulations against the enumeration of every whole-numbered hyperplane, and against each other."""
+
+import itertools
+from collections import Counter
+from functools import cache
+
+import numpy as np
+import pyomo.environ as pyo
+import pytest
+from pyomo.repn import generate_standard_repn
+
+from octmip import HyperplaneSplit, Leaf, Problem, Split, certify
+from octmip.errors import ProblemError
+from octmip.mip import flow, oct_h
+from octmip.mip.engine import objective_of, tidy
+from octmip.mip.flow import solve_flow
+from octmip.mip.heap import Heap, lift, place
+from octmip.mip.hyperplanes import choose_mu, space_of
+from octmip.mip.oct_h import solve_oct_h
+from tests.test_octmip.test_mip import uci
+from tests.test_octmip.test_mip_rows import rows_of, rows_of_pyomo
+
+SOLVERS = {
+    "oct_h": solve_oct_h,
+    "oct_h strengthened": lambda problem: solve_oct_h(problem, strengthen=True),
+    "flow": solve_flow,
+}
+
+
+def whole(n: int = 9, p: int = 2, **options: object) -> Problem:
+    """Return a small problem of decimal features, three classes, whole coefficients up to 2."""
+    rng = np.random.default_rng(8)
+    options = {"depth": 1, "split": "hyperplane", "integer_normals": 2} | options
+    return Problem(np.round(rng.normal(size=(n, p)), 1), rng.integers(0, 3, n), class_names=(0, 1, 2), **options)
+
+
+CASES = {
+    "depth 1": whole(),
+    "depth 2": whole(depth=2),
+    "three features": whole(p=3, integer_normals=1),
+    "weights": whole(weights=[1, 2, 0, 3, 1, 1, 2, 5, 1]),
+    "real weights": whole(weights=0.1 + 0.3 * np.arange(9)),
+    "costs": whole(costs=[[0, 5, 1], [2, 1, 9], [3, 4, 0]]),
+    "leaf size": whole(leaf_size=3),
+    "penalty": whole(leaf_penalty=0.75),
+    "split size": whole(p=3, split_size=2, integer_normals=1),
+    "allowed splits": whole(p=3, allowed_splits=[["x0", "x1"], ["x2"]], integer_normals=1),
+    "budget": whole(p=3, sensor_budget=2.0, sensor_cost=[1.0, 1.0, 2.0], integer_normals=1),
+    "budget at depth 2": whole(depth=2, sensor_budget=1.0, integer_normals=1),
+    "one feature": whole(depth=2, split_size=1),
+    "constant feature": Problem(
+        [[1, 2], [1, 3], [1, 4], [1, 1]], [0, 1, 0, 1], depth=2, split="hyperplane", integer_normals=1
+    ),
+}
+
+
+def optimum(problem: Problem) -> float:
+    """Return the optimum over every hyperplane of whole coefficients, found by trying them all."""
+    budgets = [
+        chosen
+        for size in range(len(problem.sensors) + 1)
+        for chosen in itertools.combinations(range(len(problem.sensors)), size)
+        if problem.sensor_costs[list(chosen)].sum() <= problem.sensor_limit
+    ]
+    return min(_best(problem, set(chosen)) for chosen in budgets)
+
+
+def _best(problem: Problem, sensors: set[int]) -> float:
+    largest = range(-problem.integer_normals, problem.integer_normals + 1)
+    sides: dict[int, int] = {}  # mask of the samples on the left: fewest features that make it
+    for normal in itertools.product(largest, repeat=problem.n_features):
+        read = tuple(j for j, a in enumerate(normal) if a)
+        if not read or not problem.is_allowed(read) or not {int(problem.sensor_index[j]) for j in read} <= sensors:
+            continue
+        totals = np.round(problem.features * 10).astype(int) @ np.array(normal)
+        for value in np.unique(totals)[:-1]:
+            mask = sum(1 << int(i) for i in np.flatnonzero(totals <= value))
+            sides[mask] = min(sides.get(mask, 99), len(read))
+
+    @cache
+    def best(samples: int, depth: int) -> float:
+        rows = np.array([i for i in range(problem.n_samples) if samples >> i & 1], dtype=np.int64)
+        found = float(problem.class_costs(rows).min())
+        for mask, features in sides.items() if depth else ():
+            left, right = samples & mask, samples & ~mask
+            if min(left.bit_count(), right.bit_count()) >= problem.leaf_size:
+                penalty = features * problem.leaf_penalty
+                found = min(found, best(left, depth - 1) + best(right, depth - 1) + penalty)
+        return found
+
+    return best((1 << problem.n_samples) - 1, problem.depth)
+
+
+@pytest.mark.parametrize("method", SOLVERS)
+@pytest.mark.parametrize("case", CASES)
+def test_the_optimum_is_that_of_enumeration(method, case):
+    problem = CASES[case]
+    solution = SOLVERS[method](problem)
+    certify(problem, solution)
+    assert solution.objective == pytest.approx(optimum(problem), abs=1e-6)
+    assert solution.is_optimal
+    assert solution.details["start"]["accepted"], solution.details["start"]
+
+
+@pytest.mark.parametrize("real", [False, True])
+@pytest.mark.parametrize("case", CASES)
+def test_the_rows_are_those_of_the_pyomo_statement(case, real):
+    problem = CASES[case]
+    if real:
+        problem = Problem(
+            problem.features,
+            problem.labels,
+            depth=2,
+            split="hyperplane",
+            split_size=problem.split_size,
+            allowed_splits=problem.allowed_splits,
+            sensor_budget=problem.sensor_budget,
+            leaf_penalty=problem.leaf_penalty,
+            leaf_size=problem.leaf_size,
+        )
+    model = oct_h.statement(problem, 0.01, max_splits=2)
+    rows = oct_h.encode(problem, 0.01, max_splits=2).rows
+    assert rows_of(rows) == rows_of_pyomo(model)
+    cost = generate_standard_repn(model.cost.expr)
+    theirs = {v.name: c for v, c in zip(cost.linear_vars, cost.linear_coefs, strict=True) if c != 0}
+    assert theirs == {n: c for n, c in zip(rows.column_names(), rows.cost, strict=True) if c != 0}
+    bounds = Counter((v.name, v.lb, np.inf if v.ub is None else v.ub) for v in model.component_data_objects(pyo.Var))
+    assert bounds == Counter(zip(rows.column_names(), rows.lower, rows.upper, strict=True))
+
+
+TREES = [
+    HyperplaneSplit((0, 1), (1.0, -2.0), 0.35, Leaf(0), Leaf(1)),
+    HyperplaneSplit((0, 1), (2.0, 1.0), 0.05, Split(1, 0.15, Leaf(2), Leaf(0)), Leaf(1)),
+    Split(0, -0.25, Leaf(1), HyperplaneSplit((0, 1), (1.0, 1.0), 0.25, Leaf(2), Leaf(0))),
+]
+
+
+@pytest.mark.parametrize("tree", TREES)
+@pytest.mark.parametrize("integer_normals", [2, None])
+@pytest.mark.parametrize("form", ["oct_h", "flow"])
+def test_a_tree_encoded_is_feasible_costs_its_objective_and_decodes_to_the_same_sides(tree, integer_normals, form):
+    problem = whole(depth=2, integer_normals=integer_normals)
+    tree = tidy(problem, tree)
+    heap = Heap(2)
+    placed = place(tree, heap, problem.features)
+    mu = choose_mu(space_of(problem, centred=False), placed, heap)
+    model = oct_h.encode(problem, mu) if form == "oct_h" else flow.encode(problem, tree)
+    values = model.start(placed)
+    assert model.rows.violation(values)[0] < 1e-9
+    assert model.rows.objective(values) == pytest.approx(objective_of(problem, tree))
+    decoded = lift(heap, model.splits(values), model.labels(values))
+    assert objective_of(problem, decoded) == objective_of(problem, tree)
+
+
+def test_a_turned_tree_ends_rightmost_for_its_sample_and_keeps_samples_together():
+    problem = whole(depth=2)
+    heap = Heap(2)
+    placed = place(TREES[1], heap, problem.features)
+    for sample in range(problem.n_samples):
+        turned = placed.turned(heap, sample)
+        assert turned.position[sample] == 3
+        together = placed.position[:, None] == placed.position
+        assert ((turned.position[:, None] == turned.position) == together).all()
+        assert {turned.labels[p + 4] for p in turned.position} == {placed.labels[p + 4] for p in placed.position}
+
+
+def test_real_normals_are_no_worse_than_whole_ones_and_both_forms_agree():
+    problem = whole(depth=1, integer_normals=None)
+    printed, strong = solve_oct_h(problem), solve_flow(problem)
+    assert printed.objective == strong.objective <= optimum(whole(depth=1))
+    assert "mu-separated" in printed.details["scope"] and printed.details["mu"] == strong.details["mu"]
+
+
+def test_an_axis_tree_that_mu_leaves_out_is_still_returned():
+    features = np.array([[0.0], [0.5], [0.5 + 1e-7], [1.0]])
+    problem = Problem(features, [0, 0, 1, 1], depth=1, split="hyperplane", split_size=None)
+    problem = Problem(np.hstack([features, features[::-1]]), [0, 0, 1, 1], depth=1, split="hyperplane")
+    solution = solve_oct_h(problem)
+    certify(problem, solution)
+    assert solution.objective == 0 and not solution.details["start"]["accepted"]
+
+
+def test_strictness_is_exact_for_decimal_features_and_whole_coefficients():
+    assert space_of(whole()).is_exact
+    rng = np.random.default_rng(0)
+    fine = Problem(rng.normal(size=(9, 2)), np.arange(9) % 2, depth=1, split="hyperplane", integer_normals=2)
+    assert not space_of(fine).is_exact
+    solution = solve_flow(fine)
+    certify(fine, solution)
+    assert "mu-separated" in solution.details["scope"]
+
+
+def test_strengthened_rows_prove_iris_at_depth_one_with_hyperplanes():
+    problem = uci("iris", depth=1, split="hyperplane")
+    solution = solve_oct_h(problem, strengthen=True)
+    certify(problem, solution)
+    assert (solution.objective, solution.bound) == (50, 50)
+
+
+def test_axis_problems_are_sent_elsewhere():
+    with pytest.raises(ProblemError, match="method='oct'"):
+        solve_oct_h(uci("iris", depth=1))
