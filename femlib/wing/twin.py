@@ -28,6 +28,25 @@ class WingTwin:
         """Names of the gauges."""
         return self.wing.gauges.names
 
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the damage parameters."""
+        return self.wing.parameters
+
+    @property
+    def gauge_positions(self) -> FloatArray:
+        """Places (n_gauges, 2) of the gauges, x aft of the spar and y outboard [m]."""
+        return self.wing.gauges.position[:, :2]
+
+    @property
+    def outline(self) -> FloatArray:
+        """Closed polygon (5, 2) of the planform in (x, y) [m]."""
+        return self.wing.outline()
+
+    def predict_states(self, states: FloatArray, load_factor: float) -> FloatArray:
+        """Return the strains (n_states, n_gauges) of damage fractions (n_states, n_parameters)."""
+        return self.wing.strains_microstrain(states, load_factor)
+
     def predict(self, state: Mapping[str, float], load_factor: float) -> FloatArray:
         """Return the strains (n_gauges,) in microstrain of a state of damage fractions, compressive positive."""
         return self.wing.strain_microstrain(state, load_factor)

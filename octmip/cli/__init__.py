@@ -21,6 +21,7 @@ COMMANDS = {
     "predict": "apply a tree file to a table",
     "compare": "every method side by side, with gaps",
     "frontier": "the least cost against depth, sensor budget or leaf penalty",
+    "diagnose": "why an asset does not behave like its twin, and what to test next",
     "report": "a tree file in words, or as a page, Markdown or DOT",
 }
 

@@ -1,0 +1,81 @@
+"""Say why the asset does not behave like its twin: where, which unmodelled effect, how far the gap closes, what to
+test.
+
+CAMPAIGN.csv holds one row a reading: test, load_factor, the known state parameters, optional time and temperature, and
+one column for each gauge under the twin's name, in microstrain.
+"""
+
+import argparse
+import importlib
+import sys
+from typing import Any
+
+from octmip.cli.answer import print_json
+from octmip.cli.arguments import add_json_argument
+from octmip.errors import DataError
+from octmip.files import check_writable, write_bytes
+from octmip.twin import Twin
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of `octmip diagnose`."""
+    parser.add_argument("campaign", metavar="CAMPAIGN.csv", help="readings of the asset")
+    parser.add_argument(
+        "--twin", metavar="MODULE:NAME", required=True, help="the twin, or what makes it, such as femlib.wing:uav_twin"
+    )
+    parser.add_argument("--commissioning", metavar="RUN.csv", help="readings of the same asset while it was sound")
+    parser.add_argument("--tree", metavar="TREE.json", help="a deployed tree: rank its nodes by flipped decisions")
+    parser.add_argument("--out", metavar="REPORT.html", help="write a page with figures here")
+    add_json_argument(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Diagnose and show."""
+    from octmip.gap import diagnose, read_campaign  # scikit-learn's covariance behind it takes half a second
+    from octmip.gap.memory import Memory
+    from octmip.gap.page import report_page
+    from octmip.gap.words import as_object, page_of_words
+    from octmip.tree_file import read_tree_file
+
+    if arguments.out:
+        check_writable(arguments.out)
+    twin = Memory(load_twin(arguments.twin))
+    campaign = read_campaign(arguments.campaign, twin)
+    commissioning = read_campaign(arguments.commissioning, twin) if arguments.commissioning else None
+    file = read_tree_file(arguments.tree) if arguments.tree else None
+    settings: dict[str, Any] = {} if file is None else {"tree": file.tree, "feature_names": file.feature_names}
+    diagnosis = diagnose(campaign, twin, commissioning=commissioning, **settings)
+    if arguments.out:
+        write_bytes(arguments.out, report_page(diagnosis).encode())
+        print(f"wrote {arguments.out}", file=sys.stderr)
+    if arguments.json:
+        print_json(as_object(diagnosis))
+    else:
+        print(page_of_words(diagnosis))
+    return 0
+
+
+def load_twin(name: str) -> Twin:
+    """Return the twin that ``module:attribute`` names, called first when it is no twin itself.
+
+    Raises:
+        DataError: no such module or attribute, or what it gives is no twin.
+    """
+    module, colon, attribute = name.partition(":")
+    if not (module and colon and attribute):
+        raise DataError(f"--twin is {name!r}; expected MODULE:NAME, such as femlib.wing:uav_twin")
+    if "" not in sys.path:
+        sys.path.insert(0, "")  # a twin beside the campaign, in the working directory
+    try:
+        found = getattr(importlib.import_module(module), attribute)
+    except ImportError as error:
+        raise DataError(f"--twin {name!r}: module {module!r} cannot be imported ({error}); check the name") from error
+    except AttributeError as error:
+        raise DataError(f"--twin {name!r}: {module!r} has no {attribute!r}; check the name") from error
+    twin = found if hasattr(found, "predict") and not isinstance(found, type) else found()
+    if not all(hasattr(twin, part) for part in ("gauges", "predict", "effects")):
+        raise DataError(
+            f"--twin {name!r} gives a {type(twin).__name__}; expected gauges, effects and predict(state, load)"
+        )
+    checked: Twin = twin
+    return checked

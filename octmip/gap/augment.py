@@ -1,0 +1,114 @@
+"""The augmented twin: a twin with what it lacked, itself a Twin, so that it can be diagnosed again."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.twin import Effect, State, Twin, state_parameters
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Addition:
+    """One effect at one place with its size.
+
+    Attributes:
+        effect: the effect.
+        variant: its place.
+        size: in the effect's unit.
+    """
+
+    effect: Effect
+    variant: str
+    size: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AugmentedTwin:
+    """A twin with additions, applied in their order: what the structure does first, what the measuring chain does last.
+
+    Attributes:
+        twin: the model.
+        additions: what it lacked.
+        calibration: (n_gauges,) difference to the healthy asset at `calibration_load` [microstrain], 0 if None.
+        calibration_load: its load factor; the difference grows with the healthy strain.
+    """
+
+    twin: Twin
+    additions: tuple[Addition, ...]
+    calibration: Floats | None = None
+    calibration_load: float = 1.0
+
+    @property
+    def gauges(self) -> tuple[str, ...]:
+        """Names of the gauges."""
+        return self.twin.gauges
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the state parameters."""
+        return state_parameters(self.twin)
+
+    @property
+    def effects(self) -> Mapping[str, Effect]:
+        """The twin's own effects."""
+        return self.twin.effects
+
+    @property
+    def gauge_positions(self) -> Floats | None:
+        """Places (n_gauges, 2) [m], or None."""
+        places = getattr(self.twin, "gauge_positions", None)
+        return None if places is None else np.asarray(places, dtype=np.float64)
+
+    def predict(self, state: State, load_factor: float, time: float = 0.0) -> Floats:
+        """Return the strains (n_gauges,) in microstrain, effects included, `time` s from the start of the campaign."""
+        strain = np.array(self._calibrated(state, load_factor))
+        for k, addition in enumerate(self.additions):
+            before = _Before(self, k)
+            forward = getattr(addition.effect, "predict", None)
+            if forward is not None:
+                strain = np.asarray(forward(before, state, load_factor, addition.size, addition.variant, time))
+            else:
+                change = addition.effect.signature(before, state, load_factor, variant=addition.variant, time=time)
+                strain = strain + addition.size * change
+        return np.asarray(strain, dtype=np.float64)
+
+    def _calibrated(self, state: State, load_factor: float) -> Floats:
+        strain = np.asarray(self.twin.predict(state, load_factor), dtype=np.float64)
+        if self.calibration is None:
+            return strain
+        reference = self.twin.predict({}, self.calibration_load)
+        share = float(self.twin.predict({}, load_factor) @ reference / (reference @ reference))
+        return strain + share * self.calibration
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Before:
+    """The augmented twin before its k-th addition, as that addition sees it."""
+
+    whole: AugmentedTwin
+    k: int
+
+    @property
+    def gauges(self) -> tuple[str, ...]:
+        return self.whole.gauges
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        return self.whole.parameters
+
+    @property
+    def effects(self) -> Mapping[str, Effect]:
+        return self.whole.effects
+
+    @property
+    def gauge_positions(self) -> Floats | None:
+        return self.whole.gauge_positions
+
+    def predict(self, state: State, load_factor: float) -> Floats:
+        whole = self.whole
+        shorter = AugmentedTwin(whole.twin, whole.additions[: self.k], whole.calibration, whole.calibration_load)
+        return shorter.predict(state, load_factor)

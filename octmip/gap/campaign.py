@@ -1,0 +1,173 @@
+"""Campaign: what was measured, one row a reading, grouped into cells of one test, one state and one load.
+
+Readings are microstrain at their load (never divided by it), compressive positive; NaN is "not recorded". A state
+parameter that is NaN is unknown: it is marginalised, not guessed. All rows of one test share one state.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.errors import DataError
+
+FEWEST_REPEATS = 3
+"""A cell with fewer repeats says nothing about its own noise."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cell:
+    """The mean of the repeats of one test at one load.
+
+    Attributes:
+        test: name of the test.
+        load_factor: load factor of all its rows.
+        state: (n_parameters,) values; NaN where unknown.
+        rows: (n_repeats,) rows of the campaign, in the order of recording.
+        mean: (n_gauges,) mean reading [microstrain]; NaN where nothing was recorded.
+        count: (n_gauges,) recorded repeats.
+        time: mean time since the first reading of the campaign [s]; 0 where no time was recorded.
+        temperature: mean temperature [deg C]; NaN where none was recorded.
+    """
+
+    test: str
+    load_factor: float
+    state: NDArray[np.float64]
+    rows: NDArray[np.int64]
+    mean: NDArray[np.float64]
+    count: NDArray[np.int64]
+    time: float
+    temperature: float
+
+    @property
+    def is_known(self) -> bool:
+        """Whether every state parameter was given."""
+        return bool(np.isfinite(self.state).all())
+
+    @property
+    def name(self) -> str:
+        """Test and load in words."""
+        return f"{self.test} at load factor {self.load_factor:g}"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Campaign:
+    """Readings of the real asset.
+
+    Attributes:
+        gauges: (n_gauges,) names, as the twin names them.
+        parameters: (n_parameters,) names of the state parameters.
+        test: (n_rows,) name of the test of each row.
+        load_factor: (n_rows,).
+        states: (n_rows, n_parameters); NaN is unknown.
+        readings: (n_rows, n_gauges) [microstrain]; NaN is missing.
+        time: (n_rows,) [s], or all NaN.
+        temperature: (n_rows,) [deg C], or all NaN.
+        notes: what the reader should know about the file, as sentences.
+    Derived:
+        cells: the means, in the order of first appearance.
+    """
+
+    gauges: tuple[str, ...]
+    parameters: tuple[str, ...]
+    test: tuple[str, ...]
+    load_factor: NDArray[np.float64]
+    states: NDArray[np.float64]
+    readings: NDArray[np.float64]
+    time: NDArray[np.float64]
+    temperature: NDArray[np.float64]
+    notes: tuple[str, ...] = ()
+    cells: tuple[Cell, ...] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        n = len(self.test)
+        shapes = {
+            "load_factor": (n,),
+            "states": (n, len(self.parameters)),
+            "readings": (n, len(self.gauges)),
+            "time": (n,),
+            "temperature": (n,),
+        }
+        for name, shape in shapes.items():
+            array = np.array(getattr(self, name), dtype=np.float64)
+            if array.shape != shape:
+                raise DataError(
+                    f"campaign {name} has shape {array.shape}; expected {shape}, one row for each test name"
+                )
+            array.flags.writeable = False
+            object.__setattr__(self, name, array)
+        if n == 0 or not self.gauges:
+            raise DataError(f"the campaign has {n} rows and {len(self.gauges)} gauges; expected at least one of each")
+        self._check_rows()
+        object.__setattr__(self, "cells", tuple(self._cells()))
+
+    def _check_rows(self) -> None:
+        bad = np.flatnonzero(~np.isfinite(self.load_factor))
+        if bad.size:
+            raise DataError(
+                f"row {bad[0] + 1}, column load_factor is {self.load_factor[bad[0]]}; expected a finite number; "
+                "give the load factor of every reading"
+            )
+        if np.isinf(self.readings).any():
+            row, column = (int(k) for k in np.argwhere(np.isinf(self.readings))[0])
+            raise DataError(f"row {row + 1}, column {self.gauges[column]} is infinite; leave it empty if not recorded")
+        if not np.isfinite(self.readings).any():
+            raise DataError("the campaign holds no reading at all; expected numbers in the gauge columns")
+
+    def _cells(self) -> list[Cell]:
+        keys: dict[tuple[object, ...], list[int]] = {}
+        for row, test in enumerate(self.test):
+            state = tuple(None if np.isnan(value) else float(value) for value in self.states[row])
+            keys.setdefault((test, float(self.load_factor[row]), state), []).append(row)
+        start = float(np.nanmin(self.time)) if np.isfinite(self.time).any() else 0.0
+        return [self._cell(np.array(rows, dtype=np.int64), start) for rows in keys.values()]
+
+    def _cell(self, rows: NDArray[np.int64], start: float) -> Cell:
+        readings = self.readings[rows]
+        count = np.isfinite(readings).sum(axis=0)
+        total = np.nansum(readings, axis=0)
+        mean = np.where(count > 0, total / np.maximum(count, 1), np.nan)
+        first = int(rows[0])
+        time = self.time[rows][np.isfinite(self.time[rows])]
+        temperature = self.temperature[rows][np.isfinite(self.temperature[rows])]
+        return Cell(
+            test=self.test[first],
+            load_factor=float(self.load_factor[first]),
+            state=self.states[first],
+            rows=rows,
+            mean=mean,
+            count=count,
+            time=float(time.mean()) - start if time.size else 0.0,
+            temperature=float(temperature.mean()) if temperature.size else np.nan,
+        )
+
+    @property
+    def has_time(self) -> bool:
+        """Whether every row has a time."""
+        return bool(np.isfinite(self.time).all())
+
+    @property
+    def loads(self) -> tuple[float, ...]:
+        """The load factors, ascending."""
+        return tuple(sorted({cell.load_factor for cell in self.cells}))
+
+    @property
+    def has_repeats(self) -> bool:
+        """Whether some cell has enough repeats to tell the noise."""
+        return any(int(cell.count.max()) >= FEWEST_REPEATS for cell in self.cells)
+
+    def without(self, cells: set[int]) -> "Campaign":
+        """Return the campaign without the cells of these positions in `cells` (held-out data)."""
+        dropped = np.concatenate([self.cells[k].rows for k in sorted(cells)]) if cells else np.zeros(0, dtype=np.int64)
+        keep = np.setdiff1d(np.arange(len(self.test)), dropped)
+        return Campaign(
+            gauges=self.gauges,
+            parameters=self.parameters,
+            test=tuple(self.test[k] for k in keep),
+            load_factor=self.load_factor[keep],
+            states=self.states[keep],
+            readings=self.readings[keep],
+            time=self.time[keep],
+            temperature=self.temperature[keep],
+            notes=self.notes,
+        )

@@ -1,0 +1,188 @@
+"""Causes: the posterior told so that nobody is misled by effects that these readings cannot tell apart.
+
+The most probable hypothesis gives a cause its name. Hypotheses of the same number of effects whose members are, one
+by one, less than d' = 3 from its members are the same cause seen from elsewhere: their probabilities add up, and
+their names are told beside it. Then the most probable hypothesis that is left gives the next cause.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import permutations
+
+import numpy as np
+
+from octmip.gap.ambiguity import SEPARABLE, Rival, rivals, tied_columns, visibility
+from octmip.gap.attribute import Judged, Posterior
+from octmip.gap.evidence import Fit
+from octmip.gap.library import SCALES
+
+UNKNOWN = "unknown"
+"""Name of the cause that no effect of the library describes."""
+CREDIBLE = 0.95
+"""Probability that the causes which are told hold together."""
+MOST_CAUSES = 12
+TOLD = 3
+"""Rivals whose separation is told."""
+WIDTH = 1.645
+"""Standard deviations of a 90 % interval."""
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """The size of one effect.
+
+    Attributes:
+        effect, variant: name and place.
+        size, low, high: mean and 90 % interval, in `unit`.
+        unit: unit.
+        words: what the size measures.
+    """
+
+    effect: str
+    variant: str
+    size: float
+    low: float
+    high: float
+    unit: str
+    words: str
+
+
+@dataclass(frozen=True, slots=True)
+class Tie:
+    """Effects that these readings cannot tell apart.
+
+    Attributes:
+        effects: names, the one that is reported first.
+        places: their places.
+        d_prime: how far the rivals are, in standard deviations.
+        reason: why, and what would separate them.
+    """
+
+    effects: tuple[str, ...]
+    places: tuple[str, ...]
+    d_prime: tuple[float, ...]
+    reason: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cause:
+    """One explanation of the gap.
+
+    Attributes:
+        effects: names; empty when no effect is needed, ("unknown",) when the library does not hold it.
+        probability: of this explanation, ties included.
+        parameters: sizes of its effects.
+        ties: for every effect that has rivals.
+        is_clear: whether every effect of it stands d' = 3 clear of the noise; else its name means little.
+        is_prior_sensitive: whether another cause would lead with all priors three times narrower or wider.
+        judged: the hypothesis that gives it its name.
+    """
+
+    effects: tuple[str, ...]
+    probability: float
+    parameters: tuple[Parameter, ...]
+    ties: tuple[Tie, ...]
+    is_clear: bool
+    is_prior_sensitive: bool
+    judged: Judged
+
+    @property
+    def names(self) -> tuple[frozenset[str], ...]:
+        """For every effect the names that cannot be told from it, its own included."""
+        tied = {tie.effects[0]: frozenset(tie.effects) for tie in self.ties}
+        return tuple(tied.get(name, frozenset({name})) for name in self.effects)
+
+
+def causes(posterior: Posterior) -> tuple[Cause, ...]:
+    """Return the explanations, most probable first, down to `CREDIBLE` together (at least three if there are)."""
+    left = list(posterior.judged)
+    found: list[Cause] = []
+    told = 0.0
+    while left and len(found) < MOST_CAUSES and (told < CREDIBLE or len(found) < 3):
+        head = left[0]
+        own = head.fit
+        tied = [] if head.has_unknown else [tied_columns(head.scene, own, j) | {j} for j in head.members]
+        same = [h for h in left if h is head or _is_same(head, tied, h)]
+        cause = _cause(head, own, float(sum(h.probability for h in same)), found)
+        found.append(cause)
+        told += cause.probability
+        taken = {id(h) for h in same}
+        left = [h for h in left if id(h) not in taken]
+    found.sort(key=lambda cause: -cause.probability)
+    if found and _is_sensitive(posterior):
+        first = found[0]
+        found[0] = replace(first, is_prior_sensitive=True)
+    return tuple(found)
+
+
+def credible_set(found: Sequence[Cause]) -> tuple[Cause, ...]:
+    """Return the fewest causes that hold `CREDIBLE` of the probability."""
+    kept: list[Cause] = []
+    for cause in found:
+        kept.append(cause)
+        if sum(c.probability for c in kept) >= CREDIBLE:
+            break
+    return tuple(kept)
+
+
+def _is_same(head: Judged, tied: Sequence[set[int]], other: Judged) -> bool:
+    if head.has_unknown or other.has_unknown:  # an effect that the unknown makes no more probable is idle beside it
+        return head.has_unknown and other.has_unknown and not head.members
+    if len(other.members) != len(head.members) or not head.members:
+        return False
+    return any(all(j in t for j, t in zip(order, tied, strict=True)) for order in permutations(other.members))
+
+
+def _cause(head: Judged, own: Fit, probability: float, before: Sequence[Cause]) -> Cause:
+    columns = head.scene.setting.columns
+    if head.has_unknown:
+        extra = tuple(columns[j].name for j in head.members)
+        return Cause((*extra, UNKNOWN), probability, _parameters(head, own), (), True, False, head)
+    effects = tuple(columns[j].name for j in head.members)
+    clear = all(visibility(head.scene, own, j) >= SEPARABLE for j in head.members)
+    ties = [_tie(head, j, rivals(head.scene, own, j)) for j in head.members] if clear else []
+    return Cause(effects, probability, _parameters(head, own), tuple(t for t in ties if t), clear, False, head)
+
+
+def _parameters(head: Judged, own: Fit) -> tuple[Parameter, ...]:
+    found = []
+    for k, j in enumerate(own.members):
+        effect, variant = head.scene.setting.columns[j].effect, head.scene.setting.columns[j].variant
+        size, spread = float(own.size[k]), WIDTH * float(np.sqrt(max(0.0, own.covariance[k, k])))
+        low = max(0.0, size - spread) if effect.is_one_sided else size - spread
+        found.append(Parameter(effect.name, variant, size, low, size + spread, effect.unit, effect.parameter))
+    return tuple(found)
+
+
+def _tie(head: Judged, member: int, found: Sequence[Rival]) -> Tie | None:
+    if not found:
+        return None
+    columns = head.scene.setting.columns
+    members = [member, *(r.column for r in found)]
+    separations = "; ".join(f"{columns[j].name}: {columns[j].effect.separated_by}" for j in members[:TOLD])
+    exact = all(r.d_prime < 0.5 for r in found)
+    reason = (
+        f"{'they change these readings in the same way' if exact else 'their traces in these readings are too alike'}"
+        f" (d' {', '.join(f'{r.d_prime:.1f}' for r in found)}, 3 is needed). {separations}"
+    )
+    return Tie(
+        tuple(columns[j].name for j in members),
+        tuple(columns[j].variant for j in members),
+        (0.0, *(r.d_prime for r in found)),
+        reason,
+    )
+
+
+def _is_sensitive(posterior: Posterior) -> bool:
+    """Return whether the winner changes when every prior sd is a third or three times what it is."""
+    best = posterior.judged[:12]
+    if best[0].has_unknown:
+        return False
+    head = best[0]
+    tied = [tied_columns(head.scene, head.fit, j) | {j} for j in head.members]
+    shares = [(h, h.fit.scales if h.members else (1 / 3,) * 3) for h in best if not h.has_unknown]
+    for k in range(len(SCALES)):
+        winner = max(shares, key=lambda item: item[0].probability * item[1][k])[0]
+        if winner is not head and not _is_same(head, tied, winner):
+            return True
+    return False

@@ -1,0 +1,107 @@
+"""Twin and asset before any effect: what two good models of one structure differ by.
+
+At load L and gauge g the asset shows f_g(z, L) + phi(L) d_g + e_g (f_g(z, L) - f_g(0, L)) where f is the twin, phi
+the size of the healthy prediction relative to the greatest load, d a pattern over the gauges and e the relative error
+of the change that damage makes. Without a commissioning run d has a common part and an own part a gauge; with one, d
+is estimated gauge by gauge from the healthy readings and its posterior covariance is carried along:
+
+    K = (K0^-1 + sum_c phi_c^2 (V/N_c)^-1)^-1,    d = K sum_c phi_c (V/N_c)^-1 (mean_c - f_c).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.errors import DataError
+from octmip.gap.campaign import Campaign, Cell
+from octmip.gap.memory import Memory
+from octmip.gap.noise import Noise, estimate_noise
+
+COMMON = 0.010
+"""Relative sd of the part common to all gauges. Measured between two codes on one wing: 0.6 to 0.9 %."""
+OWN = 0.010
+"""Relative sd of the part of each gauge. Measured between two codes on one wing: 0.8 to 1.0 %."""
+FLOOR = 0.003
+"""Sd of the part of each gauge relative to the root mean square strain: gauges of little strain differ by more."""
+OPEN = 0.05
+"""Relative sd of d before a commissioning run has been read: wide, the run decides."""
+DAMAGE = 0.04
+"""Relative sd of the change that damage makes: on meshes of 30k degrees of freedom it is known to some per cent."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Discrepancy:
+    """The difference d between twin and healthy asset at the reference load.
+
+    Attributes:
+        mean: (n_gauges,) [microstrain].
+        covariance: (n_gauges, n_gauges) [microstrain^2].
+        reference: root mean square healthy prediction at the reference load [microstrain].
+        damage: relative sd of the change that damage makes.
+        is_calibrated: whether a commissioning run stands behind it.
+        p_value: of the calibrated twin against the commissioning run; 1 without one.
+    """
+
+    mean: NDArray[np.float64]
+    covariance: NDArray[np.float64]
+    reference: float
+    damage: float
+    is_calibrated: bool
+    p_value: float = 1.0
+
+    def share(self, healthy: NDArray[np.float64], reference: NDArray[np.float64]) -> float:
+        """Return phi: the signed size of a healthy prediction relative to the one at the reference load."""
+        return float(healthy @ reference / (reference @ reference))
+
+
+def uncalibrated(healthy: NDArray[np.float64]) -> Discrepancy:
+    """Return the difference to expect from the healthy prediction (n_gauges,) at the reference load alone."""
+    rms = _rms(healthy)
+    covariance = COMMON**2 * np.outer(healthy, healthy) + np.diag((OWN * healthy) ** 2 + (FLOOR * rms) ** 2)
+    return Discrepancy(np.zeros(len(healthy)), covariance, rms, DAMAGE, is_calibrated=False)
+
+
+def calibrated(run: Campaign, memory: Memory, gauges: tuple[str, ...], load: float) -> Discrepancy:
+    """Return the difference that a commissioning run shows for these gauges, at the reference load factor `load`.
+
+    Raises:
+        DataError: the run lacks a gauge of the campaign, holds an unknown state, or no load.
+    """
+    missing = [name for name in gauges if name not in run.gauges]
+    if missing:
+        raise DataError(f"the commissioning run lacks gauge {missing[0]}; expected every gauge of the campaign")
+    unknown = [cell for cell in run.cells if not cell.is_known]
+    if unknown:
+        raise DataError(f"the commissioning run holds an unknown state ({unknown[0].name}); give its state columns")
+    order = [run.gauges.index(name) for name in gauges]
+    columns = [memory.twin.gauges.index(name) for name in gauges]
+    noise = estimate_noise(run)
+    reference = memory.predict({}, load)[columns]
+    open_sd = OPEN * np.abs(reference) + 2 * FLOOR * _rms(reference)
+    precision, pull = np.diag(open_sd**-2), np.zeros(len(gauges))
+    for cell in run.cells:
+        state = dict(zip(run.parameters, cell.state.tolist(), strict=True))
+        predicted = memory.predict(state, cell.load_factor)[columns]
+        phi = float(memory.predict({}, cell.load_factor)[columns] @ reference / (reference @ reference))
+        weight = _weight(noise, cell, order)
+        gap = np.nan_to_num(cell.mean[order] - predicted)
+        precision += phi**2 * weight
+        pull += phi * weight @ gap
+    if np.allclose(precision, np.diag(open_sd**-2)):
+        raise DataError("the commissioning run holds readings at zero load only; expected two loads or more")
+    covariance = np.asarray(np.linalg.inv(precision), dtype=np.float64)
+    return Discrepancy(covariance @ pull, covariance, _rms(reference), DAMAGE, is_calibrated=True)
+
+
+def _weight(noise: Noise, cell: Cell, order: list[int]) -> NDArray[np.float64]:
+    """Return the precision (n_gauges, n_gauges) of a cell's means, zero for gauges that recorded nothing."""
+    matrix = noise.of_mean(cell.count, cell.load_factor)[np.ix_(order, order)]
+    seen = cell.count[order] > 0
+    weight = np.zeros_like(matrix)
+    weight[np.ix_(seen, seen)] = np.linalg.inv(matrix[np.ix_(seen, seen)])
+    return weight
+
+
+def _rms(values: NDArray[np.float64]) -> float:
+    return float(np.sqrt(np.mean(values**2)))

@@ -1,0 +1,38 @@
+"""The wires of two gauges are swapped: each shows the other's strain."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.twin import State, Twin
+
+
+@dataclass(frozen=True, slots=True)
+class SwappedPair:
+    """Readings a and b exchanged with size 1."""
+
+    name: str = "swapped_pair"
+    parameter: str = "1 when the two are exchanged"
+    unit: str = "-"
+    prior_mean: float = 1.0
+    prior_sd: float = 0.02
+    prior_source: str = "it is so or it is not"
+    is_one_sided: bool = True
+    separated_by: str = "tapping or heating one gauge shows which channel answers"
+    load_power: int | None = None
+
+    def variants(self, twin: Twin) -> tuple[str, ...]:
+        """Return the pairs of gauges."""
+        return tuple(f"{a}/{b}" for k, a in enumerate(twin.gauges) for b in twin.gauges[k + 1 :])
+
+    def signature(
+        self, twin: Twin, state: State, load_factor: float, variant: str = "", time: float = 0.0
+    ) -> NDArray[np.float64]:
+        """Return the change of the readings (n_gauges,) in microstrain per unit of size."""
+        change = np.zeros(len(twin.gauges))
+        first, second = (twin.gauges.index(name) for name in variant.split("/"))
+        strain = twin.predict(state, load_factor)
+        change[first] = strain[second] - strain[first]
+        change[second] = -change[first]
+        return change

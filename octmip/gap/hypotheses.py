@@ -1,0 +1,99 @@
+"""Sets of effects as hypotheses: which exist, how probable before the data, and which survive a beam search.
+
+A set of k columns has prior P(k) / C(n_effects, k) * product of the columns' shares; k is 0 to 3. The beam starts
+from no effect, adds one column at a time and keeps the sets of greatest posterior weight. Sets with a member that the
+others already imitate are the same explanation twice and are left out.
+"""
+
+from dataclasses import dataclass
+from math import comb, log
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.gap.evidence import Members, extensions
+from octmip.gap.scene import Scene
+
+COUNT_PRIOR = (0.5, 0.38, 0.07, 0.01)
+"""Prior probability of no, one, two, three effects; what is missing to 1 belongs to the unknown."""
+UNKNOWN_PRIOR = (0.03, 0.01)
+"""Prior probability of the unknown alone, and of the unknown beside one effect."""
+BEAM = (48, 24)
+"""Sets of one and of two columns that are extended."""
+OWN_PART = 0.02
+"""A column is imitated by others when less than this share of its squared length is its own."""
+
+
+@dataclass(frozen=True, slots=True)
+class Hypothesis:
+    """A set of columns, with or without the unknown, and the log of prior times evidence."""
+
+    members: Members
+    has_unknown: bool
+    log_weight: float
+
+
+def log_prior(scene: Scene, members: Members) -> float:
+    """Return the log prior probability of a set of columns."""
+    prior = scene.setting.priors
+    k = len(members)
+    shares = float(prior.log_weight[list(members)].sum())
+    return log(COUNT_PRIOR[k]) - log(max(comb(prior.n_effects, k), 1)) + shares
+
+
+def candidates(scene: Scene, most: int = 3) -> list[Hypothesis]:
+    """Return no effect, every single column and the best sets of up to `most` columns, with approximate weights."""
+    found: dict[Members, float] = {(): log_prior(scene, ())}
+    beam: list[Members] = [()]
+    for size in range(1, most + 1):
+        grown: dict[Members, float] = {}
+        for members in beam:
+            grown |= _grow(scene, members)
+        found |= grown if size == 1 else _best(grown, 4 * BEAM[1])
+        if size < most:
+            beam = list(_diverse(scene, grown, BEAM[size - 1]))
+    return [Hypothesis(members, False, weight) for members, weight in found.items()]
+
+
+def _grow(scene: Scene, members: Members) -> dict[Members, float]:
+    logs = extensions(scene, members)
+    if members:
+        logs = np.where(own_part(scene, members) < OWN_PART, -np.inf, logs)
+    keep = np.flatnonzero(np.isfinite(logs))
+    if members:
+        keep = keep[np.argsort(-logs[keep], kind="stable")[: 2 * BEAM[0]]]
+    grown = {}
+    for j in keep.tolist():
+        joined = tuple(sorted((*members, j)))
+        grown[joined] = float(logs[j]) + log_prior(scene, joined)
+    return grown
+
+
+def own_part(scene: Scene, members: Members) -> NDArray[np.float64]:
+    """Return the share (n_columns,) of each column's squared whitened length that `members` cannot imitate."""
+    index = list(members)
+    within = scene.gram[np.ix_(index, index)]
+    cross = scene.gram[index]
+    length = np.maximum(np.diag(scene.gram), 1e-300)
+    imitated = np.einsum("ij,ij->j", cross, np.linalg.lstsq(within, cross, rcond=None)[0])
+    return np.asarray(1.0 - imitated / length)
+
+
+def _best(weights: dict[Members, float], most: int) -> dict[Members, float]:
+    ordered = sorted(weights.items(), key=lambda item: -item[1])
+    return dict(ordered[:most])
+
+
+def _diverse(scene: Scene, weights: dict[Members, float], most: int) -> dict[Members, float]:
+    """Return the best sets, at most four of the same effects: one gauge's variants must not fill the beam."""
+    taken: dict[tuple[int, ...], int] = {}
+    name = scene.setting.priors.name.tolist()
+    kept = {}
+    for members, weight in sorted(weights.items(), key=lambda item: -item[1]):
+        names = tuple(sorted(name[j] for j in members))
+        taken[names] = taken.get(names, 0) + 1
+        if taken[names] <= 4:
+            kept[members] = weight
+        if len(kept) == most:
+            break
+    return kept

@@ -1,0 +1,89 @@
+"""A twin that remembers its answers: the diagnosis asks for the same few states and loads over and over."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.twin import Effect, State, Twin, predict_states, state_parameters
+
+Key = tuple[tuple[tuple[str, float], ...], float]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Memory:
+    """The twin with its predictions and signatures kept; itself a Twin.
+
+    Attributes:
+        twin: the model that is asked once for each state and load.
+    """
+
+    twin: Twin
+    _strains: dict[Key, NDArray[np.float64]] = field(default_factory=dict, repr=False)
+    _signatures: dict[tuple[str, tuple[str, ...], float, Key], NDArray[np.float64]] = field(
+        default_factory=dict, repr=False
+    )
+
+    @property
+    def gauges(self) -> tuple[str, ...]:
+        """Names of the gauges."""
+        return self.twin.gauges
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the state parameters."""
+        return state_parameters(self.twin)
+
+    @property
+    def effects(self) -> Mapping[str, Effect]:
+        """The twin's own effects."""
+        return self.twin.effects
+
+    @property
+    def gauge_positions(self) -> NDArray[np.float64] | None:
+        """Places (n_gauges, 2) [m], or None when the twin does not tell."""
+        places = getattr(self.twin, "gauge_positions", None)
+        return None if places is None else np.asarray(places, dtype=np.float64)
+
+    def predict(self, state: State, load_factor: float) -> NDArray[np.float64]:
+        """Return the strains (n_gauges,) in microstrain."""
+        key = _key(state, load_factor)
+        if key not in self._strains:
+            strains = np.array(self.twin.predict(dict(key[0]), load_factor), dtype=np.float64)
+            strains.flags.writeable = False
+            self._strains[key] = strains
+        return self._strains[key]
+
+    def predict_states(self, states: NDArray[np.float64], load_factor: float) -> NDArray[np.float64]:
+        """Return the strains (n_states, n_gauges), asking the twin once for all states that are new."""
+        named = [dict(zip(self.parameters, row.tolist(), strict=True)) for row in states]
+        keys = [_key(state, load_factor) for state in named]
+        new = [k for k, key in enumerate(keys) if key not in self._strains]
+        if new:
+            for k, strains in zip(new, predict_states(self.twin, states[new], load_factor), strict=True):
+                strains.flags.writeable = False
+                self._strains[keys[k]] = strains
+        return np.array([self._strains[key] for key in keys])
+
+    def signatures(
+        self, effect: Effect, places: tuple[str, ...], state: State, load_factor: float, time: float
+    ) -> NDArray[np.float64]:
+        """Return the effect's signatures (n_places, n_gauges) at its places.
+
+        A pure power of the load is asked for at load factor 1 only; the time is passed on only where it matters.
+        """
+        power: int | None = getattr(effect, "load_power", None)
+        time = time if getattr(effect, "uses_time", False) else 0.0
+        if power is not None and load_factor != 1.0:
+            factor = float(load_factor**power)
+            return factor * self.signatures(effect, places, state, 1.0, time)
+        key = (effect.name, places, time, _key(state, load_factor))
+        if key not in self._signatures:
+            rows = [effect.signature(self, state, load_factor, variant=place, time=time) for place in places]
+            self._signatures[key] = np.array(rows, dtype=np.float64)
+        return self._signatures[key]
+
+
+def _key(state: State, load_factor: float) -> Key:
+    return tuple(sorted((name, float(value)) for name, value in state.items() if value != 0.0)), float(load_factor)

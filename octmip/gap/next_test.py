@@ -1,0 +1,153 @@
+"""Which test to run next: the expected information about the open question, per unit of cost.
+
+For a strain test the hypotheses predict normal readings N_i; the mutual information between hypothesis and reading is
+at least
+
+    - sum_i p_i log sum_j p_j exp(-B_ij),     B_ij the Bhattacharyya distance of N_i and N_j
+
+(Kolchinsky and Tracey (2017), "Estimating mixture entropy with pairwise distances", Entropy 19, eq. 10 at alpha =
+1/2; the choice by expected information is Lindley's (1956), Ann. Math. Statist. 27). A test of another kind (a load
+cell, a shunt) answers yes or no about the effects it sees; its information is the entropy of that answer, times its
+reliability.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.gap.attribute import Judged
+from octmip.gap.evidence import Fit
+from octmip.gap.scene import Scene, named_state
+
+Floats = NDArray[np.float64]
+
+MOST_HYPOTHESES = 16
+"""Hypotheses that compete for the next test."""
+REPEATS = 50
+"""Repeats of a strain test that is proposed."""
+RELIABLE = 0.9
+"""Information that a test outside the strain gauges keeps of a perfect answer."""
+SETTLED = 0.15
+"""Nats of doubt below which no test is needed."""
+WORTH = 0.05
+"""Nats below which a test is not proposed."""
+
+OTHER_TESTS: dict[str, tuple[float, str, frozenset[str]]] = {
+    "load_cell": (1.0, "check the load with a second load cell or a known mass", frozenset({"load_factor_error"})),
+    "shunt_calibration": (
+        0.5,
+        "shunt-calibrate the bridges",
+        frozenset({"gauge_gain", "common_gain", "dead_gauge", "crosstalk"}),
+    ),
+    "tap_test": (0.3, "warm or press one gauge after the other and see which channel answers",
+                 frozenset({"swapped_pair", "dead_gauge"})),
+    "gauge_survey": (0.5, "measure place and angle of the gauge on the structure",
+                     frozenset({"position_offset", "misalignment"})),
+    "tip_deflection": (
+        1.5,
+        "measure the tip deflection under a known load",
+        frozenset({"modulus", "skin_thickness", "root_flexibility", "large_deflection", "planform"}),
+    ),
+    "frequency": (
+        3.0,
+        "measure the first natural frequencies",
+        frozenset({"modulus", "skin_thickness", "root_flexibility", "payload_inertia", "planform"}),
+    ),
+    "thermal_soak": (
+        5.0,
+        "repeat the zero-load reading at another temperature",
+        frozenset({"temperature_uniform", "temperature_gradient"}),
+    ),
+}  # fmt: skip
+"""Tests outside the strain gauges: relative cost, words, effects that they see."""
+
+
+@dataclass(frozen=True, slots=True)
+class Proposal:
+    """A test that is worth running.
+
+    Attributes:
+        name: in snake_case.
+        words: what to do.
+        information: expected information [nats] about which hypothesis holds.
+        cost: relative to one strain test at a load that was flown before.
+        is_strain_test: whether the strain gauges alone answer it.
+    """
+
+    name: str
+    words: str
+    information: float
+    cost: float
+    is_strain_test: bool
+
+    @property
+    def value(self) -> float:
+        """Information per cost."""
+        return self.information / self.cost
+
+
+def next_tests(scene: Scene, judged: Sequence[Judged]) -> tuple[Proposal, ...]:
+    """Return the tests worth running, best value first; none when little doubt is left."""
+    if judged and not judged[0].members and not judged[0].has_unknown:
+        return ()  # sound: what competes with it is too small to name
+    open_ones = [h for h in judged[:MOST_HYPOTHESES] if not h.has_unknown and h.probability > 1e-3]
+    weight = np.array([h.probability for h in open_ones])
+    if not len(weight) or _entropy(weight / weight.sum()) < SETTLED:
+        return ()
+    weight = weight / weight.sum()
+    fits = [h.fit for h in open_ones]
+    top = max(abs(load) for load in scene.setting.campaign.loads) or 1.0
+    proposals = [
+        Proposal(f"load_{load:g}", words, _strain_information(scene, fits, weight, load), cost, True)
+        for load, words, cost in (
+            (0.0, "read all gauges at zero load", 0.5),
+            (-1.0, "load the structure the other way, load factor -1", 3.0),
+            (top, f"repeat load factor {top:g} with {REPEATS} readings", 1.0),
+            (1.5 * top, f"go to load factor {1.5 * top:g}, if the structure allows it", 2.0),
+        )
+    ]
+    columns = scene.setting.columns
+    names = [frozenset(columns[j].name for j in f.members) for f in fits]
+    for name, (cost, words, seen) in OTHER_TESTS.items():
+        information = RELIABLE * _answer_entropy([n & seen for n in names], weight)
+        proposals.append(Proposal(name, words, information, cost, False))
+    return tuple(sorted((p for p in proposals if p.information > WORTH), key=lambda p: -p.value))
+
+
+def _answer_entropy(answers: Sequence[frozenset[str]], weight: Floats) -> float:
+    return _entropy(np.array([float(weight[[a == b for b in answers]].sum()) for a in set(answers)]))
+
+
+def _entropy(weight: Floats) -> float:
+    positive = weight[weight > 0.0]
+    return float(-np.sum(positive * np.log(positive)))
+
+
+def _strain_information(scene: Scene, fits: Sequence[Fit], weight: Floats, load: float) -> float:
+    """Return the lower bound on the information of a strain test at a load, in the first cell's state."""
+    setting = scene.setting
+    order = list(setting.order)
+    state = named_state(setting, scene.states[0])
+    time = max(b.time for b in setting.blocks)
+    rows = np.concatenate(
+        [setting.memory.signatures(e, places, state, load, time)[:, order] for e, places in setting.places()]
+    )
+    repeats = np.full(len(order), REPEATS)
+    share = load / setting.reference
+    noise = setting.noise.of_mean(repeats, load) + share**2 * setting.discrepancy.covariance
+    means = [rows[list(f.members)].T @ f.size for f in fits]
+    spreads = [noise + rows[list(f.members)].T @ f.covariance @ rows[list(f.members)] for f in fits]
+    logs = [np.linalg.slogdet(s)[1] for s in spreads]
+    near = np.array([[_overlap(means, spreads, logs, i, j) for j in range(len(fits))] for i in range(len(fits))])
+    return float(-np.sum(weight * np.log(near @ weight)))
+
+
+def _overlap(means: list[Floats], spreads: list[Floats], logs: list[float], i: int, j: int) -> float:
+    """Return exp(-B_ij)."""
+    middle = 0.5 * (spreads[i] + spreads[j])
+    apart = means[i] - means[j]
+    squared = float(apart @ np.linalg.solve(middle, apart))
+    volume = float(np.linalg.slogdet(middle)[1]) - 0.5 * (logs[i] + logs[j])
+    return float(np.exp(-squared / 8.0 - 0.5 * volume))

@@ -1,0 +1,231 @@
+"""The noise as a hypothesis of its own: estimated from repeats, never taken for granted.
+
+Readings of one cell scatter about its mean; pooled over cells the scatter gives the covariance V of one reading over
+the gauges, shrunk toward its diagonal (Ledoit and Wolf (2004), "A well-conditioned estimator for large-dimensional
+covariance matrices", J. Multivariate Analysis 88, on readings scaled to unit variance). Means of N repeats have
+covariance inflation * scale(L) * V / N, where
+
+* inflation is the variance ratio of batch means, 1 unless the lag-1 correlation is significant (Flegal and Jones
+  (2010),
+  "Batch means and spectral variance estimators in Markov chain Monte Carlo", Annals of Statistics 38);
+* scale(L) is the ratio of the scatter at load L to the pooled one, 1 unless it differs significantly.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from sklearn.covariance import ledoit_wolf
+
+from octmip.errors import DataError
+from octmip.gap.campaign import FEWEST_REPEATS, Campaign, Cell
+
+SIGNIFICANT = 4.0
+"""Standard deviations beyond which a property of the noise is reported and used."""
+SCALE_SIGNIFICANT = 1.08
+"""Ratios of standard deviations between loads closer to 1 than this are not worth a model."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Noise:
+    """What the repeats say of the noise.
+
+    Attributes:
+        gauges: names.
+        covariance: (n_gauges, n_gauges) of one reading [microstrain^2].
+        inflation: factor on the variance of means for serial correlation.
+        scale: variance ratio by load factor.
+        lag1: mean lag-1 correlation of successive repeats.
+        kurtosis: excess kurtosis, 0 for a normal distribution.
+        step: quantisation step [microstrain], 0 when none is seen.
+        stuck: gauges whose repeats never change.
+        findings: names of what is not plain white noise, of the effects' list.
+        degrees: repeats less cells, over the gauges' mean.
+    """
+
+    gauges: tuple[str, ...]
+    covariance: NDArray[np.float64]
+    inflation: float
+    scale: dict[float, float]
+    lag1: float
+    kurtosis: float
+    step: float
+    stuck: tuple[str, ...]
+    findings: tuple[str, ...]
+    degrees: float
+
+    @property
+    def sd_microstrain(self) -> float:
+        """Typical standard deviation of one reading [microstrain]."""
+        return float(np.sqrt(np.median(np.diag(self.covariance))))
+
+    def of_gauges(self, gauges: Sequence[str]) -> "Noise":
+        """Return the noise of these gauges, in their order."""
+        order = [self.gauges.index(name) for name in gauges]
+        return replace(self, gauges=tuple(gauges), covariance=self.covariance[np.ix_(order, order)])
+
+    def of_mean(self, repeats: NDArray[np.int64], load_factor: float) -> NDArray[np.float64]:
+        """Return the covariance (n_gauges, n_gauges) of means of so many repeats (n_gauges,), at least one a gauge."""
+        count = np.maximum(repeats, 1).astype(np.float64)
+        overlap = np.minimum(count[:, None], count[None, :]) / (count[:, None] * count[None, :])
+        factor = self.inflation * self.scale.get(load_factor, 1.0)
+        return np.asarray(factor * self.covariance * overlap)
+
+
+def estimate_noise(campaign: Campaign, fallback: Campaign | None = None) -> Noise:
+    """Return the noise of the campaign's repeats; of `fallback` (the commissioning run) when it has one repeat only.
+
+    Raises:
+        DataError: neither has repeats.
+    """
+    source = campaign if campaign.has_repeats else fallback
+    if source is None or not source.has_repeats:
+        cell = campaign.cells[0]
+        raise DataError(
+            f"row {int(cell.rows[0]) + 1} ({cell.name}): every load of every test was read fewer than {FEWEST_REPEATS} "
+            "times, so the noise cannot be estimated; repeat the readings, or give a commissioning run with repeats"
+        )
+    residuals = [_centred(source, cell) for cell in source.cells]
+    pooled = np.concatenate(residuals)
+    degrees = np.isfinite(pooled).sum(axis=0) - sum((cell.count > 0).astype(int) for cell in source.cells)
+    variance = np.nansum(pooled**2, axis=0) / np.maximum(degrees, 1)
+    stuck = (variance <= 1e-18) & (degrees > 0)
+    usable = (degrees > 0) & ~stuck
+    if not usable.any():
+        raise DataError("no gauge shows any scatter between repeats; expected noise; the rows are copies of each other")
+    variance = np.where(usable, variance, np.median(variance[usable]))
+    scaled = pooled / np.sqrt(variance)
+    covariance = _shrunk(scaled, usable) * np.sqrt(np.outer(variance, variance))
+    lag1, inflation = _serial(source, [r / np.sqrt(variance) for r in residuals], usable)
+    scale = _scales(source, [r / np.sqrt(variance) for r in residuals], usable)
+    kurtosis, heavy = _kurtosis(scaled[:, usable])
+    step = quantisation_step(source.readings)
+    findings = []
+    if heavy:
+        findings.append("heavy_tailed_noise")
+    if any(abs(s - 1.0) > 1e-9 for s in scale.values()) or _gauges_differ(variance[usable], degrees[usable], kurtosis):
+        findings.append("heteroscedastic_noise")
+    if inflation > 1.0 or _gauges_correlate(scaled[:, usable]):
+        findings.append("correlated_noise")
+    if step > 0.5 * float(np.sqrt(np.median(variance))):
+        findings.append("quantisation")
+    names = tuple(name for name, is_stuck in zip(source.gauges, stuck, strict=True) if is_stuck)
+    return Noise(
+        source.gauges,
+        covariance,
+        inflation,
+        scale,
+        lag1,
+        kurtosis,
+        step,
+        names,
+        tuple(findings),
+        float(degrees[usable].mean()),
+    )
+
+
+def _centred(campaign: Campaign, cell: Cell) -> NDArray[np.float64]:
+    readings = campaign.readings[cell.rows] - cell.mean
+    return np.asarray(np.where(cell.count > 1, readings, np.nan))
+
+
+def _shrunk(scaled: NDArray[np.float64], usable: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """Return the shrunk correlation matrix; missing readings count as their mean, which only shrinks it further."""
+    filled = np.where(np.isfinite(scaled), scaled, 0.0)[:, usable]
+    matrix = np.eye(scaled.shape[1])
+    if filled.shape[1] > 1:
+        estimate = np.asarray(ledoit_wolf(filled, assume_centered=True)[0], dtype=np.float64)
+        sd = np.sqrt(np.diag(estimate))
+        matrix[np.ix_(usable, usable)] = estimate / np.outer(sd, sd)
+    return matrix
+
+
+def _serial(campaign: Campaign, residuals: list[NDArray[np.float64]], usable: NDArray[np.bool_]) -> tuple[float, float]:
+    """Return the lag-1 correlation and the inflation of the variance of means."""
+    products, squares, pairs, cells = 0.0, 0.0, 0, 0
+    long = [np.nan_to_num(r[:, usable]) for r in residuals if len(r) >= 8]
+    for r in long:
+        products += float(np.sum(r[1:] * r[:-1]))
+        squares += float(np.sum(r * r))
+        pairs += (len(r) - 1) * r.shape[1]
+        cells += r.shape[1]
+    if pairs == 0 or squares == 0.0:
+        return 0.0, 1.0
+    lag1 = products / squares + cells / pairs  # centring costs -1/N
+    if lag1 < SIGNIFICANT / np.sqrt(pairs):
+        return lag1, 1.0
+    return lag1, max(1.0, (1.0 + lag1) / (1.0 - min(lag1, 0.95)), _batch_ratio(long))
+
+
+def _batch_ratio(residuals: list[NDArray[np.float64]]) -> float:
+    """Return the variance of batch means over what white noise would give; batches of the square root of N."""
+    above, below = 0.0, 0.0
+    for r in residuals:
+        size = max(2, int(np.sqrt(len(r))))
+        count = len(r) // size
+        means = r[: count * size].reshape(count, size, -1).mean(axis=1)
+        above += float(np.sum((means - means.mean(axis=0)) ** 2)) * size / (count - 1)
+        below += float(np.sum(r**2)) / (len(r) - 1)
+    return above / below
+
+
+def _scales(campaign: Campaign, residuals: list[NDArray[np.float64]], usable: NDArray[np.bool_]) -> dict[float, float]:
+    """Return the variance ratio of each load to the whole where it is significant, else 1."""
+    loads = np.array([cell.load_factor for cell in campaign.cells])
+    squares: dict[float, tuple[float, float]] = {}
+    for load in sorted(set(loads.tolist())):
+        total, degrees = 0.0, 0.0
+        for k in np.flatnonzero(loads == load):
+            r = residuals[int(k)][:, usable]
+            total += float(np.nansum(r**2))
+            degrees += float(np.maximum(np.isfinite(r).sum(axis=0) - 1, 0).sum())
+        squares[load] = (total, degrees)
+    whole = sum(t for t, _ in squares.values()) / max(1.0, sum(d for _, d in squares.values()))
+    scale = {}
+    for load, (total, degrees) in squares.items():
+        ratio = total / degrees / whole if degrees > 0 else 1.0
+        z = abs(np.log(max(ratio, 1e-12))) / np.sqrt(2.0 / max(degrees, 1.0))
+        scale[load] = ratio if z > SIGNIFICANT and max(ratio, 1 / ratio) > SCALE_SIGNIFICANT else 1.0
+    return scale
+
+
+def _kurtosis(scaled: NDArray[np.float64]) -> tuple[float, bool]:
+    values = scaled[np.isfinite(scaled)]
+    excess = float(np.mean(values**4) / np.mean(values**2) ** 2 - 3.0)
+    return excess, excess > max(0.5, SIGNIFICANT * np.sqrt(24.0 / values.size))
+
+
+def _gauges_differ(variance: NDArray[np.float64], degrees: NDArray[np.float64], kurtosis: float) -> bool:
+    """Return whether some gauge is noisier than the others (maximum of log ratios, corrected for tails and number)."""
+    spread = np.sqrt((2.0 + max(0.0, kurtosis)) / np.maximum(degrees, 1))
+    z = np.abs(np.log(variance / np.median(variance))) / spread
+    return bool(z.max() > SIGNIFICANT + 0.5)
+
+
+def _gauges_correlate(scaled: NDArray[np.float64]) -> bool:
+    """Return whether readings of different gauges share noise: the mean squared correlation against 1/n."""
+    filled = np.nan_to_num(scaled)
+    n, g = filled.shape
+    if g < 2:
+        return False
+    r = np.asarray(np.corrcoef(filled.T))[np.triu_indices(g, 1)]
+    z = (float(np.sum(r**2)) * n - r.size) / np.sqrt(2.0 * r.size)
+    return bool(z > 2 * SIGNIFICANT)
+
+
+def quantisation_step(readings: NDArray[np.float64]) -> float:
+    """Return the step [microstrain] that all readings are whole multiples of, 0 when there is none above 1e-6."""
+    values = np.unique(np.round(readings[np.isfinite(readings)], 6))
+    if len(values) < 3:
+        return 0.0
+    step = float(min(b - a for a, b in pairwise(values.tolist())))
+    if step < 1e-5:
+        return 0.0
+    multiples = (values - values[0]) / step
+    return (
+        step
+        if bool(np.all(np.abs(multiples - np.round(multiples)) < 1e-3 * np.maximum(1, np.abs(multiples) * 1e-3)))
+        else 0.0
+    )

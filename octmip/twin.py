@@ -1,0 +1,125 @@
+"""What monitor and gap know of any model: the Twin and the Effects that it may lack.
+
+A twin answers one question: which strains do the gauges show in a known state at a known load. An effect is something
+that a real structure or a real measuring chain has and the twin lacks; near the twin it changes the readings by
+
+    reading(state, L) = twin(state, L) + size * signature(state, L)        [microstrain]
+
+with `size` in the effect's own physical unit. Both are protocols: a model written by anyone enters by its shape,
+without importing this package.
+"""
+
+from collections.abc import Mapping
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+State = Mapping[str, float]
+"""Values of the twin's state parameters by name, damage as a fraction; what it does not name is 0."""
+
+
+@runtime_checkable
+class Twin(Protocol):
+    """A model of the structure with gauges on it.
+
+    Optional attributes, used where they exist: ``predict_states(states (n, n_parameters), load_factor) -> (n,
+    n_gauges)`` (a batch), ``gauge_positions`` (n_gauges, 2) [m] and ``outline`` (n, 2) [m] (the map of the report).
+    """
+
+    @property
+    def gauges(self) -> tuple[str, ...]:
+        """Names of the gauges, in the order of the readings."""
+        ...
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the state parameters."""
+        ...
+
+    @property
+    def effects(self) -> Mapping[str, "Effect"]:
+        """What a real structure of this kind may have and the model lacks, by name."""
+        ...
+
+    def predict(self, state: State, load_factor: float) -> NDArray[np.float64]:
+        """Return the strains (n_gauges,) in microstrain at that load, compressive positive."""
+        ...
+
+
+@runtime_checkable
+class Effect(Protocol):
+    """One thing that the twin lacks.
+
+    Optional: ``predict(twin, state, load_factor, size, variant, time) -> (n_gauges,)``, the exact forward map where the
+    reading is not linear in the size.
+    """
+
+    @property
+    def name(self) -> str:
+        """Name in snake_case."""
+        ...
+
+    @property
+    def parameter(self) -> str:
+        """What the size measures, in words."""
+        ...
+
+    @property
+    def unit(self) -> str:
+        """Unit of the size."""
+        ...
+
+    @property
+    def prior_mean(self) -> float:
+        """Expected size before any data, in `unit`."""
+        ...
+
+    @property
+    def prior_sd(self) -> float:
+        """Scale of the size before any data, in `unit`."""
+        ...
+
+    @property
+    def prior_source(self) -> str:
+        """Why this scale."""
+        ...
+
+    @property
+    def is_one_sided(self) -> bool:
+        """Whether the size cannot be negative."""
+        ...
+
+    @property
+    def separated_by(self) -> str:
+        """What separates the effect from its nearest rival."""
+        ...
+
+    @property
+    def load_power(self) -> int | None:
+        """The exponent p when the signature is exactly proportional to load_factor**p, else None."""
+        ...
+
+    def variants(self, twin: Twin) -> tuple[str, ...]:
+        """Return the places where the effect may act (gauges, pairs, zones); ("",) when it acts on the whole."""
+        ...
+
+    def signature(
+        self, twin: Twin, state: State, load_factor: float, variant: str = "", time: float = 0.0
+    ) -> NDArray[np.float64]:
+        """Return the change of the readings (n_gauges,) in microstrain per unit of size; `time` in s from the start."""
+        ...
+
+
+def predict_states(twin: Twin, states: NDArray[np.float64], load_factor: float) -> NDArray[np.float64]:
+    """Return the strains (n_states, n_gauges) of states (n_states, n_parameters), by its own batch if it has one."""
+    batch = getattr(twin, "predict_states", None)
+    if batch is not None:
+        return np.asarray(batch(states, load_factor), dtype=np.float64)
+    rows = [twin.predict(dict(zip(twin.parameters, row.tolist(), strict=True)), load_factor) for row in states]
+    return np.array(rows, dtype=np.float64).reshape(len(states), len(twin.gauges))
+
+
+def state_parameters(twin: Twin) -> tuple[str, ...]:
+    """Return the names of the state parameters; none for a twin that announces none."""
+    return tuple(getattr(twin, "parameters", ()))

@@ -1,0 +1,106 @@
+"""A cantilever written in a few lines, with its own effects: the twin and the asset of the gap tests."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from octmip.gap import Campaign
+
+ETA = np.concatenate([np.linspace(0.26, 0.47, 8), np.linspace(0.57, 0.755, 8), np.linspace(0.3, 0.7, 4)])
+ROW = np.concatenate([np.full(16, 0.21), np.full(4, 0.35)])
+HEALTHY = 980 * (1 - ETA) ** 1.6 * (1 + 1.1 * (ROW - 0.21)) + 60
+CHANGE = [
+    400 * np.exp(-(((ETA - 0.31) / 0.08) ** 2)) * (1 + 2.9 * (ROW - 0.21)),
+    160 * np.exp(-(((ETA - 0.75) / 0.08) ** 2)) * (1 + 2.9 * (ROW - 0.21)),
+]
+
+
+@dataclass(frozen=True)
+class Field:
+    """An effect that adds a field: relative to the strain (power 1) or in microstrain times load_factor**power."""
+
+    name: str
+    shape: np.ndarray
+    load_power: int | None
+    prior_sd: float
+    unit: str = "%"
+    prior_mean: float = 0.0
+    parameter: str = "size of the field"
+    prior_source: str = "chosen for the test"
+    is_one_sided: bool = False
+    separated_by: str = "its shape"
+
+    def variants(self, twin):
+        return ("",)
+
+    def signature(self, twin, state, load_factor, variant="", time=0.0):
+        if self.load_power is None:
+            return self.shape * twin.predict(state, load_factor)
+        return self.shape * load_factor**self.load_power
+
+
+def own_effects():
+    found = [
+        Field("modulus", np.full(20, -0.01), None, 2.0),
+        Field("temperature_uniform", np.full(20, -2.5), 0, 10.0, "K"),
+        Field("temperature_gradient", np.linspace(-2, 2, 20), 0, 5.0, "K"),
+        Field("lift_distribution", 0.02 * (ETA - 0.3), None, 4.0),
+        Field("large_deflection", -3 * np.linspace(0.2, 1.0, 20), 2, 1.0, "-"),
+    ]
+    return {effect.name: effect for effect in found}
+
+
+@dataclass
+class Beam:
+    gauges: tuple = tuple(f"g{k + 1:02d}" for k in range(20))
+    parameters: tuple = ("mu1", "mu2")
+    effects: dict = field(default_factory=own_effects)
+    gauge_positions: np.ndarray = field(default_factory=lambda: np.stack([0.35 * ROW, 1.8 * ETA], axis=1))
+
+    def predict(self, state, load_factor):
+        damage = [state.get(name, 0.0) for name in self.parameters]
+        return load_factor * (HEALTHY + sum(c * mu / (1 - 0.6 * mu) for c, mu in zip(CHANGE, damage, strict=False)))
+
+
+Change = Callable[[dict, float, float], np.ndarray]
+
+
+def measured(
+    seed: int,
+    change: Change | None = None,
+    states=((0.0, 0.0),),
+    loads=(0.0, 1.0, 2.0, 3.0),
+    repeats: int = 50,
+    sd: float = 31.6,
+    known: bool = True,
+    mesh: float = 0.01,
+    noise: Callable | None = None,
+) -> Campaign:
+    """Return a campaign of a beam that differs from the twin by about 1 % a gauge, and by `change(state, load, time)`.
+
+    The difference is the same for all seeds: campaigns of one asset.
+    """
+    rng = np.random.default_rng(seed)
+    twin = Beam()
+    own = 1 + mesh * (0.9 + np.random.default_rng(12345).standard_normal(20))
+    rows, time = [], 0.0
+    for number, state in enumerate(states):
+        named = dict(zip(twin.parameters, state, strict=True))
+        for load in loads:
+            scatter = rng.standard_normal((repeats, 20)) * sd if noise is None else noise(rng, (repeats, 20), load)
+            for k in range(repeats):
+                time += 6.0
+                extra = 0.0 if change is None else change(named, load, time - 6.0)
+                rows.append((f"T{number}", load, state, time, own * twin.predict(named, load) + extra + scatter[k]))
+    states_given = np.array([r[2] for r in rows], dtype=float)
+    return Campaign(
+        gauges=twin.gauges,
+        parameters=twin.parameters,
+        test=tuple(r[0] for r in rows),
+        load_factor=np.array([r[1] for r in rows]),
+        states=states_given if known else np.full_like(states_given, np.nan),
+        readings=np.array([r[4] for r in rows]),
+        time=np.array([r[3] for r in rows]),
+        temperature=np.full(len(rows), np.nan),
+    )

@@ -1,0 +1,200 @@
+"""Which effect, how large, how sure: campaigns of a beam whose effect is known to the test and not to the diagnosis."""
+
+import json
+
+import numpy as np
+import pytest
+
+from octmip.gap import CHAIN, diagnose, rounds
+from octmip.gap.page import report_page
+from octmip.gap.words import as_object, page_of_words
+from octmip.tree import Leaf, Split
+from tests.test_octmip.beam_twin import Beam, measured
+
+TWIN = Beam()
+COMMISSIONING = measured(1000)
+TIED = {"modulus", "load_factor_error", "common_gain"}
+
+
+def effect(name, size, place=""):
+    source = {**CHAIN, **TWIN.effects}[name]
+
+    def change(state, load, time):
+        return size * source.signature(TWIN, state, load, variant=place, time=time)
+
+    return change
+
+
+def both(*changes):
+    return lambda state, load, time: sum(change(state, load, time) for change in changes)
+
+
+def names_of(cause):
+    return [set(names) for names in cause.names]
+
+
+CASES = [
+    ("temperature_uniform", -8.0, ""),
+    ("lift_distribution", 4.0, ""),
+    ("large_deflection", 1.5, ""),
+    ("gauge_bias", 40.0, "g09"),
+    ("gauge_gain", 4.0, "g05"),
+    ("gauge_drift", 200.0, "g03"),
+    ("swapped_pair", 1.0, "g06/g07"),
+    ("dead_gauge", 1.0, "g11"),
+    ("modulus", 2.0, ""),
+]
+
+
+@pytest.mark.parametrize("known", [True, False], ids=["known state", "unknown state"])
+@pytest.mark.parametrize(("name", "size", "place"), CASES, ids=[case[0] for case in CASES])
+def test_a_single_effect_is_named_with_its_size(name, size, place, known):
+    states = ((0.0, 0.0),) if known else ((0.2, 0.4),)
+    campaign = measured(7, effect(name, size, place), states=states, known=known)
+    diagnosis = diagnose(campaign, TWIN, commissioning=COMMISSIONING)
+    first = diagnosis.which[0]
+    assert len(first.effects) == 1 and name in names_of(first)[0], page_of_words(diagnosis)
+    if first.effects == (name,):
+        low, high = first.parameters[0].low, first.parameters[0].high
+        assert low - (high - low) <= size <= high + (high - low)
+        assert first.parameters[0].variant == place
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("calibrated", [True, False])
+def test_a_sound_asset_is_called_sound(seed, calibrated):
+    diagnosis = diagnose(measured(seed), TWIN, commissioning=COMMISSIONING if calibrated else None)
+    assert diagnosis.is_sound
+    assert "Sound" in page_of_words(diagnosis)
+
+
+def test_the_commissioning_run_is_sound_against_itself():
+    assert diagnose(COMMISSIONING, TWIN, commissioning=COMMISSIONING).is_sound
+
+
+def test_two_effects_are_both_found():
+    change = both(effect("gauge_bias", 50.0, "g09"), effect("temperature_uniform", -8.0))
+    first = diagnose(measured(3, change), TWIN, commissioning=COMMISSIONING).which[0]
+    assert set(first.effects) == {"gauge_bias", "temperature_uniform"}
+    assert first.probability > 0.5
+
+
+def test_three_effects_are_all_found():
+    change = both(
+        effect("gauge_bias", 60.0, "g09"), effect("temperature_uniform", -10.0), effect("swapped_pair", 1.0, "g02/g04")
+    )
+    first = diagnose(measured(3, change), TWIN, commissioning=COMMISSIONING).which[0]
+    assert set(first.effects) == {"gauge_bias", "temperature_uniform", "swapped_pair"}
+
+
+@pytest.mark.parametrize("name", sorted(TIED))
+def test_exact_ties_are_named_together_and_no_strain_test_is_said_to_help(name):
+    diagnosis = diagnose(measured(5, effect(name, 2.0)), TWIN, commissioning=COMMISSIONING)
+    assert set(diagnosis.ambiguity[0].effects) >= TIED
+    assert diagnosis.which[0].probability > 0.7
+    assert not any(test.is_strain_test for test in diagnosis.next_test)
+    assert {"load_cell", "shunt_calibration"} & {test.name for test in diagnosis.next_test}
+
+
+def test_an_effect_outside_the_library_is_called_unknown():
+    odd = 12 * np.sin(9 * np.arange(20))
+    diagnosis = diagnose(measured(2, lambda state, load, time: load * odd), TWIN, commissioning=COMMISSIONING)
+    assert diagnosis.unknown_probability > 0.95
+    assert "outside the library" in page_of_words(diagnosis)
+
+
+def test_the_effect_closes_the_gap_on_held_out_loads():
+    diagnosis = diagnose(measured(7, effect("temperature_uniform", -8.0)), TWIN, commissioning=COMMISSIONING)
+    closing = diagnosis.shrinkage
+    assert closing is not None and closing.closed > 0.9
+    assert closing.after < 0.3 * closing.before
+    assert {h.name for h in closing.held_out} == {f"load factor {load}" for load in range(4)}
+
+
+def test_a_wrong_effect_does_not_close_the_gap():
+    from octmip.gap.shrinkage import shrinkage
+
+    diagnosis = diagnose(measured(7, effect("temperature_uniform", -8.0)), TWIN, commissioning=COMMISSIONING)
+    scene = diagnosis.posterior.scene
+    wrong = next(j for j, column in enumerate(scene.setting.columns) if column.name == "modulus")
+    assert shrinkage(scene, [wrong]).closed < 0.5
+
+
+def test_many_free_regions_and_no_baseline_are_refused_with_the_test_that_helps():
+    class Patchwork(Beam):
+        """A damage of its own under every gauge."""
+
+        def predict(self, state, load_factor):
+            damage = np.array([state.get(name, 0.0) for name in self.parameters])
+            return load_factor * HEALTHY_STRAIN * (1 + damage)
+
+    from tests.test_octmip.beam_twin import HEALTHY as HEALTHY_STRAIN
+
+    twin = Patchwork(parameters=tuple(f"mu{k + 1:02d}" for k in range(20)))
+    sound = measured(4, effect("modulus", -3.0), mesh=0.0)
+    campaign = type(sound)(
+        gauges=sound.gauges,
+        parameters=twin.parameters,
+        test=sound.test,
+        load_factor=sound.load_factor,
+        states=np.full((len(sound.test), 20), np.nan),
+        readings=sound.readings,
+        time=sound.time,
+        temperature=sound.temperature,
+    )
+    effects = {"modulus": TWIN.effects["modulus"], "common_gain": CHAIN["common_gain"]}
+    diagnosis = diagnose(campaign, twin, effects)
+    assert set(diagnosis.refused) == set(effects)
+    assert all("commissioning run" in reason for reason in diagnosis.refused.values())
+    assert max(diagnosis.inclusion.values()) < 0.5
+
+
+def test_an_unknown_state_is_estimated_beside_the_effect():
+    campaign = measured(11, effect("temperature_uniform", -8.0), states=((0.35, 0.55),), known=False)
+    state = diagnose(campaign, TWIN, commissioning=COMMISSIONING).states[0]
+    assert abs(state.mean["mu1"] - 0.35) < 4 * state.sd["mu1"] + 0.01
+    assert abs(state.mean["mu2"] - 0.55) < 4 * state.sd["mu2"] + 0.01
+
+
+def test_the_loop_stops_by_itself_once_the_twin_is_augmented():
+    change = both(effect("gauge_bias", 60.0, "g09"), effect("temperature_uniform", -10.0))
+    found = rounds(measured(3, change), TWIN, commissioning=COMMISSIONING)
+    assert not found[0].is_sound
+    assert found[-1].is_sound and len(found) <= 3
+
+
+def test_tree_nodes_are_ranked_by_flipped_decisions():
+    threshold = float(TWIN.predict({}, 1.0)[8]) + 10.0
+    tree = Split(8, threshold, Leaf(0), Split(0, 5e3, Leaf(1), Leaf(0)))
+    campaign = measured(3, effect("gauge_bias", 90.0, "g09"), loads=(1.0, 2.0, 3.0))
+    nodes = diagnose(campaign, TWIN, commissioning=COMMISSIONING, tree=tree, feature_names=TWIN.gauges).where.nodes
+    assert nodes[0].path == "" and nodes[0].share > 0.1 and nodes[0].simulated > nodes[0].real
+    assert nodes[1].share < 0.02
+
+
+def test_the_json_object_has_its_stable_keys_and_is_json():
+    diagnosis = diagnose(measured(7, effect("temperature_uniform", -8.0)), TWIN, commissioning=COMMISSIONING)
+    found = json.loads(json.dumps(as_object(diagnosis), allow_nan=False))
+    keys = {"where", "which", "ambiguity", "parameters", "unknown_probability", "noise", "shrinkage", "next_test"}
+    assert keys <= set(found)
+    assert found["which"][0]["effects"] == ["temperature_uniform"]
+    assert found["parameters"][0]["unit"] == "K"
+    assert "temperature_uniform" in report_page(diagnosis)
+
+
+def test_columns_in_another_order_give_the_same_answer():
+    campaign = measured(7, effect("gauge_gain", 5.0, "g05"))
+    order = np.random.default_rng(0).permutation(20)
+    shuffled = type(campaign)(
+        gauges=tuple(campaign.gauges[k] for k in order),
+        parameters=campaign.parameters,
+        test=campaign.test,
+        load_factor=campaign.load_factor,
+        states=campaign.states,
+        readings=campaign.readings[:, order],
+        time=campaign.time,
+        temperature=campaign.temperature,
+    )
+    one, other = (diagnose(c, TWIN, commissioning=COMMISSIONING).which[0] for c in (campaign, shuffled))
+    assert one.effects == other.effects and one.parameters[0].variant == other.parameters[0].variant
+    assert one.probability == pytest.approx(other.probability, abs=0.02)

@@ -1,0 +1,114 @@
+"""The closed-form evidence against nested sampling, an independent integrator, and the dense Gaussian density."""
+
+import numpy as np
+import pytest
+from dynesty import NestedSampler
+from scipy.special import ndtr
+from scipy.stats import multivariate_normal
+
+from octmip.gap import CHAIN
+from octmip.gap.diagnosis import prepare
+from octmip.gap.evidence import extensions, fit
+from octmip.gap.library import SCALES
+from octmip.gap.scene import build_scene
+from tests.test_octmip.beam_twin import Beam, measured
+
+TWIN = Beam()
+EFFECTS = {**CHAIN, **TWIN.effects}
+del EFFECTS["swapped_pair"]
+COMMISSIONING = measured(1000)
+
+
+def scene_of(seed, size=2.0, sd=120.0):
+    """A noisy campaign with a weak effect: evidences of a few nats, which nested sampling finds exactly and fast."""
+
+    def change(state, load, time):
+        return size * TWIN.effects["temperature_uniform"].signature(TWIN, state, load)
+
+    campaign = measured(seed, change, sd=sd, loads=(0.0, 2.0))
+    setting, _ = prepare(campaign, TWIN, EFFECTS, COMMISSIONING)
+    return build_scene(setting, np.array([cell.state for cell in campaign.cells]))
+
+
+def column(scene, name, place=""):
+    return next(j for j, c in enumerate(scene.setting.columns) if (c.name, c.variant) == (name, place))
+
+
+def mixture_quantiles(is_one_sided):
+    """Return sizes in prior sd and the share of the scale mixture below each."""
+    z = np.sinh(np.linspace(-4, 4, 4001))
+    share = np.mean([ndtr(z / scale) for scale in SCALES], axis=0)
+    return (z, np.maximum(0.0, 2 * share - 1)) if is_one_sided else (z, share)
+
+
+SETS = [
+    [("temperature_uniform", "")],
+    [("modulus", "")],
+    [("gauge_bias", "g04")],
+    [("gauge_gain", "g02")],
+    [("misalignment", "g02")],
+    [("temperature_gradient", "")],
+    [("lift_distribution", "")],
+    [("temperature_uniform", ""), ("modulus", "")],
+    [("temperature_uniform", ""), ("gauge_bias", "g04")],
+    [("temperature_gradient", ""), ("large_deflection", "")],
+]
+
+
+@pytest.mark.parametrize("chosen", SETS, ids=["+".join(name for name, _ in chosen) for chosen in SETS])
+def test_evidence_equals_nested_sampling_within_a_tenth(chosen):
+    scene = scene_of(3)
+    members = [column(scene, *one) for one in chosen]
+    effects = [scene.setting.columns[j].effect for j in members]
+    closed = fit(scene, members)
+    tables = [mixture_quantiles(effect.is_one_sided) for effect in effects]
+    gram, pull = scene.gram[np.ix_(members, members)], scene.pull[members]
+
+    def log_likelihood(size):
+        return float(pull @ size - 0.5 * size @ gram @ size)
+
+    def prior(cube):  # the mixture's own quantiles: one smooth map of the cube
+        return np.array(
+            [np.interp(u, share, e.prior_sd * z) for u, e, (z, share) in zip(cube, effects, tables, strict=True)]
+        )
+
+    sampler = NestedSampler(
+        log_likelihood, prior, len(members), nlive=500, bound="single", sample="unif", rstate=np.random.default_rng(1)
+    )
+    sampler.run_nested(print_progress=False, dlogz=0.02)
+    assert closed.log_factor == pytest.approx(sampler.results.logz[-1], abs=0.1)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_evidence_equals_the_dense_gaussian_density(seed):
+    scene = scene_of(seed)
+    members = [
+        column(scene, "temperature_uniform"),
+        column(scene, "gauge_bias", "g04"),
+        column(scene, "gauge_gain", "g02"),
+    ]
+    columns = scene.signatures[:, members]
+    sd = np.array([scene.setting.columns[j].effect.prior_sd for j in members])
+    logs = []
+    for a in SCALES:
+        for b in SCALES:
+            for c in SCALES:
+                covariance = scene.covariance + columns @ np.diag((sd * [a, b, c]) ** 2) @ columns.T
+                logs.append(multivariate_normal.logpdf(scene.residual, cov=covariance))
+    dense = float(np.logaddexp.reduce(logs)) - np.log(27)
+    assert scene.log_none + fit(scene, members).log_factor == pytest.approx(dense, abs=1e-6)
+    none = multivariate_normal.logpdf(scene.residual, cov=scene.covariance)
+    assert scene.log_none == pytest.approx(none, abs=1e-6)
+
+
+def test_the_quick_extension_of_nothing_is_the_exact_evidence_of_every_single_column():
+    scene = scene_of(1)
+    quick = extensions(scene, ())
+    exact = [fit(scene, [j]).log_factor for j in range(len(quick))]
+    assert np.allclose(quick, exact, atol=1e-8)
+
+
+def test_the_order_of_a_set_does_not_matter():
+    scene = scene_of(1)
+    one, two = column(scene, "temperature_uniform"), column(scene, "modulus")
+    assert fit(scene, [one, two]).log_factor == pytest.approx(fit(scene, [two, one]).log_factor, abs=1e-10)
