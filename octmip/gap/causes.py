@@ -12,9 +12,9 @@ from itertools import permutations
 import numpy as np
 
 from octmip.gap.ambiguity import SEPARABLE, Rival, rivals, tied_columns, visibility
-from octmip.gap.attribute import Judged, Posterior
 from octmip.gap.evidence import Fit
 from octmip.gap.library import SCALES
+from octmip.gap.posterior import Judged, Posterior
 
 UNKNOWN = "unknown"
 """Name of the cause that no effect of the library describes."""
@@ -93,7 +93,7 @@ class Cause:
         return tuple(tied.get(name, frozenset({name})) for name in self.effects)
 
 
-def causes(posterior: Posterior) -> tuple[Cause, ...]:
+def tell_causes(posterior: Posterior) -> tuple[Cause, ...]:
     """Return the explanations, most probable first, down to `CREDIBLE` together (at least three if there are)."""
     left = list(posterior.judged)
     found: list[Cause] = []

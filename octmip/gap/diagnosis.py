@@ -9,21 +9,21 @@ from threadpoolctl import threadpool_limits
 
 from octmip.errors import DataError
 from octmip.gap.ambiguity import ABSURD, detectable
-from octmip.gap.attribute import Posterior, attribute
 from octmip.gap.augment import Addition, AugmentedTwin
 from octmip.gap.campaign import Campaign
-from octmip.gap.causes import UNKNOWN, Cause, Tie, causes, credible_set
+from octmip.gap.causes import UNKNOWN, Cause, Tie, credible_set, tell_causes
 from octmip.gap.discrepancy import Discrepancy, calibrated, uncalibrated
 from octmip.gap.effects import CHAIN
-from octmip.gap.flips import flips
-from octmip.gap.library import library, priors
-from octmip.gap.localise import Where, localise
+from octmip.gap.library import library_columns, priors
+from octmip.gap.location import Where, localise
 from octmip.gap.memory import Memory
 from octmip.gap.next_test import Proposal, next_tests
 from octmip.gap.noise import Noise, estimate_noise
+from octmip.gap.posterior import Posterior, attribute
 from octmip.gap.scene import Scene, Setting, blocks_of
-from octmip.gap.shrinkage import Shrinkage, shrinkage
+from octmip.gap.shrinkage import Shrinkage, measure_shrinkage
 from octmip.gap.states import joint_covariance, state_posterior
+from octmip.gap.tree_nodes import flips
 from octmip.tree import Node
 from octmip.twin import Effect, Twin
 
@@ -146,12 +146,12 @@ def _diagnose(
     chosen = {**CHAIN, **_structural(twin)} if effects is None else dict(effects)
     setting, notes = prepare(campaign, twin, chosen, commissioning)
     posterior = attribute(setting)
-    which = causes(posterior)
+    which = tell_causes(posterior)
     scene = posterior.scene
     named = which[0].effects if which else ()
     closing = None
     if named and UNKNOWN not in named:
-        closing = shrinkage(which[0].judged.scene, which[0].judged.members)
+        closing = measure_shrinkage(which[0].judged.scene, which[0].judged.members)
     nodes = flips(scene, tree, feature_names) if tree is not None else ()
     sizes = detectable(scene)
     return Diagnosis(
@@ -198,7 +198,7 @@ def prepare(
             "No commissioning run: twin and asset may differ by about 1 % in common and 1 % a gauge before any effect; "
             "effects that scale all strains by less than about 1.5 % are invisible."
         )
-    columns = library(effects, memory, campaign.gauges)
+    columns = library_columns(effects, memory, campaign.gauges)
     groups, about = _open_groups(campaign)
     split = any(getattr(effect, "uses_time", False) for effect in effects.values())
     blocks = blocks_of(campaign, split)

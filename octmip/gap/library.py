@@ -82,7 +82,7 @@ def priors(columns: Sequence[Column]) -> Priors:
     )
 
 
-def library(effects: Mapping[str, Effect], twin: Twin, gauges: Sequence[str]) -> tuple[Column, ...]:
+def library_columns(effects: Mapping[str, Effect], twin: Twin, gauges: Sequence[str]) -> tuple[Column, ...]:
     """Return the columns of all effects, those that act on gauges outside `gauges` left out.
 
     Raises:

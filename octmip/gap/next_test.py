@@ -17,8 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.gap.attribute import Judged
 from octmip.gap.evidence import Fit
+from octmip.gap.posterior import Judged
 from octmip.gap.scene import Scene, named_state
 
 Floats = NDArray[np.float64]

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from octmip.gap.evidence import fit
-from octmip.gap.localise import noise_variance
+from octmip.gap.location import noise_variance
 from octmip.gap.scene import OPEN_STATE, Scene
 
 Floats = NDArray[np.float64]
@@ -72,7 +72,7 @@ class Shrinkage:
     p_after: float
 
 
-def shrinkage(scene: Scene, members: Sequence[int], seed: int = 0) -> Shrinkage:
+def measure_shrinkage(scene: Scene, members: Sequence[int], seed: int = 0) -> Shrinkage:
     """Return how far the columns `members` close the gap, the interval by a parametric bootstrap of the noise."""
     index = list(members)
     noise = noise_variance(scene)

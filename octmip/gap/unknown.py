@@ -44,7 +44,7 @@ class Unknown:
     conditioned: Scene
 
 
-def unknown(scene: Scene) -> Unknown:
+def weigh_unknown(scene: Scene) -> Unknown:
     """Return the evidence of an unknown field, and the scene in which it is allowed for."""
     kinds = [(name, power, size) for name in ("rough", "smooth") for power in POWERS for size in SIZES]
     roots = {name: np.array(np.linalg.cholesky(_kernel(scene, name == "smooth"))) for name in ("rough", "smooth")}

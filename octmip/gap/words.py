@@ -6,7 +6,7 @@ from typing import Any
 
 from octmip.gap.causes import UNKNOWN, Cause, Parameter
 from octmip.gap.diagnosis import Diagnosis
-from octmip.gap.localise import Place
+from octmip.gap.location import Place
 
 FEW = 5
 """Places of one kind that a page lists."""

@@ -112,12 +112,12 @@ def test_the_effect_closes_the_gap_on_held_out_loads():
 
 
 def test_a_wrong_effect_does_not_close_the_gap():
-    from octmip.gap.shrinkage import shrinkage
+    from octmip.gap.shrinkage import measure_shrinkage
 
     diagnosis = diagnose(measured(7, effect("temperature_uniform", -8.0)), TWIN, commissioning=COMMISSIONING)
     scene = diagnosis.posterior.scene
     wrong = next(j for j, column in enumerate(scene.setting.columns) if column.name == "modulus")
-    assert shrinkage(scene, [wrong]).closed < 0.5
+    assert measure_shrinkage(scene, [wrong]).closed < 0.5
 
 
 def test_many_free_regions_and_no_baseline_are_refused_with_the_test_that_helps():

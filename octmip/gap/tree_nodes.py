@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
-from octmip.gap.localise import Flip
+from octmip.gap.location import Flip
 from octmip.gap.scene import Scene
 from octmip.tree import HyperplaneSplit, Leaf, Node, Split, goes_left
 

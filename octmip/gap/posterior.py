@@ -16,7 +16,7 @@ from octmip.gap.evidence import Fit, Members, extensions, fit
 from octmip.gap.hypotheses import UNKNOWN_PRIOR, Hypothesis, candidates, log_prior
 from octmip.gap.scene import Scene, Setting, build_scene
 from octmip.gap.states import NEAR, distance, log_box, moved_states, starting_states
-from octmip.gap.unknown import Unknown, unknown
+from octmip.gap.unknown import Unknown, weigh_unknown
 
 Floats = NDArray[np.float64]
 
@@ -125,7 +125,7 @@ def _normalised(scenes: list[Scene], found: dict[Members, Hypothesis]) -> Poster
         elif len(scenes) == 1:
             judged.append((h, h.log_weight + scenes[0].log_none, scenes[0]))
     best = max(judged, key=lambda item: item[1])[2]
-    strange = unknown(best)
+    strange = weigh_unknown(best)
     judged += _with_unknown(best, strange)
     total = float(logsumexp([value for _, value, _ in judged]))
     result = [Judged(h.members, h.has_unknown, float(np.exp(v - total)), s) for h, v, s in judged]
