@@ -6,7 +6,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from octmip import HyperplaneSplit, Leaf, Problem, Split
+from octmip import HyperplaneSplit, Leaf, Problem, Solution, Split, Stop
 from octmip.cart import greedy_tree
 from octmip.certificate import certify
 from octmip.report.dot import tree_dot
@@ -77,6 +77,15 @@ def test_a_page_is_well_formed_and_escapes_names(page):
     body = page.removeprefix("<!doctype html>\n").replace('<meta charset="utf-8">', "")
     ElementTree.fromstring(body)
     assert "<tree>" not in page and "&lt;tree&gt;.json" in page and "no &amp; never" in page
+
+
+def test_the_confusion_has_the_true_class_in_rows():
+    stump = Split(0, 0.5, Leaf(1), Leaf(0))  # right for the first sample alone
+    file = record_tree(problem(), Solution(stump, 2.0, 0.0, Stop.TIME, 0.0, 1, "search", "1", 0), "y")
+    page = tree_page(file, "t.json")
+    assert '<th>yes</th><td class="n">2</td><td class="n">1</td>' in page
+    assert '<th>no &amp; never</th><td class="n">1</td><td class="n">0</td>' in page
+    assert "2 of 4 training samples wrong" in page and "no tree of this kind is below 0" in page
 
 
 def test_a_page_says_claims_settings_and_confusion(page):
