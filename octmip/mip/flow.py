@@ -21,7 +21,7 @@ once a leaf. Then, each valid because it only removes trees that another tree of
 * class counts (axis-aligned): the leaves below one side of a cut earn at most G_q of the class weights on that side,
   for every branch node (the samples that reach it are a part of all): see `octmip.mip.classcount`. At depth 1 this
   closes the root;
-* cuts that cannot lead to a better tree than the one known are left out: see `octmip.mip.thresholds`.
+* cuts that cannot lead to a better tree than the one known are left out: see `octmip.mip.fixing`.
 
 Source: the flow of samples through a tree: Aghaei, Gomez & Vayanos (2021), Strong optimal classification trees.
 Thresholds as monotone columns, class counts and the fixing of cuts are this project's.
@@ -38,11 +38,12 @@ from octmip.encoding import rank_features
 from octmip.mip import extras
 from octmip.mip.classcount import ClassCount
 from octmip.mip.engine import Request, drive, objective_of
+from octmip.mip.fixing import admissible_cuts
 from octmip.mip.groups import Groups, group_samples
 from octmip.mip.heap import Heap, Placed, place
 from octmip.mip.hyperplanes import Hyperplanes, add_hyperplanes, all_samples_band, choose_mu, space_of
 from octmip.mip.rows import Columns, Rows
-from octmip.mip.thresholds import Thresholds, add_thresholds, admissible_cuts
+from octmip.mip.thresholds import Thresholds, add_thresholds
 from octmip.problem import Problem
 from octmip.solution import Limits, ProgressCallback, Solution
 from octmip.tree import HyperplaneSplit, Node, Split
@@ -115,7 +116,7 @@ def encode(
     problem: Problem,
     best: Node,
     *,
-    fix: bool = True,
+    fix: int = 2,
     class_count: bool = True,
     max_splits: int | None = None,
     mu: float | None = None,
@@ -124,7 +125,7 @@ def encode(
 
     Args:
         best: the best tree known; cuts that lead to nothing better are left out.
-        fix: False leaves every cut in.
+        fix: 0 leaves every cut in, 1 and 2 leave out more and more: the levels of `octmip.mip.fixing`.
         class_count: False leaves the class-count rows out.
         max_splits: at most so many splits (features summed over the splits); None: no limit.
         mu: strictness of hyperplanes; None: chosen from the data.
@@ -134,7 +135,7 @@ def encode(
     laid = place(best, heap, problem.features)
     splits: Thresholds | Hyperplanes
     if problem.max_split_size == 1:
-        cuts = admissible_cuts(problem, ranks, heap, counts, laid, objective_of(problem, best), fix=fix)
+        cuts = admissible_cuts(problem, ranks, heap, laid, objective_of(problem, best), level=fix)
         splits = add_thresholds(rows, problem, ranks, heap, cuts, max_splits)
     else:
         space = space_of(problem)
@@ -242,6 +243,7 @@ def solve_flow(
     progress: ProgressCallback | None = None,
     max_splits: int | None = None,
     mu: float | None = None,
+    fix: int = 2,
     **request: Any,
 ) -> Solution:
     """Solve the flow formulation with HiGHS and return the tree and the bound.
@@ -250,10 +252,11 @@ def solve_flow(
         incumbent: tree to start from; None: CART's.
         max_splits: at most so many splits (features summed over the splits).
         mu: strictness of hyperplanes; None: chosen from the data by the rule of `octmip.mip.hyperplanes`.
+        fix: how far cuts are left out of the model beforehand: the levels of `octmip.mip.fixing`.
         request: the other fields of `octmip.mip.engine.Request`.
 
     Raises:
         SolverError: HiGHS failed, or its solution does not survive decoding.
     """
     settings = Request("flow", limits, incumbent, seed, n_jobs, progress, **request)
-    return drive(problem, lambda best: encode(problem, best, max_splits=max_splits, mu=mu), settings)
+    return drive(problem, lambda best: encode(problem, best, max_splits=max_splits, mu=mu, fix=fix), settings)

@@ -6,18 +6,17 @@
 
 Branching on S_mjr halves an interval of thresholds, where branching on the paper's b_t moves nothing.
 
-Cuts that no better tree needs are left out of the model (`admissible_cuts`); the ones that remain are numbered anew.
+Cuts that no better tree needs are left out of the model (`octmip.mip.fixing`); the ones that remain are numbered anew.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from octmip.encoding import Ranks
 from octmip.mip import axis
-from octmip.mip.classcount import ClassCount
 from octmip.mip.heap import Heap, Placed
 from octmip.mip.hyperplanes import Band
 from octmip.mip.rows import Columns, Rows, Term
@@ -36,7 +35,11 @@ class Thresholds:
     S: Mapping[int, Mapping[int, Columns]]
     scope: str = "all axis-aligned trees"
     tolerance: float = 1e-6
-    notes: Mapping[str, object] = field(default_factory=dict)
+
+    @property
+    def notes(self) -> dict[str, object]:
+        """What is to be said about the splits in a Solution: how many cuts each branch node may make."""
+        return {"cuts": {str(m): sum(map(len, of_node.values())) for m, of_node in self.cuts.items()}}
 
     def first(self, m: int) -> Columns:
         """Return the columns S_mj0, one for each feature that node m may split on: their sum is d_m."""
@@ -129,41 +132,3 @@ def add_thresholds(
     if max_splits is not None:
         rows.add("max_splits", -np.inf, max_splits, (np.concatenate([thresholds.first(m) for m in heap.branches]), 1.0))
     return thresholds
-
-
-def admissible_cuts(
-    problem: Problem, ranks: Ranks, heap: Heap, counts: ClassCount, best: Placed, objective: float, *, fix: bool = True
-) -> dict[int, Cuts]:
-    """Return the cuts of each branch node that a better tree than `best` may need, and those of `best` itself.
-
-    * At the root: a cut whose class-count bound is no better than `objective` leads to no better tree.
-    * At the last level, leaf_size 1: a cut between two values whose samples are all of one class k is not needed. The
-      cost of the stump is linear while that class moves across, so one of the two neighbouring cuts costs no more;
-      repeat until a value of another class is met, or one side is empty and the split not needed at all.
-
-    Args:
-        fix: False leaves every cut in.
-    """
-    usable = axis.usable_features(problem, ranks)
-    everything = {j: np.arange(axis.n_cuts(ranks)[j]) for j in usable}
-    admissible: dict[int, Cuts] = {}
-    for m in heap.branches:
-        cuts = dict(everything)
-        if fix and heap.is_last_level(m) and problem.leaf_size == 1:
-            cuts = {j: np.intersect1d(cuts[j], _boundaries(problem, ranks, j)) for j in cuts}
-        if fix and m == 1:
-            cuts = {j: cuts[j][counts.bound_by_cut(j)[cuts[j]] < objective - 1e-9] for j in cuts}
-        split = best.splits.get(m)
-        if isinstance(split, Split):
-            j = split.feature
-            cuts[j] = np.union1d(cuts.get(j, np.zeros(0, dtype=np.int64)), axis.cut_of(split, ranks))
-        admissible[m] = {j: cut.astype(np.int64) for j, cut in cuts.items() if len(cut)}
-    return admissible
-
-
-def _boundaries(problem: Problem, ranks: Ranks, j: int) -> NDArray[np.int64]:
-    """Return the cuts of feature j whose two neighbouring values are not all of one same class."""
-    present = np.zeros((len(ranks.values[j]), problem.n_classes), dtype=bool)
-    present[ranks.ranks[j], problem.codes] = True
-    only = np.where(present.sum(axis=1) == 1, present.argmax(axis=1), -1)
-    return np.flatnonzero((only[:-1] != only[1:]) | (only[:-1] < 0))

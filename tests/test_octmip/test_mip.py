@@ -12,6 +12,7 @@ from octmip.errors import ProblemError, SolverError
 from octmip.mip import engine, highs
 from octmip.mip.flow import solve_flow
 from octmip.mip.oct import encode, solve_oct
+from octmip.search import local_search
 from tests.oracles.enumeration import optimum
 from tests.strategies import random_problem
 
@@ -89,7 +90,7 @@ def test_the_optimum_stays_without_fixing_and_without_class_counts(case):
     from octmip.mip.flow import encode as encode_flow
 
     problem = CASES[case]
-    for fix, class_count in ((False, True), (True, False), (False, False)):
+    for fix, class_count in ((0, True), (1, True), (2, False), (0, False)):
         request = engine.Request("flow")
         solution = engine.drive(
             problem, lambda best, f=fix, k=class_count: encode_flow(problem, best, fix=f, class_count=k), request
@@ -247,3 +248,22 @@ def test_a_written_model_has_the_optimum_of_the_problem(tmp_path, suffix):
 def test_a_model_file_of_an_unknown_kind_is_refused(tmp_path):
     with pytest.raises(SolverError, match=r"\.mps or \.lp"):
         highs.write(encode(blobs(depth=1)).rows, tmp_path / "model.txt")
+
+
+@pytest.mark.parametrize("seed", range(100, 120))
+def test_fixing_never_takes_away_the_optimum_at_depth_three(seed):
+    problem = random_problem(np.random.default_rng(seed), max_samples=8, max_features=2, max_depth=3)
+    worst = Leaf(int(problem.class_costs().argmin()))
+    for fix in (1, 2):
+        solution = solve_flow(problem, incumbent=worst, fix=fix)
+        certify(problem, solution)
+        assert solution.objective == pytest.approx(optimum(problem).objective, rel=1e-6, abs=1e-6)
+        assert solution.is_optimal
+
+
+@pytest.mark.parametrize(("name", "errors"), [("iris", 6), ("wine", 6)])
+def test_pairs_of_cuts_prove_known_optima_at_depth_two(name, errors):
+    problem = uci(name, depth=2)
+    solution = solve_flow(problem, incumbent=local_search(problem).tree)
+    certify(problem, solution)
+    assert (solution.objective, solution.bound) == (errors, errors)

@@ -65,7 +65,7 @@ def test_the_rows_are_those_of_the_pyomo_statement(case, closed):
         assert (columns[name].lb, upper, columns[name].is_binary()) == (low, high, whole), name
 
 
-@pytest.mark.parametrize("encode", [oct.encode, lambda problem: flow.encode(problem, Leaf(0), fix=False)])
+@pytest.mark.parametrize("encode", [oct.encode, lambda problem: flow.encode(problem, Leaf(0), fix=0)])
 @pytest.mark.parametrize("seed", range(30))
 def test_a_tree_encoded_is_feasible_costs_its_objective_and_decodes_to_itself(encode, seed):
     rng = np.random.default_rng(seed)
