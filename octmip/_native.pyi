@@ -57,6 +57,8 @@ def two_feature_branch_and_bound(
     problem: Problem,
     n_threads: int,
     limit_values: tuple[float, float, float, float],
+    known: int | None = None,
+    seed: int = 0,
     progress: Callable[[float, int, int, int], None] | None = None,
 ) -> tuple[list[NodeRow], int, int, str, int]:
     """Return node table, objective, bound, stop and number of boxes."""

@@ -17,11 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip import _native
-from octmip.encoding import integer_costs, native_problem, rank_features, tree_from_rows
+from octmip.encoding import IntegerCosts, integer_costs, native_problem, rank_features, tree_from_rows
 from octmip.errors import ProblemError
 from octmip.problem import Problem
 from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop
-from octmip.tree import HyperplaneSplit, Leaf, Node, Split, goes_left, midpoint, predict
+from octmip.tree import HyperplaneSplit, Leaf, Node, Split, complexity, goes_left, midpoint, predict
 
 MOST_DEPTH = 2
 MOST_FEATURES = 2
@@ -58,6 +58,8 @@ def two_feature_branch_and_bound(
         native_problem(problem, ranks, costs),
         n_jobs,
         (limits.seconds, limits.gap, limits.nodes, limits.memory),
+        None if incumbent is None else _whole_objective(problem, costs, incumbent),
+        seed % 2**64,
         _native_progress(progress, costs.unit),
     )
     tree = _finished(problem, tree_from_rows(rows, ranks), np.arange(problem.n_samples))
@@ -95,6 +97,12 @@ def _check(problem: Problem, n_jobs: int, proof: None) -> None:
         raise ProblemError(f"n_jobs is {n_jobs}; expected 1 or more")
     if proof is not None:
         raise ProblemError("proof is given but two-feature splits have no proof log; leave it out")
+
+
+def _whole_objective(problem: Problem, costs: IntegerCosts, tree: Node) -> int:
+    """Return the objective of a tree in the core's whole-numbered costs."""
+    predicted = predict(tree, problem.features)
+    return int((costs.weights * costs.costs[problem.codes, predicted]).sum()) + costs.penalty * complexity(tree)
 
 
 def _native_progress(progress: ProgressCallback | None, unit: float) -> Callable[[float, int, int, int], None] | None:

@@ -21,7 +21,7 @@ def solve_and_certify(problem: AnyProblem, **options: object) -> float:
     return solution.objective
 
 
-@pytest.mark.parametrize(("depth", "max_samples", "n_problems"), [(1, 12, 150)])
+@pytest.mark.parametrize(("depth", "max_samples", "n_problems"), [(1, 12, 150), (2, 9, 150)])
 def test_random_problems_reach_the_optimum_of_enumeration(depth: int, max_samples: int, n_problems: int) -> None:
     for seed in range(n_problems):
         problem = random_two_feature_problem(np.random.default_rng(seed), depth=depth, max_samples=max_samples)
@@ -61,6 +61,41 @@ def test_what_is_not_proven_is_refused(options: dict[str, int], message: str) ->
     problem = Problem(np.eye(4), [0, 1, 0, 1], split="hyperplane", **options)  # type: ignore[arg-type]
     with pytest.raises(ProblemError, match=message):
         two_feature_branch_and_bound(problem)
+
+
+def published_like(n: int, p: int) -> Problem:
+    """Return a problem of five overlapping classes, like the strains' damage levels."""
+    rng = np.random.default_rng(5)
+    level = rng.integers(0, 5, n)
+    gains = np.linspace(2.0, 0.5, p)
+    features = level[:, None] * gains + rng.normal(scale=1.5, size=(n, p))
+    return Problem(features, level, depth=2, split="hyperplane", split_size=2)
+
+
+def test_tree_bound_and_counters_do_not_depend_on_the_number_of_threads() -> None:
+    problem = published_like(120, 3)
+    one, two, three = (two_feature_branch_and_bound(problem, n_jobs=n) for n in (1, 2, 3))
+    assert one.is_optimal
+    assert one.tree == two.tree == three.tree
+    assert (one.objective, one.bound, one.n_nodes) == (two.objective, two.bound, two.n_nodes)
+    assert one.n_nodes == three.n_nodes
+
+
+def test_a_known_tree_is_never_made_worse_and_its_proof_needs_no_more_boxes() -> None:
+    problem = published_like(80, 2)
+    first = two_feature_branch_and_bound(problem)
+    again = two_feature_branch_and_bound(problem, incumbent=first.tree)
+    assert again.is_optimal
+    assert again.objective == first.objective
+    assert again.n_nodes <= first.n_nodes
+
+
+def test_the_bound_rises_and_stays_below_the_optimum_when_nodes_run_out() -> None:
+    problem = published_like(150, 3)
+    optimum = two_feature_branch_and_bound(problem).objective
+    bounds = [two_feature_branch_and_bound(problem, limits=Limits(nodes=n)).bound for n in (1, 300, 1000)]
+    assert bounds == sorted(bounds)
+    assert all(bound <= optimum for bound in bounds)
 
 
 def test_a_time_limit_of_nothing_returns_a_tree_and_a_valid_bound() -> None:

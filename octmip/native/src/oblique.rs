@@ -1,14 +1,20 @@
 //! Optimal trees whose splits use up to two features, proven by branch and bound over cells of lines.
 
+pub mod boxes;
+pub mod budget;
 pub mod cell;
 pub mod chart;
 pub mod ends;
 pub mod extract;
 pub mod ground;
+pub mod labels;
 pub mod loss;
 pub mod margin;
+pub mod pair;
 pub mod plane;
+pub mod queue;
 pub mod single;
+pub mod start;
 pub mod stump;
 pub mod watch;
 pub mod wide;
@@ -30,10 +36,17 @@ pub fn solve(
     problem: &Problem,
     limits: Limits,
     n_threads: usize,
+    known: Option<i64>,
+    seed: u64,
     keep_going: KeepGoing,
 ) -> Option<Outcome> {
-    let _ = n_threads;
-    (problem.depth == 1).then(|| solve_single(problem, limits, keep_going))
+    match problem.depth {
+        1 => Some(solve_single(problem, limits, keep_going)),
+        2 => Some(pair::solve_pair(
+            problem, limits, n_threads, known, seed, keep_going,
+        )),
+        _ => None,
+    }
 }
 
 fn solve_single(problem: &Problem, limits: Limits, keep_going: KeepGoing) -> Outcome {

@@ -156,8 +156,8 @@ impl Cell {
 
     /// The line of the cell that runs clearest of the samples when `left` go left and `right` go right.
     ///
-    /// Returns the least distance in r (negative: no line of the cell does it), t and r. The distance is a concave
-    /// function of t, so a ternary search finds its maximum.
+    /// Returns the least distance in r (negative: no line of the cell does it), t and r. The distance is a concave,
+    /// piecewise linear function of t, so its maximum lies at an end or where two of the straight lines in it cross.
     pub fn clearest(
         &self,
         plane: &Plane,
@@ -183,20 +183,43 @@ impl Cell {
                 .fold(self.u0 + part * (self.u1 - self.u0), f64::min);
             (high - low, (high + low) / 2.0)
         };
-        let (mut a, mut b) = (self.t0, self.t1);
-        for _ in 0..90 {
-            let (c, d) = (a + (b - a) / 3.0, b - (b - a) / 3.0);
-            if room(c).0 < room(d).0 {
-                a = c;
-            } else {
-                b = d;
-            }
-        }
-        let best = [a, b, self.t0, self.t1]
-            .into_iter()
+        let best = self
+            .turning_points(plane, features, left, right)
             .max_by(|&s, &t| room(s).0.total_cmp(&room(t).0))
-            .unwrap_or(a);
+            .unwrap_or(self.t0);
         let (distance, r) = room(best);
         (distance, best, r)
+    }
+
+    /// The ends of the cell, and where its edges and the lines of some samples cross in it.
+    fn turning_points(
+        &self,
+        plane: &Plane,
+        (f, g): (usize, usize),
+        left: &[u32],
+        right: &[u32],
+    ) -> impl Iterator<Item = f64> {
+        let (x, y) = (plane.column(f), plane.column(g));
+        let width = self.t1 - self.t0;
+        // Every line as its heights at both ends.
+        let mut lines = vec![(self.l0, self.l1), (self.u0, self.u1)];
+        lines.extend(left.iter().chain(right).map(|&i| {
+            let (a, b) = (x[i as usize], y[i as usize]);
+            (a + self.t0 * b, a + self.t1 * b)
+        }));
+        let mut points = vec![self.t0, self.t1];
+        for (k, a) in lines
+            .iter()
+            .enumerate()
+            .take(if width > 0.0 { lines.len() } else { 0 })
+        {
+            for b in &lines[..k] {
+                let (at_0, at_1) = (a.0 - b.0, a.1 - b.1);
+                if at_0 * at_1 < 0.0 {
+                    points.push(self.t0 + width * (at_0 / (at_0 - at_1)));
+                }
+            }
+        }
+        points.into_iter()
     }
 }

@@ -67,22 +67,21 @@ impl Chart {
         self.t.len() - 1
     }
 
-    /// Region of every sample at the left and at the right boundary of a strip.
-    pub fn bins(&self, strip: usize) -> (&[u8], &[u8]) {
-        let (a, b) = (strip * self.n, (strip + 1) * self.n);
-        (&self.bins[a..b], &self.bins[b..b + self.n])
+    /// Region of every sample at a strip boundary.
+    pub fn bins(&self, boundary: usize) -> &[u8] {
+        &self.bins[boundary * self.n..(boundary + 1) * self.n]
     }
 
-    /// One region of one strip.
-    pub fn cell(&self, strip: usize, region: usize) -> Cell {
+    /// The regions `first..end` between two strip boundaries, as one cell.
+    pub fn cell(&self, (from, to): (usize, usize), (first, end): (usize, usize)) -> Cell {
         let at = |k: usize, b: usize| self.edges[k * (REGIONS + 1) + b];
         Cell {
-            t0: self.t[strip],
-            t1: self.t[strip + 1],
-            l0: at(strip, region),
-            l1: at(strip + 1, region),
-            u0: at(strip, region + 1),
-            u1: at(strip + 1, region + 1),
+            t0: self.t[from],
+            t1: self.t[to],
+            l0: at(from, first),
+            l1: at(to, first),
+            u0: at(from, end),
+            u1: at(to, end),
         }
     }
 
@@ -205,10 +204,10 @@ mod tests {
         let plane = Plane::new(40, 2, &values, &[0; 80]);
         let chart = Chart::new(&plane, (0, 1), 8);
         for strip in 0..chart.n_strips() {
-            let (bins, _) = chart.bins(strip);
+            let bins = chart.bins(strip);
             for (i, &bin) in bins.iter().enumerate() {
                 let r = plane.column(0)[i] + chart.t[strip] * plane.column(1)[i];
-                let cell = chart.cell(strip, bin as usize);
+                let cell = chart.cell((strip, strip + 1), (bin as usize, bin as usize + 1));
                 assert!(cell.l0 + EPS < r && r < cell.u0 - EPS, "{cell:?} {r}");
             }
         }

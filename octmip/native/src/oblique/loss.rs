@@ -64,7 +64,8 @@ impl Loss {
         self.k + 1
     }
 
-    fn cost(&self, class: usize, label: usize) -> i64 {
+    /// Cost of one unit of weight of a class under a label.
+    pub fn cost(&self, class: usize, label: usize) -> i64 {
         if self.costs.is_empty() {
             i64::from(class != label)
         } else {
@@ -110,6 +111,7 @@ impl Loss {
     ///
     /// A sample that may go to both sides costs at least the cheaper of the two labels; equal labels are one leaf, which
     /// is looked at elsewhere.
+    #[inline]
     pub fn bound(&self, total: &[i64], may_left: &[i64], may_right: &[i64], need: i64) -> i64 {
         if may_left[self.k] < need || may_right[self.k] < need {
             return INFEASIBLE;
@@ -118,6 +120,10 @@ impl Loss {
             let all: i64 = total[..self.k].iter().sum();
             return all - two_labels(&may_left[..self.k], &may_right[..self.k]);
         }
+        self.dear_bound(total, may_left, may_right)
+    }
+
+    fn dear_bound(&self, total: &[i64], may_left: &[i64], may_right: &[i64]) -> i64 {
         let mut best = INFEASIBLE;
         for a in 0..self.k {
             for b in (0..self.k).filter(|&b| b != a) {
@@ -147,6 +153,7 @@ impl Loss {
 }
 
 /// The largest `left[a] + right[b]` over `a != b`.
+#[inline]
 fn two_labels(left: &[i64], right: &[i64]) -> i64 {
     let (a1, l1, l2) = two_largest(left);
     let (b1, r1, r2) = two_largest(right);
@@ -157,6 +164,7 @@ fn two_labels(left: &[i64], right: &[i64]) -> i64 {
     }
 }
 
+#[inline]
 fn two_largest(numbers: &[i64]) -> (usize, i64, i64) {
     let (mut at, mut first, mut second) = (0, -1, -1);
     for (i, &number) in numbers.iter().enumerate() {

@@ -29,7 +29,7 @@ pub fn best_single(
         let chart = Chart::new(view.plane, features, STRIPS);
         search.begin_chart();
         for strip in 0..chart.n_strips() {
-            search.scan(&chart, strip);
+            search.scan(&chart, (strip, strip + 1), true);
         }
         search.try_best_of_chart();
     }

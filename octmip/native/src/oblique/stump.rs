@@ -16,6 +16,11 @@ use super::plane::Plane;
 /// Lines that keep this clear of all samples part them in floating point as they do in exact arithmetic.
 pub const THICK: f64 = 2.0 * EPS;
 
+/// Neighbouring strips that are bounded together at first.
+const GROUP: usize = 16;
+/// So few samples leave most regions of most strips empty: cells over many strips settle them faster.
+const FEW: usize = 96;
+
 /// The line `x_f + t x_g = r` in scaled coordinates; samples at or below it go left.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[allow(missing_docs)]
@@ -31,6 +36,13 @@ impl Line {
     pub fn sends_left(&self, plane: &Plane, i: u32) -> bool {
         let (f, g) = self.features;
         plane.column(f)[i as usize] + self.t * plane.column(g)[i as usize] <= self.r
+    }
+
+    /// Whether the line keeps clear of some samples by more than rounding can matter.
+    pub fn is_clear_of(&self, plane: &Plane, ids: &[u32]) -> bool {
+        let (x, y) = (plane.column(self.features.0), plane.column(self.features.1));
+        let distance = |i: u32| (x[i as usize] + self.t * y[i as usize] - self.r).abs();
+        ids.iter().all(|&i| distance(i) > EPS)
     }
 }
 
@@ -107,6 +119,10 @@ pub struct Question<'a> {
     pub cutoff: i64,
     /// No split is known to cost less.
     pub floor: i64,
+    /// Once less than this is attained, the answer no longer matters.
+    pub hopeless: i64,
+    /// Regions that are split at most; fewer than all give a good split, but no bound.
+    pub most_tried: usize,
     /// Strips whose own bound is this much or more are left out.
     pub dead: i64,
 }
@@ -124,6 +140,7 @@ pub struct Answer {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Candidate {
     bound: i64,
+    order: u32,
     features: (usize, usize),
     cell: Cell,
 }
@@ -143,6 +160,8 @@ pub struct Search<'a> {
     thin: i64,
     candidates: Vec<Candidate>,
     chart_start: usize,
+    /// So many regions are split at most: all of them for an exact answer.
+    most_tried: usize,
     low: Vec<i64>,
     high: Vec<i64>,
 }
@@ -175,6 +194,7 @@ impl<'a> Search<'a> {
             thin: INFEASIBLE,
             candidates: Vec::new(),
             chart_start: 0,
+            most_tried: usize::MAX,
             low: vec![0; size],
             high: vec![0; size],
         }
@@ -184,7 +204,9 @@ impl<'a> Search<'a> {
     pub fn try_lines(&mut self, lines: impl IntoIterator<Item = Line>) {
         for line in lines {
             let cost = self.view.cost_of(&line, self.ids, &self.total, self.need);
-            self.offer(cost, line);
+            if cost < self.attained && line.is_clear_of(self.view.plane, self.ids) {
+                self.offer(cost, line);
+            }
         }
     }
 
@@ -196,40 +218,42 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Best cost so far.
-    pub fn attained(&self) -> i64 {
-        self.attained
-    }
-
-    /// Bound one strip by its regions, keep those that could still win, and return the least bound.
-    pub fn scan(&mut self, chart: &Chart, strip: usize) -> i64 {
+    /// Bound the lines between two strip boundaries by their regions and return the least bound.
+    ///
+    /// `keeps`: remember the regions that could still win.
+    pub fn scan(&mut self, chart: &Chart, (from, to): (usize, usize), keeps: bool) -> i64 {
         let lanes = self.view.loss.lanes();
-        let shift = lanes.next_power_of_two().trailing_zeros();
-        self.count_bins(chart.bins(strip), shift);
+        let lane_bits = lanes.next_power_of_two().trailing_zeros();
+        // Few samples need few regions: neighbours are taken together.
+        let merged = (REGIONS / (self.ids.len() / 4).clamp(8, REGIONS)).ilog2();
+        self.count_bins(chart.bins(from), chart.bins(to), merged, lane_bits);
         let price = self.view.price(chart.features);
         let mut may_left = vec![0i64; lanes];
         let mut may_right = self.total.clone();
         let mut least = INFEASIBLE;
-        for region in 0..REGIONS {
-            let slot = region << shift;
+        for region in 0..REGIONS >> merged {
+            let slot = region << lane_bits;
             for (sum, count) in may_left.iter_mut().zip(&self.low[slot..]) {
                 *sum += count;
             }
-            let bound = self
-                .view
-                .loss
-                .bound(&self.total, &may_left, &may_right, self.need)
-                + price;
-            // A region without room between its edges holds no line of its own.
-            let cell = chart.cell(strip, region);
-            if cell.has_room() {
-                least = least.min(bound);
-                if bound < self.current {
-                    self.candidates.push(Candidate {
-                        bound,
-                        features: chart.features,
-                        cell,
-                    });
+            let loss = self.view.loss;
+            let bound = loss.bound(&self.total, &may_left, &may_right, self.need) + price;
+            if bound < least.max(self.current) {
+                // A region without room between its edges holds no line of its own.
+                let regions = (region << merged, (region + 1) << merged);
+                let cell = chart.cell((from, to), regions);
+                if cell.has_room() {
+                    least = least.min(bound);
+                    if keeps && bound < self.current {
+                        let features = chart.features;
+                        let order = self.candidates.len() as u32;
+                        self.candidates.push(Candidate {
+                            bound,
+                            order,
+                            features,
+                            cell,
+                        });
+                    }
                 }
             }
             for (sum, count) in may_right.iter_mut().zip(&self.high[slot..]) {
@@ -239,16 +263,18 @@ impl<'a> Search<'a> {
         least
     }
 
-    fn count_bins(&mut self, (first, last): (&[u8], &[u8]), shift: u32) {
-        self.low.fill(0);
-        self.high.fill(0);
+    fn count_bins(&mut self, first: &[u8], last: &[u8], merged: u32, lane_bits: u32) {
+        let used = (REGIONS >> merged) << lane_bits;
+        self.low[..used].fill(0);
+        self.high[..used].fill(0);
         let (labels, weights) = (self.view.labels, self.view.weights);
         let k = self.view.loss.k;
         let counts_samples = self.need > 1;
         for &i in self.ids {
             let i = i as usize;
-            let (a, b) = (first[i], last[i]);
-            let (low, high) = ((a.min(b) as usize) << shift, (a.max(b) as usize) << shift);
+            let (a, b) = (first[i] >> merged, last[i] >> merged);
+            let low = (a.min(b) as usize) << lane_bits;
+            let high = (a.max(b) as usize) << lane_bits;
             let class = labels[i] as usize;
             self.low[low + class] += weights[i];
             self.high[high + class] += weights[i];
@@ -260,6 +286,63 @@ impl<'a> Search<'a> {
         if !counts_samples {
             // Without counts no region may look too empty for a leaf.
             self.low[k] = self.total[k];
+        }
+    }
+
+    /// Bound neighbouring strips of one chart, many at once where that is enough.
+    fn scan_group(&mut self, chart: &Chart, strips: &mut [Strip], dead: i64) {
+        let limit = self.current.min(dead);
+        if strips.iter().all(|strip| strip.bound >= limit) || self.is_stopped() {
+            return;
+        }
+        let from = strips[0].strip as usize;
+        let bound = self.scan(chart, (from, from + strips.len()), strips.len() == 1);
+        for strip in strips.iter_mut() {
+            strip.bound = strip.bound.max(bound);
+        }
+        if bound < self.current && strips.len() > 1 {
+            for part in strips.chunks_mut(strips.len().div_ceil(4)) {
+                self.scan_group(chart, part, dead);
+            }
+        }
+    }
+
+    /// Bound neighbouring strips as one cell each, for few samples.
+    fn scan_runs(&mut self, charts: &[Chart], strips: &[Strip], dead: i64) {
+        let alive = |strip: &&Strip| strip.bound < dead.min(self.current);
+        let alive: Vec<Strip> = strips.iter().filter(alive).copied().collect();
+        let runs = alive.chunk_by(|a, b| a.chart == b.chart && a.strip + 1 == b.strip);
+        for run in runs {
+            let chart = &charts[run[0].chart as usize];
+            let (first, last) = (run[0].strip as usize, run[run.len() - 1].strip as usize);
+            let cell = self.cell_around(chart.features, chart.t[first], chart.t[last + 1]);
+            self.candidates.push(Candidate {
+                bound: run.iter().map(|strip| strip.bound).min().unwrap_or(0),
+                order: self.candidates.len() as u32,
+                features: chart.features,
+                cell,
+            });
+        }
+    }
+
+    /// The cell of all lines that part the samples at all, between two values of t.
+    fn cell_around(&self, (f, g): (usize, usize), t0: f64, t1: f64) -> Cell {
+        let (x, y) = (self.view.plane.column(f), self.view.plane.column(g));
+        let range = |t: f64| {
+            let reach = self.ids.iter().map(|&i| x[i as usize] + t * y[i as usize]);
+            reach.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), r| {
+                (l.min(r), h.max(r))
+            })
+        };
+        const ROOM: f64 = 1e-6;
+        let ((l0, u0), (l1, u1)) = (range(t0), range(t1));
+        Cell {
+            t0,
+            t1,
+            l0: l0 - ROOM,
+            l1: l1 - ROOM,
+            u0: u0 + ROOM,
+            u1: u1 + ROOM,
         }
     }
 
@@ -291,8 +374,8 @@ impl<'a> Search<'a> {
     /// Split the regions that could still win until none is left; returns the answer.
     pub fn finish(mut self, floor: i64) -> Answer {
         let mut candidates = std::mem::take(&mut self.candidates);
-        candidates.sort_by_key(|candidate| candidate.bound);
-        for candidate in candidates {
+        candidates.sort_unstable_by_key(|candidate| (candidate.bound, candidate.order));
+        for candidate in candidates.into_iter().take(self.most_tried) {
             if candidate.bound >= self.current || self.current <= floor || self.is_stopped() {
                 break;
             }
@@ -386,7 +469,9 @@ impl<'a> Search<'a> {
             }
         }
         let cost = self.cost_of_left(features, &left);
-        self.offer(cost, line);
+        if cost < self.attained && line.is_clear_of(self.view.plane, &part.open) {
+            self.offer(cost, line);
+        }
     }
 
     fn cost_of_left(&self, features: (usize, usize), left: &[i64]) -> i64 {
@@ -515,19 +600,31 @@ pub fn best_split(
     stop: &AtomicBool,
 ) -> Answer {
     let mut search = Search::new(view, question.ids, question.need, question.cutoff, stop);
+    search.most_tried = question.most_tried;
     search.try_lines(lines);
     if search.attained <= question.floor {
         return search.finish(question.floor);
     }
-    for strip in strips.iter_mut() {
-        if strip.bound >= search.current || strip.bound >= question.dead {
-            continue;
+    if question.ids.len() <= FEW {
+        search.scan_runs(charts, strips, question.dead);
+        return search.finish(question.floor);
+    }
+    let neighbours = |a: &Strip, b: &Strip| a.chart == b.chart && a.strip + 1 == b.strip;
+    for run in strips.chunk_by_mut(neighbours) {
+        let chart = &charts[run[0].chart as usize];
+        search.begin_chart();
+        for group in run.chunks_mut(GROUP) {
+            search.scan_group(chart, group, question.dead);
         }
-        if search.is_stopped() {
-            break;
+        search.try_best_of_chart();
+        if search.attained < question.hopeless {
+            // The strips have learnt something; the answer is not worth the rest.
+            return Answer {
+                lower: question.floor,
+                attained: search.attained,
+                line: search.line,
+            };
         }
-        let bound = search.scan(&charts[strip.chart as usize], strip.strip as usize);
-        strip.bound = strip.bound.max(bound);
     }
     search.finish(question.floor)
 }

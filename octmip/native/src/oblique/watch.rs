@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use crate::control::{KeepGoing, Limits, Progress, Stop};
 
 /// How often the calling thread looks up.
-const LOOK: Duration = Duration::from_millis(20);
+pub const LOOK: Duration = Duration::from_millis(20);
 
 /// A stop flag that workers read, and why it was set.
 #[derive(Debug)]

@@ -11,18 +11,28 @@ type Found = (Vec<NodeRow>, i64, i64, &'static str, u64);
 
 /// Find an optimal tree with splits over up to two features.
 #[pyfunction(name = "two_feature_branch_and_bound")]
-#[pyo3(signature = (problem, n_threads, limit_values, progress=None))]
+#[pyo3(signature = (problem, n_threads, limit_values, known=None, seed=0,
+    progress=None))]
 pub fn py_two_feature_branch_and_bound(
     py: Python<'_>,
     problem: &PyProblem,
     n_threads: usize,
     limit_values: (f64, f64, f64, f64),
+    known: Option<i64>,
+    seed: u64,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Found> {
     let mut error = None;
     let outcome = py.detach(|| {
         let mut go_on = keep_going(progress.as_ref(), &mut error);
-        solve(&problem.inner, limits(limit_values), n_threads, &mut go_on)
+        solve(
+            &problem.inner,
+            limits(limit_values),
+            n_threads,
+            known,
+            seed,
+            &mut go_on,
+        )
     });
     if let Some(raised) = error {
         return Err(raised);

@@ -1,0 +1,489 @@
+//! Trees of depth 2: a box is a cell of root lines with what is known of both children; bound it, close it or split it.
+//!
+//! Let L, R, O be the samples that the cell sends left, sends right, leaves open. Every root line of the cell parts them as
+//! L + O1, R + O2, and with STUMP the best cost of a child:
+//!
+//! * dropping samples lowers no optimum: cost >= STUMP(L) + STUMP(R), and open samples of a class that no leaf names are
+//!   wrong on top of it: minimised over the labels that the children may use;
+//! * adding samples raises an optimum by at most what they can cost: cost >= STUMP(L + O) + STUMP(R + O) - most(O).
+//!
+//! Bounds of a child's strips hold for all sets that contain the child's samples, so boxes inside the box inherit them.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use crate::problem::Problem;
+
+use super::cell::Cell;
+use super::chart::Chart;
+use super::ends::{End, end_of};
+use super::extract::Sketch;
+use super::ground::Ground;
+use super::labels::with_labels;
+use super::loss::INFEASIBLE;
+use super::stump::{Answer, Line, Question, Realised, Strip, THICK, best_split, realise, split};
+
+/// What all boxes of a search share.
+#[derive(Debug)]
+pub struct Field<'a> {
+    /// The problem.
+    pub problem: &'a Problem,
+    /// Coordinates, labels, costs.
+    pub ground: &'a Ground,
+    /// Tables of the charts.
+    pub charts: Vec<Chart>,
+    /// All samples.
+    pub all: Vec<u32>,
+    /// Set when the search has to stop; what is computed after that is worthless.
+    pub stop: &'a AtomicBool,
+}
+
+/// What is known of one child of the root.
+#[derive(Debug, Clone)]
+pub struct Child {
+    /// Lower bound of its cost, for its samples and more.
+    floor: i64,
+    /// Lower bound of its cost with all the open samples, and the most that these samples can cost.
+    wide: (i64, i64),
+    /// Splits that were best in the boxes around this one.
+    lines: Vec<Line>,
+    /// Strips that may hold its split.
+    strips: Arc<Vec<Strip>>,
+}
+
+impl Child {
+    /// Nothing known but where the split may lie.
+    pub fn new(strips: Arc<Vec<Strip>>) -> Self {
+        Self {
+            floor: 0,
+            wide: (0, INFEASIBLE),
+            lines: Vec::new(),
+            strips,
+        }
+    }
+
+    fn remember(&mut self, line: Option<Line>) {
+        const KEPT: usize = 3;
+        if let Some(line) = line.filter(|line| !self.lines.contains(line)) {
+            self.lines.insert(0, line);
+            self.lines.truncate(KEPT);
+        }
+    }
+
+    fn keep_strips_below(&mut self, strips: Vec<Strip>, dead: i64) {
+        let alive = strips.iter().filter(|strip| strip.bound < dead).count();
+        // A copy costs memory; it pays when it says something new.
+        if alive < self.strips.len() || *self.strips != strips {
+            self.strips = Arc::new(strips.into_iter().filter(|s| s.bound < dead).collect());
+        }
+    }
+}
+
+/// A cell of root lines.
+#[derive(Debug, Clone)]
+pub struct RootBox {
+    /// Index of the root's chart.
+    pub chart: u32,
+    /// The root lines.
+    pub cell: Cell,
+    /// No tree with such a root costs less.
+    pub key: i64,
+    /// What is known of the children, left and right.
+    pub children: [Child; 2],
+}
+
+/// What became of a box.
+#[derive(Debug, Default)]
+pub struct Processed {
+    /// The box itself, its bound at or beyond the target; or its two halves.
+    pub boxes: Vec<RootBox>,
+    /// A tree better than the incumbent.
+    pub found: Option<(i64, Sketch)>,
+    /// Least bound of what rounding leaves undecided.
+    pub thin: Option<i64>,
+}
+
+/// The samples of a box.
+struct Sorted {
+    sides: [Vec<u32>; 2],
+    open: Vec<u32>,
+    tallies: [Vec<i64>; 2],
+    open_tally: Vec<i64>,
+    open_most: i64,
+    /// Each side with the open samples.
+    wide: [Vec<u32>; 2],
+    wide_tallies: [Vec<i64>; 2],
+}
+
+/// What a bound is computed for.
+#[derive(Clone, Copy)]
+struct Goal {
+    /// A bound of this much is enough for now.
+    target: i64,
+    /// Trees of this much and more are of no interest.
+    upper: i64,
+}
+
+impl Field<'_> {
+    /// Bound a box until `target`, split it if that fails; trees of `upper` and more are of no interest.
+    pub fn process(&self, mut root: RootBox, target: i64, upper: i64) -> Processed {
+        let features = self.charts[root.chart as usize].features;
+        let sorted = self.sort(features, &root.cell);
+        let mut done = Processed::default();
+        if self.is_infeasible(&sorted) {
+            return done;
+        }
+        let plane = &self.ground.plane;
+        let end = end_of(plane, features, &root.cell, &sorted.open);
+        if let End::Parts { points, ways } = &end {
+            self.close(&mut root, &sorted, points, ways, upper, &mut done);
+            return done;
+        }
+        self.try_center(&root, &sorted, upper, &mut done);
+        let upper = done.found.as_ref().map_or(upper, |(cost, _)| *cost);
+        let goal = Goal {
+            target: target.min(upper),
+            upper,
+        };
+        self.bound(&mut root, &sorted, goal);
+        if root.key >= target.min(upper) {
+            if root.key < upper {
+                done.boxes.push(root);
+            }
+            return done;
+        }
+        if end == End::Stuck {
+            done.thin = Some(root.key);
+            return done;
+        }
+        let chart = &self.charts[root.chart as usize];
+        let at = chart.middle_boundary(root.cell.t0, root.cell.t1);
+        for cell in split(plane, features, &root.cell, &sorted.open, at) {
+            done.boxes.push(RootBox {
+                cell,
+                ..root.clone()
+            });
+        }
+        done
+    }
+
+    fn sort(&self, (f, g): (usize, usize), cell: &Cell) -> Sorted {
+        let (x, y) = (self.ground.plane.column(f), self.ground.plane.column(g));
+        let (mut left, mut right) = (Vec::new(), Vec::new());
+        let open = cell.sort(x, y, &self.all, |i, goes_left| {
+            if goes_left { &mut left } else { &mut right }.push(i);
+        });
+        let view = self.ground.view();
+        let open_tally = view.tally(&open);
+        let sides = [left, right];
+        let tallies = [0, 1].map(|s| view.tally(&sides[s]));
+        Sorted {
+            wide: [0, 1].map(|s| [&sides[s][..], &open].concat()),
+            wide_tallies: [0, 1].map(|s| sum(&tallies[s], &open_tally)),
+            tallies,
+            sides,
+            open_most: view.loss.most(&open_tally),
+            open,
+            open_tally,
+        }
+    }
+
+    fn need(&self) -> i64 {
+        self.ground.loss.leaf_size as i64
+    }
+
+    fn is_infeasible(&self, sorted: &Sorted) -> bool {
+        let open = sorted.open.len();
+        let least = self.ground.loss.leaf_size;
+        sorted.sides.iter().any(|side| side.len() + open < least)
+    }
+
+    fn price(&self, root: &RootBox) -> i64 {
+        let features = self.charts[root.chart as usize].features;
+        self.ground.view().price(features)
+    }
+
+    /// Best cost of a child over some samples by a leaf or the lines it remembers.
+    fn attained(
+        &self,
+        child: &Child,
+        ids: &[u32],
+        tally: &[i64],
+        need: i64,
+    ) -> (i64, Option<Line>) {
+        let view = self.ground.view();
+        let leaf = if tally[view.loss.k] >= need {
+            view.loss.leaf(tally).0
+        } else {
+            INFEASIBLE
+        };
+        child.lines.iter().fold((leaf, None), |best, line| {
+            let cost = view.cost_of(line, ids, tally, need);
+            if cost < best.0 && line.is_clear_of(view.plane, ids) {
+                (cost, Some(*line))
+            } else {
+                best
+            }
+        })
+    }
+
+    /// See what the root line in the middle of the cell costs with the children's remembered splits.
+    fn try_center(&self, root: &RootBox, sorted: &Sorted, upper: i64, done: &mut Processed) {
+        let features = self.charts[root.chart as usize].features;
+        let (t, r) = root.cell.center();
+        let line = Line { features, t, r };
+        let mut sides = sorted.sides.clone();
+        for &i in &sorted.open {
+            sides[usize::from(!line.sends_left(&self.ground.plane, i))].push(i);
+        }
+        let is_one_sided = sides.iter().any(Vec::is_empty);
+        if is_one_sided || !line.is_clear_of(&self.ground.plane, &sorted.open) {
+            return;
+        }
+        let view = self.ground.view();
+        let best = [0, 1].map(|s| {
+            self.attained(
+                &root.children[s],
+                &sides[s],
+                &view.tally(&sides[s]),
+                self.need(),
+            )
+        });
+        let cost = best[0].0 + best[1].0 + self.price(root);
+        if cost < upper {
+            let children = best.map(|(_, line)| Sketch::stump(line));
+            done.found = Some((cost, Sketch::Split(line, Box::new(children))));
+        }
+    }
+
+    /// Raise the key of a box as far as the target, by the cheaper bounds first.
+    fn bound(&self, root: &mut RootBox, sorted: &Sorted, goal: Goal) {
+        let target = goal.target;
+        self.raise_key_by_labels(root, sorted);
+        if root.key >= target {
+            return;
+        }
+        let price = self.price(root);
+        let relaxed = self.need() - sorted.open.len() as i64;
+        let narrow = [0, 1].map(|s| {
+            self.attained(
+                &root.children[s],
+                &sorted.sides[s],
+                &sorted.tallies[s],
+                relaxed,
+            )
+            .0
+        });
+        // No bound exceeds what is attained: one that cannot reach the target is not worth its price.
+        let narrow_reach = self.by_labels(sorted, narrow) + price;
+        let wide = [0, 1].map(|s| {
+            self.attained(
+                &root.children[s],
+                &sorted.wide[s],
+                &sorted.wide_tallies[s],
+                self.need(),
+            )
+            .0
+        });
+        let wide_reach = wide[0] + wide[1] + price - sorted.open_most;
+        let mut order = [(narrow_reach, false), (wide_reach, true)];
+        order.sort_by_key(|&(reach, _)| std::cmp::Reverse(reach));
+        for (reach, is_wide) in order {
+            if reach < target || root.key >= target || self.stop.load(Ordering::Relaxed) {
+                continue;
+            }
+            if is_wide {
+                self.bound_wide(root, sorted, wide, goal);
+            } else {
+                self.bound_narrow(root, sorted, narrow, goal);
+            }
+        }
+    }
+
+    fn by_labels(&self, sorted: &Sorted, costs: [i64; 2]) -> i64 {
+        let tallies = [&sorted.tallies[0][..], &sorted.tallies[1]];
+        with_labels(&self.ground.loss, costs, tallies, &sorted.open_tally)
+    }
+
+    fn raise_key_by_labels(&self, root: &mut RootBox, sorted: &Sorted) {
+        let floors = [root.children[0].floor, root.children[1].floor];
+        let bound = self.by_labels(sorted, floors) + self.price(root);
+        root.key = root.key.max(bound);
+    }
+
+    /// STUMP(L) + STUMP(R) with the labels' due.
+    fn bound_narrow(
+        &self,
+        root: &mut RootBox,
+        sorted: &Sorted,
+        mut reach: [i64; 2],
+        Goal { target, upper }: Goal,
+    ) {
+        let price = self.price(root);
+        let due = self.by_labels(sorted, reach) - reach[0] - reach[1];
+        // The larger child first: its bound is dearer, but oftener enough.
+        let first = usize::from(sorted.sides[1].len() > sorted.sides[0].len());
+        for s in [first, 1 - first] {
+            let other = root.children[1 - s].floor;
+            let question = Question {
+                ids: &sorted.sides[s],
+                need: self.need() - sorted.open.len() as i64,
+                cutoff: target - price - other,
+                floor: root.children[s].floor,
+                most_tried: usize::MAX,
+                hopeless: target - price - reach[1 - s] - due,
+                dead: upper - price - other,
+            };
+            let mut strips = root.children[s].strips.to_vec();
+            let answer = self.ask(&root.children[s], question, &mut strips);
+            reach[s] = answer.attained;
+            let child = &mut root.children[s];
+            child.floor = child.floor.max(answer.lower);
+            child.remember(answer.line);
+            child.keep_strips_below(strips, question.dead);
+            self.raise_key_by_labels(root, sorted);
+            if root.key >= target || answer.attained < question.hopeless {
+                return;
+            }
+        }
+    }
+
+    /// STUMP(L + O) + STUMP(R + O) - most(O).
+    fn bound_wide(
+        &self,
+        root: &mut RootBox,
+        sorted: &Sorted,
+        mut reach: [i64; 2],
+        Goal { target, upper }: Goal,
+    ) {
+        let (price, most) = (self.price(root), sorted.open_most);
+        for s in [0, 1] {
+            let all = self.ground.loss.most(&sorted.wide_tallies[s]);
+            let child = &mut root.children[s];
+            // Samples that left the set since the last bound lowered it by no more than they can cost.
+            child.wide.0 -= child.wide.1 - all;
+            child.wide.0 = child.wide.0.max(child.floor);
+            child.wide.1 = all;
+        }
+        for s in [0, 1] {
+            let other = &root.children[1 - s];
+            let question = Question {
+                ids: &sorted.wide[s],
+                need: self.need(),
+                cutoff: target - price + most - other.wide.0,
+                floor: root.children[s].wide.0,
+                most_tried: usize::MAX,
+                hopeless: target - price + most - reach[1 - s],
+                dead: upper - price - other.floor,
+            };
+            let mut strips = root.children[s].strips.to_vec();
+            let answer = self.ask(&root.children[s], question, &mut strips);
+            reach[s] = answer.attained;
+            let child = &mut root.children[s];
+            for (strip, known) in strips.iter_mut().zip(child.strips.iter()) {
+                strip.bound = known.bound.max(strip.bound - most);
+            }
+            child.wide.0 = child.wide.0.max(answer.lower);
+            child.floor = child.floor.max(answer.lower - most);
+            child.remember(answer.line);
+            child.keep_strips_below(strips, question.dead);
+            let bound = root.children[0].wide.0 + root.children[1].wide.0 - most + price;
+            root.key = root.key.max(bound);
+            if root.key >= target || answer.attained < question.hopeless {
+                return;
+            }
+        }
+        self.raise_key_by_labels(root, sorted);
+    }
+
+    fn ask(&self, child: &Child, question: Question<'_>, strips: &mut [Strip]) -> Answer {
+        let lines = child.lines.iter().copied();
+        let view = self.ground.view();
+        best_split(view, &self.charts, question, lines, strips, self.stop)
+    }
+
+    /// Solve every way in which a root line of the cell can part its open points.
+    fn close(
+        &self,
+        root: &mut RootBox,
+        sorted: &Sorted,
+        points: &[Vec<u32>],
+        ways: &[Vec<bool>],
+        mut upper: i64,
+        done: &mut Processed,
+    ) {
+        let features = self.charts[root.chart as usize].features;
+        let plane = &self.ground.plane;
+        for way in ways {
+            let chosen = |wanted: bool| points.iter().zip(way).filter(move |(_, w)| **w == wanted);
+            let first = |wanted| chosen(wanted).map(|(p, _)| p[0]).collect::<Vec<u32>>();
+            let (distance, ..) = root
+                .cell
+                .clearest(plane, features, &first(true), &first(false));
+            if distance < -THICK {
+                continue;
+            }
+            let sides = [true, false].map(|wanted| {
+                let mut side = sorted.sides[usize::from(!wanted)].clone();
+                chosen(wanted).for_each(|(point, _)| side.extend(point));
+                side
+            });
+            let Some((lower, answers)) = self.solve_sides(root, &sides, upper) else {
+                continue;
+            };
+            let attained = answers[0].attained + answers[1].attained + self.price(root);
+            match realise(plane, features, &root.cell, &self.all, points, way) {
+                Realised::Never => continue,
+                Realised::Line(line) if attained < upper => {
+                    let children = answers.map(|answer| Sketch::stump(answer.line));
+                    done.found = Some((attained, Sketch::Split(line, Box::new(children))));
+                    upper = attained;
+                }
+                _ => {}
+            }
+            if lower < upper {
+                done.thin = Some(done.thin.map_or(lower, |thin| thin.min(lower)));
+            }
+        }
+    }
+
+    /// Solve both children of a fixed root; None if the tree is not below `upper`.
+    fn solve_sides(
+        &self,
+        root: &mut RootBox,
+        sides: &[Vec<u32>; 2],
+        upper: i64,
+    ) -> Option<(i64, [Answer; 2])> {
+        let price = self.price(root);
+        let mut floors = [root.children[0].floor, root.children[1].floor];
+        let mut answers = [None, None];
+        for s in [0, 1] {
+            let cutoff = upper - price - floors[1 - s];
+            let question = Question {
+                ids: &sides[s],
+                need: self.need(),
+                cutoff,
+                floor: floors[s],
+                most_tried: usize::MAX,
+                hopeless: 0,
+                dead: cutoff,
+            };
+            let mut strips = root.children[s].strips.to_vec();
+            let answer = self.ask(&root.children[s], question, &mut strips);
+            root.children[s].remember(answer.line);
+            floors[s] = answer.lower;
+            answers[s] = Some(answer);
+            if floors[0] + floors[1] + price >= upper {
+                return None;
+            }
+        }
+        let [Some(left), Some(right)] = answers else {
+            return None;
+        };
+        Some((floors[0] + floors[1] + price, [left, right]))
+    }
+}
+
+fn sum(a: &[i64], b: &[i64]) -> Vec<i64> {
+    a.iter().zip(b).map(|(a, b)| a + b).collect()
+}

@@ -1,0 +1,134 @@
+//! Depth 2 from the beginning to the end: tables, first trees, boxes, the best tree and its bound.
+
+use std::sync::Arc;
+
+use crate::control::{KeepGoing, Limits, Outcome, Stop};
+use crate::problem::Problem;
+use crate::tree::Tree;
+
+use super::boxes::{Child, Field, RootBox};
+use super::budget::affordable_sets;
+use super::chart::Chart;
+use super::extract::{Sketch, draw};
+use super::ground::Ground;
+use super::labels::with_labels;
+use super::loss::INFEASIBLE;
+use super::queue::Queue;
+use super::start::first_tree;
+use super::stump::Strip;
+use super::watch::Watch;
+
+/// Strips of a chart where memory allows.
+const MOST_STRIPS: usize = 64;
+const LEAST_STRIPS: usize = 4;
+/// Random roots to start from.
+const STARTS: usize = 24;
+
+/// Find the best tree of depth 2 or less; trees of `known` and more are of no interest.
+pub fn solve_pair(
+    problem: &Problem,
+    limits: Limits,
+    n_threads: usize,
+    known: Option<i64>,
+    seed: u64,
+    keep_going: KeepGoing,
+) -> Outcome {
+    let ground = Ground::new(problem);
+    let watch = Watch::new(limits);
+    let leaf = draw(problem, &ground, &Sketch::Leaf);
+    let (tree, objective) = leaf.unwrap_or((Tree::leaf(0), INFEASIBLE));
+    let outcome = |tree, objective, bound, stop, n_nodes| Outcome {
+        tree,
+        objective,
+        bound,
+        stop,
+        n_nodes,
+    };
+    let cells = (ground.charts.len() * ground.plane.n) as f64;
+    let n_strips = (limits.memory / 2.0 / cells.max(1.0) - 1.0).min(MOST_STRIPS as f64) as usize;
+    let sets = affordable_sets(problem);
+    let (Some(sets), true) = (sets, n_strips >= LEAST_STRIPS) else {
+        return outcome(tree, objective, 0, Stop::Memory, 0);
+    };
+    let all = ground.all();
+    let floor = floor_of(&ground);
+    let upper = known.unwrap_or(objective).min(objective);
+    let prepared = watch.over(&mut *keep_going, upper, || {
+        let charts = ground.charts.iter();
+        let field = Field {
+            problem,
+            ground: &ground,
+            charts: charts
+                .map(|&features| Chart::new(&ground.plane, features, n_strips))
+                .collect(),
+            all,
+            stop: watch.stop(),
+        };
+        let strips: Vec<Arc<Vec<Strip>>> = sets.iter().map(|set| strips_of(&field, set)).collect();
+        let first: Vec<Sketch> = strips
+            .iter()
+            .take(8)
+            .filter_map(|strips| first_tree(&field, strips, STARTS, seed, floor))
+            .map(|(_, sketch)| sketch)
+            .collect();
+        (field, strips, first)
+    });
+    let (field, strips, first) = prepared;
+    let roots = strips
+        .iter()
+        .flat_map(|strips| roots_of(&field, strips, floor));
+    let mut queue = Queue::new(&field, &watch, n_threads, roots.collect(), upper);
+    for sketch in &first {
+        queue.offer(sketch);
+    }
+    let stop = match watch.reason() {
+        Some(reason) => reason,
+        None => queue.run(keep_going),
+    };
+    let bound = queue.bound();
+    let (best, n_nodes) = queue.into_best();
+    let (tree, objective) = best.unwrap_or((tree, objective));
+    outcome(tree, objective, bound, stop, n_nodes)
+}
+
+/// What four leaves leave wrong, whatever they hold.
+fn floor_of(ground: &Ground) -> i64 {
+    let view = ground.view();
+    let none = vec![0; view.loss.lanes()];
+    with_labels(
+        view.loss,
+        [0, 0],
+        [&none, &none],
+        &view.tally(&ground.all()),
+    )
+}
+
+/// The strips of the charts whose features are all in a set.
+fn strips_of(field: &Field<'_>, set: &[bool]) -> Arc<Vec<Strip>> {
+    let p = field.problem.p;
+    let mut strips = Vec::new();
+    for (index, chart) in field.charts.iter().enumerate() {
+        let (f, g) = chart.features;
+        if set[f] && (g == p || set[g]) {
+            strips.extend((0..chart.n_strips()).map(|strip| Strip {
+                chart: index as u32,
+                strip: strip as u32,
+                bound: 0,
+            }));
+        }
+    }
+    Arc::new(strips)
+}
+
+/// One box for every chart that has strips.
+fn roots_of(field: &Field<'_>, strips: &Arc<Vec<Strip>>, floor: i64) -> Vec<RootBox> {
+    let firsts = strips.iter().filter(|strip| strip.strip == 0);
+    firsts
+        .map(|strip| RootBox {
+            chart: strip.chart,
+            cell: field.charts[strip.chart as usize].whole(),
+            key: floor,
+            children: [Child::new(strips.clone()), Child::new(strips.clone())],
+        })
+        .collect()
+}

@@ -1,0 +1,251 @@
+//! The search over boxes: best bound first, in batches, several threads, one result.
+//!
+//! A batch is a fixed number of boxes in the order of the queue. What becomes of a box depends on the box, the target and
+//! the incumbent at the start of its batch alone, and results are taken in the order of the batch: so tree, bound and
+//! counters do not depend on the number of threads, nor on which thread did what.
+//!
+//! Boxes are bounded up to a target between bound and incumbent, and set aside when they reach it; when none is left the
+//! target has become the bound, and the next one is raised.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+
+use crate::control::{KeepGoing, Progress, Stop};
+use crate::tree::Tree;
+
+use super::boxes::{Field, Processed, RootBox};
+use super::extract::{Sketch, draw};
+use super::watch::{LOOK, Watch};
+
+/// Boxes of a batch.
+const BATCH: usize = 64;
+/// A box takes this much beside its strips.
+const BOX_BYTES: f64 = 600.0;
+
+/// A search over boxes.
+pub struct Queue<'a> {
+    field: &'a Field<'a>,
+    watch: &'a Watch,
+    n_threads: usize,
+    /// Waiting boxes by bound, then the youngest first.
+    waiting: BinaryHeap<Reverse<(i64, Reverse<u64>)>>,
+    boxes: std::collections::HashMap<u64, RootBox>,
+    aside: Vec<RootBox>,
+    n_made: u64,
+    target: i64,
+    /// Least bound of what rounding left undecided.
+    thin: i64,
+    /// Trees of this much and more are of no interest: the best one's objective, or a caller's.
+    upper: i64,
+    best: Option<(Tree, i64)>,
+    n_nodes: u64,
+}
+
+impl<'a> Queue<'a> {
+    /// A search from these boxes; `upper` is known to be attainable.
+    pub fn new(
+        field: &'a Field<'a>,
+        watch: &'a Watch,
+        n_threads: usize,
+        roots: Vec<RootBox>,
+        upper: i64,
+    ) -> Self {
+        let mut queue = Self {
+            field,
+            watch,
+            n_threads,
+            waiting: BinaryHeap::new(),
+            boxes: std::collections::HashMap::new(),
+            aside: Vec::new(),
+            n_made: 0,
+            target: 0,
+            thin: i64::MAX,
+            upper,
+            best: None,
+            n_nodes: 0,
+        };
+        roots.into_iter().for_each(|root| queue.push(root));
+        queue
+    }
+
+    fn push(&mut self, root: RootBox) {
+        let id = self.n_made;
+        self.n_made += 1;
+        self.waiting.push(Reverse((root.key, Reverse(id))));
+        self.boxes.insert(id, root);
+    }
+
+    /// The proven bound.
+    pub fn bound(&self) -> i64 {
+        let waiting = self.waiting.peek().map(|entry| entry.0.0);
+        let aside = self.aside.iter().map(|root| root.key).min();
+        let open = waiting.into_iter().chain(aside).min().unwrap_or(i64::MAX);
+        open.min(self.thin).min(self.upper)
+    }
+
+    /// Take a tree, if it is better than what is known.
+    pub fn offer(&mut self, sketch: &Sketch) -> bool {
+        let drawn = draw(self.field.problem, self.field.ground, sketch);
+        match drawn.filter(|(_, cost)| *cost < self.upper) {
+            Some((tree, cost)) => {
+                self.upper = cost;
+                self.best = Some((tree, cost));
+                true
+            }
+            None => false,
+        }
+    }
+
+    /// The best tree of its own, boxes processed.
+    pub fn into_best(self) -> (Option<(Tree, i64)>, u64) {
+        (self.best, self.n_nodes)
+    }
+
+    /// Search until the bound meets the best tree or a limit is reached.
+    pub fn run(&mut self, keep_going: KeepGoing) -> Stop {
+        loop {
+            let bound = self.bound();
+            if bound >= self.upper {
+                return Stop::Optimal;
+            }
+            if let Some(stop) = self.reached(bound) {
+                return stop;
+            }
+            let batch = self.next_batch();
+            if batch.is_empty() {
+                if self.aside.is_empty() {
+                    return Stop::Finished;
+                }
+                self.raise_target();
+                continue;
+            }
+            let results = self.process(&batch, keep_going);
+            if let Some(stop) = self.watch.reason() {
+                batch.into_iter().for_each(|root| self.push(root));
+                return stop;
+            }
+            self.n_nodes += batch.len() as u64;
+            for result in results {
+                self.take(result);
+            }
+        }
+    }
+
+    fn reached(&self, bound: i64) -> Option<Stop> {
+        let limits = &self.watch.limits;
+        let gap = (self.upper - bound) as f64 / (self.upper as f64).max(1e-300);
+        let strips = self.boxes.len() as f64 * BOX_BYTES;
+        if limits.gap > 0.0 && gap <= limits.gap {
+            Some(Stop::Gap)
+        } else if self.n_nodes as f64 >= limits.nodes {
+            Some(Stop::Nodes)
+        } else if strips >= limits.memory {
+            Some(Stop::Memory)
+        } else {
+            None
+        }
+    }
+
+    fn next_batch(&mut self) -> Vec<RootBox> {
+        let mut batch = Vec::with_capacity(BATCH);
+        while batch.len() < BATCH {
+            let Some(Reverse((key, Reverse(id)))) = self.waiting.pop() else {
+                break;
+            };
+            if let Some(root) = self.boxes.remove(&id).filter(|_| key < self.upper) {
+                batch.push(root);
+            }
+        }
+        batch
+    }
+
+    /// Half-way up the gap, and to its end when little is left.
+    fn raise_target(&mut self) {
+        let upper = self.upper;
+        self.aside.retain(|root| root.key < upper);
+        let bound = self
+            .aside
+            .iter()
+            .map(|root| root.key)
+            .min()
+            .unwrap_or(upper);
+        let gap = upper - bound;
+        self.target = if gap * 25 <= upper {
+            upper
+        } else {
+            bound + (gap + 1) / 2
+        };
+        for root in std::mem::take(&mut self.aside) {
+            if root.key >= self.target {
+                self.aside.push(root);
+            } else {
+                self.push(root);
+            }
+        }
+    }
+
+    fn take(&mut self, result: Processed) {
+        if let Some((cost, sketch)) = &result.found
+            && *cost < self.upper
+            && !self.offer(sketch)
+        {
+            // Rounding spoilt the tree: its cost stays possible for the bound.
+            self.thin = self.thin.min(*cost);
+        }
+        self.thin = self.thin.min(result.thin.unwrap_or(i64::MAX));
+        for root in result.boxes {
+            if root.key >= self.target.min(self.upper) {
+                self.aside.push(root);
+            } else {
+                self.push(root);
+            }
+        }
+    }
+
+    /// Process a batch in several threads; results come in the order of the batch.
+    fn process(&self, batch: &[RootBox], keep_going: KeepGoing) -> Vec<Processed> {
+        let state = Progress {
+            seconds: 0.0,
+            objective: self.upper,
+            bound: self
+                .bound()
+                .min(batch.iter().map(|root| root.key).min().unwrap_or(i64::MAX)),
+            n_nodes: self.n_nodes,
+        };
+        let next = AtomicUsize::new(0);
+        let slots: Vec<Mutex<Processed>> = batch.iter().map(|_| Mutex::default()).collect();
+        let work = || {
+            let mut position = next.fetch_add(1, Ordering::Relaxed);
+            while position < batch.len() && !self.watch.was_stopped() {
+                let root = batch[position].clone();
+                let result = self.field.process(root, self.target, self.upper);
+                if let Ok(mut slot) = slots[position].lock() {
+                    *slot = result;
+                }
+                position = next.fetch_add(1, Ordering::Relaxed);
+            }
+        };
+        std::thread::scope(|scope| {
+            let (sender, receiver) = channel::<()>();
+            for _ in 0..self.n_threads.min(batch.len()) {
+                let (sender, work) = (sender.clone(), &work);
+                scope.spawn(move || {
+                    work();
+                    drop(sender);
+                });
+            }
+            drop(sender);
+            while let Err(RecvTimeoutError::Timeout) = receiver.recv_timeout(LOOK) {
+                self.watch.look(&mut *keep_going, state);
+            }
+        });
+        self.watch.look(keep_going, state);
+        slots
+            .into_iter()
+            .map(|slot| slot.into_inner().unwrap_or_default())
+            .collect()
+    }
+}
