@@ -34,6 +34,9 @@ def add_problem_arguments(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--features", metavar="A,B,...", help="columns to split on (default: all but label and weights)")
     group.add_argument("--split", choices=("axis", "hyperplane"), help="default axis; hyperplane with --split-size > 1")
     group.add_argument("--split-size", metavar="K", type=int, help="at most K features in one split")
+    group.add_argument(
+        "--allowed-splits", metavar="FILE", help="text: on each line the features that may meet in a split"
+    )
     group.add_argument("--integer-normals", metavar="N", type=int, help="hyperplane coefficients are integers up to N")
     group.add_argument("--leaf-size", metavar="N", type=int, default=1, help="at least N samples in a leaf (default 1)")
     group.add_argument(

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from octmip.errors import DataError
+from octmip.files import read_text
 from octmip.problem import Problem
 from octmip.table import Table, read_costs, read_sensors, read_table
 
@@ -35,6 +36,8 @@ def ask(arguments: argparse.Namespace) -> Question:
     if arguments.sensor_cost:
         sensors = read_sensors(arguments.sensor_cost, names)
         settings |= {"sensor_of_feature": sensors.of_feature, "sensor_cost": sensors.cost}
+    if arguments.allowed_splits:
+        settings["allowed_splits"] = _groups(arguments.allowed_splits)
     if arguments.costs:
         classes = sorted(set(labels.tolist()))
         settings |= {"costs": read_costs(arguments.costs, classes), "class_names": classes}
@@ -68,6 +71,12 @@ def _feature_columns(table: Table, arguments: argparse.Namespace) -> list[str]:
             use = "label or weight" if name in taken else "twice a feature"
             raise DataError(f"--features names {name!r}, which is {use}; name other columns, each once")
     return names
+
+
+def _groups(path: str) -> list[list[str]]:
+    """Return the groups of a text file: one a line, features separated by commas."""
+    lines = [line for line in read_text(path).splitlines() if line.strip()]
+    return [[name.strip() for name in line.split(",")] for line in lines]
 
 
 def _split_kind(arguments: argparse.Namespace) -> Literal["axis", "hyperplane"]:

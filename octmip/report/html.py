@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from octmip.plot import counted_tree_figure
-from octmip.report.text import number, percent, tree_text
+from octmip.report.text import narrow_scope, number, percent, tree_text
 from octmip.tree import leaves
 from octmip.tree_file import TreeFile
 
@@ -58,12 +58,13 @@ def inline_svg(figure: Figure) -> str:
 
 def _verdict(file: TreeFile) -> str:
     solution, errors = file.solution, _errors(file)
+    scope = narrow_scope(solution) or "trees of this kind"
     wrong = f"{errors} of {file.n_samples} training samples wrong ({percent(errors / file.n_samples)})."
     if solution.is_optimal:
-        return f"Proven optimal: no tree of this kind has an objective below {number(solution.objective)}. {wrong}"
+        return f"Proven optimal among {scope}: none has an objective below {number(solution.objective)}. {wrong}"
     if np.isfinite(solution.bound):
         return (
-            f"Objective {number(solution.objective)}; no tree of this kind is below {number(solution.bound)} "
+            f"Objective {number(solution.objective)}; among {scope} none is below {number(solution.bound)} "
             f"(gap {percent(solution.gap)}). {wrong}"
         )
     return f"Objective {number(solution.objective)}, without a proof of how much better a tree can be. {wrong}"

@@ -63,11 +63,19 @@ def percent(share: float) -> str:
     return f"{100 * share:.3g} %" if math.isfinite(share) else "-"
 
 
+def narrow_scope(solution: Solution) -> str:
+    """Return over which trees the bound speaks where that is not all trees of the problem, else nothing."""
+    scope = str(solution.details.get("scope", "all"))
+    return "" if scope.startswith("all") else scope
+
+
 def solution_text(solution: Solution, certificate: Certificate, n_samples: int) -> str:
     """Return what a solution claims and its certificate found, in three lines."""
     proof = "proven optimal" if solution.is_optimal else f"gap {percent(solution.gap)}"
     if math.isinf(solution.bound):
         proof = "no proof"
+    elif scope := narrow_scope(solution):
+        proof += f" among {scope}"
     share = percent(certificate.errors / n_samples)
     splits = f"{certificate.n_splits} split" + ("" if certificate.n_splits == 1 else "s")
     sensors = f"sensors {', '.join(certificate.sensors)}" if certificate.sensors else "no sensor"

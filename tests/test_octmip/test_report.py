@@ -1,5 +1,6 @@
 """Reports say what the tree says."""
 
+import dataclasses
 import re
 from xml.etree import ElementTree
 
@@ -45,6 +46,13 @@ def test_a_solution_in_three_lines():
     )
 
 
+def test_a_bound_over_some_trees_says_over_which():
+    claim = dataclasses.replace(greedy_tree(problem()), bound=0.0, stop=Stop.OPTIMAL, details={"scope": "small trees"})
+    text = solution_text(claim, certify(problem(), claim), 4)
+    assert text.startswith("objective 0, bound 0: proven optimal among small trees\n")
+    assert "Proven optimal among small trees" in tree_page(record_tree(problem(), claim, "y"), "t.json")
+
+
 def test_dot_has_every_node_and_edge_once_and_quotes_names():
     text = tree_dot(TREE, FEATURES, CLASSES)
     assert len(re.findall(r"-> n\d", text)) == 4 and len(re.findall(r"shape=ellipse", text)) == 3
@@ -85,7 +93,7 @@ def test_the_confusion_has_the_true_class_in_rows():
     page = tree_page(file, "t.json")
     assert '<th>yes</th><td class="n">2</td><td class="n">1</td>' in page
     assert '<th>no &amp; never</th><td class="n">1</td><td class="n">0</td>' in page
-    assert "2 of 4 training samples wrong" in page and "no tree of this kind is below 0" in page
+    assert "2 of 4 training samples wrong" in page and "among trees of this kind none is below 0" in page
 
 
 def test_a_page_says_claims_settings_and_confusion(page):
