@@ -31,6 +31,8 @@ pub struct Switches {
     pub feature_order: bool,
     /// Stumps from histograms, not from walks along the lists.
     pub buckets: bool,
+    /// Pass over groups of features that cannot hold the best stump.
+    pub group_skip: bool,
     /// The widest vectors of the machine.
     pub vectors: bool,
 }
@@ -46,6 +48,7 @@ impl Default for Switches {
             slack: true,
             feature_order: true,
             buckets: true,
+            group_skip: true,
             vectors: true,
         }
     }
@@ -53,7 +56,7 @@ impl Default for Switches {
 
 impl Switches {
     /// The names of the switches.
-    pub const NAMES: [&'static str; 9] = [
+    pub const NAMES: [&'static str; 10] = [
         "monotone",
         "swing",
         "mixed_labels",
@@ -62,6 +65,7 @@ impl Switches {
         "slack",
         "feature_order",
         "buckets",
+        "group_skip",
         "vectors",
     ];
 
@@ -76,6 +80,7 @@ impl Switches {
             "slack" => &mut self.slack,
             "feature_order" => &mut self.feature_order,
             "buckets" => &mut self.buckets,
+            "group_skip" => &mut self.group_skip,
             "vectors" => &mut self.vectors,
             _ => return None,
         })

@@ -14,6 +14,9 @@ use crate::exact::Switches;
 use crate::exact::samples::Samples;
 use crate::exact::view::View;
 
+/// Columns that are counted together.
+const WIDTH: usize = 8;
+
 /// Cuts of a feature in order; the first and the last are the trivial ones that leave a side empty.
 #[derive(Debug, Default)]
 pub struct Axis {
@@ -21,12 +24,16 @@ pub struct Axis {
     pub positions: Vec<u32>,
     /// Swing left of each cut.
     pub mass: Vec<i64>,
-    /// Lower bound of the left child, where `is_known`.
+    /// Lower bound of the left child; of the cuts that were solved.
     pub left: Vec<i64>,
-    /// Lower bound of the right child, where `is_known`.
+    /// Lower bound of the right child; of the cuts that were solved.
     pub right: Vec<i64>,
-    prefix: Vec<i64>,
-    n_columns: usize,
+    /// The stump finder's number of each evaluated cut.
+    pub record: Vec<u32>,
+    /// Swing of each column left of each cut, `width` vectors a cut.
+    prefix: Vec<[i32; WIDTH]>,
+    width: usize,
+    n_cuts: usize,
     n_leaves: usize,
     counts_labels: bool,
     is_monotone: bool,
@@ -57,72 +64,70 @@ impl Axis {
         whole: i64,
         switches: &Switches,
     ) {
-        self.n_columns = samples.n_columns;
         self.n_leaves = n_leaves;
         self.is_monotone = samples.leaf_size == 1 && switches.monotone;
         self.has_swing = switches.swing;
         self.counts_labels = switches.mixed_labels
             && self.is_monotone
             && samples.is_single
-            && samples.n_columns > n_leaves;
-        for list in [
-            &mut self.mass,
-            &mut self.left,
-            &mut self.right,
-            &mut self.prefix,
-        ] {
-            list.clear();
-        }
-        self.positions.clear();
-        self.push(samples, 0, 0, &[]);
+            && samples.n_columns > n_leaves
+            && view.mass < i64::from(i32::MAX);
+        self.make_room(view.len + 1, samples.n_columns);
+        let counts = &mut vec![[0i32; WIDTH]; if self.counts_labels { self.width } else { 0 }][..];
         let (ranks, list) = (samples.ranks_of(f), view.list(f));
-        let smallest = samples.leaf_size;
+        let smallest = samples.leaf_size.max(1);
         let mut mass = 0;
-        let mut counts = vec![
-            0;
-            if self.counts_labels {
-                samples.n_columns
-            } else {
-                0
+        let mut rank = list.first().map_or(0, |&i| ranks[i as usize]);
+        self.n_cuts = 0;
+        self.push(0, 0, counts);
+        for (k, &i) in list.iter().enumerate() {
+            let next = ranks[i as usize];
+            if next != rank && k >= smallest && view.len - k >= smallest {
+                self.push(k, mass, counts);
             }
-        ];
-        for k in 1..view.len {
-            let sample = list[k - 1] as usize;
-            mass += samples.swing[sample];
+            rank = next;
+            mass += samples.swing[i as usize];
             if self.counts_labels {
-                counts[samples.column[sample] as usize] += samples.swing[sample];
-            }
-            let is_cut = ranks[sample] != ranks[list[k] as usize];
-            if is_cut && k >= smallest && view.len - k >= smallest {
-                self.push(samples, k, mass, &counts);
+                let column = samples.column[i as usize] as usize;
+                counts[column / WIDTH][column % WIDTH] += samples.swing[i as usize] as i32;
             }
         }
-        let totals: &[i64] = if self.counts_labels {
-            &view.totals
-        } else {
-            &[]
-        };
-        self.push(samples, view.len, view.mass, totals);
+        self.push(view.len, mass, counts);
         let last = self.last();
-        self.right[0] = whole;
-        self.left[last] = whole;
+        (self.record[0], self.record[last]) = (0, 1);
+        (self.left[0], self.right[0]) = (0, whole);
+        (self.left[last], self.right[last]) = (whole, 0);
     }
 
-    fn push(&mut self, samples: &Samples, position: usize, mass: i64, counts: &[i64]) {
-        self.positions.push(position as u32);
-        self.mass.push(mass);
-        self.left.push(0);
-        self.right.push(0);
-        if self.counts_labels {
-            self.prefix.extend_from_slice(counts);
-            self.prefix
-                .resize(self.positions.len() * samples.n_columns, 0);
+    /// Lists are only ever grown: what lies past the last cut, or belongs to cuts not solved, is never read.
+    fn make_room(&mut self, n_cuts: usize, n_columns: usize) {
+        self.width = n_columns.div_ceil(WIDTH);
+        let room = self.positions.len().max(n_cuts);
+        self.positions.resize(room, 0);
+        self.record.resize(room, 0);
+        for list in [&mut self.mass, &mut self.left, &mut self.right] {
+            list.resize(room, 0);
         }
+        if self.counts_labels {
+            self.prefix
+                .resize(self.prefix.len().max(room * self.width), [0; WIDTH]);
+        }
+    }
+
+    #[inline(always)]
+    fn push(&mut self, position: usize, mass: i64, counts: &[[i32; WIDTH]]) {
+        let cut = self.n_cuts;
+        self.positions[cut] = position as u32;
+        self.mass[cut] = mass;
+        for (part, &count) in counts.iter().enumerate() {
+            self.prefix[cut * self.width + part] = count;
+        }
+        self.n_cuts += 1;
     }
 
     /// Index of the trivial cut at the end.
     pub fn last(&self) -> usize {
-        self.positions.len() - 1
+        self.n_cuts - 1
     }
 
     /// All the cuts that split, None when there are none.
@@ -219,28 +224,37 @@ impl Axis {
     }
 
     /// Least cost of the samples between two cuts when at most `n_leaves` labels are predicted for them.
+    #[inline]
     fn mixed(&self, from: usize, to: usize) -> i64 {
         if !self.counts_labels {
             return 0;
         }
-        let k = self.n_columns;
         let (low, high) = (
-            &self.prefix[from * k..(from + 1) * k],
-            &self.prefix[to * k..(to + 1) * k],
+            &self.prefix[from * self.width..],
+            &self.prefix[to * self.width..],
         );
-        let mut largest = [0i64; 16];
-        let kept = self.n_leaves.min(16);
-        if kept < self.n_leaves {
-            return 0;
-        }
-        for (h, l) in high.iter().zip(low) {
-            let mut count = h - l;
-            for slot in &mut largest[..kept] {
-                if count > *slot {
-                    std::mem::swap(slot, &mut count);
+        let between = self.mass[to] - self.mass[from];
+        if self.n_leaves == 2 {
+            let (mut first, mut second) = (0, 0);
+            for (low, high) in low.iter().zip(high).take(self.width) {
+                for (l, h) in low.iter().zip(high) {
+                    let count = h - l;
+                    second = second.max(count.min(first));
+                    first = first.max(count);
                 }
             }
+            return between - i64::from(first) - i64::from(second);
         }
-        self.mass[to] - self.mass[from] - largest[..kept].iter().sum::<i64>()
+        let columns = low.iter().zip(high).take(self.width);
+        let mut counts: Vec<i32> = columns
+            .flat_map(|(low, high)| std::array::from_fn::<_, WIDTH, _>(|c| high[c] - low[c]))
+            .collect();
+        counts.sort_unstable_by(|a, b| b.cmp(a));
+        between
+            - counts
+                .iter()
+                .take(self.n_leaves)
+                .map(|&count| i64::from(count))
+                .sum::<i64>()
     }
 }

@@ -7,7 +7,7 @@ use crate::exact::axis::{Axis, Interval};
 use crate::exact::effort::Control;
 use crate::exact::plan::Plan;
 use crate::exact::samples::Samples;
-use crate::exact::stumps::{Stumps, finder};
+use crate::exact::stumps::{Stumps, finder, width};
 use crate::exact::view::View;
 
 /// What a search found out: the best tree if it is below the budget, and in any case a bound.
@@ -98,7 +98,6 @@ pub struct Search<'a> {
     pub attained: Vec<i64>,
     pub(super) axis: Axis,
     pub(super) positions: Vec<u32>,
-    pub(super) zeros: Vec<u32>,
     control: &'a Control,
     levels: Vec<Level>,
     finders: [Option<Box<dyn Stumps>>; 3],
@@ -120,7 +119,6 @@ impl<'a> Search<'a> {
             attained: Vec::new(),
             axis: Axis::default(),
             positions: vec![0; samples.n],
-            zeros: vec![0; samples.n],
             control,
             levels: (0..=depth).map(|_| Level::default()).collect(),
             finders: [None, None, None],
@@ -173,14 +171,7 @@ impl<'a> Search<'a> {
 
     fn depth_one(&mut self, view: &View, upper: i64) -> Answer {
         let mut finder = self.take_finder(view);
-        finder.load(self.samples, view);
-        let whole = super::stumps::Place {
-            view,
-            f: 0,
-            k: 0,
-            positions: &self.zeros,
-        };
-        let [_, stump] = finder.both(self.samples, &whole, i64::MAX);
+        let stump = finder.load(self.samples, view);
         self.return_finder(view, finder);
         self.n_evaluated += 1;
         Answer::cheapest(stump.value, Plan::Stump, upper)
@@ -350,11 +341,6 @@ impl<'a> Search<'a> {
         order
     }
 
-    fn lane(view: &View) -> usize {
-        let largest = 3 * view.mass as i128 + 2;
-        usize::from(largest > i16::MAX as i128) + usize::from(largest > i32::MAX as i128)
-    }
-
     /// Lay out the buckets that the children of this view share.
     pub fn prepare(&mut self, view: &View) {
         let mut own = self.take_finder(view);
@@ -370,13 +356,13 @@ impl<'a> Search<'a> {
 
     /// The stump finder for a view of this swing.
     pub(super) fn take_finder(&mut self, view: &View) -> Box<dyn Stumps> {
-        self.finders[Self::lane(view)]
+        self.finders[width(view.mass)]
             .take()
             .unwrap_or_else(|| finder(self.samples, view.mass, &self.switches))
     }
 
     /// Give the finder back.
     pub(super) fn return_finder(&mut self, view: &View, finder: Box<dyn Stumps>) {
-        self.finders[Self::lane(view)] = Some(finder);
+        self.finders[width(view.mass)] = Some(finder);
     }
 }

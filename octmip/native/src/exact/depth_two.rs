@@ -3,7 +3,7 @@
 use crate::exact::axis::Interval;
 use crate::exact::branch::{Answer, Search};
 use crate::exact::plan::Plan;
-use crate::exact::stumps::Place;
+use crate::exact::stumps::{Neighbour, Place, Stumps};
 use crate::exact::view::View;
 
 impl Search<'_> {
@@ -19,17 +19,9 @@ impl Search<'_> {
             return Answer::cheapest(leaf, Plan::Leaf, upper);
         }
         let mut finder = self.take_finder(view);
-        finder.load(self.samples, view);
-        let whole = Place {
-            view,
-            f: 0,
-            k: 0,
-            positions: &self.zeros,
-        };
-        let [_, stump] = finder.both(self.samples, &whole, i64::MAX);
+        let stump = finder.load(self.samples, view);
         self.n_evaluated += 1;
-        let mut scores = Vec::new();
-        finder.attained(&mut scores);
+        let scores = finder.scores().to_vec();
         let mut best = Answer::cheapest(stump.value, Plan::Stump, upper);
         self.attained.clear();
         self.attained.resize(self.samples.p, i64::MAX);
@@ -47,7 +39,7 @@ impl Search<'_> {
 
     fn depth_two_feature(
         &mut self,
-        finder: &mut dyn crate::exact::stumps::Stumps,
+        finder: &mut dyn Stumps,
         view: &View,
         f: usize,
         whole: i64,
@@ -58,10 +50,7 @@ impl Search<'_> {
         let mut axis = std::mem::take(&mut self.axis);
         let mut positions = std::mem::take(&mut self.positions);
         axis.lay(samples, view, f, 2, whole, &self.switches);
-        for (position, &i) in view.list(f).iter().enumerate() {
-            positions[i as usize] = position as u32;
-        }
-        finder.rewind();
+        let mut is_fresh = true;
         let mut open: Vec<Interval> = axis.whole().into_iter().collect();
         while let Some(interval) = open.pop() {
             let target = current - samples.penalty;
@@ -80,13 +69,26 @@ impl Search<'_> {
                 } else {
                     0
                 };
+            if std::mem::take(&mut is_fresh) {
+                finder.rewind();
+                for (position, &i) in view.list(f).iter().enumerate() {
+                    positions[i as usize] = position as u32;
+                }
+            }
+            let neighbours = [interval.a, interval.b].map(|cut| Neighbour {
+                record: axis.record[cut] as usize,
+                distance: (axis.mass[k] - axis.mass[cut]).abs(),
+            });
+            let k_left = axis.positions[k] as usize;
             let place = Place {
                 view,
                 f,
-                k: axis.positions[k] as usize,
+                k: k_left,
                 positions: &positions,
+                neighbours,
             };
             let [left, right] = finder.both(samples, &place, close);
+            axis.record[k] = finder.last_record() as u32;
             self.n_evaluated += 1;
             (axis.left[k], axis.right[k]) = (left.lower, right.lower);
             let cost = left.value + right.value + samples.penalty;

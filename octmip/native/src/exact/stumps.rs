@@ -1,6 +1,8 @@
 //! The best stump (at most one split) left and right of a moving cut: what a depth-two search asks most often.
 
+pub mod aligned;
 pub mod buckets;
+pub mod groups;
 pub mod scan;
 pub mod sweep;
 pub mod table;
@@ -20,6 +22,15 @@ pub struct Stump {
     pub value: i64,
 }
 
+/// A cut that was evaluated: which, and the swing between it and the cut asked for.
+#[derive(Debug, Clone, Copy)]
+pub struct Neighbour {
+    /// Its record, as `both` numbered it; 0: everything right of the cut, 1: everything left.
+    pub record: usize,
+    /// Swing between.
+    pub distance: i64,
+}
+
 /// The place of the cut: the first `k` samples of list `f` of `view` are left.
 #[derive(Debug, Clone, Copy)]
 pub struct Place<'a> {
@@ -31,6 +42,8 @@ pub struct Place<'a> {
     pub k: usize,
     /// Position of every sample in list `f`.
     pub positions: &'a [u32],
+    /// The evaluated cuts before and after.
+    pub neighbours: [Neighbour; 2],
 }
 
 impl Place<'_> {
@@ -55,20 +68,29 @@ pub trait Stumps: Send {
     /// Prepare for views that are subsets of this one and not much smaller.
     fn prepare(&mut self, samples: &Samples, view: &View);
 
-    /// Take up a view; the cut stands at 0.
-    fn load(&mut self, samples: &Samples, view: &View);
+    /// Take up a view: the best stump of all its samples.
+    fn load(&mut self, samples: &Samples, view: &View) -> Stump;
 
-    /// Put the cut back to 0.
+    /// Gain of a stump on each feature of the view last taken up (`p`).
+    fn scores(&self) -> &[i64];
+
+    /// Put the cut back to 0, everything right of it, for another feature.
     fn rewind(&mut self);
 
     /// Best stumps of both sides, exact unless their bounds reach `close` together.
     fn both(&mut self, samples: &Samples, place: &Place<'_>, close: i64) -> [Stump; 2];
 
-    /// Largest gain of a stump on each feature that was seen by the last call of `both`, right side (`p`).
-    fn attained(&self, scores: &mut Vec<i64>);
+    /// Number of the cut last evaluated.
+    fn last_record(&self) -> usize;
 
     /// Bytes of its tables.
     fn bytes(&self) -> usize;
+}
+
+/// Widths of histogram numbers: which one holds three times a swing (a bucket's bound adds two gains and a swing).
+pub fn width(mass: i64) -> usize {
+    let largest = 3 * mass as i128 + 2;
+    usize::from(largest > i16::MAX as i128) + usize::from(largest > i32::MAX as i128)
 }
 
 /// The stump finder that fits a set of this swing.
@@ -76,13 +98,9 @@ pub fn finder(samples: &Samples, mass: i64, switches: &Switches) -> Box<dyn Stum
     if !switches.buckets || samples.leaf_size > 1 {
         return Box::new(Scan::default());
     }
-    // A bucket's bound adds two scores and a swing, each at most the set's swing: three times must fit the lane.
-    let largest = 3 * mass as i128 + 2;
-    if largest <= i16::MAX as i128 {
-        Box::new(Buckets::<i16, 32>::new(samples, switches))
-    } else if largest <= i32::MAX as i128 {
-        Box::new(Buckets::<i32, 16>::new(samples, switches))
-    } else {
-        Box::new(Buckets::<i64, 8>::new(samples, switches))
+    match width(mass) {
+        0 => Box::new(Buckets::<i16, 32, 16>::new(samples, switches)),
+        1 => Box::new(Buckets::<i32, 16, 8>::new(samples, switches)),
+        _ => Box::new(Buckets::<i64, 8, 4>::new(samples, switches)),
     }
 }

@@ -1,32 +1,35 @@
 //! Best stumps from histograms: a vector pass over bucket edges, then a walk inside the few buckets that may hide more.
 //!
-//! Lane `2 f` holds feature `f` of the left side, lane `2 f + 1` of the right; moving the cut over a sample moves it
-//! from the one to the other in every feature.
+//! Slots hold a feature's two sides next to each other; moving the cut over a sample moves it from the one to the
+//! other in every feature. Groups of features are passed over when what they reached at the evaluated cuts before and
+//! after shows that they cannot hold the best stump here: a stump's gain on a side grows by at most the swing that
+//! enters, and never grows when samples leave.
 
 use crate::exact::Switches;
 use crate::exact::samples::Samples;
-use crate::exact::stumps::sweep::{Group, Lane, STRIDE};
+use crate::exact::stumps::groups::Histogram;
+use crate::exact::stumps::sweep::{Lane, STRIDE};
 use crate::exact::stumps::table::{Shape, Table};
-use crate::exact::stumps::{Place, Stump, Stumps};
+use crate::exact::stumps::{Neighbour, Place, Stump, Stumps, scan::split_gain};
 use crate::exact::view::View;
 
 /// See the module.
-pub struct Buckets<T, const N: usize> {
+pub struct Buckets<T: Lane, const N: usize, const S: usize> {
     arch: pulp::Arch,
     shape: Shape,
-    n_groups: usize,
-    shared: Table,
-    own: Table,
-    uses_own: bool,
-    histogram: Vec<[T; N]>,
-    start: Vec<[T; N]>,
-    open: Vec<[T; N]>,
-    caps: Vec<[T; N]>,
-    runs: Vec<[T; N]>,
-    best: Vec<[T; N]>,
+    skips: bool,
+    tables: [Table; 2],
+    /// 0: the table shared with other views, 1: the view's own.
+    used: usize,
+    groups: Vec<Histogram<T, N, S>>,
+    scores: Vec<i64>,
+    /// What each group may reach on both sides, by evaluated cut (`[record][group][side]`).
+    reaches: Vec<[i64; 2]>,
     k: usize,
     totals: [Vec<i64>; 2],
+    whole: Vec<i64>,
     mass: [i64; 2],
+    lane_totals: Vec<[T; N]>,
     candidates: Vec<Candidate>,
     left: Vec<i64>,
 }
@@ -35,128 +38,151 @@ pub struct Buckets<T, const N: usize> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Candidate {
     cap: i64,
-    feature: usize,
+    slot: usize,
     bucket: usize,
 }
 
-impl<T: Lane, const N: usize> Buckets<T, N> {
+/// What is known of both sides while groups are visited.
+#[derive(Debug, Clone, Copy)]
+struct Sides {
+    mass: [i64; 2],
+    /// Gain of the best leaf.
+    leaf: [i64; 2],
+    best: [i64; 2],
+    penalty: i64,
+}
+
+impl Sides {
+    fn cost(&self, side: usize, gain: i64) -> i64 {
+        self.mass[side] - self.leaf[side].max(gain - self.penalty)
+    }
+
+    fn total(&self, gains: [i64; 2]) -> i64 {
+        self.cost(0, gains[0]) + self.cost(1, gains[1])
+    }
+}
+
+impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
     /// Without tables yet.
     pub fn new(samples: &Samples, switches: &Switches) -> Self {
         let rows = samples.n_columns + usize::from(!samples.is_single);
+        let columns = vec![0; samples.n_columns];
         Self {
             arch: if switches.vectors {
                 pulp::Arch::new()
             } else {
                 pulp::Arch::Scalar
             },
-            shape: Shape { lanes: N, rows },
-            n_groups: (2 * samples.p).div_ceil(N),
-            shared: Table::default(),
-            own: Table::default(),
-            uses_own: true,
-            histogram: Vec::new(),
-            start: Vec::new(),
-            open: Vec::new(),
-            caps: Vec::new(),
-            runs: Vec::new(),
-            best: Vec::new(),
+            shape: Shape { slots: S, rows },
+            skips: switches.group_skip,
+            tables: [Table::default(), Table::default()],
+            used: 1,
+            groups: (0..samples.p.div_ceil(S)).map(Histogram::new).collect(),
+            scores: vec![0; samples.p],
+            reaches: Vec::new(),
             k: 0,
-            totals: [vec![0; samples.n_columns], vec![0; samples.n_columns]],
+            totals: [columns.clone(), columns.clone()],
+            whole: columns,
             mass: [0; 2],
+            lane_totals: Vec::new(),
             candidates: Vec::new(),
             left: Vec::new(),
         }
     }
 
-    fn table(&self) -> &Table {
-        if self.uses_own {
-            &self.own
-        } else {
-            &self.shared
-        }
-    }
-
-    /// Move the cut to `k`.
-    fn shift(&mut self, samples: &Samples, place: &Place<'_>) {
-        let list = place.view.list(place.f);
+    /// Move the totals of both sides.
+    fn shift_totals(&mut self, samples: &Samples, place: &Place<'_>) {
         let (from, to) = (self.k.min(place.k), self.k.max(place.k));
         let sign = if place.k > self.k { 1 } else { -1 };
-        for &i in &list[from..to] {
+        for &i in &place.view.list(place.f)[from..to] {
             samples.count(i, sign, &mut self.totals[0]);
-            samples.count(i, -sign, &mut self.totals[1]);
             self.mass[0] += sign * samples.swing[i as usize];
-            self.mass[1] -= sign * samples.swing[i as usize];
         }
-        let table = if self.uses_own {
-            &self.own
-        } else {
-            &self.shared
-        };
-        let flat = self.histogram.as_flattened_mut();
-        for &i in &list[from..to] {
-            let offsets = &table.offsets[i as usize * samples.p..][..samples.p];
-            if samples.is_single {
-                let amount = T::narrow(sign * samples.swing[i as usize]);
-                for &offset in offsets {
-                    let pair = &mut flat[offset as usize..][..2];
-                    pair[0] = pair[0].plus(amount);
-                    pair[1] = pair[1].minus(amount);
-                }
-            } else {
-                for &offset in offsets {
-                    move_rows(samples, i, sign, &mut flat[offset as usize..], N);
-                }
-            }
+        for (c, whole) in self.whole.iter().enumerate() {
+            self.totals[1][c] = whole - self.totals[0][c];
         }
+        self.mass[1] = place.view.mass - self.mass[0];
         self.k = place.k;
     }
 
-    /// The vector pass: attained gain and reach of both sides.
-    fn sweep(&mut self) -> ([i64; 2], [i64; 2]) {
-        let columns = self.totals[0].len();
-        let b = self.table().n_buckets;
-        let totals: Vec<[T; N]> = (0..columns)
-            .map(|c| std::array::from_fn(|lane| T::narrow(self.totals[lane % 2][c])))
-            .collect();
-        let (mut best, mut reach) = ([i64::MIN; 2], [i64::MIN; 2]);
-        self.best.clear();
-        let per_group = b * self.shape.rows;
-        let checkpoints = b / STRIDE * columns;
-        for g in 0..self.n_groups {
-            let mut group = Group {
-                histogram: &self.histogram[g * per_group..][..per_group],
-                open: &self.open[g * b..][..b],
-                totals: &totals,
-                caps: &mut self.caps[g * b..][..b],
-                runs: &mut self.runs[g * checkpoints..][..checkpoints],
-                rows: self.shape.rows,
-                best: [T::default(); N],
-                reach: [T::default(); N],
-            };
-            self.arch.dispatch(&mut group);
-            for lane in 0..N {
-                best[lane % 2] = best[lane % 2].max(group.best[lane].widen());
-                reach[lane % 2] = reach[lane % 2].max(group.reach[lane].widen());
-            }
-            self.best.push(group.best);
+    fn set_lane_totals(&mut self) {
+        self.lane_totals.clear();
+        for (left, right) in self.totals[0].iter().zip(&self.totals[1]) {
+            let pair = [T::narrow(*left), T::narrow(*right)];
+            self.lane_totals
+                .push(std::array::from_fn(|lane| pair[lane % 2]));
         }
-        (best, reach)
+    }
+
+    fn sides(&self, penalty: i64) -> Sides {
+        let leaf = [0, 1].map(|side| self.totals[side].iter().copied().max().unwrap_or(0));
+        Sides {
+            mass: self.mass,
+            leaf,
+            best: leaf,
+            penalty,
+        }
+    }
+
+    /// What a group may reach on both sides here, from the evaluated cuts before and after.
+    fn inherited(&self, group: usize, neighbours: &[Neighbour; 2]) -> [i64; 2] {
+        let n = self.groups.len();
+        let [before, after] =
+            neighbours.map(|n_| (self.reaches[n_.record * n + group], n_.distance));
+        // The left side grew since the cut before by that distance, and is part of the left side of the cut after.
+        [
+            (before.0[0] + before.1).min(after.0[0]),
+            before.0[1].min(after.0[1] + after.1),
+        ]
+    }
+
+    /// Largest gain inside the buckets of a group on one side, given that `best` is known and `close` is enough.
+    fn refine(
+        &mut self,
+        samples: &Samples,
+        place: &Place<'_>,
+        (group, side): (usize, usize),
+        sides: &mut Sides,
+        reach: &mut [i64; 2],
+        close: i64,
+    ) {
+        self.collect(group, side, sides.best[side], samples.p);
+        for index in 0..=self.candidates.len() {
+            let next = self.candidates.get(index).copied();
+            let best = sides.best[side];
+            reach[side] = next.map_or(best, |candidate| best.max(candidate.cap));
+            let is_closed = sides.total([0, 1].map(|s| reach[s].max(sides.best[s]))) >= close;
+            let Some(candidate) = next.filter(|candidate| candidate.cap > best && !is_closed)
+            else {
+                break;
+            };
+            sides.best[side] = best.max(self.walk(samples, place, group, side, candidate));
+        }
     }
 
     /// Buckets of a side whose cap is above `best`, the most promising first.
-    fn collect(&mut self, side: usize, best: i64, p: usize) {
-        let n_buckets = self.table().n_buckets;
+    fn collect(&mut self, group: usize, side: usize, best: i64, p: usize) {
         let least = T::narrow(best);
         self.candidates.clear();
-        for (index, cap) in self.caps.iter().enumerate() {
-            if cap.iter().fold(false, |any, &c| any | (c > least)) {
-                for lane in (side..N).step_by(2).filter(|&lane| cap[lane] > least) {
-                    let feature = (index / n_buckets * N + lane) / 2;
-                    if feature < p {
-                        let bucket = index % n_buckets;
+        let histogram = &self.groups[group];
+        let above = |row: &[T; N]| row.iter().fold(false, |any, &c| any | (c > least));
+        for (stride, _) in histogram
+            .tops
+            .iter()
+            .enumerate()
+            .filter(|(_, top)| above(top))
+        {
+            for bucket in stride * STRIDE..(stride + 1) * STRIDE {
+                let caps = &histogram.caps[bucket];
+                if !above(caps) {
+                    continue;
+                }
+                for lane in (side..N).step_by(2).filter(|&lane| caps[lane] > least) {
+                    let slot = group * self.shape.slots + lane / 2;
+                    if slot < p {
                         self.candidates.push(Candidate {
-                            cap: cap[lane].widen(),
-                            feature,
+                            cap: caps[lane].widen(),
+                            slot,
                             bucket,
                         });
                     }
@@ -171,23 +197,27 @@ impl<T: Lane, const N: usize> Buckets<T, N> {
         &mut self,
         samples: &Samples,
         place: &Place<'_>,
+        group: usize,
         side: usize,
         candidate: Candidate,
     ) -> i64 {
-        let Candidate {
-            feature, bucket, ..
-        } = candidate;
-        self.running_sums(feature, side, bucket);
-        let ranks = samples.ranks_of(feature);
-        let members = self
-            .table()
-            .members(samples, place.view.list(feature), feature, bucket);
+        let Candidate { slot, bucket, .. } = candidate;
         let mut left = std::mem::take(&mut self.left);
+        left.resize(self.whole.len(), 0);
+        let lane = 2 * (slot % self.shape.slots) + side;
+        self.groups[group].running_sums(lane, bucket, self.shape.rows, &mut left);
+        let table = &self.tables[self.used];
+        let feature = table.feature_of_slot[slot];
+        let ranks = samples.ranks_of(feature);
+        let members = table.members(samples, place.view.list(feature), feature, bucket);
         let (mut best, mut last) = (i64::MIN, None);
-        for &i in members.iter().filter(|&&i| place.is_on(side, i)) {
+        for &i in members
+            .iter()
+            .filter(|&&i| place.k == 0 || place.is_on(side, i))
+        {
             let rank = ranks[i as usize];
             if last.is_some_and(|before| before != rank) {
-                best = best.max(super::scan::split_gain(&left, &self.totals[side]));
+                best = best.max(split_gain(&left, &self.totals[side]));
             }
             samples.count(i, 1, &mut left);
             last = Some(rank);
@@ -196,163 +226,188 @@ impl<T: Lane, const N: usize> Buckets<T, N> {
         best
     }
 
-    /// Gains left of a bucket's start, from the last checkpoint.
-    fn running_sums(&mut self, feature: usize, side: usize, bucket: usize) {
-        let columns = self.totals[0].len();
-        let b = self.table().n_buckets;
-        let (group, lane) = ((2 * feature + side) / N, (2 * feature + side) % N);
-        let checkpoint = (group * (b / STRIDE) + bucket / STRIDE) * columns;
-        self.left.clear();
-        self.left.extend(
-            self.runs[checkpoint..checkpoint + columns]
-                .iter()
-                .map(|row| row[lane].widen()),
-        );
-        for between in bucket / STRIDE * STRIDE..bucket {
-            let rows = &self.histogram[(group * b + between) * self.shape.rows..][..columns];
-            for (sum, row) in self.left.iter_mut().zip(rows) {
-                *sum += row[lane].widen();
-            }
+    /// Sweep a group; what it attained joins `sides.best`, what it may reach is returned.
+    fn visit(&mut self, group: usize, sides: &mut Sides) -> [i64; 2] {
+        let (best, reach) = self.groups[group].sweep(self.arch, &self.lane_totals, self.shape.rows);
+        let mut reached = [0; 2];
+        for lane in 0..N {
+            sides.best[lane % 2] = sides.best[lane % 2].max(best[lane].widen());
+            reached[lane % 2] = reached[lane % 2].max(reach[lane].widen());
         }
+        reached
     }
 }
 
-/// Move all gains and the swing of a sample between the sides of one feature.
-fn move_rows<T: Lane>(samples: &Samples, i: u32, sign: i64, flat: &mut [T], lanes: usize) {
-    let gains = &samples.gains[i as usize * samples.n_columns..][..samples.n_columns];
-    for (row, gain) in gains.iter().chain([&samples.swing[i as usize]]).enumerate() {
-        let pair = &mut flat[row * lanes..][..2];
-        pair[0] = pair[0].plus(T::narrow(sign * gain));
-        pair[1] = pair[1].minus(T::narrow(sign * gain));
-    }
-}
-
-impl<T: Lane, const N: usize> Stumps for Buckets<T, N> {
+impl<T: Lane, const N: usize, const S: usize> Stumps for Buckets<T, N, S> {
     fn prepare(&mut self, samples: &Samples, view: &View) {
-        self.shared
-            .lay(samples, view, self.shape, 8, most_buckets(view.len));
+        let [shared, _] = &mut self.tables;
+        shared.lay(samples, view, self.shape, 8, most_buckets(view.len));
+        if self.groups.len() > 1 && self.skips {
+            self.load(samples, view);
+            let mut order: Vec<usize> = (0..samples.p).collect();
+            order.sort_by_key(|&f| -self.scores[f]);
+            let [shared, _] = &mut self.tables;
+            shared.reorder(order);
+            shared.lay(samples, view, self.shape, 8, most_buckets(view.len));
+        }
     }
 
-    fn load(&mut self, samples: &Samples, view: &View) {
-        self.uses_own = view.len * 3 < self.shared.len || self.shared.len == 0;
-        if self.uses_own {
-            self.own
-                .lay(samples, view, self.shape, 6, most_buckets(view.len));
+    fn load(&mut self, samples: &Samples, view: &View) -> Stump {
+        self.used = usize::from(view.len * 3 < self.tables[0].len || self.tables[0].len == 0);
+        if self.used == 1 {
+            self.tables[1].lay(samples, view, self.shape, 6, most_buckets(view.len));
         }
-        let b = self.table().n_buckets;
-        self.histogram.clear();
-        self.histogram
-            .resize(self.n_groups * b * self.shape.rows, [T::default(); N]);
-        self.caps.resize(self.n_groups * b, [T::default(); N]);
-        self.runs.resize(
-            self.n_groups * b / STRIDE * samples.n_columns,
-            [T::default(); N],
-        );
-        self.open.clear();
-        self.open.resize(self.n_groups * b, [T::default(); N]);
-        for f in 0..samples.p {
-            let (group, lane) = (2 * f / N, 2 * f % N);
-            for bucket in 0..b {
-                if self.table().is_open[f * b + bucket] {
-                    self.open[group * b + bucket][lane] = T::MAX;
-                    self.open[group * b + bucket][lane + 1] = T::MAX;
-                }
-            }
-        }
-        // All samples enter on the left from nothing, then the sides are exchanged: everything is right of the cut.
-        self.k = 0;
-        self.shift(
-            samples,
-            &Place {
-                view,
-                f: 0,
-                k: view.len,
-                positions: &[],
-            },
-        );
-        for row in self.histogram.as_flattened_mut().chunks_exact_mut(2) {
-            (row[0], row[1]) = (T::default(), row[0]);
-        }
-        self.start.clone_from(&self.histogram);
         self.totals[0].fill(0);
+        self.whole.clone_from(&view.totals);
         self.totals[1].clone_from(&view.totals);
         self.mass = [0, view.mass];
         self.k = 0;
+        let place = Place {
+            view,
+            f: 0,
+            k: 0,
+            positions: &[],
+            neighbours: [Neighbour {
+                record: 0,
+                distance: 0,
+            }; 2],
+        };
+        self.set_lane_totals();
+        let mut sides = self.sides(samples.penalty);
+        self.reaches.clear();
+        for group in 0..self.groups.len() {
+            self.groups[group].load(samples, view, &self.tables[self.used], self.shape);
+            let (best, reach) =
+                self.groups[group].sweep(self.arch, &self.lane_totals, self.shape.rows);
+            let first = group * self.shape.slots;
+            for slot in first..(first + self.shape.slots).min(samples.p) {
+                let lane = 2 * (slot - first) + 1;
+                self.scores[self.tables[self.used].feature_of_slot[slot]] = best[lane].widen();
+                sides.best[1] = sides.best[1].max(best[lane].widen());
+            }
+            let mut reached = [
+                0,
+                reach
+                    .iter()
+                    .skip(1)
+                    .step_by(2)
+                    .map(|r| r.widen())
+                    .max()
+                    .unwrap_or(0),
+            ];
+            if reached[1] > sides.best[1] {
+                self.refine(
+                    samples,
+                    &place,
+                    (group, 1),
+                    &mut sides,
+                    &mut reached,
+                    i64::MAX,
+                );
+            }
+            self.reaches.push(reached);
+        }
+        for group in 0..self.groups.len() {
+            self.reaches.push([self.reaches[group][1], 0]);
+        }
+        let cost = sides.cost(1, sides.best[1]);
+        Stump {
+            lower: cost,
+            value: cost,
+        }
+    }
+
+    fn scores(&self) -> &[i64] {
+        &self.scores
     }
 
     fn rewind(&mut self) {
-        if self.k != 0 {
-            self.histogram.clone_from(&self.start);
-            self.rewind_totals();
-        }
+        self.groups.iter_mut().for_each(Histogram::rewind);
+        self.reaches.truncate(2 * self.groups.len());
+        self.totals[0].fill(0);
+        self.mass[0] = 0;
+        self.k = 0;
     }
 
     fn both(&mut self, samples: &Samples, place: &Place<'_>, close: i64) -> [Stump; 2] {
-        self.shift(samples, place);
-        let (mut best, mut reach) = self.sweep();
-        let leaf = [0, 1].map(|side| self.totals[side].iter().copied().max().unwrap_or(0));
-        let mass = self.mass;
-        let cost = |side: usize, gain: i64| mass[side] - leaf[side].max(gain - samples.penalty);
-        let first = usize::from(reach[1] - best[1] > reach[0] - best[0]);
-        for side in [first, 1 - first] {
-            if reach[side] <= best[side] {
-                continue;
+        self.shift_totals(samples, place);
+        self.set_lane_totals();
+        let mut sides = self.sides(samples.penalty);
+        let first_reach = self.reaches.len();
+        for group in 0..self.groups.len() {
+            let mut reach = self.inherited(group, &place.neighbours);
+            let is_idle = reach[0] <= sides.best[0] && reach[1] <= sides.best[1];
+            if !(self.skips && group > 0 && is_idle) {
+                self.groups[group].shift(samples, place, &self.tables[self.used]);
+                let seen = self.visit(group, &mut sides);
+                reach = [reach[0].min(seen[0]), reach[1].min(seen[1])];
             }
-            self.collect(side, best[side], samples.p);
-            for index in 0..=self.candidates.len() {
-                let next = self.candidates.get(index).copied();
-                reach[side] = next.map_or(best[side], |candidate| best[side].max(candidate.cap));
-                let is_closed = cost(0, reach[0]) + cost(1, reach[1]) >= close;
-                let Some(candidate) =
-                    next.filter(|candidate| candidate.cap > best[side] && !is_closed)
-                else {
-                    break;
-                };
-                best[side] = best[side].max(self.walk(samples, place, side, candidate));
-            }
+            self.reaches.push(reach);
         }
+        self.finish(samples, place, &mut sides, first_reach, close);
+        let n = self.groups.len();
+        let reach = [0, 1].map(|side| {
+            let open = self.reaches[first_reach..first_reach + n]
+                .iter()
+                .map(|reach| reach[side])
+                .max();
+            open.unwrap_or(0).max(sides.best[side])
+        });
         [0, 1].map(|side| Stump {
-            lower: cost(side, reach[side]),
-            value: cost(side, best[side]),
+            lower: sides.cost(side, reach[side]),
+            value: sides.cost(side, sides.best[side]),
         })
     }
 
-    fn attained(&self, scores: &mut Vec<i64>) {
-        scores.clear();
-        scores.extend(
-            self.best
-                .as_flattened()
-                .iter()
-                .skip(1)
-                .step_by(2)
-                .map(|&gain| gain.widen()),
-        );
+    fn last_record(&self) -> usize {
+        self.reaches.len() / self.groups.len() - 1
     }
 
     fn bytes(&self) -> usize {
-        let rows = self.histogram.len()
-            + self.start.len()
-            + self.open.len()
-            + self.caps.len()
-            + self.runs.len();
-        let tables = self.shared.offsets.len() + self.own.offsets.len();
-        rows * std::mem::size_of::<[T; N]>() + tables * 4
+        let tables = self
+            .tables
+            .iter()
+            .map(|table| 4 * table.offsets.len())
+            .sum::<usize>();
+        tables + self.groups.iter().map(Histogram::bytes).sum::<usize>()
     }
 }
 
-impl<T: Lane, const N: usize> Buckets<T, N> {
-    /// The totals with everything right of the cut.
-    fn rewind_totals(&mut self) {
-        for c in 0..self.totals[0].len() {
-            self.totals[1][c] += self.totals[0][c];
-            self.totals[0][c] = 0;
+impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
+    /// Look inside buckets, the side of the wider doubt first, until the stumps are exact or close the interval.
+    fn finish(
+        &mut self,
+        samples: &Samples,
+        place: &Place<'_>,
+        sides: &mut Sides,
+        first: usize,
+        close: i64,
+    ) {
+        let n = self.groups.len();
+        loop {
+            let reach = |side: usize| {
+                (0..n)
+                    .map(|g| (self.reaches[first + g][side], g))
+                    .max()
+                    .unwrap_or((0, 0))
+            };
+            let widest = [reach(0), reach(1)];
+            let doubt = [0, 1].map(|side| widest[side].0 - sides.best[side]);
+            let side = usize::from(doubt[1] > doubt[0]);
+            let gains = [0, 1].map(|side| widest[side].0.max(sides.best[side]));
+            if doubt[side] <= 0 || sides.total(gains) >= close {
+                return;
+            }
+            let group = widest[side].1;
+            let other = gains[1 - side];
+            let mut reach = [other, other];
+            self.refine(samples, place, (group, side), sides, &mut reach, close);
+            self.reaches[first + group][side] = reach[side];
         }
-        self.mass = [0, self.mass[0] + self.mass[1]];
-        self.k = 0;
     }
 }
 
 /// Most buckets of a feature: few where a vector pass is the price, more where a walk inside would be.
 fn most_buckets(len: usize) -> usize {
-    128.max(2 * len.isqrt())
+    64.max(2 * len.isqrt())
 }

@@ -1,7 +1,7 @@
 //! Best stumps by a plain walk along every list: the yardstick, and the way when leaves have a least size.
 
 use crate::exact::samples::Samples;
-use crate::exact::stumps::{Place, Stump, Stumps};
+use crate::exact::stumps::{Neighbour, Place, Stump, Stumps};
 use crate::exact::view::View;
 
 /// See the module.
@@ -61,49 +61,75 @@ pub fn split_gain(left: &[i64], totals: &[i64]) -> i64 {
     low + high
 }
 
+impl Scan {
+    fn stump(&mut self, samples: &Samples, place: &Place<'_>, side: usize) -> Stump {
+        let mut totals = vec![0; samples.n_columns];
+        let mut mass = 0;
+        let list = place.view.list(place.f);
+        let members = if side == 0 {
+            &list[..place.k]
+        } else {
+            &list[place.k..]
+        };
+        for &i in members {
+            samples.count(i, 1, &mut totals);
+            mass += samples.swing[i as usize];
+        }
+        let mut gain = totals.iter().copied().max().unwrap_or(0);
+        for f in 0..samples.p {
+            let keeps = |i: u32| place.k == 0 || place.is_on(side, i);
+            let best = best_cut(
+                samples,
+                place.view.list(f),
+                f,
+                &totals,
+                place.size(side),
+                keeps,
+            );
+            self.scores[f] = best.map_or(0, |best| best.gain);
+            gain = gain.max(self.scores[f] - samples.penalty);
+        }
+        Stump {
+            lower: mass - gain,
+            value: mass - gain,
+        }
+    }
+}
+
 impl Stumps for Scan {
     fn prepare(&mut self, _: &Samples, _: &View) {}
 
-    fn load(&mut self, _: &Samples, _: &View) {}
+    fn load(&mut self, samples: &Samples, view: &View) -> Stump {
+        self.scores.resize(samples.p, 0);
+        let neighbours = [Neighbour {
+            record: 0,
+            distance: 0,
+        }; 2];
+        self.stump(
+            samples,
+            &Place {
+                view,
+                f: 0,
+                k: 0,
+                positions: &[],
+                neighbours,
+            },
+            1,
+        )
+    }
+
+    fn scores(&self) -> &[i64] {
+        &self.scores
+    }
 
     fn rewind(&mut self) {}
 
     fn both(&mut self, samples: &Samples, place: &Place<'_>, _close: i64) -> [Stump; 2] {
-        self.scores.clear();
-        self.scores.resize(samples.p, 0);
-        [0, 1].map(|side| {
-            let mut totals = vec![0; samples.n_columns];
-            let mut mass = 0;
-            let list = place.view.list(place.f);
-            let members = if side == 0 {
-                &list[..place.k]
-            } else {
-                &list[place.k..]
-            };
-            for &i in members {
-                samples.count(i, 1, &mut totals);
-                mass += samples.swing[i as usize];
-            }
-            let mut gain = totals.iter().copied().max().unwrap_or(0);
-            for f in 0..samples.p {
-                let list = place.view.list(f);
-                let best = best_cut(samples, list, f, &totals, place.size(side), |i| {
-                    place.is_on(side, i)
-                });
-                if let Some(best) = best {
-                    gain = gain.max(best.gain - samples.penalty);
-                    self.scores[f] = best.gain;
-                }
-            }
-            Stump {
-                lower: mass - gain,
-                value: mass - gain,
-            }
-        })
+        [0, 1].map(|side| self.stump(samples, place, side))
     }
 
-    fn attained(&self, scores: &mut Vec<i64>) {
-        scores.clone_from(&self.scores);
+    fn last_record(&self) -> usize {
+        0
     }
 
     fn bytes(&self) -> usize {

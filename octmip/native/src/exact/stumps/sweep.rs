@@ -3,10 +3,10 @@
 //! Plain loops over arrays of a fixed width inside `pulp`'s dispatch: the compiler turns them into the widest vectors
 //! of the machine at hand. Integer arithmetic, so every width gives the same numbers.
 
-use pulp::{Simd, WithSimd};
+use pulp::{Simd, WithSimd, bytemuck};
 
 /// A number of a histogram lane.
-pub trait Lane: Copy + Ord + Default + Send + 'static {
+pub trait Lane: bytemuck::Pod + Ord + Default + Send {
     /// From a sum that fits (see `finder`).
     fn narrow(value: i64) -> Self;
     /// To a sum.
@@ -15,6 +15,14 @@ pub trait Lane: Copy + Ord + Default + Send + 'static {
     fn plus(self, other: Self) -> Self;
     /// Difference.
     fn minus(self, other: Self) -> Self;
+    /// Two numbers side by side: left and right of the cut.
+    type Pair: bytemuck::Pod + Default + Send;
+    /// The change of a pair when an amount moves from right to left.
+    fn shift(amount: i64) -> Self::Pair;
+    /// The change of a pair when an amount enters on the right.
+    fn enter(amount: i64) -> Self::Pair;
+    /// A pair after a change; both halves stay 0 or more.
+    fn change(pair: Self::Pair, by: Self::Pair) -> Self::Pair;
     /// Half, rounded down.
     fn half(self) -> Self;
     /// The largest.
@@ -22,9 +30,22 @@ pub trait Lane: Copy + Ord + Default + Send + 'static {
 }
 
 macro_rules! lane {
-    ($($t:ty),*) => {$(
+    ($t:ty, $pair:ty, $shift:expr, $enter:expr, $change:expr) => {
         impl Lane for $t {
             const MAX: Self = <$t>::MAX;
+            type Pair = $pair;
+            #[inline(always)]
+            fn shift(amount: i64) -> $pair {
+                $shift(amount)
+            }
+            #[inline(always)]
+            fn enter(amount: i64) -> $pair {
+                $enter(amount)
+            }
+            #[inline(always)]
+            fn change(pair: $pair, by: $pair) -> $pair {
+                $change(pair, by)
+            }
             #[inline(always)]
             fn narrow(value: i64) -> Self {
                 value as $t
@@ -46,9 +67,35 @@ macro_rules! lane {
                 self >> 1
             }
         }
-    )*};
+    };
 }
-lane!(i16, i32, i64);
+
+// Both halves of a pair move by one addition: left + 2^16 right is an exact integer while both are 0 or more and fit.
+const _: () = assert!(
+    cfg!(target_endian = "little"),
+    "pairs are read back half by half, the left one first"
+);
+lane!(
+    i16,
+    u32,
+    |amount: i64| (amount as u32).wrapping_sub((amount as u32) << 16),
+    |amount: i64| (amount as u32) << 16,
+    u32::wrapping_add
+);
+lane!(
+    i32,
+    u64,
+    |amount: i64| (amount as u64).wrapping_sub((amount as u64) << 32),
+    |amount: i64| (amount as u64) << 32,
+    u64::wrapping_add
+);
+lane!(
+    i64,
+    [i64; 2],
+    |amount: i64| [amount, -amount],
+    |amount: i64| [0, amount],
+    |pair: [i64; 2], by: [i64; 2]| [pair[0] + by[0], pair[1] + by[1]]
+);
 
 type Row<T, const N: usize> = [T; N];
 
@@ -94,6 +141,8 @@ pub struct Group<'a, T, const N: usize> {
     pub totals: &'a [Row<T, N>],
     /// Largest gain that a stump inside a bucket may have, out (`n_buckets`).
     pub caps: &'a mut [Row<T, N>],
+    /// The largest of `caps` over each `STRIDE` buckets, out (`n_buckets / STRIDE`).
+    pub tops: &'a mut [Row<T, N>],
     /// Running sums before every `STRIDE`-th bucket, out (`n_buckets / STRIDE * columns`).
     pub runs: &'a mut [Row<T, N>],
     /// Rows of a bucket: its columns, and its swing where samples gain in several columns.
@@ -150,6 +199,9 @@ impl<T: Lane, const N: usize> Group<'_, T, N> {
                 top = max(&top, &bucket[c]);
             }
             edge.pass(&low, &high, &count, &sub(&count, &top), open, cap);
+            if b % STRIDE == STRIDE - 1 {
+                self.tops[b / STRIDE] = edge.close_stride();
+            }
         }
         (self.best, self.reach) = (edge.best, edge.reach);
     }
@@ -185,6 +237,9 @@ impl<T: Lane, const N: usize> Group<'_, T, N> {
                 &self.open[b],
                 &mut self.caps[b],
             );
+            if b % STRIDE == STRIDE - 1 {
+                self.tops[b / STRIDE] = edge.close_stride();
+            }
         }
         (self.best, self.reach) = (edge.best, edge.reach);
     }
@@ -196,6 +251,7 @@ struct Edge<T, const N: usize> {
     score: Row<T, N>,
     best: Row<T, N>,
     reach: Row<T, N>,
+    top: Row<T, N>,
 }
 
 impl<T: Lane, const N: usize> Edge<T, N> {
@@ -210,6 +266,7 @@ impl<T: Lane, const N: usize> Edge<T, N> {
             score: high,
             best: high,
             reach: high,
+            top: [T::default(); N],
         }
     }
 
@@ -239,9 +296,17 @@ impl<T: Lane, const N: usize> Edge<T, N> {
         let lifted = add(&max(&score, &self.score), minor);
         let inside = min(&min(&cross, &mean), &min(&lifted, open));
         *cap = inside;
+        self.top = max(&self.top, &inside);
         self.best = max(&self.best, &score);
-        self.reach = max(&self.reach, &max(&inside, &score));
         self.high = *high;
         self.score = score;
+    }
+
+    /// The largest cap of the last `STRIDE` buckets.
+    #[inline(always)]
+    fn close_stride(&mut self) -> Row<T, N> {
+        let top = std::mem::replace(&mut self.top, [T::default(); N]);
+        self.reach = max(&self.reach, &max(&self.best, &top));
+        top
     }
 }

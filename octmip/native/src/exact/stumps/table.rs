@@ -5,10 +5,11 @@ use crate::exact::view::View;
 
 /// Which bucket of every feature a sample lies in, as an offset into a histogram.
 ///
-/// The histogram is laid out `[group][bucket][row][lane]`; lane `2 f + side` of all groups holds feature `f`.
+/// The histogram is laid out `[group][bucket][row][slot]`; a slot holds the two sides of a feature. The features with
+/// the best stumps share the first groups, so that later groups can often be passed over.
 #[derive(Debug, Default)]
 pub struct Table {
-    /// Offset of sample `i` in feature `f`, left side, its own row included: `offsets[i * p + f]`.
+    /// Offset of sample `i` in slot `s` of group `g`, its own row included: `offsets[(g * n + i) * slots + s]`.
     pub offsets: Vec<u32>,
     /// Smallest rank in each bucket (`p * n_buckets`), past the largest for buckets without values.
     pub edges: Vec<u32>,
@@ -18,13 +19,17 @@ pub struct Table {
     pub n_buckets: usize,
     /// Size of the view that it was laid out for.
     pub len: usize,
+    /// Feature of each slot (`p`).
+    pub feature_of_slot: Vec<usize>,
+    /// Slot of each feature (`p`).
+    pub slot_of_feature: Vec<usize>,
 }
 
 /// Shape of a histogram.
 #[derive(Debug, Clone, Copy)]
 pub struct Shape {
-    /// Numbers in a vector.
-    pub lanes: usize,
+    /// Slots of a group.
+    pub slots: usize,
     /// Rows of a bucket.
     pub rows: usize,
 }
@@ -44,15 +49,28 @@ impl Table {
             .clamp(1, most)
             .next_multiple_of(8);
         self.len = view.len;
-        self.offsets.resize(samples.n * p, 0);
+        self.offsets
+            .resize(p.div_ceil(shape.slots) * samples.n * shape.slots, 0);
         self.edges.clear();
         self.edges.resize(p * self.n_buckets, u32::MAX);
         self.is_open.clear();
         self.is_open.resize(p * self.n_buckets, false);
+        if self.feature_of_slot.len() != p {
+            self.feature_of_slot = (0..p).collect();
+            self.slot_of_feature = (0..p).collect();
+        }
         let wanted = view.len.div_ceil(self.n_buckets);
         for f in 0..p {
             self.lay_feature(samples, view.list(f), f, shape, wanted);
         }
+    }
+
+    /// Put the features in this order; needs a new layout.
+    pub fn reorder(&mut self, order: Vec<usize>) {
+        for (slot, &f) in order.iter().enumerate() {
+            self.slot_of_feature[f] = slot;
+        }
+        self.feature_of_slot = order;
     }
 
     fn lay_feature(
@@ -64,9 +82,10 @@ impl Table {
         wanted: usize,
     ) {
         let ranks = samples.ranks_of(f);
-        let (group, lane) = (2 * f / shape.lanes, 2 * f % shape.lanes);
-        let stride = shape.rows * shape.lanes;
-        let mut offset = group * self.n_buckets * stride + lane;
+        let slot = self.slot_of_feature[f];
+        let stride = shape.rows * shape.slots;
+        let mut offset = slot % shape.slots;
+        let first = slot / shape.slots * samples.n * shape.slots + slot % shape.slots;
         let (mut bucket, mut held) = (f * self.n_buckets, 0);
         let mut last = ranks[list[0] as usize];
         self.edges[bucket] = 0;
@@ -88,7 +107,7 @@ impl Table {
             } else {
                 0
             };
-            self.offsets[i as usize * samples.p + f] = (offset + row * shape.lanes) as u32;
+            self.offsets[first + i as usize * shape.slots] = (offset + row * shape.slots) as u32;
         }
     }
 
@@ -103,10 +122,11 @@ impl Table {
         let ranks = samples.ranks_of(f);
         let edges = &self.edges[f * self.n_buckets..(f + 1) * self.n_buckets];
         let from = list.partition_point(|&i| ranks[i as usize] < edges[bucket]);
+        let rest = &list[from..];
         let to = match edges.get(bucket + 1) {
-            Some(&edge) => from + list[from..].partition_point(|&i| ranks[i as usize] < edge),
-            None => list.len(),
+            Some(&edge) => rest.iter().position(|&i| ranks[i as usize] >= edge),
+            None => None,
         };
-        &list[from..to]
+        &rest[..to.unwrap_or(rest.len())]
     }
 }

@@ -1,0 +1,39 @@
+//! Numbers that begin at a cache line, so that no vector load straddles two.
+
+use pulp::bytemuck::{Pod, Zeroable};
+
+const LINE: usize = 64;
+
+/// A buffer of numbers on a 64-byte boundary.
+#[derive(Debug, Default, Clone)]
+pub struct Aligned<P> {
+    data: Vec<P>,
+    start: usize,
+    len: usize,
+}
+
+impl<P: Pod + Zeroable> Aligned<P> {
+    /// Make it `len` zeros.
+    pub fn zero(&mut self, len: usize) {
+        self.data.clear();
+        self.data.resize(len + LINE / size_of::<P>(), P::zeroed());
+        self.start = self
+            .data
+            .as_ptr()
+            .align_offset(LINE)
+            .min(LINE / size_of::<P>());
+        self.len = len;
+    }
+
+    /// The numbers.
+    #[inline(always)]
+    pub fn get(&self) -> &[P] {
+        &self.data[self.start..self.start + self.len]
+    }
+
+    /// The numbers, to write.
+    #[inline(always)]
+    pub fn get_mut(&mut self) -> &mut [P] {
+        &mut self.data[self.start..self.start + self.len]
+    }
+}

@@ -1,0 +1,170 @@
+//! Histograms of the two sides of a cut, one for each group of features, moved only when it is needed.
+
+use crate::exact::samples::Samples;
+use crate::exact::stumps::Place;
+use crate::exact::stumps::aligned::Aligned;
+use crate::exact::stumps::sweep::{Group, Lane, STRIDE};
+use crate::exact::stumps::table::{Shape, Table};
+use crate::exact::view::View;
+
+/// A histogram of the slots of one group: pairs `[bucket][row][slot]`.
+pub struct Histogram<T: Lane, const N: usize, const S: usize> {
+    pairs: Aligned<T::Pair>,
+    start: Aligned<T::Pair>,
+    open: Vec<[T; N]>,
+    /// Largest gain inside each bucket, from the last pass.
+    pub caps: Vec<[T; N]>,
+    /// The same over `STRIDE` buckets.
+    pub tops: Vec<[T; N]>,
+    runs: Vec<[T; N]>,
+    /// Samples left of the cut; None: not yet put back for this feature.
+    k: Option<usize>,
+    group: usize,
+}
+
+impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
+    /// The histogram of one group, empty.
+    pub fn new(group: usize) -> Self {
+        Self {
+            pairs: Aligned::default(),
+            start: Aligned::default(),
+            open: Vec::new(),
+            caps: Vec::new(),
+            tops: Vec::new(),
+            runs: Vec::new(),
+            k: None,
+            group,
+        }
+    }
+
+    /// The slots of this group.
+    fn slots(&self, p: usize, shape: Shape) -> std::ops::Range<usize> {
+        self.group * shape.slots..((self.group + 1) * shape.slots).min(p)
+    }
+
+    /// Enter all samples of a view on the right.
+    pub fn load(&mut self, samples: &Samples, view: &View, table: &Table, shape: Shape) {
+        let b = table.n_buckets;
+        let per_group = b * shape.rows * shape.slots;
+        self.pairs.zero(per_group);
+        self.open.clear();
+        self.open.resize(b, [T::default(); N]);
+        self.caps.resize(b, [T::default(); N]);
+        self.tops.resize(b / STRIDE, [T::default(); N]);
+        self.runs
+            .resize(b / STRIDE * samples.n_columns, [T::default(); N]);
+        let slots = self.slots(samples.p, shape);
+        for slot in slots.clone() {
+            let f = table.feature_of_slot[slot];
+            let lane = 2 * (slot % shape.slots);
+            for bucket in (0..b).filter(|bucket| table.is_open[f * b + bucket]) {
+                self.open[bucket][lane..lane + 2].fill(T::MAX);
+            }
+        }
+        self.k = None;
+        let ids = view.list(0);
+        self.apply(samples, table, ids, 1, T::enter);
+        self.start.clone_from(&self.pairs);
+        self.k = Some(0);
+    }
+
+    /// Put the cut back to 0 when it is next moved.
+    pub fn rewind(&mut self) {
+        if self.k != Some(0) {
+            self.k = None;
+        }
+    }
+
+    /// Move the cut.
+    pub fn shift(&mut self, samples: &Samples, place: &Place<'_>, table: &Table) {
+        let at = self.k.unwrap_or_else(|| {
+            self.pairs.get_mut().copy_from_slice(self.start.get());
+            0
+        });
+        let list = place.view.list(place.f);
+        let (from, to) = (at.min(place.k), at.max(place.k));
+        let sign = if place.k > at { 1 } else { -1 };
+        self.apply(samples, table, &list[from..to], sign, T::shift);
+        self.k = Some(place.k);
+    }
+
+    /// Apply a change to all slots for every sample of `ids`.
+    fn apply(
+        &mut self,
+        samples: &Samples,
+        table: &Table,
+        ids: &[u32],
+        sign: i64,
+        change: impl Fn(i64) -> T::Pair,
+    ) {
+        let first = self.group * samples.n * S;
+        let (offsets, _) = table.offsets[first..first + samples.n * S].as_chunks::<S>();
+        let used = (samples.p - self.group * S).min(S);
+        let pairs = self.pairs.get_mut();
+        if samples.is_single {
+            for &i in ids {
+                let by = change(sign * samples.swing[i as usize]);
+                let row = &offsets[i as usize];
+                if used == S {
+                    for &offset in row {
+                        pairs[offset as usize] = T::change(pairs[offset as usize], by);
+                    }
+                } else {
+                    for &offset in &row[..used] {
+                        pairs[offset as usize] = T::change(pairs[offset as usize], by);
+                    }
+                }
+            }
+            return;
+        }
+        for &i in ids {
+            let gains = &samples.gains[i as usize * samples.n_columns..][..samples.n_columns];
+            for (row, gain) in gains.iter().chain([&samples.swing[i as usize]]).enumerate() {
+                let by = change(sign * gain);
+                for &offset in &offsets[i as usize][..used] {
+                    let pair = &mut pairs[offset as usize + row * S];
+                    *pair = T::change(*pair, by);
+                }
+            }
+        }
+    }
+
+    /// The vector pass: by lane, the best gain at a bucket edge and the largest that any stump may have.
+    pub fn sweep(&mut self, arch: pulp::Arch, totals: &[[T; N]], rows: usize) -> ([T; N], [T; N]) {
+        let histogram: &[T] = pulp::bytemuck::cast_slice(self.pairs.get());
+        let mut group = Group {
+            histogram: &histogram.as_chunks::<N>().0[..self.open.len() * rows],
+            open: &self.open,
+            totals,
+            caps: &mut self.caps,
+            tops: &mut self.tops,
+            runs: &mut self.runs,
+            rows,
+            best: [T::default(); N],
+            reach: [T::default(); N],
+        };
+        arch.dispatch(&mut group);
+        (group.best, group.reach)
+    }
+
+    /// Gains left of a bucket's start on one lane, from the last checkpoint of the last pass.
+    pub fn running_sums(&self, lane: usize, bucket: usize, rows: usize, sums: &mut [i64]) {
+        let checkpoint = &self.runs[bucket / STRIDE * sums.len()..][..sums.len()];
+        for (sum, row) in sums.iter_mut().zip(checkpoint) {
+            *sum = row[lane].widen();
+        }
+        let histogram: &[T] = pulp::bytemuck::cast_slice(self.pairs.get());
+        for between in bucket / STRIDE * STRIDE..bucket {
+            for (c, sum) in sums.iter_mut().enumerate() {
+                *sum += histogram[(between * rows + c) * N + lane].widen();
+            }
+        }
+    }
+
+    /// Bytes.
+    pub fn bytes(&self) -> usize {
+        2 * size_of_val(self.pairs.get())
+            + size_of_val(&self.caps[..])
+            + size_of_val(&self.runs[..])
+    }
+}
