@@ -116,18 +116,10 @@ def solve(
         SolverError: the solver failed, or its solution fails its certificate.
     """
     name = chosen_method(problem, method)
-    registration = REGISTRY[name]
     first = _checked_incumbent(problem, incumbent)
-    registration.load()  # before the clock starts: its import is not the solver's time
+    REGISTRY[name].load()  # before the clock starts: its import is not the solver's time
     start = time.perf_counter()
-    call = _Call(problem, limits, seed, n_jobs, progress, start)
-    if first is None and _wants_incumbent(problem, name):
-        first = _first_tree(call)
-        if first.stop is Stop.INTERRUPTED:
-            return _checked(problem, replace(first, seconds=time.perf_counter() - start))
-    solution = _checked(problem, _run(call, name, first, options or {}))
-    if registration.proves:
-        solution = _with_better_tree(solution, first)
+    solution = _answer(_Call(problem, limits, seed, n_jobs, progress, start), name, first, options or {})
     return _checked(problem, replace(solution, seconds=time.perf_counter() - start))
 
 
@@ -187,6 +179,17 @@ class _Call:
         if progress is None:
             return None
         return lambda state: progress(replace(state, seconds=state.seconds + spent))
+
+
+def _answer(call: _Call, name: str, first: Solution | None, options: Mapping[str, Any]) -> Solution:
+    """Return the solution of a method that starts from `first`, or from a search where that helps."""
+    if first is None and _wants_incumbent(call.problem, name):
+        first = _first_tree(call)
+        if first.stop is Stop.INTERRUPTED:
+            return first
+    # Checked before the better tree is taken: what an incumbent covers up would be a wrong claim all the same.
+    solution = _checked(call.problem, _run(call, name, first, options))
+    return _with_better_tree(solution, first) if REGISTRY[name].proves else solution
 
 
 def _first_tree(call: _Call) -> Solution:

@@ -1,0 +1,134 @@
+"""The drawing of a tree: splits, edges, leaves with class, samples and a bar of their classes."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import FancyBboxPatch, Rectangle
+from numpy.typing import NDArray
+
+from octmip.plot.style import INK, PAPER, QUIET, check_names, class_colours, luminance
+from octmip.problem import Problem
+from octmip.tree import HyperplaneSplit, Leaf, Node, Split, depth, leaf_index, leaves, nodes
+
+MINUS = "\N{MINUS SIGN}"
+NODE_WIDTH, NODE_HEIGHT, BAR_HEIGHT = 0.86, 0.5, 0.09
+LINE_LENGTH = 16  # characters that a node holds at full size of type
+
+
+def split_text(split: Split | HyperplaneSplit, feature_names: Sequence[str]) -> str:
+    """Return the condition for going left, as ``g01 <= 2.5`` or ``0.5 g01 - 2 g02 <= 1`` over lines."""
+    if isinstance(split, Split):
+        return f"{feature_names[split.feature]} ≤ {split.threshold:.5g}"
+    terms = ""
+    for feature, coefficient in zip(split.features, split.coefficients, strict=True):
+        sign = MINUS if coefficient < 0 else "+" if terms else ""
+        size = "" if abs(coefficient) == 1 else f"{abs(coefficient):.3g} "
+        terms += f"{sign} {size}{feature_names[feature]}\n"
+    return f"{terms.strip()}\n≤ {split.offset:.4g}"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Place:
+    """Where a node stands in the drawing, x counted in leaves and y in levels below the root."""
+
+    node: Node
+    x: float
+    y: float
+    children: tuple["_Place", ...]
+
+    def walk(self) -> Iterator["_Place"]:
+        yield self
+        for child in self.children:
+            yield from child.walk()
+
+
+def _places(node: Node, level: int, first_leaf: int) -> _Place:
+    if isinstance(node, Leaf):
+        return _Place(node, float(first_leaf), float(level), ())
+    left = _places(node.left, level + 1, first_leaf)
+    right = _places(node.right, level + 1, first_leaf + len(leaves(node.left)))
+    return _Place(node, (left.x + right.x) / 2, float(level), (left, right))
+
+
+def tree_figure(problem: Problem, tree: Node, title: str | None = None) -> Figure:
+    """Return a drawing of a tree: its splits, and its leaves with class, samples and a bar of their classes.
+
+    Yes (left) and no (right) are written on the edges of the root.
+
+    Raises:
+        ProblemError: the tree reads a feature or predicts a class that the problem lacks.
+    """
+    check_names(problem, tree)
+    counts = np.zeros((len(leaves(tree)), problem.n_classes), dtype=np.int64)
+    np.add.at(counts, (leaf_index(tree, problem.features), problem.codes), 1)
+    return counted_tree_figure(tree, counts, problem.feature_names, problem.class_names, title)
+
+
+def counted_tree_figure(
+    tree: Node,
+    counts: NDArray[np.int64],
+    feature_names: Sequence[str],
+    class_names: Sequence[Any],
+    title: str | None = None,
+) -> Figure:
+    """Return the drawing of a tree whose samples are known as `counts`, (n_leaves, n_classes), leaves from the left."""
+    place = _places(tree, 0, 0)
+    size = 1.25 + 0.35 * max(_lines(node) - 1 for node in nodes(tree))
+    figure = Figure(figsize=(max(3.0, 1.2 * len(leaves(tree))), max(1.4, size * (depth(tree) + 0.8))), layout="tight")
+    axes = figure.add_subplot()
+    rows = iter(counts)
+    for here in place.walk():
+        _draw_edges(axes, here, is_root=here is place)
+        if isinstance(here.node, Leaf):
+            _draw_leaf(axes, here, next(rows), class_names)
+        else:
+            _draw_box(axes, here, split_text(here.node, feature_names), PAPER)
+    axes.set_xlim(-0.55, len(leaves(tree)) - 0.45)
+    axes.set_ylim(depth(tree) + 0.5, -0.45)
+    axes.set_axis_off()
+    if title:
+        axes.set_title(title, fontsize=10, color=INK)
+    return figure
+
+
+def _lines(node: Node) -> int:
+    return len(node.features) + 1 if isinstance(node, HyperplaneSplit) else 1
+
+
+def _draw_edges(axes: Axes, place: _Place, is_root: bool) -> None:
+    for child, word, side in zip(place.children, ("yes", "no"), ("right", "left"), strict=False):
+        axes.plot([place.x, child.x], [place.y, child.y], color=QUIET, linewidth=1.0, zorder=1)
+        if is_root:
+            x, y = (place.x + child.x) / 2, (place.y + child.y) / 2
+            axes.text(x, y - 0.04, f" {word} ", ha=side, va="bottom", fontsize=7.5, color=QUIET, style="italic")
+
+
+def _draw_box(axes: Axes, place: _Place, text: str, fill: Any, edge: Any = INK) -> None:
+    height = NODE_HEIGHT if text.count("\n") < 2 else min(0.82, 0.17 * (text.count("\n") + 1))
+    corner = (place.x - NODE_WIDTH / 2, place.y - height / 2)
+    style = "round,pad=0,rounding_size=0.08"
+    box = FancyBboxPatch(corner, NODE_WIDTH, height, style, facecolor=fill, edgecolor=edge, linewidth=0.9, zorder=2)
+    axes.add_patch(box)
+    ink = PAPER if luminance(fill) < 0.45 else INK
+    longest = max(len(line) for line in text.splitlines())
+    font = 8.0 if longest <= LINE_LENGTH else max(4.0, 8.0 * LINE_LENGTH / longest)
+    axes.text(place.x, place.y, text, ha="center", va="center", fontsize=font, color=ink, zorder=3, linespacing=1.25)
+
+
+def _draw_leaf(axes: Axes, place: _Place, counts: NDArray[np.int64], class_names: Sequence[Any]) -> None:
+    assert isinstance(place.node, Leaf)
+    colours, label, total = class_colours(class_names), place.node.label, int(counts.sum())
+    wrong = total - int(counts[label])
+    text = f"{class_names[label]}\n{total}" + (f", {wrong} wrong" if wrong else "")
+    _draw_box(axes, place, text, colours[label], edge=colours[label])
+    left = place.x - NODE_WIDTH / 2
+    for colour, count in zip(colours, counts.tolist(), strict=True):
+        width = NODE_WIDTH * count / max(total, 1)
+        axes.add_patch(
+            Rectangle((left, place.y + NODE_HEIGHT / 2 + 0.05), width, BAR_HEIGHT, color=colour, linewidth=0)
+        )
+        left += width
