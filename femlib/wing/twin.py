@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from femlib.arrays import FloatArray
+from femlib.wing.effects import wing_effects
 from femlib.wing.model import Wing, uav_wing
 
 
@@ -16,8 +17,7 @@ class WingTwin:
     wing : Wing
         The model.
     effects : mapping
-        What a real wing may have that the model lacks, by name. Empty: the wing has no unmodelled effect of its own
-        yet.
+        What a real wing may have that the model lacks, by name.
     """
 
     wing: Wing
@@ -53,5 +53,6 @@ class WingTwin:
 
 
 def uav_twin() -> WingTwin:
-    """Return the twin of the UAV wing with its 24 installed gauges."""
-    return WingTwin(uav_wing())
+    """Return the twin of the UAV wing with its 24 installed gauges and the effects that a real wing may have."""
+    wing = uav_wing()
+    return WingTwin(wing, wing_effects(wing))

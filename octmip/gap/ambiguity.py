@@ -100,12 +100,11 @@ def _distances(scene: Scene, gram: tuple[Floats, Floats], member: int, size: flo
 
 
 def detectable(scene: Scene) -> dict[str, float]:
-    """Return for every effect the size that these readings would have shown with 95 % power, at its worst place."""
-    found: dict[str, float] = {}
+    """Return for every effect the size that these readings would have shown with 95 % power, at a typical place."""
+    sizes: dict[str, list[float]] = {}
     for column, length in zip(scene.setting.columns, np.sqrt(np.diag(scene.gram)), strict=True):
-        size = POWER / max(float(length), 1e-12)
-        found[column.name] = max(found.get(column.name, 0.0), size)
-    return found
+        sizes.setdefault(column.name, []).append(POWER / max(float(length), 1e-12))
+    return {name: float(np.median(found)) for name, found in sizes.items()}
 
 
 def separations(scene: Scene, names: tuple[str, ...]) -> Floats:

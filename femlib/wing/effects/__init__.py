@@ -1,0 +1,40 @@
+"""What a real wing may have and the model lacks: one effect, one file, one line here."""
+
+from collections.abc import Mapping
+
+from femlib.wing.effects import (
+    damage_outside_library,
+    large_deflection,
+    lift_distribution,
+    modulus,
+    payload_inertia,
+    skin_thickness,
+    temperature_gradient,
+    temperature_uniform,
+    torsion,
+)
+from femlib.wing.effects.card import WingEffect
+from femlib.wing.effects.response import Response
+from femlib.wing.model import Wing
+
+EFFECTS = (
+    modulus.effect,
+    skin_thickness.effect,
+    temperature_uniform.effect,
+    temperature_gradient.effect,
+    lift_distribution.effect,
+    torsion.effect,
+    large_deflection.effect,
+    payload_inertia.effect,
+    damage_outside_library.effect,
+)
+
+
+def wing_effects(wing: Wing) -> Mapping[str, WingEffect]:
+    """Return the effects of a wing by name."""
+    response = Response(wing)
+    found = [make(response) for make in EFFECTS]
+    return {effect.name: effect for effect in found}
+
+
+__all__ = ["WingEffect", "wing_effects"]

@@ -1,0 +1,71 @@
+"""What all effects of the wing share: the card that a diagnosis reads, and the way from nodal forces to gauge strains.
+
+Near the twin every structural effect acts like extra nodal forces f per unit of its size: thermal and inertial
+effects by their own forces, a change of stiffness dK by f = -dK u (first order, u the twin's displacements). The
+signature is then
+
+    rows K(mu)^-1 f     [microstrain per unit].
+
+Source of the first-order step: R. T. Haftka and Z. Guerdal, Elements of Structural Optimization (1992), section 7.2.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from femlib.arrays import FloatArray
+from femlib.wing.effects.response import Response
+
+Force = Callable[[Mapping[str, float], float, str], FloatArray]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WingEffect:
+    """One thing that a real wing may have and the model lacks.
+
+    Attributes
+    ----------
+    name, parameter, unit : str
+        Name in snake_case, what the size measures, its unit.
+    prior_sd : float
+        Scale of the size before any data, in `unit`.
+    prior_source : str
+        Why this scale.
+    separated_by : str
+        What separates the effect from its nearest rival.
+    load_power : int
+        The signature is proportional to load_factor**load_power.
+    response : Response
+        How the gauges answer forces.
+    force : callable
+        Nodal forces (n_dofs,) per unit of size, for (state, load factor, place).
+    places : tuple of str
+        Where it may act; ("",) for the whole.
+    is_one_sided : bool
+        Whether the size cannot be negative.
+    prior_mean : float
+        Expected size, in `unit`.
+    """
+
+    name: str
+    parameter: str
+    unit: str
+    prior_sd: float
+    prior_source: str
+    separated_by: str
+    load_power: int
+    response: Response
+    force: Force
+    places: tuple[str, ...] = ("",)
+    is_one_sided: bool = False
+    prior_mean: float = 0.0
+
+    def variants(self, twin: Any) -> tuple[str, ...]:
+        """Return the places."""
+        return self.places
+
+    def signature(
+        self, twin: Any, state: Mapping[str, float], load_factor: float, variant: str = "", time: float = 0.0
+    ) -> FloatArray:
+        """Return the change of the gauge strains (n_gauges,) in microstrain per unit of size."""
+        return self.response.strains(state, self.force(state, load_factor, variant))

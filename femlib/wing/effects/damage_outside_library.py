@@ -1,0 +1,84 @@
+"""Damage where the library of states has no parameter: a patch of skin or a length of web that lost stiffness.
+
+First order: f = +0.01 K_zone u per per cent, u and the response those of the healthy wing (the zone's own signature
+changes little with damage elsewhere, and one factorisation serves all zones).
+"""
+
+from collections.abc import Mapping
+from itertools import pairwise
+
+import numpy as np
+
+from femlib.arrays import BoolArray, FloatArray
+from femlib.wing.effects.card import WingEffect
+from femlib.wing.effects.response import Response
+from femlib.wing.model import Wing
+
+SPAN_EDGES = np.linspace(0.12, 0.84, 13)
+"""Edges of the zones along the span: local traces need zones as fine as the gauges lie."""
+CHORD_EDGES = (0.0, 0.3, 0.55, 1.0)
+
+
+def effect(response: Response) -> WingEffect:
+    """Return the effect."""
+    wing = response.wing
+    shells = wing.structure.shells
+    zones = damage_zones(wing)
+
+    def force(state: Mapping[str, float], load_factor: float, place: str) -> FloatArray:
+        return np.asarray(0.01 * load_factor * (shells.stiffness(zones[place]) @ response.displacements({})))
+
+    return _HealthyResponse(
+        name="damage_outside_library",
+        parameter="loss of stiffness of a zone that is no damage region",
+        unit="%",
+        prior_sd=20.0,
+        prior_source="damages of the library lose 20 to 80 %",
+        separated_by="a trace local to the zone; more gauges around it place it",
+        load_power=1,
+        response=response,
+        force=force,
+        places=tuple(zones),
+        is_one_sided=True,
+    )
+
+
+class _HealthyResponse(WingEffect):
+    """The signature of the healthy wing, whatever the state."""
+
+    __slots__ = ()
+
+    def signature(
+        self, twin: object, state: Mapping[str, float], load_factor: float, variant: str = "", time: float = 0.0
+    ) -> FloatArray:
+        """Return the change of the gauge strains (n_gauges,) in microstrain per unit of size."""
+        return super().signature(twin, {}, load_factor, variant, time)
+
+
+def damage_zones(wing: Wing) -> dict[str, BoolArray]:
+    """Return the elements of every zone, damage regions of the library left out."""
+    mesh = wing.structure.shells.mesh
+    centre = mesh.centroids()
+    eta = centre[:, 1] / wing.span
+    chord = _chord_fractions(wing, centre)
+    patches = {name: mesh.patch_of_element == mesh.patches.index(name) for name in ("top", "bottom", "web")}
+    zones = {}
+    for inner, outer in pairwise(SPAN_EDGES.tolist()):
+        along = (eta >= inner) & (eta < outer)
+        where = f"eta {inner:.2f}-{outer:.2f}"
+        zones[f"web {where}"] = patches["web"] & along
+        for fore, aft in pairwise(CHORD_EDGES):
+            across = along & (chord >= fore) & (chord < aft)
+            zones[f"top {where} x/c {fore:g}-{aft:g}"] = patches["top"] & across
+        zones[f"bottom {where}"] = patches["bottom"] & along
+    return {name: elements for name, elements in zones.items() if elements.any()}
+
+
+def _chord_fractions(wing: Wing, points: FloatArray) -> FloatArray:
+    """Return the chord fraction of points (n, 3), from the places of the grid's own nodes."""
+    grid = wing.grid
+    nodes = wing.structure.shells.mesh.nodes[grid.upper]
+    span = nodes[:, 0, 1]
+    lead = np.interp(points[:, 1], span, nodes[:, 0, 0])
+    tail = np.interp(points[:, 1], span, nodes[:, -1, 0])
+    return np.asarray((points[:, 0] - lead) / (tail - lead))

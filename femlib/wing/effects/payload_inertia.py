@@ -1,0 +1,41 @@
+"""Inertial relief: a mass in the wing that the model does not have pulls down with the load factor."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from femlib.arrays import FloatArray
+from femlib.mesh import DOFS_PER_NODE
+from femlib.wing.effects.card import WingEffect
+from femlib.wing.effects.response import Response
+from femlib.wing.loads import GRAVITY
+
+STATIONS = (0.35, 0.5, 0.65, 0.8, 0.95)
+"""Span fractions at which the mass may sit, on the spar."""
+
+
+def effect(response: Response) -> WingEffect:
+    """Return the effect."""
+    wing = response.wing
+    grid = wing.grid
+
+    def force(state: Mapping[str, float], load_factor: float, place: str) -> FloatArray:
+        row = int(np.argmin(np.abs(grid.eta - float(place.removeprefix("eta ")))))
+        nodes = np.array([grid.upper[row, grid.spar_column], grid.lower[row, grid.spar_column]])
+        pull = np.zeros_like(wing.lift)
+        pull[DOFS_PER_NODE * nodes + 2] = -0.5 * GRAVITY * load_factor
+        return pull
+
+    return WingEffect(
+        name="payload_inertia",
+        parameter="mass in the wing that the model does not have",
+        unit="kg",
+        prior_sd=0.3,
+        prior_source="servos, pitot and fuel of this wing weigh a tenth to half a kilogram each",
+        separated_by="strains outboard of the mass do not change",
+        load_power=1,
+        response=response,
+        force=force,
+        places=tuple(f"eta {eta:g}" for eta in STATIONS),
+        is_one_sided=True,
+    )

@@ -1,0 +1,58 @@
+"""How the gauges answer nodal forces in a state: one adjoint solution a gauge, kept for all effects.
+
+With B the rows from displacements to gauge strains and K(mu) the stiffness, Z = K(mu)^-1 B^T gives the strains under
+any forces f as Z^T f. A state costs one factorisation; every effect after that is a product.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.sparse.linalg import splu
+
+from femlib.arrays import FloatArray
+from femlib.components import damage_row
+from femlib.wing.model import MICRO, Wing
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Response:
+    """The adjoint solutions of a wing by state.
+
+    Attributes
+    ----------
+    wing : Wing
+        The model.
+    """
+
+    wing: Wing
+    _adjoint: dict[tuple[float, ...], FloatArray] = field(init=False, repr=False, default_factory=dict)
+    _moved: dict[tuple[float, ...], FloatArray] = field(init=False, repr=False, default_factory=dict)
+
+    def strains(self, state: Mapping[str, float], force: FloatArray) -> FloatArray:
+        """Return the gauge strains (n_gauges,) [microstrain, compressive positive] under nodal forces (n_dofs,) [N]."""
+        return np.asarray(MICRO * (force @ self._of_state(state)))
+
+    def displacements(self, state: Mapping[str, float]) -> FloatArray:
+        """Return the displacements (n_dofs,) [m, rad] under the lift at load factor 1."""
+        key = tuple(damage_row(state, self.wing.parameters).tolist())
+        if key not in self._moved:
+            self._moved[key] = self.wing.solve(state, 1.0).ravel()
+        return self._moved[key]
+
+    def _of_state(self, state: Mapping[str, float]) -> FloatArray:
+        row = damage_row(state, self.wing.parameters)
+        key = tuple(row.tolist())
+        if key not in self._adjoint:
+            structure = self.wing.structure
+            factor = splu(
+                structure.stiffness(row),
+                permc_spec="MMD_AT_PLUS_A",
+                diag_pivot_thresh=0.0,
+                options={"SymmetricMode": True},
+            )
+            free = structure.supports.free
+            adjoint = np.zeros((structure.supports.n_dofs, self.wing.strain_rows.shape[0]))
+            adjoint[free] = factor.solve(self.wing.strain_rows[:, free].T.toarray())
+            self._adjoint[key] = adjoint
+        return self._adjoint[key]
