@@ -62,3 +62,6 @@ def two_feature_branch_and_bound(
     progress: Callable[[float, int, int, int], None] | None = None,
 ) -> tuple[list[NodeRow], int, int, str, int]:
     """Return node table, objective, bound, stop and number of boxes."""
+
+def check(problem: Problem, log: str, skip: int, claim: int, threads: int) -> tuple[int, str] | None:
+    """Return the line and the reason why a log does not prove that every tree costs `claim`, None when it does."""

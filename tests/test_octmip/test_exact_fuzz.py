@@ -1,4 +1,4 @@
-"""The exact solver against enumeration on random problems: the first few hundred of `benchmarks/cases/fuzz_exact.py`."""
+"""The exact solver against enumeration on random problems: a few hundred as in `benchmarks/cases/fuzz_exact.py`."""
 
 import numpy as np
 import pytest

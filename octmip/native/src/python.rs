@@ -1,5 +1,6 @@
 //! The Python border: arrays in, a flat node table and counters out. No logic of trees lives here.
 
+mod check;
 mod exact;
 mod oblique;
 mod search;
@@ -216,6 +217,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
         oblique::py_two_feature_branch_and_bound,
         module
     )?)?;
+    module.add_function(wrap_pyfunction!(check::py_check, module)?)?;
     module.add_function(wrap_pyfunction!(search::py_search, module)?)?;
     module.add_class::<PyProblem>()?;
     exact::register(module)

@@ -1,0 +1,147 @@
+"""Proof logs: a file that shows, to a checker that knows no solver, that no tree of a problem costs less than claimed.
+
+The header binds the log to one problem and puts weights and costs on a grid of whole numbers, rounded down, so that a
+bound on the grid is one of the problem. The body is checked by the native `check`, one short file that shares no code
+with the solvers. Format and proofs: docs/theory/proof.md.
+"""
+
+import hashlib
+import math
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from octmip import _native
+from octmip.errors import CertificateError, ProblemError
+from octmip.problem import Problem
+
+FORMAT = "octmip-proof 1"
+# Sums of costs on the grid stay below it, so that they fit into 64 bits with room for every sum of two.
+CAPACITY = 2.0**60
+
+
+@dataclass(frozen=True, slots=True)
+class ProofReport:
+    """What a checked log proves.
+
+    Attributes:
+        bound: no tree of the problem costs less.
+        n_lines, n_bytes: size of the log.
+        seconds: that checking took, wall time [s].
+    """
+
+    bound: float
+    n_lines: int
+    n_bytes: int
+    seconds: float
+
+
+def proof_header(problem: Problem, weight_unit: float, cost_unit: float, claim: int) -> str:
+    """Return the first lines of a log that proves `claim`, in whole multiples of ``weight_unit * cost_unit``.
+
+    The units are powers of two: weights count in `weight_unit`, costs in `cost_unit`, rounded down.
+    """
+    exponents = [-round(math.log2(unit)) for unit in (weight_unit, cost_unit)]
+    return "\n".join(
+        [
+            FORMAT,
+            f"data {problem.digest()}",
+            f"question {question_digest(problem)}",
+            f"grid {exponents[0]} {exponents[1]}",
+            f"claim {claim}",
+            "",
+        ]
+    )
+
+
+def question_digest(problem: Problem) -> str:
+    """Return the sha256 of what is asked of the data: depth, costs, limits, sensors."""
+    asked = (
+        problem.depth,
+        problem.split,
+        problem.leaf_size,
+        problem.leaf_penalty.hex(),
+        [cost.hex() for cost in problem.costs.ravel().tolist()],
+        problem.sensor_index.tolist(),
+        [cost.hex() for cost in problem.sensor_costs.tolist()],
+        problem.sensor_limit.hex(),
+        _allowed(problem),
+    )
+    return hashlib.sha256(repr(asked).encode()).hexdigest()
+
+
+def check_proof(problem: Problem, path: str | Path, *, bound: float = -math.inf, n_jobs: int = 1) -> ProofReport:
+    """Check that a log proves a bound of every tree of a problem; refuse one that proves less than `bound`.
+
+    Raises:
+        ProblemError: the problem is not axis-aligned.
+        CertificateError: the log is of another problem, or does not prove what it claims; with the line and the reason.
+    """
+    start = time.perf_counter()
+    if problem.split != "axis":
+        raise ProblemError(f"split is {problem.split!r} but only axis-aligned problems have proof logs")
+    log = Path(path).read_text(encoding="ascii", errors="replace")
+    weight_exponent, cost_exponent, claim = _header(problem, log.split("\n", 5), path)
+    native = _on_grid(problem, weight_exponent, cost_exponent, path)
+    refusal = _native.check(native, log, 5, claim, n_jobs)
+    if refusal is not None:
+        raise _refused(path, *refusal)
+    proven = math.ldexp(claim, -(weight_exponent + cost_exponent))
+    if proven < bound:
+        raise _refused(path, 5, f"the log proves {proven} but {bound} is claimed for the tree")
+    return ProofReport(proven, log.count("\n"), len(log), time.perf_counter() - start)
+
+
+def _refused(path: str | Path, line: int, reason: str) -> CertificateError:
+    return CertificateError(f"{path}, line {line}: {reason}; the proof is refused")
+
+
+def _header(problem: Problem, lines: list[str], path: str | Path) -> tuple[int, int, int]:
+    """Return the exponents of the grid and the claim."""
+    expected = [FORMAT, f"data {problem.digest()}", f"question {question_digest(problem)}"]
+    meaning = ["a proof log", "the samples, labels and weights of the problem", "its depth, costs, limits and sensors"]
+    for number, (line, wanted) in enumerate(zip(lines, expected, strict=False)):
+        if line != wanted:
+            raise _refused(path, number + 1, f"got {line[:80]!r}, expected {wanted!r} of {meaning[number]}")
+    try:
+        (grid, *exponents), (word, claim) = lines[3].split(" "), lines[4].split(" ")
+        weight_exponent, cost_exponent = (int(number) for number in exponents)
+        if (grid, word) == ("grid", "claim") and max(abs(weight_exponent), abs(cost_exponent)) <= 1000:
+            return weight_exponent, cost_exponent, int(claim)
+    except (ValueError, IndexError):
+        pass
+    raise _refused(path, 4, f"got {lines[3:5]}, expected 'grid' with two exponents, then 'claim' with a whole number")
+
+
+def _on_grid(problem: Problem, weight_exponent: int, cost_exponent: int, path: str | Path) -> _native.Problem:
+    """Return the problem with weights, costs and penalty as whole numbers, rounded down."""
+    with np.errstate(over="ignore"):
+        weights = np.floor(np.ldexp(problem.weights, weight_exponent))
+        costs = np.floor(np.ldexp(problem.costs, cost_exponent))
+        penalty = float(np.floor(np.ldexp(problem.leaf_penalty, weight_exponent + cost_exponent)))
+    most = float(weights.sum() * max(costs.max(), 1.0))
+    penalty = min(penalty, most + 1.0)  # rounded down, too: above every other cost it forbids splits all the same
+    if not most < CAPACITY:
+        raise _refused(path, 4, f"on this grid a tree may cost {most}, more than {CAPACITY}")
+    ranks = [np.unique(column, return_inverse=True)[1] for column in problem.features.T]
+    return _native.Problem(
+        np.array(ranks, dtype=np.uint32),
+        [int(column.max()) + 1 for column in ranks],
+        problem.codes.astype(np.uint32),
+        weights.astype(np.int64),
+        costs.astype(np.int64),
+        int(penalty),
+        problem.depth,
+        problem.leaf_size,
+        problem.sensor_index.tolist(),
+        problem.sensor_costs.tolist(),
+        problem.sensor_limit,
+        _allowed(problem),
+        None,
+    )
+
+
+def _allowed(problem: Problem) -> list[bool]:
+    return [problem.is_allowed((feature,)) for feature in range(problem.n_features)]

@@ -1,0 +1,140 @@
+"""Proof logs: what the checker accepts is true, what it refuses it refuses with a place and a reason.
+
+The logs are written by `tests/oracles/proof_log.py`, which knows no solver.
+"""
+
+import numpy as np
+import pytest
+
+from octmip import Problem
+from octmip.errors import CertificateError, ProblemError
+from octmip.proof import check_proof
+from tests.oracles.enumeration import optimum
+from tests.oracles.proof_log import proof_log
+from tests.strategies import random_problem
+
+STRIPES = Problem([[0.0], [1.0], [2.0], [3.0], [4.0], [5.0]], [0, 1, 0, 1, 0, 1], depth=2)
+
+
+def whole_problems(stream, count, **limits):
+    """Return random problems whose weights and costs are whole numbers."""
+    found, seed = [], 0
+    while len(found) < count:
+        problem = random_problem(np.random.default_rng([stream, seed]), **limits)
+        found += [problem] if problem.has_integer_costs else []
+        seed += 1
+    return found
+
+
+@pytest.fixture
+def log(tmp_path):
+    """Return a function that writes a text as a log file."""
+
+    def write(text):
+        path = tmp_path / "proof.log"
+        path.write_text(text)
+        return path
+
+    return write
+
+
+def test_a_complete_log_proves_the_optimum(log):
+    for problem in whole_problems(31, 60, max_samples=9):
+        assert check_proof(problem, log(proof_log(problem))).bound == optimum(problem).objective
+
+
+def test_no_log_proves_more_than_the_optimum(log):
+    """Cuts left out at random: some logs still prove the optimum, none proves one more."""
+    proven = 0
+    for number, problem in enumerate(whole_problems(32, 60, max_samples=9)):
+        best = int(optimum(problem).objective)
+        for keep in (1.0, 0.5, 0.1):
+            text = proof_log(problem, keep=keep, seed=number)
+            proven += accepted(problem, log(text))
+            more = text.replace(f"claim {best}", f"claim {best + 1}")
+            for leaf in {1, problem.leaf_size}:
+                more = more.replace(f"\nN {problem.depth} {leaf} {best}\n", f"\nN {problem.depth} {leaf} {best + 1}\n")
+            assert not accepted(problem, log(more))
+    assert 60 < proven < 180
+
+
+def accepted(problem, path):
+    try:
+        check_proof(problem, path)
+    except CertificateError:
+        return False
+    return True
+
+
+def test_a_bound_is_proven_on_several_threads_too(log):
+    problem = whole_problems(33, 1, max_samples=10)[0]
+    path = log(proof_log(problem))
+    assert check_proof(problem, path, n_jobs=2).bound == check_proof(problem, path).bound
+
+
+def test_real_weights_are_rounded_down_on_the_grid_of_the_header(log):
+    problem = Problem(STRIPES.features, STRIPES.labels, depth=2, weights=[0.7, 0.3, 0.9, 1.0, 0.4, 0.2])
+    on_grid = Problem(STRIPES.features, STRIPES.labels, depth=2, weights=np.floor(problem.weights * 16))
+    data = [line for line in proof_log(problem).splitlines() if line.startswith(("data", "question"))]
+    lines = proof_log(on_grid).splitlines()
+    lines[1:3], lines[3] = data, "grid 4 0"
+    bound = check_proof(problem, log("\n".join([*lines, ""]))).bound
+    assert bound == optimum(on_grid).objective / 16 <= optimum(problem).objective
+
+
+@pytest.mark.parametrize(
+    ("change", "complaint"),
+    [
+        (lambda lines: "", r"line 1: got '', expected 'octmip-proof 1' of a proof log"),
+        (lambda lines: "\n".join([*lines[:4], "claim all"]), "line 4: got .*expected 'grid' with two exponents"),
+        (lambda lines: "\n".join([*lines[:3], "grid 70 0", *lines[4:]]), "line 4: on this grid a tree may cost"),
+        (lambda lines: "\n".join(lines[:6]), "expected E"),
+        (lambda lines: "\n".join(lines[:-1]), "expected end"),
+        (lambda lines: "\n".join([*lines[:5], "N 3 1 1", *lines[6:]]), "line 6: expected depth 2"),
+        (lambda lines: "\n".join([*lines[:5], "N 2 2 1", *lines[6:]]), "line 6: expected depth 2, leaves of 1 to 1"),
+        (lambda lines: "\n".join([*lines[:5], "N 2 1 4", *lines[6:]]), "line 6: a tree costs 3, not 4"),
+        (lambda lines: "\n".join([*lines[:5], "N 2 1 0", *lines[6:]]), "line 6: this proves 0, not 1"),
+        (lambda lines: "\n".join([*lines[:5], "N 2 1 2", *lines[6:]]), "line 6: cut 2 of feature 0: 1, not 2"),
+        (lambda lines: "\n".join([*lines[:6], "F 7 1", *lines[7:]]), "line 7: feature 7 has no cut 1 here"),
+        (lambda lines: "\n".join([*lines[:6], "F 0 9", *lines[7:]]), "line 7: feature 0 has no cut 9 here"),
+        (lambda lines: "\n".join([*lines[:6], "E", "end"]), "line 6: cut 2 of feature 0: 0, not 1"),
+        (lambda lines: "\n".join([*lines[:5], "S 3", *lines[5:]]), "line 6: sensor 3 cannot be decided here"),
+    ],
+)
+def test_a_log_that_proves_nothing_is_refused_with_line_and_reason(log, change, complaint):
+    lines = proof_log(STRIPES).splitlines()
+    assert accepted(STRIPES, log("\n".join(lines)))
+    with pytest.raises(CertificateError, match=complaint):
+        check_proof(STRIPES, log(change(lines)))
+
+
+@pytest.mark.parametrize(
+    ("options", "line"),
+    [
+        ({"labels": [0, 1, 0, 1, 0, 0]}, 2),
+        ({"features": [[0.0], [1.0], [2.0], [3.0], [4.0], [5.000001]]}, 2),
+        ({"weights": [1, 1, 1, 1, 1, 2]}, 2),
+        ({"leaf_size": 2}, 3),
+        ({"leaf_penalty": 1.0}, 3),
+        ({"depth": 3}, 3),
+        ({"costs": [[0, 2], [1, 0]]}, 3),
+        ({"sensor_budget": 0}, 3),
+    ],
+)
+def test_a_log_of_another_problem_is_refused(log, options, line):
+    path = log(proof_log(STRIPES))
+    changed = {"features": STRIPES.features, "labels": STRIPES.labels, "depth": 2} | options
+    problem = Problem(changed.pop("features"), changed.pop("labels"), **changed)
+    with pytest.raises(CertificateError, match=f"line {line}: "):
+        check_proof(problem, path)
+
+
+def test_a_log_that_proves_less_than_is_claimed_for_a_tree_is_refused(log):
+    with pytest.raises(CertificateError, match=r"line 5: the log proves 1\.0 but 2\.0 is claimed"):
+        check_proof(STRIPES, log(proof_log(STRIPES)), bound=2.0)
+
+
+def test_hyperplane_problems_have_no_logs(log):
+    problem = Problem(STRIPES.features, STRIPES.labels, depth=2, split="hyperplane")
+    with pytest.raises(ProblemError, match="axis-aligned"):
+        check_proof(problem, log(""))
