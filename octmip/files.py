@@ -17,12 +17,11 @@ def write_bytes(path: PathLike, content: bytes) -> None:
     Raises:
         DataError: the file cannot be written.
     """
-    target = Path(os.path.realpath(path))  # through a link, so that the link stays and its target is replaced
     try:
-        if target.exists() and not target.is_file():
-            target.write_bytes(content)  # a device or pipe: nothing to rename
-        else:
-            _replace(target, content)
+        if Path(path).exists() and not Path(path).is_file():
+            Path(path).write_bytes(content)  # a device or pipe: nothing to rename
+        else:  # through a link, so that the link stays and its target is replaced
+            _replace(Path(os.path.realpath(path)), content)
     except OSError as error:
         raise DataError(f"{path} cannot be written ({error.strerror}); choose another place") from error
 
@@ -50,6 +49,8 @@ def check_writable(path: PathLike) -> None:
     target = Path(os.path.realpath(path))
     if target.is_dir():
         raise DataError(f"{path} is a folder; expected the name of a file to write")
+    if Path(path).exists() and not Path(path).is_file():
+        return  # a device or pipe: opening it is the only test, and may block
     if not target.parent.is_dir():
         raise DataError(f"{path} cannot be written: there is no folder {target.parent}; make it first")
     if not os.access(target.parent, os.W_OK):

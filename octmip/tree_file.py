@@ -15,6 +15,7 @@ import dataclasses
 import json
 import math
 from dataclasses import dataclass
+from types import NoneType
 from typing import Any
 
 import numpy as np
@@ -190,10 +191,48 @@ def read_tree_file(path: PathLike) -> TreeFile:
         raise TreeError(f"{path} holds no valid tree: {error}") from error
 
 
+CLAIMS: dict[str, tuple[type, ...]] = {
+    "objective": (int, float),
+    "bound": (int, float, NoneType),
+    "stop": (str,),
+    "seconds": (int, float),
+    "n_nodes": (int,),
+    "solver": (str,),
+    "version": (str,),
+    "seed": (int,),
+    "tolerance": (int, float),
+    "details": (dict,),
+}
+TRAINING: dict[str, tuple[type, ...]] = {
+    "sha256": (str,),
+    "n_samples": (int,),
+    "label": (str, NoneType),
+    "weights": (str, NoneType),
+    "leaf_counts": (list,),
+}
+
+
+def _entries(content: Any, name: str, kinds: dict[str, tuple[type, ...]]) -> dict[str, Any]:
+    """Return the entries of one object of the file, each of the kind it must be."""
+    for entry, kind in kinds.items():
+        value = content[name][entry]
+        if not isinstance(value, kind) or isinstance(value, bool):
+            wanted = " or ".join("null" if k is NoneType else k.__name__ for k in kind)
+            raise TreeError(f"{name}.{entry} is {value!r}; expected {wanted}")
+    return {entry: content[name][entry] for entry in kinds}
+
+
+def _names(content: dict[str, Any], name: str) -> tuple[Any, ...]:
+    names = content[name]
+    if not isinstance(names, list) or len(set(names)) != len(names) or not names:
+        raise TreeError(f"{name} is {names!r}; expected a list of different names")
+    return tuple(names)
+
+
 def _decode(content: dict[str, Any]) -> TreeFile:
-    features, classes = tuple(content["feature_names"]), tuple(content["class_names"])
+    features, classes = _names(content, "feature_names"), _names(content, "class_names")
     tree = decode_tree(content["tree"], features, classes)
-    claims, training = dict(content["solution"]), content["training"]
+    claims, training = _entries(content, "solution", CLAIMS), _entries(content, "training", TRAINING)
     claims["bound"] = -math.inf if claims["bound"] is None else float(claims["bound"])
     claims["stop"] = Stop(claims["stop"])
     counts = np.array(training["leaf_counts"], dtype=np.int64)

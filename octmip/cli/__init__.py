@@ -41,6 +41,9 @@ def main(words: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # the reader of our output has seen enough
         sys.stderr.close()
         return 0
+    except OSError as error:  # files have their own sentences by now, so this is standard output
+        print(f"octmip: standard output cannot be written ({error.strerror})", file=sys.stderr)
+        return 1
 
 
 def _run(words: list[str]) -> int:

@@ -306,6 +306,15 @@ def test_progress_shows_on_a_terminal_only(capsys, monkeypatch):
         assert "objective 9" not in err  # not again within a tenth of a second
 
 
+def test_standard_output_that_cannot_be_written_ends_in_one_line(run, tree, monkeypatch):
+    def full(arguments):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("octmip.cli.report.run", full)
+    code, _, err = run("report", tree)
+    assert code == 1 and err == "octmip: standard output cannot be written (No space left on device)\n"
+
+
 def test_ctrl_c_outside_a_solver_ends_with_130(run, monkeypatch):
     def interrupted(arguments):
         raise KeyboardInterrupt

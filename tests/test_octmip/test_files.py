@@ -46,6 +46,11 @@ def test_a_link_stays_and_its_target_is_replaced(tmp_path):
     assert (tmp_path / "link").is_symlink() and (tmp_path / "target").read_bytes() == b"new"
 
 
+def test_a_device_is_written_to_as_it_is():
+    write_bytes("/dev/null", b"gone")
+    check_writable("/dev/null")
+
+
 def test_a_file_gets_the_permissions_of_the_user(tmp_path):
     write_bytes(tmp_path / "a", b"1")
     (tmp_path / "b").write_bytes(b"1")
