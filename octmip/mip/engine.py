@@ -26,6 +26,9 @@ from octmip.solution import Limits, ProgressCallback, Solution, Stop
 from octmip.tree import HyperplaneSplit, Node, Split, depth, leaf_index, leaves, predict, simplify, without_empty_sides
 
 FINEST = 1e-9  # HiGHS's feasibility tolerance that a refuted solution is tried again with
+# Above it interior points solve the first relaxation: measured on 175 x 20 thresholds, 6828 columns, 1.6 s against the
+# simplex method's 14.9 CPU s.
+MOST_SIMPLEX_COLUMNS = 5000
 START_SLACK = 1e-7  # rows may be broken by so much in a start: rounding of x and eps
 
 
@@ -69,7 +72,8 @@ class Request:
     Attributes:
         method: name of the solver.
         limits, incumbent, seed, n_jobs, progress: as in `octmip.solver.solve`.
-        lower_bound: a bound proven elsewhere; enters as a row ``objective >= lower_bound`` and is named in the details.
+        lower_bound: a bound proven elsewhere, for instance by `octmip.exact`; enters the model as the bound of a column
+            that is the objective, and is named in the details.
         inject: asked for a better tree while HiGHS runs, with the best objective so far; None when it has none.
         write: file to write the model to (.mps or .lp) before it is solved.
         relaxation: also solve the linear relaxation, for the details.
@@ -103,14 +107,19 @@ def drive(problem: Problem, encode: Callable[[Node], Formulation], request: Requ
         encode: builds the formulation; is given the best tree known, by which it may leave out what cannot be better.
 
     Raises:
-        ProblemError: the incumbent is deeper than the problem allows.
+        ProblemError: the incumbent is deeper than the problem allows, or the lower bound is none.
         SolverError: HiGHS failed, or its solution is refuted at the tightest tolerance.
     """
     began = time.perf_counter()
     best = _starting_tree(problem, request)
+    if request.lower_bound > objective_of(problem, best) * (1 + 1e-9):
+        raise ProblemError(
+            f"lower_bound is {request.lower_bound} but a tree of objective {objective_of(problem, best)} is known; "
+            "it is no bound of this problem"
+        )
     formulation = encode(best)
     if not math.isinf(request.lower_bound):
-        _add_lower_bound(formulation.rows, request.lower_bound)
+        formulation.rows.bound_objective(request.lower_bound)
     if request.write is not None:
         highs.write(formulation.rows, Path(request.write))
     details = _describe(problem, formulation, request)
@@ -162,11 +171,6 @@ def relabelled(problem: Problem, tree: Node) -> Node:
     return build(tree)
 
 
-def _add_lower_bound(rows: Rows, bound: float) -> None:
-    priced = np.flatnonzero(rows.cost)
-    rows.add("proven_elsewhere", bound - rows.offset, np.inf, (priced, rows.cost[priced]))
-
-
 def _start_values(
     problem: Problem, formulation: Formulation, tree: Node
 ) -> tuple[NDArray[np.float64] | None, dict[str, object]]:
@@ -175,6 +179,7 @@ def _start_values(
     values = formulation.start(place(tree, formulation.heap, problem.features))
     if values is None:
         return None, said | {"reason": f"outside the model, which holds {formulation.scope}"}
+    values = formulation.rows.completed(values)
     worst, where = formulation.rows.violation(values)
     if worst > START_SLACK:
         return None, said | {"reason": f"breaks row {where} by {worst:.3g}"}
@@ -198,6 +203,7 @@ def _run_until_sound(
             threads=request.n_jobs,
             tolerance=tolerance,
             absolute_gap=0.999 if problem.has_integer_costs else 1e-7,
+            lp_solver="ipm" if formulation.rows.n_columns > MOST_SIMPLEX_COLUMNS else "choose",
         )
         inject = None if request.inject is None else _injector(problem, formulation, request.inject)
         outcome = highs.run(formulation.rows, options, start=start, progress=request.progress, inject=inject)
@@ -261,8 +267,10 @@ def _injector(
         if depth(tree) > formulation.heap.depth or objective_of(problem, tree) >= best:
             return None
         values = formulation.start(place(tree, formulation.heap, problem.features))
-        is_sound = values is not None and formulation.rows.violation(values)[0] <= START_SLACK
-        return values if is_sound else None
+        if values is None:
+            return None
+        values = formulation.rows.completed(values)
+        return values if formulation.rows.violation(values)[0] <= START_SLACK else None
 
     return give
 

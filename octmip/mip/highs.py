@@ -43,6 +43,7 @@ class Options:
         threads: that it may use.
         tolerance: feasibility tolerance of integer solutions, integrality included.
         absolute_gap: the proof may stop when incumbent and bound are this close.
+        lp_solver: of the relaxations that have nothing to start from: "simplex", "ipm", "choose".
     """
 
     limits: Limits = Limits()  # noqa: RUF009  (frozen)
@@ -50,6 +51,7 @@ class Options:
     threads: int = 1
     tolerance: float = 1e-6
     absolute_gap: float = 1e-6
+    lp_solver: str = "choose"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -174,6 +176,7 @@ def _set_options(highs: highspy.Highs, options: Options) -> None:
         "time_limit": limits.seconds,
         "mip_rel_gap": limits.gap,
         "mip_abs_gap": options.absolute_gap,
+        "mip_lp_solver": options.lp_solver,
         "mip_feasibility_tolerance": options.tolerance,
         "primal_feasibility_tolerance": min(options.tolerance, 1e-7),
         "random_seed": options.seed % 2**31,

@@ -199,7 +199,21 @@ def test_progress_is_reported_and_the_bound_never_falls():
 def test_a_bound_proven_elsewhere_enters_as_a_row_and_is_named():
     problem = uci("iris", depth=2)
     solution = solve_oct(problem, limits=Limits(seconds=60), lower_bound=6)
+    certify(problem, solution)
     assert solution.is_optimal and solution.n_nodes <= 1 and solution.details["lower_bound_given"] == 6
+
+
+def test_a_bound_proven_elsewhere_that_is_weak_leaves_the_optimum():
+    problem = CASES["penalty"]
+    best = optimum(problem).objective
+    assert best > 1
+    for bound in (best - 1, best):
+        assert solve_flow(problem, lower_bound=bound).objective == best
+
+
+def test_a_bound_that_a_known_tree_refutes_is_refused():
+    with pytest.raises(ProblemError, match="no bound of this problem"):
+        solve_flow(blobs(depth=1), lower_bound=8)
 
 
 def test_incumbents_are_injected_while_highs_runs():
