@@ -81,7 +81,7 @@ def _in_own_process(case: Case, solver: str, threads: int, options: argparse.Nam
         done = subprocess.run(
             command, capture_output=True, text=True, timeout=options.limit + GRACE, env=os.environ | one_thread
         )
-    except subprocess.TimeoutExpired:
+    except subprocess.TimeoutExpired:  # the machine was busy or the solver did not stop: no figure
         return line | {"outcome": "killed past the limit", "version": RIVALS[solver].version}
     if done.returncode:
         reason = (done.stderr.strip().splitlines() or [f"exit code {done.returncode}"])[-1]

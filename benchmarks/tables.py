@@ -32,7 +32,7 @@ def _cell(line: Line | None) -> str:
     if line is None:
         return ""
     if "cpu_seconds" not in line:
-        return f"> {line['limit']:g}" if "killed" in line["outcome"] else line["outcome"]
+        return str(line["outcome"])
     seconds = line["cpu_seconds"] if line["threads"] == 1 else line["wall_seconds"]
     mark = "" if line["outcome"] == "proven" else f" ({line['objective']:g}, not proven)"
     return f"{seconds:.3g}{mark}"
@@ -46,21 +46,16 @@ def _optimum(row: dict[str, Line]) -> str:
 
 
 def peer_seconds(row: dict[str, Line]) -> float:
-    """Return the peer's CPU seconds, its limit where it did not finish, nan where it did not run."""
-    line = row.get(PEER)
-    if line is None or line["outcome"].startswith("failed"):
-        return math.nan
-    return line["cpu_seconds"] if line["outcome"] == "proven" else line["limit"]
+    """Return the peer's CPU seconds, those it had used when its limit came, nan where it did not run."""
+    return float(row.get(PEER, {}).get("cpu_seconds", math.nan))
 
 
 def ratio(row: dict[str, Line]) -> float:
     """Return how many times faster ours is on one thread, in CPU; nan where either has no figure."""
     ours = row.get(OURS, {})
-    seconds = ours.get("cpu_seconds", math.nan)
-    if ours.get("outcome") != "proven":
-        # Both ran into the limit: neither is faster, unless the peer finished.
-        seconds = ours.get("limit", math.nan)
-    return peer_seconds(row) / max(seconds, 1e-6)
+    if {ours.get("outcome"), row.get(PEER, {}).get("outcome")} == {"not proven"}:
+        return math.nan  # both ran into the limit: neither is faster
+    return peer_seconds(row) / max(float(ours.get("cpu_seconds", math.nan)), 1e-6)
 
 
 def _ratio_cell(row: dict[str, Line]) -> str:
