@@ -13,6 +13,7 @@ auto      exact for axis-aligned trees without a tight sensor budget, else searc
 """
 
 import importlib
+import inspect
 import math
 import time
 from collections.abc import Callable, Mapping
@@ -112,12 +113,13 @@ def solve(
         options: what the method's own solver takes beyond all this, for instance ``restarts`` of the search.
 
     Raises:
-        ProblemError: the method is unknown, or the incumbent is no tree of this problem.
+        ProblemError: the method or an option is unknown, or the incumbent is no tree of this problem.
         SolverError: the solver failed, or its solution fails its certificate.
     """
     name = chosen_method(problem, method)
     first = _checked_incumbent(problem, incumbent)
-    REGISTRY[name].load()  # before the clock starts: its import is not the solver's time
+    # Loaded before the clock starts: its import is not the solver's time.
+    _check_options(name, REGISTRY[name].load(), options or {})
     start = time.perf_counter()
     solution = _answer(_Call(problem, limits, seed, n_jobs, progress, start), name, first, options or {})
     return _checked(problem, replace(solution, seconds=time.perf_counter() - start))
@@ -179,6 +181,16 @@ class _Call:
         if progress is None:
             return None
         return lambda state: progress(replace(state, seconds=state.seconds + spent))
+
+
+def _check_options(name: str, solver: Solver, options: Mapping[str, Any]) -> None:
+    parameters = inspect.signature(solver).parameters
+    takes_any = any(parameter.kind is parameter.VAR_KEYWORD for parameter in parameters.values())
+    shared = {"problem", "limits", "incumbent", "seed", "n_jobs", "progress"}
+    unknown = [option for option in options if option in shared or (option not in parameters and not takes_any)]
+    if unknown:
+        known = ", ".join(sorted(set(parameters) - shared)) or "none"
+        raise ProblemError(f"method {name!r} takes no option {unknown[0]!r}; expected some of: {known}")
 
 
 def _answer(call: _Call, name: str, first: Solution | None, options: Mapping[str, Any]) -> Solution:

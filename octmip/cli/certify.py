@@ -1,6 +1,7 @@
 """Recount what a tree file claims, sample by sample, from the tree and its training data alone.
 
-Exit code 0: every claim holds. 1: one does not, and one line says which. 2: a file cannot be read.
+With --proof, also check a proof log: that no tree of the problem costs less than the bound, by a checker that knows no
+solver. Exit code 0: every claim holds. 1: one does not, and one line says which. 2: a file cannot be read.
 """
 
 import argparse
@@ -11,7 +12,8 @@ from octmip.cli.answer import print_json
 from octmip.cli.arguments import add_json_argument
 from octmip.errors import CertificateError, DataError
 from octmip.problem import Problem
-from octmip.report.text import solution_text
+from octmip.proof import ProofReport, check_proof
+from octmip.report.text import number, solution_text
 from octmip.table import read_table
 from octmip.tree_file import TreeFile, finite_or_none, read_tree_file
 
@@ -22,6 +24,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("data", metavar="DATA", help="the table that it was trained on, .csv or .parquet")
     parser.add_argument("--label", metavar="COL", help="column with the class (default: the one of the training)")
     parser.add_argument("--weights", metavar="COL", help="column with the weights (default: the one of the training)")
+    parser.add_argument("--proof", metavar="LOG", help="proof log of octmip solve --proof, to be checked too")
+    parser.add_argument("--threads", metavar="N", type=int, default=1, help="threads of that check (default 1)")
     add_json_argument(parser)
 
 
@@ -30,12 +34,27 @@ def run(arguments: argparse.Namespace) -> int:
     file = read_tree_file(arguments.tree)
     problem = _training_problem(arguments, file)
     certificate = certify(problem, file.solution)
+    proof = _checked_proof(arguments, problem, file)
     if arguments.json:
-        print_json({"is_certified": True, "n_samples": problem.n_samples, **_fields(certificate)})
+        log = {} if proof is None else {"proof": dataclasses.asdict(proof)}
+        print_json({"is_certified": True, "n_samples": problem.n_samples, **_fields(certificate), **log})
         return 0
     print("certified: every claim was recounted from tree and data alone")
     print(solution_text(file.solution, certificate, problem.n_samples))
+    if proof is not None:
+        print(f"proof: no tree costs less than {number(proof.bound)}; {proof.n_lines} lines, {proof.seconds:.3g} s")
     return 0
+
+
+def _checked_proof(arguments: argparse.Namespace, problem: Problem, file: TreeFile) -> ProofReport | None:
+    if arguments.threads < 1:
+        raise DataError(f"--threads is {arguments.threads}; expected 1 or more")
+    if not arguments.proof:
+        return None
+    try:
+        return check_proof(problem, arguments.proof, bound=file.solution.bound, n_jobs=arguments.threads)
+    except OSError as error:
+        raise DataError(f"{arguments.proof} cannot be read ({error.strerror}); expected a proof log") from error
 
 
 def _fields(certificate: Certificate) -> dict[str, object]:

@@ -26,6 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_method_argument(parser)
     parser.add_argument("--incumbent", metavar="TREE.json", help="a tree of this problem to start from")
     parser.add_argument("--write", metavar="MODEL", help="write the mixed-integer model to this .mps or .lp file too")
+    parser.add_argument("--proof", metavar="LOG", help="write a proof log that octmip certify --proof checks (exact)")
     parser.add_argument("--out", metavar="TREE.json", help="write the tree here")
 
 
@@ -53,6 +54,9 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _options(arguments: argparse.Namespace) -> dict[str, object]:
+    if arguments.proof:
+        check_writable(arguments.proof)
+        return {"proof": Path(arguments.proof)}
     if not arguments.write:
         return {}
     if arguments.method not in ("oct", "oct_h", "flow"):

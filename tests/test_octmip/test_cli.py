@@ -8,11 +8,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from octmip import Solution, Stop, solver
+from octmip import Problem, Solution, Stop, solver
 from octmip.cli import COMMANDS, main
 from octmip.cli.answer import ProgressLine
 from octmip.solution import Progress
 from octmip.tree_file import read_tree_file
+from tests.oracles.proof_log import proof_log
 
 
 @pytest.fixture
@@ -133,6 +134,23 @@ def test_certify_refutes_other_data(data, run, tree):
     frame.to_csv(data, index=False)
     code, _, err = run("certify", tree, data)
     assert code == 1 and "is not the table" in err
+
+
+def test_certify_checks_a_proof_log_of_the_tree(data, run, tree, tmp_path):
+    frame = pd.read_csv(data)
+    names = ("a", "b")
+    problem = Problem(frame[list(names)].to_numpy(), frame["y"].to_numpy(), depth=1, feature_names=names)
+    broken(tree, lambda file: file["solution"].update(bound=1.0, stop="optimal"))
+    log = tmp_path / "proof.log"
+    log.write_text(proof_log(problem))
+    code, out, err = run("certify", tree, data, "--proof", log)
+    assert code == 0 and "proof: no tree costs less than 1; " in out, err
+    assert json.loads(run("certify", tree, data, "--proof", log, "--json")[1])["proof"]["bound"] == 1
+    log.write_text(proof_log(problem)[:-20])
+    code, out, err = run("certify", tree, data, "--proof", log)
+    assert code == 1 and out == "" and "proof is refused" in err and err.count("\n") == 1
+    code, _, err = run("certify", tree, data, "--proof", tmp_path / "none.log")
+    assert code == 2 and "none.log cannot be read" in err
 
 
 def test_predict_writes_one_line_for_each_row(data, run, tree, tmp_path):

@@ -141,6 +141,12 @@ def test_progress_counts_from_the_start_of_solve(registered):
     assert len(seen) == 1 and 0 < seen[0].seconds <= solution.seconds
 
 
+def test_an_option_that_the_solver_does_not_take_is_refused():
+    with pytest.raises(ProblemError, match="method 'search' takes no option 'colour'; expected some of: kicks"):
+        solve(STRIPES, method="search", options={"colour": 1})
+    assert solve(STRIPES, method="search", options={"restarts": 2}).objective == 0
+
+
 def test_a_solver_that_is_not_installed_says_so(registered, monkeypatch):
     missing = dataclasses.replace(solver.REGISTRY["oct"], module="octmip.no_such_module")
     monkeypatch.setitem(solver.REGISTRY, "oct", missing)
