@@ -78,9 +78,8 @@ def strain_rows(mesh: Mesh, thickness: FloatArray, gauges: Sequence[StrainGauge]
     InputError
         If a gauge lies outside its patches or measures along the normal.
     """
-    adjoining = _quads_at_nodes(mesh)
-    areas = np.linalg.norm(mesh.area_vectors(), axis=1)
-    rows = [_averaged_row(mesh, thickness, gauge, locate(mesh, gauge), adjoining, areas) for gauge in gauges]
+    weights = element_weights(mesh, gauges)
+    rows = [_averaged_row(mesh, thickness, gauge, parts) for gauge, parts in zip(gauges, weights, strict=True)]
     return sparse.csr_array(sparse.vstack(rows))
 
 
@@ -120,9 +119,14 @@ def point_strain_row(
     return np.asarray(weights @ (operator.membrane + height * operator.curvature))
 
 
-def _averaged_row(
-    mesh: Mesh, thickness: FloatArray, gauge: StrainGauge, spot: Spot, adjoining: list[IntArray], areas: FloatArray
-) -> sparse.csr_array:
+def element_weights(mesh: Mesh, gauges: Sequence[StrainGauge]) -> list[dict[int, float]]:
+    """Return for each gauge the elements whose centre strains it averages, and their weights, which sum to one."""
+    adjoining = _quads_at_nodes(mesh)
+    areas = np.linalg.norm(mesh.area_vectors(), axis=1)
+    return [_weights(mesh, locate(mesh, gauge), adjoining, areas) for gauge in gauges]
+
+
+def _weights(mesh: Mesh, spot: Spot, adjoining: list[IntArray], areas: FloatArray) -> dict[int, float]:
     patch = mesh.patch_of_element[spot.element]
     weights: dict[int, float] = {}
     for corner, share in zip(mesh.quads[spot.element], quad4.shape(spot.xi, spot.eta), strict=True):
@@ -130,6 +134,10 @@ def _averaged_row(
         inverse = np.array([1.0 / areas[e] for e in around])
         for element, part in zip(around, share * inverse / inverse.sum(), strict=True):
             weights[element] = weights.get(element, 0.0) + float(part)
+    return weights
+
+
+def _averaged_row(mesh: Mesh, thickness: FloatArray, gauge: StrainGauge, weights: dict[int, float]) -> sparse.csr_array:
     row = np.zeros((1, mesh.n_dofs))
     for element, weight in weights.items():
         height = gauge.side * thickness[element] / 2.0

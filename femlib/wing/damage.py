@@ -7,10 +7,12 @@ import numpy as np
 from femlib.arrays import BoolArray, FloatArray
 from femlib.errors import InputError
 
+SURFACES = ("top", "bottom", "web")
+
 
 @dataclass(frozen=True, slots=True)
 class DamageRegion:
-    """A rectangle in span and chord fractions on the top skin.
+    """A rectangle in span and chord fractions on a skin, or a length of the spar web.
 
     Attributes
     ----------
@@ -19,7 +21,9 @@ class DamageRegion:
     parameter : str
         Name of its damage parameter in a state, "mu1".
     eta_min, eta_max, chord_min, chord_max : float
-        Edges as span and chord fractions; the mesh has grid lines there.
+        Edges as span and chord fractions; the mesh has grid lines there. The web has no chord: its edges are 0 and 1.
+    surface : str
+        "top", "bottom" or "web".
     """
 
     name: str
@@ -28,8 +32,13 @@ class DamageRegion:
     eta_max: float
     chord_min: float
     chord_max: float
+    surface: str = "top"
 
     def __post_init__(self) -> None:
+        if self.surface not in SURFACES:
+            raise InputError(
+                f"damage region {self.name} is on {self.surface!r}; expected one of {list(SURFACES)}; correct it"
+            )
         inside = 0.0 <= self.eta_min < self.eta_max <= 1.0 and 0.0 <= self.chord_min < self.chord_max <= 1.0
         if not inside:
             raise InputError(
@@ -43,8 +52,30 @@ class DamageRegion:
         return np.asarray(within & (self.chord_min <= chord) & (chord <= self.chord_max))
 
 
+_BAYS = ((1 / 12, 2 / 12), (0.24, 0.39), (5 / 12, 6 / 12), (0.67, 0.83), (11 / 12, 1.0))
+"""Span fractions of five bays, apart from one another so that each region is a component of its own."""
+_REAR, _NOSE, _FORE, _AFT, _TAIL, _ALL = (0.43, 0.55), (0.0, 0.12), (0.12, 0.24), (0.345, 0.55), (0.75, 1.0), (0.0, 1.0)
+
 UAV_REGIONS = (
     DamageRegion("R1", "mu1", 0.24, 0.39, 0.345, 0.55),
     DamageRegion("R2", "mu2", 0.67, 0.83, 0.345, 0.43),
 )
 """The two regions of the study, on the top skin aft of the spar. Fitted to the published damage increments."""
+
+
+def damage_library() -> tuple[DamageRegion, ...]:
+    """Return the 28 regions R1 to R28 with parameters mu1 to mu28: the study's two, then 26 over skins and web.
+
+    The published library has 28 effective regions over the airframe; their places were not published. These are
+    assumed: five span bays of the top skin's nose, aft and tail strips, of the bottom skin's fore and aft strips, and
+    of the web.
+    """
+    top = [("top", _REAR, bay) for bay in (_BAYS[0], _BAYS[2], _BAYS[4])]
+    top += [("top", _NOSE, bay) for bay in _BAYS] + [("top", _TAIL, bay) for bay in (_BAYS[1], _BAYS[2], _BAYS[3])]
+    bottom = [("bottom", strip, bay) for strip in (_FORE, _AFT) for bay in _BAYS]
+    web = [("web", _ALL, bay) for bay in _BAYS]
+    more = [
+        DamageRegion(f"R{number}", f"mu{number}", *bay, *strip, surface)
+        for number, (surface, strip, bay) in enumerate([*top, *bottom, *web], start=len(UAV_REGIONS) + 1)
+    ]
+    return (*UAV_REGIONS, *more)

@@ -84,7 +84,7 @@ def gauge_set(planform: Planform, section: Naca4, regions: tuple[DamageRegion, .
     height = planform.chord(eta) * section.heights(chord)[0]
     position = np.concatenate([planform.position(eta, chord), height[:, None]], axis=1)
     held = [
-        next((r.name for r in regions if r.contains(np.array(e), np.array(x))), "")
+        next((r.name for r in regions if r.surface == "top" and r.contains(np.array(e), np.array(x))), "")
         for e, x in zip(eta, chord, strict=True)
     ]
     return GaugeSet(tuple(names), eta, chord, position, tuple(held))

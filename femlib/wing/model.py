@@ -140,6 +140,7 @@ class Wing:
 def uav_wing(
     candidates: bool = False,
     refinement: float = 1.0,
+    regions: tuple[DamageRegion, ...] = UAV_REGIONS,
     materials: WingMaterials | None = None,
     effective_mass: float = EFFECTIVE_MASS,
 ) -> Wing:
@@ -151,6 +152,8 @@ def uav_wing(
         Add the 58 candidate gauges to the 24 installed ones.
     refinement : float
         Divides the mesh steps; degrees of freedom grow with its square.
+    regions : tuple of DamageRegion
+        Damage regions; the study's two if not given, `damage_library()` for all 28.
     materials : WingMaterials, optional
         Moduli and thicknesses; the fitted ones if not given.
     effective_mass : float
@@ -165,16 +168,16 @@ def uav_wing(
         if not 0.0 < value < np.inf:
             raise InputError(f"{name} is {value}; expected a positive finite number; correct it")
     cards = WingMaterials() if materials is None else materials
-    grid = wing_grid(PLANFORM, N_RIBS, UAV_REGIONS, installed_places()[:, 0], refinement)
-    mesh = wing_mesh(PLANFORM, SECTION, grid, UAV_REGIONS)
-    shells = wing_shells(mesh, PLANFORM, cards)
+    grid = wing_grid(PLANFORM, N_RIBS, regions, installed_places()[:, 0], refinement)
+    mesh = wing_mesh(PLANFORM, SECTION, grid, regions)
+    shells = wing_shells(mesh, PLANFORM, cards, regions)
     supports = Supports.clamping(mesh, np.flatnonzero(mesh.nodes[:, 1] == 0.0))
     components = tuple(
-        Component(r.name, r.parameter, mesh.patch_of_element == mesh.patches.index(r.name)) for r in UAV_REGIONS
+        Component(r.name, r.parameter, mesh.patch_of_element == mesh.patches.index(r.name)) for r in regions
     )
     structure = DamagedStructure(shells, supports, components)
-    gauges = gauge_set(PLANFORM, SECTION, UAV_REGIONS, candidates)
-    return Wing(structure, grid, UAV_REGIONS, gauges, cards, elliptic_lift(mesh, grid, effective_mass))
+    gauges = gauge_set(PLANFORM, SECTION, regions, candidates)
+    return Wing(structure, grid, regions, gauges, cards, elliptic_lift(mesh, grid, effective_mass))
 
 
 def _checked_load_factor(load_factor: float) -> float:

@@ -11,10 +11,11 @@ import numpy as np
 
 from femlib.arrays import FloatArray, IntArray
 from femlib.assembly import Shells
+from femlib.errors import InputError
 from femlib.geometry import Naca4, Planform, grid_lines
 from femlib.material import Laminate, isotropic_plate
 from femlib.mesh import Mesh
-from femlib.wing.damage import DamageRegion
+from femlib.wing.damage import SURFACES, DamageRegion
 
 SKIN_PATCHES = ("top", "bottom")
 STEP_ETA = 0.011
@@ -126,7 +127,7 @@ def wing_grid(
     span_edges = [e for r in regions for e in (r.eta_min, r.eta_max)]
     eta = grid_lines([*ribs, *span_edges, *gauge_eta], STEP_ETA / refinement)
     nose = NOSE_END * grid_lines([0.0, 1.0], STEP_NOSE / refinement) ** 2
-    edges = [e for r in regions for e in (r.chord_min, r.chord_max)]
+    edges = _chord_edges(regions)
     rest = grid_lines([NOSE_END, planform.spar_fraction, 1.0, *edges], STEP_CHORD / refinement)
     chord = np.concatenate([nose[:-1], rest])
     rib_rows = np.searchsorted(eta, ribs - 1e-9)
@@ -143,29 +144,52 @@ def wing_grid(
     return WingGrid(eta, chord, upper, lower, inside, rib_rows, spar)
 
 
+def _chord_edges(regions: Sequence[DamageRegion]) -> list[float]:
+    """Return the region edges that ask for a chord line of their own, aft of the nose."""
+    for region in regions:
+        for edge in (region.chord_min, region.chord_max):
+            if 0.0 < edge < NOSE_END:
+                raise InputError(
+                    f"damage region {region.name} has an edge at x/c {edge}; expected 0 or at least {NOSE_END}, "
+                    "where the mesh can have a line; move it"
+                )
+    return [e for r in regions for e in (r.chord_min, r.chord_max) if e >= NOSE_END]
+
+
 def wing_mesh(planform: Planform, section: Naca4, grid: WingGrid, regions: Sequence[DamageRegion]) -> Mesh:
     """Return the mesh with patches top, bottom, web, ribs and one for each region."""
     top, bottom = _skin(grid.upper), _skin(grid.lower)[:, ::-1]
-    patches = ("top", "bottom", "web", "ribs", *(region.name for region in regions))
-    top_patch = np.zeros(len(top), dtype=np.int64)
-    middle_eta = np.repeat(0.5 * (grid.eta[1:] + grid.eta[:-1]), len(grid.chord) - 1)
-    middle_chord = np.tile(0.5 * (grid.chord[1:] + grid.chord[:-1]), len(grid.eta) - 1)
-    for number, region in enumerate(regions):
-        top_patch[region.contains(middle_eta, middle_chord)] = 4 + number
+    patches = (*SURFACES, "ribs", *(region.name for region in regions))
     web = _web(grid)
     ribs, ends = _ribs(grid)
-    sizes = [(1, len(bottom)), (2, len(web)), (3, len(ribs)), (3, len(ends))]
-    patch = np.concatenate([top_patch, *(np.full(size, number) for number, size in sizes)])
+    sizes = [(0, len(top)), (1, len(bottom)), (2, len(web)), (3, len(ribs)), (3, len(ends))]
+    patch = np.concatenate([np.full(size, number) for number, size in sizes])
+    eta, chord = _middles(grid, len(ribs) + len(ends))
+    plain = patch.copy()
+    for number, region in enumerate(regions):
+        surface = plain == patches.index(region.surface)
+        patch[surface & region.contains(eta, chord)] = len(SURFACES) + 1 + number
     return Mesh(_positions(planform, section, grid), np.concatenate([top, bottom, web, ribs]), ends, patches, patch)
 
 
-def wing_shells(mesh: Mesh, planform: Planform, materials: WingMaterials) -> Shells:
+def wing_shells(mesh: Mesh, planform: Planform, materials: WingMaterials, regions: Sequence[DamageRegion]) -> Shells:
     """Give each element its section; the skins' modulus falls linearly along the span."""
-    wood = np.isin(mesh.patch_of_element, [mesh.patches.index(p) for p in ("web", "ribs")])
+    wooden = ["web", "ribs", *(region.name for region in regions if region.surface == "web")]
+    wood = np.isin(mesh.patch_of_element, [mesh.patches.index(p) for p in wooden])
     eta = mesh.centroids()[:, 1] / planform.span
     taper = 1.0 - (1.0 - materials.skin_taper) * eta
     spanwise = np.array([0.0, 1.0, 0.0])
     return Shells(mesh, materials.laminates(), wood.astype(np.int64), np.where(wood, 1.0, taper), spanwise)
+
+
+def _middles(grid: WingGrid, n_ribs: int) -> tuple[FloatArray, FloatArray]:
+    """Return the span and chord fractions of the elements' middles in the order of the mesh, NaN on the ribs."""
+    eta, chord = 0.5 * (grid.eta[1:] + grid.eta[:-1]), 0.5 * (grid.chord[1:] + grid.chord[:-1])
+    spar = np.full(len(eta) * N_WEB_LEVELS, grid.chord[grid.spar_column])
+    nowhere = np.full(n_ribs, np.nan)
+    along = [np.repeat(eta, len(chord)), np.repeat(eta, len(chord)), np.repeat(eta, N_WEB_LEVELS), nowhere]
+    across = [np.tile(chord, len(eta)), np.tile(chord, len(eta)), spar, nowhere]
+    return np.concatenate(along), np.concatenate(across)
 
 
 def _skin(nodes: IntArray) -> IntArray:

@@ -116,7 +116,6 @@ def test_the_twin_answers_for_the_installed_gauges(wing: Wing) -> None:
     assert twin.gauges == wing.gauges.names and len(twin.gauges) == 24
     at = {"mu1": 0.2, "mu2": 0.0}
     assert twin.predict(at, 2.0) == pytest.approx(wing.strain_microstrain(at, 2.0))
-    assert dict(twin.effects) == {}
 
 
 def test_the_model_hash_tells_models_apart(coarse: Wing) -> None:

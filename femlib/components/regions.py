@@ -1,0 +1,110 @@
+"""A damage region as a component with ports, and the states that name how much stiffness each has lost."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg as linalg
+
+from femlib.arrays import BoolArray, FloatArray, IntArray
+from femlib.assembly import Shells, Supports
+from femlib.errors import InputError, frozen_floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Component:
+    """One region whose stiffness falls with its parameter.
+
+    Attributes
+    ----------
+    name, parameter : str
+        Names of the region and of its damage parameter.
+    elements : BoolArray
+        Which elements belong to it (n_elements,).
+    """
+
+    name: str
+    parameter: str
+    elements: BoolArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Condensed:
+    """A region condensed on its ports, in numbers of the free degrees of freedom.
+
+    Attributes
+    ----------
+    ports, interior : IntArray
+        Free degrees of freedom shared with the rest (n_ports,), and the region's own (n_interior,).
+    stiffness : FloatArray
+        T (n_ports, n_ports) of the module's docstring.
+    carry : FloatArray
+        K_bi K_ii^-1 (n_ports, n_interior): from interior loads to port forces.
+    """
+
+    ports: IntArray
+    interior: IntArray
+    stiffness: FloatArray
+    carry: FloatArray
+
+    def interior_load(self, force: FloatArray) -> FloatArray:
+        """Return the forces (n_free,) that stand for the interior loads: w at mu / (1 - mu) = 1 without its T term."""
+        stand_in = np.zeros_like(force)
+        stand_in[self.interior] = force[self.interior]
+        stand_in[self.ports] = self.carry @ force[self.interior]
+        return stand_in
+
+
+def condense(shells: Shells, supports: Supports, component: Component) -> Condensed:
+    """Return a region condensed on the degrees of freedom that it shares with the rest of the structure."""
+    stiffness = supports.reduce(shells.stiffness(component.elements))
+    rest = supports.reduce(shells.stiffness(~component.elements))
+    own = np.flatnonzero(np.diff(stiffness.indptr))
+    is_port = np.diff(rest.indptr)[own] > 0
+    ports, interior = own[is_port], own[~is_port]
+    block = stiffness[own][:, own].toarray()
+    across = block[np.ix_(is_port, ~is_port)]
+    carry = linalg.solve(block[np.ix_(~is_port, ~is_port)], across.T, assume_a="pos").T
+    condensed = block[np.ix_(is_port, is_port)] - carry @ across.T
+    return Condensed(ports, interior, 0.5 * (condensed + condensed.T), carry)
+
+
+def damage_row(state: Mapping[str, float], parameters: Sequence[str]) -> FloatArray:
+    """Return a named state as a row (n_parameters,); parameters that the state does not name are undamaged.
+
+    Raises
+    ------
+    InputError
+        If the state names an unknown parameter.
+    """
+    unknown = sorted(set(state) - set(parameters))
+    if unknown:
+        raise InputError(f"state names {unknown}; expected among {list(parameters)}; correct the parameter's name")
+    return np.array([float(state.get(name, 0.0)) for name in parameters])
+
+
+def checked_damage(states: FloatArray, parameters: Sequence[str]) -> FloatArray:
+    """Return states (n_states, n_parameters) as floats after checking that every damage lies in [0, 1)."""
+    damage = frozen_floats(states, "states", (-1, len(parameters)))
+    bad = (damage < 0.0) | (damage >= 1.0)
+    if bad.any():
+        row, column = (int(k) for k in np.argwhere(bad)[0])
+        raise InputError(
+            f"state {row} has {parameters[column]} = {damage[row, column]:g}; expected a loss of stiffness from 0 to "
+            "below 1 (a loss of 1 leaves a mechanism); give it as a fraction, not in percent"
+        )
+    return damage
+
+
+def refuse_overlap(components: Sequence[Component]) -> None:
+    """Raise InputError if a region is empty or two regions share an element."""
+    for k, second in enumerate(components):
+        if not second.elements.any():
+            raise InputError(f"region {second.name} holds no element; expected at least one; move it onto the mesh")
+        for first in components[:k]:
+            shared = int(np.sum(first.elements & second.elements))
+            if shared:
+                raise InputError(
+                    f"regions {first.name} and {second.name} share {shared} elements; "
+                    "expected none; move their edges apart"
+                )

@@ -1,0 +1,72 @@
+"""The deck says what the model says; CalculiX, where installed, agrees on the strains."""
+
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from femlib.errors import InputError
+from femlib.wing import Wing, uav_wing
+from femlib.wing.calculix import read_gauges, write_deck
+
+
+@pytest.fixture(scope="module")
+def deck(coarse: Wing, tmp_path_factory: pytest.TempPathFactory) -> list[str]:
+    path = tmp_path_factory.mktemp("deck") / "wing.inp"
+    write_deck(coarse, path, {"mu1": 0.5}, 3.0, warming=-20.0, large_deflection=True)
+    assert [p.name for p in path.parent.iterdir()] == ["wing.inp"]
+    return path.read_text().splitlines()
+
+
+def block(lines: list[str], start: str) -> list[str]:
+    first = next(k for k, line in enumerate(lines) if line.startswith(start)) + 1
+    length = next(k for k, line in enumerate(lines[first:]) if line.startswith("*"))
+    return lines[first : first + length]
+
+
+def test_the_deck_has_every_element_and_the_whole_load(coarse: Wing, deck: list[str]) -> None:
+    mesh = coarse.structure.shells.mesh
+    assert len(block(deck, "*ELEMENT, TYPE=S8R")) == len(mesh.quads)
+    assert len(block(deck, "*ELEMENT, TYPE=S6")) == len(mesh.trias)
+    loads = np.array([line.split(",") for line in block(deck, "*CLOAD")], dtype=float)
+    assert loads[:, 2].sum() == pytest.approx(3.0 * coarse.lift[2::6].sum())
+    assert "*STEP, NLGEOM" in deck and "ALL, -20.0" in deck
+
+
+def test_damage_lowers_the_modulus_of_its_region(coarse: Wing, tmp_path: Path) -> None:
+    moduli = []
+    for mu in (0.0, 0.5):
+        write_deck(coarse, tmp_path / "wing.inp", {"mu1": mu}, 1.0)
+        lines = (tmp_path / "wing.inp").read_text().splitlines()
+        element = int(np.flatnonzero(coarse.structure.components[0].elements)[0]) + 1
+        sets = [k for k, line in enumerate(lines) if line.startswith("*ELSET, ELSET=E")]
+        owner = next(k for k in reversed(sets) if f"{element}," in block(lines[k:], "*ELSET"))
+        at = next(k for k in range(owner, len(lines)) if lines[k] == "*ELASTIC")
+        moduli.append(float(lines[at + 1].split(",")[0]))
+    assert moduli[1] == pytest.approx(0.5 * moduli[0])
+
+
+def test_a_bad_path_or_state_gets_a_sentence(coarse: Wing, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"ends in '.txt'; expected .inp"):
+        write_deck(coarse, tmp_path / "wing.txt", {}, 1.0)
+    with pytest.raises(InputError, match=r"wing.inp cannot be written .*expected a writable folder"):
+        write_deck(coarse, tmp_path / "nowhere" / "wing.inp", {}, 1.0)
+    with pytest.raises(InputError, match=r"state 0 has mu1 = 1; expected"):
+        write_deck(coarse, tmp_path / "wing.inp", {"mu1": 1.0}, 1.0)
+    with pytest.raises(InputError, match=r"wing.dat cannot be read"):
+        read_gauges(coarse, tmp_path / "wing.dat")
+    (tmp_path / "wing.dat").write_text("\n")
+    with pytest.raises(InputError, match=r"wing.dat has no strains of element \d+, which gauge g01 reads"):
+        read_gauges(coarse, tmp_path / "wing.dat")
+
+
+@pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX (ccx) is not installed")
+def test_calculix_reads_the_same_gauges(tmp_path: Path) -> None:
+    wing = uav_wing(refinement=0.25)
+    write_deck(wing, tmp_path / "wing.inp", {}, 3.0)
+    subprocess.run(["ccx", "wing"], cwd=tmp_path, check=True, capture_output=True)
+    ratio = wing.strain_microstrain({}, 3.0) / read_gauges(wing, tmp_path / "wing.dat") - 1.0
+    usable = wing.gauges.is_usable
+    assert np.sqrt(np.mean(ratio[usable] ** 2)) < 0.02 and np.abs(ratio[usable]).max() < 0.05
