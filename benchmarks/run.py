@@ -23,7 +23,7 @@ from benchmarks.registry import FAMILIES, Case, family
 from benchmarks.rivals import RIVALS
 
 Line = dict[str, Any]
-GRACE = 20.0  # seconds to start, build the data and stop politely before a solver is killed
+GRACE = 60.0  # seconds to start, build the data and stop politely before a solver is killed
 SHORT = 0.5  # a solving call is repeated until so many seconds have passed, at most 5 times
 
 
