@@ -102,10 +102,6 @@ def _check(problem: Problem, n_jobs: int) -> None:
         raise ProblemError(
             "the exact core finds axis-aligned trees but split is 'hyperplane'; use method 'search' or 'oct_h'"
         )
-    if problem.sensor_budget is not None and problem.sensor_costs.sum() > problem.sensor_limit:
-        raise ProblemError(
-            "the exact core does not know sensor budgets yet; use method 'search' or a mixed-integer one"
-        )
     if n_jobs < 1:
         raise ProblemError(f"n_jobs is {n_jobs}; expected 1 or more")
 

@@ -79,6 +79,40 @@ def test_the_optimum_stays_with_every_prune_switched_off() -> None:
         assert branch_and_bound(problem, _off=_native.prunes()).objective == cheapest(problem), seed
 
 
+def cheapest_within(problem: Problem) -> float:
+    """Return the optimum within the sensor budget: the best over all sensor sets that it pays for."""
+    best = problem.baseline
+    for size in range(len(problem.sensors) + 1):
+        for chosen in itertools.combinations(range(len(problem.sensors)), size):
+            if problem.sensor_costs[list(chosen)].sum() > problem.sensor_limit:
+                continue
+            features = np.flatnonzero(np.isin(problem.sensor_index, chosen))
+            if len(features):
+                columns = problem.features[:, features]
+                part = Problem(columns, problem.labels, depth=problem.depth, leaf_size=problem.leaf_size)
+                best = min(best, cheapest(part))
+    return best
+
+
+@pytest.mark.parametrize("n_jobs", [1, 2])
+def test_a_sensor_budget_is_kept_and_proven(n_jobs: int) -> None:
+    rng = np.random.default_rng(7)
+    for _ in range(25):
+        n = int(rng.integers(5, 13))
+        problem = Problem(
+            rng.integers(0, 6, (n, 4)).astype(float),
+            np.arange(n) % 3,
+            depth=int(rng.integers(1, 4)),
+            leaf_size=int(rng.integers(1, 3)),
+            sensor_of_feature=["a", "a", "b", "c"],
+            sensor_cost=rng.integers(0, 4, 3) / 10,
+            sensor_budget=float(rng.integers(0, 6)) / 10,
+        )
+        solution = branch_and_bound(problem, n_jobs=n_jobs)
+        assert certify(problem, solution).objective == cheapest_within(problem)
+        assert solution.is_optimal
+
+
 def larger(seed: int, n: int = 150, classes: int = 3) -> Problem:
     """Return a problem whose lists fill several buckets."""
     rng = np.random.default_rng(seed)

@@ -2,6 +2,7 @@
 
 pub mod axis;
 pub mod branch;
+pub mod budget;
 pub mod depth_two;
 pub mod effort;
 pub mod frontier;

@@ -84,6 +84,7 @@ struct Level {
     axis: Axis,
     sides: [View; 2],
     queue: VecDeque<Interval>,
+    takes_first: bool,
 }
 
 /// One thread's search: workspaces and counters.
@@ -96,6 +97,8 @@ pub struct Search<'a> {
     pub n_evaluated: u64,
     /// Best cost seen with each feature at the root of the last search (`p`).
     pub attained: Vec<i64>,
+    /// Whether any tree below the budget will do: the search ends with the first one at its root.
+    pub takes_first: bool,
     pub(super) axis: Axis,
     pub(super) positions: Vec<u32>,
     control: &'a Control,
@@ -117,6 +120,7 @@ impl<'a> Search<'a> {
             switches,
             n_evaluated: 0,
             attained: Vec::new(),
+            takes_first: false,
             axis: Axis::default(),
             positions: vec![0; samples.n],
             control,
@@ -178,6 +182,8 @@ impl<'a> Search<'a> {
     }
 
     fn deep(&mut self, view: &View, depth: usize, upper: i64, floor: i64) -> Answer {
+        let takes_first = std::mem::take(&mut self.takes_first);
+        self.levels[depth].takes_first = takes_first;
         let leaf = view.leaf();
         // One level shallower first: its tree is an incumbent, its cost bounds the children of the trivial cuts, and
         // the features are taken in the order of what they reached.
@@ -200,7 +206,8 @@ impl<'a> Search<'a> {
         }
         let mut attained = vec![i64::MAX; self.samples.p];
         for f in order {
-            if best.cost(upper) <= floor || self.is_stopped() {
+            let is_done = takes_first && best.best.is_some();
+            if best.cost(upper) <= floor || is_done || self.is_stopped() {
                 break;
             }
             let before = best.cost(upper);
@@ -265,6 +272,9 @@ impl<'a> Search<'a> {
                 *seen = (*seen).min(cost);
                 if cost < best.cost(upper) {
                     best = Answer::found(cost, plan);
+                    if level.takes_first {
+                        break;
+                    }
                 }
             }
             if interval.low < k {

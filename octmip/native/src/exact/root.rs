@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use crate::control::{KeepGoing, Limits, Outcome, Progress, Stop};
 use crate::exact::Switches;
 use crate::exact::branch::Search;
+use crate::exact::budget::{Sets, is_within};
 use crate::exact::effort::Control;
 use crate::exact::frontier::Frontier;
 use crate::exact::plan::Plan;
@@ -38,10 +39,12 @@ struct Run<'a> {
     /// Objective (above the base) and plan of the best tree; no plan: the incumbent that was given.
     best: (i64, Option<Plan>),
     bound: i64,
+    /// The best tree, when it came from the search over sensor sets.
+    tree: Option<Tree>,
     stop: Option<Stop>,
 }
 
-/// The best tree of the problem (without its sensor budget), and a bound.
+/// The best tree of the problem, and a bound.
 pub fn solve(problem: &Problem, options: &Options, keep_going: KeepGoing<'_>) -> Outcome {
     let started = Instant::now();
     let samples = Samples::new(problem);
@@ -56,6 +59,7 @@ pub fn solve(problem: &Problem, options: &Options, keep_going: KeepGoing<'_>) ->
         base,
         best: (view.leaf(), Some(Plan::Leaf)),
         bound: 0,
+        tree: None,
         stop: None,
     };
     if let Some((objective, _)) = &options.incumbent
@@ -64,6 +68,10 @@ pub fn solve(problem: &Problem, options: &Options, keep_going: KeepGoing<'_>) ->
         run.best = (objective - base, None);
     }
     run.search(problem.depth, keep_going);
+    let all: f64 = problem.sensor_cost.iter().sum();
+    if all > problem.sensor_limit {
+        run.keep_budget(problem, keep_going);
+    }
     run.outcome()
 }
 
@@ -188,13 +196,72 @@ impl Run<'_> {
         (bound.min(cost), frontier.attained())
     }
 
+    /// After the search without the budget, whose bound stands: the best tree within it.
+    fn keep_budget(&mut self, problem: &Problem, keep_going: KeepGoing<'_>) {
+        let Some(plan) = &self.best.1 else { return };
+        let relaxed = plan.tree(self.samples, self.view);
+        if is_within(problem, &relaxed) {
+            return;
+        }
+        let given = self
+            .options
+            .incumbent
+            .as_ref()
+            .map(|(objective, _)| objective - self.base);
+        let leaf = self.view.leaf();
+        self.best = match given {
+            Some(cost) if cost <= leaf => (cost, None),
+            _ => (leaf, Some(Plan::Leaf)),
+        };
+        if self.stop.is_some() {
+            return;
+        }
+        let (samples, upper, base, bound) = (self.samples, self.best.0, self.base, self.bound);
+        let sets = Sets::new(
+            problem,
+            samples,
+            self.options.switches,
+            &self.control,
+            &relaxed,
+            upper,
+        );
+        std::thread::scope(|scope| {
+            let (sender, receiver) = channel::<()>();
+            for _ in 0..self.options.n_threads.max(1) {
+                let (sender, sets) = (sender.clone(), &sets);
+                scope.spawn(move || {
+                    let _sender = sender;
+                    sets.work();
+                });
+            }
+            drop(sender);
+            self.stop = watch(
+                self.started,
+                &self.options.limits,
+                &self.control,
+                &receiver,
+                keep_going,
+                || (sets.best().0 + base, bound + base),
+            );
+        });
+        let (cost, tree) = sets.best();
+        if let Some(tree) = tree {
+            self.best = (cost, None);
+            self.tree = Some(tree);
+        }
+        if self.stop.is_none() {
+            self.bound = cost;
+        }
+    }
+
     fn outcome(self) -> Outcome {
         let objective = self.base + self.best.0;
         let bound = self.base + self.bound.min(self.best.0);
-        let tree = match (&self.best.1, &self.options.incumbent) {
-            (Some(plan), _) => plan.tree(self.samples, self.view),
-            (None, Some((_, tree))) => tree.clone(),
-            (None, None) => Tree::leaf(self.samples.labels[self.view.best_column()]),
+        let tree = match (self.tree, &self.best.1, &self.options.incumbent) {
+            (Some(tree), _, _) => tree,
+            (None, Some(plan), _) => plan.tree(self.samples, self.view),
+            (None, None, Some((_, tree))) => tree.clone(),
+            (None, None, None) => Tree::leaf(self.samples.labels[self.view.best_column()]),
         };
         let stop = if bound >= objective {
             Stop::Optimal

@@ -138,6 +138,28 @@ impl Samples {
         }
     }
 
+    /// The same samples with only these of the usable features.
+    pub fn with_features(&self, usable: &[usize]) -> Self {
+        let pick = |lists: &[u32]| -> Vec<u32> {
+            usable
+                .iter()
+                .flat_map(|&f| lists[f * self.n..(f + 1) * self.n].iter().copied())
+                .collect()
+        };
+        Self {
+            p: usable.len(),
+            features: usable.iter().map(|&f| self.features[f]).collect(),
+            ranks: pick(&self.ranks),
+            order: pick(&self.order),
+            swing: self.swing.clone(),
+            base: self.base.clone(),
+            column: self.column.clone(),
+            gains: self.gains.clone(),
+            labels: self.labels.clone(),
+            ..*self
+        }
+    }
+
     /// The ranks of one usable feature, by sample.
     pub fn ranks_of(&self, f: usize) -> &[u32] {
         &self.ranks[f * self.n..(f + 1) * self.n]
