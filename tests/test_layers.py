@@ -5,6 +5,7 @@ both and says why in the commit.
 """
 
 import ast
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -140,6 +141,15 @@ def test_a_forbidden_import_is_found(part, code):
 )
 def test_an_allowed_import_passes(part, code):
     assert not complaints("octmip", part, code)
+
+
+def test_the_picture_in_the_documentation_is_this_table():
+    picture = (ROOT / "docs" / "developing.md").read_text().split("```")[1]
+    for package, text in zip(LEVELS, re.split(r"^\w+$", picture, flags=re.MULTILINE)[1:], strict=True):
+        for level, names in re.findall(r"(\d+) {3}(.*?)(?= {3}|$)", text, flags=re.MULTILINE):
+            plain = re.sub(r"\(.*?\)|, which.*", "", names).replace("/", "")
+            for name in re.split(r"[,;]\s*", plain.strip()):
+                assert LEVELS[package].get(name.strip()) == int(level), f"{package}: {level} {name}"
 
 
 def test_the_top_packages_import_only_themselves():
