@@ -8,8 +8,7 @@ exact     branch and bound over thresholds          exact (search first  exact
 oct       Bertsimas & Dunn's OCT, HiGHS             search, HiGHS        HiGHS
 oct_h     Bertsimas & Dunn's OCT-H, HiGHS           search, HiGHS        HiGHS
 flow      the strengthened formulation, HiGHS       search, HiGHS        HiGHS
-auto      exact for axis-aligned trees without a tight sensor budget, else search: no proof of hyperplane trees
-          scales beyond toys
+auto      exact for axis-aligned trees, search for hyperplanes: no proof of those scales beyond toys
 """
 
 import importlib
@@ -135,9 +134,7 @@ def chosen_method(problem: Problem, method: str) -> str:
         raise ProblemError(f"method is {method!r}; expected one of {', '.join(METHODS)}")
     if method != "auto":
         return method
-    # The exact core does not know sensor budgets yet; one that all sensors fit is none.
-    is_tight = problem.sensor_costs.sum() > problem.sensor_limit
-    return "exact" if problem.split == "axis" and not is_tight else "search"
+    return "exact" if problem.split == "axis" else "search"
 
 
 def _wants_incumbent(problem: Problem, name: str) -> bool:

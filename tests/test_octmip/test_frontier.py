@@ -16,7 +16,7 @@ LABELS = (FEATURES[:, 0] + 0.5 * FEATURES[:, 1] > 0).astype(int) + (FEATURES[:, 
 PROBLEM = Problem(FEATURES, LABELS, depth=3)
 
 
-@pytest.mark.parametrize("over", ["depth", "penalty"])
+@pytest.mark.parametrize("over", ["depth", "budget", "penalty"])
 def test_every_point_is_the_optimum_of_its_own_problem(over):
     points = trace_frontier(PROBLEM, over)
     assert [point.value for point in points] == list(default_values(PROBLEM, over))
