@@ -83,6 +83,8 @@ REGISTRY = {
     "flow": Registration("octmip.mip.flow", "solve_flow", proves=True),
 }
 METHODS = ("auto", *REGISTRY)
+# What "exact" means for splits over one or two features.
+TWO_FEATURE = Registration("octmip.oblique", "two_feature_branch_and_bound", proves=True)
 
 
 def solve(
@@ -118,7 +120,7 @@ def solve(
     name = chosen_method(problem, method)
     first = _checked_incumbent(problem, incumbent)
     # Loaded before the clock starts: its import is not the solver's time.
-    _check_options(name, REGISTRY[name].load(), options or {})
+    _check_options(name, _registration(problem, name).load(), options or {})
     start = time.perf_counter()
     solution = _answer(_Call(problem, limits, seed, n_jobs, progress, start), name, first, options or {})
     return _checked(problem, replace(solution, seconds=time.perf_counter() - start))
@@ -135,6 +137,10 @@ def chosen_method(problem: Problem, method: str) -> str:
     if method != "auto":
         return method
     return "exact" if problem.split == "axis" else "search"
+
+
+def _registration(problem: Problem, name: str) -> Registration:
+    return TWO_FEATURE if name == "exact" and problem.split == "hyperplane" else REGISTRY[name]
 
 
 def _wants_incumbent(problem: Problem, name: str) -> bool:
@@ -163,7 +169,7 @@ class _Call:
         """Return the solution of one solver within `share` of the seconds that are left."""
         spent = time.perf_counter() - self.start
         limits = replace(self.limits, seconds=share * max(0.0, self.limits.seconds - spent))
-        return REGISTRY[name].load()(
+        return _registration(self.problem, name).load()(
             self.problem,
             limits=limits,
             incumbent=tree,

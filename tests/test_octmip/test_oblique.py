@@ -9,6 +9,7 @@ from octmip import Limits, Problem, Stop, certify
 from octmip.errors import ProblemError
 from octmip.oblique import two_feature_branch_and_bound
 from octmip.problem import Problem as AnyProblem
+from octmip.solver import solve
 from octmip.tree import HyperplaneSplit, splits
 from tests.oracles.two_feature import best_objective
 from tests.two_feature_problems import random_two_feature_problem
@@ -104,3 +105,10 @@ def test_a_time_limit_of_nothing_returns_a_tree_and_a_valid_bound() -> None:
     solution = two_feature_branch_and_bound(problem, limits=Limits(seconds=0.0))
     certify(problem, solution)
     assert solution.stop in (Stop.TIME, Stop.OPTIMAL)
+
+
+def test_the_method_exact_proves_two_feature_trees() -> None:
+    problem = published_like(60, 2)
+    solution = solve(problem, "exact")
+    assert solution.is_optimal
+    assert solution.objective == two_feature_branch_and_bound(problem).objective
