@@ -1,5 +1,6 @@
 //! Optimal trees whose splits use up to two features, proven by branch and bound over cells of lines.
 
+pub mod bounds;
 pub mod boxes;
 pub mod budget;
 pub mod cell;
@@ -13,9 +14,13 @@ pub mod margin;
 pub mod pair;
 pub mod plane;
 pub mod queue;
+pub mod realise;
+pub mod refine;
+pub mod scan;
 pub mod single;
 pub mod start;
 pub mod stump;
+pub mod view;
 pub mod watch;
 pub mod wide;
 

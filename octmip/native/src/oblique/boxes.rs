@@ -10,18 +10,22 @@
 //! Bounds of a child's strips hold for all sets that contain the child's samples, so boxes inside the box inherit them.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 use crate::problem::Problem;
 
+use super::bounds::Goal;
 use super::cell::Cell;
 use super::chart::Chart;
 use super::ends::{End, end_of};
 use super::extract::Sketch;
 use super::ground::Ground;
-use super::labels::with_labels;
+use super::labels::two_labels_at_least;
 use super::loss::INFEASIBLE;
-use super::stump::{Answer, Line, Question, Realised, Strip, THICK, best_split, realise, split};
+use super::realise::{Realised, THICK, realise};
+use super::refine::split;
+use super::stump::{Answer, Question, Strip};
+use super::view::Line;
 
 /// What all boxes of a search share.
 #[derive(Debug)]
@@ -42,13 +46,13 @@ pub struct Field<'a> {
 #[derive(Debug, Clone)]
 pub struct Child {
     /// Lower bound of its cost, for its samples and more.
-    floor: i64,
+    pub(super) floor: i64,
     /// Lower bound of its cost with all the open samples, and the most that these samples can cost.
-    wide: (i64, i64),
+    pub(super) wide: (i64, i64),
     /// Splits that were best in the boxes around this one.
-    lines: Vec<Line>,
+    pub(super) lines: Vec<Line>,
     /// Strips that may hold its split.
-    strips: Arc<Vec<Strip>>,
+    pub(super) strips: Arc<Vec<Strip>>,
 }
 
 impl Child {
@@ -62,7 +66,7 @@ impl Child {
         }
     }
 
-    fn remember(&mut self, line: Option<Line>) {
+    pub(super) fn remember(&mut self, line: Option<Line>) {
         const KEPT: usize = 3;
         if let Some(line) = line.filter(|line| !self.lines.contains(line)) {
             self.lines.insert(0, line);
@@ -70,7 +74,7 @@ impl Child {
         }
     }
 
-    fn keep_strips_below(&mut self, strips: Vec<Strip>, dead: i64) {
+    pub(super) fn keep_strips_below(&mut self, strips: Vec<Strip>, dead: i64) {
         let alive = strips.iter().filter(|strip| strip.bound < dead).count();
         // A copy costs memory; it pays when it says something new.
         if alive < self.strips.len() || *self.strips != strips {
@@ -104,24 +108,15 @@ pub struct Processed {
 }
 
 /// The samples of a box.
-struct Sorted {
-    sides: [Vec<u32>; 2],
-    open: Vec<u32>,
-    tallies: [Vec<i64>; 2],
-    open_tally: Vec<i64>,
-    open_most: i64,
+pub(super) struct Sorted {
+    pub(super) sides: [Vec<u32>; 2],
+    pub(super) open: Vec<u32>,
+    pub(super) tallies: [Vec<i64>; 2],
+    pub(super) open_tally: Vec<i64>,
+    pub(super) open_most: i64,
     /// Each side with the open samples.
-    wide: [Vec<u32>; 2],
-    wide_tallies: [Vec<i64>; 2],
-}
-
-/// What a bound is computed for.
-#[derive(Clone, Copy)]
-struct Goal {
-    /// A bound of this much is enough for now.
-    target: i64,
-    /// Trees of this much and more are of no interest.
-    upper: i64,
+    pub(super) wide: [Vec<u32>; 2],
+    pub(super) wide_tallies: [Vec<i64>; 2],
 }
 
 impl Field<'_> {
@@ -133,12 +128,6 @@ impl Field<'_> {
         if self.is_infeasible(&sorted) {
             return done;
         }
-        let plane = &self.ground.plane;
-        let end = end_of(plane, features, &root.cell, &sorted.open);
-        if let End::Parts { points, ways } = &end {
-            self.close(&mut root, &sorted, points, ways, upper, &mut done);
-            return done;
-        }
         self.try_center(&root, &sorted, upper, &mut done);
         let upper = done.found.as_ref().map_or(upper, |(cost, _)| *cost);
         let goal = Goal {
@@ -146,10 +135,16 @@ impl Field<'_> {
             upper,
         };
         self.bound(&mut root, &sorted, goal);
-        if root.key >= target.min(upper) {
+        if root.key >= goal.target {
             if root.key < upper {
                 done.boxes.push(root);
             }
+            return done;
+        }
+        let plane = &self.ground.plane;
+        let end = end_of(plane, features, &root.cell, &sorted.open);
+        if let End::Parts { points, ways } = &end {
+            self.close(&mut root, &sorted, points, ways, upper, &mut done);
             return done;
         }
         if end == End::Stuck {
@@ -188,7 +183,7 @@ impl Field<'_> {
         }
     }
 
-    fn need(&self) -> i64 {
+    pub(super) fn need(&self) -> i64 {
         self.ground.loss.leaf_size as i64
     }
 
@@ -198,33 +193,9 @@ impl Field<'_> {
         sorted.sides.iter().any(|side| side.len() + open < least)
     }
 
-    fn price(&self, root: &RootBox) -> i64 {
+    pub(super) fn price(&self, root: &RootBox) -> i64 {
         let features = self.charts[root.chart as usize].features;
         self.ground.view().price(features)
-    }
-
-    /// Best cost of a child over some samples by a leaf or the lines it remembers.
-    fn attained(
-        &self,
-        child: &Child,
-        ids: &[u32],
-        tally: &[i64],
-        need: i64,
-    ) -> (i64, Option<Line>) {
-        let view = self.ground.view();
-        let leaf = if tally[view.loss.k] >= need {
-            view.loss.leaf(tally).0
-        } else {
-            INFEASIBLE
-        };
-        child.lines.iter().fold((leaf, None), |best, line| {
-            let cost = view.cost_of(line, ids, tally, need);
-            if cost < best.0 && line.is_clear_of(view.plane, ids) {
-                (cost, Some(*line))
-            } else {
-                best
-            }
-        })
     }
 
     /// See what the root line in the middle of the cell costs with the children's remembered splits.
@@ -254,152 +225,6 @@ impl Field<'_> {
             let children = best.map(|(_, line)| Sketch::stump(line));
             done.found = Some((cost, Sketch::Split(line, Box::new(children))));
         }
-    }
-
-    /// Raise the key of a box as far as the target, by the cheaper bounds first.
-    fn bound(&self, root: &mut RootBox, sorted: &Sorted, goal: Goal) {
-        let target = goal.target;
-        self.raise_key_by_labels(root, sorted);
-        if root.key >= target {
-            return;
-        }
-        let price = self.price(root);
-        let relaxed = self.need() - sorted.open.len() as i64;
-        let narrow = [0, 1].map(|s| {
-            self.attained(
-                &root.children[s],
-                &sorted.sides[s],
-                &sorted.tallies[s],
-                relaxed,
-            )
-            .0
-        });
-        // No bound exceeds what is attained: one that cannot reach the target is not worth its price.
-        let narrow_reach = self.by_labels(sorted, narrow) + price;
-        let wide = [0, 1].map(|s| {
-            self.attained(
-                &root.children[s],
-                &sorted.wide[s],
-                &sorted.wide_tallies[s],
-                self.need(),
-            )
-            .0
-        });
-        let wide_reach = wide[0] + wide[1] + price - sorted.open_most;
-        let mut order = [(narrow_reach, false), (wide_reach, true)];
-        order.sort_by_key(|&(reach, _)| std::cmp::Reverse(reach));
-        for (reach, is_wide) in order {
-            if reach < target || root.key >= target || self.stop.load(Ordering::Relaxed) {
-                continue;
-            }
-            if is_wide {
-                self.bound_wide(root, sorted, wide, goal);
-            } else {
-                self.bound_narrow(root, sorted, narrow, goal);
-            }
-        }
-    }
-
-    fn by_labels(&self, sorted: &Sorted, costs: [i64; 2]) -> i64 {
-        let tallies = [&sorted.tallies[0][..], &sorted.tallies[1]];
-        with_labels(&self.ground.loss, costs, tallies, &sorted.open_tally)
-    }
-
-    fn raise_key_by_labels(&self, root: &mut RootBox, sorted: &Sorted) {
-        let floors = [root.children[0].floor, root.children[1].floor];
-        let bound = self.by_labels(sorted, floors) + self.price(root);
-        root.key = root.key.max(bound);
-    }
-
-    /// STUMP(L) + STUMP(R) with the labels' due.
-    fn bound_narrow(
-        &self,
-        root: &mut RootBox,
-        sorted: &Sorted,
-        mut reach: [i64; 2],
-        Goal { target, upper }: Goal,
-    ) {
-        let price = self.price(root);
-        let due = self.by_labels(sorted, reach) - reach[0] - reach[1];
-        // The larger child first: its bound is dearer, but oftener enough.
-        let first = usize::from(sorted.sides[1].len() > sorted.sides[0].len());
-        for s in [first, 1 - first] {
-            let other = root.children[1 - s].floor;
-            let question = Question {
-                ids: &sorted.sides[s],
-                need: self.need() - sorted.open.len() as i64,
-                cutoff: target - price - other,
-                floor: root.children[s].floor,
-                most_tried: usize::MAX,
-                hopeless: target - price - reach[1 - s] - due,
-                dead: upper - price - other,
-            };
-            let mut strips = root.children[s].strips.to_vec();
-            let answer = self.ask(&root.children[s], question, &mut strips);
-            reach[s] = answer.attained;
-            let child = &mut root.children[s];
-            child.floor = child.floor.max(answer.lower);
-            child.remember(answer.line);
-            child.keep_strips_below(strips, question.dead);
-            self.raise_key_by_labels(root, sorted);
-            if root.key >= target || answer.attained < question.hopeless {
-                return;
-            }
-        }
-    }
-
-    /// STUMP(L + O) + STUMP(R + O) - most(O).
-    fn bound_wide(
-        &self,
-        root: &mut RootBox,
-        sorted: &Sorted,
-        mut reach: [i64; 2],
-        Goal { target, upper }: Goal,
-    ) {
-        let (price, most) = (self.price(root), sorted.open_most);
-        for s in [0, 1] {
-            let all = self.ground.loss.most(&sorted.wide_tallies[s]);
-            let child = &mut root.children[s];
-            // Samples that left the set since the last bound lowered it by no more than they can cost.
-            child.wide.0 -= child.wide.1 - all;
-            child.wide.0 = child.wide.0.max(child.floor);
-            child.wide.1 = all;
-        }
-        for s in [0, 1] {
-            let other = &root.children[1 - s];
-            let question = Question {
-                ids: &sorted.wide[s],
-                need: self.need(),
-                cutoff: target - price + most - other.wide.0,
-                floor: root.children[s].wide.0,
-                most_tried: usize::MAX,
-                hopeless: target - price + most - reach[1 - s],
-                dead: upper - price - other.floor,
-            };
-            let mut strips = root.children[s].strips.to_vec();
-            let answer = self.ask(&root.children[s], question, &mut strips);
-            reach[s] = answer.attained;
-            let child = &mut root.children[s];
-            for (strip, known) in strips.iter_mut().zip(child.strips.iter()) {
-                strip.bound = known.bound.max(strip.bound - most);
-            }
-            child.wide.0 = child.wide.0.max(answer.lower);
-            child.floor = child.floor.max(answer.lower - most);
-            child.remember(answer.line);
-            child.keep_strips_below(strips, question.dead);
-            let bound = root.children[0].wide.0 + root.children[1].wide.0 - most + price;
-            root.key = root.key.max(bound);
-            if root.key >= target || answer.attained < question.hopeless {
-                return;
-            }
-        }
-        self.raise_key_by_labels(root, sorted);
-    }
-
-    fn ask(&self, child: &Child, question: Question<'_>, strips: &mut [Strip]) -> Answer {
-        let lines = child.lines.iter().copied();
-        let view = self.ground.view();
-        best_split(view, &self.charts, question, lines, strips, self.stop)
     }
 
     /// Solve every way in which a root line of the cell can part its open points.
@@ -455,9 +280,20 @@ impl Field<'_> {
         upper: i64,
     ) -> Option<(i64, [Answer; 2])> {
         let price = self.price(root);
-        let mut floors = [root.children[0].floor, root.children[1].floor];
+        let loss = &self.ground.loss;
+        let mut floors = [0, 1].map(|s| {
+            let tally = self.ground.view().tally(&sides[s]);
+            root.children[s]
+                .floor
+                .max(two_labels_at_least(loss, &tally))
+        });
+        if floors[0] + floors[1] + price >= upper {
+            return None;
+        }
         let mut answers = [None, None];
-        for s in [0, 1] {
+        // The larger side first: it reaches its cutoff more often.
+        let first = usize::from(sides[1].len() > sides[0].len());
+        for s in [first, 1 - first] {
             let cutoff = upper - price - floors[1 - s];
             let question = Question {
                 ids: &sides[s],

@@ -29,7 +29,9 @@ pub enum End {
 /// Look whether the splitting of a cell ends here.
 pub fn end_of(plane: &Plane, features: (usize, usize), cell: &Cell, open: &[u32]) -> End {
     let tiny = !cell.is_wide() && !cell.is_high();
-    if open.len() > 3 && !tiny && !is_flat(plane, features, open) {
+    // On an axis all points lie on one line, and splitting tells them apart.
+    let is_axis = features.1 == plane.p;
+    if open.len() > 3 && !tiny && (is_axis || !is_flat(plane, features, open)) {
         return End::Split;
     }
     let points = distinct_points(plane, features, open);

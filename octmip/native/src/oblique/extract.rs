@@ -6,7 +6,7 @@ use crate::tree::{Node, Tree};
 use super::ground::Ground;
 use super::loss::INFEASIBLE;
 use super::margin::shortest_way;
-use super::stump::Line;
+use super::view::Line;
 
 /// A tree as a search knows it: lines with children, none = a leaf.
 #[derive(Debug, Clone, PartialEq)]

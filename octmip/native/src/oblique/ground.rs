@@ -4,7 +4,7 @@ use crate::problem::Problem;
 
 use super::loss::Loss;
 use super::plane::Plane;
-use super::stump::View;
+use super::view::View;
 
 /// A problem as the search sees it.
 #[derive(Debug, Clone)]

@@ -25,6 +25,11 @@ pub fn with_labels(loss: &Loss, costs: [i64; 2], tallies: [&[i64]; 2], open: &[i
     best
 }
 
+/// What samples cost at least when leaves name two labels.
+pub fn two_labels_at_least(loss: &Loss, tally: &[i64]) -> i64 {
+    label_pairs(loss, 0, tally)[0].0
+}
+
 /// Every pair of labels with its least cost, the cheapest first.
 fn label_pairs(loss: &Loss, least: i64, tally: &[i64]) -> Vec<(i64, [usize; 2])> {
     let mut pairs = Vec::with_capacity(loss.k * loss.k / 2);

@@ -2,7 +2,7 @@
 
 use super::ends::hull;
 use super::plane::Plane;
-use super::stump::Line;
+use super::view::Line;
 
 type Point = (f64, f64);
 

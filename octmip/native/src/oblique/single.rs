@@ -3,7 +3,8 @@
 use std::sync::atomic::AtomicBool;
 
 use super::chart::Chart;
-use super::stump::{Answer, Line, Search, View};
+use super::stump::{Answer, Search};
+use super::view::{Line, View};
 
 /// Strips of a chart that is used once.
 const STRIPS: usize = 16;

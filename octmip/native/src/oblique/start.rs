@@ -7,7 +7,8 @@ use super::boxes::Field;
 use super::chart::REGIONS;
 use super::extract::Sketch;
 use super::loss::{INFEASIBLE, Loss};
-use super::stump::{Line, Question, Strip, View, best_split};
+use super::stump::{Question, Strip, best_split};
+use super::view::{Line, View};
 
 /// Strips looked at in one move, and regions of them that are split.
 const STRIPS: usize = 64;

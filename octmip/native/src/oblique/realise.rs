@@ -1,0 +1,59 @@
+//! Whether a line parts samples in a given way, in floating point where there is room, in exact arithmetic elsewhere.
+
+use super::cell::{Cell, EPS};
+use super::ends::can_part;
+use super::margin::widest_line;
+use super::plane::Plane;
+use super::view::Line;
+
+/// Lines that keep this clear of all samples part them in floating point as they do in exact arithmetic.
+pub const THICK: f64 = 2.0 * EPS;
+
+/// Whether a line parts the samples in a given way.
+pub(super) enum Realised {
+    /// This one does, with room for rounding.
+    Line(Line),
+    /// One does, but too close to some samples for floating point.
+    Thin,
+    /// None does, in this cell at least.
+    Never,
+}
+
+/// Find a line of the cell that parts the open points in this way.
+pub(super) fn realise(
+    plane: &Plane,
+    features: (usize, usize),
+    cell: &Cell,
+    ids: &[u32],
+    points: &[Vec<u32>],
+    way: &[bool],
+) -> Realised {
+    let side = |wanted: bool| -> Vec<u32> {
+        let chosen = points.iter().zip(way).filter(|(_, w)| **w == wanted);
+        chosen.map(|(point, _)| point[0]).collect()
+    };
+    let (distance, t, r) = cell.clearest(plane, features, &side(true), &side(false));
+    if distance > THICK {
+        return Realised::Line(Line { features, t, r });
+    }
+    if distance < -THICK {
+        return Realised::Never;
+    }
+    // On the cell's edge, or between samples nearly on one line: all samples decide, in exact arithmetic.
+    let (mut left, mut right) = (Vec::new(), Vec::new());
+    let (x, y) = (plane.column(features.0), plane.column(features.1));
+    cell.sort(x, y, ids, |i, goes_left| {
+        if goes_left { &mut left } else { &mut right }.push(i);
+    });
+    for (point, goes_left) in points.iter().zip(way) {
+        if *goes_left { &mut left } else { &mut right }.extend(point);
+    }
+    match can_part(plane, features, &left, &right) {
+        Some(false) => Realised::Never,
+        None => Realised::Thin,
+        Some(true) => match widest_line(plane, features, &left, &right) {
+            Some((line, margin)) if margin > THICK => Realised::Line(line),
+            _ => Realised::Thin,
+        },
+    }
+}
