@@ -95,6 +95,8 @@ def _centre_strains(path: Path) -> dict[int, float]:
         ) from error
     points: dict[int, list[float]] = {}
     for line in text.splitlines():
+        if line.lstrip().startswith("strains"):
+            points.clear()  # a new increment: the last one counts
         words = line.split()
         if len(words) >= 8 and words[0].isdigit() and words[1].isdigit():
             points.setdefault(int(words[0]) - 1, []).append(float(words[3]))

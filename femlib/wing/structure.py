@@ -63,7 +63,7 @@ class WingMaterials:
     wood_poisson: float = 0.30
     wood_thickness: float = 3.0e-3
     modulus_scale: float = 1.00985
-    skin_density: float = 290.0
+    skin_density: float = 367.0
     wood_density: float = 600.0
     skin_expansion: float = 2.0e-6
     wood_expansion: float = 5.0e-6

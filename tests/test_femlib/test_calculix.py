@@ -62,6 +62,17 @@ def test_a_bad_path_or_state_gets_a_sentence(coarse: Wing, tmp_path: Path) -> No
         read_gauges(coarse, tmp_path / "wing.dat")
 
 
+def test_the_last_increment_of_a_result_counts(coarse: Wing, tmp_path: Path) -> None:
+    elements = range(1, coarse.structure.shells.mesh.n_elements + 1)
+    for share in (0.5, 1.0):
+        with (tmp_path / "wing.dat").open("a") as out:
+            out.write(" strains (elem, integ.pnt.,exx,eyy,ezz,exy,exz,eyz) for set GAUGES and time  1.0\n\n")
+            out.writelines(
+                f" {e} {p} 0. {-share * 1e-3 * (p > 4)} 0. 0. 0. 0. S\n" for e in elements for p in range(1, 9)
+            )
+    assert read_gauges(coarse, tmp_path / "wing.dat") == pytest.approx(np.full(82, 1000.0))
+
+
 @pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX (ccx) is not installed")
 def test_calculix_reads_the_same_gauges(tmp_path: Path) -> None:
     wing = uav_wing(refinement=0.25)

@@ -1,0 +1,92 @@
+"""A state of the wing as a VTU file, for ParaView and its kin.
+
+Source: The VTK User's Guide (2010), XML unstructured grids, ASCII.
+"""
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from femlib.arrays import FloatArray, IntArray
+from femlib.errors import InputError
+from femlib.mesh import dofs_of_nodes
+from femlib.sensors import point_strain_row
+from femlib.wing.gauges import SPANWISE
+from femlib.wing.model import MICRO, Wing
+
+QUAD, TRIANGLE = 9, 5
+"""The format's numbers of the two shapes."""
+
+
+def write_vtu(wing: Wing, path: str | Path, state: Mapping[str, float], load_factor: float) -> None:
+    """Write mesh, displacement [m], spanwise strain [microstrain, compressive positive] and patch, whole or not at all.
+
+    The strain is that of the outer face at each quadrilateral's centre, NaN on ribs.
+
+    Raises
+    ------
+    InputError
+        If the state is bad, the ending is not .vtu, or the folder cannot be written to.
+    """
+    target = Path(path)
+    if target.suffix != ".vtu":
+        raise InputError(f"picture path {target} ends in {target.suffix!r}; expected .vtu; rename it")
+    moved = wing.solve(state, load_factor)
+    mesh = wing.structure.shells.mesh
+    cells = {
+        "spanwise_strain_microstrain": _strains(wing, moved),
+        "patch": mesh.patch_of_element.astype(np.float64),
+    }
+    text = _document(mesh.nodes, [mesh.quads, mesh.trias], {"displacement_m": moved[:, :3]}, cells)
+    temporary = target.with_name(f".{target.name}.part")
+    try:
+        temporary.write_text(text, encoding="ascii")
+        os.replace(temporary, target)
+    except OSError as error:
+        raise InputError(f"{target} cannot be written ({error.strerror}); expected a writable folder") from error
+
+
+def _strains(wing: Wing, moved: FloatArray) -> FloatArray:
+    """Return the spanwise strain of each element's outer face at its centre (n_elements,)."""
+    mesh = wing.structure.shells.mesh
+    strains = np.full(mesh.n_elements, np.nan)
+    across = mesh.patch_of_element == mesh.patches.index("ribs")
+    for element in np.flatnonzero(~across[: len(mesh.quads)]):
+        corners = mesh.quads[element]
+        height = wing.materials.face_height if wing.structure.shells.section[element] == 0 else 0.0
+        row = point_strain_row(mesh.nodes[corners], 0.0, 0.0, SPANWISE, height, f"element {element}")
+        strains[element] = -MICRO * float(row @ moved.ravel()[dofs_of_nodes(corners).ravel()])
+    return strains
+
+
+def _document(
+    nodes: FloatArray, shapes: list[IntArray], points: dict[str, FloatArray], cells: dict[str, FloatArray]
+) -> str:
+    sizes = np.concatenate([np.full(len(corners), corners.shape[1]) for corners in shapes])
+    kinds = np.where(sizes == 4, QUAD, TRIANGLE)
+    joined = np.concatenate([corners.ravel() for corners in shapes])
+    lines = [
+        '<?xml version="1.0"?>',
+        '<VTKFile type="UnstructuredGrid" version="0.1" byte_order="LittleEndian"><UnstructuredGrid>',
+        f'<Piece NumberOfPoints="{len(nodes)}" NumberOfCells="{len(sizes)}">',
+        "<Points>",
+        _array("points", nodes, "Float64"),
+        "</Points><Cells>",
+        _array("connectivity", joined, "Int64"),
+        _array("offsets", np.cumsum(sizes), "Int64"),
+        _array("types", kinds, "UInt8"),
+        "</Cells><PointData>",
+        *(_array(name, values, "Float64") for name, values in points.items()),
+        "</PointData><CellData>",
+        *(_array(name, values, "Float64") for name, values in cells.items()),
+        "</CellData></Piece></UnstructuredGrid></VTKFile>",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _array(name: str, values: FloatArray | IntArray, kind: str) -> str:
+    width = values.shape[1] if values.ndim == 2 else 1
+    words = " ".join(f"{v:.9g}" for v in values.ravel())
+    return f'<DataArray type="{kind}" Name="{name}" NumberOfComponents="{width}" format="ascii">\n{words}\n</DataArray>'
