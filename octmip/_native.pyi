@@ -50,6 +50,9 @@ def branch_and_bound(
 ) -> tuple[list[NodeRow], int, int, str, int]:
     """Return node table, objective, bound, stop and number of evaluated cuts."""
 
+def prove(problem: Problem, claim: int) -> str | None:
+    """Return the body of a log that proves a claim, None when stopped or when the claim does not hold."""
+
 def prunes() -> list[str]:
     """Return the names of all prunes of the exact core."""
 

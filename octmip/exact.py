@@ -7,6 +7,7 @@ docs/theory/exact.md. Categorical features: one column of 0/1 for each category,
 
 import time
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +21,9 @@ from octmip.encoding import (
     rows_from_tree,
     tree_from_rows,
 )
-from octmip.errors import ProblemError
+from octmip.errors import ProblemError, SolverError
 from octmip.problem import Problem
+from octmip.proof import proof_header
 from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop
 from octmip.tree import (
     HyperplaneSplit,
@@ -49,6 +51,7 @@ def branch_and_bound(
     seed: int = 0,
     n_jobs: int = 1,
     progress: ProgressCallback | None = None,
+    proof: str | Path | None = None,
     _off: Sequence[str] = (),
 ) -> Solution:
     """Return the best axis-aligned tree of a problem and the proof's bound.
@@ -60,10 +63,12 @@ def branch_and_bound(
         seed: of the start's random choices.
         n_jobs: threads. The result does not depend on it.
         progress: called with a `Progress` about every 50 ms.
+        proof: file for a log that `octmip.proof.check_proof` verifies; it takes a second search, about as long.
         _off: names of prunes to do without (`_native.prunes()`), for tests.
 
     Raises:
         ProblemError: the problem asks for hyperplanes, or the incumbent is not one of its trees.
+        SolverError: the proof was interrupted before it could be written.
     """
     started = time.perf_counter()
     _check(problem, n_jobs)
@@ -74,14 +79,17 @@ def branch_and_bound(
         progress(Progress(seconds, objective * costs.unit, bound * costs.unit, n_nodes))
 
     start = None if incumbent is None else _feasible(problem, incumbent)
+    native = native_problem(problem, ranks, costs)
     rows, _, bound, stop, n_nodes = _native.branch_and_bound(
-        native_problem(problem, ranks, costs),
+        native,
         (limits.seconds, limits.gap, limits.nodes, limits.memory),
         n_jobs,
         None if start is None else (_integer_objective(problem, start, costs), rows_from_tree(start, ranks)),
         list(_off),
         None if progress is None else report,
     )
+    if proof is not None:
+        _write_proof(problem, native, costs, bound, Path(proof))
     tree, objective = _better(problem, tree_from_rows(rows, ranks), start)
     return Solution(
         tree=tree,
@@ -130,6 +138,14 @@ def _feasible(problem: Problem, incumbent: Node | Solution) -> Node:
             f"the incumbent reads sensors of cost {problem.sensor_cost_of(tree)}; the budget is {problem.sensor_budget}"
         )
     return tree
+
+
+def _write_proof(problem: Problem, native: _native.Problem, costs: IntegerCosts, claim: int, path: Path) -> None:
+    body = _native.prove(native, claim)
+    if body is None:
+        raise SolverError(f"the proof of the bound {claim * costs.unit} was interrupted; {path} is not written")
+    header = proof_header(problem, costs.weight_unit, costs.unit / costs.weight_unit, claim)
+    path.write_text(header + body + "end\n", encoding="ascii")
 
 
 def _integer_objective(problem: Problem, tree: Node, costs: IntegerCosts) -> int:

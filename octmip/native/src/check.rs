@@ -275,7 +275,7 @@ impl Checker<'_> {
         for (k, bound) in known.iter().enumerate().skip(1) {
             self.join(&mut joined, sample(k - 1));
             let grown = before + self.spread(&joined, depth);
-            if bound.any >= grown {
+            if bound.any > grown {
                 before = bound.any;
                 joined.fill(0);
             }

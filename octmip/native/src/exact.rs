@@ -7,6 +7,7 @@ pub mod depth_two;
 pub mod effort;
 pub mod frontier;
 pub mod plan;
+pub mod proof;
 pub mod root;
 pub mod samples;
 pub mod stumps;

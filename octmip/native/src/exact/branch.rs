@@ -6,6 +6,7 @@ use crate::exact::Switches;
 use crate::exact::axis::{Axis, Interval};
 use crate::exact::effort::Control;
 use crate::exact::plan::Plan;
+use crate::exact::proof::Log;
 use crate::exact::samples::Samples;
 use crate::exact::stumps::{Stumps, finder, width};
 use crate::exact::view::View;
@@ -99,6 +100,8 @@ pub struct Search<'a> {
     pub attained: Vec<i64>,
     /// Whether any tree below the budget will do: the search ends with the first one at its root.
     pub takes_first: bool,
+    /// The records of what is proven, when a proof is written.
+    pub log: Option<Log>,
     pub(super) axis: Axis,
     pub(super) positions: Vec<u32>,
     control: &'a Control,
@@ -121,6 +124,7 @@ impl<'a> Search<'a> {
             n_evaluated: 0,
             attained: Vec::new(),
             takes_first: false,
+            log: None,
             axis: Axis::default(),
             positions: vec![0; samples.n],
             control,
@@ -137,6 +141,26 @@ impl<'a> Search<'a> {
 
     /// The best tree of at most `depth` levels if it costs less than `upper`, else the proof that none does.
     pub fn solve(&mut self, view: &View, depth: usize, upper: i64, floor: i64) -> Answer {
+        let Some(log) = &mut self.log else {
+            return self.solve_unlogged(view, depth, upper, floor);
+        };
+        let outer = log.open();
+        if upper <= floor {
+            log.pass_over(outer);
+            return Answer::none(floor);
+        }
+        let answer = self.solve_unlogged(view, depth, upper, 0);
+        let base: i64 = view
+            .ids(self.samples)
+            .map(|i| self.samples.base[i as usize])
+            .sum();
+        if let Some(log) = &mut self.log {
+            log.close(outer, depth, self.samples.leaf_size, base + answer.lower);
+        }
+        answer
+    }
+
+    fn solve_unlogged(&mut self, view: &View, depth: usize, upper: i64, floor: i64) -> Answer {
         if upper <= floor {
             return Answer::none(floor);
         }
@@ -196,6 +220,9 @@ impl<'a> Search<'a> {
         if self.switches.shallower_first {
             let answer = self.solve(view, depth - 1, leaf + 1, floor);
             whole = answer.lower;
+            if let Some(log) = self.log.as_mut().filter(|_| depth > 2) {
+                log.shallower();
+            }
             if answer.cost(i64::MAX) < best.cost(upper) {
                 best = answer;
             }
@@ -314,6 +341,7 @@ impl<'a> Search<'a> {
         let mut bounds = cut.bounds;
         let first = usize::from(sides[1].len > sides[0].len);
         let mut plans = [None, None];
+        let mut records = [None, None];
         for side in [first, 1 - first] {
             let budget = cut.target + cut.slack - bounds[1 - side];
             let answer = self.solve(&sides[side], depth - 1, budget, bounds[side]);
@@ -325,6 +353,10 @@ impl<'a> Search<'a> {
             }
             bounds[side] = bounds[side].max(answer.lower);
             plans[side] = answer.best;
+            records[side] = self.log.as_mut().and_then(Log::take);
+        }
+        if let Some(log) = &mut self.log {
+            log.cut(self.samples.features[cut.feature], cut.position, records);
         }
         let tree = match plans {
             [Some((left, left_plan)), Some((right, right_plan))] => {

@@ -23,10 +23,20 @@ use crate::tree::{Node, Tree};
 
 /// Which sensors a node holds and bans, and the sensors of a tree that is known to break the budget here.
 #[derive(Debug, Clone)]
-struct Choice {
+pub struct Choice {
     held: Vec<bool>,
     banned: Vec<bool>,
     breaking: Option<Vec<usize>>,
+}
+
+/// What a relaxation says.
+pub enum Relaxed {
+    /// No tree over these features is below the incumbent.
+    Closed(Vec<usize>),
+    /// A tree that keeps the budget, and its cost.
+    Within(i64, Tree),
+    /// A tree below the incumbent breaks the budget: its sensors.
+    Breaking(Vec<usize>),
 }
 
 #[derive(Debug)]
@@ -39,27 +49,27 @@ struct State {
 
 /// The search over sensor sets, shared by the threads.
 pub struct Sets<'a> {
-    problem: &'a Problem,
-    samples: &'a Samples,
-    switches: Switches,
-    control: &'a Control,
+    pub(super) problem: &'a Problem,
+    pub(super) samples: &'a Samples,
+    pub(super) switches: Switches,
+    pub(super) control: &'a Control,
     state: Mutex<State>,
     changed: Condvar,
 }
 
 impl<'a> Sets<'a> {
-    /// All sensor sets; trees that cost less than `upper` (above the base) are wanted. `relaxed`: the best tree without
-    /// the budget, which breaks it.
+    /// All sensor sets; trees that cost less than `upper` (above the base) are wanted. `relaxed`: a tree below it
+    /// that breaks the budget, if one is known.
     pub fn new(
         problem: &'a Problem,
         samples: &'a Samples,
         switches: Switches,
         control: &'a Control,
-        relaxed: &Tree,
+        relaxed: Option<&Tree>,
         upper: i64,
     ) -> Self {
         let none = vec![false; problem.sensor_cost.len()];
-        let breaking = Some(sensors_of(problem, relaxed));
+        let breaking = relaxed.map(|tree| sensors_of(problem, tree));
         let open = vec![Choice {
             held: none.clone(),
             banned: none,
@@ -94,7 +104,7 @@ impl<'a> Sets<'a> {
     /// Work until no set is open or someone says stop.
     pub fn work(&self) {
         while let Some(choice) = self.next() {
-            let branches = self.process(choice);
+            let branches = self.process(&choice);
             let mut state = self.lock();
             state.n_in_work -= 1;
             state.open.extend(branches);
@@ -122,40 +132,37 @@ impl<'a> Sets<'a> {
     }
 
     /// Close a node or return its branches, the one to visit first last.
-    fn process(&self, choice: Choice) -> Vec<Choice> {
+    fn process(&self, choice: &Choice) -> Vec<Choice> {
         loop {
-            let usable = self.usable(&choice);
-            let known = choice
-                .breaking
-                .as_ref()
-                .filter(|sensors| sensors.iter().all(|&s| usable[s]));
-            let breaking = match known {
-                Some(sensors) => sensors.clone(),
-                None => match self.relax(&usable) {
-                    Some((cost, tree)) if self.is_within(&tree) => {
-                        let mut state = self.lock();
-                        if cost < state.cost {
-                            (state.cost, state.tree) = (cost, Some(tree));
-                        }
-                        continue;
+            match self.relax(choice) {
+                Relaxed::Closed(_) => return Vec::new(),
+                Relaxed::Within(cost, tree) => {
+                    let mut state = self.lock();
+                    if cost < state.cost {
+                        (state.cost, state.tree) = (cost, Some(tree));
                     }
-                    Some((_, tree)) => sensors_of(self.problem, &tree),
-                    None => return Vec::new(),
-                },
-            };
-            return self.branch(&choice, &breaking);
+                }
+                Relaxed::Breaking(sensors) => {
+                    let branches = self.decide(choice, &sensors);
+                    return branches
+                        .map_or_else(Vec::new, |(_, without, with)| vec![without, with]);
+                }
+            }
         }
     }
 
-    fn branch(&self, choice: &Choice, breaking: &[usize]) -> Vec<Choice> {
-        // A tree over held and free sensors alone keeps the budget, so one that breaks it reads another.
-        let chosen = breaking
+    /// The sensor to decide, and the nodes that ban and hold it: the first that a tree breaking the budget reads and
+    /// that is not yet held. There is one, as a tree over held sensors alone keeps the budget.
+    pub(super) fn decide(
+        &self,
+        choice: &Choice,
+        breaking: &[usize],
+    ) -> Option<(usize, Choice, Choice)> {
+        let costs = &self.problem.sensor_cost;
+        let sensor = breaking
             .iter()
             .copied()
-            .find(|&s| !choice.held[s] && self.problem.sensor_cost[s] > 0.0);
-        let Some(sensor) = chosen else {
-            return Vec::new();
-        };
+            .find(|&s| !choice.held[s] && costs[s] > 0.0)?;
         let mut without = Choice {
             breaking: None,
             ..choice.clone()
@@ -166,7 +173,12 @@ impl<'a> Sets<'a> {
             ..choice.clone()
         };
         with.held[sensor] = true;
-        vec![without, with]
+        Some((sensor, without, with))
+    }
+
+    /// The nodes to begin with.
+    pub(super) fn take_open(&self) -> Vec<Choice> {
+        std::mem::take(&mut self.lock().open)
     }
 
     /// Sensors that a node may read: held ones, and those that are not banned and affordable beside them.
@@ -185,39 +197,42 @@ impl<'a> Sets<'a> {
         (0..costs.len()).map(fits).collect()
     }
 
-    /// A tree over these sensors below the incumbent, None when there is none (or when someone said stop).
+    /// Search a node's relaxation below the incumbent.
     ///
-    /// The first such tree will do when the sensors break the budget together; else the best one is wanted.
-    fn relax(&self, usable: &[bool]) -> Option<(i64, Tree)> {
-        let of_feature = &self.problem.sensor_of_feature;
+    /// The first tree will do when the sensors break the budget together; else the best one is wanted.
+    pub(super) fn relax(&self, choice: &Choice) -> Relaxed {
+        let usable = self.usable(choice);
+        if let Some(sensors) = &choice.breaking
+            && sensors.iter().all(|&s| usable[s])
+        {
+            return Relaxed::Breaking(sensors.clone());
+        }
+        let sensor_of =
+            |f: usize| self.problem.sensor_of_feature[self.samples.features[f] as usize] as usize;
         let features: Vec<usize> = (0..self.samples.p)
-            .filter(|&f| usable[of_feature[self.samples.features[f] as usize] as usize])
+            .filter(|&f| usable[sensor_of(f)])
             .collect();
         let samples = self.samples.with_features(&features);
         let view = View::root(&samples);
-        let depth = self.problem.depth;
-        let mut search = Search::new(&samples, self.switches, self.control, depth);
-        let all: f64 = self
-            .problem
-            .sensor_cost
-            .iter()
-            .zip(usable)
-            .filter(|(_, u)| **u)
-            .map(|(c, _)| c)
+        let mut search = Search::new(&samples, self.switches, self.control, self.problem.depth);
+        let costs = self.problem.sensor_cost.iter().zip(&usable);
+        let all: f64 = costs
+            .filter(|(_, usable)| **usable)
+            .map(|(cost, _)| cost)
             .sum();
         search.takes_first = all > self.problem.sensor_limit;
         let upper = self.lock().cost;
-        let answer = search.solve(&view, depth, upper, 0);
-        if self.control.is_stopped() {
-            return None;
+        let answer = search.solve(&view, self.problem.depth, upper, 0);
+        match answer.best.filter(|_| !self.control.is_stopped()) {
+            None => Relaxed::Closed(features),
+            Some((cost, plan)) => {
+                let tree = plan.tree(&samples, &view);
+                match is_within(self.problem, &tree) {
+                    true => Relaxed::Within(cost, tree),
+                    false => Relaxed::Breaking(sensors_of(self.problem, &tree)),
+                }
+            }
         }
-        answer
-            .best
-            .map(|(cost, plan)| (cost, plan.tree(&samples, &view)))
-    }
-
-    fn is_within(&self, tree: &Tree) -> bool {
-        is_within(self.problem, tree)
     }
 }
 

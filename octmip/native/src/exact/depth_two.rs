@@ -51,6 +51,7 @@ impl Search<'_> {
         let mut positions = std::mem::take(&mut self.positions);
         axis.lay(samples, view, f, 2, whole, &self.switches);
         let mut is_fresh = true;
+        let mut counted = Vec::new();
         let mut open: Vec<Interval> = axis.whole().into_iter().collect();
         while let Some(interval) = open.pop() {
             let target = current - samples.penalty;
@@ -88,6 +89,7 @@ impl Search<'_> {
                 neighbours,
             };
             let [left, right] = finder.both(samples, &place, close);
+            counted.push(k_left as u32);
             axis.record[k] = finder.last_record() as u32;
             self.n_evaluated += 1;
             (axis.left[k], axis.right[k]) = (left.lower, right.lower);
@@ -114,6 +116,9 @@ impl Search<'_> {
                     high: k - 1,
                 });
             }
+        }
+        if let Some(log) = &mut self.log {
+            log.counted(samples.features[f], &mut counted);
         }
         self.axis = axis;
         self.positions = positions;

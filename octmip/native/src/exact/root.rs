@@ -222,7 +222,7 @@ impl Run<'_> {
             samples,
             self.options.switches,
             &self.control,
-            &relaxed,
+            Some(&relaxed),
             upper,
         );
         std::thread::scope(|scope| {

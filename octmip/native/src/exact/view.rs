@@ -53,6 +53,14 @@ impl View {
         &self.lists[f * self.len..(f + 1) * self.len]
     }
 
+    /// All sample ids, in some order.
+    pub fn ids<'a>(&'a self, samples: &Samples) -> Box<dyn Iterator<Item = u32> + 'a> {
+        match samples.p {
+            0 => Box::new(0..self.len as u32), // without features nothing is ever split
+            _ => Box::new(self.list(0).iter().copied()),
+        }
+    }
+
     /// Added cost of the best leaf.
     pub fn leaf(&self) -> i64 {
         self.mass - self.totals.iter().copied().max().unwrap_or(0)

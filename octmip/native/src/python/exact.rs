@@ -1,9 +1,14 @@
 //! The exact core's functions.
 
+use std::time::Duration;
+
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
+use crate::control::Progress;
 use crate::exact::Switches;
+use crate::exact::effort::Control;
+use crate::exact::proof::write;
 use crate::exact::root::{Options, solve};
 use crate::python::{
     NodeRow, PyProblem, keep_going, limits, rows_from_tree, stop_name, tree_from_rows,
@@ -50,6 +55,37 @@ fn branch_and_bound(
     }
 }
 
+/// The body of a log that proves `claim`; None when it was stopped, or the claim does not hold.
+#[pyfunction]
+#[pyo3(signature = (problem, claim))]
+fn prove(py: Python<'_>, problem: &PyProblem, claim: i64) -> PyResult<Option<String>> {
+    let mut error = None;
+    let control = Control::new();
+    let body = py.detach(|| {
+        std::thread::scope(|scope| {
+            let worker =
+                scope.spawn(|| write(&problem.inner, claim, Switches::default(), &control));
+            let mut going = keep_going(None, &mut error);
+            while !worker.is_finished() {
+                std::thread::sleep(Duration::from_millis(1));
+                if !going(Progress {
+                    seconds: 0.0,
+                    objective: claim,
+                    bound: claim,
+                    n_nodes: 0,
+                }) {
+                    control.stop();
+                }
+            }
+            worker.join().ok().flatten()
+        })
+    });
+    match error {
+        Some(error) => Err(error),
+        None => Ok(body),
+    }
+}
+
 fn switches(off: &[String]) -> PyResult<Switches> {
     let mut switches = Switches::default();
     for name in off {
@@ -70,5 +106,6 @@ fn prunes() -> Vec<&'static str> {
 /// Add the functions to the native module.
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(branch_and_bound, module)?)?;
+    module.add_function(wrap_pyfunction!(prove, module)?)?;
     module.add_function(wrap_pyfunction!(prunes, module)?)
 }
