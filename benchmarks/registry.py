@@ -33,6 +33,9 @@ FAMILIES = {
     "exact_uci": "benchmarks.cases.exact_uci",
     "exact_uav": "benchmarks.cases.exact_uav",
     "fuzz_exact": "benchmarks.cases.fuzz_exact",
+    "mio_forms": "benchmarks.cases.mio_forms",
+    "mio_agreement": "benchmarks.cases.mio_agreement",
+    "mio_build": "benchmarks.cases.mio_build",
 }
 
 
