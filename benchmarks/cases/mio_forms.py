@@ -94,6 +94,17 @@ def results(limit: float, threads: list[int]) -> Iterator[Line]:
                 yield {"size": question.size, "form": name, "threads": count, "limit": limit, "seed": 0} | measured
 
 
+def cpu_limit(seconds: float) -> dict[str, Any]:
+    """Return the arguments that stop a form after so many CPU seconds of this process, and at last by the clock."""
+    before = _cpu_seconds()
+
+    def watch(_: Progress) -> None:
+        if _cpu_seconds() - before > seconds:
+            raise KeyboardInterrupt
+
+    return {"limits": Limits(seconds=50 * seconds), "progress": watch}
+
+
 def _cpu_seconds() -> float:
     usage = resource.getrusage(resource.RUSAGE_SELF)
     return usage.ru_utime + usage.ru_stime
@@ -101,12 +112,7 @@ def _cpu_seconds() -> float:
 
 def _measure(form: Form, problem: Problem, start: Node, limit: float, threads: int) -> Line:
     before = _cpu_seconds()
-
-    def watch(_: Progress) -> None:
-        if _cpu_seconds() - before > limit:
-            raise KeyboardInterrupt
-
-    solution = form(problem, limits=Limits(seconds=20 * limit), incumbent=start, n_jobs=threads, progress=watch)
+    solution = form(problem, incumbent=start, n_jobs=threads, **cpu_limit(limit))
     cpu = _cpu_seconds() - before
     certify(problem, solution)
     said = solution.details
