@@ -5,10 +5,13 @@ seconds are those of the solving call alone (all threads of it), the median of s
 """
 
 import argparse
+import base64
 import json
 import math
 import os
+import pickle
 import platform
+import re
 import resource
 import statistics
 import subprocess
@@ -31,7 +34,7 @@ def main() -> None:
     """Run one family and print its lines, then its table on standard error."""
     options = _options()
     if options.child:
-        print(json.dumps(_measure(_find(options.name, options.size, options.seed), options)))
+        print(json.dumps(_measure(pickle.loads(base64.b64decode(options.child)), options)))
         return
     module = family(options.name)
     threads = [int(count) for count in options.threads.split(",")]
@@ -54,27 +57,27 @@ def _options() -> argparse.Namespace:
     parser.add_argument("name", help=", ".join(FAMILIES))
     parser.add_argument("--limit", type=float, default=60.0, help="seconds for each solver and case")
     parser.add_argument("--threads", default="1", help="thread counts of the solvers that use several, such as 1,2")
-    parser.add_argument("--only", default="", help="only cases whose size contains this")
+    parser.add_argument("--only", default="", help="only cases named so (a regular expression on 'size, seed')")
     parser.add_argument("--solvers", default="", help="only these solvers, such as octmip,pycontree")
     parser.add_argument("--out", help="append the lines to this file")
-    for name, kind in {"size": str, "seed": int, "solver": str}.items():
-        parser.add_argument(f"--{name}", type=kind, help=argparse.SUPPRESS)
-    parser.add_argument("--child", action="store_true", help=argparse.SUPPRESS)
+    parser.add_argument("--solver", help=argparse.SUPPRESS)
+    parser.add_argument("--child", help=argparse.SUPPRESS)  # the case, pickled: listing a family can take longer
     return parser.parse_args()
 
 
 def _race(cases: Iterator[Case], options: argparse.Namespace, threads: list[int]) -> Iterator[Line]:
     wanted = options.solvers.split(",") if options.solvers else list(RIVALS)
     for case in cases:
-        for solver in case.solvers if options.only in case.size else ():
+        for solver in case.solvers if re.search(options.only, f"{case.size}, seed {case.seed}") else ():
             for count in threads if RIVALS[solver].is_threaded else [1]:
                 if solver in wanted:
                     yield _in_own_process(case, solver, count, options)
 
 
 def _in_own_process(case: Case, solver: str, threads: int, options: argparse.Namespace) -> Line:
-    command = [sys.executable, "-m", "benchmarks.run", options.name, "--child", "--size", case.size]
-    command += ["--seed", str(case.seed), "--solver", solver, "--limit", str(options.limit), "--threads", str(threads)]
+    pickled = base64.b64encode(pickle.dumps(case)).decode()
+    command = [sys.executable, "-m", "benchmarks.run", options.name, "--child", pickled, "--solver", solver]
+    command += ["--limit", str(options.limit), "--threads", str(threads)]
     line = {"size": case.size, "seed": case.seed, "solver": solver, "threads": threads, "limit": options.limit}
     one_thread = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
     try:
@@ -88,10 +91,6 @@ def _in_own_process(case: Case, solver: str, threads: int, options: argparse.Nam
         return line | {"outcome": f"failed: {reason[:200]}", "version": RIVALS[solver].version}
     answer: Line = json.loads(done.stdout.splitlines()[-1])
     return line | answer
-
-
-def _find(name: str, size: str, seed: int) -> Case:
-    return next(case for case in family(name).cases() if (case.size, case.seed) == (size, seed))
 
 
 def _measure(case: Case, options: argparse.Namespace) -> Line:

@@ -8,10 +8,10 @@
 //!   is one on S; besides, M costs it at least `spread(M)`, which counts classes and no penalties.
 //! * Shrinking: `e(S) >= e(S + M) - dear(M)`, the dearest answers: a tree on S is one on S + M.
 
-use std::ops::{Add, BitAnd};
-use std::thread;
+mod stumps;
 
 use crate::problem::Problem;
+use stumps::Counter;
 
 /// Where a log fails (its line, from 1), and why.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -30,19 +30,12 @@ struct Bound {
     any: i64,
 }
 
-/// A solved cut: the first `cut` samples of a feature go left. Bounds of the two sides.
-struct Point {
-    feature: usize,
-    cut: usize,
-    sides: [Bound; 2],
-}
+/// A solved cut: feature, number of samples to the left, bounds of the two sides.
+type Cut = (usize, usize, [Bound; 2]);
 
 struct Checker<'a> {
     q: &'a Problem,
-    /// What each sample costs when it is answered worst.
-    dear: Vec<i64>,
-    /// What each answer to a class saves of that, for a weight of one; those that save nothing left out.
-    savings_of: Vec<Vec<(usize, i64)>>,
+    counter: Counter<'a>,
     lines: Vec<&'a str>,
     line: usize,
     threads: usize,
@@ -50,15 +43,9 @@ struct Checker<'a> {
 
 /// Check that a log proves, after `skip` lines, that every tree costs `claim` or more.
 pub fn check(q: &Problem, log: &str, skip: usize, claim: i64, threads: usize) -> Checked<()> {
-    let costs = |c| (0..q.n_classes).map(move |k| q.cost(c, k));
-    let dearest = |c| costs(c).max().unwrap_or(0);
-    let savings = |c| costs(c).map(move |cost| dearest(c) - cost).enumerate();
-    let savings_of = |c| savings(c).filter(|&(_, saving)| saving > 0).collect();
-    let dear = |i: usize| q.weights[i] * dearest(q.labels[i] as usize);
     let mut checker = Checker {
         q,
-        dear: (0..q.n).map(dear).collect(),
-        savings_of: (0..q.n_classes).map(savings_of).collect(),
+        counter: Counter::new(q),
         lines: log.lines().collect(),
         line: skip,
         threads,
@@ -67,19 +54,18 @@ pub fn check(q: &Problem, log: &str, skip: usize, claim: i64, threads: usize) ->
     checker.expect::<0>("end").map(|_| ())
 }
 
-fn ensure(is_so: bool, line: usize, reason: impl FnOnce() -> String) -> Checked<()> {
-    is_so.then_some(()).ok_or_else(|| Refusal(line, reason()))
+macro_rules! ensure {
+    ($is_so:expr, $line:expr, $($reason:tt)*) => {
+        if !$is_so { return Err(Refusal($line, format!($($reason)*))); }
+    };
 }
 
 impl Checker<'_> {
     /// The numbers of the next line, if it is a line of this kind.
     fn take(&mut self, tag: &str) -> Option<Vec<i64>> {
-        let numbers = self.lines.get(self.line)?.strip_prefix(tag)?;
+        let tokens = self.lines.get(self.line)?.strip_prefix(tag)?;
         let number = |token: &str| token.parse().ok().filter(|&x: &i64| x >= 0);
-        let numbers = numbers
-            .split_ascii_whitespace()
-            .map(number)
-            .collect::<Option<_>>();
+        let numbers: Option<_> = tokens.split_whitespace().map(number).collect();
         self.line += usize::from(numbers.is_some());
         numbers
     }
@@ -97,9 +83,7 @@ impl Checker<'_> {
         if let Some(numbers) = self.take("S") {
             let sensor = numbers.first().map_or(usize::MAX, |&s| s as usize);
             let is_open = read.get(sensor) == Some(&None);
-            ensure(is_open, line, || {
-                format!("sensor {sensor} cannot be decided here")
-            })?;
+            ensure!(is_open, line, "sensor {sensor} cannot be decided here");
             for choice in [false, true] {
                 read[sensor] = Some(choice);
                 self.sensors(read, claim)?;
@@ -121,9 +105,8 @@ impl Checker<'_> {
         let all = (0..q.n as u32).collect();
         let orders = (0..q.p).map(order).chain([all]).collect();
         let (_, bound) = self.node(&orders, q.depth, q.leaf_size)?;
-        ensure(bound >= claim, line, || {
-            format!("this proves {bound}, not {claim}")
-        })
+        ensure!(bound >= claim, line, "this proves {bound}, not {claim}");
+        Ok(())
     }
 
     /// Read a record and check it: every tree of `depth` levels on these samples, with leaves of the
@@ -133,32 +116,39 @@ impl Checker<'_> {
         let [levels, m, bound] = self.expect("N")?;
         let (n, m) = (all.len(), m as usize);
         let is_kind = levels as usize == depth && (1..=leaf).contains(&m);
-        ensure(is_kind, line, || {
-            format!("expected depth {depth}, leaves of 1 to {leaf}")
-        })?;
-        let (end, points) = self.points(orders, depth, m)?;
+        ensure!(
+            is_kind,
+            line,
+            "expected depth {depth}, leaves of 1 to {leaf}"
+        );
+        let (end, cuts) = self.cuts(orders, depth, m)?;
         self.expect::<0>("E")?;
         let classes = self.classes(all);
         if self.spread(&classes, depth) >= bound {
             return Ok((m, bound));
         }
-        let best = if depth == 1 {
-            end
-        } else {
-            self.one_leaf(&classes)
-        };
-        ensure(best >= bound, line, || {
-            format!("a tree costs {best}, not {bound}")
-        })?;
+        let one_leaf = self.one_leaf(&classes);
+        let best = if depth == 1 { end } else { one_leaf };
+        ensure!(best >= bound, line, "a tree costs {best}, not {bound}");
         for (f, order) in orders[..q.p].iter().enumerate().filter(|_| depth > 1) {
-            let solved: Vec<&Point> = points.iter().filter(|point| point.feature == f).collect();
-            let [left, right] = [0, 1].map(|side| self.side(order, side, &solved, end, depth - 1));
+            let [left, right] = [0, 1].map(|side| {
+                let solved = cuts.iter().filter(|cut| cut.0 == f);
+                self.side(
+                    order,
+                    side,
+                    solved.map(|cut| (cut.1, cut.2[side])),
+                    end,
+                    depth - 1,
+                )
+            });
             for k in m..(order.len() + 1).saturating_sub(m) {
                 let cost = left[k] + right[n - k] + q.penalty;
                 let is_closed = cost >= bound || !self.is_between(f, order, k);
-                ensure(is_closed, line, || {
-                    format!("cut {k} of feature {f}: {cost}, not {bound}")
-                })?;
+                ensure!(
+                    is_closed,
+                    line,
+                    "cut {k} of feature {f}: {cost}, not {bound}"
+                );
             }
         }
         Ok((m, bound))
@@ -166,61 +156,50 @@ impl Checker<'_> {
 
     /// Read the solved cuts of a node and check what is said of their sides, or count it. Returns
     /// a bound of the trees of one level less on all the samples, and the cuts.
-    fn points(&mut self, orders: &Orders, depth: usize, leaf: usize) -> Checked<(i64, Vec<Point>)> {
+    fn cuts(&mut self, orders: &Orders, depth: usize, leaf: usize) -> Checked<(i64, Vec<Cut>)> {
         let (all, is_counted) = (self.q.p, depth <= 2);
-        let mut end = 0;
+        let (mut end, mut cuts): (i64, Vec<Cut>) = (0, Vec::new());
         if !is_counted && self.take("B").is_some() {
             end = self.node(orders, depth - 1, leaf)?.1;
         }
-        let mut points = Vec::new();
         while let Some(numbers) = self.take(if is_counted { "F" } else { "K" }) {
-            let (line, feature) = (self.line, numbers.first().map_or(all, |&f| f as usize));
-            let mut cut = 0;
+            let (line, f) = (self.line, numbers.first().map_or(all, |&f| f as usize));
+            let mut k = 0;
             for step in numbers.iter().skip(1) {
-                cut += *step as usize;
-                let is_cut = feature < all && self.is_between(feature, &orders[feature], cut);
-                ensure(is_cut, line, || {
-                    format!("feature {feature} has no cut {cut} here")
-                })?;
+                k += *step as usize;
+                let is_cut = f < all && self.is_between(f, &orders[f], k);
+                ensure!(is_cut, line, "feature {f} has no cut {k} here");
                 let mut sides = [Bound::default(); 2];
                 for (side, tag) in sides.iter_mut().zip(["L", "R"]).filter(|_| !is_counted) {
                     while self.take(tag).is_some() {
-                        let part = self.part(orders, &orders[feature][..cut], tag == "L");
+                        let part = self.part(orders, &orders[f][..k], tag == "L");
                         let (size, own) = self.node(&part, depth - 1, leaf)?;
-                        side.own = side.own.max(own);
-                        side.any = side.any.max(if size == 1 { own } else { 0 });
+                        let any = if size == 1 { own } else { 0 };
+                        (side.own, side.any) = (side.own.max(own), side.any.max(any));
                     }
                 }
-                points.push(Point {
-                    feature,
-                    cut,
-                    sides,
-                });
+                cuts.push((f, k, sides));
             }
         }
         if is_counted {
-            let cuts = points
-                .iter()
-                .map(|p: &Point| orders[p.feature].split_at(p.cut));
-            let mut parts: Vec<&[u32]> = cuts.flat_map(|(left, right)| [left, right]).collect();
-            parts.push(&orders[all]);
-            let bounds = self.stumps(orders, leaf, &parts);
-            end = bounds[parts.len() - 1].own;
-            let sides = bounds.chunks_exact(2);
-            points
-                .iter_mut()
-                .zip(sides)
-                .for_each(|(point, s)| point.sides = [s[0], s[1]]);
+            let mut parts = vec![&orders[all][..]];
+            cuts.iter()
+                .for_each(|c| parts.extend(<[_; 2]>::from(orders[c.0].split_at(c.1))));
+            let bounds = self.counter.stumps(orders, leaf, &parts, self.threads);
+            end = bounds[0].own;
+            for (cut, sides) in cuts.iter_mut().zip(bounds[1..].chunks_exact(2)) {
+                cut.2 = [sides[0], sides[1]];
+            }
         }
-        Ok((end, points))
+        Ok((end, cuts))
     }
 
     fn part(&self, orders: &Orders, left: &[u32], is_left: bool) -> Orders {
         let mut kept = vec![!is_left; self.q.n];
         left.iter().for_each(|&i| kept[i as usize] = is_left);
+        let keep = |i: &u32| kept[*i as usize];
         let mut part = orders.clone();
-        part.iter_mut()
-            .for_each(|order| order.retain(|&i| kept[i as usize]));
+        part.iter_mut().for_each(|order| order.retain(keep));
         part
     }
 
@@ -260,16 +239,22 @@ impl Checker<'_> {
         sure + more.iter().rev().skip(1 << depth.min(31)).sum::<i64>()
     }
 
-    /// Bounds of one side of a feature's cuts, by its number of samples: from the solved cuts, `at`,
-    /// and all the samples first growing, then shrinking.
-    fn side(&self, order: &[u32], side: usize, at: &[&Point], end: i64, depth: usize) -> Vec<i64> {
+    /// Bounds of one side of a feature's cuts, by its number of samples: from the solved cuts and
+    /// all the samples first growing, then shrinking.
+    fn side(
+        &self,
+        order: &[u32],
+        side: usize,
+        solved: impl Iterator<Item = (usize, Bound)>,
+        end: i64,
+        depth: usize,
+    ) -> Vec<i64> {
         let n = order.len();
         let mirrored = |k: usize, last: usize| if side == 0 { k } else { last - k };
         let sample = |k: usize| order[mirrored(k, n - 1)];
         let mut known = vec![Bound::default(); n + 1];
         known[n].own = end;
-        at.iter()
-            .for_each(|point| known[mirrored(point.cut, n)] = point.sides[side]);
+        solved.for_each(|(k, bound)| known[mirrored(k, n)] = bound);
         let (mut before, mut joined) = (0, vec![0; self.q.n_classes]);
         let mut bounds = vec![0];
         for (k, bound) in known.iter().enumerate().skip(1) {
@@ -282,119 +267,8 @@ impl Checker<'_> {
             bounds.push(grown.max(bound.own).max(bound.any));
         }
         for k in (0..n).rev() {
-            bounds[k] = bounds[k].max(bounds[k + 1] - self.dear[sample(k) as usize]);
+            bounds[k] = bounds[k].max(bounds[k + 1] - self.counter.dear[sample(k) as usize]);
         }
         bounds
     }
-
-    /// The best trees of one split at most on each of these parts of the samples.
-    fn stumps(&self, orders: &Orders, leaf: usize, parts: &[&[u32]]) -> Vec<Bound> {
-        let most = self.dear.iter().sum::<i64>().max(self.q.n as i64);
-        let count = match most {
-            _ if most < 32_000 => Self::count::<i16>,
-            _ if most < 2_000_000_000 => Self::count::<i32>,
-            _ => Self::count::<i64>,
-        };
-        let mut bounds = vec![Bound::default(); parts.len()];
-        let share = parts.len().div_ceil(LANES * self.threads) * LANES;
-        thread::scope(|scope| {
-            for (parts, bounds) in parts.chunks(share).zip(bounds.chunks_mut(share)) {
-                scope.spawn(move || {
-                    let lanes = parts.chunks(LANES).zip(bounds.chunks_mut(LANES));
-                    lanes.for_each(|(parts, bounds)| count(self, orders, leaf, parts, bounds));
-                });
-            }
-        });
-        bounds
-    }
-
-    /// The same for one part a lane. Where the first and the last samples of an order meet, there
-    /// the best answers to the two together save what a split does.
-    fn count<T: Lane>(&self, orders: &Orders, leaf: usize, parts: &[&[u32]], bounds: &mut [Bound]) {
-        let zero = [T::default(); LANES];
-        let mut is_in = vec![zero; self.q.n];
-        for (lane, part) in parts.iter().enumerate() {
-            part.iter()
-                .for_each(|&i| is_in[i as usize][lane] = number(-1));
-        }
-        let (mut own, mut any) = (zero, zero);
-        for (f, order) in orders[..self.q.p].iter().enumerate() {
-            let [from, to] = self.range(order, leaf, &is_in);
-            let (mut first, mut k) = (Vec::with_capacity(order.len()), order.len());
-            self.join_all(order.iter(), &is_in, |best| first.push(*best));
-            self.join_all(order.iter().rev(), &is_in, |last| {
-                k -= 1;
-                if self.is_between(f, order, k) {
-                    let cut: T = number(k as i64);
-                    let first = &first[k - 1];
-                    for lane in 0..LANES {
-                        any[lane] = any[lane].max(first[lane] + last[lane]);
-                    }
-                    for lane in (0..LANES).filter(|&l| leaf > 1 && from[l] <= cut && cut <= to[l]) {
-                        own[lane] = own[lane].max(first[lane] + last[lane]);
-                    }
-                }
-            });
-        }
-        for (lane, (part, bound)) in parts.iter().zip(bounds).enumerate() {
-            let one_leaf = self.one_leaf(&self.classes(part));
-            let dear: i64 = part.iter().map(|&i| self.dear[i as usize]).sum();
-            let cost = |saving: T| one_leaf.min(dear - saving.into() + self.q.penalty);
-            bound.any = cost(any[lane]);
-            bound.own = if leaf > 1 { cost(own[lane]) } else { bound.any };
-        }
-    }
-
-    /// The first and the last cut of an order that leaves `leaf` samples of the part on either side.
-    fn range<T: Lane>(&self, order: &[u32], leaf: usize, is_in: &[Lanes<T>]) -> [Lanes<T>; 2] {
-        let mut range = [[number(0); LANES], [number(order.len() as i64); LANES]];
-        for lane in (0..LANES).filter(|_| leaf > 1) {
-            let part = |k: &usize| is_in[order[*k] as usize][lane] != T::default();
-            let first = (0..order.len()).filter(part).nth(leaf - 1);
-            let last = (0..order.len()).rev().filter(part).nth(leaf - 1);
-            range[0][lane] = number(first.map_or(order.len(), |k| k + 1) as i64);
-            range[1][lane] = number(last.unwrap_or(0) as i64);
-        }
-        range
-    }
-
-    /// Join samples one by one, and show after each what the best answer to those that are in saves.
-    fn join_all<'a, T: Lane>(
-        &self,
-        order: impl Iterator<Item = &'a u32>,
-        is_in: &[Lanes<T>],
-        mut show: impl FnMut(&Lanes<T>),
-    ) {
-        let zero = [T::default(); LANES];
-        let (mut best, mut answers) = (zero, vec![zero; self.q.n_classes]);
-        for &i in order {
-            let (is_in, class) = (&is_in[i as usize], self.q.labels[i as usize] as usize);
-            for &(k, saving) in &self.savings_of[class] {
-                let saving: T = number(saving * self.q.weights[i as usize]);
-                let answer = &mut answers[k];
-                for lane in 0..LANES {
-                    answer[lane] = answer[lane] + (saving & is_in[lane]);
-                    best[lane] = best[lane].max(answer[lane]);
-                }
-            }
-            show(&best);
-        }
-    }
-}
-
-/// So many parts are counted at once, one in each lane of vector registers.
-const LANES: usize = 16;
-type Lanes<T> = [T; LANES];
-
-trait Lane: Copy + Default + Ord + Add<Output = Self> + BitAnd<Output = Self>
-where
-    Self: TryFrom<i64> + Into<i64>,
-{
-}
-impl Lane for i16 {}
-impl Lane for i32 {}
-impl Lane for i64 {}
-
-fn number<T: Lane>(number: i64) -> T {
-    T::try_from(number).unwrap_or_default() // it fits: the type is chosen by the largest sum
 }
