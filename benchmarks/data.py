@@ -87,3 +87,9 @@ def published(target: str, seed: int) -> Table:
     data = build_dataset(published_strains(SHARED / "uav" / "strains.csv"), Recipe(), seed=seed)
     labels = data.mu1 if target == "mu1" else data.mu2
     return Table(data.features[data.is_train], labels[data.is_train])
+
+
+def first_rows(table: Table, n: int) -> Table:
+    """Return every (n_samples / n)-th row of a table: n rows, all classes in their shares."""
+    rows = [i * len(table.labels) // n for i in range(n)]
+    return Table(table.features[rows], table.labels[rows])

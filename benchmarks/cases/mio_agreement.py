@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.cases.mio_forms import cpu_limit, first_rows
-from benchmarks.data import Table, published, uci
+from benchmarks.cpu import cpu_limit
+from benchmarks.data import Table, first_rows, published, uci
 from octmip.certificate import certify
 from octmip.exact import branch_and_bound
 from octmip.mip.flow import solve_flow

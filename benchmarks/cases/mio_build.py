@@ -1,6 +1,5 @@
 """Time to hand OCT at depth 2 on 1750 samples of 20 gauges to HiGHS: array rows beside the Pyomo statement."""
 
-import resource
 import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -8,8 +7,8 @@ from typing import Any
 
 import pyomo
 
-from benchmarks.cases.mio_forms import first_rows
-from benchmarks.data import published
+from benchmarks.cpu import cpu_seconds
+from benchmarks.data import first_rows, published
 from octmip.cart import greedy_tree
 from octmip.mip import flow, highs, oct, oct_h
 from octmip.problem import Problem
@@ -33,10 +32,9 @@ def results(limit: float, threads: list[int]) -> Iterator[Line]:
             "flow 1, rows": lambda p=problem, t=start: highs.load(flow.encode(p, t, fix=1).rows),
         }
         for way, build in ways.items():
-            before = resource.getrusage(resource.RUSAGE_SELF)
+            before = cpu_seconds()
             build()
-            after = resource.getrusage(resource.RUSAGE_SELF)
-            cpu = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+            cpu = cpu_seconds() - before
             yield {
                 "size": f"published mu2, {n} rows, depth 2",
                 "seed": 0,

@@ -9,20 +9,20 @@ Every form starts from the same tree, that of a local search (axis-aligned also 
 The limit is in CPU seconds of the whole process, so that a busy machine does not shorten a proof.
 """
 
-import resource
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from benchmarks.data import Table, published, synthetic_uav, uci
+from benchmarks.cpu import cpu_limit, cpu_seconds
+from benchmarks.data import Table, first_rows, published, synthetic_uav, uci
 from octmip.certificate import certify
 from octmip.mip.flow import solve_flow
 from octmip.mip.oct import solve_oct
 from octmip.mip.oct_h import solve_oct_h
 from octmip.problem import Problem
 from octmip.search import local_search
-from octmip.solution import Limits, Progress, Solution, Stop
+from octmip.solution import Limits, Solution, Stop
 from octmip.tree import Node
 
 Line = dict[str, Any]
@@ -45,12 +45,6 @@ class Question:
     table: Callable[[], Table]
     options: dict[str, Any]
     forms: dict[str, Form]
-
-
-def first_rows(table: Table, n: int) -> Table:
-    """Return every (n_samples / n)-th row of a table: n rows, all classes in their shares."""
-    rows = [i * len(table.labels) // n for i in range(n)]
-    return Table(table.features[rows], table.labels[rows])
 
 
 def questions() -> Iterator[Question]:
@@ -94,26 +88,10 @@ def results(limit: float, threads: list[int]) -> Iterator[Line]:
                 yield {"size": question.size, "form": name, "threads": count, "limit": limit, "seed": 0} | measured
 
 
-def cpu_limit(seconds: float) -> dict[str, Any]:
-    """Return the arguments that stop a form after so many CPU seconds of this process, and at last by the clock."""
-    before = _cpu_seconds()
-
-    def watch(_: Progress) -> None:
-        if _cpu_seconds() - before > seconds:
-            raise KeyboardInterrupt
-
-    return {"limits": Limits(seconds=50 * seconds), "progress": watch}
-
-
-def _cpu_seconds() -> float:
-    usage = resource.getrusage(resource.RUSAGE_SELF)
-    return usage.ru_utime + usage.ru_stime
-
-
 def _measure(form: Form, problem: Problem, start: Node, limit: float, threads: int) -> Line:
-    before = _cpu_seconds()
+    before = cpu_seconds()
     solution = form(problem, incumbent=start, n_jobs=threads, **cpu_limit(limit))
-    cpu = _cpu_seconds() - before
+    cpu = cpu_seconds() - before
     certify(problem, solution)
     said = solution.details
     return {
