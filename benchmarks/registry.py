@@ -36,6 +36,9 @@ FAMILIES = {
     "mio_forms": "benchmarks.cases.mio_forms",
     "mio_agreement": "benchmarks.cases.mio_agreement",
     "mio_build": "benchmarks.cases.mio_build",
+    "oblique_trees": "benchmarks.cases.oblique_trees",
+    "oblique_single": "benchmarks.cases.oblique_single",
+    "fuzz_oblique": "benchmarks.cases.fuzz_oblique",
 }
 
 

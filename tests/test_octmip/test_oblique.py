@@ -1,5 +1,7 @@
 """Two-feature splits: the proven optimum against enumeration, and what the returned tree must hold."""
 
+import signal
+import threading
 from typing import Any
 
 import numpy as np
@@ -112,3 +114,51 @@ def test_the_method_exact_proves_two_feature_trees() -> None:
     solution = solve(problem, "exact")
     assert solution.is_optimal
     assert solution.objective == two_feature_branch_and_bound(problem).objective
+
+
+def test_the_bound_shown_while_running_rises_and_never_passes_the_objective() -> None:
+    seen: list[tuple[float, float]] = []
+    two_feature_branch_and_bound(
+        published_like(1500, 8),
+        limits=Limits(seconds=2.0),
+        progress=lambda state: seen.append((state.bound, state.objective)),
+    )
+    bounds = [bound for bound, _ in seen]
+    assert bounds == sorted(bounds)
+    assert all(bound <= objective for bound, objective in seen)
+
+
+def test_ctrl_c_returns_the_best_tree_and_a_bound() -> None:
+    problem = published_like(1500, 8)
+    timer = threading.Timer(0.5, signal.raise_signal, [signal.SIGINT])
+    timer.start()
+    solution = two_feature_branch_and_bound(problem)
+    timer.join()
+    assert solution.stop is Stop.INTERRUPTED
+    certify(problem, solution)
+
+
+def test_whole_numbered_coefficients_are_found_where_they_part_the_samples_alike() -> None:
+    rng = np.random.default_rng(3)
+    features = rng.normal(size=(60, 2))
+    labels = (2 * features[:, 0] - 3 * features[:, 1] > 0.1).astype(int)
+    problem = Problem(features, labels, depth=1, split="hyperplane", integer_normals=9)
+    solution = two_feature_branch_and_bound(problem)
+    assert solution.is_optimal
+    assert solution.objective == 0
+    certify(problem, solution)
+
+
+@pytest.mark.parametrize("budget", [1.0, 2.0, 3.0])
+def test_a_sensor_budget_binds_the_whole_tree(budget: float) -> None:
+    rng = np.random.default_rng(8)
+    problem = Problem(
+        rng.integers(0, 5, (9, 3)),
+        rng.integers(0, 3, 9),
+        depth=2,
+        split="hyperplane",
+        split_size=2,
+        sensor_budget=budget,
+        class_names=(0, 1, 2),
+    )
+    assert solve_and_certify(problem) == best_objective(problem)

@@ -8,6 +8,16 @@ use super::chart::{Chart, REGIONS};
 use super::loss::INFEASIBLE;
 use super::stump::{Candidate, Search, Strip};
 
+/// Neighbouring strips that are bounded together at first.
+pub(super) const GROUP: usize = 16;
+/// Fewer samples than this say little about the rest.
+const LEAST_SAMPLE: usize = 48;
+
+/// Whether one strip follows the other.
+pub(super) fn are_neighbours(a: &Strip, b: &Strip) -> bool {
+    a.chart == b.chart && a.strip + 1 == b.strip
+}
+
 impl Search<'_> {
     /// Bound the lines between two strip boundaries by their regions and return the least bound.
     ///
@@ -19,8 +29,10 @@ impl Search<'_> {
         let merged = (REGIONS / (self.ids.len() / 4).clamp(8, REGIONS)).ilog2();
         self.count_bins(chart.bins(from), chart.bins(to), merged, lane_bits);
         let price = self.view.price(chart.features);
-        let mut may_left = vec![0i64; lanes];
-        let mut may_right = self.total.clone();
+        let mut may_left = std::mem::take(&mut self.may_left);
+        let mut may_right = std::mem::take(&mut self.may_right);
+        may_left.fill(0);
+        may_right.copy_from_slice(&self.total);
         let mut least = INFEASIBLE;
         for region in 0..REGIONS >> merged {
             let slot = region << lane_bits;
@@ -51,6 +63,7 @@ impl Search<'_> {
                 *sum -= count;
             }
         }
+        (self.may_left, self.may_right) = (may_left, may_right);
         least
     }
 
@@ -87,13 +100,46 @@ impl Search<'_> {
             return;
         }
         let from = strips[0].strip as usize;
-        let bound = self.scan(chart, (from, from + strips.len()), strips.len() == 1);
+        let bound = self.scan(
+            chart,
+            (from, from + strips.len()),
+            self.keeps && strips.len() == 1,
+        );
         for strip in strips.iter_mut() {
             strip.bound = strip.bound.max(bound);
         }
         if bound < self.current && strips.len() > 1 {
             for part in strips.chunks_mut(strips.len().div_ceil(4)) {
                 self.scan_group(chart, part, dead);
+            }
+        }
+    }
+
+    /// Bound strips by every so-maniest sample first: dropping samples lowers no optimum, and where far more goes wrong
+    /// than is allowed, a sample of the samples shows it.
+    pub(super) fn scan_sample(&mut self, charts: &[Chart], strips: &mut [Strip], dead: i64) {
+        const EXCESS: i64 = 3;
+        let stride = self.attained / (EXCESS * self.current.max(1));
+        if stride < 2 || self.current <= 0 {
+            return;
+        }
+        let stride = (stride as usize).min(self.ids.len() / LEAST_SAMPLE);
+        if stride < 2 {
+            return;
+        }
+        let ids: Vec<u32> = self.ids.iter().copied().step_by(stride).collect();
+        let mut sample = Search::new(self.view, &ids, 1, self.current, self.stop);
+        sample.keeps = false;
+        sample.current = self.current;
+        sample.scan_charts(charts, strips, dead);
+    }
+
+    /// Bound all strips, chart by chart.
+    fn scan_charts(&mut self, charts: &[Chart], strips: &mut [Strip], dead: i64) {
+        for run in strips.chunk_by_mut(are_neighbours) {
+            let chart = &charts[run[0].chart as usize];
+            for group in run.chunks_mut(GROUP) {
+                self.scan_group(chart, group, dead);
             }
         }
     }

@@ -8,10 +8,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::cell::Cell;
 use super::chart::{Chart, REGIONS};
 use super::loss::INFEASIBLE;
+use super::scan::{GROUP, are_neighbours};
 use super::view::{Line, View};
 
-/// Neighbouring strips that are bounded together at first.
-const GROUP: usize = 16;
 /// So few samples leave most regions of most strips empty: cells over many strips settle them faster.
 const FEW: usize = 96;
 
@@ -80,6 +79,10 @@ pub struct Search<'a> {
     pub(super) most_tried: usize,
     pub(super) low: Vec<i64>,
     pub(super) high: Vec<i64>,
+    pub(super) may_left: Vec<i64>,
+    pub(super) may_right: Vec<i64>,
+    /// Whether regions that could still win are kept.
+    pub(super) keeps: bool,
 }
 
 impl<'a> Search<'a> {
@@ -97,6 +100,7 @@ impl<'a> Search<'a> {
         } else {
             INFEASIBLE
         };
+        let lanes = view.loss.lanes();
         let size = REGIONS * view.loss.lanes().next_power_of_two();
         Self {
             view,
@@ -113,6 +117,9 @@ impl<'a> Search<'a> {
             most_tried: usize::MAX,
             low: vec![0; size],
             high: vec![0; size],
+            may_left: vec![0; lanes],
+            may_right: vec![0; lanes],
+            keeps: true,
         }
     }
 
@@ -198,12 +205,12 @@ pub fn best_split(
     if search.attained <= question.floor {
         return search.finish(question.floor);
     }
+    search.scan_sample(charts, strips, question.dead);
     if question.ids.len() <= FEW {
         search.scan_runs(charts, strips, question.dead);
         return search.finish(question.floor);
     }
-    let neighbours = |a: &Strip, b: &Strip| a.chart == b.chart && a.strip + 1 == b.strip;
-    for run in strips.chunk_by_mut(neighbours) {
+    for run in strips.chunk_by_mut(are_neighbours) {
         let chart = &charts[run[0].chart as usize];
         search.begin_chart();
         for group in run.chunks_mut(GROUP) {
