@@ -180,7 +180,7 @@ def _is_sensitive(posterior: Posterior) -> bool:
         return False
     head = best[0]
     tied = [tied_columns(head.scene, head.fit, j) | {j} for j in head.members]
-    shares = [(h, h.fit.scales if h.members else (1 / 3,) * 3) for h in best if not h.has_unknown]
+    shares = [(h, h.fit.scales if h.members else (1.0,) * 3) for h in best if not h.has_unknown]
     for k in range(len(SCALES)):
         winner = max(shares, key=lambda item: item[0].probability * item[1][k])[0]
         if winner is not head and not _is_same(head, tied, winner):

@@ -34,7 +34,7 @@ class Fit:
         log_factor: log evidence over that of no effect, given the scene.
         size: (n_members,) posterior means, in each effect's unit.
         covariance: (n_members, n_members).
-        scales: share of the evidence by factor on the prior sd of all members alike.
+        scales: evidence with one factor on the prior sd of all members, over the mixture's, for each of `SCALES`.
     """
 
     members: Members
@@ -57,7 +57,11 @@ def fit(scene: Scene, members: Sequence[int]) -> Fit:
     share = np.exp(logs - total)
     size = np.einsum("k,ki->i", share, np.array([part[1] for part in parts]).reshape(len(parts), -1))
     second = sum(w * (c + np.outer(m, m)) for w, (_, m, c) in zip(share, parts, strict=True))
-    alike = tuple(float(sum(s for s, c in zip(share, choices, strict=True) if c and c[0] == k)) for k in SCALES)
+    free = ~prior.is_fact[index]
+    alike = tuple(
+        len(parts) * float(sum(s for s, c in zip(share, choices, strict=True) if (np.array(c)[free] == k).all()))
+        for k in SCALES
+    )
     return Fit(tuple(index), total, size, np.asarray(second) - np.outer(size, size), alike)
 
 

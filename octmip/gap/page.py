@@ -1,9 +1,131 @@
-"""The report: one self-contained HTML page, no script, no outside file."""
+"""The report: one self-contained HTML page, no script, no outside file; figures are inline SVG."""
 
+from html import escape
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.gap.causes import UNKNOWN
 from octmip.gap.diagnosis import Diagnosis
-from octmip.gap.words import page_of_words
+from octmip.gap.pictures import bars, gauge_map
+from octmip.gap.words import cause_words, page_of_words, percent, verdict
+
+Floats = NDArray[np.float64]
+
+STYLE = """
+body{font:16px/1.5 system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;color:#1b1f24;background:#fff}
+h1{font-size:1.5rem}h2{font-size:1.15rem;margin-top:2rem;border-bottom:1px solid #d0d7de}
+.verdict{font-size:1.15rem;background:#f3f6fa;border-left:4px solid #2f6db3;padding:.6rem 1rem}
+table{border-collapse:collapse;width:100%;font-size:.92rem}td,th{padding:.3rem .5rem;border-bottom:1px solid #e5e9ee;
+text-align:left;vertical-align:top}td.n,th.n{text-align:right;font-variant-numeric:tabular-nums;white-space:nowrap}
+figure{margin:1rem 0}figcaption{font-size:.9rem;color:#57606a}svg{max-width:100%;height:auto}
+pre{white-space:pre-wrap;background:#f6f8fa;padding:1rem;font-size:.85rem}
+"""
 
 
 def report_page(diagnosis: Diagnosis) -> str:
-    """Return the page."""
-    return page_of_words(diagnosis)
+    """Return the page: verdict, maps before and after, causes, shrinkage, tree nodes, next test, all words."""
+    parts = [
+        f'<p class="verdict">{escape(verdict(diagnosis))}</p>',
+        _maps(diagnosis),
+        _causes(diagnosis),
+        _shrinkage(diagnosis),
+        _nodes(diagnosis),
+        _next(diagnosis),
+        f"<h2>All in words</h2><pre>{escape(page_of_words(diagnosis))}</pre>",
+    ]
+    return (
+        '<!doctype html><html lang="en"><head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width,initial-scale=1">'
+        "<title>Diagnosis of the sim-to-real gap</title>"
+        f"<style>{STYLE}</style></head><body><h1>Diagnosis of the sim-to-real gap</h1>{''.join(parts)}</body></html>"
+    )
+
+
+def _maps(diagnosis: Diagnosis) -> str:
+    """Return the gauges on the structure, coloured by residual at the greatest load, before and after."""
+    scene = diagnosis.posterior.scene
+    setting = scene.setting
+    first = diagnosis.which[0]
+    after = scene.residual.copy()
+    if first.judged.members and UNKNOWN not in first.effects:
+        scene = first.judged.scene
+        after = scene.residual - scene.signatures[:, list(first.judged.members)] @ first.judged.fit.size
+    loads = np.array([setting.cell_of(b).load_factor for b in setting.blocks])
+    top = loads[scene.block] == max(loads.tolist(), key=abs)
+    names = setting.campaign.gauges
+    places = setting.memory.gauge_positions
+    points = np.stack([np.zeros(len(names)), np.arange(len(names), dtype=np.float64)], axis=1)
+    points = points if places is None else places[list(setting.order), :2]
+    outline = getattr(setting.memory.twin, "outline", None)
+    maps = []
+    limit = float(np.abs(scene.residual[top]).max(initial=1.0))
+    for title, residual in (("before", scene.residual), ("after", after)):
+        mean = [float(residual[top & (scene.gauge == g)].mean()) if (top & (scene.gauge == g)).any() else np.nan
+                for g in range(len(names))]  # fmt: skip
+        maps.append(f"<figure>{gauge_map(points, np.array(mean), names, limit, outline)}<figcaption>Residual {title} "
+                    f"the first cause is added, at load factor {max(loads.tolist(), key=abs):g} (microstrain, "
+                    "calibrated twin; red: more compression than the twin)</figcaption></figure>")  # fmt: skip
+    return f"<h2>Where</h2>{''.join(maps)}"
+
+
+def _causes(diagnosis: Diagnosis) -> str:
+    shown = [cause for cause in diagnosis.which if cause.probability >= 0.005]
+    labels = [" + ".join(cause.effects) or "no effect" for cause in shown]
+    rows = "".join(
+        f'<tr><td class="n">{escape(percent(c.probability))}</td><td>{escape(cause_words(c))}</td>'
+        f"<td>{escape('; '.join(' / '.join(t.effects) for t in c.ties)) or 'nothing'}</td></tr>"
+        for c in shown
+    )
+    reasons = "".join(f"<p>{escape(' / '.join(t.effects))}: {escape(t.reason)}</p>" for t in diagnosis.ambiguity)
+    return (
+        f"<h2>Which</h2><figure>{bars(labels, [c.probability for c in shown], 1.0, percent)}</figure>"
+        '<table><tr><th class="n">probability</th><th>cause</th><th>cannot be told apart</th></tr>'
+        f"{rows}</table>{reasons}<p>Something outside the library: {escape(percent(diagnosis.unknown_probability))}</p>"
+    )
+
+
+def _shrinkage(diagnosis: Diagnosis) -> str:
+    s = diagnosis.shrinkage
+    if s is None:
+        return "<h2>How far</h2><p>No effect was added, so nothing closes.</p>"
+    labels, values = [], []
+    for held in s.held_out:
+        labels += [f"{held.name}, before", f"{held.name}, after"]
+        values += [held.before, held.after]
+    figure = bars(labels, values, max([*values, 1e-9]), lambda v: f"{v:.1f} microstrain")
+    return (
+        f"<h2>How far</h2><p>{escape(percent(s.closed))} of the squared gap closed on held-out readings (90 % "
+        f"interval {escape(percent(s.low))} to {escape(percent(s.high))}): {s.before:.1f} to {s.after:.1f} microstrain root "
+        f"mean square, noise taken off.</p><figure>{figure}<figcaption>Each load or test predicted from the others"
+        "</figcaption></figure>"
+    )
+
+
+def _nodes(diagnosis: Diagnosis) -> str:
+    nodes = diagnosis.where.nodes
+    if not nodes:
+        return ""
+    rows = "".join(
+        f'<tr><td>{escape(n.path or "root")}</td><td>{escape(n.words)}</td><td class="n">{percent(n.simulated)}</td>'
+        f'<td class="n">{percent(n.real)}</td><td class="n">{percent(n.share)}</td></tr>'
+        for n in nodes
+    )
+    return (
+        '<h2>Tree nodes that flip</h2><table><tr><th>node</th><th>split</th><th class="n">left, twin</th>'
+        f'<th class="n">left, asset</th><th class="n">of all readings</th></tr>{rows}</table>'
+    )
+
+
+def _next(diagnosis: Diagnosis) -> str:
+    if not diagnosis.next_test:
+        return "<h2>Next test</h2><p>Little doubt is left among the effects of the library.</p>"
+    rows = "".join(
+        f'<tr><td>{escape(p.words)}</td><td class="n">{p.information / np.log(2):.2f} bits</td><td class="n">{p.cost:g}'
+        f"</td></tr>"
+        for p in diagnosis.next_test
+    )
+    return (
+        '<h2>Next test</h2><table><tr><th>test</th><th class="n">expected information</th><th class="n">cost</th></tr>'
+        f"{rows}</table>"
+    )

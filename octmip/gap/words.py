@@ -50,7 +50,7 @@ def cause_words(cause: Cause) -> str:
     if UNKNOWN in cause.effects:
         return "something outside the library"
     if not cause.is_clear:
-        return f"some effect too small to name in these readings ({', '.join(cause.effects)} or another)"
+        return f"some effect too small to name in these readings ({' + '.join(cause.effects)} or another)"
     told = []
     for parameter in cause.parameters:
         tie = next((t for t in cause.ties if t.effects[0] == parameter.effect), None)

@@ -1,0 +1,66 @@
+"""Figures of the report as inline SVG."""
+
+from collections.abc import Callable, Sequence
+from html import escape
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+WIDTH = 860
+ROW = 26
+LABEL = 300
+MARGIN = 40
+
+
+def bars(labels: Sequence[str], values: Sequence[float], full: float, words: Callable[[float], str]) -> str:
+    """Return horizontal bars, each with its label and its value in words."""
+    height = ROW * len(labels) + 8
+    parts = [f'<svg viewBox="0 0 {WIDTH} {height}" role="img" font-family="system-ui,sans-serif" font-size="13">']
+    for k, (label, value) in enumerate(zip(labels, values, strict=True)):
+        y = ROW * k + 4
+        length = (WIDTH - LABEL - 150) * min(1.0, max(0.0, value / full))
+        shown = label if len(label) <= 42 else label[:41] + "…"
+        parts.append(f'<text x="{LABEL - 8}" y="{y + 15}" text-anchor="end">{escape(shown)}</text>')
+        parts.append(f'<rect x="{LABEL}" y="{y + 2}" width="{length:.1f}" height="{ROW - 9}" fill="#2f6db3"/>')
+        parts.append(f'<text x="{LABEL + length + 6:.1f}" y="{y + 15}" fill="#57606a">{escape(words(value))}</text>')
+    return "".join([*parts, "</svg>"])
+
+
+def gauge_map(points: Floats, values: Floats, names: Sequence[str], limit: float, outline: Floats | None) -> str:
+    """Return gauges (x aft, y outboard) as dots on the outline, y to the right, red above and blue below zero."""
+    corners = points if outline is None else np.concatenate([points, np.asarray(outline)[:, :2]])
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    scale = (WIDTH - 2 * MARGIN) / max(float(high[1] - low[1]), 1e-9)
+    scale_x = min(scale, 240.0 / max(float(high[0] - low[0]), 1e-9))
+    height = max(70.0, scale_x * float(high[0] - low[0]) + 2 * MARGIN)
+
+    def place(point: Floats) -> tuple[float, float]:
+        return MARGIN + scale * float(point[1] - low[1]), MARGIN + scale_x * float(point[0] - low[0])
+
+    parts = [f'<svg viewBox="0 0 {WIDTH} {height:.0f}" role="img" font-family="system-ui,sans-serif" font-size="11">']
+    if outline is not None:
+        path = " ".join(f"{x:.1f},{y:.1f}" for x, y in map(place, np.asarray(outline)[:, :2]))
+        parts.append(f'<polygon points="{path}" fill="#f3f6fa" stroke="#8c959f"/>')
+    for point, value, name in zip(points, values, names, strict=True):
+        x, y = place(point)
+        told = "no reading" if np.isnan(value) else f"{value:+.1f} microstrain"
+        parts.append(
+            f'<circle cx="{x:.1f}" cy="{y:.1f}" r="9" fill="{colour(value, limit)}" stroke="#1b1f24">'
+            f"<title>{escape(name)}: {told}</title></circle>"
+            f'<text x="{x:.1f}" y="{y - 12:.1f}" text-anchor="middle">{escape(name)}</text>'
+        )
+        if not np.isnan(value):
+            parts.append(f'<text x="{x:.1f}" y="{y + 21:.1f}" text-anchor="middle" fill="#57606a">{value:+.0f}</text>')
+    return "".join([*parts, "</svg>"])
+
+
+def colour(value: float, limit: float) -> str:
+    """Return white at 0, red at `limit`, blue at minus `limit`, grey where there is no value."""
+    if np.isnan(value):
+        return "#c0c0c0"
+    share = float(np.clip(value / limit, -1.0, 1.0))
+    end = (179, 38, 30) if share > 0 else (33, 94, 173)
+    red, green, blue = (round(255 + abs(share) * (e - 255)) for e in end)
+    return f"#{red:02x}{green:02x}{blue:02x}"
