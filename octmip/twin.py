@@ -24,7 +24,8 @@ class Twin(Protocol):
     """A model of the structure with gauges on it.
 
     Optional attributes, used where they exist: ``predict_states(states (n, n_parameters), load_factor) -> (n,
-    n_gauges)`` (a batch), ``gauge_positions`` (n_gauges, 2) [m] and ``outline`` (n, 2) [m] (the map of the report).
+    n_gauges)`` (a batch), ``is_linear_in_load`` (strain is proportional to the load factor, so one load is asked for),
+    ``gauge_positions`` (n_gauges, 2) [m] and ``outline`` (n, 2) [m] (the map of the report).
     """
 
     @property

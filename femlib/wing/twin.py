@@ -34,6 +34,11 @@ class WingTwin:
         return self.wing.parameters
 
     @property
+    def is_linear_in_load(self) -> bool:
+        """Whether strain is proportional to the load factor: it is."""
+        return True
+
+    @property
     def gauge_positions(self) -> FloatArray:
         """Places (n_gauges, 2) of the gauges, x aft of the spar and y outboard [m]."""
         return self.wing.gauges.position[:, :2]

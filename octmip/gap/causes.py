@@ -1,6 +1,7 @@
 """Causes: the posterior told so that nobody is misled by effects that these readings cannot tell apart.
 
-The most probable hypothesis gives a cause its name. Hypotheses of the same number of effects whose members are, one
+Members of a set that do not stand clear of the noise (d' < 3) are taken out of it. The most probable hypothesis then
+gives a cause its name. Hypotheses of the same number of effects whose members are, one
 by one, less than d' = 3 from its members are the same cause seen from elsewhere: their probabilities add up, and
 their names are told beside it. Then the most probable hypothesis that is left gives the next cause.
 """
@@ -21,6 +22,8 @@ UNKNOWN = "unknown"
 CREDIBLE = 0.95
 """Probability that the causes which are told hold together."""
 MOST_CAUSES = 12
+IDLE = 1e-4
+"""Probability below which a hypothesis is not searched for idle members."""
 TOLD = 3
 """Rivals whose separation is told."""
 WIDTH = 1.645
@@ -95,7 +98,7 @@ class Cause:
 
 def tell_causes(posterior: Posterior) -> tuple[Cause, ...]:
     """Return the explanations, most probable first, down to `CREDIBLE` together (at least three if there are)."""
-    left = list(posterior.judged)
+    left = cleared(posterior.judged)
     found: list[Cause] = []
     told = 0.0
     while left and len(found) < MOST_CAUSES and (told < CREDIBLE or len(found) < 3):
@@ -113,6 +116,33 @@ def tell_causes(posterior: Posterior) -> tuple[Cause, ...]:
         first = found[0]
         found[0] = replace(first, is_prior_sensitive=True)
     return tuple(found)
+
+
+def cleared(judged: Sequence[Judged]) -> list[Judged]:
+    """Return the hypotheses with every member that does not stand clear of the noise taken out.
+
+    A set with an idle member explains what the set without it explains: its probability goes there. Hypotheses that
+    hold less than `IDLE` are left as they are.
+    """
+    exact = {h.members: h for h in judged if not h.has_unknown}
+    added: dict[tuple[int, ...], float] = {}
+    kept = []
+    for h in judged:
+        target = h.members
+        if not h.has_unknown and h.members and h.probability > IDLE:
+            target = clear_members(h)
+        if target != h.members and target in exact:
+            added[target] = added.get(target, 0.0) + h.probability
+        else:
+            kept.append(h)
+    kept = [h if h.has_unknown else replace(h, probability=h.probability + added.get(h.members, 0.0)) for h in kept]
+    return sorted(kept, key=lambda h: -h.probability)
+
+
+def clear_members(judged: Judged) -> tuple[int, ...]:
+    """Return the members of a hypothesis that stand d' = 3 clear of the noise."""
+    own = judged.fit
+    return tuple(j for j in judged.members if visibility(judged.scene, own, j) >= SEPARABLE)
 
 
 def credible_set(found: Sequence[Cause]) -> tuple[Cause, ...]:
@@ -179,10 +209,12 @@ def _is_sensitive(posterior: Posterior) -> bool:
     if best[0].has_unknown:
         return False
     head = best[0]
+    named = {h.members: clear_members(h) for h in best if not h.has_unknown}
     tied = [tied_columns(head.scene, head.fit, j) | {j} for j in head.members]
     shares = [(h, h.fit.scales if h.members else (1.0,) * 3) for h in best if not h.has_unknown]
     for k in range(len(SCALES)):
         winner = max(shares, key=lambda item: item[0].probability * item[1][k])[0]
-        if winner is not head and not _is_same(head, tied, winner):
+        same = named[winner.members] == named[head.members] or _is_same(head, tied, winner)
+        if not same:
             return True
     return False

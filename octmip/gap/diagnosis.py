@@ -11,7 +11,7 @@ from octmip.errors import DataError
 from octmip.gap.ambiguity import ABSURD, detectable
 from octmip.gap.augment import Addition, AugmentedTwin
 from octmip.gap.campaign import Campaign
-from octmip.gap.causes import UNKNOWN, Cause, Tie, credible_set, tell_causes
+from octmip.gap.causes import UNKNOWN, Cause, Tie, cleared, credible_set, tell_causes
 from octmip.gap.discrepancy import Discrepancy, calibrated, uncalibrated
 from octmip.gap.effects import CHAIN
 from octmip.gap.library import library_columns, priors
@@ -158,7 +158,7 @@ def _diagnose(
         where=localise(scene, nodes),
         which=which,
         shrinkage=closing,
-        next_test=next_tests(scene, posterior.judged),
+        next_test=next_tests(scene, cleared(posterior.judged)),
         noise=setting.noise,
         inclusion=posterior.inclusion(),
         unknown_probability=posterior.unknown_probability,

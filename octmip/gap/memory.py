@@ -46,8 +46,14 @@ class Memory:
         places = getattr(self.twin, "gauge_positions", None)
         return None if places is None else np.asarray(places, dtype=np.float64)
 
+    @property
+    def _is_linear(self) -> bool:
+        return bool(getattr(self.twin, "is_linear_in_load", False))
+
     def predict(self, state: State, load_factor: float) -> NDArray[np.float64]:
         """Return the strains (n_gauges,) in microstrain."""
+        if self._is_linear and load_factor != 1.0:
+            return load_factor * self.predict(state, 1.0)
         key = _key(state, load_factor)
         if key not in self._strains:
             strains = np.array(self.twin.predict(dict(key[0]), load_factor), dtype=np.float64)
@@ -57,6 +63,8 @@ class Memory:
 
     def predict_states(self, states: NDArray[np.float64], load_factor: float) -> NDArray[np.float64]:
         """Return the strains (n_states, n_gauges), asking the twin once for all states that are new."""
+        if self._is_linear and load_factor != 1.0:
+            return load_factor * self.predict_states(states, 1.0)
         named = [dict(zip(self.parameters, row.tolist(), strict=True)) for row in states]
         keys = [_key(state, load_factor) for state in named]
         new = [k for k, key in enumerate(keys) if key not in self._strains]

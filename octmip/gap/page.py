@@ -96,8 +96,8 @@ def _shrinkage(diagnosis: Diagnosis) -> str:
     figure = bars(labels, values, max([*values, 1e-9]), lambda v: f"{v:.1f} microstrain")
     return (
         f"<h2>How far</h2><p>{escape(percent(s.closed))} of the squared gap closed on held-out readings (90 % "
-        f"interval {escape(percent(s.low))} to {escape(percent(s.high))}): {s.before:.1f} to {s.after:.1f} microstrain root "
-        f"mean square, noise taken off.</p><figure>{figure}<figcaption>Each load or test predicted from the others"
+        f"interval {escape(percent(s.low))} to {escape(percent(s.high))}): {s.before:.1f} to {s.after:.1f} microstrain "
+        f"root mean square, noise taken off.</p><figure>{figure}<figcaption>Each load or test predicted from the others"
         "</figcaption></figure>"
     )
 

@@ -47,7 +47,7 @@ def grid(n_parameters: int) -> Floats:
 
 def starting_states(setting: Setting) -> list[Floats]:
     """Return assignments (n_cells, n_parameters): all best nodes first, then one group at a time at another place."""
-    states = np.array([cell.state for cell in setting.campaign.cells]).reshape(-1, len(setting.names))
+    states = np.array([cell.state for cell in setting.campaign.cells])
     best = states.copy()
     places = [_places(setting, group) for group in setting.groups]
     for group, found in zip(setting.groups, places, strict=True):
@@ -118,7 +118,7 @@ def _places(setting: Setting, group: tuple[int, ...]) -> list[Floats]:
 
 def _node_logs(setting: Setting, group: tuple[int, ...], nodes: Floats) -> list[float]:
     """Return the log evidence of every node with all effects allowed for at their prior scale."""
-    states = np.array([cell.state for cell in setting.campaign.cells]).reshape(-1, len(setting.names))
+    states = np.array([cell.state for cell in setting.campaign.cells])
     states = np.where(np.isfinite(states), states, 0.0)
     scene = build_scene(setting, states)
     rows = np.flatnonzero(np.isin([setting.blocks[b].cell for b in scene.block], group))

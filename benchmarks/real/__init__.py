@@ -1,0 +1,1 @@
+"""Gaps of real data: demonstrations, not blind results."""

@@ -1,0 +1,148 @@
+"""The Pazy wing: measured tip deflections of a very flexible wing against a linear twin.
+
+The wing with skin was loaded by masses at its tip, at mid-chord (bending) and ahead of the leading edge (torsion).
+The twin is linear: the deflection that an aeroelastic code (SHARPy) computes for small masses, continued in
+proportion. The library holds scale effects, an offset, and large deflection: what the same code computes beyond
+proportion. Heavy masses are held out.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from octmip.gap import CHAIN, Campaign, diagnose
+from octmip.gap.words import page_of_words
+
+DATA = Path(__file__).resolve().parents[2].parent / "shared" / "pazy"
+SETUPS = ("bending", "torsion")
+SMALL = 0.3
+"""Masses [kg] over which the model's curve is taken as straight."""
+HELD_OUT = 1.6
+"""Masses above this [kg] are predicted from those up to it."""
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A computed deflection curve: mass [kg], deflection below that without mass [mm]."""
+
+    mass: np.ndarray
+    deflection: np.ndarray
+
+    @property
+    def slope(self):
+        """Slope for small masses [mm/kg]."""
+        small = self.mass <= SMALL
+        return float(self.mass[small] @ self.deflection[small] / (self.mass[small] @ self.mass[small]))
+
+    def beyond(self, mass):
+        """Return what the curve adds to its own slope [mm]."""
+        return float(np.interp(mass, self.mass, self.deflection)) - self.slope * mass
+
+
+def curve(setup: str) -> Curve:
+    """Return the curve of SHARPy for a setup."""
+    name = {"bending": "bending/bending_sharpy_w_skin.txt", "torsion": "torsion/torsion_SHARPy_w_skin.txt"}[setup]
+    table = np.loadtxt(DATA / name)
+    return Curve(table[:, 0], -1000.0 * (table[:, 1] - table[0, 1]))
+
+
+@dataclass(frozen=True)
+class LargeDeflection:
+    """What the nonlinear model adds to its own small-mass slope, times size."""
+
+    curves: Mapping[str, Curve]
+    name: str = "large_deflection"
+    parameter: str = "geometric nonlinearity, 1 is the nonlinear model's"
+    unit: str = "-"
+    prior_mean: float = 1.0
+    prior_sd: float = 0.2
+    prior_source: str = "the nonlinear model gives 1, and is trusted to a fifth"
+    is_one_sided: bool = True
+    separated_by: str = "it grows faster than the load, a scale with the load"
+    load_power: None = None
+
+    def variants(self, twin):
+        return ("",)
+
+    def signature(self, twin, state, load_factor, variant="", time=0.0):
+        return np.array([self.curves[setup].beyond(load_factor) for setup in twin.gauges])
+
+
+@dataclass(frozen=True)
+class PazyTwin:
+    """The linear twin: two "gauges", the tip deflections of the two setups [mm]; the load factor is the mass [kg]."""
+
+    curves: Mapping[str, Curve]
+    gauges: tuple = SETUPS
+    parameters: tuple = ()
+    effects: Mapping = field(default_factory=dict)
+
+    def predict(self, state, load_factor):
+        return np.array([self.curves[setup].slope * load_factor for setup in self.gauges])
+
+
+def pazy_twin() -> PazyTwin:
+    """Return the linear twin with its effects."""
+    curves = {setup: curve(setup) for setup in SETUPS}
+    own = LargeDeflection(curves)
+    return PazyTwin(curves, effects={own.name: own})
+
+
+def measured() -> Campaign:
+    """Return the measured deflections [mm], relative to the mean without mass."""
+    rows = []
+    for column, setup in enumerate(SETUPS):
+        table = np.loadtxt(DATA / setup / f"{setup}_technion_experimental_w_skin.txt")
+        rest = table[table[:, 0] == 0.0, 1].mean()
+        for mass, height in table[:, :2]:
+            reading = np.full(len(SETUPS), np.nan)
+            reading[column] = -1000.0 * (height - rest)
+            rows.append((setup, mass, reading))
+    n = len(rows)
+    return Campaign(
+        gauges=SETUPS,
+        parameters=(),
+        test=tuple(row[0] for row in rows),
+        load_factor=np.round([row[1] for row in rows], 6),
+        states=np.zeros((n, 0)),
+        readings=np.array([row[2] for row in rows]),
+        time=np.full(n, np.nan),
+        temperature=np.full(n, np.nan),
+    )
+
+
+LIBRARY = ("gauge_gain", "gauge_bias", "load_factor_error", "common_gain")
+"""The measuring chain's effects that a deflection can have."""
+
+
+def diagnosis():
+    """Return the diagnosis of all masses."""
+    twin = pazy_twin()
+    return diagnose(measured(), twin, {name: CHAIN[name] for name in LIBRARY} | dict(twin.effects))
+
+
+def held_out(limit: float = HELD_OUT) -> tuple[float, float, float]:
+    """Fit on masses up to `limit`; return rms before and after [mm], and the share of the squared gap closed beyond."""
+    twin, campaign = pazy_twin(), measured()
+    heavy = {k for k, cell in enumerate(campaign.cells) if cell.load_factor > limit}
+    found = diagnose(campaign.without(heavy), twin, {name: CHAIN[name] for name in LIBRARY} | dict(twin.effects))
+    augmented = found.augmented(twin)
+    before, after = [], []
+    for k in sorted(heavy):
+        cell = campaign.cells[k]
+        seen = cell.count > 0
+        before += (cell.mean - twin.predict({}, cell.load_factor))[seen].tolist()
+        after += (cell.mean - augmented.predict({}, cell.load_factor))[seen].tolist()
+    first, second = float(np.mean(np.square(before))), float(np.mean(np.square(after)))
+    return np.sqrt(first), np.sqrt(second), 1.0 - second / first
+
+
+if __name__ == "__main__":
+    found = diagnosis()
+    print(page_of_words(found).replace("microstrain", "mm"))
+    print(found.inclusion)
+    for limit in (1.2, 1.6, 2.0, 2.4):
+        before, after, closed = held_out(limit)
+        print(f"fitted up to {limit} kg, predicted above: {before:.1f} -> {after:.1f} mm, closed {closed:.3f}")
