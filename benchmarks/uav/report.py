@@ -50,15 +50,17 @@ def _figures(
 ) -> dict[str, Figure]:
     figures: dict[str, Figure] = {}
     used: dict[str, Sequence[str]] = {}
-    depth = max(outcome.cell.depth for outcome in outcomes)
+    depth = max(outcome.cell.depth for outcome in outcomes if outcome.cell.task == "axis")
     for label in LABELS:
-        deepest = pick(outcomes, label=label, depth=depth, gauge_set="all")
+        deepest = pick(outcomes, task="axis", label=label, depth=depth, gauge_set="all")
         tree = deepest.solution.tree
         assert tree is not None
         problem = problem_of(data, deepest.cell)
         used[f"gauges of the depth-{depth} tree for {label}"] = problem.sensors_used(tree)
         figures[f"tree_{label}"] = tree_figure(problem, tree)
-        figures[f"partition_{label}"] = _partition(data, pick(outcomes, label=label, depth=depth, gauge_set="two"))
+        figures[f"partition_{label}"] = _partition(
+            data, pick(outcomes, task="axis", label=label, depth=depth, gauge_set="two")
+        )
     figures["wing"] = wing_picture(wing, used)
     figures["strain"] = strain_picture(wing, simulated, published)
     return figures

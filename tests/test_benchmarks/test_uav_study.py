@@ -14,6 +14,12 @@ KEYS = {
     *("data", "label", "depth", "split", "split_size", "sensors", "method", "errors", "objective", "bound", "gap"),
     *("is_optimal", "stop", "mae_train", "mae_test", "bayes_mae", "seconds", "seed"),
 }
+TASKS = (
+    study.Task("axis", ("all", "two"), (2,), study.METHODS),
+    study.Task("two features", ("two",), (1,), ("search", "exact", "oct_h")),
+    study.Task("budget 2", ("all",), (2,), ("cart", "search", "exact")),
+    study.Task("risk", ("all",), (2,), ("cart", "search", "exact")),
+)
 
 
 @pytest.fixture(scope="module")
@@ -22,14 +28,14 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
     wing = uav_wing()
     simulated = simulated_strains(wing)
     data = build_dataset(simulated, Recipe(samples_per_state=8), seed=1)
-    outcomes = study.run_study(data, study.StudyLimits(10.0, 1.0), seed=1, n_jobs=1, depths=(1, 2))
+    outcomes = study.run_study(data, study.StudyLimits(10.0, 1.0), seed=1, n_jobs=1, tasks=TASKS)
     write_results(folder, wing, simulated, None, data, outcomes, 0.0)
     return folder
 
 
 def test_every_row_holds_what_a_reader_needs(results: Path) -> None:
     rows = json.loads((results / "table.json").read_text())
-    assert len(rows) == 2 * 2 * 2 * len(study.METHODS)
+    assert len(rows) == 2 * (2 * len(study.METHODS) + 3 * 3)
     assert all(KEYS <= set(row) for row in rows)
 
 
@@ -50,4 +56,4 @@ def test_pictures_and_run_record_are_written(results: Path) -> None:
 
 
 def _task(row: dict[str, object]) -> tuple[object, ...]:
-    return row["label"], row["depth"], row["gauge_set"]
+    return row["task"], row["label"], row["depth"], row["gauge_set"]
