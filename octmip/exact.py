@@ -7,6 +7,7 @@ docs/theory/exact.md. Categorical features: one column of 0/1 for each category,
 
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,10 @@ from numpy.typing import NDArray
 
 from octmip import _native
 from octmip.encoding import (
+    CAPACITY,
     IntegerCosts,
+    NodeRow,
+    Ranks,
     integer_costs,
     native_problem,
     rank_features,
@@ -52,6 +56,7 @@ def branch_and_bound(
     n_jobs: int = 1,
     progress: ProgressCallback | None = None,
     proof: str | Path | None = None,
+    fewest_splits: bool = False,
     _off: Sequence[str] = (),
 ) -> Solution:
     """Return the best axis-aligned tree of a problem and the proof's bound.
@@ -59,11 +64,12 @@ def branch_and_bound(
     Parameters:
         problem: with ``split="axis"``; any weights, costs, depth, leaf size, penalty.
         limits: seconds, relative gap, nodes (evaluated cuts), bytes of the core's own tables.
-        incumbent: a feasible tree to start from; a good one shortens the proof.
+        incumbent: a feasible tree to start from; a good one shortens the proof (`octmip.solver.solve` looks for one).
         seed: of the start's random choices.
-        n_jobs: threads. The result does not depend on it.
+        n_jobs: threads. Cost, bound and, without a tight sensor budget, the tree do not depend on it.
         progress: called with a `Progress` about every 50 ms.
         proof: file for a log that `octmip.proof.check_proof` verifies; it takes a second search, about as long.
+        fewest_splits: among the optimal trees return one of fewest splits; it takes a second, longer search.
         _off: names of prunes to do without (`_native.prunes()`), for tests.
 
     Raises:
@@ -79,15 +85,16 @@ def branch_and_bound(
         progress(Progress(seconds, objective * costs.unit, bound * costs.unit, n_nodes))
 
     start = None if incumbent is None else _feasible(problem, incumbent)
+    values = (limits.seconds, limits.gap, limits.nodes, limits.memory)
     native = native_problem(problem, ranks, costs)
-    rows, _, bound, stop, n_nodes = _native.branch_and_bound(
-        native,
-        (limits.seconds, limits.gap, limits.nodes, limits.memory),
-        n_jobs,
-        None if start is None else (_integer_objective(problem, start, costs), rows_from_tree(start, ranks)),
-        list(_off),
-        None if progress is None else report,
-    )
+    first = None if start is None else (_integer_objective(problem, start, costs), rows_from_tree(start, ranks))
+    notify = None if progress is None else report
+    rows, _, bound, stop, n_nodes = _native.branch_and_bound(native, values, n_jobs, first, list(_off), notify)
+    ties = {"splits": "not broken", "sensors": "not broken", "margin": "thresholds centred in their nodes"}
+    if fewest_splits and stop == Stop.OPTIMAL:
+        left = (limits.seconds - (time.perf_counter() - started), 0.0, limits.nodes, limits.memory)
+        rows, is_proven = _fewest_splits(problem, ranks, costs, rows, left, n_jobs)
+        ties["splits"] = "fewest, proven" if is_proven else "fewer looked for, not proven"
     if proof is not None:
         _write_proof(problem, native, costs, bound, Path(proof))
     tree, objective = _better(problem, tree_from_rows(rows, ranks), start)
@@ -102,6 +109,7 @@ def branch_and_bound(
         version=_native.__version__,
         seed=seed,
         tolerance=costs.tolerance,
+        details={"ties_broken": ties},
     )
 
 
@@ -138,6 +146,31 @@ def _feasible(problem: Problem, incumbent: Node | Solution) -> Node:
             f"the incumbent reads sensors of cost {problem.sensor_cost_of(tree)}; the budget is {problem.sensor_budget}"
         )
     return tree
+
+
+def _fewest_splits(
+    problem: Problem,
+    ranks: Ranks,
+    costs: IntegerCosts,
+    rows: list[NodeRow],
+    limits: tuple[float, float, float, float],
+    n_jobs: int,
+) -> tuple[list[NodeRow], bool]:
+    """Return an optimal tree of fewest splits, and whether there is proven to be none of fewer.
+
+    Every cost is multiplied by more than the splits that a tree can have, and a split costs one more: the cheapest tree
+    of that problem is a cheapest one of this, and has the fewest splits of those.
+    """
+    factor = min(2**problem.depth, problem.n_samples)
+    finer = replace(costs, costs=costs.costs * factor, penalty=costs.penalty * factor + 1)
+    largest = float(finer.weights.sum()) * float(finer.costs.max()) + finer.penalty * factor
+    if largest >= CAPACITY or limits[0] <= 0:
+        return rows, False
+    tree = tree_from_rows(rows, ranks)
+    native = native_problem(problem, ranks, finer)
+    first = (_integer_objective(problem, tree, finer), rows)
+    found, _, _, stop, _ = _native.branch_and_bound(native, limits, n_jobs, first)
+    return found, stop == Stop.OPTIMAL
 
 
 def _write_proof(problem: Problem, native: _native.Problem, costs: IntegerCosts, claim: int, path: Path) -> None:

@@ -11,7 +11,7 @@ from octmip.errors import ProblemError
 from octmip.exact import branch_and_bound
 from octmip.problem import Problem
 from octmip.solution import Limits, Stop
-from octmip.tree import HyperplaneSplit, Leaf, Split
+from octmip.tree import HyperplaneSplit, Leaf, Split, n_splits
 
 
 def cheapest(problem: Problem) -> float:
@@ -132,6 +132,43 @@ def test_float64_values_a_millionth_apart_are_told_apart() -> None:
     features = (900 + 1e-6 * np.arange(40))[:, None]
     problem = Problem(features, np.arange(40) >= 17, depth=1)
     assert branch_and_bound(problem).objective == 0
+
+
+def test_the_tree_is_the_same_for_any_number_of_threads_and_any_vectors() -> None:
+    for seed in range(4):
+        small = larger(seed, n=120, classes=2 + seed % 3)
+        problem = Problem(small.features, small.labels, depth=3)
+        first = branch_and_bound(problem)
+        assert branch_and_bound(problem, n_jobs=2).tree == first.tree, seed
+        assert branch_and_bound(problem, n_jobs=2).n_nodes == first.n_nodes, seed
+        assert branch_and_bound(problem, _off=["vectors"]).tree == first.tree, seed
+
+
+def test_fewest_splits_are_found_among_optimal_trees() -> None:
+    for seed in range(40):
+        problem = random_problem(seed, depth=2)
+        fewer = branch_and_bound(problem, fewest_splits=True)
+        assert fewer.details["ties_broken"]["splits"] == "fewest, proven"  # type: ignore[index]
+        assert fewer.tree is not None
+        assert certify(problem, fewer).objective == branch_and_bound(problem).objective
+        priced = Problem(
+            problem.features,
+            problem.labels,
+            depth=2,
+            weights=problem.weights,
+            costs=problem.costs,
+            leaf_size=problem.leaf_size,
+            leaf_penalty=problem.leaf_penalty + 2.0**-10,
+            allowed_splits=problem.allowed_splits,
+        )
+        assert cheapest(priced) == fewer.objective + n_splits(fewer.tree) * 2.0**-10, seed
+
+
+def test_too_little_memory_ends_with_a_tree_and_a_bound() -> None:
+    problem = larger(0)
+    solution = branch_and_bound(problem, limits=Limits(memory=1000.0))
+    assert solution.stop is Stop.MEMORY
+    assert certify(problem, solution).bound == 0
 
 
 def test_limits_return_a_tree_and_a_bound() -> None:

@@ -1,5 +1,6 @@
 //! Branch and bound over thresholds: provably optimal axis-aligned trees.
 
+pub mod answer;
 pub mod axis;
 pub mod branch;
 pub mod budget;

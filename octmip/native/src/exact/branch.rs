@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 
 use crate::exact::Switches;
+use crate::exact::answer::Answer;
 use crate::exact::axis::{Axis, Interval};
 use crate::exact::effort::Control;
 use crate::exact::plan::Plan;
@@ -10,50 +11,6 @@ use crate::exact::proof::Log;
 use crate::exact::samples::Samples;
 use crate::exact::stumps::{Stumps, finder, width};
 use crate::exact::view::View;
-
-/// What a search found out: the best tree if it is below the budget, and in any case a bound.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Answer {
-    /// No tree costs less (unless the search was stopped).
-    pub lower: i64,
-    /// Cost and plan of the best tree.
-    pub best: Option<(i64, Plan)>,
-}
-
-impl Answer {
-    /// No tree below this.
-    pub fn none(lower: i64) -> Self {
-        Self { lower, best: None }
-    }
-
-    /// A tree.
-    pub fn found(cost: i64, plan: Plan) -> Self {
-        Self {
-            lower: cost,
-            best: Some((cost, plan)),
-        }
-    }
-
-    /// A tree if it is below `upper`.
-    pub fn cheapest(cost: i64, plan: Plan, upper: i64) -> Self {
-        if cost < upper {
-            Self::found(cost, plan)
-        } else {
-            Self::none(upper)
-        }
-    }
-
-    /// The cost to beat.
-    pub fn cost(&self, upper: i64) -> i64 {
-        self.best.as_ref().map_or(upper, |(cost, _)| *cost)
-    }
-
-    /// The answer after a whole search with budget `upper`.
-    pub fn closed(mut self, upper: i64) -> Self {
-        self.lower = self.cost(upper);
-        self
-    }
-}
 
 /// A cut to be solved.
 #[derive(Debug, Clone, Copy)]
@@ -385,9 +342,18 @@ impl<'a> Search<'a> {
 
     /// Lay out the buckets that the children of this view share.
     pub fn prepare(&mut self, view: &View) {
+        self.forget();
         let mut own = self.take_finder(view);
         own.prepare(self.samples, view);
         self.return_finder(view, own);
+    }
+
+    /// The samples that follow are not a part of those before.
+    pub fn forget(&mut self) {
+        self.finders
+            .iter_mut()
+            .flatten()
+            .for_each(|finder| finder.forget());
     }
 
     /// Room for searches of `depth` levels.

@@ -1,7 +1,8 @@
 //! The best tree of at most two levels: bisection over the cuts of the root, both children answered by best stumps.
 
+use crate::exact::answer::Answer;
 use crate::exact::axis::Interval;
-use crate::exact::branch::{Answer, Search};
+use crate::exact::branch::Search;
 use crate::exact::plan::Plan;
 use crate::exact::stumps::{Neighbour, Place, Stumps};
 use crate::exact::view::View;

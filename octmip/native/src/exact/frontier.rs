@@ -1,6 +1,9 @@
 //! The open intervals of the root, best bound first, worked by all threads.
 //!
 //! The least bound over the open intervals and those in work bounds every tree not yet seen: it rises while one watches.
+//!
+//! Work is handed out in rounds of a fixed number of cuts, chosen before the round and recorded in order after it. So
+//! what is searched, and which tree is found, does not depend on the number of threads or on their speed.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -37,11 +40,17 @@ impl Open {
     }
 }
 
-#[derive(Debug)]
+/// Cuts of a round: enough to keep a few threads busy, few enough that an incumbent found in it costs little.
+const ROUND: usize = 8;
+
 struct State {
     axes: Vec<Axis>,
     heap: BinaryHeap<Reverse<Open>>,
-    in_work: Vec<i64>,
+    /// The cuts of this round, those not yet handed out, and what came back.
+    round: Vec<Task>,
+    n_handed_out: usize,
+    results: Vec<Option<Children>>,
+    is_finished: bool,
     attained: Vec<i64>,
     cost: i64,
     plan: Option<Plan>,
@@ -59,7 +68,8 @@ pub struct Frontier<'a> {
     changed: Condvar,
 }
 
-/// A cut handed to a thread.
+/// A cut of a round.
+#[derive(Debug, Clone, Copy)]
 struct Task {
     place: usize,
     k: usize,
@@ -103,7 +113,10 @@ impl<'a> Frontier<'a> {
         let state = State {
             axes,
             heap,
-            in_work: Vec::new(),
+            round: Vec::new(),
+            n_handed_out: 0,
+            results: Vec::new(),
+            is_finished: false,
             attained,
             cost: upper,
             plan: None,
@@ -132,13 +145,8 @@ impl<'a> Frontier<'a> {
             .heap
             .peek()
             .map_or(i64::MAX, |Reverse(open)| open.bound);
-        let bound = state
-            .in_work
-            .iter()
-            .copied()
-            .min()
-            .unwrap_or(i64::MAX)
-            .min(open);
+        let in_work = state.round.iter().map(|task| task.bound).min();
+        let bound = in_work.unwrap_or(i64::MAX).min(open);
         (state.cost, bound.min(state.cost))
     }
 
@@ -156,31 +164,56 @@ impl<'a> Frontier<'a> {
     /// Work until nothing is open or someone says stop.
     pub fn work(&self, search: &mut Search<'_>) {
         let mut sides = [View::default(), View::default()];
-        while let Some(task) = self.next() {
+        while let Some((index, task)) = self.next() {
             let children = search.children(self.view, self.depth, &task.cut, &mut sides);
             search.report_effort();
-            self.record(&task, children);
+            if self.control.is_stopped() {
+                break; // what was found may be no proof: the round is never recorded, its bounds stand
+            }
+            self.lock().results[index] = Some(children);
+            self.changed.notify_all();
         }
         self.changed.notify_all();
     }
 
-    fn next(&self) -> Option<Task> {
+    /// The next cut of the round, or of the next round once all of this one are back; None at the end.
+    fn next(&self) -> Option<(usize, Task)> {
         let mut state = self.lock();
         loop {
-            if self.control.is_stopped() {
+            if self.control.is_stopped() || state.is_finished {
                 return None;
             }
-            if let Some(task) = self.pop(&mut state) {
-                state.in_work.push(task.bound);
-                return Some(task);
+            if let Some(&task) = state.round.get(state.n_handed_out) {
+                state.n_handed_out += 1;
+                return Some((state.n_handed_out - 1, task));
             }
-            if state.in_work.is_empty() {
-                return None;
+            if state.results.iter().all(Option::is_some) {
+                self.turn(&mut state);
+                continue;
             }
-            // Woken by `record`; looks up now and then, as nobody wakes it when the word to stop is given.
+            // Woken by results; looks up now and then, as nobody wakes it when the word to stop is given.
             let waited = self.changed.wait_timeout(state, Duration::from_millis(20));
             state = waited.unwrap_or_else(PoisonError::into_inner).0;
         }
+    }
+
+    /// Record a round and choose the next.
+    fn turn(&self, state: &mut State) {
+        let (round, results) = (
+            std::mem::take(&mut state.round),
+            std::mem::take(&mut state.results),
+        );
+        for (task, children) in round.iter().zip(results.into_iter().flatten()) {
+            self.record(state, task, children);
+        }
+        while state.round.len() < ROUND
+            && let Some(task) = self.pop(state)
+        {
+            state.round.push(task);
+        }
+        state.results.resize_with(state.round.len(), || None);
+        state.n_handed_out = 0;
+        state.is_finished = state.round.is_empty();
     }
 
     fn pop(&self, state: &mut State) -> Option<Task> {
@@ -216,14 +249,7 @@ impl<'a> Frontier<'a> {
         None
     }
 
-    fn record(&self, task: &Task, children: Children) {
-        let mut state = self.lock();
-        if self.control.is_stopped() {
-            return; // what was found is no proof: the interval stays in work, its bound stands
-        }
-        if let Some(index) = state.in_work.iter().position(|&bound| bound == task.bound) {
-            state.in_work.swap_remove(index);
-        }
+    fn record(&self, state: &mut State, task: &Task, children: Children) {
         let axis = &mut state.axes[task.place];
         [axis.left[task.k], axis.right[task.k]] = children.bounds;
         let Interval { a, b, low, high } = task.interval;
@@ -264,7 +290,5 @@ impl<'a> Frontier<'a> {
                 (state.cost, state.plan) = (cost, Some(plan));
             }
         }
-        drop(state);
-        self.changed.notify_all();
     }
 }

@@ -47,6 +47,9 @@ struct Run<'a> {
 /// The best tree of the problem, and a bound.
 pub fn solve(problem: &Problem, options: &Options, keep_going: KeepGoing<'_>) -> Outcome {
     let started = Instant::now();
+    if bytes(problem, options.n_threads) > options.limits.memory {
+        return without_search(problem, options);
+    }
     let samples = Samples::new(problem);
     let view = View::root(&samples);
     let base: i64 = samples.base.iter().sum();
@@ -73,6 +76,46 @@ pub fn solve(problem: &Problem, options: &Options, keep_going: KeepGoing<'_>) ->
         run.keep_budget(problem, keep_going);
     }
     run.outcome()
+}
+
+/// What the tables of a search take, about: lists and ranks of the samples once, and for each thread the lists of both
+/// sides at every level, the table of buckets and the cuts of a feature.
+fn bytes(problem: &Problem, n_threads: usize) -> f64 {
+    let numbers = 4.0 * problem.n as f64 * problem.p as f64;
+    let per_thread = numbers * (2 * problem.depth + 4) as f64 + 100.0 * problem.n as f64;
+    3.0 * numbers + n_threads as f64 * per_thread
+}
+
+/// The incumbent or the best leaf, and the cost that no tree avoids: what is known where memory is too small to search.
+fn without_search(problem: &Problem, options: &Options) -> Outcome {
+    let paid =
+        |i: usize, k: usize| problem.weights[i] * problem.cost(problem.labels[i] as usize, k);
+    let leaf = |k: usize| (0..problem.n).map(|i| paid(i, k)).sum::<i64>();
+    let least = |i: usize| {
+        (0..problem.n_classes)
+            .map(|k| paid(i, k))
+            .min()
+            .unwrap_or(0)
+    };
+    let label = (0..problem.n_classes).min_by_key(|&k| leaf(k)).unwrap_or(0);
+    let best = (leaf(label), Tree::leaf(label as u32));
+    let (objective, tree) = match &options.incumbent {
+        Some(given) if given.0 <= best.0 => given.clone(),
+        _ => best,
+    };
+    let bound = (0..problem.n).map(least).sum();
+    let stop = if bound >= objective {
+        Stop::Optimal
+    } else {
+        Stop::Memory
+    };
+    Outcome {
+        tree,
+        objective,
+        bound,
+        stop,
+        n_nodes: 0,
+    }
 }
 
 impl Run<'_> {

@@ -2,6 +2,7 @@
 
 pub mod aligned;
 pub mod buckets;
+pub mod doubt;
 pub mod groups;
 pub mod scan;
 pub mod sweep;
@@ -67,6 +68,9 @@ impl Place<'_> {
 pub trait Stumps: Send {
     /// Prepare for views that are subsets of this one and not much smaller.
     fn prepare(&mut self, samples: &Samples, view: &View);
+
+    /// What was prepared no longer holds: views that follow are not subsets of it.
+    fn forget(&mut self);
 
     /// Take up a view: the best stump of all its samples.
     fn load(&mut self, samples: &Samples, view: &View) -> Stump;

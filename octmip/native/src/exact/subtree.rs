@@ -35,6 +35,7 @@ impl<'a> Subtree<'a> {
         let view = View::subset(self.samples, ids);
         let base: i64 = ids.iter().map(|&i| self.samples.base[i as usize]).sum();
         self.search.deepen(depth);
+        self.search.forget();
         let answer = self
             .search
             .solve(&view, depth, upper.saturating_sub(base), 0);

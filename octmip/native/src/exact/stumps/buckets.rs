@@ -7,6 +7,7 @@
 
 use crate::exact::Switches;
 use crate::exact::samples::Samples;
+use crate::exact::stumps::doubt::{Candidate, Sides};
 use crate::exact::stumps::groups::Histogram;
 use crate::exact::stumps::sweep::{Lane, STRIDE};
 use crate::exact::stumps::table::{Shape, Table};
@@ -32,34 +33,6 @@ pub struct Buckets<T: Lane, const N: usize, const S: usize> {
     lane_totals: Vec<[T; N]>,
     candidates: Vec<Candidate>,
     left: Vec<i64>,
-}
-
-/// A bucket that may hide a better stump.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Candidate {
-    cap: i64,
-    slot: usize,
-    bucket: usize,
-}
-
-/// What is known of both sides while groups are visited.
-#[derive(Debug, Clone, Copy)]
-struct Sides {
-    mass: [i64; 2],
-    /// Gain of the best leaf.
-    leaf: [i64; 2],
-    best: [i64; 2],
-    penalty: i64,
-}
-
-impl Sides {
-    fn cost(&self, side: usize, gain: i64) -> i64 {
-        self.mass[side] - self.leaf[side].max(gain - self.penalty)
-    }
-
-    fn total(&self, gains: [i64; 2]) -> i64 {
-        self.cost(0, gains[0]) + self.cost(1, gains[1])
-    }
 }
 
 impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
@@ -250,6 +223,10 @@ impl<T: Lane, const N: usize, const S: usize> Stumps for Buckets<T, N, S> {
             shared.reorder(order);
             shared.lay(samples, view, self.shape, 8, most_buckets(view.len));
         }
+    }
+
+    fn forget(&mut self) {
+        self.tables[0].len = 0;
     }
 
     fn load(&mut self, samples: &Samples, view: &View) -> Stump {

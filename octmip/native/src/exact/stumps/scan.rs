@@ -99,6 +99,8 @@ impl Scan {
 impl Stumps for Scan {
     fn prepare(&mut self, _: &Samples, _: &View) {}
 
+    fn forget(&mut self) {}
+
     fn load(&mut self, samples: &Samples, view: &View) -> Stump {
         self.scores.resize(samples.p, 0);
         let neighbours = [Neighbour {
