@@ -32,7 +32,12 @@ class Case:
 FAMILIES = {
     "exact_uci": "benchmarks.cases.exact_uci",
     "exact_uav": "benchmarks.cases.exact_uav",
+    "exact_budget": "benchmarks.cases.exact_budget",
+    "exact_call": "benchmarks.cases.exact_call",
+    "exact_growth": "benchmarks.cases.exact_growth",
+    "exact_proofs": "benchmarks.cases.exact_proofs",
     "fuzz_exact": "benchmarks.cases.fuzz_exact",
+    "fuzz_proofs": "benchmarks.cases.fuzz_proofs",
     "mio_forms": "benchmarks.cases.mio_forms",
     "mio_agreement": "benchmarks.cases.mio_agreement",
     "mio_build": "benchmarks.cases.mio_build",

@@ -18,8 +18,8 @@ from octmip.errors import CertificateError, ProblemError
 from octmip.problem import Problem
 
 FORMAT = "octmip-proof 1"
-# Sums of costs on the grid stay below it, so that they fit into 64 bits with room for every sum of two.
-CAPACITY = 2.0**60
+# Sums of costs on the grid stay below it, so that they fit into 64 bits with room for every sum of three.
+CAPACITY = 2.0**61
 
 
 @dataclass(frozen=True, slots=True)
