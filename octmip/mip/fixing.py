@@ -13,7 +13,8 @@ Three reasons to leave a cut out, each with its proof; a cut that the known tree
   other child. At depth 2 each child's leaves are single, the counts are exact, and this alone tries every tree: what
   HiGHS then proves, it proves about few cuts. It is skipped where it takes more than `MOST_WORK` steps.
 
-None of them knows of leaf sizes, budgets or numbers of splits: these only take trees away, so every bound stays one.
+A child's cut must also be payable beside the root's sensor. Leaf sizes and numbers of splits are not looked at: these
+only take trees away, so every bound stays one.
 """
 
 from dataclasses import dataclass
@@ -77,10 +78,11 @@ def _fix_pairs(admissible: dict[int, Cuts], pairs: "_Pairs", better: float) -> N
     stays = {2: np.zeros(pairs.n_values, dtype=bool), 3: np.zeros(pairs.n_values, dtype=bool)}
     for j, cuts in roots.items():
         kept = []
+        payable = pairs.payable_with(j)
         for cut in cuts:
             is_left = pairs.ranks.ranks[j] <= cut
-            left, most_left = pairs.earned(is_left)
-            right, most_right = pairs.earned(~is_left)
+            left, most_left = pairs.earned(is_left, payable)
+            right, most_right = pairs.earned(~is_left, payable)
             room = pairs.counts.worst + pairs.problem.leaf_penalty - better  # what a better tree must earn more than
             if most_left + most_right > room:
                 kept.append(cut)
@@ -115,8 +117,15 @@ class _Pairs:
         """Where each usable feature begins in the flat array."""
         return dict(zip(self.usable, np.cumsum([0, *self.sizes[:-1]]).tolist(), strict=True))
 
-    def earned(self, rows: NDArray[np.bool_]) -> tuple[NDArray[np.float64], float]:
-        """Return what a child with the samples `rows` earns by each cut, shape (n_values,), and its most in all."""
+    def payable_with(self, j: int) -> NDArray[np.bool_]:
+        """Return the values, shape (n_values,), of the features whose sensor the budget allows beside that of j."""
+        problem, sensor = self.problem, self.problem.sensor_index[self.usable]
+        both = problem.sensor_costs[sensor] + problem.sensor_costs[problem.sensor_index[j]]
+        is_payable = (both <= problem.sensor_limit) | (sensor == problem.sensor_index[j])
+        return np.repeat(is_payable, self.sizes)
+
+    def earned(self, rows: NDArray[np.bool_], payable: NDArray[np.bool_]) -> tuple[NDArray[np.float64], float]:
+        """Return what a child with the samples `rows` earns by each payable cut, shape (n_values,), and its most."""
         n_classes, n_leaves = self.problem.n_classes, 2 ** (self.problem.depth - 2)
         first = np.array(list(self.first.values()))[:, None]
         place = (self.ranks.ranks[self.usable][:, rows].astype(np.int64) + first) * n_classes + self.problem.codes[rows]
@@ -128,5 +137,6 @@ class _Pairs:
         counts = self.counts
         by_cut = counts.earned(left, n_leaves) + counts.earned(total - left, n_leaves) - self.problem.leaf_penalty
         by_cut[np.cumsum(self.sizes) - 1] = -np.inf  # the last value of a feature is no cut
+        by_cut[~payable] = -np.inf
         unsplit = float(counts.earned(total[None, :].astype(np.float64), 1)[0])
         return by_cut, max(unsplit, float(by_cut.max()))
