@@ -61,6 +61,8 @@ def _figures(
         figures[f"partition_{label}"] = _partition(
             data, pick(outcomes, task="axis", label=label, depth=depth, gauge_set="two")
         )
+        best = pick(outcomes, task="two features", label=label, gauge_set="two")
+        figures[f"partition_{label}_two_features"] = _partition(data, best)
     figures["wing"] = wing_picture(wing, used)
     figures["strain"] = strain_picture(wing, simulated, published)
     return figures

@@ -49,7 +49,15 @@ def test_no_method_is_below_the_proven_optimum(results: Path) -> None:
 
 def test_pictures_and_run_record_are_written(results: Path) -> None:
     names = {path.name for path in results.iterdir()}
-    pictures = ("tree_mu1", "tree_mu2", "partition_mu1", "partition_mu2", "wing", "strain")
+    pictures = (
+        "tree_mu1",
+        "tree_mu2",
+        "partition_mu1",
+        "partition_mu2",
+        "partition_mu1_two_features",
+        "wing",
+        "strain",
+    )
     assert {f"{picture}.{kind}" for picture in pictures for kind in ("svg", "png")} <= names
     assert {"table.md", "table.json", "run.json"} <= names
     assert {"versions", "machine", "seed", "commit"} <= set(json.loads((results / "run.json").read_text()))
