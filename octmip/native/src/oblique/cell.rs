@@ -6,7 +6,7 @@
 
 use super::plane::Plane;
 
-/// Room for rounding: coordinates and edges are below 8 and wrong by less than 2^-48 after all the splits of a search.
+/// Room for rounding: coordinates and edges are below 8 and wrong by less than 2^-45 after all the splits of a search.
 pub const EPS: f64 = 1.0 / (1u64 << 42) as f64;
 /// A cell below this size is not split further.
 const TINY: f64 = 1.0 / (1u64 << 34) as f64;

@@ -7,7 +7,7 @@ use super::stump::{Answer, Search};
 use super::view::{Line, View};
 
 /// Strips of a chart that is used once.
-const STRIPS: usize = 16;
+const STRIPS: usize = 8;
 
 /// Find the best leaf or split of `ids` over these charts; exact if below `cutoff`. A move for a local search, too.
 ///
