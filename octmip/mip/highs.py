@@ -221,6 +221,7 @@ def _subscribe(
 
     highs.cbMipInterrupt.subscribe(look)
     highs.cbSimplexInterrupt.subscribe(obey)
+    highs.cbIpmInterrupt.subscribe(obey)
     highs.cbMipImprovingSolution.subscribe(note_incumbent)
     if inject is not None:
         highs.cbMipUserSolution.subscribe(give)
