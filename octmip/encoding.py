@@ -161,13 +161,12 @@ def native_problem(problem: Problem, ranks: Ranks, costs: IntegerCosts) -> _nati
 def _planes(
     problem: Problem,
 ) -> tuple[NDArray[np.float64], int, list[list[int]] | None, int | None] | None:
-    """Return what hyperplane splits need beside the ranks: values (n_features, n_samples) and the limits of a split."""
+    """Return what hyperplane splits need beside the ranks: values (n_samples, n_features) and the limits of a split."""
     if problem.max_split_size == 1:
         return None
     groups = problem.allowed_splits
     members = None if groups is None else [[int(feature) for feature in group] for group in groups]
-    values = np.ascontiguousarray(problem.features.T)
-    return values, problem.max_split_size, members, problem.integer_normals
+    return np.ascontiguousarray(problem.features), problem.max_split_size, members, problem.integer_normals
 
 
 def tree_from_rows(rows: Sequence[NodeRow], ranks: Ranks) -> Node:

@@ -1,12 +1,15 @@
 """Local search: good trees of any depth and either kind of split, without a proof; a thin wrapper of the native core.
 
     minimise  the objective of the Problem
-    by        restarts from randomised greedy trees; at one node after the other, in random order, the best new split
-              with the rest of the tree fixed, a leaf in its place, or one of its children in its place;
-              kicks (another cut, a subtree grown anew) out of local optima, kept when they are no worse
+    by        restarts from greedy trees; at one node after the other, in random order, the best new split with the rest
+              of the tree fixed, a leaf in its place, or one of its children in its place; exact subtrees of up to
+              three levels at the bottom; kicks out of local optima, kept when they are no worse
+    planes    lines of hyperplanes, each swept exactly; logistic fits to what each sample would rather do; all the
+              planes of a subtree made soft and moved together ("melting"); see docs/theory/search.md
 
 Every restart draws from its own random stream, told by the seed and the restart's number, so one seed gives one tree
-for any number of threads unless time runs out. The first restart begins at the greedy tree without chance.
+for any number of threads unless time runs out. The first restart begins at the greedy tree without chance, looks ahead
+with exact subtrees, and is what a hyperplane tree starts from too, so that it is never worse than the axis-aligned one.
 Source: Bertsimas & Dunn (2019), Machine Learning Under a Modern Optimization Lens, ch. 8, for the moves at one node.
 """
 
@@ -25,7 +28,7 @@ from octmip.problem import Problem
 from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop
 from octmip.tree import Leaf, Node, Split, goes_left, midpoint, predict, simplify, without_empty_sides
 
-RESTARTS = 20
+RESTARTS = 8
 KICKS = 20
 
 

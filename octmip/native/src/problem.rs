@@ -46,7 +46,7 @@ pub struct Problem {
 /// What splits over more than one feature need to know.
 #[derive(Debug, Clone)]
 pub struct Planes {
-    /// Feature values, feature-major as the ranks are.
+    /// Feature values, sample-major: feature `f` of sample `i` is `values[i * p + f]`.
     pub values: Vec<f64>,
     /// Most features in one split.
     pub split_size: usize,
@@ -60,6 +60,14 @@ impl Problem {
     /// The ranks of one feature, by sample.
     pub fn feature(&self, f: usize) -> &[u32] {
         &self.ranks[f * self.n..(f + 1) * self.n]
+    }
+
+    /// The feature values of a sample; empty without planes.
+    pub fn row(&self, sample: u32) -> &[f64] {
+        let start = sample as usize * self.p;
+        self.planes
+            .as_ref()
+            .map_or(&[], |planes| &planes.values[start..start + self.p])
     }
 
     /// Cost of predicting class `k` for one unit of weight of class `label`.

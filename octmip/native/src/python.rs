@@ -18,7 +18,7 @@ use crate::tree::{Node, Tree};
 /// One row of the node table: kind, feature, cut, left, right, label, hyperplane terms, hyperplane offset.
 pub type NodeRow = (u8, u32, u32, u32, u32, u32, Vec<(u32, f64)>, f64);
 
-/// What hyperplane splits need: values (p, n), split_size, groups, integer_normals.
+/// What hyperplane splits need: values (n, p), split_size, groups, integer_normals.
 type PlaneArguments<'py> = (
     PyReadonlyArray2<'py, f64>,
     usize,

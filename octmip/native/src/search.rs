@@ -5,9 +5,18 @@
 //! seed gives one tree whatever the number of threads.
 
 mod axis;
+mod blocks;
 mod climb;
+mod ground;
+mod kick;
+mod line;
+mod logistic;
+mod melt;
 mod orders;
+mod plane;
+mod restart;
 mod sensors;
+mod start;
 mod state;
 mod tally;
 mod view;
@@ -17,10 +26,14 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
 use crate::control::{KeepGoing, Limits, Outcome, Progress, Stop};
+use crate::exact::effort::Control;
+use crate::exact::samples::Samples;
 use crate::problem::Problem;
 use crate::tree::Tree;
 
-use climb::{Climber, Ground, greedy_start};
+use climb::Climber;
+use ground::Ground;
+use restart::Start;
 use state::State;
 
 /// How hard to search.
@@ -39,6 +52,9 @@ pub struct Options {
 /// The bound that needs no search: no cost is negative.
 const TRIVIAL_BOUND: i64 = 0;
 
+/// Kicks of the axis-aligned tree that a hyperplane tree must not be worse than.
+const AXIS_KICKS: usize = 10;
+
 /// How often the calling thread looks whether to go on.
 const LOOK: Duration = Duration::from_millis(20);
 
@@ -53,15 +69,16 @@ pub fn search(
     keep_going: KeepGoing,
 ) -> Outcome {
     let ground = Ground::new(problem);
+    let samples = Samples::new(problem);
     let shared = Shared::new(limits);
     let mut found = std::thread::scope(|scope| {
         let (sender, receiver) = channel();
         for _ in 0..options.n_threads.clamp(1, options.n_restarts.max(1)) {
-            let (sender, ground, shared) = (sender.clone(), &ground, &shared);
+            let (sender, ground, samples, shared) = (sender.clone(), &ground, &samples, &shared);
             scope.spawn(move || {
                 while let Some(restart) = shared.next(options.n_restarts) {
                     // The receiver outlives every sender: it is dropped at the end of the scope.
-                    let _ = sender.send(run(ground, shared, options, start, restart));
+                    let _ = sender.send(run(ground, samples, shared, options, start, restart));
                 }
             });
         }
@@ -109,9 +126,10 @@ struct Found {
 
 fn run(
     ground: &Ground,
+    samples: &Samples,
     shared: &Shared,
     options: Options,
-    start: Option<&Tree>,
+    known: Option<&Tree>,
     restart: usize,
 ) -> Found {
     let go_on = || shared.goes_on(restart);
@@ -119,14 +137,22 @@ fn run(
         .seed
         .wrapping_mul(0x9E37_79B9_7F4A_7C15)
         .wrapping_add(restart as u64);
-    let mut climber = Climber::new(ground, seed, &go_on);
-    let mut state = match start {
-        Some(tree) if restart == 0 => State::from_tree(ground.problem, tree),
-        _ => greedy_start(&mut climber, ground, restart - usize::from(start.is_some())),
+    let mut climber = Climber::new(ground, samples, &shared.control, seed, &go_on);
+    let start = match (restart, known) {
+        (0, Some(tree)) => Start::Known(tree),
+        (0, None) | (1, Some(_)) => Start::Greedy,
+        _ => Start::Random,
     };
-    climber.descend(&mut state);
-    let objective = climber.kick_until_stale(&mut state, options.n_kicks);
-    shared.record(restart, objective, climber.n_visits);
+    let state = if !ground.has_planes() {
+        restart::axis(&mut climber, ground, start, options.n_kicks)
+    } else {
+        let is_first = !matches!(start, Start::Random);
+        let floor = is_first.then(|| restart::axis(&mut climber, ground, start, AXIS_KICKS));
+        restart::planes(&mut climber, ground, start, floor, options.n_kicks)
+    };
+    let objective = state.objective(&ground.prices);
+    let is_best = !ground.has_planes() && climber.blocks.has_proven(&state, objective);
+    shared.record(restart, objective, climber.n_visits, is_best);
     Found {
         objective,
         restart,
@@ -139,12 +165,14 @@ struct Shared {
     started: Instant,
     limits: Limits,
     next: AtomicUsize,
-    /// The first restart that reached the trivial bound: later ones need not go on, earlier ones must.
+    /// The first restart that cannot be beaten: later ones need not go on, earlier ones must.
     first_optimal: AtomicUsize,
     objective: AtomicI64,
     n_visits: AtomicU64,
     is_interrupted: AtomicBool,
     is_out_of_time: AtomicBool,
+    /// Tells the exact blocks to give up.
+    control: Control,
 }
 
 impl Shared {
@@ -158,6 +186,7 @@ impl Shared {
             n_visits: AtomicU64::new(0),
             is_interrupted: AtomicBool::new(false),
             is_out_of_time: AtomicBool::new(false),
+            control: Control::new(),
         }
     }
 
@@ -176,10 +205,10 @@ impl Shared {
             && (self.n_visits.load(Ordering::Relaxed) as f64) < self.limits.nodes
     }
 
-    fn record(&self, restart: usize, objective: i64, n_visits: u64) {
+    fn record(&self, restart: usize, objective: i64, n_visits: u64, is_best: bool) {
         self.objective.fetch_min(objective, Ordering::Relaxed);
         self.n_visits.fetch_add(n_visits, Ordering::Relaxed);
-        if objective == TRIVIAL_BOUND {
+        if is_best || objective == TRIVIAL_BOUND {
             self.first_optimal.fetch_min(restart, Ordering::Relaxed);
         }
     }
@@ -193,6 +222,10 @@ impl Shared {
         };
         if !keep_going(progress) {
             self.is_interrupted.store(true, Ordering::Relaxed);
+        }
+        // Exact blocks look at the control alone.
+        if !self.goes_on(0) {
+            self.control.stop();
         }
     }
 

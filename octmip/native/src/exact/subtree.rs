@@ -34,6 +34,8 @@ impl<'a> Subtree<'a> {
         }
         let view = View::subset(self.samples, ids);
         let base: i64 = ids.iter().map(|&i| self.samples.base[i as usize]).sum();
+        // What an earlier call has laid out, for each width of numbers, knows nothing of the samples of this one.
+        self.search = Search::new(self.samples, Switches::default(), self.control, 8);
         self.search.deepen(depth);
         self.search.forget();
         let answer = self
@@ -45,5 +47,58 @@ impl<'a> Subtree<'a> {
         answer
             .best
             .map(|(cost, plan)| (base + cost, plan.tree(self.samples, &view)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::problem::Problem;
+
+    fn problem(n: usize, p: usize) -> Problem {
+        let mut state = 1_u64;
+        let mut next = |most: u32| {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 33) as u32 % most
+        };
+        Problem {
+            n,
+            p,
+            n_classes: 3,
+            ranks: (0..n * p).map(|_| next(40)).collect(),
+            n_ranks: vec![40; p],
+            labels: (0..n).map(|_| next(3)).collect(),
+            weights: vec![1; n],
+            costs: vec![0, 1, 1, 1, 0, 1, 1, 1, 0],
+            penalty: 0,
+            depth: 3,
+            leaf_size: 1,
+            sensor_of_feature: (0..p as u32).collect(),
+            sensor_cost: vec![1.0; p],
+            sensor_limit: f64::INFINITY,
+            allowed: vec![true; p],
+            planes: None,
+        }
+    }
+
+    #[test]
+    fn one_solver_answers_on_other_samples_as_a_new_one_does() {
+        let problem = problem(300, 4);
+        let (samples, control) = (Samples::new(&problem), Control::new());
+        let mut kept = Subtree::new(&samples, &control);
+        let (first, second): (Vec<u32>, Vec<u32>) = ((0..150).collect(), (150..300).collect());
+        for (ids, depth) in [
+            (&first, 3),
+            (&second, 2),
+            (&first, 2),
+            (&second, 3),
+            (&first, 1),
+        ] {
+            let cost = |found: Option<(i64, Tree)>| found.map(|found| found.0);
+            let fresh = Subtree::new(&samples, &control).best(ids, depth, i64::MAX);
+            assert_eq!(cost(kept.best(ids, depth, i64::MAX)), cost(fresh));
+        }
     }
 }

@@ -38,8 +38,7 @@ pub fn best_cut(
         let ranks = problem.feature(f as usize);
         for (k, &j) in node_order.order.iter().enumerate() {
             let (j, i) = (j as usize, view.samples[j as usize]);
-            tally.remove(view.slots[1][j], i);
-            tally.add(view.slots[0][j], i);
+            view.members[j].cross(tally, false);
             let Some(&next) = node_order.order.get(k + 1) else {
                 break;
             };

@@ -1,100 +1,66 @@
-//! One restart: descend by visits to single nodes, then kick, descend where the kick was, keep what is not worse.
+//! Descending: visits to single nodes with the rest of the tree fixed, and exact blocks at the bottom.
 
-use crate::problem::Problem;
+use crate::exact::effort::Control;
+use crate::exact::samples::Samples;
 use crate::search::axis::{Aim, best_cut};
-use crate::search::orders::{NodeOrder, Orders};
-use crate::search::sensors::open_features;
-use crate::search::state::{Rule, State};
-use crate::search::tally::{Prices, Tally, Worth};
+use crate::search::blocks::{Blocks, Mask};
+use crate::search::ground::Ground;
+use crate::search::orders::NodeOrder;
+use crate::search::plane::PlaneAtWork;
+use crate::search::sensors::{Room, paid_features};
+use crate::search::start::{Grower, Soil};
+use crate::search::state::State;
+use crate::search::tally::{Tally, Worth};
 use crate::search::view::View;
-
-/// What all restarts share.
-#[derive(Debug)]
-pub struct Ground<'a> {
-    /// The problem.
-    pub problem: &'a Problem,
-    /// Its gains.
-    pub prices: Prices,
-    /// Its samples in every feature's order.
-    pub orders: Orders,
-}
-
-impl<'a> Ground<'a> {
-    /// Prepare a problem.
-    pub fn new(problem: &'a Problem) -> Self {
-        Self {
-            problem,
-            prices: Prices::new(problem),
-            orders: Orders::new(problem),
-        }
-    }
-}
 
 /// A restart at work.
 pub struct Climber<'a> {
-    ground: &'a Ground<'a>,
-    rng: fastrand::Rng,
-    view: View,
-    tally: Tally<'a>,
+    pub(super) ground: &'a Ground<'a>,
+    pub(super) rng: fastrand::Rng,
+    grower: Grower<'a>,
+    pub(super) view: View,
+    pub(super) tally: Tally<'a>,
     node_order: NodeOrder,
-    keep_going: &'a dyn Fn() -> bool,
+    pub(super) plane: PlaneAtWork<'a>,
+    pub(super) blocks: Blocks<'a>,
+    pub(super) keep_going: &'a dyn Fn() -> bool,
+    /// Whether splits may be tilted; otherwise every move is axis-aligned.
+    pub has_planes: bool,
     /// Nodes visited.
     pub n_visits: u64,
 }
 
-/// Share of the features that a randomised tree may look at in one node.
-const RANDOM_SHARE: f64 = 0.4;
+/// How seldom a hyperplane's place is offered to an axis-aligned cut.
+const CUT_ONE_IN: u32 = 8;
 
 impl<'a> Climber<'a> {
     /// A restart with its own random stream.
-    pub fn new(ground: &'a Ground<'a>, seed: u64, keep_going: &'a dyn Fn() -> bool) -> Self {
+    pub fn new(
+        ground: &'a Ground<'a>,
+        samples: &'a Samples,
+        control: &'a Control,
+        seed: u64,
+        keep_going: &'a dyn Fn() -> bool,
+    ) -> Self {
         Self {
             ground,
             rng: fastrand::Rng::with_seed(seed),
+            grower: Grower::new(ground),
             view: View::default(),
             tally: Tally::new(&ground.prices),
             node_order: NodeOrder::default(),
+            plane: PlaneAtWork::new(ground),
+            blocks: Blocks::new(ground, samples, control),
             keep_going,
+            has_planes: ground.has_planes(),
             n_visits: 0,
         }
     }
 
-    /// Grow leaf `v` into a CART-like tree of at most `levels` levels, each node looking at a share of the features.
-    pub fn grow(&mut self, state: &mut State, v: u32, levels: usize, share: f64) {
-        let mut stack = vec![(v, levels)];
-        while let Some((v, levels)) = stack.pop() {
-            if levels == 0 || !(self.keep_going)() {
-                continue;
-            }
-            let features = self.some(open_features(self.ground.problem, state, v), share);
-            self.view.look(self.ground.problem, state, v);
-            let present = self.view.present(&mut self.tally, 0);
-            if let Some((rule, _)) = self.best_cut(&features, Aim::Purity, present) {
-                let [left, right] = state.split(self.ground.problem, v, rule);
-                stack.extend([(right, levels - 1), (left, levels - 1)]);
-            }
-        }
-    }
-
-    fn some(&mut self, mut features: Vec<u32>, share: f64) -> Vec<u32> {
-        if share < 1.0 && !features.is_empty() {
-            self.rng.shuffle(&mut features);
-            features.truncate(((features.len() as f64 * share).ceil() as usize).max(1));
-        }
-        features
-    }
-
-    fn best_cut(&mut self, features: &[u32], aim: Aim, floor: Worth) -> Option<(Rule, Worth)> {
-        let scratch = (&mut self.tally, &mut self.node_order);
-        best_cut(
-            self.ground.problem,
-            &self.ground.orders,
-            &self.view,
-            features,
-            aim,
-            floor,
-            scratch,
-        )
+    /// Grow leaf `v` greedily.
+    pub fn grow(&mut self, state: &mut State, v: u32, levels: usize, soil: Soil) {
+        self.grower
+            .grow(state, v, levels, soil, &mut self.rng, self.keep_going);
     }
 
     /// Visit all nodes in random order, again and again, until no visit helps.
@@ -109,8 +75,40 @@ impl<'a> Climber<'a> {
         }
     }
 
+    /// Replace the bottom subtrees of up to `levels` levels by exact ones, and descend, until neither helps.
+    pub fn settle(&mut self, state: &mut State, levels: usize) {
+        self.descend(state);
+        while (self.keep_going)() && self.replace_bottom(state, levels) {
+            state.compact();
+            self.descend(state);
+        }
+    }
+
+    fn replace_bottom(&mut self, state: &mut State, levels: usize) -> bool {
+        let mask = paid_features(self.ground.problem, state);
+        let depth = self.ground.problem.depth;
+        let mut helped = false;
+        for v in state.below(0) {
+            let left = state.path(v).map_or(0, |path| depth + 1 - path.len());
+            if (2..=levels).contains(&left) && (self.keep_going)() {
+                self.n_visits += 1;
+                let levels = left.min(self.blocks.deepest(state.samples(v).len()));
+                helped |= self.blocks.replace(state, v, levels, mask.as_deref());
+            }
+        }
+        helped
+    }
+
+    /// The tree of exact blocks of up to `deepest` levels, top down.
+    pub fn look_ahead(&mut self, deepest: usize, mask: Mask) -> State {
+        let mut state = State::leaf(self.ground.problem);
+        self.blocks
+            .look_ahead(&mut state, 0, self.ground.problem.depth, deepest, mask);
+        state
+    }
+
     /// Visit these nodes as far as they are still in the tree; whether any visit helped.
-    fn visit_each(&mut self, state: &mut State, nodes: &[u32]) -> bool {
+    pub(super) fn visit_each(&mut self, state: &mut State, nodes: &[u32]) -> bool {
         let mut helped = false;
         for &v in nodes {
             if !(self.keep_going)() {
@@ -130,20 +128,67 @@ impl<'a> Climber<'a> {
         if is_leaf && level >= self.ground.problem.depth {
             return false;
         }
-        self.view.look(self.ground.problem, state, v);
+        self.view
+            .look(self.ground.problem, &self.ground.prices, state, v);
         if self.remove(state, v) {
             return true;
         }
+        if is_leaf || !self.has_planes || self.rng.u32(..CUT_ONE_IN) == 0 {
+            return self.cut(state, v);
+        }
+        self.tilt(state, v)
+    }
+
+    /// Give `v` its best axis-aligned cut where that is better.
+    fn cut(&mut self, state: &mut State, v: u32) -> bool {
         let price = self.ground.prices.penalty * state.nodes[v as usize].rule.size() as i64;
         let present = self.view.present(&mut self.tally, price);
-        let features = open_features(self.ground.problem, state, v);
-        match self.best_cut(&features, Aim::Gain, present) {
-            Some((rule, _)) => {
-                self.view.apply(self.ground.problem, state, rule);
-                true
-            }
-            None => false,
+        let features = Room::at(self.ground.problem, state, v).axis_features();
+        let scratch = (&mut self.tally, &mut self.node_order);
+        let (problem, orders) = (self.ground.problem, &self.ground.orders);
+        let found = best_cut(
+            problem,
+            orders,
+            &self.view,
+            &features,
+            Aim::Gain,
+            present,
+            scratch,
+        );
+        let helped = found.is_some();
+        if let Some((rule, _)) = found {
+            self.view.apply(self.ground.problem, state, rule);
         }
+        helped
+    }
+
+    /// Turn and shift the plane of `v`; whether that gained. Equals are taken too, so that plateaus are crossed.
+    fn tilt(&mut self, state: &mut State, v: u32) -> bool {
+        let problem = self.ground.problem;
+        let room = Room::at(problem, state, v);
+        self.plane.load(&self.view, &state.nodes[v as usize].rule);
+        let price = self.ground.prices.penalty * state.nodes[v as usize].rule.size() as i64;
+        let present = self.view.present(&mut self.tally, price);
+        loop {
+            let before = self.plane.gain();
+            self.plane.improve(&self.view, &room, &mut self.rng);
+            if self.plane.gain() <= before || !(self.keep_going)() {
+                break;
+            }
+        }
+        if !self.plane.round(&self.view, &mut self.rng) || self.plane.gain() < present.gain {
+            return false;
+        }
+        // Heights were summed up along the way: the plane counts as what its rounded terms do.
+        let rule = self.plane.rule();
+        self.view.fill(&mut self.tally, |j| {
+            rule.goes_left(problem, self.view.samples[j])
+        });
+        let gain = self.tally.total - self.ground.prices.penalty * rule.size() as i64;
+        if gain >= present.gain && self.tally.is_large_enough() && rule.size() > 0 {
+            self.view.apply(problem, state, rule);
+        }
+        gain > present.gain
     }
 
     /// Replace `v` by a leaf or by one of its children where that is better.
@@ -169,7 +214,10 @@ impl<'a> Climber<'a> {
             }
         }
         self.tally.clear(1);
-        self.view.samples.iter().for_each(|&i| self.tally.add(0, i));
+        self.view
+            .members
+            .iter()
+            .for_each(|member| self.tally.add(0, member.weighed));
         let leaf = Worth {
             gain: self.tally.total,
             purity: self.tally.purity(),
@@ -179,66 +227,4 @@ impl<'a> Climber<'a> {
         }
         leaf.beats(&present)
     }
-
-    /// Kick, descend, keep what is not worse, until `n_kicks` kicks in a row have not helped; returns the objective.
-    pub fn kick_until_stale(&mut self, state: &mut State, n_kicks: usize) -> i64 {
-        let mut objective = state.objective(&self.ground.prices);
-        let mut stale = 0;
-        while stale < n_kicks && objective > 0 && (self.keep_going)() {
-            let mut trial = state.clone();
-            self.kick(&mut trial);
-            self.descend(&mut trial);
-            let reached = trial.objective(&self.ground.prices);
-            stale = if reached < objective { 0 } else { stale + 1 };
-            if reached <= objective {
-                objective = reached;
-                *state = trial;
-            }
-        }
-        objective
-    }
-
-    /// Disturb one node: another cut, or its subtree grown anew from a share of the features.
-    fn kick(&mut self, state: &mut State) {
-        let nodes = state.below(0);
-        let v = nodes[self.rng.usize(..nodes.len())];
-        let level = state.path(v).map_or(0, |path| path.len() - 1);
-        if state.is_leaf(v) || self.rng.bool() {
-            state.collapse(v);
-            self.grow(state, v, self.ground.problem.depth - level, RANDOM_SHARE);
-        } else {
-            self.cut_at_random(state, v);
-        }
-        state.compact();
-    }
-
-    /// Give `v` a random cut, where leaves stay large enough.
-    fn cut_at_random(&mut self, state: &mut State, v: u32) {
-        let problem = self.ground.problem;
-        let features = open_features(problem, state, v);
-        self.view.look(problem, state, v);
-        if features.is_empty() || self.view.samples.is_empty() {
-            return;
-        }
-        let feature = features[self.rng.usize(..features.len())];
-        let sample = self.view.samples[self.rng.usize(..self.view.samples.len())];
-        let rule = Rule::Axis {
-            feature,
-            cut: problem.feature(feature as usize)[sample as usize],
-        };
-        self.view.fill(&mut self.tally, |j| {
-            rule.goes_left(problem, self.view.samples[j])
-        });
-        if self.tally.is_large_enough() {
-            self.view.apply(problem, state, rule);
-        }
-    }
-}
-
-/// A restart's start: a greedy tree, the first one over all features and without chance.
-pub fn greedy_start(climber: &mut Climber, ground: &Ground, restart: usize) -> State {
-    let mut state = State::leaf(ground.problem);
-    let share = if restart == 0 { 1.0 } else { RANDOM_SHARE };
-    climber.grow(&mut state, 0, ground.problem.depth, share);
-    state
 }

@@ -1,6 +1,7 @@
 //! A tree at work: nodes in an arena, every leaf holding the samples that reach it.
 
 use crate::problem::Problem;
+use crate::search::sensors::{spent, used_sensors};
 use crate::search::tally::{Prices, Tally};
 use crate::tree::{Node as Row, Tree};
 
@@ -58,18 +59,13 @@ impl Rule {
     }
 }
 
-/// `terms . x` of a sample: products rounded, then added from the first feature to the last. 0 without values.
+/// `terms . x` of a sample: products rounded, then added from the first feature to the last.
 #[inline]
 pub fn project(problem: &Problem, terms: &[(u32, f64)], sample: u32) -> f64 {
-    let values = problem
-        .planes
-        .as_ref()
-        .map_or(&[][..], |planes| &planes.values);
-    let product = |&(f, c): &(u32, f64)| c * values[f as usize * problem.n + sample as usize];
+    let row = problem.row(sample);
     terms
         .iter()
-        .map(product)
-        .fold(0.0, |sum, product| sum + product)
+        .fold(0.0, |sum, &(f, c)| sum + c * row[f as usize])
 }
 
 /// A node of the arena.
@@ -253,6 +249,25 @@ impl State {
             .sum()
     }
 
+    /// Send samples down from `v` anew, after rules at or below it have changed.
+    pub fn pour(&mut self, problem: &Problem, v: u32, samples: Vec<u32>) {
+        for leaf in self.leaves(v) {
+            self.nodes[leaf as usize].samples.clear();
+        }
+        for i in samples {
+            let leaf = self.route(problem, v, i);
+            self.nodes[leaf as usize].samples.push(i);
+        }
+    }
+
+    /// Whether all leaves are large enough and all sensors affordable.
+    pub fn keeps_limits(&self, problem: &Problem) -> bool {
+        let is_large = |&leaf: &u32| self.nodes[leaf as usize].samples.len() >= problem.leaf_size;
+        let is_affordable =
+            || spent(problem, &used_sensors(problem, self, |_| true)) <= problem.sensor_limit;
+        (self.is_leaf(0) || self.leaves(0).iter().all(is_large)) && is_affordable()
+    }
+
     /// Make `v` a leaf with all its samples.
     pub fn collapse(&mut self, v: u32) {
         let samples = self.samples(v);
@@ -311,18 +326,22 @@ impl State {
 
     /// The objective, recounted from the samples in the leaves.
     pub fn objective(&self, prices: &Prices) -> i64 {
+        self.cost_below(prices, 0)
+    }
+
+    /// What the samples at and below `v` cost with the splits there.
+    pub fn cost_below(&self, prices: &Prices, v: u32) -> i64 {
         let mut tally = Tally::new(prices);
-        tally.clear(1);
-        let mut gain = 0;
-        for leaf in self.leaves(0) {
+        let mut cost = prices.penalty * self.complexity(v);
+        for leaf in self.leaves(v) {
             tally.clear(1);
-            self.nodes[leaf as usize]
-                .samples
-                .iter()
-                .for_each(|&i| tally.add(0, i));
-            gain += tally.total;
+            for &i in &self.nodes[leaf as usize].samples {
+                tally.add(0, prices.weighed(i));
+                cost += prices.dearest_of(i);
+            }
+            cost -= tally.total;
         }
-        prices.dearest - gain + prices.penalty * self.complexity(0)
+        cost
     }
 
     /// The finished tree, leaves labelled with their cheapest class (the lowest of equals).
@@ -339,7 +358,9 @@ impl State {
             match &node.rule {
                 Rule::Leaf => {
                     tally.clear(1);
-                    node.samples.iter().for_each(|&i| tally.add(0, i));
+                    node.samples
+                        .iter()
+                        .for_each(|&i| tally.add(0, prices.weighed(i)));
                     Row::Leaf {
                         label: tally.label(0),
                     }

@@ -7,7 +7,7 @@
 
 use crate::problem::Problem;
 
-/// Gains of every class, and what all samples cost at worst.
+/// Gains of every class, and what a sample costs at worst.
 #[derive(Debug)]
 pub struct Prices {
     n_classes: usize,
@@ -18,8 +18,8 @@ pub struct Prices {
     labels: Vec<u32>,
     weights: Vec<i64>,
     leaf_size: u32,
-    /// Sum of all samples' dearest costs.
-    pub dearest: i64,
+    /// Dearest cost of each class of sample.
+    dearest: Vec<i64>,
     /// Price of one feature in one split.
     pub penalty: i64,
 }
@@ -39,7 +39,6 @@ impl Prices {
             .flat_map(|(row, d)| row.iter().map(move |c| d - c))
             .collect();
         let single = gains.chunks(k).map(only_gain).collect();
-        let of_sample = |i: usize| problem.weights[i] * dearest[problem.labels[i] as usize];
         Self {
             n_classes: k,
             gains,
@@ -47,9 +46,55 @@ impl Prices {
             labels: problem.labels.clone(),
             weights: problem.weights.clone(),
             leaf_size: problem.leaf_size as u32,
-            dearest: (0..problem.n).map(of_sample).sum(),
+            dearest,
             penalty: problem.penalty,
         }
+    }
+
+    /// What a sample costs at worst.
+    pub fn dearest_of(&self, sample: u32) -> i64 {
+        self.weights[sample as usize] * self.dearest[self.label(sample)]
+    }
+
+    /// Weight of a sample.
+    pub fn weight(&self, sample: u32) -> i64 {
+        self.weights[sample as usize]
+    }
+
+    /// Gain of predicting `k` for a sample.
+    pub fn gain_of(&self, sample: u32, k: usize) -> i64 {
+        self.weights[sample as usize] * self.gains[self.label(sample) * self.n_classes + k]
+    }
+
+    /// Add a sample's gain of every class, times a factor.
+    pub fn add_gains(&self, sample: u32, factor: f64, gains: &mut [f64]) {
+        let weighed = self.weighed(sample);
+        let factor = factor * weighed.weight as f64;
+        match &self.single {
+            Some(single) => {
+                let (class, gain) = single[weighed.label as usize];
+                gains[class] += factor * gain as f64;
+            }
+            None => {
+                let row = self.row(weighed.label);
+                gains
+                    .iter_mut()
+                    .zip(row)
+                    .for_each(|(sum, &gain)| *sum += factor * gain as f64);
+            }
+        }
+    }
+
+    /// Class and weight of a sample.
+    pub fn weighed(&self, sample: u32) -> Weighed {
+        Weighed {
+            label: self.labels[sample as usize],
+            weight: self.weights[sample as usize],
+        }
+    }
+
+    fn row(&self, label: u32) -> &[i64] {
+        &self.gains[label as usize * self.n_classes..][..self.n_classes]
     }
 
     /// Class of a sample.
@@ -62,6 +107,15 @@ fn only_gain(row: &[i64]) -> Option<(usize, i64)> {
     let mut positive = row.iter().enumerate().filter(|(_, gain)| **gain > 0);
     let first = positive.next().map_or((0, 0), |(k, gain)| (k, *gain));
     positive.next().is_none().then_some(first)
+}
+
+/// What counts of a sample.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Weighed {
+    /// Class.
+    pub label: u32,
+    /// Risk weight.
+    pub weight: i64,
 }
 
 /// How good a placing of samples is: total gain first, then purity, which only breaks ties.
@@ -83,7 +137,7 @@ impl Worth {
 }
 
 /// Gains of the leaves ("slots") below one node.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Tally<'a> {
     prices: &'a Prices,
     gains: Vec<i64>,
@@ -119,32 +173,37 @@ impl<'a> Tally<'a> {
         self.short = 0;
     }
 
+    /// Take over what another tally of the same problem holds, without new memory.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.gains.clone_from(&other.gains);
+        self.best.clone_from(&other.best);
+        self.counts.clone_from(&other.counts);
+        (self.total, self.short) = (other.total, other.short);
+    }
+
     /// Whether every slot that holds samples holds enough of them. An empty one stands for a split that can go.
     pub fn is_large_enough(&self) -> bool {
         self.short == 0
     }
 
+    /// Whether two slots at least hold samples.
+    pub fn has_two_sides(&self) -> bool {
+        self.counts.iter().filter(|count| **count > 0).count() > 1
+    }
+
     /// Put a sample into a slot.
     #[inline]
-    pub fn add(&mut self, slot: u32, sample: u32) {
+    pub fn add(&mut self, slot: u32, sample: Weighed) {
         let (slot, k) = (slot as usize, self.prices.n_classes);
-        let (label, weight) = (
-            self.prices.label(sample),
-            self.prices.weights[sample as usize],
-        );
         let gains = &mut self.gains[slot * k..(slot + 1) * k];
         let before = self.best[slot];
         let best = match &self.prices.single {
             Some(single) => {
-                let (class, gain) = single[label];
-                gains[class] += weight * gain;
+                let (class, gain) = single[sample.label as usize];
+                gains[class] += sample.weight * gain;
                 before.max(gains[class])
             }
-            None => shift(
-                gains,
-                &self.prices.gains[label * k..(label + 1) * k],
-                weight,
-            ),
+            None => shift(gains, self.prices.row(sample.label), sample.weight),
         };
         self.best[slot] = best;
         self.total += best - before;
@@ -157,30 +216,18 @@ impl<'a> Tally<'a> {
 
     /// Take a sample out of a slot.
     #[inline]
-    pub fn remove(&mut self, slot: u32, sample: u32) {
+    pub fn remove(&mut self, slot: u32, sample: Weighed) {
         let (slot, k) = (slot as usize, self.prices.n_classes);
-        let (label, weight) = (
-            self.prices.label(sample),
-            self.prices.weights[sample as usize],
-        );
         let gains = &mut self.gains[slot * k..(slot + 1) * k];
         let before = self.best[slot];
         let best = match &self.prices.single {
             Some(single) => {
-                let (class, gain) = single[label];
+                let (class, gain) = single[sample.label as usize];
                 let was_best = gains[class] == before;
-                gains[class] -= weight * gain;
-                if was_best {
-                    gains.iter().copied().max().unwrap_or(0)
-                } else {
-                    before
-                }
+                gains[class] -= sample.weight * gain;
+                if was_best { largest(gains) } else { before }
             }
-            None => shift(
-                gains,
-                &self.prices.gains[label * k..(label + 1) * k],
-                -weight,
-            ),
+            None => shift(gains, self.prices.row(sample.label), -sample.weight),
         };
         self.best[slot] = best;
         self.total += best - before;
@@ -212,6 +259,11 @@ impl<'a> Tally<'a> {
             .position(|&gain| gain == self.best[slot])
             .unwrap_or(0) as u32
     }
+}
+
+#[inline]
+fn largest(gains: &[i64]) -> i64 {
+    gains.iter().fold(0, |best, &gain| best.max(gain))
 }
 
 fn shift(gains: &mut [i64], row: &[i64], weight: i64) -> i64 {

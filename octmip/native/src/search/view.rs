@@ -6,7 +6,25 @@
 
 use crate::problem::Problem;
 use crate::search::state::{Rule, State};
-use crate::search::tally::{Tally, Worth};
+use crate::search::tally::{Prices, Tally, Weighed, Worth};
+
+/// A sample of the view: the slots that it reaches by way of the left (0) and the right (1) child, and what it counts.
+#[derive(Debug, Clone, Copy)]
+pub struct Member {
+    /// Slots by side.
+    pub slots: [u32; 2],
+    /// Class and weight.
+    pub weighed: Weighed,
+}
+
+impl Member {
+    /// Cross to the other side in a tally.
+    #[inline]
+    pub fn cross(&self, tally: &mut Tally, is_left: bool) {
+        tally.remove(self.slots[usize::from(!is_left)], self.weighed);
+        tally.add(self.slots[usize::from(is_left)], self.weighed);
+    }
+}
 
 /// The samples of a node and where they would go.
 #[derive(Debug, Default)]
@@ -15,8 +33,8 @@ pub struct View {
     pub v: u32,
     /// Its samples, in no particular order; the other arrays follow it.
     pub samples: Vec<u32>,
-    /// Slot reached by way of the left (0) and the right (1) child.
-    pub slots: [Vec<u32>; 2],
+    /// What each is and where it would go.
+    pub members: Vec<Member>,
     /// Whether the sample goes left now.
     pub is_left: Vec<bool>,
     /// The leaf behind each slot; two new ones behind a leaf.
@@ -27,7 +45,7 @@ pub struct View {
 
 impl View {
     /// Look at node `v` of a state.
-    pub fn look(&mut self, problem: &Problem, state: &State, v: u32) {
+    pub fn look(&mut self, problem: &Problem, prices: &Prices, state: &State, v: u32) {
         self.v = v;
         self.is_leaf = state.is_leaf(v);
         self.samples = state.samples(v);
@@ -35,7 +53,12 @@ impl View {
         if self.is_leaf {
             self.leaves = vec![v; 2];
             self.n_left_slots = 1;
-            self.slots = [vec![0; n], vec![1; n]];
+            let member = |&i: &u32| Member {
+                slots: [0, 1],
+                weighed: prices.weighed(i),
+            };
+            self.members.clear();
+            self.members.extend(self.samples.iter().map(member));
             self.is_left = vec![true; n];
             return;
         }
@@ -43,26 +66,33 @@ impl View {
         self.leaves = state.leaves(left);
         self.n_left_slots = self.leaves.len();
         self.leaves.extend(state.leaves(right));
-        self.fill_slots(problem, state, [left, right]);
+        self.fill_members(problem, prices, state, [left, right]);
         let rule = &state.nodes[v as usize].rule;
         self.is_left.clear();
         self.is_left
             .extend(self.samples.iter().map(|&i| rule.goes_left(problem, i)));
     }
 
-    fn fill_slots(&mut self, problem: &Problem, state: &State, children: [u32; 2]) {
+    fn fill_members(
+        &mut self,
+        problem: &Problem,
+        prices: &Prices,
+        state: &State,
+        children: [u32; 2],
+    ) {
         let mut slot_of_node = vec![0; state.nodes.len()];
         for (slot, &leaf) in self.leaves.iter().enumerate() {
             slot_of_node[leaf as usize] = slot as u32;
         }
-        for (slots, child) in self.slots.iter_mut().zip(children) {
-            slots.clear();
-            slots.extend(
-                self.samples
-                    .iter()
-                    .map(|&i| slot_of_node[state.route(problem, child, i) as usize]),
-            );
-        }
+        let member = |&i: &u32| {
+            let slots = children.map(|child| slot_of_node[state.route(problem, child, i) as usize]);
+            Member {
+                slots,
+                weighed: prices.weighed(i),
+            }
+        };
+        self.members.clear();
+        self.members.extend(self.samples.iter().map(member));
     }
 
     /// Number of slots.
@@ -73,8 +103,8 @@ impl View {
     /// Fill a tally with all samples on the sides given by position.
     pub fn fill(&self, tally: &mut Tally, is_left: impl Fn(usize) -> bool) {
         tally.clear(self.n_slots());
-        for (j, &i) in self.samples.iter().enumerate() {
-            tally.add(self.slots[usize::from(!is_left(j))][j], i);
+        for (j, member) in self.members.iter().enumerate() {
+            tally.add(member.slots[usize::from(!is_left(j))], member.weighed);
         }
     }
 
@@ -96,7 +126,7 @@ impl View {
                 .iter()
                 .for_each(|&leaf| state.nodes[leaf as usize].samples.clear());
             for (j, &i) in self.samples.iter().enumerate() {
-                let slot = self.slots[usize::from(!rule.goes_left(problem, i))][j];
+                let slot = self.members[j].slots[usize::from(!rule.goes_left(problem, i))];
                 state.nodes[self.leaves[slot as usize] as usize]
                     .samples
                     .push(i);
@@ -111,8 +141,8 @@ impl View {
         self.leaves
             .iter()
             .for_each(|&leaf| state.nodes[leaf as usize].samples.clear());
-        for (&slot, &i) in self.slots[side].iter().zip(&self.samples) {
-            state.nodes[self.leaves[slot as usize] as usize]
+        for (member, &i) in self.members.iter().zip(&self.samples) {
+            state.nodes[self.leaves[member.slots[side] as usize] as usize]
                 .samples
                 .push(i);
         }

@@ -1,0 +1,146 @@
+//! Exact subtrees as moves: the exact core's best tree of one to three levels on the samples of a node.
+
+use std::collections::HashMap;
+
+use crate::exact::effort::Control;
+use crate::exact::samples::Samples;
+use crate::exact::subtree::Subtree;
+use crate::search::ground::Ground;
+use crate::search::state::{Rule, State};
+use crate::tree::{Node, Tree};
+
+/// Solves the subtrees of one restart.
+pub struct Blocks<'a> {
+    ground: &'a Ground<'a>,
+    control: &'a Control,
+    solver: Subtree<'a>,
+    /// Costs below which no tree lies, by levels, samples and features.
+    proven: HashMap<(usize, u64, Option<Vec<bool>>), i64>,
+}
+
+/// The features that may be read; none: all that the problem allows.
+pub type Mask<'m> = Option<&'m [bool]>;
+
+/// Levels of the deepest block.
+pub const DEEPEST: usize = 3;
+/// Samples x features^2 up to which a block of two and of three levels is worth its time.
+const WORTH_TWO: f64 = 3e7;
+const WORTH_THREE: f64 = 1e6;
+
+impl<'a> Blocks<'a> {
+    /// Blocks of a problem, given up as soon as `control` says stop.
+    pub fn new(ground: &'a Ground<'a>, samples: &'a Samples, control: &'a Control) -> Self {
+        Self {
+            ground,
+            control,
+            solver: Subtree::new(samples, control),
+            proven: HashMap::new(),
+        }
+    }
+
+    /// The deepest block worth its time on so many samples.
+    pub fn deepest(&self, n_samples: usize) -> usize {
+        let work = n_samples as f64 * (self.ground.problem.p as f64).powi(2);
+        match work {
+            _ if work <= WORTH_THREE => DEEPEST,
+            _ if work <= WORTH_TWO => 2,
+            _ => 1,
+        }
+    }
+
+    /// Put the best tree of at most `levels` levels in the place of `v` where it costs less; whether it did.
+    pub fn replace(&mut self, state: &mut State, v: u32, levels: usize, mask: Mask) -> bool {
+        let samples = state.samples(v);
+        let upper = state.cost_below(&self.ground.prices, v);
+        let Some(tree) = self.best(&samples, levels, upper, mask) else {
+            return false;
+        };
+        state.collapse(v);
+        state.graft(self.ground.problem, v, &tree);
+        let now = state.cost_below(&self.ground.prices, v);
+        debug_assert!(
+            now < upper,
+            "an exact tree of {levels} levels costs {now}, not below {upper}"
+        );
+        now < upper
+    }
+
+    /// Grow leaf `v` top down: with r levels left the exact tree of the deepest block allowed, of which the root is kept (all
+    /// of it when it reaches the last level). Leaves that no block improves stay.
+    pub fn look_ahead(
+        &mut self,
+        state: &mut State,
+        v: u32,
+        levels: usize,
+        deepest: usize,
+        mask: Mask,
+    ) {
+        let samples = state.samples(v);
+        let block = levels.min(deepest).min(self.deepest(samples.len()));
+        if levels == 0 || samples.is_empty() {
+            return;
+        }
+        let upper = state.cost_below(&self.ground.prices, v);
+        let Some(tree) = self.best(&samples, block, upper, mask) else {
+            return;
+        };
+        if block == levels {
+            return state.graft(self.ground.problem, v, &tree);
+        }
+        let Node::Split { feature, cut, .. } = tree.nodes[0] else {
+            return;
+        };
+        let [left, right] = state.split(self.ground.problem, v, Rule::Axis { feature, cut });
+        self.look_ahead(state, left, levels - 1, deepest, mask);
+        self.look_ahead(state, right, levels - 1, deepest, mask);
+    }
+
+    /// Whether a block has shown that no tree of the problem costs less.
+    pub fn has_proven(&self, state: &State, cost: i64) -> bool {
+        let key = (
+            self.ground.problem.depth,
+            fingerprint(&state.samples(0)),
+            None,
+        );
+        self.proven.get(&key).is_some_and(|&bound| bound >= cost)
+    }
+
+    /// The best tree below `upper`; none where an earlier call has shown that there is none.
+    fn best(&mut self, samples: &[u32], levels: usize, upper: i64, mask: Mask) -> Option<Tree> {
+        let key = (levels, fingerprint(samples), mask.map(<[bool]>::to_vec));
+        if self.proven.get(&key).is_some_and(|&bound| bound >= upper) {
+            return None;
+        }
+        let found = match mask {
+            None => self.solver.best(samples, levels, upper),
+            Some(mask) => {
+                let mut problem = self.ground.problem.clone();
+                problem
+                    .allowed
+                    .iter_mut()
+                    .zip(mask)
+                    .for_each(|(allowed, open)| *allowed &= open);
+                let encoded = Samples::new(&problem);
+                Subtree::new(&encoded, self.control).best(samples, levels, upper)
+            }
+        };
+        if !self.control.is_stopped() {
+            self.proven
+                .insert(key, found.as_ref().map_or(upper, |found| found.0));
+        }
+        found.map(|(_, tree)| tree)
+    }
+}
+
+/// A number that tells sets of samples apart, whatever their order. Two sets that share it would cost a move, no more.
+fn fingerprint(samples: &[u32]) -> u64 {
+    let mixed = |&i: &u32| {
+        let z = (u64::from(i) + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        let z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB)
+    };
+    samples
+        .iter()
+        .map(mixed)
+        .fold(samples.len() as u64, u64::wrapping_add)
+}

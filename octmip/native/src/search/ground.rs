@@ -1,0 +1,123 @@
+//! What all restarts share, made once.
+
+use crate::problem::Problem;
+use crate::search::orders::Orders;
+use crate::search::state::Rule;
+use crate::search::tally::Prices;
+
+/// A problem prepared for searching.
+#[derive(Debug)]
+pub struct Ground<'a> {
+    /// The problem.
+    pub problem: &'a Problem,
+    /// Its gains.
+    pub prices: Prices,
+    /// Its samples in every feature's order.
+    pub orders: Orders,
+    /// Mean of each feature; empty without planes.
+    pub means: Vec<f64>,
+    /// Standard deviation of each feature, 1 where it is constant; empty without planes.
+    pub deviations: Vec<f64>,
+    /// Values less the mean, by the deviation, sample-major; empty without planes.
+    standardised: Vec<f32>,
+}
+
+impl<'a> Ground<'a> {
+    /// Prepare a problem.
+    pub fn new(problem: &'a Problem) -> Self {
+        let (means, deviations) = moments(problem);
+        let standardised = standardise(problem, &means, &deviations);
+        let (prices, orders) = (Prices::new(problem), Orders::new(problem));
+        Self {
+            problem,
+            prices,
+            orders,
+            means,
+            deviations,
+            standardised,
+        }
+    }
+
+    /// The standardised values of a sample.
+    #[inline]
+    pub fn standardised(&self, sample: u32) -> &[f32] {
+        &self.standardised[sample as usize * self.problem.p..][..self.problem.p]
+    }
+
+    /// A rule's terms and offset; a cut's offset is the largest value of its rank.
+    pub fn plane_of(&self, rule: &Rule) -> (Vec<(u32, f64)>, f64) {
+        match rule {
+            Rule::Leaf => (Vec::new(), 0.0),
+            Rule::Axis { feature, cut } => (vec![(*feature, 1.0)], self.value_at(*feature, *cut)),
+            Rule::Plane { terms, offset } => (terms.clone(), *offset),
+        }
+    }
+
+    fn value_at(&self, feature: u32, rank: u32) -> f64 {
+        let ranks = self.problem.feature(feature as usize);
+        let order = self.orders.of(feature);
+        let at_rank = order.partition_point(|&i| ranks[i as usize] < rank);
+        self.problem.row(order[at_rank])[feature as usize]
+    }
+
+    /// Whether splits may be hyperplanes.
+    pub fn has_planes(&self) -> bool {
+        self.problem.planes.is_some()
+    }
+
+    /// Whether splits may be hyperplanes with real coefficients.
+    pub fn has_real_planes(&self) -> bool {
+        self.problem
+            .planes
+            .as_ref()
+            .is_some_and(|planes| planes.integer_normals.is_none())
+    }
+
+    /// Most features in one split.
+    pub fn split_size(&self) -> usize {
+        self.problem
+            .planes
+            .as_ref()
+            .map_or(1, |planes| planes.split_size.min(self.problem.p))
+    }
+}
+
+fn moments(problem: &Problem) -> (Vec<f64>, Vec<f64>) {
+    if problem.planes.is_none() {
+        return (Vec::new(), Vec::new());
+    }
+    let n = problem.n as f64;
+    let (mut means, mut squares) = (vec![0.0; problem.p], vec![0.0; problem.p]);
+    for i in 0..problem.n as u32 {
+        means
+            .iter_mut()
+            .zip(problem.row(i))
+            .for_each(|(mean, x)| *mean += x / n);
+    }
+    for i in 0..problem.n as u32 {
+        let deviations = problem.row(i).iter().zip(&means).map(|(x, mean)| x - mean);
+        squares
+            .iter_mut()
+            .zip(deviations)
+            .for_each(|(square, d)| *square += d * d / n);
+    }
+    let deviation = |square: f64| {
+        if square > 0.0 && square.is_finite() {
+            square.sqrt()
+        } else {
+            1.0
+        }
+    };
+    (means, squares.into_iter().map(deviation).collect())
+}
+
+fn standardise(problem: &Problem, means: &[f64], deviations: &[f64]) -> Vec<f32> {
+    if problem.planes.is_none() {
+        return Vec::new();
+    }
+    let of_sample = |i: u32| {
+        let terms = problem.row(i).iter().zip(means).zip(deviations);
+        terms.map(|((x, mean), deviation)| ((x - mean) / deviation) as f32)
+    };
+    (0..problem.n as u32).flat_map(of_sample).collect()
+}

@@ -1,0 +1,157 @@
+//! Ridge logistic regression by Newton's method: a direction that parts two groups of samples.
+//!
+//! minimise over (w, b)  sum_j weight_j log(1 + exp(-t_j (w . z_j + b))) + ridge / 2 |w|^2,  t_j = +1 (right) or -1
+//! (left), z the features of the fit standardised over its samples. Source: Hastie, Tibshirani & Friedman (2009), The
+//! Elements of Statistical Learning, sec. 4.4.1 (Newton steps), 3.4.1 (ridge).
+
+use crate::problem::Problem;
+
+/// One sample of a fit: its number, whether it should go right, its weight.
+#[derive(Debug, Clone, Copy)]
+pub struct Pull {
+    /// Sample.
+    pub sample: u32,
+    /// Where it should go.
+    pub goes_right: bool,
+    /// How much that matters.
+    pub weight: f64,
+}
+
+/// Newton steps; more bring nothing, since only the direction is used and the offset is found exactly afterwards.
+const STEPS: usize = 6;
+
+/// Normal over `features` and offset, in the units of the values, or none where nothing can be fitted.
+pub fn fit(
+    problem: &Problem,
+    pulls: &[Pull],
+    features: &[u32],
+    ridge: f64,
+) -> Option<(Vec<f64>, f64)> {
+    let total: f64 = pulls.iter().map(|pull| pull.weight).sum();
+    if total <= 0.0 || features.is_empty() {
+        return None;
+    }
+    let (means, deviations) = moments(problem, pulls, features, total);
+    let q = features.len();
+    let scaled = standardise(problem, pulls, features, &means, &deviations);
+    let mut beta = vec![0.0; q + 1];
+    for _ in 0..STEPS {
+        let (gradient, hessian) = derivatives(pulls, &scaled, &beta, total, ridge);
+        let step = solve(hessian, gradient, q + 1)?;
+        beta.iter_mut().zip(&step).for_each(|(b, s)| *b -= s);
+        if step.iter().all(|s| s.abs() < 1e-3) {
+            break;
+        }
+    }
+    let normal: Vec<f64> = beta[..q]
+        .iter()
+        .zip(&deviations)
+        .map(|(b, s)| b / s)
+        .collect();
+    let offset = normal.iter().zip(&means).map(|(w, m)| w * m).sum::<f64>() - beta[q];
+    let is_usable = normal.iter().all(|w| w.is_finite())
+        && offset.is_finite()
+        && normal.iter().any(|&w| w != 0.0);
+    is_usable.then_some((normal, offset))
+}
+
+fn moments(
+    problem: &Problem,
+    pulls: &[Pull],
+    features: &[u32],
+    total: f64,
+) -> (Vec<f64>, Vec<f64>) {
+    let mut means = vec![0.0; features.len()];
+    let mut squares = vec![0.0; features.len()];
+    for pull in pulls {
+        let row = problem.row(pull.sample);
+        means
+            .iter_mut()
+            .zip(features)
+            .for_each(|(m, &f)| *m += pull.weight * row[f as usize] / total);
+    }
+    for pull in pulls {
+        let row = problem.row(pull.sample);
+        for ((square, mean), &f) in squares.iter_mut().zip(&means).zip(features) {
+            *square += pull.weight * (row[f as usize] - mean).powi(2) / total;
+        }
+    }
+    let deviation = |square: f64| if square > 0.0 { square.sqrt() } else { 1.0 };
+    (means, squares.into_iter().map(deviation).collect())
+}
+
+fn standardise(
+    problem: &Problem,
+    pulls: &[Pull],
+    features: &[u32],
+    means: &[f64],
+    deviations: &[f64],
+) -> Vec<f64> {
+    let mut scaled = Vec::with_capacity(pulls.len() * (features.len() + 1));
+    for pull in pulls {
+        let row = problem.row(pull.sample);
+        let terms = features.iter().zip(means).zip(deviations);
+        scaled.extend(terms.map(|((&f, mean), deviation)| (row[f as usize] - mean) / deviation));
+        scaled.push(1.0);
+    }
+    scaled
+}
+
+/// Gradient and Hessian (row-major, lower triangle) of the loss divided by the total weight.
+fn derivatives(
+    pulls: &[Pull],
+    scaled: &[f64],
+    beta: &[f64],
+    total: f64,
+    ridge: f64,
+) -> (Vec<f64>, Vec<f64>) {
+    let q = beta.len();
+    let (mut gradient, mut hessian) = (vec![0.0; q], vec![0.0; q * q]);
+    for (pull, z) in pulls.iter().zip(scaled.chunks(q)) {
+        let height: f64 = z.iter().zip(beta).map(|(z, b)| z * b).sum();
+        let chance = 1.0 / (1.0 + (-height).exp());
+        let weight = pull.weight / total;
+        let error = weight * (chance - f64::from(u8::from(pull.goes_right)));
+        let curvature = weight * chance * (1.0 - chance);
+        for (a, &za) in z.iter().enumerate() {
+            gradient[a] += error * za;
+            let scaled_a = curvature * za;
+            hessian[a * q..=a * q + a]
+                .iter_mut()
+                .zip(z)
+                .for_each(|(h, zb)| *h += scaled_a * zb);
+        }
+    }
+    for a in 0..q {
+        // A trace of ridge on the intercept too keeps the system solvable when all samples pull one way.
+        let own = if a + 1 < q { ridge } else { 1e-6 };
+        gradient[a] += own * beta[a];
+        hessian[a * q + a] += own;
+    }
+    (gradient, hessian)
+}
+
+/// Solve the symmetric positive definite system by Cholesky; none where it is not positive definite.
+fn solve(mut matrix: Vec<f64>, mut rhs: Vec<f64>, q: usize) -> Option<Vec<f64>> {
+    for a in 0..q {
+        for b in 0..=a {
+            let dot: f64 = (0..b).map(|c| matrix[a * q + c] * matrix[b * q + c]).sum();
+            let rest = matrix[a * q + b] - dot;
+            if a == b && (rest <= 0.0 || !rest.is_finite()) {
+                return None;
+            }
+            matrix[a * q + b] = if a == b {
+                rest.sqrt()
+            } else {
+                rest / matrix[b * q + b]
+            };
+        }
+        let dot: f64 = (0..a).map(|c| matrix[a * q + c] * rhs[c]).sum();
+        rhs[a] = (rhs[a] - dot) / matrix[a * q + a];
+    }
+    for a in (0..q).rev() {
+        let dot: f64 = (a + 1..q).map(|c| matrix[c * q + a] * rhs[c]).sum();
+        rhs[a] = (rhs[a] - dot) / matrix[a * q + a];
+    }
+    Some(rhs)
+}

@@ -1,0 +1,337 @@
+//! The best hyperplane of one node, the rest of the tree fixed: many lines of hyperplanes, one after the other.
+
+mod lean;
+mod shake;
+
+use crate::search::ground::Ground;
+use crate::search::line::{LineScratch, Plane, take_best_step};
+use crate::search::sensors::Room;
+use crate::search::state::{Rule, project};
+use crate::search::tally::Tally;
+use crate::search::view::View;
+
+use shake::normal;
+
+/// A node's plane at work: its view's samples on both sides of it, counted in the tally.
+pub struct PlaneAtWork<'a> {
+    ground: &'a Ground<'a>,
+    plane: Plane,
+    /// Sides counted by slot.
+    pub tally: Tally<'a>,
+    slopes: Vec<f64>,
+    line: LineScratch<'a>,
+    kept: (Plane, Tally<'a>),
+    /// Gain that a line may lose before it is given up.
+    patience: i64,
+}
+
+/// How many random directions one visit tries.
+const RANDOM_DIRECTIONS: usize = 4;
+/// Features that one visit tries one by one.
+const MOST_FEATURES: usize = 24;
+/// Swaps of a feature, and pairs of features, that one visit tries.
+const MOST_SWAPS: usize = 6;
+/// Share of the gain that a line may lose before it is given up, and how seldom it may lose all.
+const PATIENCE: f64 = 0.03;
+const PATIENT_ONE_IN: u32 = 8;
+
+impl<'a> PlaneAtWork<'a> {
+    /// Nothing at work yet.
+    pub fn new(ground: &'a Ground<'a>) -> Self {
+        let tally = Tally::new(&ground.prices);
+        let (line, kept) = (LineScratch::new(&tally), (Plane::default(), tally.clone()));
+        Self {
+            ground,
+            plane: Plane::default(),
+            slopes: Vec::new(),
+            line,
+            kept,
+            tally,
+            patience: 0,
+        }
+    }
+
+    /// Take up the rule of a node that is no leaf.
+    pub fn load(&mut self, view: &View, rule: &Rule) {
+        self.plane.normal.clear();
+        self.plane.normal.resize(self.ground.problem.p, 0.0);
+        match rule {
+            Rule::Leaf => {}
+            Rule::Axis { feature, .. } => {
+                self.plane.normal[*feature as usize] = 1.0;
+                self.plane.offset = self.middle_of_gap(view, *feature as usize);
+            }
+            Rule::Plane { terms, offset } => {
+                terms
+                    .iter()
+                    .for_each(|&(f, c)| self.plane.normal[f as usize] = c);
+                self.plane.offset = *offset;
+            }
+        }
+        self.place(view);
+        self.patience = (PATIENCE * self.tally.total as f64) as i64;
+    }
+
+    fn middle_of_gap(&self, view: &View, f: usize) -> f64 {
+        let values = view.samples.iter().map(|&i| self.ground.problem.row(i)[f]);
+        let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
+        for (value, &is_left) in values.zip(&view.is_left) {
+            if is_left {
+                low = low.max(value)
+            } else {
+                high = high.min(value)
+            }
+        }
+        let middle = low / 2.0 + high / 2.0;
+        if low <= middle && middle < high {
+            middle
+        } else {
+            low
+        }
+    }
+
+    /// Put all samples where normal and offset send them.
+    fn place(&mut self, view: &View) {
+        let (terms, offset) = (self.terms(), self.plane.offset);
+        let height = |&i: &u32| project(self.ground.problem, &terms, i) - offset;
+        self.plane.heights.clear();
+        self.plane.heights.extend(view.samples.iter().map(height));
+        self.plane.is_left.clear();
+        self.plane
+            .is_left
+            .extend(self.plane.heights.iter().map(|&height| height <= 0.0));
+        view.fill(&mut self.tally, |j| self.plane.is_left[j]);
+    }
+
+    fn terms(&self) -> Vec<(u32, f64)> {
+        let all = self.plane.normal.iter().enumerate();
+        all.filter(|(_, c)| **c != 0.0)
+            .map(|(f, &c)| (f as u32, c))
+            .collect()
+    }
+
+    fn support(&self) -> Vec<u32> {
+        self.terms().into_iter().map(|(f, _)| f).collect()
+    }
+
+    /// The rule as it stands.
+    pub fn rule(&self) -> Rule {
+        Rule::Plane {
+            terms: self.terms(),
+            offset: self.plane.offset,
+        }
+    }
+
+    /// Gain of the sides as they stand, less the price of the features.
+    pub fn gain(&self) -> i64 {
+        let size = self.plane.normal.iter().filter(|c| **c != 0.0).count();
+        self.tally.total - self.ground.prices.penalty * size as i64
+    }
+
+    /// Try lines of many kinds in turn; the gain never falls.
+    pub fn improve(&mut self, view: &View, room: &Room, rng: &mut fastrand::Rng) {
+        if rng.bool() {
+            self.lean_on_logistic(view, room, rng);
+        }
+        self.shift(view, rng);
+        let mut features: Vec<u32> = (0..self.ground.problem.p as u32).collect();
+        rng.shuffle(&mut features);
+        features.truncate(MOST_FEATURES);
+        for &f in &features {
+            if room.admits(&self.support_with(f)) {
+                self.turn(view, &[(f, 1.0)], rng);
+            }
+        }
+        for _ in 0..RANDOM_DIRECTIONS {
+            let direction = self.random_direction(room, rng);
+            self.turn(view, &direction, rng);
+        }
+        if self.support().len() >= self.ground.split_size() {
+            features
+                .iter()
+                .take(MOST_SWAPS)
+                .for_each(|&f| self.swap(view, room, f, rng));
+        }
+    }
+
+    /// The features read if `f` were read too.
+    fn support_with(&self, f: u32) -> Vec<u32> {
+        let mut support = self.support();
+        if let Err(position) = support.binary_search(&f) {
+            support.insert(position, f);
+        }
+        support
+    }
+
+    /// Move the offset.
+    fn shift(&mut self, view: &View, rng: &mut fastrand::Rng) {
+        self.slopes.clear();
+        self.slopes.resize(view.samples.len(), -1.0);
+        let step = self.step(view, rng);
+        self.plane.offset += step;
+    }
+
+    /// Turn about the points of the plane where `direction . x` is that of a random sample or of the mean.
+    fn turn(&mut self, view: &View, direction: &[(u32, f64)], rng: &mut fastrand::Rng) {
+        let problem = self.ground.problem;
+        let anchor = if rng.u32(..4) == 0 {
+            direction
+                .iter()
+                .map(|&(f, c)| c * self.ground.means[f as usize])
+                .sum()
+        } else {
+            project(
+                problem,
+                direction,
+                view.samples[rng.usize(..view.samples.len())],
+            )
+        };
+        self.turn_about(view, direction, anchor, rng);
+    }
+
+    fn turn_about(
+        &mut self,
+        view: &View,
+        direction: &[(u32, f64)],
+        anchor: f64,
+        rng: &mut fastrand::Rng,
+    ) {
+        let problem = self.ground.problem;
+        self.slopes.clear();
+        self.slopes.extend(
+            view.samples
+                .iter()
+                .map(|&i| project(problem, direction, i) - anchor),
+        );
+        let grows = direction
+            .iter()
+            .any(|&(f, _)| self.plane.normal[f as usize] == 0.0);
+        let floor = self.gain();
+        if grows && problem.penalty > 0 {
+            self.keep();
+        }
+        let step = self.step(view, rng);
+        if step != 0.0 {
+            direction
+                .iter()
+                .for_each(|&(f, c)| self.plane.normal[f as usize] += step * c);
+            self.plane.offset += step * anchor;
+        }
+        if grows && problem.penalty > 0 && self.gain() < floor {
+            self.go_back();
+        }
+    }
+
+    fn step(&mut self, view: &View, rng: &mut fastrand::Rng) -> f64 {
+        let patience = if rng.u32(..PATIENT_ONE_IN) == 0 {
+            i64::MAX / 2
+        } else {
+            self.patience
+        };
+        let (plane, line) = (&mut self.plane, &mut self.line);
+        take_best_step(
+            view,
+            plane,
+            &self.slopes,
+            &mut self.tally,
+            line,
+            patience,
+            rng,
+        )
+        .unwrap_or(0.0)
+    }
+
+    fn keep(&mut self) {
+        self.kept.0.clone_from(&self.plane);
+        self.kept.1.copy_from(&self.tally);
+    }
+
+    fn go_back(&mut self) {
+        self.plane.clone_from(&self.kept.0);
+        self.tally.copy_from(&self.kept.1);
+    }
+
+    /// Try a plane of its own, offset refined; keep it when it gains no less and leaves stay large enough.
+    fn try_plane(
+        &mut self,
+        view: &View,
+        terms: &[(u32, f64)],
+        offset: f64,
+        rng: &mut fastrand::Rng,
+    ) {
+        self.keep();
+        let floor = self.gain();
+        self.set(terms, offset);
+        self.place(view);
+        if !self.tally.is_large_enough() {
+            return self.go_back();
+        }
+        self.shift(view, rng);
+        if self.gain() < floor {
+            self.go_back();
+        }
+    }
+
+    /// Set normal and offset; `place` must follow.
+    fn set(&mut self, terms: &[(u32, f64)], offset: f64) {
+        self.plane.normal.iter_mut().for_each(|c| *c = 0.0);
+        terms
+            .iter()
+            .for_each(|&(f, c)| self.plane.normal[f as usize] = c);
+        self.plane.offset = offset;
+    }
+
+    /// A random direction over as many features as may be read.
+    fn random_direction(&self, room: &Room, rng: &mut fastrand::Rng) -> Vec<(u32, f64)> {
+        let features = self.some_features(room, rng);
+        features
+            .into_iter()
+            .map(|f| (f, normal(rng) / self.ground.deviations[f as usize]))
+            .collect()
+    }
+
+    /// The features read now, and at random others that may be read beside them.
+    fn some_features(&self, room: &Room, rng: &mut fastrand::Rng) -> Vec<u32> {
+        let mut features = self.support();
+        let first = features.len();
+        features.extend(
+            (0..self.ground.problem.p as u32).filter(|&f| self.plane.normal[f as usize] == 0.0),
+        );
+        rng.shuffle(&mut features[first..]);
+        room.first_admitted(&features, self.ground.split_size())
+    }
+
+    /// Read `f` in the place of one of the features read now.
+    fn swap(&mut self, view: &View, room: &Room, f: u32, rng: &mut fastrand::Rng) {
+        let mut terms = self.terms();
+        if terms.is_empty() || terms.iter().any(|term| term.0 == f) {
+            return;
+        }
+        let (dropped, weight) = terms.swap_remove(rng.usize(..terms.len()));
+        let mut support: Vec<u32> = terms.iter().map(|term| term.0).chain([f]).collect();
+        support.sort_unstable();
+        if !room.admits(&support) {
+            return;
+        }
+        let (scale, deviations) = (weight.abs(), &self.ground.deviations);
+        let other = normal(rng) * scale * deviations[dropped as usize] / deviations[f as usize];
+        let anchor = self
+            .ground
+            .problem
+            .row(view.samples[rng.usize(..view.samples.len())]);
+        let offset =
+            self.plane.offset - weight * anchor[dropped as usize] + other * anchor[f as usize];
+        terms.push((f, other));
+        terms.sort_unstable_by_key(|term| term.0);
+        let (floor, before) = (self.gain(), (self.plane.clone(), self.tally.clone()));
+        self.set(&terms, offset);
+        self.place(view);
+        if self.tally.is_large_enough() {
+            self.turn(view, &[(f, 1.0)], rng);
+            self.shift(view, rng);
+        }
+        if !self.tally.is_large_enough() || self.gain() < floor {
+            (self.plane, self.tally) = before;
+        }
+    }
+}

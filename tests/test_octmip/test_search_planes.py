@@ -1,0 +1,91 @@
+"""Local search over hyperplanes: every limit of the problem holds, and the float rule of the tree decides."""
+
+import math
+
+import numpy as np
+import pytest
+
+from octmip import HyperplaneSplit, Problem, certify
+from octmip.search import local_search
+from octmip.tree import splits
+from tests.strategies import random_problem
+
+
+def hyperplane_problem(rng, **sizes):
+    """Return a random problem with hyperplane splits: sizes, groups and integer normals as they come."""
+    axis = random_problem(rng, **sizes)
+    options = {"split_size": int(rng.integers(2, 5))} if rng.random() < 0.5 else {}
+    if rng.random() < 0.3:
+        options["integer_normals"] = int(rng.integers(1, 8))
+    if rng.random() < 0.3:
+        groups = [np.flatnonzero(rng.random(axis.n_features) < 0.6).tolist() for _ in range(2)]
+        options["allowed_splits"] = [group for group in groups if group] or [[0]]
+    return Problem(
+        axis.features,
+        axis.labels,
+        depth=axis.depth,
+        split="hyperplane",
+        leaf_size=axis.leaf_size,
+        leaf_penalty=axis.leaf_penalty,
+        weights=axis.weights,
+        costs=axis.costs,
+        sensor_of_feature=axis.sensor_of_feature,
+        sensor_cost=axis.sensor_costs.tolist(),
+        sensor_budget=axis.sensor_budget,
+        class_names=axis.class_names,
+        **options,
+    )
+
+
+def test_random_problems_get_feasible_hyperplane_trees_with_true_objectives():
+    rng = np.random.default_rng(11)
+    for seed in range(150):
+        problem = hyperplane_problem(rng, max_samples=40, max_features=5, max_depth=4)
+        certify(problem, local_search(problem, seed=seed, restarts=2, kicks=4))
+
+
+def test_hyperplanes_are_never_worse_than_the_axis_aligned_search():
+    rng = np.random.default_rng(12)
+    for seed in range(10):
+        features, labels = rng.normal(size=(80, 4)), rng.integers(0, 3, 80)
+        options = {"depth": 2, "weights": rng.integers(1, 5, 80).astype(float)}
+        axis = local_search(Problem(features, labels, **options), seed=seed)
+        planes = local_search(Problem(features, labels, split="hyperplane", **options), seed=seed, restarts=2)
+        assert planes.objective <= axis.objective
+
+
+def test_one_hyperplane_separates_what_one_can():
+    rng = np.random.default_rng(13)
+    features = rng.normal(size=(200, 5))
+    labels = features @ [1.0, -2.0, 0.5, 0.0, 3.0] > 0.3
+    solution = local_search(Problem(features, labels, depth=1, split="hyperplane"))
+    assert solution.objective == 0 and solution.is_optimal
+    assert isinstance(solution.tree, HyperplaneSplit)
+
+
+def test_one_seed_is_one_hyperplane_tree_for_any_number_of_threads():
+    rng = np.random.default_rng(14)
+    problem = Problem(rng.normal(size=(150, 4)), rng.integers(0, 3, 150), depth=3, split="hyperplane")
+    alone, together = (local_search(problem, seed=3, restarts=4, kicks=5, n_jobs=n) for n in (1, 3))
+    assert alone.tree == together.tree and alone.objective == together.objective
+
+
+def test_an_incumbent_is_never_lost():
+    rng = np.random.default_rng(15)
+    problem = Problem(rng.normal(size=(100, 4)), rng.integers(0, 3, 100), depth=2, split="hyperplane")
+    known = local_search(problem, seed=1, restarts=3)
+    again = local_search(problem, seed=2, restarts=1, kicks=0, incumbent=known.tree)
+    assert again.objective <= known.objective
+
+
+@pytest.mark.parametrize("most", [1, 3])
+def test_integer_normals_are_integers_within_their_limit(most):
+    rng = np.random.default_rng(16)
+    features = rng.normal(size=(120, 3))
+    labels = features @ [1.0, 1.0, -1.0] > 0.2
+    problem = Problem(features, labels, depth=1, split="hyperplane", integer_normals=most)
+    solution = local_search(problem)
+    assert solution.objective == 0
+    for split in splits(solution.tree):
+        if isinstance(split, HyperplaneSplit):
+            assert all(c == math.floor(c) and abs(c) <= most for c in split.coefficients)
