@@ -88,6 +88,7 @@ impl Search<'_> {
                 k: k_left,
                 positions: &positions,
                 neighbours,
+                target,
             };
             let [left, right] = finder.both(samples, &place, close);
             counted.push(k_left as u32);

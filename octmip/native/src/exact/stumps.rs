@@ -45,7 +45,12 @@ pub struct Place<'a> {
     pub positions: &'a [u32],
     /// The evaluated cuts before and after.
     pub neighbours: [Neighbour; 2],
+    /// Both sides together must cost less for the cut to matter.
+    pub target: i64,
 }
+
+/// A target that no cost reaches: the stumps are wanted exactly.
+pub const NEVER: i64 = i64::MAX;
 
 impl Place<'_> {
     /// Whether a sample is on a side (0 left, 1 right).

@@ -11,7 +11,7 @@ use crate::exact::stumps::doubt::{Candidate, Sides};
 use crate::exact::stumps::groups::Histogram;
 use crate::exact::stumps::sweep::{Lane, STRIDE};
 use crate::exact::stumps::table::{Shape, Table};
-use crate::exact::stumps::{Neighbour, Place, Stump, Stumps, scan::split_gain};
+use crate::exact::stumps::{NEVER, Neighbour, Place, Stump, Stumps, scan::split_gain};
 use crate::exact::view::View;
 
 /// See the module.
@@ -61,6 +61,12 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
             candidates: Vec::new(),
             left: Vec::new(),
         }
+    }
+
+    /// Most buckets of a feature: few where the vector pass is the price, more where walks inside are.
+    fn most_buckets(&self, len: usize) -> usize {
+        let cheap = 256 / (self.groups.len() * self.shape.rows);
+        cheap.max(64).max(2 * len.isqrt())
     }
 
     /// Move the totals of both sides.
@@ -124,7 +130,7 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
             let next = self.candidates.get(index).copied();
             let best = sides.best[side];
             reach[side] = next.map_or(best, |candidate| best.max(candidate.cap));
-            let is_closed = sides.total([0, 1].map(|s| reach[s].max(sides.best[s]))) >= close;
+            let is_closed = sides.is_closed(*reach, place.target, close);
             let Some(candidate) = next.filter(|candidate| candidate.cap > best && !is_closed)
             else {
                 break;
@@ -213,15 +219,14 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
 
 impl<T: Lane, const N: usize, const S: usize> Stumps for Buckets<T, N, S> {
     fn prepare(&mut self, samples: &Samples, view: &View) {
-        let [shared, _] = &mut self.tables;
-        shared.lay(samples, view, self.shape, 8, most_buckets(view.len));
+        let most = self.most_buckets(view.len);
+        self.tables[0].lay(samples, view, self.shape, 8, most);
         if self.groups.len() > 1 && self.skips {
             self.load(samples, view);
             let mut order: Vec<usize> = (0..samples.p).collect();
             order.sort_by_key(|&f| -self.scores[f]);
-            let [shared, _] = &mut self.tables;
-            shared.reorder(order);
-            shared.lay(samples, view, self.shape, 8, most_buckets(view.len));
+            self.tables[0].reorder(order);
+            self.tables[0].lay(samples, view, self.shape, 8, most);
         }
     }
 
@@ -232,7 +237,8 @@ impl<T: Lane, const N: usize, const S: usize> Stumps for Buckets<T, N, S> {
     fn load(&mut self, samples: &Samples, view: &View) -> Stump {
         self.used = usize::from(view.len * 3 < self.tables[0].len || self.tables[0].len == 0);
         if self.used == 1 {
-            self.tables[1].lay(samples, view, self.shape, 6, most_buckets(view.len));
+            let most = self.most_buckets(view.len);
+            self.tables[1].lay(samples, view, self.shape, 6, most);
         }
         self.totals[0].fill(0);
         self.whole.clone_from(&view.totals);
@@ -244,6 +250,7 @@ impl<T: Lane, const N: usize, const S: usize> Stumps for Buckets<T, N, S> {
             f: 0,
             k: 0,
             positions: &[],
+            target: NEVER,
             neighbours: [Neighbour {
                 record: 0,
                 distance: 0,
@@ -372,7 +379,7 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
             let doubt = [0, 1].map(|side| widest[side].0 - sides.best[side]);
             let side = usize::from(doubt[1] > doubt[0]);
             let gains = [0, 1].map(|side| widest[side].0.max(sides.best[side]));
-            if doubt[side] <= 0 || sides.total(gains) >= close {
+            if doubt[side] <= 0 || sides.is_closed(gains, place.target, close) {
                 return;
             }
             let group = widest[side].1;
@@ -382,9 +389,4 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
             self.reaches[first + group][side] = reach[side];
         }
     }
-}
-
-/// Most buckets of a feature: few where a vector pass is the price, more where a walk inside would be.
-fn most_buckets(len: usize) -> usize {
-    64.max(2 * len.isqrt())
 }

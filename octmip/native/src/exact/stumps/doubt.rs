@@ -30,8 +30,16 @@ impl Sides {
         self.mass[side] - self.leaf[side].max(gain - self.penalty)
     }
 
+    /// Whether enough is known when the best stumps gain at most `reach`: their cost is `close` or more; or `target` or
+    /// more, and what is in doubt is small beside what it is above that. Such a cut loses anyway, and the exact
+    /// cost would rule out only few more neighbours.
+    pub fn is_closed(&self, reach: [i64; 2], target: i64, close: i64) -> bool {
+        let lower = self.total([0, 1].map(|side| reach[side].max(self.best[side])));
+        lower >= close || (lower >= target && 4 * (self.total(self.best) - lower) <= lower - target)
+    }
+
     /// Cost of both sides.
-    pub fn total(&self, gains: [i64; 2]) -> i64 {
+    fn total(&self, gains: [i64; 2]) -> i64 {
         self.cost(0, gains[0]) + self.cost(1, gains[1])
     }
 }
