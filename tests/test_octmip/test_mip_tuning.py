@@ -15,7 +15,7 @@ from octmip.mip.oct import solve_oct
 from octmip.mip.tuning import tune
 from octmip.tree import complexity
 from tests.oracles.enumeration import optimum
-from tests.test_octmip.test_mip import blobs, uci
+from tests.test_octmip.test_mip import blobs, stop_at_six, uci
 
 
 @pytest.mark.parametrize("method", ["flow", "oct"])
@@ -74,9 +74,9 @@ def test_validation_samples_of_other_classes_are_refused():
 def test_a_feed_hands_trees_to_highs_while_it_runs():
     best = Split(3, 0.8, Leaf(0), Split(3, 1.75, Leaf(1), Leaf(2)))
     with Feed(lambda turn: best, most_turns=1) as feed:
-        solution = solve_oct(
-            uci("iris", depth=2), limits=Limits(seconds=3), incumbent=Split(0, 5.5, Leaf(0), Leaf(2)), inject=feed
-        )
+        poor = Split(0, 5.5, Leaf(0), Leaf(2))
+        limits = Limits(seconds=120)
+        solution = solve_oct(uci("iris", depth=2), limits=limits, incumbent=poor, inject=feed, progress=stop_at_six)
     assert solution.objective == 6
 
 
