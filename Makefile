@@ -5,10 +5,14 @@ BIN := $(VENV)/bin
 NATIVE := $(shell find octmip/native/src octmip/native/Cargo.toml -type f)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: uav test lint tools benchmarks clean
+.PHONY: uav blind test lint tools benchmarks clean
 
 uav: $(VENV)/.installed
 	@$(BIN)/python -m benchmarks.uav $(if $(STRAINS),--strains $(STRAINS)) $(ARGS)
+
+# Sealed cases, diagnosed without their keys, then scored: make blind ARGS="--cases 600 --seed 7 --out blind"
+blind: $(VENV)/.installed
+	@$(BIN)/python -m benchmarks.blind $(ARGS)
 
 test: $(VENV)/.installed-test lint
 	cd octmip/native && cargo test --release --quiet

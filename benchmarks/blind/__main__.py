@@ -13,6 +13,7 @@ from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 from benchmarks.blind.answers import answer, group_lasso, write
+from benchmarks.blind.asset import REFINEMENT
 from benchmarks.blind.cases import seal
 from benchmarks.blind.guards import guards
 from benchmarks.blind.score import figures, open_keys, strata
@@ -36,23 +37,24 @@ def main():
         print(run(folder, seed, options.cases, options.jobs, options.without, options.lasso))
 
 
-def run(folder, seed, count, jobs, without, n_lasso):
+def run(folder, seed, count, jobs, without, n_lasso, asset_mesh=REFINEMENT, twin_mesh=1.0):
     """Seal, diagnose, open, score; return the tables in Markdown."""
     folder.mkdir(parents=True, exist_ok=True)
-    keys = folder.parent / f"{folder.name}.keys.json"
+    keys = folder.resolve().parent / f"{folder.name}.keys.json"
     start = time.time()
-    seal(folder, keys, seed, count)
+    seal(folder, keys, seed, count, asset_mesh)
     sealed = time.time()
     names = sorted(path.stem for path in (folder / "campaigns").glob("*.csv"))
-    tasks = [(folder, name, True) for name in names]
-    tasks += [(folder, name, False) for name in names[: round(without * len(names))]]
+    tasks = [(folder, name, True, twin_mesh) for name in names]
+    tasks += [(folder, name, False, twin_mesh) for name in names[: round(without * len(names))]]
+    lassos = [(folder, name, twin_mesh) for name in names[:n_lasso]]
     if jobs > 1:
         with ProcessPoolExecutor(jobs) as pool:
             found = list(pool.map(answer, *zip(*tasks, strict=True), chunksize=4))
-            lasso = dict(zip(names[:n_lasso], pool.map(group_lasso, [folder] * n_lasso, names[:n_lasso]), strict=False))
+            lasso = dict(zip(names[:n_lasso], pool.map(group_lasso, *zip(*lassos, strict=True)), strict=False))
     else:
         found = [answer(*task) for task in tasks]
-        lasso = {name: group_lasso(folder, name) for name in names[:n_lasso]}
+        lasso = {task[1]: group_lasso(*task) for task in lassos}
     write(folder / "diagnoses.jsonl", found)
     done = time.time()
     answers = open_keys(folder, keys)

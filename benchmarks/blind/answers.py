@@ -6,26 +6,27 @@ from pathlib import Path
 
 import numpy as np
 
+from femlib.wing import WingTwin, uav_wing
+from femlib.wing.effects import wing_effects
 from octmip.gap import diagnose, read_campaign
 from octmip.gap.memory import Memory
 from octmip.gap.words import as_object
 
 HELD_LOAD = 2.5
-_twin: list = []
+_twins: dict = {}
 
 
-def twin():
+def twin(refinement=1.0):
     """Return this process's twin, made once; its memory serves all cases."""
-    if not _twin:
-        from femlib.wing import uav_twin
+    if refinement not in _twins:
+        wing = uav_wing(refinement=refinement)
+        _twins[refinement] = Memory(WingTwin(wing, wing_effects(wing)))
+    return _twins[refinement]
 
-        _twin.append(Memory(uav_twin()))
-    return _twin[0]
 
-
-def answer(folder: Path, name: str, is_calibrated: bool):
+def answer(folder: Path, name: str, is_calibrated: bool, refinement: float):
     """Diagnose one campaign and return what the scorer may see."""
-    model = twin()
+    model = twin(refinement)
     campaign = read_campaign(folder / "campaigns" / f"{name}.csv", model)
     run = read_campaign(folder / "commissioning.csv", model) if is_calibrated else None
     start = time.process_time()
@@ -84,11 +85,11 @@ def _features(diagnosis):
     return [*at_rest, *loaded]
 
 
-def group_lasso(folder: Path, name: str):
+def group_lasso(folder: Path, name: str, refinement: float):
     """Return the effect that a group lasso keeps longest (cvxpy, columns in units of the prior sd), or "" for none."""
     import cvxpy as cp
 
-    model = twin()
+    model = twin(refinement)
     campaign = read_campaign(folder / "campaigns" / f"{name}.csv", model)
     scene = diagnose(campaign, model, commissioning=read_campaign(folder / "commissioning.csv", model)).posterior.scene
     prior = scene.setting.priors

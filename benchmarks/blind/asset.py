@@ -93,11 +93,10 @@ class Asset:
         return thermal_load(shells, warming * scale, np.zeros(len(warming)))
 
     def _lift_distribution(self, name, state):
-        """More lift outboard: the ellipse and a part that follows sin(3 theta), as twist and a vortex lattice give."""
+        """More lift outboard: a part that grows with the square of the span and drops at the tip, as twist gives."""
         lift = self.wing.lift.reshape(-1, DOFS_PER_NODE)[:, 2]
         eta = self.wing.structure.shells.mesh.nodes[:, 1] / self.wing.span
-        theta = np.arccos(np.clip(eta, 0.0, 1.0))
-        shape = -lift * np.sin(3 * theta) / np.maximum(np.sin(theta), 1e-6)
+        shape = lift * eta**2 * (1.0 - 0.5 * eta**6)
         shape -= lift * shape.sum() / lift.sum()
         force = np.zeros((len(lift), DOFS_PER_NODE))
         force[:, 2] = shape * (0.01 * (lift @ eta) / (shape @ eta))

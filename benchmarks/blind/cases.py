@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.blind.asset import PARAMETERS, STATES, Asset
+from benchmarks.blind.asset import PARAMETERS, REFINEMENT, STATES, Asset
 from benchmarks.blind.truths import SINGLES, Truth, change, draw, draw_outside, parts
 
 REPEATS, VARIANCE, INTERVAL = 50, 1000.0, 6.0
@@ -111,9 +111,9 @@ def write_campaign(path, case, asset, seed):
                     writer.writerow([f"T{number}", f"{load:g}", *told, f"{time:g}", *(f"{v:.1f}" for v in reading)])
 
 
-def seal(folder: Path, keys: Path, seed: int, count: int):
+def seal(folder: Path, keys: Path, seed: int, count: int, refinement: float = REFINEMENT):
     """Write campaigns and seals to `folder`, the answers to `keys`: a diagnosis reads the folder alone."""
-    asset = Asset(seed)
+    asset = Asset(seed, refinement)
     (folder / "campaigns").mkdir(parents=True)
     healthy = Case("commissioning", "none", (), (STATES[0],), True, ALL_LOADS, "white")
     write_campaign(folder / "commissioning.csv", healthy, asset, seed)

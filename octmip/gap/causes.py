@@ -16,12 +16,17 @@ from octmip.gap.ambiguity import SEPARABLE, Rival, rivals, tied_columns, visibil
 from octmip.gap.evidence import Fit
 from octmip.gap.library import SCALES
 from octmip.gap.posterior import Judged, Posterior
+from octmip.gap.shrinkage import Shrinkage, chance_of_rest
 
 UNKNOWN = "unknown"
 """Name of the cause that no effect of the library describes."""
 CREDIBLE = 0.95
 """Probability that the causes which are told hold together."""
 MOST_CAUSES = 12
+MISFIT = 1e-3
+"""Chance of the remaining chi-squared below which the best cause does not explain the readings."""
+EXPLAINED = 0.8
+"""Share of the held-out gap beyond which a cause stands although something smaller remains."""
 IDLE = 1e-4
 """Probability below which a hypothesis is not searched for idle members."""
 TOLD = 3
@@ -72,13 +77,12 @@ class Cause:
     """One explanation of the gap.
 
     Attributes:
-        effects: names; empty when no effect is needed, ("unknown",) when the library does not hold it.
-        probability: of this explanation, ties included.
-        parameters: sizes of its effects.
-        ties: for every effect that has rivals.
-        is_clear: whether every effect of it stands d' = 3 clear of the noise; else its name means little.
-        is_prior_sensitive: whether another cause would lead with all priors three times narrower or wider.
-        judged: the hypothesis that gives it its name.
+        effects: names, each once (two places of one effect are two parameters); empty when no effect is needed,
+            ("unknown",) when the library does not hold it.
+        ("unknown",) when the library does not hold it. probability: of this explanation, ties included. parameters:
+        sizes of its effects. ties: for every effect that has rivals. is_clear: whether every effect of it stands d' =
+        3 clear of the noise; else its name means little. is_prior_sensitive: whether another cause would lead with
+        all priors three times narrower or wider. judged: the hypothesis that gives it its name.
     """
 
     effects: tuple[str, ...]
@@ -145,6 +149,26 @@ def clear_members(judged: Judged) -> tuple[int, ...]:
     return tuple(j for j in judged.members if visibility(judged.scene, own, j) >= SEPARABLE)
 
 
+def with_misfit(
+    found: tuple[Cause, ...], best: Cause | None, closing: Shrinkage | None, unknown_probability: float
+) -> tuple[tuple[Cause, ...], float]:
+    """Return the causes and the unknown's probability once the best cause has had to fit in absolute terms.
+
+    Evidence only compares: the best of a library that lacks the truth is still the best. Where the chance of what the
+    best cause leaves is below `MISFIT` and it does not close most of the gap on held-out readings, all causes of the
+    library lose in proportion to that chance, and the unknown gains what they lose.
+    """
+    if best is None:
+        return found, unknown_probability
+    chance = closing.p_after if closing is not None else chance_of_rest(best.judged.scene, ())
+    if chance >= MISFIT or (closing is not None and closing.closed > EXPLAINED):
+        return found, unknown_probability
+    kept = chance / MISFIT
+    strange = 1.0 - (1.0 - unknown_probability) * kept
+    others = tuple(replace(c, probability=c.probability * kept) for c in found if UNKNOWN not in c.effects)
+    return (Cause((UNKNOWN,), strange, (), (), True, False, best.judged), *others), strange
+
+
 def credible_set(found: Sequence[Cause]) -> tuple[Cause, ...]:
     """Return the fewest causes that hold `CREDIBLE` of the probability."""
     kept: list[Cause] = []
@@ -166,9 +190,9 @@ def _is_same(head: Judged, tied: Sequence[set[int]], other: Judged) -> bool:
 def _cause(head: Judged, own: Fit, probability: float, before: Sequence[Cause]) -> Cause:
     columns = head.scene.setting.columns
     if head.has_unknown:
-        extra = tuple(columns[j].name for j in head.members)
+        extra = tuple(dict.fromkeys(columns[j].name for j in head.members))
         return Cause((*extra, UNKNOWN), probability, _parameters(head, own), (), True, False, head)
-    effects = tuple(columns[j].name for j in head.members)
+    effects = tuple(dict.fromkeys(columns[j].name for j in head.members))
     clear = all(visibility(head.scene, own, j) >= SEPARABLE for j in head.members)
     ties = [_tie(head, j, rivals(head.scene, own, j)) for j in head.members] if clear else []
     return Cause(effects, probability, _parameters(head, own), tuple(t for t in ties if t), clear, False, head)

@@ -11,7 +11,7 @@ from octmip.errors import DataError
 from octmip.gap.ambiguity import ABSURD, detectable
 from octmip.gap.augment import Addition, AugmentedTwin
 from octmip.gap.campaign import Campaign
-from octmip.gap.causes import UNKNOWN, Cause, Tie, cleared, credible_set, tell_causes
+from octmip.gap.causes import UNKNOWN, Cause, Tie, cleared, credible_set, tell_causes, with_misfit
 from octmip.gap.discrepancy import Discrepancy, calibrated, uncalibrated
 from octmip.gap.effects import CHAIN
 from octmip.gap.library import library_columns, priors
@@ -54,7 +54,7 @@ class Diagnosis:
     Attributes:
         where: the gap by gauge, load, test and tree node.
         which: causes, most probable first.
-        shrinkage: how far the first cause closes the gap (None when it names no effect).
+        shrinkage: how far the first cause of the library closes the gap (None when it names no effect).
         next_test: tests worth running, best value first; empty when little doubt is left.
         noise: what the repeats say.
         inclusion: probability of every effect to be among the causes.
@@ -148,10 +148,11 @@ def _diagnose(
     posterior = attribute(setting)
     which = tell_causes(posterior)
     scene = posterior.scene
-    named = which[0].effects if which else ()
+    library_cause = next((cause for cause in which if UNKNOWN not in cause.effects), None)
     closing = None
-    if named and UNKNOWN not in named:
-        closing = measure_shrinkage(which[0].judged.scene, which[0].judged.members)
+    if library_cause is not None and library_cause.effects:
+        closing = measure_shrinkage(library_cause.judged.scene, library_cause.judged.members)
+    which, strange = with_misfit(which, library_cause, closing, posterior.unknown_probability)
     nodes = flips(scene, tree, feature_names) if tree is not None else ()
     sizes = detectable(scene)
     return Diagnosis(
@@ -161,7 +162,7 @@ def _diagnose(
         next_test=next_tests(scene, cleared(posterior.judged)),
         noise=setting.noise,
         inclusion=posterior.inclusion(),
-        unknown_probability=posterior.unknown_probability,
+        unknown_probability=strange,
         detectable=sizes,
         refused=_refused(which, scene, sizes),
         states=_states(which),

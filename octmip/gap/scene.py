@@ -33,7 +33,7 @@ OPEN_STATE = 0.5
 """Sd of an unknown damage about its point of linearisation: wide, so that the readings decide."""
 STEP = 0.01
 """Step of the damage tangents."""
-LATTICE = 0.1
+LATTICE = 0.2
 """Signatures of structural effects are taken at the nearest state of this lattice: they change slowly with damage."""
 OWN_STATE = 0.7
 """Share of the damage nugget's sd that is common to all states of one gauge; the rest is each state's own."""

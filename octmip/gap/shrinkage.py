@@ -83,9 +83,8 @@ def measure_shrinkage(scene: Scene, members: Sequence[int], seed: int = 0) -> Sh
     before = np.concatenate([left[0] for _, _, left in parts]) if parts else np.zeros(0)
     after = np.concatenate([left[1] for _, _, left in parts]) if parts else np.zeros(0)
     closed, low, high = _closed(before, after, noise[rows], floor[rows], np.random.default_rng(seed))
-    whole = fit(scene, index)
     squared = float(scene.white_residual @ scene.white_residual)
-    remaining = scene.white_residual - scene.white[:, index] @ whole.size
+    remaining = scene.white_residual - scene.white[:, index] @ fit(scene, index).size
     left_over = float(remaining @ remaining)
     return Shrinkage(
         _rms(before, noise[rows]),
@@ -97,8 +96,15 @@ def measure_shrinkage(scene: Scene, members: Sequence[int], seed: int = 0) -> Sh
         tuple(held),
         squared / scene.n,
         left_over / scene.n,
-        float(chi2.sf(left_over, max(1, scene.n - len(index) - scene.tangents.shape[1]))),
+        chance_of_rest(scene, index),
     )
+
+
+def chance_of_rest(scene: Scene, members: Sequence[int]) -> float:
+    """Return the chance of a chi-squared as large as what the columns `members` leave of the readings."""
+    index = list(members)
+    left = scene.white_residual - scene.white[:, index] @ fit(scene, index).size
+    return float(chi2.sf(float(left @ left), max(1, scene.n - len(index))))
 
 
 def _folds(scene: Scene) -> list[tuple[str, NDArray[np.int64]]]:

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from octmip.gap.causes import UNKNOWN, Cause, Parameter
+from octmip.gap.causes import MISFIT, UNKNOWN, Cause, Parameter
 from octmip.gap.diagnosis import Diagnosis
 from octmip.gap.location import Place
 
@@ -36,9 +36,13 @@ def verdict(diagnosis: Diagnosis) -> str:
     if diagnosis.is_sound:
         return f"Sound: the twin explains these readings without any further effect (probability {chance})."
     if UNKNOWN in first.effects:
+        best = next((c for c in diagnosis.which if c.effects and UNKNOWN not in c.effects), None)
+        tried = (
+            f" The best that the library offers, {cause_words(best)}, does not explain the readings." if best else ""
+        )
         return (
             f"Unexplained: something outside the library acts (probability {percent(diagnosis.unknown_probability)}); "
-            f"it looks like {diagnosis.posterior.unknown.words}."
+            f"it looks like {diagnosis.posterior.unknown.words}.{tried}"
         )
     return f"The twin lacks {cause_words(first)} (probability {chance})."
 
@@ -137,6 +141,8 @@ def _how_far(diagnosis: Diagnosis) -> list[str]:
         f"{percent(s.closed)} of the squared gap closed (90 % {percent(s.low)} to {percent(s.high)}).",
         f"Chi-squared per reading {s.chi2_before:.2f} -> {s.chi2_after:.2f} (chance of what remains {s.p_after:.2g}).",
     ]
+    if s.p_after < MISFIT:
+        lines.append("Something that no cause of the library describes remains in the readings.")
     lines += [f"{h.name} held out: {h.before:.1f} -> {h.after:.1f} microstrain" for h in s.held_out]
     return lines
 

@@ -5,7 +5,7 @@ changes little with damage elsewhere, and one factorisation serves all zones).
 """
 
 from collections.abc import Mapping
-from itertools import pairwise
+from itertools import pairwise, product
 
 import numpy as np
 
@@ -14,8 +14,10 @@ from femlib.wing.effects.card import WingEffect
 from femlib.wing.effects.response import Response
 from femlib.wing.model import Wing
 
-SPAN_EDGES = np.linspace(0.12, 0.84, 13)
-"""Edges of the zones along the span: local traces need zones as fine as the gauges lie."""
+SPAN_CENTRES = np.linspace(0.15, 0.84, 24)
+"""Centres of the zones along the span: a local trace needs zones as fine as the gauges lie, and overlapping."""
+SPAN_WIDTHS = (0.06, 0.12)
+"""Widths of the zones, span fractions."""
 CHORD_EDGES = (0.0, 0.3, 0.55, 1.0)
 
 
@@ -63,7 +65,8 @@ def damage_zones(wing: Wing) -> dict[str, BoolArray]:
     chord = _chord_fractions(wing, centre)
     patches = {name: mesh.patch_of_element == mesh.patches.index(name) for name in ("top", "bottom", "web")}
     zones = {}
-    for inner, outer in pairwise(SPAN_EDGES.tolist()):
+    for centre_eta, width in product(SPAN_CENTRES.tolist(), SPAN_WIDTHS):
+        inner, outer = centre_eta - 0.5 * width, centre_eta + 0.5 * width
         along = (eta >= inner) & (eta < outer)
         where = f"eta {inner:.2f}-{outer:.2f}"
         zones[f"web {where}"] = patches["web"] & along

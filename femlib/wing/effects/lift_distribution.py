@@ -1,10 +1,13 @@
 """Lift distribution: the same total lift, carried further outboard than the ellipse.
 
-Two shapes, both without change of the total: a shift linear along the span, and one that grows toward the tip
-(cubic). The size is the change of the bending moment at the root.
+Three shapes, all without change of the total: a shift linear along the span, one that grows toward the tip (cubic),
+and the third harmonic of the lifting line. The size is the change of the bending moment at the root. Source: H.
+Glauert, The Elements of Aerofoil and Airscrew Theory (1926), chapter 11 (the lift's Fourier series).
 """
 
 from collections.abc import Mapping
+
+import numpy as np
 
 from femlib.arrays import FloatArray
 from femlib.wing.effects.card import WingEffect
@@ -16,7 +19,12 @@ def effect(response: Response) -> WingEffect:
     """Return the effect."""
     wing = response.wing
     eta = wing.structure.shells.mesh.nodes[:, 1] / wing.span
-    shapes = {"linear": moved_lift(wing, eta), "toward the tip": moved_lift(wing, eta**3)}
+    theta = np.arccos(np.clip(eta, 0.0, 1.0))
+    shapes = {
+        "linear": moved_lift(wing, eta),
+        "toward the tip": moved_lift(wing, eta**3),
+        "third harmonic": moved_lift(wing, np.sin(3.0 * theta) / np.maximum(np.sin(theta), 1e-6)),
+    }
     root = moment(wing, wing.lift, eta)
     shapes = {name: shape * (0.01 * root / moment(wing, shape, eta)) for name, shape in shapes.items()}
 

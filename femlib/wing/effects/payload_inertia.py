@@ -10,7 +10,7 @@ from femlib.wing.effects.card import WingEffect
 from femlib.wing.effects.response import Response
 from femlib.wing.loads import GRAVITY
 
-STATIONS = (0.35, 0.5, 0.65, 0.8, 0.95)
+STATIONS = tuple(float(eta) for eta in np.linspace(0.3, 1.0, 15).round(2))
 """Span fractions at which the mass may sit, on the spar."""
 
 
