@@ -48,6 +48,8 @@ def main() -> None:
         shown.append({"case": options.name, **line, **_context()})
         for file in filter(None, (sys.stdout, out)):
             print(json.dumps(shown[-1]), file=file, flush=True)
+    if options.picture:
+        module.picture(shown, Path(options.picture))
     if hasattr(module, "summary"):
         print(module.summary(shown), file=sys.stderr)
 
@@ -60,6 +62,7 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--only", default="", help="only cases named so (a regular expression on 'size, seed')")
     parser.add_argument("--solvers", default="", help="only these solvers, such as octmip,pycontree")
     parser.add_argument("--out", help="append the lines to this file")
+    parser.add_argument("--picture", help="draw the lines into this file, for families that have a picture")
     parser.add_argument("--solver", help=argparse.SUPPRESS)
     parser.add_argument("--child", help=argparse.SUPPRESS)  # the case, pickled: listing a family can take longer
     return parser.parse_args()

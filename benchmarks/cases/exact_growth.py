@@ -4,9 +4,12 @@ import math
 import resource
 import time
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib import rc_context
+from matplotlib.figure import Figure
 
 from octmip.exact import branch_and_bound
 from octmip.problem import Problem
@@ -61,6 +64,30 @@ def exponent(lines: Sequence[dict[str, Any]], over: str, depth: int) -> float:
         return math.nan
     logs = np.log([[line[key], max(line["cpu_seconds"], 1e-6)] for line in chosen])
     return float(np.polyfit(logs[:, 0], logs[:, 1], 1)[0])
+
+
+def picture(lines: Sequence[dict[str, Any]], path: Path) -> None:
+    """Draw CPU seconds against samples and against features, both axes logarithmic, with the fitted lines."""
+    figure = Figure(figsize=(9, 3.6), layout="constrained")
+    for axes, over, key in zip(figure.subplots(1, 2), ("samples", "features"), ("n", "p"), strict=True):
+        for depth, colour in ((2, "tab:blue"), (3, "tab:orange")):
+            chosen = [
+                line for line in lines if (line["over"], line["depth"], line["outcome"]) == (over, depth, "proven")
+            ]
+            sizes = np.array([line[key] for line in chosen], dtype=float)
+            seconds = np.array([line["cpu_seconds"] for line in chosen])
+            power = exponent(lines, over, depth)
+            fitted = np.exp(np.mean(np.log(seconds)) + power * (np.log(sizes) - np.mean(np.log(sizes))))
+            axes.plot(sizes, seconds, "o", color=colour)
+            axes.plot(sizes, fitted, color=colour, label=f"depth {depth}: {over}^{power:.2f}")
+        axes.set(xscale="log", yscale="log", xlabel=over, ylabel="CPU seconds to proven optimality")
+        places = SAMPLES if over == "samples" else FEATURES
+        axes.set_xticks(places, [f"{place:,}" for place in places], rotation=30)
+        axes.minorticks_off()
+        axes.grid(alpha=0.3)
+        axes.legend()
+    with rc_context({"svg.fonttype": "none"}):
+        figure.savefig(path)
 
 
 def summary(lines: Sequence[dict[str, Any]]) -> str:

@@ -9,7 +9,7 @@ from benchmarks.tables import race_table
 from octmip.problem import Problem
 
 SEEDS = (0, 1, 2)
-SOLVERS = ("octmip", "pycontree")
+SOLVERS = ("octmip", "octmip-core", "pycontree")
 
 
 def cases() -> Iterator[Case]:

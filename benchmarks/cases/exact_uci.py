@@ -17,7 +17,12 @@ def cases() -> Iterator[Case]:
     for depth in DEPTHS:
         for name in numeric_sets()[0]:
             binary = ("pystreed", "pydl8.5") if can_be_binary(uci(name).features) else ()
-            yield Case(f"{name}, depth {depth}", 0, partial(_problem, name, depth), ("octmip", "pycontree", *binary))
+            yield Case(
+                f"{name}, depth {depth}",
+                0,
+                partial(_problem, name, depth),
+                ("octmip", "octmip-core", "pycontree", *binary),
+            )
 
 
 def _problem(name: str, depth: int) -> Problem:
