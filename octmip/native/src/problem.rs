@@ -70,6 +70,13 @@ impl Problem {
             .map_or(&[], |planes| &planes.values[start..start + self.p])
     }
 
+    /// The feature values, feature-major as the ranks are; none without planes.
+    pub fn values_by_feature(&self) -> Option<Vec<f64>> {
+        let values = &self.planes.as_ref()?.values;
+        let column = |f: usize| (0..self.n).map(move |i| values[i * self.p + f]);
+        Some((0..self.p).flat_map(column).collect())
+    }
+
     /// Cost of predicting class `k` for one unit of weight of class `label`.
     pub fn cost(&self, label: usize, k: usize) -> i64 {
         self.costs[label * self.n_classes + k]

@@ -25,8 +25,8 @@ impl Ground {
     /// The ground of a problem; without hyperplane splits in it, ranks serve as values.
     pub fn new(problem: &Problem) -> Self {
         let (loss, unit) = Loss::of(problem);
-        let values = match &problem.planes {
-            Some(planes) => planes.values.clone(),
+        let values = match problem.values_by_feature() {
+            Some(values) => values,
             None => problem.ranks.iter().map(|&rank| f64::from(rank)).collect(),
         };
         Self {
