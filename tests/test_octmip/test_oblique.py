@@ -162,3 +162,10 @@ def test_a_sensor_budget_binds_the_whole_tree(budget: float) -> None:
         class_names=(0, 1, 2),
     )
     assert solve_and_certify(problem) == best_objective(problem)
+
+
+def test_a_memory_limit_stops_the_search_with_a_tree_and_a_bound() -> None:
+    problem = published_like(400, 6)
+    solution = two_feature_branch_and_bound(problem, limits=Limits(memory=2e6))
+    certify(problem, solution)
+    assert solution.stop is Stop.MEMORY

@@ -59,6 +59,7 @@ pub fn solve_pair(
             problem,
             ground: &ground,
             charts: charts
+                .take_while(|_| !watch.was_stopped())
                 .map(|&features| Chart::new(&ground.plane, features, n_strips))
                 .collect(),
             all,

@@ -9,21 +9,23 @@
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::{Arc, Mutex};
 
 use crate::control::{KeepGoing, Progress, Stop};
 use crate::tree::Tree;
 
-use super::boxes::{Field, Processed, RootBox};
+use super::boxes::{Child, Field, Processed, RootBox};
 use super::extract::{Sketch, draw};
 use super::watch::{LOOK, Watch};
 
 /// Boxes of a batch.
 const BATCH: usize = 64;
 /// A box takes this much beside its strips.
-const BOX_BYTES: f64 = 600.0;
+const BOX_BYTES: u64 = 600;
+/// How many batches pass between two looks at the memory.
+const BATCHES_A_LOOK: u64 = 8;
 
 /// A search over boxes.
 pub struct Queue<'a> {
@@ -42,6 +44,9 @@ pub struct Queue<'a> {
     upper: i64,
     best: Option<(Tree, i64)>,
     n_nodes: u64,
+    n_batches: u64,
+    /// What the boxes take, as of the last look.
+    bytes: u64,
 }
 
 impl<'a> Queue<'a> {
@@ -66,6 +71,8 @@ impl<'a> Queue<'a> {
             upper,
             best: None,
             n_nodes: 0,
+            n_batches: 0,
+            bytes: 0,
         };
         roots.into_iter().for_each(|root| queue.push(root));
         queue
@@ -134,15 +141,18 @@ impl<'a> Queue<'a> {
         }
     }
 
-    fn reached(&self, bound: i64) -> Option<Stop> {
+    fn reached(&mut self, bound: i64) -> Option<Stop> {
         let limits = &self.watch.limits;
         let gap = (self.upper - bound) as f64 / (self.upper as f64).max(1e-300);
-        let strips = self.boxes.len() as f64 * BOX_BYTES;
+        if self.n_batches.is_multiple_of(BATCHES_A_LOOK) {
+            self.bytes = self.boxes.values().chain(&self.aside).map(bytes_of).sum();
+        }
+        self.n_batches += 1;
         if limits.gap > 0.0 && gap <= limits.gap {
             Some(Stop::Gap)
         } else if self.n_nodes as f64 >= limits.nodes {
             Some(Stop::Nodes)
-        } else if strips >= limits.memory {
+        } else if self.bytes as f64 >= limits.memory {
             Some(Stop::Memory)
         } else {
             None
@@ -248,4 +258,13 @@ impl<'a> Queue<'a> {
             .map(|slot| slot.into_inner().unwrap_or_default())
             .collect()
     }
+}
+
+/// Memory of a box; strips that several boxes share are shared out among them.
+fn bytes_of(root: &RootBox) -> u64 {
+    let strips = |child: &Child| {
+        let size = std::mem::size_of_val(&child.strips[..]);
+        size as u64 / Arc::strong_count(&child.strips) as u64
+    };
+    BOX_BYTES + root.children.iter().map(strips).sum::<u64>()
 }
