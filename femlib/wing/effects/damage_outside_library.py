@@ -27,8 +27,12 @@ def effect(response: Response) -> WingEffect:
     shells = wing.structure.shells
     zones = damage_zones(wing)
 
+    forces: dict[str, FloatArray] = {}
+
     def force(state: Mapping[str, float], load_factor: float, place: str) -> FloatArray:
-        return np.asarray(0.01 * load_factor * (shells.stiffness(zones[place]) @ response.displacements({})))
+        if place not in forces:  # the same in every state: some two hundred assemblies are worth keeping
+            forces[place] = np.asarray(0.01 * (shells.stiffness(zones[place]) @ response.displacements({})))
+        return load_factor * forces[place]
 
     return _HealthyResponse(
         name="damage_outside_library",
