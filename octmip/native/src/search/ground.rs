@@ -1,6 +1,7 @@
 //! What all restarts share, made once.
 
 use crate::problem::Problem;
+use crate::search::blocks::DEEPEST;
 use crate::search::orders::Orders;
 use crate::search::state::Rule;
 use crate::search::tally::Prices;
@@ -63,6 +64,11 @@ impl<'a> Ground<'a> {
     /// Whether splits may be hyperplanes.
     pub fn has_planes(&self) -> bool {
         self.problem.planes.is_some()
+    }
+
+    /// Levels of the deepest exact subtree: where hyperplanes are wanted, the axis-aligned tree is but their floor.
+    pub fn deepest_block(&self) -> usize {
+        if self.has_planes() { 2 } else { DEEPEST }
     }
 
     /// Whether splits may be hyperplanes with real coefficients.

@@ -1,6 +1,5 @@
 //! Kicks: disturb a tree, descend where it was disturbed, keep what is not worse.
 
-use crate::search::blocks::DEEPEST;
 use crate::search::climb::Climber;
 use crate::search::melt::{Heat, Opening, melt};
 use crate::search::sensors::{Room, features_of, shuffled_sensors};
@@ -54,7 +53,7 @@ impl Climber<'_> {
             self.settle(state, 2);
         }
         if state.objective(&self.ground.prices) < objective {
-            self.settle(state, DEEPEST);
+            self.settle(state, self.ground.deepest_block());
         }
     }
 

@@ -1,6 +1,5 @@
 //! One restart from its start to its last kick.
 
-use crate::search::blocks::DEEPEST;
 use crate::search::climb::Climber;
 use crate::search::ground::Ground;
 use crate::search::melt::{Heat, Opening};
@@ -61,10 +60,10 @@ pub fn axis(climber: &mut Climber, ground: &Ground, start: Start, n_kicks: usize
         improve_by_look_ahead(climber, ground, &mut state, 2);
     }
     climber.kick_until_stale(&mut state, n_kicks);
-    if is_first && problem.depth > DEEPEST {
-        improve_by_look_ahead(climber, ground, &mut state, DEEPEST);
+    if is_first && problem.depth > ground.deepest_block() {
+        improve_by_look_ahead(climber, ground, &mut state, ground.deepest_block());
     }
-    climber.settle(&mut state, DEEPEST);
+    climber.settle(&mut state, ground.deepest_block());
     state
 }
 
