@@ -101,7 +101,7 @@ def branch_and_bound(
     return Solution(
         tree=tree,
         objective=objective,
-        bound=min(bound * costs.unit, objective),
+        bound=bound * costs.unit,
         stop=Stop(stop),
         seconds=time.perf_counter() - started,
         n_nodes=n_nodes,
