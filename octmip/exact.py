@@ -11,7 +11,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from octmip import _native
 from octmip.encoding import (
@@ -32,12 +31,10 @@ from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop
 from octmip.tree import (
     HyperplaneSplit,
     Node,
-    Split,
+    centred,
     depth,
-    goes_left,
     leaf_index,
     leaves,
-    midpoint,
     n_splits,
     predict,
     splits,
@@ -189,25 +186,10 @@ def _integer_objective(problem: Problem, tree: Node, costs: IntegerCosts) -> int
 
 def _better(problem: Problem, found: Node, start: Node | None) -> tuple[Node, float]:
     """Return the cheaper of two trees by the true costs: rounded ones can rank two trees the wrong way round."""
-    tree = _centred(problem, found, np.arange(problem.n_samples))
+    tree = centred(found, problem.features)
     objective = problem.objective_of(tree, predict(tree, problem.features))
     if start is not None:
         known = problem.objective_of(start, predict(start, problem.features))
         if known < objective:
             return start, known
     return tree, objective
-
-
-def _centred(problem: Problem, tree: Node, rows: NDArray[np.int64]) -> Node:
-    """Return the tree with every threshold midway between the samples of its own node."""
-    if not isinstance(tree, Split):
-        return tree
-    left = goes_left(tree, problem.features[rows])
-    values = problem.features[rows, tree.feature]
-    threshold = midpoint(float(values[left].max()), float(values[~left].min()))
-    return Split(
-        tree.feature,
-        threshold,
-        _centred(problem, tree.left, rows[left]),
-        _centred(problem, tree.right, rows[~left]),
-    )

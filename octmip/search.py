@@ -26,7 +26,7 @@ from octmip.encoding import integer_costs, native_problem, rank_features, rows_f
 from octmip.errors import ProblemError
 from octmip.problem import Problem
 from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop
-from octmip.tree import Leaf, Node, Split, goes_left, midpoint, predict, simplify, without_empty_sides
+from octmip.tree import Leaf, Node, centred, goes_left, predict, simplify, without_empty_sides
 
 RESTARTS = 8
 KICKS = 20
@@ -117,8 +117,7 @@ def _native_progress(progress: ProgressCallback | None, unit: float) -> Callable
 
 def _finished(problem: Problem, tree: Node) -> Node:
     """Return the tree with leaves labelled by the true costs, idle splits removed and thresholds in mid-gap."""
-    rows = np.arange(problem.n_samples)
-    return _centred(problem, simplify(_labelled(problem, tree, rows)), rows)
+    return centred(simplify(_labelled(problem, tree, np.arange(problem.n_samples))), problem.features)
 
 
 def _labelled(problem: Problem, tree: Node, rows: NDArray[np.int64]) -> Node:
@@ -128,15 +127,3 @@ def _labelled(problem: Problem, tree: Node, rows: NDArray[np.int64]) -> Node:
     return replace(
         tree, left=_labelled(problem, tree.left, rows[left]), right=_labelled(problem, tree.right, rows[~left])
     )
-
-
-def _centred(problem: Problem, tree: Node, rows: NDArray[np.int64]) -> Node:
-    """Return the tree with every threshold midway between the samples of its own node: the widest margin."""
-    if isinstance(tree, Leaf):
-        return tree
-    left = goes_left(tree, problem.features[rows])
-    children = _centred(problem, tree.left, rows[left]), _centred(problem, tree.right, rows[~left])
-    if not isinstance(tree, Split):
-        return replace(tree, left=children[0], right=children[1])
-    values = problem.features[rows, tree.feature]
-    return Split(tree.feature, midpoint(float(values[left].max()), float(values[~left].min())), *children)

@@ -178,6 +178,21 @@ def without_empty_sides(tree: Node, features: NDArray[np.float64]) -> Node:
     )
 
 
+def centred(tree: Node, features: NDArray[np.float64]) -> Node:
+    """Return the tree with every threshold midway between the rows of its own node: the widest margin it can have.
+
+    Every split must part the rows of `features` (n_samples, n_features); hyperplanes stay as they are.
+    """
+    if isinstance(tree, Leaf):
+        return tree
+    goes = goes_left(tree, features)
+    left, right = centred(tree.left, features[goes]), centred(tree.right, features[~goes])
+    if isinstance(tree, HyperplaneSplit):
+        return replace(tree, left=left, right=right)
+    values = features[:, tree.feature]
+    return Split(tree.feature, midpoint(float(values[goes].max()), float(values[~goes].min())), left, right)
+
+
 def simplify(tree: Node) -> Node:
     """Return the tree without splits whose two sides are leaves of the same label (same predictions, fewer splits)."""
     if isinstance(tree, Leaf):

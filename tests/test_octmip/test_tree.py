@@ -6,6 +6,7 @@ import pytest
 from octmip import HyperplaneSplit, Leaf, Split, predict
 from octmip.errors import TreeError
 from octmip.tree import (
+    centred,
     complexity,
     depth,
     features_used,
@@ -81,3 +82,10 @@ def test_splits_that_send_all_samples_to_one_side_are_taken_out():
 def test_a_malformed_node_is_refused(make, sentence):
     with pytest.raises(TreeError, match=sentence):
         make()
+
+
+def test_a_centred_threshold_lies_midway_between_the_rows_of_its_own_node():
+    features = np.array([[0.0, 5.0], [1.0, 9.0], [4.0, 1.0], [6.0, 2.0]])
+    tree = Split(0, 1.5, Split(1, 5.5, Leaf(0), Leaf(1)), Split(0, 4.0, Leaf(0), Leaf(1)))
+    found = centred(tree, features)
+    assert found == Split(0, 2.5, Split(1, 7.0, Leaf(0), Leaf(1)), Split(0, 5.0, Leaf(0), Leaf(1)))
