@@ -5,10 +5,12 @@ cart      scikit-learn's CART                       greedy               none
 search    local search                              search               none
 exact     branch and bound over thresholds          exact (search first  exact
                                                     from depth 4 on)
+          hyperplanes of at most two features to    exact                exact
+          depth 2: boxes of lines
 oct       Bertsimas & Dunn's OCT, HiGHS             search, HiGHS        HiGHS
 oct_h     Bertsimas & Dunn's OCT-H, HiGHS           search, HiGHS        HiGHS
 flow      the strengthened formulation, HiGHS       search, HiGHS        HiGHS
-auto      exact for axis-aligned trees, search for hyperplanes: no proof of those scales beyond toys
+auto      exact for axis-aligned trees, search for hyperplanes (whose proofs end in time for few features only)
 """
 
 import importlib
