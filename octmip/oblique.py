@@ -72,7 +72,7 @@ def two_feature_branch_and_bound(
     return Solution(
         tree=tree,
         objective=objective,
-        bound=min(lower, objective, problem.baseline),
+        bound=lower,
         stop=Stop.OPTIMAL if met else Stop(stop),
         seconds=time.perf_counter() - start,
         n_nodes=n_nodes,
