@@ -1,0 +1,202 @@
+"""A tree compiled to flat tables, for streams: microseconds a reading, a fraction of one in batches.
+
+Same left rule as octmip.tree to the last bit, and one rule more: a reading that has no number (NaN) where a split on
+its way asks for one has no answer. `label` refuses it with a sentence; a batch, and every export, answers `REFUSED`.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.errors import DataError
+from octmip.tree import HyperplaneSplit, Leaf, Node, Split, nodes, splits
+
+REFUSED = -1
+"""Answer of a batch and of every export to a reading without a number where the tree asks for one."""
+BLOCK = 4096
+"""Readings routed together: their node numbers stay in the cache."""
+
+Step = tuple[tuple[int, ...], tuple[float, ...], float, int, int]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CompiledTree:
+    """A tree ready for readings.
+
+    Attributes:
+        tree: the tree.
+        feature_names: (n_features,) names in the order of a reading.
+    """
+
+    tree: Node
+    feature_names: tuple[str, ...]
+    _steps: list[Step] = field(init=False, repr=False)
+    _labels: list[int] = field(init=False, repr=False)
+    _features: NDArray[np.intp] = field(init=False, repr=False)
+    _coefficients: NDArray[np.float64] = field(init=False, repr=False)
+    _thresholds: NDArray[np.float64] = field(init=False, repr=False)
+    _next: NDArray[np.intp] = field(init=False, repr=False)
+    _depth: int = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        found = splits(self.tree)
+        highest = max((split.features[-1] for split in found), default=-1)
+        if highest >= len(self.feature_names):
+            raise DataError(
+                f"the tree reads feature {highest} but only {len(self.feature_names)} names are given; name every one"
+            )
+        number = {id(node): k for k, node in enumerate(nodes(self.tree))}
+        self._set_steps(number)
+        self._set_tables(max((len(split.features) for split in found), default=1))
+
+    def _set_steps(self, number: dict[int, int]) -> None:
+        """Number the nodes in preorder; a leaf's step has no feature."""
+        steps: list[Step] = []
+        labels: list[int] = []
+        for k, node in enumerate(nodes(self.tree)):
+            if isinstance(node, Leaf):
+                steps.append(((), (), 0.0, k, k))
+                labels.append(node.label)
+                continue
+            left, right = number[id(node.left)], number[id(node.right)]
+            coefficients = node.coefficients if isinstance(node, HyperplaneSplit) else (1.0,)
+            threshold = node.threshold if isinstance(node, Split) else node.offset
+            steps.append((node.features, coefficients, threshold, left, right))
+            labels.append(REFUSED)
+        object.__setattr__(self, "_steps", steps)
+        object.__setattr__(self, "_labels", labels)
+
+    def _set_tables(self, n_terms: int) -> None:
+        """Lay the steps out as arrays; the last row is where readings without an answer stay."""
+        n = len(self._steps)
+        features = np.zeros((n_terms, n + 1), dtype=np.intp)
+        coefficients = np.zeros((n_terms, n + 1))
+        thresholds = np.zeros(n + 1)
+        goes = np.full((n + 1, 3), n, dtype=np.intp)  # columns: no answer, left, right
+        for k, (terms, weights, threshold, left, right) in enumerate(self._steps):
+            if not terms:
+                goes[k] = k
+                continue
+            features[: len(terms), k], coefficients[: len(terms), k] = terms, weights
+            thresholds[k] = threshold
+            goes[k, 1:] = left, right
+        is_axis = n_terms == 1 and all(weights in ((), (1.0,)) for _, weights, *_ in self._steps)
+        depth = _levels(self._steps)
+        tables = {"_features": features, "_thresholds": thresholds, "_next": goes.ravel(), "_depth": depth}
+        tables["_coefficients"] = np.zeros((0, 0)) if is_axis else coefficients
+        for name, table in tables.items():
+            object.__setattr__(self, name, table)
+
+    def node(self, reading: Sequence[float] | NDArray[np.float64]) -> int:
+        """Return the preorder number of the leaf of one reading (n_features,).
+
+        Raises:
+            DataError: the reading has another length, or no number where a split on its way asks for one.
+        """
+        if len(reading) != len(self.feature_names):
+            raise DataError(
+                f"reading has {len(reading)} values; expected {len(self.feature_names)}, one for each of "
+                f"{self.feature_names[0]} to {self.feature_names[-1]}"
+            )
+        if self._coefficients.size and isinstance(reading, np.ndarray):
+            reading = reading.tolist()  # sums of Python's floats take half the time of numpy's
+        steps, k = self._steps, 0
+        while True:
+            terms, weights, threshold, left, right = steps[k]
+            if not terms:
+                return k
+            if len(terms) == 1 and weights[0] == 1.0:
+                total = reading[terms[0]]
+            else:
+                total = 0.0
+                for j, weight in zip(terms, weights, strict=True):
+                    total += weight * reading[j]
+            if total <= threshold:
+                k = left
+            elif total > threshold:
+                k = right
+            else:
+                raise DataError(self._complaint(terms, reading))
+
+    def label(self, reading: Sequence[float] | NDArray[np.float64]) -> int:
+        """Return the class index of one reading (n_features,).
+
+        Raises:
+            DataError: as `node`.
+        """
+        return self._labels[self.node(reading)]
+
+    def path_to(self, node: int) -> list[int]:
+        """Return the preorder numbers on the way from the root to a node, both included."""
+        path = [0]
+        while path[-1] != node:
+            _, _, _, left, right = self._steps[path[-1]]
+            path.append(right if node >= right else left)  # preorder: the right subtree comes after all of the left
+        return path
+
+    def _complaint(self, terms: tuple[int, ...], reading: Sequence[float] | NDArray[np.float64]) -> str:
+        missing = [self.feature_names[j] for j in terms if np.isnan(reading[j])]
+        what = f"has no number at {', '.join(missing)}" if missing else "adds inf to -inf"
+        return f"reading {what}, where the tree asks for one; leave it out, or ask the filter, which can do without"
+
+    def leaf_nodes(self, readings: NDArray[np.float64]) -> NDArray[np.intp]:
+        """Return the preorder number of the leaf of every row of readings (n, n_features), shape (n,).
+
+        Rows without an answer get the number of nodes, one past the last.
+
+        Raises:
+            DataError: the rows have another length.
+        """
+        readings = np.ascontiguousarray(readings, dtype=np.float64)
+        if readings.ndim != 2 or readings.shape[1] != len(self.feature_names):
+            raise DataError(
+                f"readings have shape {readings.shape}; expected (n, {len(self.feature_names)}), one column a feature"
+            )
+        found = np.empty(len(readings), dtype=np.intp)
+        for first in range(0, len(readings), BLOCK):
+            found[first : first + BLOCK] = self._route(readings[first : first + BLOCK])
+        return found
+
+    def labels(self, readings: NDArray[np.float64]) -> NDArray[np.int64]:
+        """Return the class index of every row of readings (n, n_features), `REFUSED` where there is none, shape (n,).
+
+        Raises:
+            DataError: the rows have another length.
+        """
+        table = np.array([*self._labels, REFUSED], dtype=np.int64)
+        return np.asarray(table[self.leaf_nodes(readings)])
+
+    def _route(self, block: NDArray[np.float64]) -> NDArray[np.intp]:
+        flat = block.ravel()
+        first = np.arange(len(block), dtype=np.intp) * block.shape[1]
+        node = np.zeros(len(block), dtype=np.intp)
+        for _ in range(self._depth):
+            total = self._totals(flat, first, node)
+            threshold = self._thresholds.take(node)
+            # 1 left, 2 right, 0 neither: NaN is on no side
+            side = (total <= threshold).view(np.int8) + 2 * (total > threshold).view(np.int8)
+            node = self._next.take(3 * node + side)
+        return node
+
+    def _totals(
+        self, flat: NDArray[np.float64], first: NDArray[np.intp], node: NDArray[np.intp]
+    ) -> NDArray[np.float64]:
+        if not self._coefficients.size:
+            return np.asarray(flat.take(first + self._features[0].take(node)))
+        total = np.zeros(len(node))
+        for features, coefficients in zip(self._features, self._coefficients, strict=True):
+            weight = coefficients.take(node)
+            term = weight * flat.take(first + features.take(node))
+            total += np.where(weight == 0.0, 0.0, term)  # a padded term may stand on a missing reading
+        return total
+
+
+def _levels(steps: list[Step]) -> int:
+    """Return the number of splits on the longest way."""
+    level = [0] * len(steps)
+    for k, (terms, _, _, left, right) in enumerate(steps):  # preorder: a node stands before its children
+        if terms:
+            level[left] = level[right] = level[k] + 1
+    return max(level)

@@ -1,0 +1,11 @@
+"""A tree in the languages of other machines, each answering bit for bit what the tree answers here.
+
+Every export takes `(tree, feature_names, class_names)` and answers the index of the class, or -1 for a reading that has
+no number (NaN, NULL) where a split on its way asks for one. Thresholds go out with all the bits of float64.
+"""
+
+from octmip.monitor.export.c import c_source
+from octmip.monitor.export.onnx import onnx_model
+from octmip.monitor.export.sql import sql_expression
+
+__all__ = ["c_source", "onnx_model", "sql_expression"]

@@ -1,0 +1,140 @@
+"""How likely the leaf that a reading reached is in every state of a library: P(leaf | state, load).
+
+The table is drawn: readings of every state (spread over its cell, with the library's noise) are sent down the tree.
+With N draws an entry p has the standard error sqrt(p (1 - p) / N); half a draw is added to every leaf, so that what was
+not drawn is unlikely but not impossible.
+
+A reading that lacks gauges reaches all leaves that the known gauges leave open; what was seen is that it lies in one
+of them, so their probabilities add up. Nothing is filled in.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.errors import DataError
+from octmip.monitor.compiled import CompiledTree
+from octmip.monitor.library import Library
+from octmip.tree import HyperplaneSplit, Leaf, Node, nodes
+
+Floats = NDArray[np.float64]
+
+DRAWS = 2000
+"""Readings drawn in every state: an entry of one half is known to 0.011."""
+ROWS = 200_000
+"""Readings drawn at once: bounds memory."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LeafLikelihood:
+    """The leaf of a tree as an observation of the state.
+
+    Attributes:
+        tree: over readings per unit of load factor.
+        library: the states; not necessarily those that the tree tells.
+        n_draws: readings drawn in every state for the table of a load.
+        seed: of the draws.
+    """
+
+    tree: Node
+    library: Library
+    n_draws: int = DRAWS
+    seed: int = 0
+    _compiled: CompiledTree = field(init=False, repr=False)
+    _leaf_of_node: NDArray[np.int64] = field(init=False, repr=False)
+    _tables: dict[float, Floats] = field(init=False, repr=False, default_factory=dict)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_compiled", CompiledTree(self.tree, self.library.gauges))
+        is_leaf = np.array([isinstance(node, Leaf) for node in nodes(self.tree)])
+        object.__setattr__(self, "_leaf_of_node", np.where(is_leaf, np.cumsum(is_leaf) - 1, -1))
+
+    @property
+    def n_leaves(self) -> int:
+        """Number of leaves."""
+        return int(self._leaf_of_node.max()) + 1
+
+    def table(self, load_factor: float) -> Floats:
+        """Return P(leaf | state), shape (n_leaves, n_states), at a load; leaves from the left."""
+        load = self.library.checked_load(load_factor)
+        if load not in self._tables:
+            self._tables[load] = self._drawn(load)
+        return self._tables[load]
+
+    def log_likelihood(self, readings: Floats, load_factor: float) -> Floats:
+        """Return log P(what was seen | state), shape (n, n_states), of readings (n, n_gauges), NaN where missing."""
+        table = self.table(load_factor)
+        open_leaves = self.open_leaves(self.library.features(readings, load_factor))
+        is_one = open_leaves.sum(axis=1) == 1
+        found = np.empty((len(readings), self.library.n_states))
+        found[is_one] = np.log(table)[open_leaves[is_one].argmax(axis=1)]
+        found[~is_one] = np.log(open_leaves[~is_one] @ table)
+        return found
+
+    def open_leaves(self, features: Floats) -> NDArray[np.bool_]:
+        """Return which leaves features (n, n_gauges) may have reached, shape (n, n_leaves): one where none is missing.
+
+        Raises:
+            DataError: the rows have another length.
+        """
+        at = self._compiled.leaf_nodes(features)
+        is_known = at < len(self._leaf_of_node)
+        found = np.zeros((len(features), self.n_leaves), dtype=bool)
+        found[np.flatnonzero(is_known), self._leaf_of_node[at[is_known]]] = True
+        rows = np.flatnonzero(~is_known)
+        if rows.size:
+            found[rows] = _open_leaves(self.tree, features[rows])
+        return found
+
+    def _drawn(self, load: float) -> Floats:
+        library, rng = self.library, np.random.default_rng(self.seed)
+        counts = np.full((self.n_leaves, library.n_states), 0.5)
+        per_pass = max(1, ROWS // self.n_draws)
+        for first in range(0, library.n_states, per_pass):
+            states = np.repeat(np.arange(first, min(first + per_pass, library.n_states)), self.n_draws)
+            offset = rng.uniform(-0.5, 0.5, (len(states), len(library.parameters))) * library.widths
+            features = library.strains[states]
+            for k in range(len(library.parameters)):
+                features = features + offset[:, k, None] * library.slopes[states, k]
+            features += rng.standard_normal(features.shape) * (library.noise_sd / load)
+            leaf = self._leaf_of_node[self._compiled.leaf_nodes(features)]
+            np.add.at(counts, (leaf, states), 1.0)
+        return np.asarray(counts / counts.sum(axis=0))
+
+
+def _open_leaves(tree: Node, features: Floats) -> NDArray[np.bool_]:
+    """Return which leaves, from the left, rows with missing values leave open, shape (n, n_leaves)."""
+    columns: list[NDArray[np.bool_]] = []
+
+    def visit(node: Node, is_here: NDArray[np.bool_]) -> None:
+        if isinstance(node, Leaf):
+            columns.append(is_here)
+            return
+        if isinstance(node, HyperplaneSplit):
+            total, limit = np.zeros(len(features)), node.offset
+            for coefficient, feature in zip(node.coefficients, node.features, strict=True):
+                total = total + coefficient * features[:, feature]
+        else:
+            total, limit = features[:, node.feature], node.threshold
+        # NaN is neither greater nor not: it may be on either side
+        visit(node.left, is_here & np.logical_not(total > limit))
+        visit(node.right, is_here & np.logical_not(total <= limit))
+
+    visit(tree, np.ones(len(features), dtype=bool))
+    return np.stack(columns, axis=1)
+
+
+def check_readings(readings: Floats, library: Library) -> Floats:
+    """Return readings as (n, n_gauges).
+
+    Raises:
+        DataError: they have another shape or hold an infinite number.
+    """
+    rows = np.asarray(readings, dtype=np.float64)
+    if rows.ndim != 2 or rows.shape[1] != len(library.gauges):
+        raise DataError(f"readings have shape {rows.shape}; expected (n, {len(library.gauges)}), one column a gauge")
+    if np.isinf(rows).any():
+        row, column = (int(k) for k in np.argwhere(np.isinf(rows))[0])
+        raise DataError(f"reading {row} of {library.gauges[column]} is infinite; expected microstrain, NaN if missing")
+    return rows

@@ -1,0 +1,197 @@
+"""Library: the states that a twin was asked for, each with the model that it stands for.
+
+Near a state s the strains at load factor L are  L * (strains_s + slopes_s . delta),  delta uniform in the cell around s
+(width 0: the state is a point), and a reading adds noise N(0, noise_sd^2) at every gauge, the same at every load.
+"""
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from octmip.errors import DataError, ProblemError
+from octmip.twin import Twin, predict_states
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Library:
+    """States of a twin with their strains.
+
+    Attributes:
+        parameters: names of the state parameters.
+        states: (n_states, n_parameters) damage fractions, none twice.
+        gauges: names of the gauges, the order of every reading.
+        strains: (n_states, n_gauges) microstrain per unit of load factor, compressive positive.
+        noise_sd: (n_gauges,) of one reading at any load [microstrain]; one number: the same for all.
+        widths: (n_parameters,) width of the cell around each state; 0: a point.
+        slopes: (n_states, n_parameters, n_gauges) change of `strains` per unit of parameter; None: 0.
+        only_load: the one load factor that the strains hold for; None: strain is proportional to load.
+    """
+
+    parameters: tuple[str, ...]
+    states: Floats
+    gauges: tuple[str, ...]
+    strains: Floats
+    noise_sd: Floats
+    widths: Floats = field(default_factory=lambda: np.zeros(0))
+    slopes: Floats = field(default_factory=lambda: np.zeros(0))
+    only_load: float | None = None
+
+    def __post_init__(self) -> None:
+        n, p, g = len(np.atleast_1d(self.states)), len(self.parameters), len(self.gauges)
+        empty_widths, empty_slopes = np.size(self.widths) == 0, np.size(self.slopes) == 0
+        shapes: dict[str, tuple[ArrayLike, tuple[int, ...]]] = {
+            "states": (self.states, (n, p)),
+            "strains": (self.strains, (n, g)),
+            "noise_sd": (np.broadcast_to(self.noise_sd, (g,)) if np.ndim(self.noise_sd) == 0 else self.noise_sd, (g,)),
+            "widths": (np.zeros(p) if empty_widths else self.widths, (p,)),
+            "slopes": (np.zeros((n, p, g)) if empty_slopes else self.slopes, (n, p, g)),
+        }
+        for name, (values, shape) in shapes.items():
+            object.__setattr__(self, name, _frozen(values, name, shape))
+        if len(np.unique(self.states, axis=0)) != n:
+            raise ProblemError("states holds a state twice; expected every state once; drop the copies")
+        if len(set(self.gauges)) != g:
+            raise ProblemError(f"gauges names a gauge twice in {self.gauges}; name every gauge once")
+        if not (self.noise_sd > 0).all():
+            raise ProblemError(f"noise_sd is {self.noise_sd.min()}; expected more than 0 microstrain at every gauge")
+
+    @property
+    def n_states(self) -> int:
+        """Number of states."""
+        return len(self.states)
+
+    @property
+    def state_names(self) -> tuple[str, ...]:
+        """The states in words, as "mu1=0.2 mu2=0.4"."""
+        return tuple(
+            " ".join(f"{name}={value:g}" for name, value in zip(self.parameters, row, strict=True))
+            for row in self.states.tolist()
+        )
+
+    def index_of(self, state: Mapping[str, float]) -> int:
+        """Return the index of a state given by name; what it does not name is 0.
+
+        Raises:
+            ProblemError: it names an unknown parameter, or is not in the library.
+        """
+        unknown = [name for name in state if name not in self.parameters]
+        row = np.array([state.get(name, 0.0) for name in self.parameters])
+        found = np.flatnonzero(np.isclose(self.states, row, rtol=0.0, atol=1e-9).all(axis=1))
+        if unknown or not found.size:
+            raise ProblemError(
+                f"the library of {self.n_states} states has no state {dict(state)}; expected parameters "
+                f"{self.parameters} at its levels; add the state"
+            )
+        return int(found[0])
+
+    def features(self, readings: Floats, load_factor: float) -> Floats:
+        """Return readings (n, n_gauges) per unit of load factor: what trees are trained on.
+
+        Raises:
+            DataError: the load factor is not positive, or one that the strains do not hold for.
+        """
+        return np.asarray(readings / self.checked_load(load_factor))
+
+    def checked_load(self, load_factor: float) -> float:
+        """Return the load factor.
+
+        Raises:
+            DataError: it is not a positive number, or one that the strains do not hold for.
+        """
+        if not 0.0 < load_factor < np.inf:
+            raise DataError(f"load_factor is {load_factor}; expected a positive number, 1 in steady level flight")
+        if self.only_load is not None and load_factor != self.only_load:
+            raise DataError(
+                f"load_factor is {load_factor} but the library's twin is not linear in load and was asked at "
+                f"{self.only_load}; make a library for that load"
+            )
+        return load_factor
+
+    def with_state(self, state: Mapping[str, float], strains: Floats) -> "Library":
+        """Return the library with one more state, `strains` (n_gauges,) per unit of load factor.
+
+        A parameter that the library does not know becomes a new one, 0 in all other states.
+        """
+        parameters = (*self.parameters, *(name for name in state if name not in self.parameters))
+        more = len(parameters) - len(self.parameters)
+        states = np.pad(self.states, ((0, 1), (0, more)))
+        states[-1] = [state.get(name, 0.0) for name in parameters]
+        return Library(
+            parameters,
+            states,
+            self.gauges,
+            np.vstack([self.strains, strains]),
+            self.noise_sd,
+            np.pad(self.widths, (0, more)),
+            np.pad(self.slopes, ((0, 1), (0, more), (0, 0))),
+            self.only_load,
+        )
+
+
+def grid_states(levels: Sequence[Sequence[float]]) -> Floats:
+    """Return all combinations (n_states, n_parameters) of levels, one sequence a parameter, the last fastest."""
+    return np.array(list(itertools.product(*levels)), dtype=np.float64)
+
+
+def library_of(
+    twin: Twin,
+    states: Floats,
+    noise_sd: float | Sequence[float],
+    *,
+    gauges: Sequence[str] | None = None,
+    widths: Sequence[float] = (),
+    load_factor: float = 1.0,
+) -> Library:
+    """Return the library of a twin over states (n_states, n_parameters), in the order of `twin.parameters`.
+
+    Args:
+        gauges: those to read; None: all of the twin.
+        widths: (n_parameters,) cells around the states; slopes are then differences across the cell, half of it kept
+            within 0 and 1.
+        load_factor: where a twin that is not linear in load is asked; the library holds for that load alone.
+
+    Raises:
+        ProblemError: the twin lacks a gauge.
+    """
+    names = tuple(twin.gauges if gauges is None else gauges)
+    missing = [name for name in names if name not in twin.gauges]
+    if missing:
+        raise ProblemError(f"the twin lacks the gauges {missing}; it has {list(twin.gauges)}; correct the names")
+    columns = [twin.gauges.index(name) for name in names]
+    states = np.array(states, dtype=np.float64)
+
+    def ask(at: Floats) -> Floats:
+        return np.asarray(predict_states(twin, at, load_factor)[:, columns] / load_factor)
+
+    slopes = np.zeros((len(states), states.shape[1], len(names)))
+    for k, width in enumerate(widths):
+        low, high = states.copy(), states.copy()
+        low[:, k], high[:, k] = np.maximum(states[:, k] - width / 2, 0.0), np.minimum(states[:, k] + width / 2, 1.0)
+        if width > 0:
+            slopes[:, k] = (ask(high) - ask(low)) / (high[:, k] - low[:, k])[:, None]
+    is_linear = bool(getattr(twin, "is_linear_in_load", False))
+    return Library(
+        tuple(twin.parameters),
+        states,
+        names,
+        ask(states),
+        np.asarray(noise_sd, dtype=np.float64),
+        np.array(widths, dtype=np.float64),
+        slopes,
+        None if is_linear else load_factor,
+    )
+
+
+def _frozen(values: ArrayLike, name: str, shape: tuple[int, ...]) -> Floats:
+    array = np.array(values, dtype=np.float64)
+    if array.shape != shape:
+        raise ProblemError(f"{name} has shape {array.shape}; expected {shape} of the library's states and gauges")
+    if not np.isfinite(array).all():
+        raise ProblemError(f"{name} holds {array[~np.isfinite(array)][0]}; expected finite numbers")
+    array.flags.writeable = False
+    return array

@@ -1,0 +1,218 @@
+"""ModelSelector: trees at work, from a reading to the state of the library whose model the asset is taken to follow.
+
+Several trees, one a parameter, are one tree: the second appended to every leaf of the first. The distribution of a
+selection is Bayes' rule over the library's states with equal prior, where what was seen is the leaf that was reached.
+
+Source: the data-driven model selection d = T(x), and the tree of the second parameter under every leaf of the first's:
+M. G. Kapteyn, K. E. Willcox, From Physics-Based Models to Predictive Digital Twins via Interpretable Machine Learning
+(2020), section 3.
+"""
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.errors import DataError, OctmipError, TreeError
+from octmip.files import PathLike, read_json_object, write_bytes
+from octmip.monitor.compiled import CompiledTree
+from octmip.monitor.leaf_likelihood import LeafLikelihood
+from octmip.monitor.library import Library
+from octmip.tree import HyperplaneSplit, Leaf, Node, Split, features_used, leaves
+from octmip.tree_file import TreeFile, decode_tree, encode_tree
+
+Floats = NDArray[np.float64]
+FORMAT, VERSION = "octmip-selector", 1
+
+
+@dataclass(frozen=True, slots=True)
+class ParameterTree:
+    """A tree that tells one state parameter.
+
+    Attributes:
+        parameter: its name.
+        tree: over readings per unit of load factor.
+        values: value of the parameter by class index, damage as a fraction.
+        gauges: (n_features,) names of what the tree reads.
+    """
+
+    parameter: str
+    tree: Node
+    values: tuple[float, ...]
+    gauges: tuple[str, ...]
+
+    @classmethod
+    def of(cls, file: TreeFile, parameter: str, unit: float = 0.01) -> "ParameterTree":
+        """Return the tree of a tree file whose classes are numbers; `unit`: a class of 1 in fractions (percent)."""
+        values = tuple(round(float(name) * unit, 12) for name in file.class_names)
+        return cls(parameter, file.tree, values, file.feature_names)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Selection:
+    """What one reading selects.
+
+    Attributes:
+        state: index in the library.
+        name: of the state.
+        distribution: (n_states,) probability of every state of the library, all states as likely before.
+        path: preorder numbers of the splits passed, and of the leaf.
+    """
+
+    state: int
+    name: str
+    distribution: Floats
+    path: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ModelSelector:
+    """One tree whose classes are the states of a library.
+
+    Attributes:
+        library: the states.
+        tree: leaf labels are indices of states; features are the library's gauges, per unit of load factor.
+    """
+
+    library: Library
+    tree: Node
+    compiled: CompiledTree = field(init=False, repr=False)
+    likelihood: LeafLikelihood = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        highest = max(leaf.label for leaf in leaves(self.tree))
+        if highest >= self.library.n_states:
+            raise TreeError(
+                f"the tree selects state {highest} but the library has {self.library.n_states}; give the tree's library"
+            )
+        object.__setattr__(self, "compiled", CompiledTree(self.tree, self.library.gauges))
+        object.__setattr__(self, "likelihood", LeafLikelihood(self.tree, self.library))
+
+    @classmethod
+    def of_trees(cls, library: Library, trees: Sequence[ParameterTree]) -> "ModelSelector":
+        """Return the selector of one tree a parameter, each appended to every leaf of the one before.
+
+        Raises:
+            TreeError: a tree reads a gauge or tells a state that the library lacks.
+        """
+        return cls(library, _appended(library, list(trees), {}))
+
+    def select(self, reading: Sequence[float] | Floats, load_factor: float) -> Selection:
+        """Return what a reading (n_gauges,) in microstrain selects.
+
+        Raises:
+            DataError: its length is another, the load is not positive, or it lacks a number where the tree asks.
+        """
+        row = self.library.features(np.asarray(reading, dtype=np.float64), load_factor)
+        leaf = self.compiled.node(row)
+        state = self.compiled.label(row)
+        log_likelihood = self.likelihood.log_likelihood(np.asarray(reading, dtype=np.float64)[None], load_factor)[0]
+        weight = np.exp(log_likelihood - log_likelihood.max())
+        path = tuple(self.compiled.path_to(leaf))
+        return Selection(state, self.library.state_names[state], weight / weight.sum(), path)
+
+    def select_many(self, readings: Floats, load_factor: float) -> NDArray[np.int64]:
+        """Return the states of readings (n, n_gauges) in microstrain, `REFUSED` where there is none, shape (n,)."""
+        return self.compiled.labels(self.library.features(readings, load_factor))
+
+    @property
+    def gauges_read(self) -> tuple[str, ...]:
+        """Gauges that the tree reads."""
+        return tuple(self.library.gauges[j] for j in features_used(self.tree))
+
+    def write(self, path: PathLike) -> None:
+        """Write the selector as JSON: tree, gauges, states and strains; floats come back to the last bit.
+
+        Raises:
+            DataError: it cannot be written.
+        """
+        library = self.library
+        content = {
+            "format": FORMAT,
+            "version": VERSION,
+            "tree": encode_tree(self.tree, library.gauges, library.state_names),
+            "parameters": library.parameters,
+            "state_names": library.state_names,
+            **{name: getattr(library, name).tolist() for name in _ARRAYS},
+            "gauges": library.gauges,
+            "only_load": library.only_load,
+        }
+        write_bytes(path, (json.dumps(content, indent=1, allow_nan=False) + "\n").encode())
+
+    @classmethod
+    def read(cls, path: PathLike) -> "ModelSelector":
+        """Return the selector that `write` wrote.
+
+        Raises:
+            DataError: the file cannot be read.
+            TreeError: it is of another kind, or what it holds is no selector.
+        """
+        content: dict[str, Any] = read_json_object(path)
+        if content.get("format") != FORMAT or content.get("version") != VERSION:
+            raise TreeError(
+                f"{path} is no selector file: format {content.get('format')!r}, version {content.get('version')!r}; "
+                f"expected {FORMAT!r}, {VERSION}"
+            )
+        try:
+            arrays = {name: np.array(content[name], dtype=np.float64) for name in _ARRAYS}
+            gauges, names = tuple(content["gauges"]), tuple(content["state_names"])
+            library = Library(tuple(content["parameters"]), gauges=gauges, only_load=content["only_load"], **arrays)
+            return cls(library, decode_tree(content["tree"], gauges, names))
+        except (OctmipError, KeyError, TypeError, ValueError) as error:
+            raise TreeError(f"{path} holds no valid selector: {error}; was it changed by hand?") from error
+
+
+_ARRAYS = ("states", "strains", "noise_sd", "widths", "slopes")
+
+
+def _appended(library: Library, trees: list[ParameterTree], told: Mapping[str, float]) -> Node:
+    """Return the first tree with the others under each leaf; `told`: what the trees above have told."""
+    if not trees:
+        return Leaf(library.index_of(told))
+    first, rest = trees[0], trees[1:]
+    missing = [name for name in first.gauges if name not in library.gauges]
+    if missing:
+        raise TreeError(f"the tree for {first.parameter} names the gauges {missing}, which the library lacks")
+
+    def graft(node: Node) -> Node:
+        if isinstance(node, Leaf):
+            try:
+                return _appended(library, rest, {**told, first.parameter: first.values[node.label]})
+            except (IndexError, DataError) as error:
+                raise TreeError(f"the tree for {first.parameter} has a leaf without a value: {error}") from error
+        return replace(node, left=graft(node.left), right=graft(node.right))
+
+    return graft(_reordered(first, library.gauges))
+
+
+def _reordered(tree: ParameterTree, gauges: tuple[str, ...]) -> Node:
+    """Return the tree with its features numbered in the order of `gauges`."""
+    classes = tuple(range(len(tree.values)))
+    return decode_tree(encode_tree(tree.tree, tree.gauges, classes), gauges, classes)
+
+
+def without_dead_ends(tree: Node) -> Node:
+    """Return the tree without sides that no reading reaches because splits above them say otherwise.
+
+    Only thresholds on one feature are looked at; predictions stay the same for every reading without NaN.
+    """
+    return _reachable(tree, {}, {})
+
+
+def _reachable(node: Node, above: dict[int, float], at_most: dict[int, float]) -> Node:
+    if isinstance(node, Leaf):
+        return node
+    if isinstance(node, HyperplaneSplit):
+        left, right = _reachable(node.left, above, at_most), _reachable(node.right, above, at_most)
+        return replace(node, left=left, right=right)
+    feature, threshold = node.feature, node.threshold
+    if threshold <= above.get(feature, -np.inf):  # x > above >= threshold: never left
+        return _reachable(node.right, above, at_most)
+    if threshold >= at_most.get(feature, np.inf):  # x <= at_most <= threshold: never right
+        return _reachable(node.left, above, at_most)
+    left = _reachable(node.left, above, {**at_most, feature: threshold})
+    right = _reachable(node.right, {**above, feature: threshold}, at_most)
+    return Split(feature, threshold, left, right)

@@ -1,0 +1,320 @@
+"""From a reading to a state: the compiled tree, its exports bit for bit, the library, and the appended selector."""
+
+import shutil
+import sqlite3
+import subprocess
+from ctypes import CDLL, POINTER, c_double
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from octmip.errors import DataError, ProblemError, TreeError
+from octmip.monitor import (
+    REFUSED,
+    CompiledTree,
+    LeafLikelihood,
+    Library,
+    ModelSelector,
+    ParameterTree,
+    grid_states,
+    library_of,
+    without_dead_ends,
+)
+from octmip.monitor.export import c_source, onnx_model, sql_expression
+from octmip.tree import HyperplaneSplit, Leaf, Split, leaf_index, leaves, n_splits, nodes, predict
+from tests.strategies import random_tree, trees
+from tests.test_octmip.beam_twin import Beam
+
+N_READINGS = 100_000
+NAMES = ("a", 'b "quoted" */', "c")
+
+
+def oblique_tree(rng, n_features, n_classes, depth):
+    """Return a random tree of both kinds of split, with numbers that decimals and single precision cannot hold."""
+    if depth == 0 or rng.random() < 0.1:
+        return Leaf(int(rng.integers(n_classes)))
+    sides = [oblique_tree(rng, n_features, n_classes, depth - 1) for _ in range(2)]
+    if rng.random() < 0.4:
+        return Split(
+            int(rng.integers(n_features)), float(rng.choice([900 + 1e-6 * rng.random(), rng.normal()])), *sides
+        )
+    chosen = tuple(sorted(rng.choice(n_features, rng.integers(1, n_features + 1), replace=False).tolist()))
+    return HyperplaneSplit(chosen, tuple(rng.normal(size=len(chosen)).tolist()), float(rng.normal()), *sides)
+
+
+def near_thresholds(rng, tree, n_features, n=N_READINGS):
+    """Return readings of which many lie on a threshold or one unit in the last place beside it, and some are NaN."""
+    readings = rng.normal(size=(n, n_features))
+    thresholds = [node.threshold for node in nodes(tree) if isinstance(node, Split)] or [0.0]
+    chosen = rng.choice(thresholds, readings.shape)
+    shifted = np.choose(
+        rng.integers(3, size=readings.shape), [chosen, np.nextafter(chosen, 1e9), np.nextafter(chosen, -1e9)]
+    )
+    readings = np.where(rng.random(readings.shape) < 0.5, shifted, readings)
+    readings[rng.random(readings.shape) < 0.02] = np.nan
+    return readings
+
+
+@pytest.fixture(scope="module", params=[0, 1, 2])
+def case(request):
+    rng = np.random.default_rng(request.param)
+    make = random_tree if request.param == 0 else oblique_tree
+    tree = make(rng, 3, 4, 5)
+    readings = near_thresholds(rng, tree, 3)
+    return tree, readings, CompiledTree(tree, NAMES).labels(readings)
+
+
+@given(tree=trees(), seed=st.integers(0, 1000))
+@settings(max_examples=60, deadline=None)
+def test_the_compiled_tree_answers_what_the_tree_answers(tree, seed):
+    readings = near_thresholds(np.random.default_rng(seed), tree, 3, 200)
+    readings = np.nan_to_num(readings)
+    compiled = CompiledTree(tree, NAMES)
+    assert np.array_equal(compiled.labels(readings), predict(tree, readings))
+    assert [compiled.label(row) for row in readings] == predict(tree, readings).tolist()
+
+
+def test_the_compiled_tree_has_the_left_rule_of_hyperplanes(case):
+    tree, readings, answers = case
+    known = ~np.isnan(readings).any(axis=1)
+    assert np.array_equal(answers[known], predict(tree, readings[known]))
+
+
+def test_one_reading_and_a_batch_answer_alike_and_refuse_alike(case):
+    tree, readings, answers = case
+    compiled = CompiledTree(tree, NAMES)
+    assert 0 < (answers == REFUSED).sum() < np.isnan(readings).any(axis=1).sum()  # NaN off the way does no harm
+    for row, answer in zip(readings[:3000], answers[:3000].tolist(), strict=True):
+        if answer == REFUSED:
+            with pytest.raises(DataError, match="has no number at"):
+                compiled.label(row)
+        else:
+            assert compiled.label(row) == answer
+
+
+def test_a_reading_of_another_length_is_refused():
+    compiled = CompiledTree(Split(0, 1.0, Leaf(0), Leaf(1)), NAMES)
+    with pytest.raises(DataError, match="has 2 values; expected 3"):
+        compiled.label([1.0, 2.0])
+    with pytest.raises(DataError, match=r"shape \(4, 2\)"):
+        compiled.labels(np.zeros((4, 2)))
+    with pytest.raises(DataError, match="reads feature 5"):
+        CompiledTree(Split(5, 1.0, Leaf(0), Leaf(1)), NAMES)
+
+
+def test_the_path_leads_to_its_leaf(case):
+    tree, readings, _ = case
+    compiled = CompiledTree(tree, NAMES)
+    every = list(nodes(tree))
+    for row in readings[~np.isnan(readings).any(axis=1)][:50]:
+        path = compiled.path_to(compiled.node(row))
+        for one, other in pairwise(path):
+            assert every[other] in (every[one].left, every[one].right)
+        assert isinstance(every[path[-1]], Leaf)
+
+
+def test_the_c_function_answers_bit_for_bit(case, tmp_path):
+    if shutil.which("cc") is None:
+        pytest.skip("no C compiler")
+    tree, readings, answers = case
+    source, target = tmp_path / "tree.c", tmp_path / "tree.so"
+    source.write_text(c_source(tree, NAMES, ["one", "two */ x", "three", "four"]))
+    flags = ["-std=c99", "-O3", "-march=native", "-ffp-contract=fast", "-Wall", "-Werror", "-pedantic"]
+    subprocess.run(["cc", *flags, "-shared", "-fPIC", "-o", target, source], check=True)
+    label = CDLL(str(target)).octmip_label
+    label.argtypes = [POINTER(c_double)]
+    size = 8 * readings.shape[1]
+    start = readings.ctypes.data
+    got = [label(c_double.from_address(start + size * k)) for k in range(len(readings))]
+    assert np.array_equal(got, answers)
+
+
+def test_the_sql_expression_answers_bit_for_bit(case):
+    tree, readings, answers = case
+    base = sqlite3.connect(":memory:")
+    columns = ", ".join('"' + name.replace('"', '""') + '" DOUBLE PRECISION' for name in NAMES)
+    base.execute(f"CREATE TABLE readings (number INTEGER, {columns})")
+    base.executemany("INSERT INTO readings VALUES (?, ?, ?, ?)", [(k, *row) for k, row in enumerate(readings.tolist())])
+    got = base.execute(f"SELECT {sql_expression(tree, NAMES, range(4))} FROM readings ORDER BY number").fetchall()
+    base.close()
+    assert np.array_equal([answer for (answer,) in got], answers)
+
+
+def test_the_onnx_graph_answers_bit_for_bit(case):
+    onnx = pytest.importorskip("onnx")
+    tree, readings, answers = case
+    model = onnx_model(tree, NAMES, range(4))
+    onnx.checker.check_model(model)
+    runtime = pytest.importorskip("onnxruntime")
+    session = runtime.InferenceSession(model.SerializeToString(), providers=["CPUExecutionProvider"])
+    assert np.array_equal(session.run(None, {"readings": readings})[0], answers)
+    assert {prop.key for prop in model.metadata_props} == {"features", "classes"}
+
+
+def test_a_leaf_alone_is_a_tree_in_every_language():
+    assert "return 2;" in c_source(Leaf(2), NAMES, "abc")
+    assert sql_expression(Leaf(2), NAMES) == "2"
+    runtime = pytest.importorskip("onnxruntime")
+    session = runtime.InferenceSession(onnx_model(Leaf(2), NAMES, "abc").SerializeToString())
+    assert session.run(None, {"readings": np.zeros((4, 3))})[0].tolist() == [2] * 4
+
+
+@pytest.mark.parametrize("number", [900.0000001, -1e-300, 2.0**70 + 2.0**20, 5e-324, 0.0, -0.1, 1e308])
+def test_sql_numbers_keep_all_their_bits(number):
+    text = sql_expression(Split(0, number, Leaf(0), Leaf(1)), ["a"])
+    threshold = text[text.index("<=") + 2 : text.index("THEN")]
+    with sqlite3.connect(":memory:") as base:
+        assert base.execute(f"SELECT {threshold}").fetchone()[0] == number
+    base.close()
+
+
+def test_a_bad_name_of_a_c_function_is_refused():
+    with pytest.raises(TreeError, match="no C name"):
+        c_source(Leaf(0), NAMES, "a", name="2 fast")
+
+
+# The library and the selector
+
+LEVELS = (0.0, 0.2, 0.4, 0.6, 0.8)
+
+
+class LinearBeam(Beam):
+    is_linear_in_load = True
+
+
+def small_library(**options):
+    return library_of(LinearBeam(), grid_states([LEVELS, LEVELS]), 31.6, **options)
+
+
+def a_selector():
+    mu1 = Split(0, 800.0, Split(1, 600.0, Leaf(0), Leaf(1)), Leaf(4))
+    mu2 = Split(0, 20.0, Leaf(1), Split(1, 40.0, Leaf(3), Leaf(4)))
+    return ModelSelector.of_trees(
+        small_library(),
+        [ParameterTree("mu1", mu1, LEVELS, ("g01", "g02")), ParameterTree("mu2", mu2, LEVELS, ("g16", "g15"))],
+    )
+
+
+def test_a_library_holds_the_twins_strains_per_unit_of_load():
+    twin, library = Beam(), small_library(gauges=("g03", "g01"))
+    row = library.index_of({"mu1": 0.4, "mu2": 0.2})
+    assert library.state_names[row] == "mu1=0.4 mu2=0.2"
+    assert library.strains[row] * 3.0 == pytest.approx(twin.predict({"mu1": 0.4, "mu2": 0.2}, 3.0)[[2, 0]])
+
+
+def test_slopes_are_the_change_across_the_cell():
+    states = grid_states([[0.3], [0.0]])
+    library = library_of(LinearBeam(), states, 1.0, widths=(0.1, 0.1))
+    ends = [Beam().predict({"mu1": mu, "mu2": 0.0}, 1.0) for mu in (0.25, 0.35)]
+    assert library.slopes[0, 0] == pytest.approx((ends[1] - ends[0]) / 0.1)
+
+
+def test_a_twin_that_is_not_linear_in_load_holds_for_one_load():
+    library = library_of(Beam(), grid_states([LEVELS, LEVELS]), 31.6, load_factor=3.0)
+    with pytest.raises(DataError, match="not linear in load"):
+        library.features(np.zeros((1, 20)), 2.0)
+    with pytest.raises(DataError, match="load_factor is 0"):
+        library.checked_load(0.0)
+
+
+def test_a_library_refuses_what_it_cannot_hold():
+    with pytest.raises(ProblemError, match="lacks the gauges"):
+        small_library(gauges=("g99",))
+    with pytest.raises(ProblemError, match="twice"):
+        Library(("mu1",), [[0.0], [0.0]], ("a",), [[1.0], [2.0]], 1.0)
+    with pytest.raises(ProblemError, match="noise_sd is 0"):
+        Library(("mu1",), [[0.0]], ("a",), [[1.0]], 0.0)
+    with pytest.raises(ProblemError, match="has no state"):
+        small_library().index_of({"mu1": 0.1})
+
+
+def test_a_state_may_be_added_with_a_parameter_of_its_own():
+    library = small_library()
+    wider = library.with_state({"mu7": 0.4}, library.strains[0] + 5.0)
+    assert wider.parameters == ("mu1", "mu2", "mu7") and wider.n_states == 26
+    assert wider.index_of({"mu7": 0.4}) == 25 and wider.index_of({"mu1": 0.8, "mu2": 0.8}) == 24
+
+
+def test_appended_trees_tell_what_each_tree_tells():
+    selector = a_selector()
+    assert n_splits(selector.tree) == 2 + 3 * 2
+    rng = np.random.default_rng(0)
+    readings = rng.uniform(0, 3000, (500, 20))
+    readings[:, [14, 15]] = rng.uniform(0, 180, (500, 2))
+    told = selector.library.states[selector.select_many(readings, 3.0)]
+    x = readings / 3.0
+    assert np.array_equal(told[:, 0], np.where(x[:, 0] > 800, 0.8, np.where(x[:, 1] > 600, 0.2, 0.0)))
+    assert np.array_equal(told[:, 1], np.where(x[:, 15] <= 20, 0.2, np.where(x[:, 14] <= 40, 0.6, 0.8)))
+    assert selector.gauges_read == ("g01", "g02", "g15", "g16")
+
+
+def test_a_selection_is_bayes_rule_over_the_leaf():
+    selector = a_selector()
+    reading = 3.0 * selector.library.strains[7]
+    got = selector.select(reading, 3.0)
+    table = selector.likelihood.table(3.0)
+    leaf = leaf_index(selector.tree, reading[None] / 3.0)[0]
+    assert got.distribution == pytest.approx(table[leaf] / table[leaf].sum())
+    assert got.name == selector.library.state_names[got.state] and got.path[0] == 0
+    assert np.allclose(table.sum(axis=0), 1.0)
+
+
+def test_a_selector_comes_back_from_its_file_bit_for_bit(tmp_path):
+    selector = a_selector()
+    selector.write(tmp_path / "selector.json")
+    back = ModelSelector.read(tmp_path / "selector.json")
+    rng = np.random.default_rng(5)
+    readings = rng.uniform(0, 3000, (N_READINGS, 20))
+    assert back.tree == selector.tree
+    assert np.array_equal(back.select_many(readings, 3.0), selector.select_many(readings, 3.0))
+    assert np.array_equal(back.library.strains, selector.library.strains)
+    (tmp_path / "broken.json").write_text('{"format": "octmip-selector", "version": 1, "tree": {}}')
+    with pytest.raises(TreeError, match="no valid selector"):
+        ModelSelector.read(tmp_path / "broken.json")
+
+
+def test_a_tree_of_other_gauges_or_states_is_refused():
+    library = small_library()
+    with pytest.raises(TreeError, match="which the library lacks"):
+        ModelSelector.of_trees(library, [ParameterTree("mu1", Leaf(0), LEVELS, ("x1",))])
+    with pytest.raises(ProblemError, match="has no state"):
+        ModelSelector.of_trees(library, [ParameterTree("mu1", Leaf(0), (0.33,), ("g01",))])
+    with pytest.raises(TreeError, match="selects state 99"):
+        ModelSelector(library, Leaf(99))
+
+
+@given(tree=trees(depth=5, n_features=2), seed=st.integers(0, 100))
+@settings(max_examples=60, deadline=None)
+def test_dead_ends_can_be_left_out(tree, seed):
+    readings = np.random.default_rng(seed).normal(size=(300, 2))
+    short = without_dead_ends(tree)
+    assert np.array_equal(predict(short, readings), predict(tree, readings))
+    assert n_splits(short) <= n_splits(tree)
+
+
+# What a leaf says of a state
+
+
+def test_the_leaf_table_is_the_share_of_readings_that_reach_the_leaf():
+    library = Library(("mu1",), [[0.0], [0.5]], ("a",), [[100.0], [110.0]], 20.0)
+    likelihood = LeafLikelihood(Split(0, 105.0, Leaf(0), Leaf(1)), library, n_draws=20_000)
+    for load, expected in ((1.0, 0.5987), (2.0, 0.6915)):  # the normal distribution at 5 over 20 / load
+        assert likelihood.table(load)[0, 0] == pytest.approx(expected, abs=0.012)
+        assert likelihood.table(load)[1, 1] == pytest.approx(expected, abs=0.012)
+
+
+def test_missing_gauges_leave_leaves_open_and_their_probabilities_add_up():
+    tree = Split(0, 0.0, Split(1, 0.0, Leaf(0), Leaf(1)), Split(1, 1.0, Leaf(0), Leaf(1)))
+    library = Library(("mu1",), [[0.0], [0.5]], ("a", "b"), [[0.1, 0.2], [0.5, 1.0]], 1.0)
+    likelihood = LeafLikelihood(tree, library)
+    nan = np.nan
+    readings = np.array([[-1.0, nan], [nan, -1.0], [nan, 0.5], [nan, nan], [-1.0, -1.0]])
+    expected = [[1, 1, 0, 0], [1, 0, 1, 0], [0, 1, 1, 0], [1, 1, 1, 1], [1, 0, 0, 0]]
+    assert likelihood.open_leaves(readings).astype(int).tolist() == expected
+    got = np.exp(likelihood.log_likelihood(readings, 1.0))
+    assert got == pytest.approx(np.array(expected) @ likelihood.table(1.0))
+    assert got[3] == pytest.approx([1.0, 1.0])
+    assert len(leaves(tree)) == likelihood.n_leaves
