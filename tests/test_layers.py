@@ -32,7 +32,6 @@ LEVELS = {
         "search": 5,
         "cart": 4,
         "solver": 6,
-        "frontier": 7,
         "tradeoff": 7,
         "sensing": 7,
         "estimator": 7,

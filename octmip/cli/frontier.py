@@ -15,9 +15,9 @@ from octmip.cli.arguments import add_method_argument, add_problem_arguments, add
 from octmip.cli.question import ask
 from octmip.errors import DataError
 from octmip.files import check_writable, write_bytes
-from octmip.frontier import OVERS, Point, trace_frontier
 from octmip.plot import frontier_figure
 from octmip.report.markdown import markdown_table
+from octmip.tradeoff import OVERS, Point, trace_frontier
 
 PICTURES = (".svg", ".png", ".pdf")
 
@@ -28,7 +28,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_run_arguments(parser, seconds=60.0)
     add_method_argument(parser)
     parser.add_argument("--over", choices=OVERS, required=True, help="what is varied")
-    parser.add_argument("--values", metavar="A,B,...", help="its values (default: depths 1 to D; 1, 2, ... sensors)")
+    parser.add_argument(
+        "--values",
+        metavar="A,B,...",
+        help="its values (default: depths 1 to D; 1, 2, ... sensors; a penalty for each tree that is best for one)",
+    )
     parser.add_argument("--out", metavar="FILE", help=f"draw the frontier here, one of {', '.join(PICTURES)}")
 
 

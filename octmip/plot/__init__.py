@@ -1,16 +1,17 @@
-"""Figures: a tree, the partition of a two-feature plane, bound and gap over time, frontiers.
+"""Figures: a tree, the partition of a two-feature plane, bound and gap over time, frontiers, cross-validation.
 
 Every function returns a `matplotlib.figure.Figure` made without pyplot: no window, no global state, any thread. Save
 it with ``figure.savefig``. Classes that are numbers (a loss of stiffness of 0, 20, 40 percent) get the colours of one
 scale in their order, other classes get colours that are told apart by colour-blind readers too.
 """
 
-from octmip.plot.curves import frontier_figure, progress_figure
+from octmip.plot.curves import choice_figure, frontier_figure, progress_figure
 from octmip.plot.drawing import counted_tree_figure, split_text, tree_figure
 from octmip.plot.plane import partition_figure
 from octmip.plot.style import class_colours
 
 __all__ = [
+    "choice_figure",
     "class_colours",
     "counted_tree_figure",
     "frontier_figure",

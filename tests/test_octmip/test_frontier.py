@@ -8,7 +8,8 @@ import pytest
 
 from octmip import Leaf, Limits, Problem, Solution, Stop, certify, solve
 from octmip.errors import ProblemError
-from octmip.frontier import Point, _with_bounds_of_wider_limits, default_values, trace_frontier
+from octmip.tradeoff.frontier import Point, _with_bounds_of_wider_limits, default_values, trace_frontier
+from octmip.tradeoff.path import trace_path
 
 RNG = np.random.default_rng(3)
 FEATURES = RNG.normal(size=(40, 3)).round(1)
@@ -19,7 +20,10 @@ PROBLEM = Problem(FEATURES, LABELS, depth=3)
 @pytest.mark.parametrize("over", ["depth", "budget", "penalty"])
 def test_every_point_is_the_optimum_of_its_own_problem(over):
     points = trace_frontier(PROBLEM, over)
-    assert [point.value for point in points] == list(default_values(PROBLEM, over))
+    if over == "penalty":
+        assert [point.value for point in points] == [candidate.penalty for candidate in trace_path(PROBLEM).candidates]
+    else:
+        assert [point.value for point in points] == list(default_values(PROBLEM, over))
     for point in points:
         certify(point.problem, point.solution)
         assert point.solution.is_optimal and point.solution.objective == solve(point.problem).objective

@@ -10,7 +10,8 @@ from matplotlib.patches import Polygon
 
 from octmip import HyperplaneSplit, Leaf, Problem, Progress, Split, predict
 from octmip.errors import ProblemError
-from octmip.plot import class_colours, partition_figure, progress_figure, tree_figure
+from octmip.plot import choice_figure, class_colours, partition_figure, progress_figure, tree_figure
+from octmip.tradeoff import choose_tree
 
 RNG = np.random.default_rng(0)
 POINTS = RNG.random((60, 2)) * [10, 1000]
@@ -88,3 +89,15 @@ def test_progress_shows_bound_and_objective():
     assert lines[0].get_ydata().tolist() == [9, 7, 7] and np.isnan(lines[1].get_ydata()[0])
     with pytest.raises(ProblemError, match="no progress"):
         progress_figure([])
+
+
+def test_a_choice_is_drawn_with_one_line_a_depth_and_its_mark():
+    problem = Problem(RNG.random((30, 2)), [0, 1, 2] * 10, depth=2)
+    choice = choose_tree(problem, folds=2, method="cart")
+    axes = choice_figure(choice, "choice").axes[0]
+    labels = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert labels == ["depth 1", "depth 2", "chosen"]
+    costs = [step.validation_cost for step in choice.steps if step.depth == 1]
+    assert axes.lines[0].get_ydata().tolist() == [*costs, costs[-1]]
+    single = choose_tree(problem, folds=[(range(15), range(15, 30))], method="cart")
+    assert choice_figure(single).axes[0].get_xlim()[0] == 0

@@ -2,7 +2,8 @@
 
 A tree that meets a tight limit meets a wide one too. So each point starts from the tree of the point before, and a
 bound proven under a wide limit holds under every tighter one: along a frontier of depth or budget objectives never rise
-and bounds never fall behind.
+and bounds never fall behind. A frontier over the penalty has one point for each tree that is best for some penalty
+(octmip.tradeoff.path), in the middle of its interval.
 """
 
 import math
@@ -14,10 +15,11 @@ from octmip.errors import ProblemError
 from octmip.problem import Problem
 from octmip.solution import Limits, ProgressCallback, Solution, Stop
 from octmip.solver import Method, solve
+from octmip.tradeoff.path import trace_path
+from octmip.tree import Node
 
 Over = Literal["depth", "budget", "penalty"]
 OVERS: tuple[Over, ...] = ("depth", "budget", "penalty")
-PENALTY_SHARES = (0.0, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,19 +31,16 @@ class Point:
     solution: Solution
 
 
-def default_values(problem: Problem, over: Over) -> tuple[float, ...]:
+def default_values(problem: Problem, over: Literal["depth", "budget"]) -> tuple[float, ...]:
     """Return the values that a frontier takes when none are given.
 
-    Depths from 1 to the problem's; as many sensors as a tree of its depth can read, where each costs 1; penalties as
-    shares (B&D's alpha) of the baseline.
+    Depths from 1 to the problem's; as many sensors as a tree of its depth can read, where each costs 1.
 
     Raises:
         ProblemError: sensors have other costs, so that budgets must be named.
     """
     if over == "depth":
         return tuple(range(1, problem.depth + 1))
-    if over == "penalty":
-        return tuple(share * problem.baseline for share in PENALTY_SHARES)
     if (problem.sensor_costs != 1).any():
         raise ProblemError("sensors do not cost 1 each, so the budgets of interest are not 1, 2, ...; name the values")
     readable = (2**problem.depth - 1) * problem.max_split_size
@@ -61,7 +60,8 @@ def trace_frontier(
 ) -> list[Point]:
     """Return one point for each value, values ascending; `limits` hold for each point by itself.
 
-    Ctrl-C ends the frontier: the points so far come back, the last one interrupted.
+    Ctrl-C ends the frontier: the points so far come back, the last one interrupted. Without values the penalties are
+    those at which another tree is best, which takes about two more solves a point.
 
     Raises:
         ProblemError: `over` is unknown, or a value makes no problem.
@@ -69,14 +69,33 @@ def trace_frontier(
     if over not in OVERS:
         raise ProblemError(f"over is {over!r}; expected one of {', '.join(OVERS)}")
     points: list[Point] = []
-    for value in sorted(default_values(problem, over) if values is None else values):
+    for value, tree in _starts(problem, over, values, method, limits, seed, n_jobs, progress):
         here = _problem_at(problem, over, value)
-        known = points[-1].solution.tree if points else None
+        known = tree or (points[-1].solution.tree if points else None)
         solution = solve(here, method, limits, known, seed, n_jobs, progress)
         points.append(Point(value, here, solution))
         if solution.stop is Stop.INTERRUPTED:
             break
     return points if over == "penalty" else _with_bounds_of_wider_limits(points)
+
+
+def _starts(
+    problem: Problem,
+    over: Over,
+    values: Sequence[float] | None,
+    method: Method,
+    limits: Limits,
+    seed: int,
+    n_jobs: int,
+    progress: ProgressCallback | None,
+) -> list[tuple[float, Node | None]]:
+    """Return the values, ascending, each with a tree to start from where one is known beforehand."""
+    if over == "penalty" and values is None:
+        path = trace_path(problem, method=method, limits=limits, seed=seed, n_jobs=n_jobs, progress=progress)
+        return [(candidate.penalty, candidate.tree) for candidate in path.candidates]
+    chosen = default_values(problem, over) if values is None and over != "penalty" else values
+    assert chosen is not None
+    return [(value, None) for value in sorted(chosen)]
 
 
 def _problem_at(problem: Problem, over: Over, value: float) -> Problem:

@@ -1,0 +1,26 @@
+"""Tradeoffs: what depth, sensors and a simpler tree cost, and which depth and leaf penalty hold on unseen samples.
+
+frontier   the least cost against depth, sensor budget or leaf penalty, each point with its bound
+path       for every leaf penalty the best tree: all the trees that are best for some penalty
+choice     depth and leaf penalty by cross-validation over those paths
+"""
+
+from octmip.tradeoff.choice import RULES, Choice, Rule, Step, choose_tree
+from octmip.tradeoff.frontier import OVERS, Over, Point, default_values, trace_frontier
+from octmip.tradeoff.path import Candidate, PenaltyPath, trace_path
+
+__all__ = [
+    "OVERS",
+    "RULES",
+    "Candidate",
+    "Choice",
+    "Over",
+    "PenaltyPath",
+    "Point",
+    "Rule",
+    "Step",
+    "choose_tree",
+    "default_values",
+    "trace_frontier",
+    "trace_path",
+]

@@ -1,0 +1,174 @@
+"""Cross-validation: folds are fair, the curve is what direct fits would give, and every backend gives the same."""
+
+import math
+from dataclasses import replace
+from itertools import pairwise
+
+import joblib
+import numpy as np
+import pytest
+from sklearn.datasets import load_iris
+from sklearn.model_selection import GridSearchCV
+
+from octmip import Problem, certify, predict
+from octmip.errors import ProblemError
+from octmip.estimator import OptimalTreeClassifier
+from octmip.tradeoff import choose_tree
+from octmip.tradeoff.folds import part_of, stratified_folds
+from octmip.tradeoff.path import trace_depths
+
+IRIS = Problem(*load_iris(return_X_y=True), depth=2)
+RNG = np.random.default_rng(5)
+COSTLY = Problem(
+    RNG.normal(size=(60, 3)).round(1),
+    np.arange(60) % 3,
+    depth=2,
+    weights=RNG.integers(1, 4, 60),
+    costs=[[0, 1, 4], [2, 0, 1], [5, 1, 0]],
+)
+
+
+def noisy_step(n=60):
+    """Return a problem whose truth is one split, with noise that deeper trees learn by heart."""
+    rng = np.random.default_rng(0)
+    features = rng.random((n, 2))
+    labels = (features[:, 0] > 0.5).astype(int)
+    flipped = rng.random(n) < 0.15
+    return Problem(features, np.where(flipped, 1 - labels, labels), depth=3)
+
+
+@pytest.mark.parametrize("n_folds", [2, 3, 7])
+def test_folds_are_of_equal_size_and_hold_equal_shares_of_each_class(n_folds):
+    folds = stratified_folds(IRIS, n_folds, seed=1)
+    held = np.concatenate([rows for _, rows in folds])
+    assert sorted(held) == list(range(150)) and not any(np.intersect1d(*fold).size for fold in folds)
+    sizes = [len(rows) for _, rows in folds]
+    shares = np.array([np.bincount(IRIS.codes[rows], minlength=3) for _, rows in folds])
+    assert max(sizes) - min(sizes) <= 1 and (np.ptp(shares, axis=0) <= 1).all()
+
+
+@pytest.mark.parametrize("problem", [IRIS, COSTLY], ids=["iris", "weights and costs"])
+def test_a_step_costs_what_the_trees_of_its_alpha_cost_on_the_folds_that_they_have_not_seen(problem):
+    choice = choose_tree(problem, folds=3, method="exact", seed=2)
+    folds = stratified_folds(problem, 3, seed=2)
+    paths = [trace_depths(part_of(problem, train, "rows"), [1, 2], method="exact", seed=2) for train, _ in folds]
+    for step in choice.steps:
+        high = step.alpha_high if math.isfinite(step.alpha_high) else 9.0
+        for share in (1e-6, 0.3, 1 - 1e-6):
+            total = 0.0
+            for (_, held), of_fold in zip(folds, paths, strict=True):
+                path = of_fold[step.depth - 1]
+                penalty = (step.alpha_low + share * (high - step.alpha_low)) * path.problem.baseline
+                told = predict(path.best_at(penalty).tree, problem.features[held])
+                total += (problem.weights[held] * problem.costs[problem.codes[held], told]).sum()
+            assert step.validation_cost == pytest.approx(total / problem.weights.sum())
+
+
+def test_every_alpha_of_every_depth_has_its_step():
+    steps = choose_tree(IRIS, folds=3, method="cart").steps
+    assert {step.depth for step in steps} == {1, 2}
+    for depth in (1, 2):
+        mine = [step for step in steps if step.depth == depth]
+        assert mine[0].alpha_low == 0 and mine[-1].alpha_high == math.inf
+        assert all(a.alpha_high == b.alpha_low for a, b in pairwise(mine))
+        assert all(step.alpha_low <= step.alpha <= step.alpha_high for step in mine)
+
+
+def test_the_tree_that_generalises_is_chosen_and_fitted_to_all_samples():
+    choice = choose_tree(noisy_step(), method="exact", seed=1)
+    assert choice.chosen.complexity == 1 and choice.tree.feature == 0 and abs(choice.tree.threshold - 0.5) < 0.1
+    assert choice.problem.n_samples == 60 and choice.solution.is_optimal
+    assert choice.problem.depth == choice.chosen.depth
+    assert choice.problem.leaf_penalty == choice.chosen.alpha * choice.problem.baseline
+    assert certify(choice.problem, choice.solution).objective == choice.solution.objective
+    assert choice.chosen.validation_cost == min(step.validation_cost for step in choice.steps)
+
+
+def test_one_pair_of_training_and_validation_rows_chooses_as_bertsimas_and_dunn_do():
+    rng = np.random.default_rng(0)
+    x = rng.random((24, 1))
+    labels = (x[:, 0] > 0.5).astype(int)
+    noisy = labels.copy()
+    noisy[:3] = 1 - noisy[:3]
+    both = Problem(np.concatenate([x, x]), np.concatenate([noisy, labels]), depth=2)
+    choice = choose_tree(both, folds=[(range(24), range(24, 48))], method="exact")
+    assert choice.chosen.complexity == 1 and choice.chosen.validation_cost == 0
+    assert math.isnan(choice.chosen.standard_error) and (choice.fold == np.repeat([-1, 0], 24)).all()
+
+
+def test_one_standard_error_buys_a_simpler_tree():
+    least, simple = (choose_tree(IRIS, folds=5, method="exact", rule=rule) for rule in ("least", "one_se"))
+    assert simple.steps == least.steps and simple.chosen.complexity <= least.chosen.complexity
+    assert simple.chosen.validation_cost <= least.chosen.validation_cost + least.chosen.standard_error
+
+
+def test_folds_come_out_the_same_in_threads_in_processes_and_alone():
+    alone = choose_tree(COSTLY, folds=3, method="search")
+    for backend in ("threading", "loky"):
+        with joblib.parallel_config(backend=backend, n_jobs=2):
+            other = choose_tree(COSTLY, folds=3, method="search")
+        assert other.steps == alone.steps and other.tree == alone.tree and other.chosen == alone.chosen
+
+
+def test_folds_run_on_a_dask_cluster():
+    distributed = pytest.importorskip("distributed", reason="dask is not installed (pip install distributed)")
+    alone = choose_tree(COSTLY, folds=3, method="cart")
+    cluster = distributed.LocalCluster(n_workers=1, processes=False, dashboard_address=None)
+    with cluster, distributed.Client(cluster), joblib.parallel_config(backend="dask"):
+        other = choose_tree(COSTLY, folds=3, method="cart")
+    assert other.steps == alone.steps and other.tree == alone.tree
+
+
+def test_hyperplanes_budgets_and_mixed_integer_forms_can_be_chosen_too():
+    planes = replace(COSTLY, split="hyperplane", split_size=2, depth=1, sensor_budget=2)
+    choice = choose_tree(planes, folds=2, options={"restarts": 1}, most_solves=4)
+    assert certify(choice.problem, choice.solution).sensor_cost <= 2
+    assert choose_tree(replace(COSTLY, depth=1), folds=2, method="flow").solution.is_optimal
+
+
+def test_the_table_has_one_row_a_step_and_one_is_chosen():
+    choice = choose_tree(IRIS, folds=3, method="cart")
+    table = choice.table()
+    assert len(table) == len(choice.steps) and sum(row["chosen"] for row in table) == 1
+    assert table[0]["alpha_low"] == 0 and table[0]["depth"] == 1
+
+
+ROWS = (range(0, 75), range(75, 150))
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        ({"folds": 1}, "folds is 1; expected a number from 2 to 150"),
+        ({"folds": 151}, "folds is 151"),
+        ({"folds": True}, "folds is True"),
+        ({"folds": []}, "folds is empty"),
+        ({"folds": [ROWS, ROWS]}, "row 75 is held out in 2 folds"),
+        ({"folds": [(range(10), range(5, 20))]}, "fold 0 trains on 5 of the rows that judge it"),
+        ({"folds": [(range(10), [150])]}, "validation rows from 150 to 150"),
+        ({"folds": [([0.5], [3])]}, "training rows"),
+        ({"folds": [(range(10), range(60, 70))]}, "training rows of fold 0 make no problem: labels holds one class"),
+        ({"depths": [3]}, "depths is"),
+        ({"depths": []}, "depths is"),
+        ({"depths": [0, 1]}, "depths is"),
+        ({"rule": "best"}, "rule is 'best'"),
+        ({"rule": "one_se", "folds": [ROWS[::-1]]}, "'one_se' with 2 or more"),
+        ({"method": "magic"}, "method is 'magic'"),
+        ({"most_solves": 0}, "most_solves is 0"),
+    ],
+)
+def test_what_cannot_be_chosen_by_is_refused_with_a_sentence(options, sentence):
+    with pytest.raises(ProblemError, match=sentence):
+        choose_tree(IRIS, **options)
+
+
+def test_costs_that_are_all_zero_leave_nothing_to_choose_by():
+    with pytest.raises(ProblemError, match="cost nothing in a single leaf"):
+        choose_tree(replace(IRIS, costs=np.zeros((3, 3))), folds=2)
+
+
+def test_scikit_learn_s_own_grid_search_chooses_depth_and_penalty_too():
+    search = GridSearchCV(
+        OptimalTreeClassifier(method="cart"), {"depth": [1, 2], "leaf_penalty": [0.0, 2.0, 200.0]}, cv=3
+    ).fit(IRIS.features, IRIS.labels)
+    assert search.best_params_["depth"] == 2 and search.best_params_["leaf_penalty"] < 200

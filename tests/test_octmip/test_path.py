@@ -1,0 +1,122 @@
+"""The penalty path: every candidate is an optimum of its interval, none is missed, and what is unproven says so."""
+
+import math
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from octmip import Limits, Problem, Stop, solve
+from octmip.errors import ProblemError
+from octmip.tradeoff import path as paths
+from octmip.tradeoff import trace_path
+from octmip.tree import complexity, depth, predict
+from tests.oracles.enumeration import optimum
+from tests.test_octmip.test_mip import blobs
+
+WEIGHTED = blobs(depth=2, weights=[1, 9, 2, 1, 1, 5, 9, 1, 3, 1, 2, 6])
+FAR = np.abs(np.subtract.outer(np.arange(3), np.arange(3))) * 20.0
+RNG = np.random.default_rng(1)
+COSTLY = Problem(RNG.integers(0, 6, (14, 2)).astype(float), RNG.integers(0, 3, 14), depth=2, costs=FAR)
+
+
+@pytest.mark.parametrize("method", ["exact", "flow", "oct"])
+@pytest.mark.parametrize("problem", [WEIGHTED, COSTLY], ids=["weights", "costs"])
+def test_each_candidate_is_the_optimum_wherever_it_is_said_to_be(method, problem):
+    path = trace_path(problem, method=method)
+    assert len(path.candidates) >= 3 and path.is_whole
+    for candidate in path.candidates:
+        high = candidate.penalty_high if math.isfinite(candidate.penalty_high) else candidate.penalty_low + 5
+        for penalty in (candidate.penalty_low, candidate.penalty, 0.01 * candidate.penalty_low + 0.99 * high):
+            best = optimum(replace(problem, leaf_penalty=penalty)).objective
+            assert candidate.cost + penalty * candidate.complexity == pytest.approx(best)
+            assert path.bound_at(penalty) <= best + 1e-9
+        assert candidate.cost == problem.objective_of(candidate.tree, predict(candidate.tree, problem.features))
+        assert candidate.complexity == complexity(candidate.tree) and candidate.is_proven
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_no_tree_that_is_best_for_some_penalty_is_missed(seed):
+    rng = np.random.default_rng(seed)
+    problem = Problem(rng.integers(0, 6, (14, 2)).astype(float), rng.integers(0, 3, 14), depth=2)
+    path = trace_path(problem, method="exact")
+    for penalty in np.linspace(0, problem.baseline, 40):
+        best = path.best_at(penalty)
+        assert best.cost + penalty * best.complexity == pytest.approx(
+            optimum(replace(problem, leaf_penalty=penalty)).objective
+        )
+    assert path.n_solves <= 2 * len(path.candidates) + 1
+
+
+def test_intervals_of_penalties_meet_and_costs_rise_as_trees_shrink():
+    candidates = trace_path(blobs(depth=2)).candidates
+    for larger, smaller in pairwise(candidates):
+        assert larger.penalty_high == smaller.penalty_low
+        assert larger.complexity > smaller.complexity and larger.cost < smaller.cost
+    assert candidates[0].penalty_low == 0 and candidates[-1].penalty_high == math.inf
+
+
+@pytest.mark.parametrize("method", ["cart", "search"])
+def test_what_proves_nothing_claims_nothing(method):
+    path = trace_path(blobs(depth=2), method=method)
+    assert path.is_whole and not any(c.is_proven for c in path.candidates if c.cost)
+    exact = trace_path(blobs(depth=2), method="exact")
+    for penalty in (0.0, 0.5, 1.0, 3.0, 9.0):
+        here, best = path.best_at(penalty), exact.best_at(penalty)
+        assert here.cost + penalty * here.complexity >= best.cost + penalty * best.complexity
+        assert path.bound_at(penalty) <= best.cost + penalty * best.complexity
+
+
+def test_splits_over_several_features_are_paid_for_by_the_feature():
+    for options in ({"method": "search"}, {"method": "oct_h", "most_solves": 2, "limits": Limits(seconds=5)}):
+        path = trace_path(blobs(9, depth=1, split="hyperplane"), **options)
+        assert [candidate.complexity for candidate in path.candidates] == [2, 1, 0] or len(path.candidates) == 2
+        assert all(candidate.complexity == complexity(candidate.tree) for candidate in path.candidates)
+
+
+def test_trees_that_are_known_are_not_lost():
+    deep = trace_path(blobs(depth=2), method="exact")
+    known = [candidate.tree for candidate in deep.candidates]
+    poor = trace_path(blobs(depth=2), method="cart", incumbents=known)
+    assert [c.cost for c in poor.candidates] == [c.cost for c in deep.candidates]
+
+
+def test_depths_are_ascending_and_deeper_is_never_worse():
+    shallow, deep = paths.trace_depths(WEIGHTED, [2, 1], method="cart")
+    assert (shallow.problem.depth, deep.problem.depth) == (1, 2)
+    assert all(depth(candidate.tree) <= 1 for candidate in shallow.candidates)
+    for penalty in (0.0, 1.0, 4.0):
+        low, high = deep.best_at(penalty), shallow.best_at(penalty)
+        assert low.cost + penalty * low.complexity <= high.cost + penalty * high.complexity
+
+
+def test_a_path_that_is_cut_short_says_so_and_proves_only_what_it_saw():
+    path = trace_path(WEIGHTED, method="exact", most_solves=2)
+    assert not path.is_whole and path.n_solves == 2
+    assert not all(candidate.is_proven for candidate in path.candidates)
+    cut = trace_path(WEIGHTED, method="flow", most_solves=1)
+    assert not cut.is_whole and cut.bounds == () and not any(c.is_proven for c in cut.candidates)
+
+
+def test_ctrl_c_ends_the_path_with_what_is_known(monkeypatch):
+    def interrupted(problem, *args, **kwargs):
+        return replace(solve(problem, *args, **kwargs), stop=Stop.INTERRUPTED)
+
+    monkeypatch.setattr(paths, "solve", interrupted)
+    path = trace_path(WEIGHTED, method="exact")
+    assert path.is_interrupted and not path.is_whole and path.n_solves == 1 and len(path.candidates) == 2
+
+
+@pytest.mark.parametrize(
+    ("ask", "sentence"),
+    [
+        (lambda: trace_path(WEIGHTED, most_solves=0), "most_solves is 0"),
+        (lambda: trace_path(WEIGHTED, method="magic"), "method is 'magic'"),
+        (lambda: trace_path(WEIGHTED, method="cart").best_at(-1.0), r"penalty is -1\.0"),
+        (lambda: trace_path(WEIGHTED, method="cart", options={"tea": 1}), "takes no option 'tea'"),
+    ],
+)
+def test_a_path_that_cannot_be_asked_for_is_refused(ask, sentence):
+    with pytest.raises(ProblemError, match=sentence):
+        ask()
