@@ -1,13 +1,21 @@
 """The tree at work: which state the asset is in, how sure that is, and whether the library still knows the asset."""
 
+from octmip.monitor.belief import Belief
 from octmip.monitor.compiled import REFUSED, CompiledTree
+from octmip.monitor.filter import Filter
+from octmip.monitor.gaussian_likelihood import GaussianLikelihood
+from octmip.monitor.growth import Growth, steady_growth
 from octmip.monitor.leaf_likelihood import LeafLikelihood
 from octmip.monitor.library import Library, grid_states, library_of
 from octmip.monitor.selector import ModelSelector, ParameterTree, Selection, without_dead_ends
 
 __all__ = [
     "REFUSED",
+    "Belief",
     "CompiledTree",
+    "Filter",
+    "GaussianLikelihood",
+    "Growth",
     "LeafLikelihood",
     "Library",
     "ModelSelector",
@@ -15,5 +23,6 @@ __all__ = [
     "Selection",
     "grid_states",
     "library_of",
+    "steady_growth",
     "without_dead_ends",
 ]

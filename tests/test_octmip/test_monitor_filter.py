@@ -1,0 +1,171 @@
+"""Belief over time: the recursion against enumeration, likelihoods against their definition, and calibration."""
+
+import dataclasses
+import itertools
+
+import numpy as np
+import pytest
+from scipy.stats import multivariate_normal
+
+from octmip.errors import DataError, ProblemError
+from octmip.monitor import (
+    Belief,
+    Filter,
+    GaussianLikelihood,
+    Growth,
+    LeafLikelihood,
+    Library,
+    grid_states,
+    library_of,
+    steady_growth,
+)
+from octmip.tree import Leaf, Split
+from tests.test_octmip.test_monitor_selector import LinearBeam
+
+CENTRES = tuple(0.05 + 0.1 * k for k in range(8))
+
+
+@pytest.fixture(scope="module")
+def cells() -> Library:
+    return library_of(LinearBeam(), grid_states([CENTRES, CENTRES]), 60.0, widths=(0.1, 0.1))
+
+
+def small_chain():
+    library = Library(("mu1",), [[0.0], [0.3], [0.6]], ("a", "b"), [[1.0, 0.0], [2.0, 0.5], [4.0, -1.0]], 1.0)
+    return library, steady_growth(library, (0.05, 0.2), sudden=0.02, change=0.1)
+
+
+def test_the_belief_is_what_enumerating_all_histories_gives():
+    library, growth = small_chain()
+    observed = GaussianLikelihood(library)
+    readings = np.array([[1.5, 0.1], [3.1, 0.4], [3.0, -0.5]])
+    loads = [1.0, 2.0, 1.0]
+    chain = Filter(observed, growth)
+    belief = chain.start(1, state=0)
+    for row, load in zip(readings, loads, strict=True):
+        belief = chain.step(belief, row[None], load)
+    likely = [np.exp(observed.log_likelihood(r[None], load)[0]) for r, load in zip(readings, loads, strict=True)]
+    total = np.zeros(3)
+    for paces in itertools.product(range(2), repeat=4):
+        for states in itertools.product(range(3), repeat=3):
+            p, before = 0.5, 0
+            for k, state in enumerate(states):
+                p *= growth.transitions[paces[k], before, state] * growth.changes[paces[k], paces[k + 1]]
+                p *= likely[k][state]
+                before = state
+            total[states[-1]] += p
+    assert belief.probability[0] == pytest.approx(total / total.sum(), rel=1e-12)
+
+
+@pytest.mark.parametrize("missing", [(), (3,), (0, 7, 19)])
+def test_a_whole_reading_is_as_likely_as_its_normal_distribution_says(cells, missing):
+    load, rng = 2.0, np.random.default_rng(0)
+    reading = load * cells.strains[20] + rng.normal(0, 60, 20)
+    reading[list(missing)] = np.nan
+    known = ~np.isnan(reading)
+    expected = []
+    for strains, slopes in zip(cells.strains, cells.slopes, strict=True):
+        spread = (load * slopes * 0.1 / np.sqrt(12.0))[:, known]
+        expected.append(
+            multivariate_normal(load * strains[known], np.diag(cells.noise_sd[known] ** 2) + spread.T @ spread).logpdf(
+                reading[known]
+            )
+        )
+    got = GaussianLikelihood(cells).log_likelihood(reading[None], load)[0]
+    assert got - got.max() == pytest.approx(np.array(expected) - max(expected), abs=1e-6)
+
+
+def test_damage_grows_by_the_rate_and_never_heals():
+    library = Library(("mu1",), [[0.1 * k] for k in range(9)], ("a",), [[float(k)] for k in range(9)], 1.0)
+    growth = steady_growth(library, 0.02)
+    start = np.zeros((1, 1, 9))
+    start[0, 0, 2] = 1.0
+    mean = Belief(library, growth.advance(growth.advance(start))).mean("mu1")
+    assert mean[0] == pytest.approx(0.24)
+    assert np.all(np.tril(growth.transitions[0], -1) == 0.0)
+    assert steady_growth(library, 0.0, sudden=0.1).transitions[0][0, 1:] == pytest.approx(np.full(8, 0.0125))
+
+
+def test_a_growth_that_is_none_is_refused(cells):
+    library, growth = small_chain()
+    with pytest.raises(ProblemError, match="less than one level a step"):
+        steady_growth(library, 0.31)
+    with pytest.raises(ProblemError, match="rows that add up to"):
+        Growth(np.full((1, 2, 2), 0.4), np.ones((1, 1)))
+    with pytest.raises(ProblemError, match="expected 3 axes"):
+        Growth(np.eye(2), np.ones((1, 1)))
+    with pytest.raises(ProblemError, match="make both for one library"):
+        Filter(GaussianLikelihood(cells), growth)
+
+
+def test_quantiles_of_a_belief_are_linear_within_cells():
+    library = Library(("mu1",), [[0.05], [0.15], [0.25]], ("a",), [[0.0], [1.0], [2.0]], 1.0, widths=[0.1])
+    belief = Belief(library, np.array([[[0.2, 0.6, 0.2]], [[1.0, 0.0, 0.0]]]))
+    assert belief.quantile("mu1", 0.5) == pytest.approx([0.15, 0.05])
+    assert belief.quantile("mu1", 0.1) == pytest.approx([0.05, 0.01])
+    assert belief.interval("mu1", 0.9)[1] == pytest.approx([0.275, 0.095])
+    assert belief.probability_above({"mu1": 0.13}) == pytest.approx([0.2 + 0.6 * 0.7, 0.0])
+    assert belief.expectation(np.array([1.0, 2.0, 3.0])) == pytest.approx([2.0, 1.0])
+    assert belief.most_probable.tolist() == [1, 0]
+    with pytest.raises(ProblemError, match="no parameter 'mu9'"):
+        belief.mean("mu9")
+
+
+def test_thresholds_of_several_parameters_are_taken_together(cells):
+    belief = Belief(cells, np.full((1, 1, 64), 1 / 64))
+    assert belief.probability_above({"mu1": 0.4, "mu2": 0.4}) == pytest.approx(0.75)
+    assert belief.probability_above({"mu1": 0.45}) == pytest.approx(0.4375)
+
+
+def mu1_tree():
+    return Split(0, 800.0, Leaf(0), Split(1, 900.0, Leaf(1), Leaf(2)))
+
+
+def test_a_reading_of_nothing_leaves_the_belief_as_growth_left_it(cells):
+    for likelihood in (LeafLikelihood(mu1_tree(), cells, n_draws=200), GaussianLikelihood(cells)):
+        chain = Filter(likelihood, steady_growth(cells, (0.004, 0.008)))
+        before = chain.advance(chain.start(1, state=9))
+        after = chain.observe(before, np.full((1, 20), np.nan), 3.0)
+        assert after.weights == pytest.approx(before.weights)
+
+
+def test_a_reading_that_no_state_explains_leaves_the_belief(cells):
+    chain = Filter(GaussianLikelihood(cells), steady_growth(cells, 0.0))
+    sure = chain.start(1, state=0)
+    assert np.array_equal(chain.observe(sure, 3.0 * cells.strains[63:], 3.0).weights, sure.weights)
+
+
+def test_readings_that_are_none_are_refused(cells):
+    chain = Filter(GaussianLikelihood(cells), steady_growth(cells, 0.004))
+    with pytest.raises(DataError, match=r"shape \(1, 3\)"):
+        chain.observe(chain.start(), np.zeros((1, 3)), 3.0)
+    with pytest.raises(DataError, match="g02 is infinite"):
+        chain.observe(chain.start(), np.where(np.arange(20) == 1, np.inf, 0.0)[None], 3.0)
+    with pytest.raises(DataError, match="load_factor is -1"):
+        chain.observe(chain.start(), np.zeros((1, 20)), -1.0)
+
+
+@pytest.mark.parametrize("kind", ["leaf", "whole"])
+def test_sets_hold_what_they_say_on_histories_drawn_from_the_model(cells, kind):
+    rng, sd = np.random.default_rng(3), 150.0  # cells narrow beside the noise: their spread is as good as normal
+    cells = dataclasses.replace(cells, noise_sd=np.full(20, sd))
+    likelihood = LeafLikelihood(mu1_tree(), cells) if kind == "leaf" else GaussianLikelihood(cells)
+    growth = steady_growth(cells, (0.002, 0.01), sudden=0.002, change=0.05)
+    chain, n = Filter(likelihood, growth), 400
+    state, pace = np.zeros(n, dtype=int), rng.integers(growth.n_paces, size=n)
+    belief, covered = chain.start(n, state=0), []
+    for k in range(40):
+        state = np.array([rng.choice(64, p=growth.transitions[p, s]) for p, s in zip(pace, state, strict=True)])
+        pace = np.array([rng.choice(growth.n_paces, p=growth.changes[p]) for p in pace])
+        place = rng.uniform(-0.5, 0.5, (n, 2)) * cells.widths
+        strains = cells.strains[state] + np.einsum("np,npg->ng", place, cells.slopes[state])
+        load = 3.0 if k % 2 else 2.0
+        belief = chain.step(belief, load * strains + rng.normal(0, sd, (n, 20)), load)
+        for j, name in enumerate(("mu1", "mu2")):
+            low, high = belief.interval(name, 0.9)
+            truth = cells.states[state, j] + place[:, j]
+            covered.append(((low <= truth) & (truth <= high)).mean())
+    # 400 histories of some ten independent stretches each: a standard error of half a per cent. A whole reading tells
+    # places within a cell apart, which the belief spreads out: its sets are a little wide.
+    low, high = (0.885, 0.915) if kind == "leaf" else (0.885, 0.935)
+    assert low < np.mean(covered) < high
