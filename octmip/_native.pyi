@@ -62,9 +62,13 @@ def two_feature_branch_and_bound(
     limit_values: tuple[float, float, float, float],
     known: int | None = None,
     seed: int = 0,
+    off: list[str] = ...,
     progress: Callable[[float, int, int, int], None] | None = None,
 ) -> tuple[list[NodeRow], int, int, str, int]:
     """Return node table, objective, bound, stop and number of boxes."""
+
+def two_feature_prunes() -> list[str]:
+    """Return the names of all prunes and bounds of the two-feature core."""
 
 def check(problem: Problem, log: str, skip: int, claim: int, threads: int) -> tuple[int, str] | None:
     """Return the line and the reason why a log does not prove that every tree costs `claim`, None when it does."""

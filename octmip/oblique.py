@@ -10,7 +10,7 @@ bound but is not returned: `Solution.details["thin"]` then says so. See docs/the
 """
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -36,6 +36,7 @@ def two_feature_branch_and_bound(
     n_jobs: int = 1,
     progress: ProgressCallback | None = None,
     proof: None = None,
+    _off: Sequence[str] = (),
 ) -> Solution:
     """Return a proven optimal tree, or the best tree and the bound when a limit is reached.
 
@@ -47,6 +48,7 @@ def two_feature_branch_and_bound(
         n_jobs: threads; the result does not depend on them.
         progress: called every few hundredths of a second.
         proof: there is no proof log yet.
+        _off: names of prunes and bounds to do without (`_native.two_feature_prunes()`), for tests.
 
     Raises:
         ProblemError: the problem is deeper, allows more features in a split, or `proof` is asked for.
@@ -60,6 +62,7 @@ def two_feature_branch_and_bound(
         (limits.seconds, limits.gap, limits.nodes, limits.memory),
         None if incumbent is None else _whole_objective(problem, costs, incumbent),
         seed % 2**64,
+        list(_off),
         _native_progress(progress, costs.unit),
     )
     tree = _finished(problem, tree_from_rows(rows, ranks), np.arange(problem.n_samples))

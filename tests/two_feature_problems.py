@@ -39,6 +39,16 @@ def random_two_feature_problem(rng: np.random.Generator, *, depth: int, max_samp
     )
 
 
+def clouds(seed: int, *, most_samples: int = 260) -> Problem:
+    """Return a problem of depth 2 whose classes follow one another in a noisy cloud: many samples, large costs."""
+    rng = np.random.default_rng([62, seed])
+    n, p, k = int(rng.integers(80, most_samples)), int(rng.integers(2, 5)), int(rng.integers(3, 7))
+    level = rng.integers(0, k, n)
+    spread = rng.normal(scale=rng.uniform(0.05, 0.6), size=(n, p))
+    features = level[:, None] * np.linspace(1, 0.5, p) + spread
+    return Problem(features, level, depth=2, split="hyperplane", split_size=2, class_names=tuple(range(k)))
+
+
 def _features(rng: np.random.Generator, n: int, p: int) -> np.ndarray[Any, np.dtype[np.float64]]:
     kind = rng.integers(4)
     if kind == 0:  # a small grid: duplicates and many points on one line

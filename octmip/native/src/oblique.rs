@@ -20,6 +20,7 @@ pub mod scan;
 pub mod single;
 pub mod start;
 pub mod stump;
+pub mod switches;
 pub mod view;
 pub mod watch;
 pub mod wide;
@@ -31,6 +32,7 @@ use crate::tree::Tree;
 use extract::{Sketch, draw};
 use ground::Ground;
 use loss::INFEASIBLE;
+use switches::Switches;
 use watch::Watch;
 
 /// Find an optimal tree of depth 1 or 2 and prove it so.
@@ -43,24 +45,31 @@ pub fn solve(
     n_threads: usize,
     known: Option<i64>,
     seed: u64,
+    switches: Switches,
     keep_going: KeepGoing,
 ) -> Option<Outcome> {
+    let mut ground = Ground::new(problem);
+    ground.switches = switches;
     match problem.depth {
-        1 => Some(solve_single(problem, limits, keep_going)),
+        1 => Some(solve_single(problem, &ground, limits, keep_going)),
         2 => Some(pair::solve_pair(
-            problem, limits, n_threads, known, seed, keep_going,
+            problem, &ground, limits, n_threads, known, seed, keep_going,
         )),
         _ => None,
     }
 }
 
-fn solve_single(problem: &Problem, limits: Limits, keep_going: KeepGoing) -> Outcome {
-    let ground = Ground::new(problem);
+fn solve_single(
+    problem: &Problem,
+    ground: &Ground,
+    limits: Limits,
+    keep_going: KeepGoing,
+) -> Outcome {
     let watch = Watch::new(limits);
     let ids = ground.all();
     let (_, label) = ground.loss.leaf(&ground.view().tally(&ids));
     let leaf =
-        draw(problem, &ground, &Sketch::Leaf).unwrap_or((Tree::leaf(label as u32), INFEASIBLE));
+        draw(problem, ground, &Sketch::Leaf).unwrap_or((Tree::leaf(label as u32), INFEASIBLE));
     let answer = watch.over(keep_going, leaf.1, || {
         let need = problem.leaf_size as i64;
         let charts = &ground.charts;
@@ -74,7 +83,7 @@ fn solve_single(problem: &Problem, limits: Limits, keep_going: KeepGoing) -> Out
             watch.stop(),
         )
     });
-    let drawn = draw(problem, &ground, &Sketch::stump(answer.line));
+    let drawn = draw(problem, ground, &Sketch::stump(answer.line));
     let (tree, objective) = drawn.filter(|drawn| drawn.1 <= leaf.1).unwrap_or(leaf);
     let bound = if watch.was_stopped() {
         0

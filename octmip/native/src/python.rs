@@ -217,6 +217,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
         oblique::py_two_feature_branch_and_bound,
         module
     )?)?;
+    module.add_function(wrap_pyfunction!(oblique::two_feature_prunes, module)?)?;
     module.add_function(wrap_pyfunction!(check::py_check, module)?)?;
     module.add_function(wrap_pyfunction!(search::py_search, module)?)?;
     module.add_class::<PyProblem>()?;

@@ -47,8 +47,7 @@ impl Field<'_> {
         let target = goal.target;
         for s in [0, 1] {
             let child = &mut root.children[s];
-            let by_classes = two_labels_at_least(&self.ground.loss, &sorted.tallies[s]);
-            child.floor = child.floor.max(by_classes);
+            child.floor = child.floor.max(self.two_labels(&sorted.tallies[s]));
         }
         self.raise_key_by_labels(root, sorted);
         if root.key >= target {
@@ -79,8 +78,15 @@ impl Field<'_> {
         let wide_reach = wide[0] + wide[1] + price - sorted.open_most;
         let mut order = [(narrow_reach, false), (wide_reach, true)];
         order.sort_by_key(|&(reach, _)| std::cmp::Reverse(reach));
+        let switches = self.ground.switches;
         for (reach, is_wide) in order {
-            if reach < target || root.key >= target || self.stop.load(Ordering::Relaxed) {
+            let is_on = if is_wide {
+                switches.wide
+            } else {
+                switches.narrow
+            };
+            let is_vain = reach < target && switches.reach;
+            if !is_on || is_vain || root.key >= target || self.stop.load(Ordering::Relaxed) {
                 continue;
             }
             if is_wide {
@@ -91,9 +97,23 @@ impl Field<'_> {
         }
     }
 
+    /// What a child costs when each of its samples may choose one of two labels: no stump names more, and in it some
+    /// samples choose badly. Prices only add.
+    pub(super) fn two_labels(&self, tally: &[i64]) -> i64 {
+        if self.ground.switches.two_labels {
+            two_labels_at_least(&self.ground.loss, tally)
+        } else {
+            0
+        }
+    }
+
     fn by_labels(&self, sorted: &Sorted, costs: [i64; 2]) -> i64 {
         let tallies = [&sorted.tallies[0][..], &sorted.tallies[1]];
-        with_labels(&self.ground.loss, costs, tallies, &sorted.open_tally)
+        if self.ground.switches.labels_due {
+            with_labels(&self.ground.loss, costs, tallies, &sorted.open_tally)
+        } else {
+            costs[0] + costs[1]
+        }
     }
 
     /// The least cost of child `s` that, with `other` for the other child, brings the labels' bound to `goal`.
@@ -122,6 +142,10 @@ impl Field<'_> {
     }
 
     /// STUMP(L) + STUMP(R) with the labels' due.
+    ///
+    /// The child of a root line of the box holds L and perhaps open samples; without these the same split costs no more,
+    /// so STUMP(L) is at most its cost. A leaf size of m asks for m samples with the open ones: of L for m less those.
+    /// Cutoffs and `hopeless` decide how far a bound is computed, never what it is.
     fn bound_narrow(
         &self,
         root: &mut RootBox,
@@ -129,7 +153,7 @@ impl Field<'_> {
         mut reach: [i64; 2],
         Goal { target, upper }: Goal,
     ) {
-        let price = self.price(root);
+        let (price, switches) = (self.price(root), self.ground.switches);
         // The larger child first: its bound is dearer, but oftener enough.
         let first = usize::from(sorted.sides[1].len() > sorted.sides[0].len());
         for s in [first, 1 - first] {
@@ -149,15 +173,18 @@ impl Field<'_> {
             let child = &mut root.children[s];
             child.floor = child.floor.max(answer.lower);
             child.remember(answer.line);
-            child.keep_strips_below(strips, question.dead);
+            child.keep_strips_below(strips, question.dead, switches);
             self.raise_key_by_labels(root, sorted);
-            if root.key >= target || answer.attained < question.hopeless {
+            if root.key >= target || (answer.attained < question.hopeless && switches.hopeless) {
                 return;
             }
         }
     }
 
     /// STUMP(L + O) + STUMP(R + O) - most(O).
+    ///
+    /// A root line parts O as O1 + O2. The left child's tree, O2 sent through it too, costs at most most(O2) more, and no
+    /// leaf has shrunk: STUMP(L + O) <= cost(L + O1) + most(O2); likewise on the right; most(O1) + most(O2) = most(O).
     fn bound_wide(
         &self,
         root: &mut RootBox,
@@ -166,12 +193,13 @@ impl Field<'_> {
         Goal { target, upper }: Goal,
     ) {
         let (price, most) = (self.price(root), sorted.open_most);
+        let switches = self.ground.switches;
         for s in [0, 1] {
             let all = self.ground.loss.most(&sorted.wide_tallies[s]);
             let child = &mut root.children[s];
             // Samples that left the set since the last bound lowered it by no more than they can cost.
             child.wide.0 -= child.wide.1 - all;
-            let by_classes = two_labels_at_least(&self.ground.loss, &sorted.wide_tallies[s]);
+            let by_classes = self.two_labels(&sorted.wide_tallies[s]);
             child.wide.0 = child.wide.0.max(child.floor).max(by_classes);
             child.wide.1 = all;
         }
@@ -184,22 +212,26 @@ impl Field<'_> {
                 floor: root.children[s].wide.0,
                 most_tried: usize::MAX,
                 hopeless: target - price + most - reach[1 - s],
-                dead: upper - price - other.floor,
+                // What is learnt here is of more samples than a strip's bound has to hold for: it kills none.
+                dead: INFEASIBLE,
             };
-            let mut strips = root.children[s].strips.to_vec();
+            let dead = upper - price - other.floor;
+            let alive = root.children[s].strips.iter().filter(|s| s.bound < dead);
+            let known: Vec<Strip> = alive.copied().collect();
+            let mut strips = known.clone();
             let answer = self.ask(&root.children[s], question, &mut strips);
             reach[s] = answer.attained;
             let child = &mut root.children[s];
-            for (strip, known) in strips.iter_mut().zip(child.strips.iter()) {
+            for (strip, known) in strips.iter_mut().zip(known) {
                 strip.bound = known.bound.max(strip.bound - most);
             }
             child.wide.0 = child.wide.0.max(answer.lower);
             child.floor = child.floor.max(answer.lower - most);
             child.remember(answer.line);
-            child.keep_strips_below(strips, question.dead);
+            child.keep_strips_below(strips, dead, switches);
             let bound = root.children[0].wide.0 + root.children[1].wide.0 - most + price;
             root.key = root.key.max(bound);
-            if root.key >= target || answer.attained < question.hopeless {
+            if root.key >= target || (answer.attained < question.hopeless && switches.hopeless) {
                 return;
             }
         }

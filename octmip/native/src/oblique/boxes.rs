@@ -20,11 +20,11 @@ use super::chart::Chart;
 use super::ends::{End, end_of};
 use super::extract::Sketch;
 use super::ground::Ground;
-use super::labels::two_labels_at_least;
 use super::loss::INFEASIBLE;
 use super::realise::{Realised, THICK, realise};
 use super::refine::split;
 use super::stump::{Answer, Question, Strip};
+use super::switches::Switches;
 use super::view::Line;
 
 /// What all boxes of a search share.
@@ -74,7 +74,15 @@ impl Child {
         }
     }
 
-    pub(super) fn keep_strips_below(&mut self, strips: Vec<Strip>, dead: i64) {
+    /// Leave out the strips that cannot hold the child's split in a tree of interest, here and in every box inside.
+    ///
+    /// A strip's bound holds for the child's settled samples, hence for whatever the child holds beside them. Where it is
+    /// `dead` or more, the bound of the other child makes up the rest: a tree of this box whose split lies in the strip
+    /// is of no interest, and so is one of a box inside. What remains to be bounded are trees without such splits.
+    pub(super) fn keep_strips_below(&mut self, strips: Vec<Strip>, dead: i64, switches: Switches) {
+        if !switches.dead_strips {
+            return;
+        }
         let alive = strips.iter().filter(|strip| strip.bound < dead).count();
         // A copy costs memory; it pays when it says something new.
         if alive < self.strips.len() || *self.strips != strips {
@@ -245,7 +253,8 @@ impl Field<'_> {
             let (distance, ..) = root
                 .cell
                 .clearest(plane, features, &first(true), &first(false));
-            if distance < -THICK {
+            // No line of the cell leaves room for it; where one outside does, its own cell looks at it.
+            if distance < -THICK && self.ground.switches.room {
                 continue;
             }
             let sides = [true, false].map(|wanted| {
@@ -280,12 +289,9 @@ impl Field<'_> {
         upper: i64,
     ) -> Option<(i64, [Answer; 2])> {
         let price = self.price(root);
-        let loss = &self.ground.loss;
         let mut floors = [0, 1].map(|s| {
             let tally = self.ground.view().tally(&sides[s]);
-            root.children[s]
-                .floor
-                .max(two_labels_at_least(loss, &tally))
+            root.children[s].floor.max(self.two_labels(&tally))
         });
         if floors[0] + floors[1] + price >= upper {
             return None;

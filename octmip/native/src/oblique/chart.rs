@@ -87,12 +87,12 @@ impl Chart {
 
     /// All lines of the chart that part the samples at all, as one cell.
     pub fn whole(&self) -> Cell {
-        // Edges are straight within a strip only, so the whole chart takes fixed ones: coordinates are in [0, 1].
+        // Edges are straight within a strip only, so the whole chart takes fixed ones: coordinates are in [-1, 1].
         let is_axis = self.t[0] == self.t[self.t.len() - 1];
         let (low, high) = if is_axis {
-            (-0.25, 1.25)
+            (-1.25, 1.25)
         } else {
-            (-1.25, 2.25)
+            (-2.25, 2.25)
         };
         Cell {
             t0: self.t[0],

@@ -5,7 +5,7 @@ use crate::tree::{Node, Tree};
 
 use super::ground::Ground;
 use super::loss::INFEASIBLE;
-use super::margin::shortest_way;
+use super::margin::widest_gap;
 use super::view::Line;
 
 /// A tree as a search knows it: lines with children, none = a leaf.
@@ -86,10 +86,10 @@ fn split_node(
         return Some(axis_node(f, highest));
     }
     let (f, g) = (f.min(g), f.max(g));
-    let (from, to) = shortest_way(&ground.plane, (f, g), left, right)?;
+    let (normal, _) = widest_gap(&ground.plane, (f, g), left, right)?;
     let coefficients = [
-        (to.0 - from.0) / ground.plane.spans[f],
-        (to.1 - from.1) / ground.plane.spans[g],
+        normal.0 / ground.plane.half_spans[f],
+        normal.1 / ground.plane.half_spans[g],
     ];
     let largest = coefficients[0].abs().max(coefficients[1].abs());
     let real = [coefficients[0] / largest, coefficients[1] / largest];

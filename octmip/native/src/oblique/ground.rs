@@ -4,6 +4,7 @@ use crate::problem::Problem;
 
 use super::loss::Loss;
 use super::plane::Plane;
+use super::switches::Switches;
 use super::view::View;
 
 /// A problem as the search sees it.
@@ -17,6 +18,8 @@ pub struct Ground {
     pub weights: Vec<i64>,
     /// Costs and prices.
     pub loss: Loss,
+    /// What to do without.
+    pub switches: Switches,
     /// Charts that a split may come from, as pairs of features; (f, p) is an axis-aligned split of f.
     pub charts: Vec<(usize, usize)>,
 }
@@ -34,6 +37,7 @@ impl Ground {
             labels: problem.labels.clone(),
             weights: problem.weights.iter().map(|weight| weight * unit).collect(),
             loss,
+            switches: Switches::default(),
             charts: charts_of(problem),
         }
     }
@@ -45,6 +49,7 @@ impl Ground {
             labels: &self.labels,
             weights: &self.weights,
             loss: &self.loss,
+            switches: self.switches,
         }
     }
 

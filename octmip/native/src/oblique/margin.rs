@@ -6,10 +6,26 @@ use super::view::Line;
 
 type Point = (f64, f64);
 
-/// The shortest way from one hull to the other, as its two ends, in scaled coordinates.
+/// The normal of the widest gap between two sets and a point amid it, in the plane's coordinates.
+///
+/// Widths are measured with every feature stretched to a range of 1: there the normal is the shortest way from one hull
+/// to the other.
+pub fn widest_gap(
+    plane: &Plane,
+    (f, g): (usize, usize),
+    left: &[u32],
+    right: &[u32],
+) -> Option<(Point, Point)> {
+    let (from, to) = shortest_way(plane, (f, g), left, right)?;
+    let (a, b) = (plane.stretches[f], plane.stretches[g]);
+    let middle = ((from.0 + to.0) / 2.0 / a, (from.1 + to.1) / 2.0 / b);
+    Some((((to.0 - from.0) * a, (to.1 - from.1) * b), middle))
+}
+
+/// The shortest way from one hull to the other, as its two ends, in stretched coordinates.
 ///
 /// The shortest way between two disjoint convex polygons starts or ends in a corner, so corners against edges suffice.
-pub fn shortest_way(
+fn shortest_way(
     plane: &Plane,
     (f, g): (usize, usize),
     left: &[u32],
@@ -17,12 +33,9 @@ pub fn shortest_way(
 ) -> Option<(Point, Point)> {
     let corners = |ids: &[u32]| -> Option<Vec<Point>> {
         let (x, y) = (plane.column(f), plane.column(g));
-        let hull = hull(plane, (f, g), ids)?;
-        Some(
-            hull.iter()
-                .map(|&i| (x[i as usize], y[i as usize]))
-                .collect(),
-        )
+        let (a, b) = (plane.stretches[f], plane.stretches[g]);
+        let stretched = |&i: &u32| (x[i as usize] * a, y[i as usize] * b);
+        Some(hull(plane, (f, g), ids)?.iter().map(stretched).collect())
     };
     let (a, b) = (corners(left)?, corners(right)?);
     if a.is_empty() || b.is_empty() {
@@ -64,9 +77,7 @@ pub fn widest_line(
     left: &[u32],
     right: &[u32],
 ) -> Option<(Line, f64)> {
-    let (from, to) = shortest_way(plane, (f, g), left, right)?;
-    let normal = (to.0 - from.0, to.1 - from.1);
-    let middle = ((from.0 + to.0) / 2.0, (from.1 + to.1) / 2.0);
+    let (normal, middle) = widest_gap(plane, (f, g), left, right)?;
     let (features, t, r) = if normal.0.abs() >= normal.1.abs() {
         let t = normal.1 / normal.0;
         ((f, g), t, middle.0 + t * middle.1)

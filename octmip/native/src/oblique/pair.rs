@@ -27,15 +27,15 @@ const STARTS: usize = 24;
 /// Find the best tree of depth 2 or less; trees of `known` and more are of no interest.
 pub fn solve_pair(
     problem: &Problem,
+    ground: &Ground,
     limits: Limits,
     n_threads: usize,
     known: Option<i64>,
     seed: u64,
     keep_going: KeepGoing,
 ) -> Outcome {
-    let ground = Ground::new(problem);
     let watch = Watch::new(limits);
-    let leaf = draw(problem, &ground, &Sketch::Leaf);
+    let leaf = draw(problem, ground, &Sketch::Leaf);
     let (tree, objective) = leaf.unwrap_or((Tree::leaf(0), INFEASIBLE));
     let outcome = |tree, objective, bound, stop, n_nodes| Outcome {
         tree,
@@ -51,13 +51,13 @@ pub fn solve_pair(
         return outcome(tree, objective, 0, Stop::Memory, 0);
     };
     let all = ground.all();
-    let floor = floor_of(&ground);
+    let floor = floor_of(ground);
     let upper = known.unwrap_or(objective).min(objective);
     let prepared = watch.over(&mut *keep_going, upper, || {
         let charts = ground.charts.iter();
         let field = Field {
             problem,
-            ground: &ground,
+            ground,
             charts: charts
                 .take_while(|_| !watch.was_stopped())
                 .map(|&features| Chart::new(&ground.plane, features, n_strips))
@@ -95,6 +95,9 @@ pub fn solve_pair(
 /// What four leaves leave wrong, whatever they hold.
 fn floor_of(ground: &Ground) -> i64 {
     let view = ground.view();
+    if !ground.switches.labels_due {
+        return 0;
+    }
     let none = vec![0; view.loss.lanes()];
     with_labels(
         view.loss,

@@ -1,4 +1,8 @@
-//! Feature values as coordinates: scaled to `[0, 1]` for the search, as whole numbers for what must be exact.
+//! Feature values as coordinates: moved and scaled without rounding for the search, as whole numbers for signs.
+//!
+//! A coordinate is `(value - origin) / span`, the span a power of two and origin a value of so few digits that nothing is
+//! rounded (see `frame`). So cells speak of the values as given, and a proof log's cells mean to its checker what they
+//! meant here.
 
 use std::cmp::Ordering;
 
@@ -23,34 +27,32 @@ pub struct Plane {
     ranks: Vec<u32>,
     /// Exponent of the unit of each feature's whole-number coordinates; none: too wide a range for them.
     unit: Vec<Option<i32>>,
-    /// Span of each feature: scaled coordinate = (value - lowest) / span; 1 for a constant feature.
-    pub spans: Vec<f64>,
+    /// Half the unit of each feature's coordinates, a power of two.
+    pub half_spans: Vec<f64>,
+    /// What brings the coordinates of each feature to a range of 1, in which margins are measured.
+    pub stretches: Vec<f64>,
 }
 
 impl Plane {
     /// The plane of feature-major `values` and their dense `ranks`, each `(p, n)`.
     pub fn new(n: usize, p: usize, values: &[f64], ranks: &[u32]) -> Self {
         let mut scaled = Vec::with_capacity((p + 1) * n);
-        let (mut unit, mut spans) = (Vec::with_capacity(p + 1), Vec::with_capacity(p));
+        let (mut unit, mut half_spans, mut stretches) = (Vec::new(), Vec::new(), Vec::new());
         for column in values.chunks_exact(n) {
-            let (low, high) = column
-                .iter()
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| {
-                    (l.min(v), h.max(v))
-                });
-            // Halves, so that no difference of finite values overflows.
-            let half_span = high / 2.0 - low / 2.0;
-            let divisor = if half_span > 0.0 { half_span } else { 1.0 };
-            scaled.extend(column.iter().map(|&v| (v / 2.0 - low / 2.0) / divisor));
-            unit.push(common_unit(column));
-            spans.push(if half_span > 0.0 {
-                half_span * 2.0
-            } else {
-                1.0
+            let (origin, half_span) = frame(column);
+            let first = scaled.len();
+            scaled.extend(column.iter().map(|&v| (v - origin) / half_span / 2.0));
+            let coordinates = scaled[first..].iter();
+            let (low, high) = coordinates.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| {
+                (l.min(v), h.max(v))
             });
+            stretches.push(if high > low { 1.0 / (high - low) } else { 1.0 });
+            half_spans.push(half_span);
+            unit.push(common_unit(column));
         }
         scaled.resize((p + 1) * n, 0.0);
         unit.push(Some(0));
+        stretches.push(1.0);
         let mut values = values.to_vec();
         values.resize((p + 1) * n, 0.0);
         let mut ranks = ranks.to_vec();
@@ -62,7 +64,8 @@ impl Plane {
             values,
             ranks,
             unit,
-            spans,
+            half_spans,
+            stretches,
         }
     }
 
@@ -113,6 +116,44 @@ impl Plane {
     }
 }
 
+/// Origin and half the span of a feature's coordinates: they lie within -1 and 1, and (below 120 bits) nothing is rounded.
+///
+/// The origin is 0 where there are values on both sides of it. Otherwise it lies between 0 and the value nearest to it,
+/// in whole units of the last place of the largest value: a difference of two numbers of one sign, in the units of the
+/// one and no larger than it, is a float64 value.
+fn frame(column: &[f64]) -> (f64, f64) {
+    let range = |values: &mut dyn Iterator<Item = f64>| {
+        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
+            (l.min(v), h.max(v))
+        })
+    };
+    let (low, high) = range(&mut column.iter().copied());
+    let (nearest, farthest) = if low > 0.0 {
+        (low, high)
+    } else if high < 0.0 {
+        (high, low)
+    } else {
+        (0.0, 1.0)
+    };
+    let last_place = power_of_two(farthest) * f64::EPSILON;
+    let origin = if last_place > 0.0 {
+        (nearest / last_place).trunc() * last_place
+    } else {
+        0.0
+    };
+    let (low, high) = range(&mut column.iter().map(|v| (v - origin).abs()));
+    (origin, power_of_two(high.max(low)))
+}
+
+/// The largest power of two that is no larger in size than a number; 1 for 0.
+fn power_of_two(number: f64) -> f64 {
+    match number.abs() {
+        0.0 => 1.0,
+        small if small < f64::MIN_POSITIVE => f64::MIN_POSITIVE,
+        size => f64::from_bits(size.to_bits() & (0x7ff << 52)),
+    }
+}
+
 /// `value == mantissa * 2^exponent`, the mantissa odd or zero.
 fn decode(value: f64) -> (i64, i32) {
     let bits = value.to_bits();
@@ -158,6 +199,30 @@ mod tests {
         assert_eq!(plane.turn(0, 1, 0, 2, 1), Some(Ordering::Greater));
         assert_eq!(plane.turn(0, 1, 2, 0, 1), Some(Ordering::Less));
         assert_eq!(plane.turn(0, 1, 0, 2, 3), Some(Ordering::Equal));
+    }
+
+    #[test]
+    fn coordinates_are_the_values_moved_and_scaled_without_rounding() {
+        let values = [
+            500.1,
+            3000.7,
+            1024.0 / 3.0,
+            2999.999,
+            341.4,
+            512.000_000_001,
+        ];
+        for sign in [1.0, -1.0] {
+            let column = values.map(|v| v * sign);
+            let (origin, half_span) = frame(&column);
+            for v in column {
+                let u = (v - origin) / half_span / 2.0;
+                assert!(u.abs() < 1.0);
+                assert_eq!(origin + u * half_span * 2.0, v);
+            }
+            assert!(origin.abs() > 340.0);
+        }
+        assert_eq!(frame(&[-1.0, 5.0]), (0.0, 4.0));
+        assert_eq!(frame(&[f64::MAX, -f64::MAX]).1, 2f64.powi(1023));
     }
 
     #[test]

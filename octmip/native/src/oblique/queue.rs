@@ -172,7 +172,8 @@ impl<'a> Queue<'a> {
         batch
     }
 
-    /// Half-way up the gap, and to its end when little is left.
+    /// Half-way up the gap, and to its end when little is left. A box set aside has its key for a bound, whatever the
+    /// target was.
     fn raise_target(&mut self) {
         let upper = self.upper;
         self.aside.retain(|root| root.key < upper);
@@ -183,7 +184,8 @@ impl<'a> Queue<'a> {
             .min()
             .unwrap_or(upper);
         let gap = upper - bound;
-        self.target = if gap * 25 <= upper {
+        let halves = self.field.ground.switches.targets;
+        self.target = if gap * 25 <= upper || !halves {
             upper
         } else {
             bound + (gap + 1) / 2

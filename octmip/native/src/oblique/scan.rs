@@ -3,15 +3,12 @@
 //! A sample counts as left wherever its lower bin is at or below the region, as right wherever its higher bin is at or
 //! above it; so a region's bound takes every line of the region into account.
 
-use super::cell::Cell;
 use super::chart::{Chart, REGIONS};
 use super::loss::INFEASIBLE;
 use super::stump::{Candidate, Search, Strip};
 
 /// Neighbouring strips that are bounded together at first.
 pub(super) const GROUP: usize = 16;
-/// Fewer samples than this say little about the rest.
-const LEAST_SAMPLE: usize = 48;
 
 /// Whether one strip follows the other.
 pub(super) fn are_neighbours(a: &Strip, b: &Strip) -> bool {
@@ -94,17 +91,16 @@ impl Search<'_> {
     }
 
     /// Bound neighbouring strips of one chart, many at once where that is enough.
+    ///
+    /// Taken together they are one wide strip: its regions lie between edges drawn straight from its first boundary to its
+    /// last, every line of it is in one of them, and a sample's bins at the two ends say where it lies, as in one strip.
     pub(super) fn scan_group(&mut self, chart: &Chart, strips: &mut [Strip], dead: i64) {
         let limit = self.current.min(dead);
         if strips.iter().all(|strip| strip.bound >= limit) || self.is_stopped() {
             return;
         }
         let from = strips[0].strip as usize;
-        let bound = self.scan(
-            chart,
-            (from, from + strips.len()),
-            self.keeps && strips.len() == 1,
-        );
+        let bound = self.scan(chart, (from, from + strips.len()), strips.len() == 1);
         for strip in strips.iter_mut() {
             strip.bound = strip.bound.max(bound);
         }
@@ -112,74 +108,6 @@ impl Search<'_> {
             for part in strips.chunks_mut(strips.len().div_ceil(4)) {
                 self.scan_group(chart, part, dead);
             }
-        }
-    }
-
-    /// Bound strips by every so-maniest sample first: dropping samples lowers no optimum, and where far more goes wrong
-    /// than is allowed, a sample of the samples shows it.
-    pub(super) fn scan_sample(&mut self, charts: &[Chart], strips: &mut [Strip], dead: i64) {
-        const EXCESS: i64 = 3;
-        let stride = self.attained / (EXCESS * self.current.max(1));
-        if stride < 2 || self.current <= 0 {
-            return;
-        }
-        let stride = (stride as usize).min(self.ids.len() / LEAST_SAMPLE);
-        if stride < 2 {
-            return;
-        }
-        let ids: Vec<u32> = self.ids.iter().copied().step_by(stride).collect();
-        let mut sample = Search::new(self.view, &ids, 1, self.current, self.stop);
-        sample.keeps = false;
-        sample.current = self.current;
-        sample.scan_charts(charts, strips, dead);
-    }
-
-    /// Bound all strips, chart by chart.
-    fn scan_charts(&mut self, charts: &[Chart], strips: &mut [Strip], dead: i64) {
-        for run in strips.chunk_by_mut(are_neighbours) {
-            let chart = &charts[run[0].chart as usize];
-            for group in run.chunks_mut(GROUP) {
-                self.scan_group(chart, group, dead);
-            }
-        }
-    }
-
-    /// Bound neighbouring strips as one cell each, for few samples.
-    pub(super) fn scan_runs(&mut self, charts: &[Chart], strips: &[Strip], dead: i64) {
-        let alive = |strip: &&Strip| strip.bound < dead.min(self.current);
-        let alive: Vec<Strip> = strips.iter().filter(alive).copied().collect();
-        let runs = alive.chunk_by(|a, b| a.chart == b.chart && a.strip + 1 == b.strip);
-        for run in runs {
-            let chart = &charts[run[0].chart as usize];
-            let (first, last) = (run[0].strip as usize, run[run.len() - 1].strip as usize);
-            let cell = self.cell_around(chart.features, chart.t[first], chart.t[last + 1]);
-            self.candidates.push(Candidate {
-                bound: run.iter().map(|strip| strip.bound).min().unwrap_or(0),
-                order: self.candidates.len() as u32,
-                features: chart.features,
-                cell,
-            });
-        }
-    }
-
-    /// The cell of all lines that part the samples at all, between two values of t.
-    fn cell_around(&self, (f, g): (usize, usize), t0: f64, t1: f64) -> Cell {
-        let (x, y) = (self.view.plane.column(f), self.view.plane.column(g));
-        let range = |t: f64| {
-            let reach = self.ids.iter().map(|&i| x[i as usize] + t * y[i as usize]);
-            reach.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), r| {
-                (l.min(r), h.max(r))
-            })
-        };
-        const ROOM: f64 = 1e-6;
-        let ((l0, u0), (l1, u1)) = (range(t0), range(t1));
-        Cell {
-            t0,
-            t1,
-            l0: l0 - ROOM,
-            l1: l1 - ROOM,
-            u0: u0 + ROOM,
-            u1: u1 + ROOM,
         }
     }
 }

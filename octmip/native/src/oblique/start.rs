@@ -133,6 +133,7 @@ impl Field<'_> {
             labels: &labels,
             weights: &weights,
             loss: &loss,
+            switches: self.ground.switches,
         };
         let question = Question {
             ids: &matter,

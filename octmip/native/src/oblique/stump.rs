@@ -11,9 +11,6 @@ use super::loss::INFEASIBLE;
 use super::scan::{GROUP, are_neighbours};
 use super::view::{Line, View};
 
-/// So few samples leave most regions of most strips empty: cells over many strips settle them faster.
-const FEW: usize = 96;
-
 /// A strip of a chart, and a lower bound of what a split in it costs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[allow(missing_docs)]
@@ -81,8 +78,6 @@ pub struct Search<'a> {
     pub(super) high: Vec<i64>,
     pub(super) may_left: Vec<i64>,
     pub(super) may_right: Vec<i64>,
-    /// Whether regions that could still win are kept.
-    pub(super) keeps: bool,
 }
 
 impl<'a> Search<'a> {
@@ -119,7 +114,6 @@ impl<'a> Search<'a> {
             high: vec![0; size],
             may_left: vec![0; lanes],
             may_right: vec![0; lanes],
-            keeps: true,
         }
     }
 
@@ -205,19 +199,15 @@ pub fn best_split(
     if search.attained <= question.floor {
         return search.finish(question.floor);
     }
-    search.scan_sample(charts, strips, question.dead);
-    if question.ids.len() <= FEW {
-        search.scan_runs(charts, strips, question.dead);
-        return search.finish(question.floor);
-    }
     for run in strips.chunk_by_mut(are_neighbours) {
         let chart = &charts[run[0].chart as usize];
         search.begin_chart();
-        for group in run.chunks_mut(GROUP) {
+        let size = if view.switches.grouped { GROUP } else { 1 };
+        for group in run.chunks_mut(size) {
             search.scan_group(chart, group, question.dead);
         }
         search.try_best_of_chart();
-        if search.attained < question.hopeless {
+        if search.attained < question.hopeless && view.switches.hopeless {
             // The strips have learnt something; the answer is not worth the rest.
             return Answer {
                 lower: question.floor,

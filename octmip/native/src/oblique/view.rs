@@ -3,6 +3,7 @@
 use super::cell::EPS;
 use super::loss::{INFEASIBLE, Loss};
 use super::plane::Plane;
+use super::switches::Switches;
 
 /// The line `x_f + t x_g = r` in scaled coordinates; samples at or below it go left.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,6 +41,8 @@ pub struct View<'a> {
     pub weights: &'a [i64],
     /// Costs and prices.
     pub loss: &'a Loss,
+    /// What to do without.
+    pub switches: Switches,
 }
 
 impl View<'_> {

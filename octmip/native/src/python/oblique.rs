@@ -4,6 +4,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::oblique::solve;
+use crate::oblique::switches::Switches;
 use crate::python::{NodeRow, PyProblem, keep_going, limits, rows_from_tree, stop_name};
 
 /// Node table, objective, bound, stop, boxes searched.
@@ -11,7 +12,7 @@ type Found = (Vec<NodeRow>, i64, i64, &'static str, u64);
 
 /// Find an optimal tree with splits over up to two features.
 #[pyfunction(name = "two_feature_branch_and_bound")]
-#[pyo3(signature = (problem, n_threads, limit_values, known=None, seed=0,
+#[pyo3(signature = (problem, n_threads, limit_values, known=None, seed=0, off=Vec::new(),
     progress=None))]
 pub fn py_two_feature_branch_and_bound(
     py: Python<'_>,
@@ -20,8 +21,15 @@ pub fn py_two_feature_branch_and_bound(
     limit_values: (f64, f64, f64, f64),
     known: Option<i64>,
     seed: u64,
+    off: Vec<String>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Found> {
+    let mut switches = Switches::default();
+    for name in &off {
+        *switches
+            .by_name(name)
+            .ok_or_else(|| PyValueError::new_err(format!("no prune is called {name}")))? = false;
+    }
     let mut error = None;
     let outcome = py.detach(|| {
         let mut go_on = keep_going(progress.as_ref(), &mut error);
@@ -31,6 +39,7 @@ pub fn py_two_feature_branch_and_bound(
             n_threads,
             known,
             seed,
+            switches,
             &mut go_on,
         )
     });
@@ -47,4 +56,10 @@ pub fn py_two_feature_branch_and_bound(
         stop_name(outcome.stop),
         outcome.n_nodes,
     ))
+}
+
+/// Names of all prunes and bounds of the two-feature core.
+#[pyfunction]
+pub fn two_feature_prunes() -> Vec<&'static str> {
+    Switches::NAMES.to_vec()
 }

@@ -1,0 +1,53 @@
+//! What the search may be told to do without: every prune, bound and short cut, for tests that the optimum stays.
+
+macro_rules! switches {
+    ($($(#[$doc:meta])* $name:ident,)*) => {
+        /// Prunes and bounds, each on unless a test turns it off. The proofs stand where they are used.
+        #[derive(Debug, Clone, Copy)]
+        pub struct Switches {
+            $($(#[$doc])* pub $name: bool,)*
+        }
+
+        impl Default for Switches {
+            fn default() -> Self {
+                Self { $($name: true,)* }
+            }
+        }
+
+        impl Switches {
+            /// The names of the switches.
+            pub const NAMES: &'static [&'static str] = &[$(stringify!($name),)*];
+
+            /// The switch of a name.
+            pub fn by_name(&mut self, name: &str) -> Option<&mut bool> {
+                match name {
+                    $(stringify!($name) => Some(&mut self.$name),)*
+                    _ => None,
+                }
+            }
+        }
+    };
+}
+
+switches! {
+    /// A box costs what its settled samples cost.
+    narrow,
+    /// A box costs what settled and open samples cost together, less the most that the open ones can cost.
+    wide,
+    /// Samples of a class that no leaf names are wrong wherever they go.
+    labels_due,
+    /// A child costs what its samples cost when each may choose one of two labels.
+    two_labels,
+    /// Boxes inherit which strips cannot hold a child's split.
+    dead_strips,
+    /// Neighbouring strips are bounded as one first.
+    grouped,
+    /// A bound is left unfinished once it cannot reach its target.
+    hopeless,
+    /// A bound is not begun where the best known splits say that it cannot reach its target.
+    reach,
+    /// Boxes are bounded up to a target below the incumbent first.
+    targets,
+    /// Ways of parting that leave no room in a cell are passed over.
+    room,
+}
