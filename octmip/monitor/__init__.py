@@ -3,24 +3,35 @@
 from octmip.monitor.belief import Belief
 from octmip.monitor.compiled import REFUSED, CompiledTree
 from octmip.monitor.filter import Filter
+from octmip.monitor.finding import Finding, Proposal, explain
 from octmip.monitor.gaussian_likelihood import GaussianLikelihood
 from octmip.monitor.growth import Growth, steady_growth
 from octmip.monitor.leaf_likelihood import LeafLikelihood
 from octmip.monitor.library import Library, grid_states, library_of
 from octmip.monitor.selector import ModelSelector, ParameterTree, Selection, without_dead_ends
+from octmip.monitor.suspects import Suspect, effect_suspects, gauge_suspects
+from octmip.monitor.watch import Vigil, Watch
 
 __all__ = [
     "REFUSED",
     "Belief",
     "CompiledTree",
     "Filter",
+    "Finding",
     "GaussianLikelihood",
     "Growth",
     "LeafLikelihood",
     "Library",
     "ModelSelector",
     "ParameterTree",
+    "Proposal",
     "Selection",
+    "Suspect",
+    "Vigil",
+    "Watch",
+    "effect_suspects",
+    "explain",
+    "gauge_suspects",
     "grid_states",
     "library_of",
     "steady_growth",

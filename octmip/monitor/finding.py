@@ -1,0 +1,158 @@
+"""Finding: what a watch that has raised the alarm has to say, and what it asks for."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import logsumexp
+from scipy.stats import chi2, norm
+
+from octmip.monitor.suspects import Suspect
+from octmip.monitor.watch import Vigil, Watch
+
+Floats = NDArray[np.float64]
+
+RATE = 0.01
+"""Chance that any gauge is named although it agrees (Bonferroni over the gauges)."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Proposal:
+    """A state to add to the library, for `Library.with_state`.
+
+    Attributes:
+        state: values by parameter, the new one among them, damage as a fraction.
+        strains: (n_gauges,) microstrain per unit of load factor.
+        size, sd, unit: of the thing that was found, as it was estimated.
+    """
+
+    state: Mapping[str, float]
+    strains: Floats
+    size: float
+    sd: float
+    unit: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Finding:
+    """Why an asset is no longer one of the library.
+
+    Attributes:
+        kind: "gauge", the name of an effect, or "unknown".
+        name: the gauge or place; "" if unknown.
+        probability: of this kind and name among all candidates; of "unknown" where a gauge's fault had no size of the
+            candidates and was told by elimination.
+        gauges: names of those whose mean residual cannot be noise, farthest off first.
+        since: reading from which the residuals have been off, as far as that can be told.
+        proposal: the state to add; None for a gauge's fault.
+        words: all of it in a sentence or two.
+    """
+
+    kind: str
+    name: str
+    probability: float
+    gauges: tuple[str, ...]
+    since: int
+    proposal: Proposal | None
+    words: str
+
+
+def explain(watch: Watch, vigil: Vigil, row: int = 0, state: int = 0) -> Finding:
+    """Return what the vigil says of one asset; `state`: index of the library's state that it was taken to be in."""
+    logs = watch.log_parts(vigil)[row, :-1]
+    share = np.exp(logs - logsumexp(logs))
+    by_name: dict[tuple[str, str], float] = {}
+    for (candidate, _), part in zip(watch.candidates, share, strict=False):
+        key = (candidate.kind, candidate.name)
+        by_name[key] = by_name.get(key, 0.0) + float(part)
+    by_name[("unknown", "")] = float(share[-1])
+    (kind, name), probability = max(by_name.items(), key=lambda item: item[1])
+    window, gauges = _disagreeing(watch, vigil, row)
+    if kind == "unknown" and (lone := _lone_gauge(watch, vigil, row, window)):
+        kind, name = "gauge", lone
+    since = window * watch.horizon // vigil.sums.shape[1]
+    suspect = next((s for s, _ in watch.candidates if (s.kind, s.name) == (kind, name)), None)
+    proposal, hint = None, ""
+    if suspect is None:
+        proposal, hint = _unknown(watch, vigil, row, state, window), _nearest(watch, vigil, row, window)
+    elif kind != "gauge":
+        proposal = _proposed(watch, vigil, row, state, suspect)
+    words = _words(kind, name, probability, gauges, proposal, hint)
+    return Finding(kind, name, probability, gauges, since, proposal, words)
+
+
+def _disagreeing(watch: Watch, vigil: Vigil, row: int) -> tuple[int, tuple[str, ...]]:
+    """Return the beginning since which residuals are farthest off, and the gauges that are, farthest first."""
+    every = np.ones(len(watch.library.gauges), dtype=bool)
+    spread = np.sqrt(np.maximum(np.diag(watch.parity.projector(every)), 1e-12))
+    counts = np.maximum(vigil.counts[row], 1.0)
+    z = vigil.sums[row] / np.sqrt(counts)[:, None] / spread
+    limit = float(norm.isf(RATE / 2 / len(every)))
+    window = int(np.argmax(np.square(vigil.sums[row]).sum(axis=1) / counts))
+    order = np.argsort(-np.abs(z[window]), kind="stable")
+    return window, tuple(watch.library.gauges[g] for g in order if abs(z[window, g]) > limit)
+
+
+def _lone_gauge(watch: Watch, vigil: Vigil, row: int, window: int) -> str:
+    """Return the gauge without which the mean residual is noise, "" if there is none: faults may have any size."""
+    every = np.ones(len(watch.library.gauges), dtype=bool)
+    spread = np.maximum(np.diag(watch.parity.projector(every)), 1e-12)
+    mean = vigil.sums[row, window] / np.sqrt(max(float(vigil.counts[row, window]), 1.0))
+    without = float(mean @ mean) - mean**2 / spread
+    lone = int(np.argmin(without))
+    is_noise = chi2.sf(float(without[lone]), watch.parity.degrees(every) - 1) > RATE
+    return watch.library.gauges[lone] if is_noise else ""
+
+
+def _proposed(watch: Watch, vigil: Vigil, row: int, state: int, suspect: Suspect) -> Proposal:
+    """Return the state with the size that fits the residuals best, by least squares over the best beginning."""
+    library = watch.library
+    every = np.ones(len(library.gauges), dtype=bool)
+    trace = suspect.signature / library.noise_sd @ watch.parity.projector(every)
+    sums, counts = (vigil.loaded_sums, vigil.squared_loads) if suspect.load_power == 1 else (vigil.sums, vigil.counts)
+    weight = np.maximum(counts[row] * float(trace @ trace), 1e-300)
+    fit = sums[row] @ trace
+    best = int(np.argmax(fit**2 / weight))
+    size, sd = float(fit[best] / weight[best]), float(1.0 / np.sqrt(weight[best]))
+    value = size / 100.0 if suspect.unit == "%" else size
+    known = dict(zip(library.parameters, library.states[state].tolist(), strict=True))
+    strains = library.strains[state] + size * suspect.signature
+    return Proposal({**known, suspect.name: value}, strains, size, sd, suspect.unit)
+
+
+def _unknown(watch: Watch, vigil: Vigil, row: int, state: int, window: int) -> Proposal:
+    """Return the state with the mean residual added: what the readings show, though no suspect explains it."""
+    library = watch.library
+    squares = max(float(vigil.squared_loads[row, window]), 1e-300)
+    change = vigil.loaded_sums[row, window] / squares * library.noise_sd
+    known = dict(zip(library.parameters, library.states[state].tolist(), strict=True))
+    return Proposal({**known, "outside": 1.0}, library.strains[state] + change, 1.0, 0.0, "of what was seen")
+
+
+def _nearest(watch: Watch, vigil: Vigil, row: int, window: int) -> str:
+    """Return the place whose trace is most like the mean residual, if any has three quarters of its length."""
+    library, seen = watch.library, vigil.sums[row, window]
+    every = np.ones(len(library.gauges), dtype=bool)
+    best, nearest = 0.75, ""
+    for suspect in watch.suspects:
+        trace = suspect.signature / library.noise_sd @ watch.parity.projector(every)
+        length = float(np.linalg.norm(trace) * np.linalg.norm(seen))
+        if length > 0.0 and float(trace @ seen) / length > best:
+            best, nearest = float(trace @ seen) / length, suspect.name
+    return nearest
+
+
+def _words(
+    kind: str, name: str, probability: float, gauges: tuple[str, ...], proposal: Proposal | None, hint: str
+) -> str:
+    off = f"gauges {', '.join(gauges[:4])} disagree with every state" if gauges else "the readings fit no state"
+    if kind == "gauge":
+        return f"{off}; most likely gauge {name} is faulty ({probability:.0%}). Inspect it; it is left out meanwhile."
+    if kind == "unknown" or proposal is None:
+        like = f"; {hint} would look most like it" if hint else ""
+        return f"{off}, in a way that no suspect explains{like}. Inspect the structure around them."
+    return (
+        f"{off}; most likely {kind} at {name} ({probability:.0%}), {proposal.size:.0f} +- {proposal.sd:.0f} "
+        f"{proposal.unit}. Inspect it; if it is so, add the proposed state to the library and train the trees again."
+    )

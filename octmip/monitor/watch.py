@@ -1,0 +1,196 @@
+"""Watch: is the asset still one of the library? A p-value a reading, and a sequential test with a stated rate.
+
+Every reading leaves a residual e that no state of the library can change (octmip.monitor.parity): noise alone while the
+asset is in the library. A candidate c expects the residual to be shifted by d_c from some reading on. Its evidence is
+a sum over the readings at which it may have begun, w = 1 / horizon each,
+
+    R_c(t) = (R_c(t - 1) + w) exp(d_c . e_t - |d_c|^2 / 2),      E(t) = sum_c prior_c R_c(t) + (1 - t w),
+
+and so is that of a shift in any direction, normal with scale tau, begun at one of a few readings j, with S the sum of n
+residuals since then and d degrees of freedom:  (1 + n tau^2)^(-d/2) exp(tau^2 |S|^2 / (2 (1 + n tau^2))).
+
+In the library E is a martingale that starts at 1, so the probability that it ever reaches 1 / rate within a horizon is
+at most `rate`, whatever states the asset goes through. A gauge may be missing now and then: each factor is made for the
+gauges at hand, and d is then n_gauges: the sum M of the n projections has log det(I + tau^2 M) <= d log(1 + n tau^2)
+and M <= n I, so the formula is a lower bound of the mixture.
+
+Source: J. Ville, Etude critique de la notion de collectif (1939); A. N. Shiryaev, Theory Probab. Appl. 8 (1963) 22-46
+(a sum over beginnings); H. Robbins, Ann. Math. Statist. 41 (1970) 1397-1409 (a mixture over shifts).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import logsumexp
+from scipy.stats import chi2
+
+from octmip.errors import ProblemError
+from octmip.monitor.leaf_likelihood import check_readings
+from octmip.monitor.library import Library
+from octmip.monitor.parity import Parity
+from octmip.monitor.suspects import Suspect, gauge_suspects
+
+Floats = NDArray[np.float64]
+
+SCALES = (0.3, 1.0, 3.0)
+"""Scales tau of a shift in an unknown direction, standard deviations a reading."""
+N_BEGINNINGS = 10
+"""Readings of a horizon at which a shift in an unknown direction may begin."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Vigil:
+    """What a watch has seen of n assets.
+
+    Attributes:
+        n_seen: readings since its start.
+        log_evidence: (n, n_candidates) log R of every candidate.
+        sums: (n, N_BEGINNINGS, n_gauges) sums of residuals since each beginning; loaded_sums: times their loads.
+        counts: (n, N_BEGINNINGS) readings in them; squared_loads: their loads squared.
+        degrees: (n,) d of the formula for an unknown direction.
+        p_value: (n,) of the last reading: how often a reading of the library is as far off or farther.
+        log_e: (n,) log E; is_alarm: (n,) whether E has ever reached 1 / rate.
+    """
+
+    n_seen: int
+    log_evidence: Floats
+    sums: Floats
+    loaded_sums: Floats
+    counts: Floats
+    squared_loads: Floats
+    degrees: Floats
+    p_value: Floats
+    log_e: Floats
+    is_alarm: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Watch:
+    """A guard at the edge of a library.
+
+    Attributes:
+        library: the states.
+        suspects: what may act from outside; single gauges are always among the candidates.
+        rate: probability of at most one false alarm in a horizon.
+        horizon: readings after which the test starts afresh (a mission).
+        largest_load: load factor that readings have at most.
+    """
+
+    library: Library
+    suspects: Sequence[Suspect] = ()
+    rate: float = 0.01
+    horizon: int = 100
+    largest_load: float = 3.0
+    parity: Parity = field(init=False, repr=False)
+    candidates: tuple[tuple[Suspect, float], ...] = field(init=False, repr=False)
+    _log_prior: Floats = field(init=False, repr=False)
+    _tables: dict[tuple[bytes, float], Floats] = field(init=False, repr=False, default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.rate < 1.0 or self.horizon < 1:
+            raise ProblemError(
+                f"rate is {self.rate} and horizon {self.horizon}; expected a probability and at least one reading"
+            )
+        object.__setattr__(self, "parity", Parity(self.library, self.largest_load))
+        everything = (*gauge_suspects(self.library), *self.suspects)
+        pairs = [(suspect, size) for suspect in everything for size in suspect.sizes if self._can_show(suspect, size)]
+        object.__setattr__(self, "candidates", tuple(pairs))
+        # a third each for gauges, suspects and the unknown; alike within a third
+        is_gauge = np.array([suspect.kind == "gauge" for suspect, _ in pairs])
+        share = np.where(is_gauge, 1.0 / is_gauge.sum(), 1.0 / max(1, (~is_gauge).sum()))
+        object.__setattr__(self, "_log_prior", np.log(share / (3.0 if (~is_gauge).any() else 2.0)))
+
+    def _can_show(self, suspect: Suspect, size: float) -> bool:
+        """Return whether a whole horizon at the largest load could show it: others only dilute the rest."""
+        every = np.ones(len(self.library.gauges), dtype=bool)
+        scale = size * self.largest_load**suspect.load_power
+        shift = scale * suspect.signature / self.library.noise_sd @ self.parity.projector(every)
+        return bool(np.linalg.norm(shift) * np.sqrt(self.horizon) > np.sqrt(-2.0 * np.log(self.rate)))
+
+    def start(self, n: int = 1) -> Vigil:
+        """Return the vigil over n assets before any reading."""
+        g = len(self.library.gauges)
+        sums, counts = np.zeros((n, N_BEGINNINGS, g)), np.zeros((n, N_BEGINNINGS))
+        nothing = np.full((n, len(self.candidates)), -np.inf)
+        never = np.zeros(n, dtype=bool)
+        return Vigil(0, nothing, sums, sums, counts, counts, np.zeros(n), np.ones(n), np.zeros(n), never)
+
+    def observe(self, vigil: Vigil, readings: Floats, load_factor: float | Floats) -> Vigil:
+        """Return the vigil after one reading of every asset, (n, n_gauges) in microstrain, NaN where missing.
+
+        Raises:
+            DataError: the readings have another shape or hold an infinite number, or a load is not positive.
+            ProblemError: so many gauges are missing that the library explains any reading.
+        """
+        rows = check_readings(readings, self.library)
+        loads = np.broadcast_to(np.asarray(load_factor, dtype=np.float64), (len(rows),))
+        if vigil.n_seen == self.horizon:
+            vigil = replace(self.start(len(rows)), is_alarm=vigil.is_alarm)
+        residuals, log_ratio, degrees = self._compared(rows, loads)
+        has_gap = np.isnan(rows).any(axis=1)
+        begins = np.arange(N_BEGINNINGS) * self.horizon // N_BEGINNINGS <= vigil.n_seen
+        is_on = begins.astype(np.float64)
+        is_seen = np.where(degrees > 0, 1.0, 0.0)[:, None] * is_on
+        new = Vigil(
+            vigil.n_seen + 1,
+            np.logaddexp(vigil.log_evidence, -np.log(self.horizon)) + log_ratio,
+            vigil.sums + is_on[:, None] * residuals[:, None, :],
+            vigil.loaded_sums + is_on[:, None] * (loads[:, None] * residuals)[:, None, :],
+            vigil.counts + is_seen,
+            vigil.squared_loads + is_seen * loads[:, None] ** 2,
+            np.maximum(vigil.degrees, np.where(has_gap, len(self.library.gauges), degrees)),
+            np.where(degrees > 0, chi2.sf(np.square(residuals).sum(axis=1), np.maximum(degrees, 1)), 1.0),
+            vigil.log_e,
+            vigil.is_alarm,
+        )
+        log_e = logsumexp(self.log_parts(new), axis=1)
+        return replace(new, log_e=log_e, is_alarm=vigil.is_alarm | (log_e >= -np.log(self.rate)))
+
+    def _compared(self, rows: Floats, loads: Floats) -> tuple[Floats, Floats, Floats]:
+        """Return residuals (n, n_gauges), log ratios (n, n_candidates) and degrees of freedom (n,)."""
+        is_known = ~np.isnan(rows)
+        residuals, ratios = np.zeros(rows.shape), np.zeros((len(rows), len(self.candidates)))
+        degrees = np.zeros(len(rows))
+        keys = np.column_stack([is_known.astype(np.float64), loads])
+        patterns, of_row = np.unique(keys, axis=0, return_inverse=True)
+        for k, pattern in enumerate(patterns):
+            chosen, known, load = np.flatnonzero(of_row.ravel() == k), pattern[:-1] > 0, float(pattern[-1])
+            self.library.checked_load(load)
+            if not known.any():
+                continue
+            e = self.parity.residuals(rows[chosen], load, known)
+            shifts = self._shifts(known, load)
+            residuals[chosen] = e
+            ratios[chosen] = e @ shifts.T - 0.5 * np.square(shifts).sum(axis=1)
+            degrees[chosen] = self.parity.degrees(known)
+        return residuals, ratios, degrees
+
+    def _shifts(self, is_known: NDArray[np.bool_], load: float) -> Floats:
+        """Return what every candidate adds to the residual of a reading, (n_candidates, n_gauges)."""
+        key = (is_known.tobytes(), load)
+        if key not in self._tables:
+            rows = [size * load**suspect.load_power * suspect.signature for suspect, size in self.candidates]
+            self._tables[key] = np.array(rows) / self.library.noise_sd @ self.parity.projector(is_known)
+        return self._tables[key]
+
+    def log_parts(self, vigil: Vigil) -> Floats:
+        """Return the logs of all that adds up to E, (n, n_candidates + 2): candidates, the unknown, what is to come."""
+        to_come = max(0.0, 1.0 - vigil.n_seen / self.horizon)
+        share_known = float(np.exp(self._log_prior).sum())
+        with np.errstate(divide="ignore"):
+            rest = np.full(len(vigil.p_value), np.log(share_known * to_come))
+        return np.column_stack(
+            [vigil.log_evidence + self._log_prior, self._log_unknown(vigil, 1.0 - share_known), rest]
+        )
+
+    def _log_unknown(self, vigil: Vigil, prior: float) -> Floats:
+        """Return the log evidence (n,) of a shift in an unknown direction; beginnings to come count 1."""
+        square = np.square(vigil.sums).sum(axis=2)
+        logs = []
+        for tau in SCALES:
+            spread = 1.0 + vigil.counts * tau**2
+            logs.append(0.5 * tau**2 * square / spread - 0.5 * vigil.degrees[:, None] * np.log(spread))
+        stacked = np.concatenate(logs, axis=1)
+        return np.asarray(logsumexp(stacked, axis=1) + np.log(prior / stacked.shape[1]))

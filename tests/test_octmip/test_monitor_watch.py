@@ -1,0 +1,149 @@
+"""At the edge of the library: false alarms at the stated rate, what is found, what is named, what is proposed."""
+
+import numpy as np
+import pytest
+from scipy.stats import kstest
+
+from octmip.errors import ProblemError
+from octmip.monitor import Library, Suspect, Watch, effect_suspects, explain, gauge_suspects, grid_states, library_of
+from octmip.monitor.parity import Parity
+from tests.test_octmip.beam_twin import ETA, Field
+from tests.test_octmip.test_monitor_selector import LinearBeam
+
+SD = 31.6
+BUMP = 40.0 * np.exp(-(((ETA - 0.55) / 0.06) ** 2))
+
+
+@pytest.fixture(scope="module")
+def library() -> Library:
+    levels = np.linspace(0.0, 0.8, 9)
+    return library_of(LinearBeam(), grid_states([levels, levels]), SD)
+
+
+@pytest.fixture(scope="module")
+def watch(library) -> Watch:
+    suspects = [
+        Suspect("at half span", "foreign damage", BUMP / 40.0, (20.0, 40.0), "%", 1),
+        Suspect("at the tip", "foreign damage", np.linspace(0, 1, 20) ** 4, (20.0, 40.0), "%", 1),
+    ]
+    return Watch(library, suspects, rate=0.05, horizon=50)
+
+
+def missions(n, seed, horizon=50, change=lambda k, x, load: x):
+    """Yield readings (n, 20) and load of assets whose damage grows at a pace of their own, off every level."""
+    rng, twin = np.random.default_rng(seed), LinearBeam()
+    end = rng.uniform(0.0, 0.8, (n, 2))
+    for k in range(horizon):
+        load = 3.0 if k % 3 else 2.0
+        clean = np.array([twin.predict(dict(zip(("mu1", "mu2"), row, strict=True)), load) for row in end * k / horizon])
+        yield change(k, clean + rng.normal(0, SD, clean.shape), load), load
+
+
+def keep(watch, n, seed, change=lambda k, x, load: x):
+    vigil, p_values = watch.start(n), []
+    for readings, load in missions(n, seed, watch.horizon, change):
+        vigil = watch.observe(vigil, readings, load)
+        p_values.append(vigil.p_value)
+    return vigil, np.array(p_values)
+
+
+def test_in_the_library_p_values_are_uniform_and_false_alarms_keep_to_their_rate(watch):
+    vigil, p_values = keep(watch, 400, 1)
+    assert kstest(p_values.ravel()[::7], "uniform").pvalue > 0.01
+    assert vigil.is_alarm.mean() <= watch.rate + 3 * np.sqrt(watch.rate / 400)
+
+
+def test_evidence_is_a_martingale_in_the_library(library):
+    # few and weak candidates: then the mean is not carried by rare missions, and can be tested
+    short = Watch(library, [Suspect("weak", "foreign damage", BUMP / 40.0, (3.0,), "%", 1)], rate=0.9, horizon=4)
+    vigil = short.start(4000)
+    rng = np.random.default_rng(5)
+    logs = []
+    for _ in range(4):
+        readings = 3.0 * library.strains[np.zeros(4000, int)] + rng.normal(0, SD, (4000, 20))
+        vigil = short.observe(vigil, readings, 3.0)
+        weak = [k for k, (s, size) in enumerate(short.candidates) if s.name == "weak" or abs(size) <= 1.0]
+        logs.append(np.exp(short.log_parts(vigil)[:, weak]).sum(axis=1) / np.exp(short._log_prior[weak]).sum())
+    for k, evidence in enumerate(logs):
+        assert evidence.mean() == pytest.approx((k + 1) / 4, abs=4 * evidence.std() / np.sqrt(4000))
+
+
+def test_a_residual_does_not_know_the_state(library):
+    parity, every = Parity(library, 3.0), np.ones(20, dtype=bool)
+    off_grid = np.array([LinearBeam().predict({"mu1": 0.37, "mu2": 0.71}, 3.0)])
+    assert np.linalg.norm(parity.residuals(off_grid, 3.0, every)) < 0.1
+    projector = parity.projector(every)
+    assert projector @ projector == pytest.approx(projector, abs=1e-12)
+    without = every.copy()
+    without[4] = False
+    assert not parity.projector(without)[4].any() and parity.degrees(without) == parity.degrees(every) - 1
+
+
+def test_damage_outside_the_library_is_found_named_and_proposed(watch, library):
+    vigil, _ = keep(watch, 60, 2, lambda k, x, load: x + (k >= 10) * load * BUMP)
+    assert vigil.is_alarm.mean() >= 0.95
+    finding = explain(watch, vigil, row=0, state=library.index_of({"mu1": 0.2}))
+    assert (finding.kind, finding.name) == ("foreign damage", "at half span") and finding.probability > 0.9
+    assert finding.proposal.size == pytest.approx(40.0, abs=4 * finding.proposal.sd)
+    assert finding.proposal.state["mu1"] == 0.2 and "Inspect" in finding.words
+    wider = library.with_state(finding.proposal.state, finding.proposal.strains)
+    assert wider.n_states == library.n_states + 1 and wider.parameters[-1] == "at half span"
+
+
+def test_what_no_suspect_explains_is_called_unknown(watch):
+    odd = 60.0 * np.where(np.arange(20) % 2, 1.0, -1.0)
+    vigil, _ = keep(watch, 20, 3, lambda k, x, load: x + load * odd)
+    finding = explain(watch, vigil)
+    assert vigil.is_alarm.all() and finding.kind == "unknown" and "no suspect explains" in finding.words
+    assert len(finding.gauges) > 5 and finding.since == 0
+
+
+@pytest.mark.parametrize("fault", ["bias", "dead"])
+def test_a_faulty_gauge_is_named(watch, fault):
+    def change(k, x, load):
+        if k >= 20:
+            x[:, 6] = 0.0 if fault == "dead" else x[:, 6] + 100.0
+        return x
+
+    vigil, _ = keep(watch, 40, 4, change)
+    findings = [explain(watch, vigil, row) for row in range(40)]
+    assert vigil.is_alarm.all()
+    assert np.mean([(f.kind, f.name) == ("gauge", "g07") for f in findings]) >= 0.95
+    assert findings[0].gauges[0] == "g07" and findings[0].proposal is None
+
+
+def test_missing_gauges_are_done_without(watch):
+    def gaps(k, x, load):
+        x[:, k % 20] = np.nan
+        x[:, 3] = np.nan
+        return x
+
+    vigil, p_values = keep(watch, 200, 6, gaps)
+    assert kstest(p_values.ravel()[::7], "uniform").pvalue > 0.01
+    assert vigil.is_alarm.mean() <= 0.1
+    nothing = watch.observe(watch.start(1), np.full((1, 20), np.nan), 3.0)
+    assert nothing.p_value[0] == 1.0 and not nothing.is_alarm[0]
+
+
+def test_a_horizon_later_the_test_starts_afresh_and_an_alarm_stays(watch, library):
+    vigil = watch.start(1)
+    far = 3.0 * library.strains[:1] + 3.0 * BUMP * 5
+    for _ in range(watch.horizon + 1):
+        vigil = watch.observe(vigil, far, 3.0)
+    assert vigil.n_seen == 1 and vigil.is_alarm[0]
+
+
+def test_the_effects_of_a_twin_are_suspects(library):
+    shape = Field("foreign damage", BUMP / LinearBeam().predict({}, 1.0), None, 10.0)
+    both = effect_suspects(LinearBeam(), shape, library)
+    assert both[0].name == "foreign damage" and set(both[0].sizes) == {10.0, -10.0, 20.0, -20.0, 40.0, -40.0}
+    assert both[0].signature == pytest.approx(BUMP)
+    assert [s.name for s in gauge_suspects(library)] == list(library.gauges)
+
+
+def test_a_watch_that_cannot_be_is_refused(library):
+    with pytest.raises(ProblemError, match=r"rate is 1\.5"):
+        Watch(library, rate=1.5)
+    few = library_of(LinearBeam(), grid_states([(0.0, 0.4, 0.8), (0.0, 0.4)]), SD, gauges=("g01", "g16"))
+    with pytest.raises(ProblemError, match="can explain any reading of 2 gauges"):
+        Watch(few)
