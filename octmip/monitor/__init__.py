@@ -9,11 +9,13 @@ from octmip.monitor.growth import Growth, steady_growth
 from octmip.monitor.leaf_likelihood import LeafLikelihood
 from octmip.monitor.library import Library, grid_states, library_of
 from octmip.monitor.selector import ModelSelector, ParameterTree, Selection, without_dead_ends
+from octmip.monitor.stream import Answer, Monitor, Refusal
 from octmip.monitor.suspects import Suspect, effect_suspects, gauge_suspects
 from octmip.monitor.watch import Vigil, Watch
 
 __all__ = [
     "REFUSED",
+    "Answer",
     "Belief",
     "CompiledTree",
     "Filter",
@@ -23,8 +25,10 @@ __all__ = [
     "LeafLikelihood",
     "Library",
     "ModelSelector",
+    "Monitor",
     "ParameterTree",
     "Proposal",
+    "Refusal",
     "Selection",
     "Suspect",
     "Vigil",

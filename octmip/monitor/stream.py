@@ -1,0 +1,158 @@
+"""A stream of readings: one answer each, nothing kept but the belief, and a bad reading stops nothing.
+
+A reading is refused, with a sentence, when it holds NaN or infinity, has another length, names an unknown gauge, or has
+a load factor that is none. A gauge that gave nothing is left out of the mapping (or None): with a filter the reading is
+used without it, without one it is refused where the tree asks for it.
+"""
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from octmip.errors import DataError, OctmipError
+from octmip.monitor.belief import Belief
+from octmip.monitor.filter import Filter
+from octmip.monitor.finding import Finding, explain
+from octmip.monitor.selector import ModelSelector
+from octmip.monitor.watch import Vigil, Watch
+
+Values = Sequence[float | None] | Mapping[str, float | None]
+Reading = tuple[float, Values]
+"""Load factor, and strains in microstrain: by gauge name, or one for each gauge in the library's order."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Answer:
+    """What is said of one reading.
+
+    Attributes:
+        number: of the reading in the stream, from 0.
+        state: index of the selected state in the selector's library; None where a missing gauge leaves it open.
+        belief: after the reading; None without a filter.
+        p_value: of the reading; None without a watch.
+        finding: why the alarm was raised at this reading; None otherwise.
+    """
+
+    number: int
+    state: int | None
+    belief: Belief | None = None
+    p_value: float | None = None
+    finding: Finding | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Refusal:
+    """A reading that was not used.
+
+    Attributes:
+        number: of the reading in the stream, from 0.
+        words: what is wrong with it.
+    """
+
+    number: int
+    words: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Monitor:
+    """A selector, and what else is wanted, at work on the readings of one asset.
+
+    Attributes:
+        selector: the tree.
+        filter: carries a belief along; None: every reading for itself.
+        watch: looks out for what is not in the library; None: nobody does.
+        start_state: index in the filter's library that the asset starts in; None: unknown.
+    """
+
+    selector: ModelSelector
+    filter: Filter | None = None
+    watch: Watch | None = None
+    start_state: int | None = None
+    _index: dict[str, int] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        gauges = self.selector.library.gauges
+        for part in (self.filter, self.watch):
+            if part is not None and part.library.gauges != gauges:
+                raise DataError(
+                    f"filter and watch read {part.library.gauges}, the selector {gauges}; give all the same"
+                )
+        object.__setattr__(self, "_index", {gauge: k for k, gauge in enumerate(gauges)})
+
+    def run(self, readings: Iterable[Reading]) -> Iterator[Answer | Refusal]:
+        """Yield an answer or a refusal for every reading, in their order."""
+        belief = None if self.filter is None else self.filter.start(1, self.start_state)
+        vigil = None if self.watch is None else self.watch.start(1)
+        faulty: set[int] = set()  # gauges that the watch has named; they are done without from then on
+        for number, (load_factor, values) in enumerate(readings):
+            try:
+                if belief is None and vigil is None:
+                    yield Answer(number, self._select(self._row(values, False), load_factor))
+                    continue
+                row = self._row(values, True)
+                row = [math.nan if k in faulty else value for k, value in enumerate(row)]
+                answer, belief, vigil = self._step(number, row, load_factor, belief, vigil)
+                yield answer
+                if answer.finding is not None and answer.finding.kind == "gauge" and self.watch is not None:
+                    faulty.add(self._index[answer.finding.name])
+                    vigil = self.watch.start(1)
+            except OctmipError as error:
+                yield Refusal(number, str(error))
+
+    def _row(self, values: Values, may_lack: bool) -> list[float]:
+        """Return the strains in the library's order, NaN where a gauge gave nothing and may."""
+        index = self._index
+        if isinstance(values, Mapping):
+            unknown = values.keys() - index.keys()
+            if unknown:
+                raise DataError(
+                    f"reading names the gauges {sorted(unknown)}, which the library lacks; it has {[*index]}"
+                )
+            row = [values.get(gauge) for gauge in index]
+        else:
+            row = list(values)
+            if len(row) != len(index):
+                raise DataError(f"reading has {len(row)} values; expected {len(index)}, one for each of {[*index]}")
+        if None not in row and math.isfinite(math.fsum(row)):  # type: ignore[arg-type]
+            return row  # type: ignore[return-value]
+        for gauge, value in zip(index, row, strict=True):
+            if value is None and not may_lack:
+                raise DataError(f"reading lacks gauge {gauge}; give a number, or use a filter, which can do without it")
+            if value is not None and not math.isfinite(value):
+                raise DataError(f"reading of gauge {gauge} is {value}; expected microstrain; leave it out if unknown")
+        return [math.nan if value is None else value for value in row]
+
+    def _select(self, row: list[float], load_factor: float) -> int:
+        load = self.selector.library.checked_load(load_factor)
+        return self.selector.compiled.label([value / load for value in row])
+
+    def _step(
+        self, number: int, row: list[float], load_factor: float, belief: Belief | None, vigil: Vigil | None
+    ) -> tuple[Answer, Belief | None, Vigil | None]:
+        try:
+            state: int | None = self._select(row, load_factor)
+        except DataError:
+            if not any(map(math.isnan, row)):
+                raise
+            state = None
+        reading = np.array([row])
+        if self.filter is not None and belief is not None:
+            belief = self.filter.step(belief, reading, load_factor)
+        finding, p_value = None, None
+        if self.watch is not None and vigil is not None:
+            was_alarm = bool(vigil.is_alarm[0])
+            vigil = self.watch.observe(vigil, reading, load_factor)
+            p_value = float(vigil.p_value[0])
+            if vigil.is_alarm[0] and not was_alarm:
+                finding = explain(self.watch, vigil, 0, self._state_of_watch(state))
+        return Answer(number, state, belief, p_value, finding), belief, vigil
+
+    def _state_of_watch(self, state: int | None) -> int:
+        """Return the state of the watch's library that lies nearest to the selected one."""
+        assert self.watch is not None
+        if state is None:
+            return 0
+        told = self.selector.library.states[state]
+        return int(np.abs(self.watch.library.states - told).sum(axis=1).argmin())

@@ -1,0 +1,95 @@
+"""Streams: every reading gets its answer, a bad one its refusal, and memory does not grow."""
+
+import math
+import tracemalloc
+from dataclasses import replace
+
+import pytest
+
+from octmip.errors import DataError
+from octmip.monitor import (
+    Answer,
+    Filter,
+    GaussianLikelihood,
+    Monitor,
+    Refusal,
+    Watch,
+    grid_states,
+    library_of,
+    steady_growth,
+)
+from tests.test_octmip.test_monitor_selector import LinearBeam, a_selector
+
+SELECTOR = a_selector()
+GAUGES = SELECTOR.library.gauges
+
+
+def whole():
+    cells = library_of(LinearBeam(), grid_states([(0.1, 0.3, 0.5, 0.7)] * 2), 31.6, widths=(0.2, 0.2))
+    chain = Filter(GaussianLikelihood(cells), steady_growth(cells, 0.01))
+    return Monitor(SELECTOR, chain, Watch(SELECTOR.library, rate=0.01, horizon=20), start_state=0)
+
+
+def good(n=1):
+    return (3.0, (3.0 * SELECTOR.library.strains[n]).tolist())
+
+
+BAD = {
+    "has 3 values; expected 20": (3.0, [1.0, 2.0, 3.0]),
+    "g05 is nan": (3.0, [math.nan if k == 4 else 500.0 for k in range(20)]),
+    "g02 is inf": (3.0, [math.inf if k == 1 else 500.0 for k in range(20)]),
+    r"names the gauges \['g99'\]": (3.0, dict.fromkeys((*GAUGES, "g99"), 500.0)),
+    "load_factor is 0": (0.0, [500.0] * 20),
+    "load_factor is nan": (math.nan, [500.0] * 20),
+}
+
+
+@pytest.mark.parametrize("monitor", [Monitor(SELECTOR), whole()], ids=["tree alone", "with filter and watch"])
+@pytest.mark.parametrize(("words", "reading"), BAD.items(), ids=list(BAD))
+def test_a_bad_reading_is_refused_with_a_sentence_and_the_stream_goes_on(monitor, words, reading):
+    before, refused, after = monitor.run([good(), reading, good()])
+    assert isinstance(refused, Refusal) and refused.number == 1
+    with pytest.raises(DataError, match=words):
+        raise DataError(refused.words)
+    assert (before.state, after.state) == (after.state, before.state) and after.number == 2
+
+
+def test_a_gauge_that_gave_nothing_is_done_without_where_there_is_a_filter():
+    load, values = good(7)
+    lacking = (load, {gauge: value for gauge, value in zip(GAUGES, values, strict=True) if gauge != "g01"})
+    (refused,) = Monitor(SELECTOR).run([lacking])
+    assert "lacks gauge g01" in refused.words
+    (answer,) = whole().run([lacking])
+    assert answer.state is None and answer.belief is not None and answer.p_value > 0
+    (told,) = whole().run([(load, [None if k == 2 else v for k, v in enumerate(values)])])  # the tree reads no g03
+    assert told.state == SELECTOR.select(values, load).state
+
+
+def test_the_alarm_is_explained_once_and_a_faulty_gauge_is_left_out():
+    bad = good()[1]
+    bad[5] += 400.0
+    answers = list(whole().run([good()] * 5 + [(3.0, bad)] * 15))
+    found = [answer for answer in answers if answer.finding is not None]
+    assert len(answers) == 20 and len(found) == 1 and found[0].number in (5, 6)
+    assert found[0].finding.name == "g06"
+    assert answers[-1].p_value > 0.9 and answers[-1].belief.mean("mu1")[0] < 0.2  # the faulty gauge is left out
+
+
+def test_a_stream_runs_in_bounded_memory():
+    def endless(n):
+        rows = [good(k % 25) for k in range(50)]
+        return (rows[k % 50] for k in range(n))
+
+    monitor = Monitor(SELECTOR)
+    list(monitor.run(endless(100)))
+    tracemalloc.start()
+    n_answers = sum(isinstance(answer, Answer) for answer in monitor.run(endless(20_000)))
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert n_answers == 20_000 and peak < 200_000
+
+
+def test_parts_that_read_other_gauges_are_refused():
+    other = replace(SELECTOR.library, gauges=tuple(f"x{k}" for k in range(20)))
+    with pytest.raises(DataError, match="give all the same"):
+        Monitor(SELECTOR, watch=Watch(other))
