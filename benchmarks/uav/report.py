@@ -38,11 +38,16 @@ def write_results(
     write_bytes(folder / "table.json", _json([outcome.row for outcome in outcomes]))
     write_bytes(folder / "run.json", _json(_run(data, outcomes, seconds)))
     for name, figure in _figures(wing, simulated, published, data, outcomes).items():
-        for kind in ("svg", "png"):
-            buffer = BytesIO()
-            figure.savefig(buffer, format=kind, dpi=150)
-            write_bytes(folder / f"{name}.{kind}", buffer.getvalue())
+        write_figure(folder, name, figure)
         plt.close(figure)
+
+
+def write_figure(folder: Path, name: str, figure: Figure) -> None:
+    """Write a figure as SVG and PNG."""
+    for kind in ("svg", "png"):
+        buffer = BytesIO()
+        figure.savefig(buffer, format=kind, dpi=150)
+        write_bytes(folder / f"{name}.{kind}", buffer.getvalue())
 
 
 def _figures(
@@ -58,11 +63,13 @@ def _figures(
         problem = problem_of(data, deepest.cell)
         used[f"gauges of the depth-{depth} tree for {label}"] = problem.sensors_used(tree)
         figures[f"tree_{label}"] = tree_figure(problem, tree)
-        figures[f"partition_{label}"] = _partition(
-            data, pick(outcomes, task="axis", label=label, depth=depth, gauge_set="two")
-        )
-        best = pick(outcomes, task="two features", label=label, gauge_set="two")
-        figures[f"partition_{label}_two_features"] = _partition(data, best)
+        axis = pick(outcomes, task="axis", label=label, depth=depth, gauge_set="two")
+        planes = pick(outcomes, task="two features", label=label, gauge_set="two")
+        for ending, outcome in (("", axis), ("_two_features", planes)):
+            figures[f"partition_{label}{ending}"] = _partition(data, outcome)
+            assert outcome.solution.tree is not None
+            two = tree_figure(problem_of(data, outcome.cell), outcome.solution.tree)
+            figures[f"tree_{label}_two_gauges{ending}"] = two
     figures["wing"] = wing_picture(wing, used)
     figures["strain"] = strain_picture(wing, simulated, published)
     return figures

@@ -55,6 +55,8 @@ def test_pictures_and_run_record_are_written(results: Path) -> None:
         "partition_mu1",
         "partition_mu2",
         "partition_mu1_two_features",
+        "tree_mu1_two_gauges",
+        "tree_mu2_two_gauges_two_features",
         "wing",
         "strain",
     )
