@@ -1,13 +1,16 @@
 """The least cost against depth, sensor budget or leaf penalty: one row a value, each with its bound.
 
 The limits hold for each value by itself. Each value starts from the tree of the one before, and bounds proven under
-wider limits serve the tighter ones.
+wider limits serve the tighter ones. With --folds each depth or penalty also shows what it costs on samples held out,
+per unit of weight, and the best pair of depth and penalty is named.
 """
 
 import argparse
 import io
 from pathlib import Path
 from typing import Any
+
+from joblib import parallel_config
 
 from octmip.certificate import certify
 from octmip.cli.answer import ProgressLine, describe, print_json
@@ -16,8 +19,11 @@ from octmip.cli.question import ask
 from octmip.errors import DataError
 from octmip.files import check_writable, write_bytes
 from octmip.plot import frontier_figure
+from octmip.problem import Problem
 from octmip.report.markdown import markdown_table
-from octmip.tradeoff import OVERS, Point, trace_frontier
+from octmip.solution import Limits, Stop
+from octmip.tradeoff import OVERS, Choice, Point, choose_tree, trace_frontier
+from octmip.tree import n_splits
 
 PICTURES = (".svg", ".png", ".pdf")
 
@@ -33,6 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="A,B,...",
         help="its values (default: depths 1 to D; 1, 2, ... sensors; a penalty for each tree that is best for one)",
     )
+    parser.add_argument("--folds", metavar="K", type=int, help="also by cross-validation on K folds (depth, penalty)")
     parser.add_argument("--out", metavar="FILE", help=f"draw the frontier here, one of {', '.join(PICTURES)}")
 
 
@@ -43,6 +50,8 @@ def run(arguments: argparse.Namespace) -> int:
         if Path(arguments.out).suffix not in PICTURES:
             raise DataError(f"--out {arguments.out} is no picture; expected one of {', '.join(PICTURES)}")
         check_writable(arguments.out)
+    if arguments.folds is not None and arguments.over == "budget":
+        raise DataError("--folds chooses a depth and a penalty; expected --over depth or --over penalty")
     problem = ask(arguments).problem
     with ProgressLine() as progress:
         points = trace_frontier(
@@ -58,13 +67,49 @@ def run(arguments: argparse.Namespace) -> int:
     rows = [_row(arguments.over, point) for point in points]
     if arguments.out:
         _draw(arguments, points)
+    is_cut = points[-1].solution.stop is Stop.INTERRUPTED
+    choice = None if arguments.folds is None or is_cut else _choice(arguments, problem, limits)
+    if choice is not None:
+        for row, point in zip(rows, points, strict=True):
+            step = choice.step_at(point.problem.depth, point.problem.leaf_penalty / problem.baseline)
+            row["held_out"] = step.validation_cost
     if arguments.json:
-        print_json({"over": arguments.over, "n_samples": problem.n_samples, "rows": rows})
+        chosen = {} if choice is None else {"chosen": _chosen(choice)}
+        print_json({"over": arguments.over, "n_samples": problem.n_samples, "rows": rows, **chosen})
         return 0
-    columns = (arguments.over, "errors", "objective", "bound", "gap", "n_splits", "sensors", "seconds", "stop")
-    shown = [row | {"sensors": ", ".join(row["sensors"]), "seconds": round(row["seconds"], 3)} for row in rows]
-    print(markdown_table(shown, columns))
+    print(_table(arguments.over, rows))
+    if choice is not None:
+        best = _chosen(choice)
+        print(
+            f"\nchosen: depth {best['depth']}, leaf penalty {best['penalty']:.4g} (alpha {best['alpha']:.4g}),", end=" "
+        )
+        print(f"{best['held_out']:.4g} on samples held out")
     return 0
+
+
+def _table(over: str, rows: list[dict[str, Any]]) -> str:
+    held = ("held_out",) if "held_out" in rows[0] else ()
+    columns = (over, "errors", *held, "objective", "bound", "gap", "n_splits", "sensors", "seconds", "stop")
+    rounded = [{name: round(row[name], 4) for name in held} | {"seconds": round(row["seconds"], 3)} for row in rows]
+    shown = [row | more | {"sensors": ", ".join(row["sensors"])} for row, more in zip(rows, rounded, strict=True)]
+    return markdown_table(shown, columns)
+
+
+def _choice(arguments: argparse.Namespace, problem: Problem, limits: Limits) -> Choice:
+    """Return what cross-validation chooses, its folds in so many threads."""
+    with parallel_config(backend="threading", n_jobs=arguments.threads):
+        return choose_tree(problem, folds=arguments.folds, method=arguments.method, limits=limits, seed=arguments.seed)
+
+
+def _chosen(choice: Choice) -> dict[str, Any]:
+    chosen = choice.chosen
+    return {
+        "depth": chosen.depth,
+        "penalty": choice.problem.leaf_penalty,
+        "alpha": chosen.alpha,
+        "held_out": chosen.validation_cost,
+        "n_splits": n_splits(choice.tree),
+    }
 
 
 def _values(arguments: argparse.Namespace) -> list[float] | None:

@@ -93,6 +93,20 @@ class Choice:
         assert self.solution.tree is not None  # solved from a tree
         return self.solution.tree
 
+    def step_at(self, depth: int, alpha: float) -> Step:
+        """Return the step of a depth and an alpha.
+
+        Raises:
+            ProblemError: the depth was not tried, or alpha is negative.
+        """
+        steps = [step for step in self.steps if step.depth == depth and step.alpha_low <= alpha]
+        if not steps:
+            tried = sorted({step.depth for step in self.steps})
+            raise ProblemError(
+                f"there is no step of depth {depth} and alpha {alpha}; depths {tried} were tried, from 0 on"
+            )
+        return steps[-1]
+
     def table(self) -> list[dict[str, float | bool]]:
         """Return one row a step, plain numbers, for a data frame or a file."""
         names = ("depth", "alpha_low", "alpha_high", "validation_cost", "standard_error", "complexity", "training_cost")

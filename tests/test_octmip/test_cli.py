@@ -350,3 +350,16 @@ def test_frontier_shows_one_row_for_each_value(data, run, tmp_path):
     assert [row["depth"] for row in rows] == [1, 2]
     code, _, err = run(*words, "--values", "1,x")
     assert code == 2 and "--values is '1,x'" in err
+
+
+def test_frontier_shows_what_samples_held_out_cost_and_chooses(data, run):
+    words = ["frontier", data, "--label", "y", "--features", "a,b", "--depth", 2, "--over"]
+    found = json.loads(run(*words, "depth", "--folds", 2, "--json")[1])
+    assert all(0 <= row["held_out"] <= 1 for row in found["rows"])
+    assert found["chosen"]["held_out"] <= min(row["held_out"] for row in found["rows"])
+    code, out, _ = run(*words, "penalty", "--folds", 2, "--method", "cart")
+    assert code == 0 and "held_out" in out and out.splitlines()[-1].startswith("chosen: depth")
+    code, _, err = run(*words, "budget", "--folds", 2)
+    assert code == 2 and "--folds chooses a depth and a penalty" in err
+    code, _, err = run(*words, "depth", "--folds", 1)
+    assert code == 2 and "folds is 1" in err
