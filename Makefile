@@ -5,10 +5,14 @@ BIN := $(VENV)/bin
 NATIVE := $(shell find octmip/native/src octmip/native/Cargo.toml -type f)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: uav blind test lint tools benchmarks clean
+.PHONY: uav mission blind test lint tools benchmarks clean
 
 uav: $(VENV)/.installed
 	@$(BIN)/python -m benchmarks.uav $(if $(STRAINS),--strains $(STRAINS)) $(ARGS)
+
+# The page of one mission; every table of docs/mission.md: make mission ARGS="--tables filter watch policies"
+mission: $(VENV)/.installed
+	@$(BIN)/python -m benchmarks.uav.mission $(if $(STRAINS),--strains $(STRAINS) --out results/uav/mission/published) $(ARGS)
 
 # Sealed cases, diagnosed without their keys, then scored: make blind ARGS="--cases 600 --seed 7 --out blind"
 blind: $(VENV)/.installed

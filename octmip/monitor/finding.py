@@ -146,13 +146,15 @@ def _nearest(watch: Watch, vigil: Vigil, row: int, window: int) -> str:
 def _words(
     kind: str, name: str, probability: float, gauges: tuple[str, ...], proposal: Proposal | None, hint: str
 ) -> str:
-    off = f"gauges {', '.join(gauges[:4])} disagree with every state" if gauges else "the readings fit no state"
+    off = f"Gauges {', '.join(gauges[:4])} disagree with every state" if gauges else "The readings fit no state"
     if kind == "gauge":
-        return f"{off}; most likely gauge {name} is faulty ({probability:.0%}). Inspect it; it is left out meanwhile."
+        sure = f"{100 * probability:.0f} %"
+        return f"{off}; most likely gauge {name} is faulty ({sure}). Inspect it; it is left out meanwhile."
     if kind == "unknown" or proposal is None:
         like = f"; {hint} would look most like it" if hint else ""
         return f"{off}, in a way that no suspect explains{like}. Inspect the structure around them."
+    thing = kind.replace("_", " ")
     return (
-        f"{off}; most likely {kind} at {name} ({probability:.0%}), {proposal.size:.0f} +- {proposal.sd:.0f} "
+        f"{off}; most likely {thing} at {name} ({100 * probability:.0f} %), {proposal.size:.0f} +- {proposal.sd:.0f} "
         f"{proposal.unit}. Inspect it; if it is so, add the proposed state to the library and train the trees again."
     )

@@ -117,6 +117,17 @@ class Watch:
         never = np.zeros(n, dtype=bool)
         return Vigil(0, nothing, sums, sums, counts, counts, np.zeros(n), np.ones(n), np.zeros(n), never)
 
+    def restarted(self, vigil: Vigil, row: int) -> Vigil:
+        """Return the vigil with one asset's evidence and alarm taken back: after a gauge was left out, or repaired."""
+        kept = np.arange(len(vigil.p_value)) != row
+        fresh = self.start(1)
+        names = ("log_evidence", "sums", "loaded_sums", "counts", "squared_loads", "degrees", "log_e", "is_alarm")
+        parts = {}
+        for name in names:
+            old, new = getattr(vigil, name), getattr(fresh, name)
+            parts[name] = np.where(kept.reshape(-1, *(1,) * (old.ndim - 1)), old, new)
+        return replace(vigil, **parts)
+
     def observe(self, vigil: Vigil, readings: Floats, load_factor: float | Floats) -> Vigil:
         """Return the vigil after one reading of every asset, (n, n_gauges) in microstrain, NaN where missing.
 

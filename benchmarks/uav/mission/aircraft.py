@@ -1,0 +1,177 @@
+"""The aircraft: a wing's twin, the gauges that its trees read, the libraries, the trees, and what the wing can bear."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.uav.mission.table_twin import TableTwin
+from femlib.dataset import Dataset, MeanStrains, Recipe, build_dataset, published_strains
+from femlib.wing import Wing, uav_twin
+from octmip import Limits, OctmipError, Problem, certify, solve
+from octmip.monitor import (
+    Filter,
+    GaussianLikelihood,
+    LeafLikelihood,
+    Library,
+    ModelSelector,
+    ParameterTree,
+    Watch,
+    effect_suspects,
+    grid_states,
+    library_of,
+    steady_growth,
+)
+from octmip.tree_file import TreeFile, read_tree_file, record_tree, write_tree_file
+
+Floats = NDArray[np.float64]
+
+NOISE_SD = float(np.sqrt(1000.0))
+"""Of a reading at any load [microstrain]: the paper's."""
+LEVELS = (0.0, 0.2, 0.4, 0.6, 0.8)
+"""States of the library that the trees tell."""
+CRITICAL = 0.4
+"""Damage beyond which the wing does not bear 3 g: the paper's limit."""
+RATES = (0.0005, 0.004, 0.0075)
+"""Paces of growth that the filter allows for, a step: hardly any, half and nearly all of 0 to 80 % in 100 steps."""
+SUDDEN, CHANGE = 0.0005, 0.01
+MISS = 5.0
+"""In the risk-weighted trees, to call a critical damage harmless costs so many times its error."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Aircraft:
+    """Everything that flies.
+
+    Attributes:
+        source: where the strains come from.
+        wing: femlib's, for places and suspects.
+        twin: its strains.
+        gauges: that are read.
+        trees: the trees for mu1 and mu2 of least absolute error; risk_trees: those that fear to miss.
+        selector, risk_selector: each pair as one tree.
+    """
+
+    source: str
+    wing: Wing
+    twin: TableTwin
+    gauges: tuple[str, ...]
+    trees: tuple[TreeFile, ...]
+    risk_trees: tuple[TreeFile, ...]
+    selector: ModelSelector
+    risk_selector: ModelSelector
+
+    def strains(self, states: Floats) -> Floats:
+        """Return the strains (n, n_gauges) per unit of load of damage fractions (n, 2)."""
+        columns = [self.twin.gauges.index(gauge) for gauge in self.gauges]
+        return np.asarray(self.twin.predict_states(states, 1.0)[:, columns])
+
+    def cells(self, n_cells: int) -> Library:
+        """Return a library of n_cells x n_cells cells that cover 0 to 80 %."""
+        width = 0.8 / n_cells
+        centres = ((np.arange(n_cells) + 0.5) * width).tolist()
+        grid = grid_states([centres, centres])
+        return library_of(self.twin, grid, NOISE_SD, gauges=self.gauges, widths=(width, width))
+
+    def filter(self, n_cells: int = 16, *, is_whole: bool = False, is_risk: bool = False) -> Filter:
+        """Return the filter on the trees' leaves, or on whole readings."""
+        cells = self.cells(n_cells)
+        tree = (self.risk_selector if is_risk else self.selector).tree
+        likelihood = GaussianLikelihood(cells) if is_whole else LeafLikelihood(tree, cells)
+        return Filter(likelihood, steady_growth(cells, RATES, SUDDEN, CHANGE))
+
+    def watch(self, rate: float = 0.01) -> Watch:
+        """Return the watch, with the twin's damage outside the library as suspects."""
+        levels = np.linspace(0.0, 0.8, 9).tolist()
+        library = library_of(self.twin, grid_states([levels, levels]), NOISE_SD, gauges=self.gauges)
+        effect = self.twin.effects["damage_outside_library"]
+        return Watch(library, effect_suspects(self.twin, effect, library, (20.0, 40.0, 80.0)), rate)
+
+
+class _SuspectsOfWing:
+    """The wing's damage outside the library, for a twin of another table: places and traces are the wing's."""
+
+    def __init__(self) -> None:
+        self.twin = uav_twin()
+        self.effect = self.twin.effects["damage_outside_library"]
+
+    def __getattr__(self, name: str) -> object:
+        return getattr(self.effect, name)
+
+    def signature(
+        self, twin: object, state: object, load_factor: float, variant: str = "", time: float = 0.0
+    ) -> Floats:
+        """Return the trace (n_gauges,) of the wing's own gauges, which the table's are named after."""
+        return np.asarray(self.effect.signature(self.twin, {}, load_factor, variant))  # type: ignore[attr-defined]
+
+
+def build_aircraft(folder: Path, strains: str | None = None, seed: int = 0, depth: int = 3) -> Aircraft:
+    """Return the aircraft; its trees are read from `folder` when they are there for the same data, else solved."""
+    suspects = _SuspectsOfWing()
+    effects = {"damage_outside_library": suspects}
+    wing = suspects.twin.wing
+    if strains is None:
+        levels = np.linspace(0, 80, 9).astype(int)
+        states = grid_states([levels.tolist(), levels.tolist()])
+        fine = wing.strains_microstrain(states / 100.0, 3.0)
+        usable = wing.gauges.is_usable
+        table = MeanStrains(states.astype(int), fine, 3.0, wing.gauges.names, usable, "femlib wing", wing.model_hash)
+        coarse = (states % 20 == 0).all(axis=1)  # the study's 25 states among them
+        study = replace(table, states_percent=table.states_percent[coarse], strain_microstrain=fine[coarse])
+        data = build_dataset(study, Recipe(), seed=seed)
+    else:
+        table = published_strains(strains)
+        data = build_dataset(table, Recipe(), seed=seed)
+    twin = TableTwin.of(table, effects)  # type: ignore[arg-type]
+    library = library_of(twin, grid_states([LEVELS, LEVELS]), NOISE_SD, gauges=data.gauges)
+    trees, risk_trees = (
+        tuple(_tree(folder, data, label, depth, weight) for label in ("mu1", "mu2")) for weight in (1.0, MISS)
+    )
+    selector, risk_selector = (_selector(library, files) for files in (trees, risk_trees))
+    return Aircraft(data.source, wing, twin, data.gauges, trees, risk_trees, selector, risk_selector)
+
+
+def _selector(library: Library, files: Sequence[TreeFile]) -> ModelSelector:
+    names = ("mu1", "mu2")
+    trees = [ParameterTree.of(file, name) for file, name in zip(files, names, strict=True)]
+    return ModelSelector.of_trees(library, trees)
+
+
+def problem_of(data: Dataset, label: str, depth: int, miss: float) -> Problem:
+    """Return the problem of a tree of least absolute error, errors that miss a critical damage weighing `miss`."""
+    percent = np.array(LEVELS) * 100.0
+    costs = np.abs(percent[:, None] - percent[None, :])
+    costs[np.ix_(percent > 100 * CRITICAL, percent <= 100 * CRITICAL)] *= miss
+    labels = getattr(data, label)[data.is_train]
+    return Problem(data.features[data.is_train], labels, depth=depth, costs=costs, feature_names=data.gauges)
+
+
+def _tree(folder: Path, data: Dataset, label: str, depth: int, miss: float) -> TreeFile:
+    problem = problem_of(data, label, depth, miss)
+    path = folder / f"tree_{label}_{'plain' if miss == 1.0 else 'risk'}.json"
+    if path.exists():
+        try:
+            file = read_tree_file(path)
+            if file.sha256 == problem.digest() and file.settings["costs"] == problem.costs.tolist():
+                return file
+        except OctmipError:
+            pass  # another version's file: solved again below
+    solution = solve(problem, "exact", Limits(seconds=300.0))
+    certify(problem, solution)
+    file = record_tree(problem, solution, label)
+    folder.mkdir(parents=True, exist_ok=True)
+    write_tree_file(path, file)
+    return file
+
+
+def capability(damage: Floats, reserve: Floats | float = 0.0) -> Floats:
+    """Return the load factor (n,) that a wing bears: 3 g to 40 % damage in the worst region, 2 g at 80 %, plus reserve.
+
+    Args:
+        damage: (n, n_regions) fractions.
+        reserve: what this very wing bears beyond that [g].
+    """
+    worst = damage.max(axis=1)
+    return np.asarray(3.0 - np.maximum(0.0, worst - CRITICAL) / CRITICAL + reserve)

@@ -1,0 +1,88 @@
+"""Filter against tree on simulated missions: error, detection delay at equal alertness, coverage, missed steps.
+
+The delay is the steps from the true crossing of 40 % to the first alarm at or after it; an alarm before is a false one.
+The tree raises it when its estimate exceeds 40 %; the filter when the probability of that exceeds a level, set on other
+missions so that its mean delay is at most the tree's.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.uav.mission.aircraft import CRITICAL, Aircraft
+from benchmarks.uav.mission.histories import STEPS, draw
+from benchmarks.uav.mission.simulation import readings_at
+from octmip.monitor import Filter
+
+Floats = NDArray[np.float64]
+
+NAMES = ("mu1", "mu2")
+
+
+def filter_rows(
+    aircraft: Aircraft, n: int, seed: int, kinds: tuple[str, ...] = ("paper", "own pace")
+) -> list[dict[str, object]]:
+    """Return one row for every kind of mission, observation and parameter; missions at 3 g throughout."""
+    rows = []
+    for kind in kinds:
+        for label, is_whole in (("leaf", False), ("whole reading", True)):
+            chain = aircraft.filter(16, is_whole=is_whole)
+            level = _level(_followed(aircraft, chain, kind, max(100, n // 2), seed + 1))
+            seen = _followed(aircraft, chain, kind, n, seed)
+            rows += [_row(kind, label, k, level[k], seen) for k in range(2)]
+    return rows
+
+
+def _followed(aircraft: Aircraft, chain: Filter, kind: str, n: int, seed: int) -> dict[str, Floats]:
+    """Return truth, estimates of tree and filter, interval ends and P(> 40 %), each (n, STEPS, 2)."""
+    rng = np.random.default_rng([seed, 77])
+    histories = draw(kind, n, rng, (0,))
+    belief, load = chain.start(n, state=0), np.full(n, 3.0)
+    seen = {name: np.zeros((n, STEPS, 2)) for name in ("tree", "median", "low", "high", "above")}
+    for k in range(STEPS):
+        readings = readings_at(aircraft, histories, k, load, rng)
+        seen["tree"][:, k] = aircraft.selector.library.states[aircraft.selector.select_many(readings, 3.0)]
+        belief = chain.step(belief, readings, 3.0)
+        for j, name in enumerate(NAMES):
+            seen["median"][:, k, j] = belief.quantile(name, 0.5)
+            seen["low"][:, k, j], seen["high"][:, k, j] = belief.interval(name, 0.9)
+            seen["above"][:, k, j] = belief.probability_above({name: CRITICAL})
+    return {**seen, "truth": histories.damage[:, :STEPS]}
+
+
+def _delays(truth: Floats, is_alarm: NDArray[np.bool_]) -> Floats:
+    """Return the steps (n_crossing,) from the crossing to the first alarm at or after it, or to the mission's end."""
+    is_critical = truth > CRITICAL
+    rows = np.flatnonzero(is_critical.any(axis=1))
+    after = is_alarm[rows] & is_critical[rows]
+    first = np.where(after.any(axis=1), after.argmax(axis=1), STEPS)
+    return np.asarray(first - is_critical[rows].argmax(axis=1), dtype=np.float64)
+
+
+def _level(seen: dict[str, Floats]) -> Floats:
+    """Return for each parameter the highest level at which the filter's mean delay is at most the tree's."""
+    levels = np.zeros(2)
+    for j in range(2):
+        truth = seen["truth"][:, :, j]
+        wanted = _delays(truth, seen["tree"][:, :, j] > CRITICAL).mean()
+        fitting = [q for q in np.arange(0.02, 0.9, 0.02) if _delays(truth, seen["above"][:, :, j] > q).mean() <= wanted]
+        levels[j] = max(fitting, default=0.01)
+    return levels
+
+
+def _row(kind: str, label: str, j: int, level: float, seen: dict[str, Floats]) -> dict[str, object]:
+    truth = seen["truth"][:, :, j]
+    is_critical = truth > CRITICAL
+    alarms = {"tree": seen["tree"][:, :, j] > CRITICAL, "filter": seen["above"][:, :, j] > level}
+    mae = {name: 100 * np.abs(seen[key][:, :, j] - truth) for name, key in (("tree", "tree"), ("filter", "median"))}
+    per_mission = ((seen["low"][:, :, j] <= truth) & (truth <= seen["high"][:, :, j])).mean(axis=1)
+    row: dict[str, object] = {"mission": kind, "observation": label, "parameter": NAMES[j]}
+    row |= {f"MAE {name} %": round(float(values.mean()), 2) for name, values in mae.items()}
+    row["lower by %"] = round(100 * float(1 - mae["filter"].mean() / mae["tree"].mean()), 1)
+    row["coverage of 90 % sets %"] = round(100 * float(per_mission.mean()), 1)
+    row["+-"] = round(196 * float(per_mission.std() / np.sqrt(len(per_mission))), 1)
+    for name, is_alarm in alarms.items():
+        row[f"mean delay {name}"] = round(float(_delays(truth, is_alarm).mean()), 2)
+        row[f"false alarms {name} %"] = round(100 * float(is_alarm[~is_critical].mean()), 1)
+        row[f"missed critical {name} %"] = round(100 * float((~is_alarm[is_critical]).mean()), 1)
+    row["alarm level of the filter"] = round(float(level), 2)
+    return row

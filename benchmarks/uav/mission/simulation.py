@@ -1,0 +1,87 @@
+"""Missions flown many at a time: every step damage grows, the gauges are read, the policy decides, the wing bears."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.uav.mission import course
+from benchmarks.uav.mission.aircraft import CRITICAL, NOISE_SD, Aircraft, capability
+from benchmarks.uav.mission.histories import MOST_STEPS, Histories
+from benchmarks.uav.mission.policies import Pilot
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Flights:
+    """What became of n missions.
+
+    Attributes:
+        is_lost: (n,) whether the wing was asked for more than it could bear.
+        steps: (n,) to the goal, or to the loss.
+        missed: (n,) steps flown at 3 g with a damage over the critical one; critical: (n,) steps with such damage.
+        cautious: (n,) steps flown at 2 g without need.
+    """
+
+    is_lost: NDArray[np.bool_]
+    steps: NDArray[np.int64]
+    missed: NDArray[np.int64]
+    critical: NDArray[np.int64]
+    cautious: NDArray[np.int64]
+
+
+def fly(
+    aircraft: Aircraft, histories: Histories, pilot: Pilot, rng: np.random.Generator, trace: Floats | None = None
+) -> Flights:
+    """Return what becomes of missions with these histories under a policy.
+
+    Args:
+        trace: (n_gauges,) what a wholly damaged third region adds, microstrain per unit of load and of damage.
+    """
+    n = histories.n
+    x, width, load = np.zeros(n), np.zeros(n), np.full(n, 3.0)
+    is_lost, is_there = np.zeros(n, dtype=bool), np.zeros(n, dtype=bool)
+    steps, missed, critical, cautious = (np.zeros(n, dtype=np.int64) for _ in range(4))
+    for k in range(MOST_STEPS):
+        truth = damage_at(histories, k)
+        is_on = ~is_lost & ~is_there
+        readings = readings_at(aircraft, histories, k, load, rng, trace)  # at the load of the last manoeuvre
+        is_cautious = pilot.decide(readings, load, truth)
+        load = np.where(is_cautious, 2.0, 3.0)
+        x, width = course.advance(x, width, is_cautious)
+        is_critical = (truth > CRITICAL).any(axis=1)
+        steps += is_on
+        missed += is_on & is_critical & ~is_cautious
+        critical += is_on & is_critical
+        cautious += is_on & ~is_critical & is_cautious
+        is_lost |= is_on & (load > capability(truth, histories.reserve))
+        is_there |= is_on & ~is_lost & (x >= course.GOAL)
+        if not (~is_lost & ~is_there).any():
+            break
+    return Flights(is_lost, steps, missed, critical, cautious)
+
+
+def damage_at(histories: Histories, step: int) -> Floats:
+    """Return the true damage (n, 3): mu1, mu2 and that of the third region."""
+    third = np.where(step >= histories.outside_from, histories.outside, 0.0)
+    return np.column_stack([histories.damage[:, step], third])
+
+
+def readings_at(
+    aircraft: Aircraft,
+    histories: Histories,
+    step: int,
+    load: Floats,
+    rng: np.random.Generator,
+    trace: Floats | None = None,
+) -> Floats:
+    """Return the noisy readings (n, n_gauges) of a step, at the load that is being flown."""
+    truth = damage_at(histories, step)
+    strains = aircraft.strains(truth[:, :2])
+    if trace is not None:
+        strains = strains + truth[:, 2:] * trace
+    readings = load[:, None] * strains + rng.normal(0.0, NOISE_SD, strains.shape)
+    rows = np.flatnonzero(step >= histories.dead_from)
+    readings[rows, histories.dead_gauge[rows]] = 0.0
+    return np.asarray(readings)

@@ -1,0 +1,205 @@
+"""The mission in small: its course, what becomes of the aircraft, and the page in a real browser."""
+
+import json
+import re
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from benchmarks.uav.mission import course
+from benchmarks.uav.mission.aircraft import Aircraft, build_aircraft, capability
+from benchmarks.uav.mission.filter_study import filter_rows
+from benchmarks.uav.mission.flight import recorded
+from benchmarks.uav.mission.histories import KINDS, draw
+from benchmarks.uav.mission.page import mission_page
+from benchmarks.uav.mission.policies import POLICIES, Pilot, loss_of_state
+from benchmarks.uav.mission.policy_table import wilson
+from benchmarks.uav.mission.simulation import fly
+from benchmarks.uav.mission.table_twin import TableTwin
+from benchmarks.uav.mission.watch_study import told_limit
+from femlib.dataset import published_strains
+
+SHARED = Path(__file__).parents[3] / "shared" / "uav" / "strains.csv"
+
+
+@pytest.fixture(scope="module")
+def aircraft(tmp_path_factory: pytest.TempPathFactory) -> Aircraft:
+    return build_aircraft(tmp_path_factory.mktemp("mission"), depth=2)
+
+
+@pytest.fixture(scope="module")
+def flight(aircraft: Aircraft) -> dict:
+    return recorded(aircraft, "paper", 0)
+
+
+# The wing and the course
+
+
+def test_a_table_twin_is_the_wing_at_its_levels_and_close_between_them(aircraft: Aircraft):
+    columns = [aircraft.wing.gauges.names.index(gauge) for gauge in aircraft.gauges]
+    for state, tolerance in ((np.array([[0.3, 0.6]]), 1e-6), (np.array([[0.35, 0.55]]), 0.5)):
+        exact = aircraft.wing.strains_microstrain(state, 1.0)[:, columns]
+        assert aircraft.strains(state) == pytest.approx(exact, abs=tolerance)
+
+
+def test_the_published_table_is_a_twin():
+    if not SHARED.exists():
+        pytest.skip(f"{SHARED} is not there")
+    table = published_strains(SHARED)
+    assert TableTwin.of(table).predict({"mu1": 0.2, "mu2": 0.6}, 3.0) == pytest.approx(table.strain_microstrain[8])
+
+
+def test_the_lines_of_the_course_ask_for_no_more_than_they_say_and_clear_the_obstacles():
+    assert 2.9 < course.largest_load(0.0) <= 3.0 and 1.9 < course.largest_load(1.0) <= 2.0
+    x = np.linspace(0.0, course.GOAL, 2000)
+    for width in (0.0, 0.3, 1.0):
+        y = course.height(x, np.full(len(x), width))
+        away = np.hypot(x[:, None] - np.array(course.OBSTACLES), (y - 5.0)[:, None])
+        assert away.min() > course.RADIUS
+
+
+@pytest.mark.parametrize("is_cautious", [False, True])
+def test_a_step_is_as_long_as_it_says(is_cautious):
+    x, width = np.zeros(1), np.zeros(1)
+    way = [(0.0, 0.0)]
+    while x[0] < course.GOAL:
+        x, width = course.advance(x, width, np.array([is_cautious]))
+        way.append((x[0], course.height(x, width)[0]))
+    lengths = np.hypot(*np.diff(way, axis=0).T)  # to cross to the other line while climbing takes a little more
+    assert lengths[20:] == pytest.approx(course.STEP_LENGTH, rel=0.03) and lengths.max() < 1.25 * course.STEP_LENGTH
+    assert len(way) - 1 == (102 if is_cautious else 92)
+
+
+def test_a_wing_bears_three_g_to_forty_percent_and_two_at_eighty():
+    damage = np.array([[0.0, 0.0], [0.4, 0.1], [0.1, 0.6], [0.8, 0.8]])
+    assert capability(damage) == pytest.approx([3.0, 3.0, 2.5, 2.0])
+
+
+# Missions
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_histories_are_what_their_kind_says(kind):
+    histories = draw(kind, 200, np.random.default_rng(0), (3, 5))
+    assert np.all(np.diff(histories.damage, axis=1) >= 0.0) and histories.damage.max() <= 0.8
+    assert set(np.unique(histories.dead_gauge)) == ({3, 5} if kind == "dead gauge" else {-1})
+    assert (histories.outside > 0).all() == (kind == "outside")
+
+
+def test_policies_keep_their_order(aircraft: Aircraft):
+    lost, steps = {}, {}
+    chain = aircraft.filter(10)
+    for policy in POLICIES[:-1]:
+        rng = np.random.default_rng(3)
+        histories = draw("paper", 150, rng, (0,))
+        flights = fly(aircraft, histories, Pilot(policy, aircraft, 150, chain, None), rng)
+        lost[policy.name], steps[policy.name] = flights.is_lost.mean(), flights.steps[~flights.is_lost]
+    assert lost["oracle"] == lost["always cautious"] == 0.0 and lost["never cautious"] == 1.0
+    assert lost["filter, expected loss"] <= lost["filter, 40 %"] < lost["trees, 40 % (the paper's)"]
+    assert steps["oracle"].mean() <= steps["filter, expected loss"].mean() <= steps["always cautious"].mean()
+
+
+def test_the_expected_loss_is_that_of_drawn_wings(aircraft: Aircraft):
+    chain = aircraft.filter(10)
+    rng = np.random.default_rng(1)
+    for state in (33, 56, 99):
+        damage = chain.library.states[state] + rng.uniform(-0.04, 0.04, (20_000, 2))
+        fails = (capability(damage, rng.uniform(0.0, 0.5, 20_000)) < 3.0).mean()
+        assert loss_of_state(chain)[state] == pytest.approx(fails, abs=0.02)
+
+
+def test_the_filter_beats_the_tree_and_covers(aircraft: Aircraft):
+    rows = filter_rows(aircraft, 60, 4, kinds=("paper",))
+    second = next(row for row in rows if row["parameter"] == "mu2" and row["observation"] == "leaf")
+    assert second["lower by %"] > 30 and 85 < second["coverage of 90 % sets %"] < 97
+
+
+def test_the_interval_of_a_share_is_wilsons():
+    assert wilson(0, 100) == pytest.approx((0.0, 0.0370), abs=1e-4)
+    assert wilson(50, 100) == pytest.approx((0.4038, 0.5962), abs=1e-4)
+
+
+def test_the_limit_of_the_watch_is_that_of_a_test_told_everything():
+    rng = np.random.default_rng(0)
+    power = (rng.normal(told_limit(0.01), 1.0, 20_000) > 2.326).mean()  # one normal, a false alarm in a hundred
+    assert power == pytest.approx(0.95, abs=0.006)
+
+
+# The page
+
+
+def test_the_page_is_whole_in_itself_and_says_what_the_flight_says(flight: dict):
+    page = mission_page(flight)
+    assert not re.search(r"(src|href)=\"(?!data:)", page) and "@import" not in page and "fetch(" not in page
+    held = json.loads(re.search(r'id="data">(.*?)</script>', page, re.DOTALL).group(1))
+    assert held["steps"] == json.loads(json.dumps(flight["steps"])) and len(held["trees"]) == 2
+    first_cautious = next(k for k, step in enumerate(flight["steps"]) if step["load"] < 3)
+    assert 35 <= first_cautious <= 65  # the path changes at about 40 %
+    assert "over 40 %" in flight["steps"][first_cautious]["words"]
+
+
+def test_names_in_the_data_cannot_end_the_script(flight: dict):
+    page = mission_page({**flight, "source": "</script><script>alert(1)</script>"})
+    assert page.count("</script>") == 2
+
+
+@pytest.fixture(scope="module")
+def browser():
+    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+    program = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    if program is None:
+        pytest.skip("no Chromium on this machine: apt-get install chromium")
+    with playwright.sync_playwright() as running:
+        opened = running.chromium.launch(executable_path=program, args=["--no-sandbox"])
+        yield opened
+        opened.close()
+
+
+@pytest.fixture
+def page(browser, flight, tmp_path):
+    path = tmp_path / "mission.html"
+    path.write_text(mission_page(flight))
+    opened = browser.new_page(viewport={"width": 1280, "height": 900})
+    opened.said = []
+    opened.on("console", lambda message: opened.said.append(message.text))
+    opened.on("pageerror", lambda error: opened.said.append(str(error)))
+    opened.on("request", lambda request: opened.said.append(request.url) if "file:" not in request.url else None)
+    opened.goto(path.as_uri())
+    yield opened
+    assert [said for said in opened.said if not said.startswith("data:")] == []  # an empty console, nothing fetched
+    opened.close()
+
+
+def test_the_slider_moves_the_mission(page, flight):
+    page.locator("#slider").fill("30")
+    assert page.locator("#step").inner_text() == f"step 30 of {len(flight['steps']) - 1}"
+    assert page.locator("#reason").inner_text() == flight["steps"][30]["words"]
+    lit = page.locator("#tree1 rect[fill='#ffe8b3']").count()
+    assert lit == len(flight["steps"][30]["paths"][0])
+
+
+def test_the_play_button_plays_to_the_final_frame(page, flight):
+    last = len(flight["steps"]) - 1
+    page.locator("#slider").fill(str(last - 3))
+    page.locator("#play").click()
+    assert page.locator("#play").inner_text() == "Pause"
+    page.wait_for_function("document.getElementById('play').textContent === 'Play'")
+    assert page.locator("#step").inner_text() == f"step {last} of {last}"
+    assert page.locator("#decision").inner_text() == "2 g, wide"
+    assert page.locator("#course line[stroke='#d55e00']").count() == sum(s["load"] < 3 for s in flight["steps"][:-1])
+
+
+def test_the_keyboard_steps_and_plays(page, flight):
+    page.keyboard.press("End")
+    assert page.locator("#step").inner_text().startswith(f"step {len(flight['steps']) - 1} ")
+    page.keyboard.press("Home")
+    page.keyboard.press("ArrowRight")
+    page.keyboard.press("ArrowRight")
+    page.keyboard.press("ArrowLeft")
+    assert page.locator("#step").inner_text().startswith("step 1 ")
+    page.keyboard.press("Space")
+    page.wait_for_function("Number(document.getElementById('slider').value) > 2")
+    page.keyboard.press("Space")
+    assert page.locator("#play").inner_text() == "Play"
