@@ -29,7 +29,7 @@ def bayes_limit(
     levels: NDArray[np.float64],
     noise_sd: float,
     rng: np.random.Generator,
-    n_draws: int = 1000,
+    n_draws: int = 4000,
 ) -> BayesLimit:
     """Return the Bayes limit of reading `levels` from noisy `means`.
 

@@ -17,9 +17,10 @@ def write_complexity(
     """Write the tables, `more` after them, and the figures into a folder that exists."""
     n_seeds = len({cell.seed for cell in lines})
     shown = ", ".join(f"{label} {limits[label].mae:.2f}" for label in LABELS)
+    seeds = f"means of {n_seeds} seeds" if n_seeds > 1 else "one seed"
     text = (
         "# Complexity: depth and features a split\n\n"
-        f"Train / test MAE in percent stiffness by local search, mean of {n_seeds} seed{'s' if n_seeds > 1 else ''}. "
+        f"Train / test MAE in percent stiffness by local search, {seeds}. "
         f"Bayes limit: {shown}. A star marks a training MAE below it: noise learnt by heart.\n"
     )
     for objective in objectives:
