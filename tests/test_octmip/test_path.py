@@ -7,12 +7,13 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from octmip import Limits, Problem, Stop, solve
+from octmip import Limits, Problem, Solution, Stop, certify, solve
 from octmip.errors import ProblemError
 from octmip.tradeoff import path as paths
 from octmip.tradeoff import trace_path
 from octmip.tree import complexity, depth, predict
 from tests.oracles.enumeration import optimum
+from tests.strategies import random_problem
 from tests.test_octmip.test_mip import blobs
 
 WEIGHTED = blobs(depth=2, weights=[1, 9, 2, 1, 1, 5, 9, 1, 3, 1, 2, 6])
@@ -47,6 +48,21 @@ def test_no_tree_that_is_best_for_some_penalty_is_missed(seed):
             optimum(replace(problem, leaf_penalty=penalty)).objective
         )
     assert path.n_solves <= 2 * len(path.candidates) + 1
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_weights_costs_leaf_sizes_and_budgets_hold_along_the_path(seed):
+    rng = np.random.default_rng(seed)
+    problem = random_problem(rng, max_samples=8, max_depth=2)
+    path = trace_path(problem, method="exact")
+    assert all(candidate.is_proven for candidate in path.candidates)
+    for penalty in rng.uniform(0, 1.2, 4) * problem.baseline:
+        here, best = path.best_at(penalty), optimum(replace(problem, leaf_penalty=penalty))
+        assert here.cost + penalty * here.complexity == pytest.approx(best.objective)
+        certify(
+            replace(problem, leaf_penalty=0.0),
+            Solution(here.tree, here.cost, -math.inf, Stop.FINISHED, 0, 0, "", "", 0),
+        )
 
 
 def test_intervals_of_penalties_meet_and_costs_rise_as_trees_shrink():

@@ -22,7 +22,7 @@ DEPTHS = (3, 4, 5, 6)
 SPLIT_SIZES = (1, 2, 4, None)  # features in one split; None: no limit
 OBJECTIVES: tuple[Objective, ...] = ("errors", "mae")
 MU1_SHARE = 5
-"""Restarts of a tree for mu1 for each one of mu2: few errors are left there, and a restart takes a fifth of the time."""
+"""Restarts of a tree for mu1 for each one of mu2: few errors are left there, and its restarts are short."""
 DEEPEST_AXIS_MAE = 3
 """An exact block of three levels takes the exact core 40 to 230 times longer under a cost matrix than for errors, so
 axis-aligned search for the MAE costs 15 CPU seconds at depth 3 and over four minutes at depth 4."""
