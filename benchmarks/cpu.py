@@ -1,6 +1,7 @@
 """CPU seconds of this process, and a limit in them: on a busy machine the clock says little of the work done."""
 
 import resource
+import time
 from typing import Any
 
 from octmip.solution import Limits, Progress
@@ -21,3 +22,14 @@ def cpu_seconds() -> float:
     """Return user and system seconds of this process, all threads."""
     usage = resource.getrusage(resource.RUSAGE_SELF)
     return usage.ru_utime + usage.ru_stime
+
+
+class Stopwatch:
+    """Counts CPU and wall seconds from the moment it is made."""
+
+    def __init__(self) -> None:
+        self._cpu, self._wall = cpu_seconds(), time.perf_counter()
+
+    def read(self) -> tuple[float, float]:
+        """Return CPU and wall seconds since the beginning."""
+        return cpu_seconds() - self._cpu, time.perf_counter() - self._wall

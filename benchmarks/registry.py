@@ -36,6 +36,7 @@ FAMILIES = {
     "exact_call": "benchmarks.cases.exact_call",
     "exact_growth": "benchmarks.cases.exact_growth",
     "exact_proofs": "benchmarks.cases.exact_proofs",
+    "search_hits": "benchmarks.cases.search_hits",
     "fuzz_exact": "benchmarks.cases.fuzz_exact",
     "fuzz_proofs": "benchmarks.cases.fuzz_proofs",
     "mio_forms": "benchmarks.cases.mio_forms",

@@ -28,8 +28,8 @@ from octmip.problem import Problem
 from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop
 from octmip.tree import Leaf, Node, centred, goes_left, predict, simplify, without_empty_sides
 
-RESTARTS = 8
-KICKS = 20
+RESTARTS = 18
+KICKS = 16
 
 
 def local_search(

@@ -7,46 +7,44 @@ use crate::exact::samples::Samples;
 use crate::exact::view::View;
 use crate::tree::Tree;
 
-/// A solver of subtrees; one per thread, as it holds workspaces.
-pub struct Subtree<'a> {
-    samples: &'a Samples,
-    control: &'a Control,
-    search: Search<'a>,
+/// What a limited search of a subtree found.
+#[derive(Debug, Clone)]
+pub struct Found {
+    /// Objective (of the samples asked for alone) and tree, if one costs less than was asked for.
+    pub tree: Option<(i64, Tree)>,
+    /// Whether no tree costs less than the one found, or than was asked for.
+    pub is_proof: bool,
 }
 
-impl<'a> Subtree<'a> {
-    /// A solver that gives up (with None) as soon as `control` says stop.
-    pub fn new(samples: &'a Samples, control: &'a Control) -> Self {
-        Self {
-            samples,
-            control,
-            search: Search::new(samples, Switches::default(), control, 8),
-        }
+/// The best tree of at most `depth` levels on the samples `ids` that costs less than `upper`, as far as `most` evaluated
+/// cuts show it.
+///
+/// `ids` are indices of the problem's samples, none twice. A search that is stopped from outside finds nothing. The
+/// workspaces are made anew: what an earlier call has laid out knows nothing of the samples of this one.
+pub fn best_subtree(
+    samples: &Samples,
+    control: &Control,
+    ids: &[u32],
+    depth: usize,
+    upper: i64,
+    most: u64,
+) -> Found {
+    let limited = control.limited(most);
+    if ids.is_empty() {
+        return Found {
+            tree: None,
+            is_proof: true,
+        };
     }
-
-    /// Objective and tree of at most `depth` levels on the samples `ids` if one costs less than `upper`.
-    ///
-    /// `ids` are indices of the problem's samples, none twice. None is the proof that there is no such tree, unless
-    /// the solver was stopped. The objective counts `ids` alone.
-    pub fn best(&mut self, ids: &[u32], depth: usize, upper: i64) -> Option<(i64, Tree)> {
-        if ids.is_empty() {
-            return None;
-        }
-        let view = View::subset(self.samples, ids);
-        let base: i64 = ids.iter().map(|&i| self.samples.base[i as usize]).sum();
-        // What an earlier call has laid out, for each width of numbers, knows nothing of the samples of this one.
-        self.search = Search::new(self.samples, Switches::default(), self.control, 8);
-        self.search.deepen(depth);
-        self.search.forget();
-        let answer = self
-            .search
-            .solve(&view, depth, upper.saturating_sub(base), 0);
-        if self.control.is_stopped() {
-            return None;
-        }
-        answer
-            .best
-            .map(|(cost, plan)| (base + cost, plan.tree(self.samples, &view)))
+    let view = View::subset(samples, ids);
+    let base: i64 = ids.iter().map(|&i| samples.base[i as usize]).sum();
+    let mut search = Search::new(samples, Switches::default(), &limited, depth);
+    let answer = search.solve(&view, depth, upper.saturating_sub(base), 0);
+    // What was found before the cuts were spent is a tree with its true cost; only the proof is missing.
+    let found = answer.best.filter(|_| !control.is_stopped());
+    Found {
+        tree: found.map(|(cost, plan)| (base + cost, plan.tree(samples, &view))),
+        is_proof: !limited.is_stopped(),
     }
 }
 
@@ -54,6 +52,7 @@ impl<'a> Subtree<'a> {
 mod tests {
     use super::*;
     use crate::problem::Problem;
+    use crate::tree::Node;
 
     fn problem(n: usize, p: usize) -> Problem {
         let mut state = 1_u64;
@@ -84,21 +83,41 @@ mod tests {
     }
 
     #[test]
-    fn one_solver_answers_on_other_samples_as_a_new_one_does() {
+    fn fewer_evaluated_cuts_give_true_trees_that_never_beat_the_optimum() {
         let problem = problem(300, 4);
         let (samples, control) = (Samples::new(&problem), Control::new());
-        let mut kept = Subtree::new(&samples, &control);
-        let (first, second): (Vec<u32>, Vec<u32>) = ((0..150).collect(), (150..300).collect());
-        for (ids, depth) in [
-            (&first, 3),
-            (&second, 2),
-            (&first, 2),
-            (&second, 3),
-            (&first, 1),
-        ] {
-            let cost = |found: Option<(i64, Tree)>| found.map(|found| found.0);
-            let fresh = Subtree::new(&samples, &control).best(ids, depth, i64::MAX);
-            assert_eq!(cost(kept.best(ids, depth, i64::MAX)), cost(fresh));
+        let ids: Vec<u32> = (0..300).collect();
+        let search = |most| best_subtree(&samples, &control, &ids, 3, i64::MAX, most);
+        let whole = search(u64::MAX);
+        assert!(whole.is_proof);
+        let optimum = whole.tree.map(|(cost, _)| cost);
+        for most in [1, 10, 100, 1000] {
+            let cut_short = search(most);
+            assert!(cut_short.tree.as_ref().map(|(cost, _)| *cost) >= optimum);
+            let (cost, tree) = cut_short.tree.expect("a leaf at least");
+            let wrong = ids
+                .iter()
+                .filter(|&&i| label(&problem, &tree, i) != problem.labels[i as usize]);
+            assert_eq!(wrong.count() as i64, cost);
+        }
+    }
+
+    fn label(problem: &Problem, tree: &Tree, sample: u32) -> u32 {
+        let mut row = 0;
+        loop {
+            match &tree.nodes[row as usize] {
+                Node::Leaf { label } => return *label,
+                Node::Split {
+                    feature,
+                    cut,
+                    left,
+                    right,
+                } => {
+                    let goes_left = problem.feature(*feature as usize)[sample as usize] <= *cut;
+                    row = if goes_left { *left } else { *right };
+                }
+                Node::Hyperplane { .. } => unreachable!("the exact core makes no hyperplanes"),
+            }
         }
     }
 }

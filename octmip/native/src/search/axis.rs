@@ -31,27 +31,33 @@ pub fn best_cut(
     let (tally, node_order) = scratch;
     let penalty = problem.penalty;
     node_order.enter(problem.n, &view.samples);
+    view.fill(tally, |_| false);
+    let all_right = tally.clone();
+    let lanes = tally.lanes(&view.members);
     let (mut best, mut found) = (floor, None);
     for &f in features {
         node_order.sort(problem, orders, &view.samples, f);
-        view.fill(tally, |_| false);
+        tally.copy_from(&all_right);
         let ranks = problem.feature(f as usize);
         for (k, &j) in node_order.order.iter().enumerate() {
             let (j, i) = (j as usize, view.samples[j as usize]);
-            view.members[j].cross(tally, false);
-            let Some(&next) = node_order.order.get(k + 1) else {
-                break;
-            };
-            let rank = ranks[i as usize];
+            match &lanes {
+                Some(lanes) => tally.cross(&lanes[j]),
+                None => view.members[j].cross(tally, false),
+            }
             let gain = if aim == Aim::Gain {
                 tally.total - penalty
             } else {
                 floor.gain
             };
-            if gain >= best.gain
-                && rank != ranks[view.samples[next as usize] as usize]
-                && tally.is_large_enough()
-            {
+            if gain < best.gain {
+                continue;
+            }
+            let Some(&next) = node_order.order.get(k + 1) else {
+                break;
+            };
+            let rank = ranks[i as usize];
+            if rank != ranks[view.samples[next as usize] as usize] && tally.is_large_enough() {
                 let worth = Worth {
                     gain,
                     purity: tally.purity(),

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use crate::exact::effort::Control;
 use crate::exact::samples::Samples;
-use crate::exact::subtree::Subtree;
+use crate::exact::subtree::best_subtree;
 use crate::search::ground::Ground;
 use crate::search::state::{Rule, State};
 use crate::tree::{Node, Tree};
@@ -12,40 +12,44 @@ use crate::tree::{Node, Tree};
 /// Solves the subtrees of one restart.
 pub struct Blocks<'a> {
     ground: &'a Ground<'a>,
+    samples: &'a Samples,
     control: &'a Control,
-    solver: Subtree<'a>,
+    /// Samples x features that one block of three levels and more may look at before it is given up.
+    pub work: f64,
     /// Costs below which no tree lies, by levels, samples and features.
-    proven: HashMap<(usize, u64, Option<Vec<bool>>), i64>,
+    proven: HashMap<Key, i64>,
+    /// The most work that was spent on a block in vain, with the cost that it was to beat.
+    given_up: HashMap<Key, (f64, i64)>,
+    /// The samples as read through the last mask.
+    masked: Option<(Vec<bool>, Samples)>,
 }
+
+type Key = (usize, u64, Option<Vec<bool>>);
 
 /// The features that may be read; none: all that the problem allows.
 pub type Mask<'m> = Option<&'m [bool]>;
 
-/// Levels of the deepest block.
-pub const DEEPEST: usize = 3;
-/// Samples x features^2 up to which a block of two and of three levels is worth its time.
+/// Samples x features^2 up to which a block of two levels is worth its time.
 const WORTH_TWO: f64 = 3e7;
-const WORTH_THREE: f64 = 1e6;
 
 impl<'a> Blocks<'a> {
     /// Blocks of a problem, given up as soon as `control` says stop.
     pub fn new(ground: &'a Ground<'a>, samples: &'a Samples, control: &'a Control) -> Self {
         Self {
             ground,
+            samples,
             control,
-            solver: Subtree::new(samples, control),
+            work: 0.0,
             proven: HashMap::new(),
+            given_up: HashMap::new(),
+            masked: None,
         }
     }
 
-    /// The deepest block worth its time on so many samples.
-    pub fn deepest(&self, n_samples: usize) -> usize {
+    /// The deepest block worth its time on so many samples, `levels` at most.
+    pub fn deepest(&self, n_samples: usize, levels: usize) -> usize {
         let work = n_samples as f64 * (self.ground.problem.p as f64).powi(2);
-        match work {
-            _ if work <= WORTH_THREE => DEEPEST,
-            _ if work <= WORTH_TWO => 2,
-            _ => 1,
-        }
+        if work <= WORTH_TWO { levels } else { 1 }
     }
 
     /// Put the best tree of at most `levels` levels in the place of `v` where it costs less; whether it did.
@@ -76,7 +80,7 @@ impl<'a> Blocks<'a> {
         mask: Mask,
     ) {
         let samples = state.samples(v);
-        let block = levels.min(deepest).min(self.deepest(samples.len()));
+        let block = self.deepest(samples.len(), levels.min(deepest));
         if levels == 0 || samples.is_empty() {
             return;
         }
@@ -105,30 +109,44 @@ impl<'a> Blocks<'a> {
         self.proven.get(&key).is_some_and(|&bound| bound >= cost)
     }
 
-    /// The best tree below `upper`; none where an earlier call has shown that there is none.
+    /// The best tree below `upper`; none where an earlier call has shown that there is none, or work ran out.
     fn best(&mut self, samples: &[u32], levels: usize, upper: i64, mask: Mask) -> Option<Tree> {
         let key = (levels, fingerprint(samples), mask.map(<[bool]>::to_vec));
-        if self.proven.get(&key).is_some_and(|&bound| bound >= upper) {
+        let work = if levels < 3 { f64::INFINITY } else { self.work };
+        let is_known = self.proven.get(&key).is_some_and(|&bound| bound >= upper);
+        let is_vain = self
+            .given_up
+            .get(&key)
+            .is_some_and(|&(spent, at)| work <= spent && upper >= at);
+        if is_known || is_vain || work == 0.0 {
             return None;
         }
-        let found = match mask {
-            None => self.solver.best(samples, levels, upper),
-            Some(mask) => {
-                let mut problem = self.ground.problem.clone();
-                problem
-                    .allowed
-                    .iter_mut()
-                    .zip(mask)
-                    .for_each(|(allowed, open)| *allowed &= open);
-                let encoded = Samples::new(&problem);
-                Subtree::new(&encoded, self.control).best(samples, levels, upper)
-            }
+        let most = 1 + (work / (samples.len() * self.ground.problem.p) as f64) as u64;
+        let control = self.control;
+        let encoded = match mask {
+            None => self.samples,
+            Some(mask) => self.masked(mask),
         };
-        if !self.control.is_stopped() {
-            self.proven
-                .insert(key, found.as_ref().map_or(upper, |found| found.0));
+        let found = best_subtree(encoded, control, samples, levels, upper, most);
+        let cost = found.tree.as_ref().map_or(upper, |found| found.0);
+        if found.is_proof {
+            self.proven.insert(key, cost);
+        } else {
+            self.given_up.insert(key, (work, cost));
         }
-        found.map(|(_, tree)| tree)
+        found.tree.map(|(_, tree)| tree)
+    }
+
+    fn masked(&mut self, mask: &[bool]) -> &Samples {
+        if self.masked.as_ref().is_none_or(|(of, _)| of != mask) {
+            let mut problem = self.ground.problem.clone();
+            let open = problem.allowed.iter_mut().zip(mask);
+            open.for_each(|(allowed, open)| *allowed &= open);
+            self.masked = Some((mask.to_vec(), Samples::new(&problem)));
+        }
+        self.masked
+            .as_ref()
+            .map_or(self.samples, |(_, samples)| samples)
     }
 }
 

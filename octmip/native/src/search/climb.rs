@@ -1,6 +1,5 @@
 //! Descending: visits to single nodes with the rest of the tree fixed, and exact blocks at the bottom.
 
-use crate::exact::effort::Control;
 use crate::exact::samples::Samples;
 use crate::search::axis::{Aim, best_cut};
 use crate::search::blocks::{Blocks, Mask};
@@ -12,6 +11,7 @@ use crate::search::start::{Grower, Soil};
 use crate::search::state::State;
 use crate::search::tally::{Tally, Worth};
 use crate::search::view::View;
+use crate::search::watch::{TRIVIAL_BOUND, Watch};
 
 /// A restart at work.
 pub struct Climber<'a> {
@@ -20,14 +20,21 @@ pub struct Climber<'a> {
     grower: Grower<'a>,
     pub(super) view: View,
     pub(super) tally: Tally<'a>,
-    node_order: NodeOrder,
+    pub(super) node_order: NodeOrder,
     pub(super) plane: PlaneAtWork<'a>,
     pub(super) blocks: Blocks<'a>,
-    pub(super) keep_going: &'a dyn Fn() -> bool,
+    pub(super) samples: &'a Samples,
+    pub(super) watch: &'a Watch,
+    /// Place in the present round.
+    pub place: usize,
+    /// Levels of the deepest exact block.
+    pub deepest: usize,
+    /// How often deep blocks have helped after a kick, and were tried.
+    pub(super) deep_luck: [u32; 2],
     /// Whether splits may be tilted; otherwise every move is axis-aligned.
     pub has_planes: bool,
-    /// Nodes visited.
-    pub n_visits: u64,
+    /// Nodes visited since the last report.
+    n_visits: u64,
 }
 
 /// How seldom a hyperplane's place is offered to an axis-aligned cut.
@@ -38,35 +45,64 @@ impl<'a> Climber<'a> {
     pub fn new(
         ground: &'a Ground<'a>,
         samples: &'a Samples,
-        control: &'a Control,
-        seed: u64,
-        keep_going: &'a dyn Fn() -> bool,
+        watch: &'a Watch,
+        stream: u64,
     ) -> Self {
         Self {
             ground,
-            rng: fastrand::Rng::with_seed(seed),
+            rng: fastrand::Rng::with_seed(stream),
             grower: Grower::new(ground),
             view: View::default(),
             tally: Tally::new(&ground.prices),
             node_order: NodeOrder::default(),
             plane: PlaneAtWork::new(ground),
-            blocks: Blocks::new(ground, samples, control),
-            keep_going,
+            blocks: Blocks::new(ground, samples, &watch.control),
+            samples,
+            watch,
+            place: 0,
+            deepest: 2,
+            deep_luck: [0, 0],
             has_planes: ground.has_planes(),
             n_visits: 0,
         }
     }
 
+    /// Whether to go on.
+    pub fn goes_on(&self) -> bool {
+        self.watch.goes_on(self.place)
+    }
+
+    /// Whether nothing can cost less.
+    pub fn is_best(&self, state: &State, objective: i64) -> bool {
+        objective == TRIVIAL_BOUND
+            || (!self.ground.has_planes() && self.blocks.has_proven(state, objective))
+    }
+
+    /// Tell that a tree of this objective is known.
+    pub fn report(&mut self, objective: i64) {
+        self.watch
+            .found(objective, std::mem::take(&mut self.n_visits));
+    }
+
     /// Grow leaf `v` greedily.
     pub fn grow(&mut self, state: &mut State, v: u32, levels: usize, soil: Soil) {
+        let (watch, place) = (self.watch, self.place);
         self.grower
-            .grow(state, v, levels, soil, &mut self.rng, self.keep_going);
+            .grow(state, v, levels, soil, &mut self.rng, &|| {
+                watch.goes_on(place)
+            });
     }
 
     /// Visit all nodes in random order, again and again, until no visit helps.
     pub fn descend(&mut self, state: &mut State) {
+        self.descend_above(state, 0);
+    }
+
+    /// The same for the nodes that more than `bottom` levels of splits may hang from.
+    fn descend_above(&mut self, state: &mut State, bottom: usize) {
         loop {
             let mut order = state.below(0);
+            order.retain(|&v| self.levels_left(state, v) > bottom);
             self.rng.shuffle(&mut order);
             if !self.visit_each(state, &order) {
                 return;
@@ -75,24 +111,36 @@ impl<'a> Climber<'a> {
         }
     }
 
+    /// Levels of splits that may hang from `v`, its own included.
+    fn levels_left(&self, state: &State, v: u32) -> usize {
+        state
+            .path(v)
+            .map_or(0, |path| self.ground.problem.depth + 1 - path.len())
+    }
+
     /// Replace the bottom subtrees of up to `levels` levels by exact ones, and descend, until neither helps.
+    ///
+    /// No visit gains anything within an exact subtree, so that the nodes of the last two levels are left out, unless
+    /// a visit may read sensors that the exact one may not.
     pub fn settle(&mut self, state: &mut State, levels: usize) {
-        self.descend(state);
-        while (self.keep_going)() && self.replace_bottom(state, levels) {
+        let is_exact = self.blocks.deepest(self.ground.problem.n, 2) == 2;
+        let is_free = self.ground.problem.sensor_limit.is_infinite();
+        let bottom = if is_exact && is_free { 2 } else { 0 };
+        self.descend_above(state, bottom);
+        while self.goes_on() && self.replace_bottom(state, levels) {
             state.compact();
-            self.descend(state);
+            self.descend_above(state, bottom);
         }
     }
 
     fn replace_bottom(&mut self, state: &mut State, levels: usize) -> bool {
         let mask = paid_features(self.ground.problem, state);
-        let depth = self.ground.problem.depth;
         let mut helped = false;
         for v in state.below(0) {
-            let left = state.path(v).map_or(0, |path| depth + 1 - path.len());
-            if (2..=levels).contains(&left) && (self.keep_going)() {
+            let left = self.levels_left(state, v);
+            if (2..=levels).contains(&left) && self.goes_on() {
                 self.n_visits += 1;
-                let levels = left.min(self.blocks.deepest(state.samples(v).len()));
+                let levels = self.blocks.deepest(state.samples(v).len(), left);
                 helped |= self.blocks.replace(state, v, levels, mask.as_deref());
             }
         }
@@ -111,7 +159,7 @@ impl<'a> Climber<'a> {
     pub(super) fn visit_each(&mut self, state: &mut State, nodes: &[u32]) -> bool {
         let mut helped = false;
         for &v in nodes {
-            if !(self.keep_going)() {
+            if !self.goes_on() {
                 return false;
             }
             if let Some(path) = state.path(v) {
@@ -172,7 +220,7 @@ impl<'a> Climber<'a> {
         loop {
             let before = self.plane.gain();
             self.plane.improve(&self.view, &room, &mut self.rng);
-            if self.plane.gain() <= before || !(self.keep_going)() {
+            if self.plane.gain() <= before || !self.goes_on() {
                 break;
             }
         }

@@ -1,8 +1,10 @@
 //! What all restarts share, made once.
 
+use std::sync::OnceLock;
+
 use crate::problem::Problem;
-use crate::search::blocks::DEEPEST;
 use crate::search::orders::Orders;
+use crate::search::roots::Root;
 use crate::search::state::Rule;
 use crate::search::tally::Prices;
 
@@ -21,6 +23,8 @@ pub struct Ground<'a> {
     pub deviations: Vec<f64>,
     /// Values less the mean, by the deviation, sample-major; empty without planes.
     standardised: Vec<f32>,
+    /// The most promising roots, looked for when they are first wanted.
+    pub roots: OnceLock<Vec<Root>>,
 }
 
 impl<'a> Ground<'a> {
@@ -36,6 +40,7 @@ impl<'a> Ground<'a> {
             means,
             deviations,
             standardised,
+            roots: OnceLock::new(),
         }
     }
 
@@ -64,11 +69,6 @@ impl<'a> Ground<'a> {
     /// Whether splits may be hyperplanes.
     pub fn has_planes(&self) -> bool {
         self.problem.planes.is_some()
-    }
-
-    /// Levels of the deepest exact subtree: where hyperplanes are wanted, the axis-aligned tree is but their floor.
-    pub fn deepest_block(&self) -> usize {
-        if self.has_planes() { 2 } else { DEEPEST }
     }
 
     /// Whether splits may be hyperplanes with real coefficients.

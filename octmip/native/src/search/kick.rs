@@ -13,6 +13,8 @@ const RANDOM_SHARE: f64 = 0.4;
 /// Share of the kicks to a hyperplane tree that grow a subtree anew, and that melt one; the others shake one plane.
 const GROWN_ANEW: f64 = 0.2;
 const MELTED: f64 = 0.4;
+/// Share of the kicks to an axis-aligned tree that plant a subtree below another cut.
+const PLANTED: f64 = 0.6;
 /// Gradient steps of a kick, and the range of its first sharpness.
 const MELT_STEPS: usize = 150;
 const MELT_SHARPNESS: [f64; 2] = [3.0, 30.0];
@@ -22,7 +24,7 @@ impl Climber<'_> {
     pub fn kick_until_stale(&mut self, state: &mut State, n_kicks: usize) -> i64 {
         let mut objective = state.objective(&self.ground.prices);
         let mut stale = 0;
-        while stale < n_kicks && objective > 0 && (self.keep_going)() {
+        while stale < n_kicks && !self.is_best(state, objective) && self.goes_on() {
             let mut trial = state.clone();
             if self.has_planes {
                 self.kick_planes(&mut trial);
@@ -31,6 +33,7 @@ impl Climber<'_> {
             }
             let reached = trial.objective(&self.ground.prices);
             stale = if reached < objective { 0 } else { stale + 1 };
+            self.report(reached);
             if reached <= objective {
                 objective = reached;
                 *state = trial;
@@ -47,29 +50,31 @@ impl Climber<'_> {
             self.disturb_cuts(state);
         }
         state.compact();
-        self.descend(state);
-        let near = objective + objective / NEAR + 1;
-        if state.objective(&self.ground.prices) <= near {
-            self.settle(state, 2);
-        }
-        if state.objective(&self.ground.prices) < objective {
-            self.settle(state, self.ground.deepest_block());
+        self.settle(state, 2);
+        let reached = state.objective(&self.ground.prices);
+        // Deep blocks are dear: they are tried as often as they have helped.
+        let [helped, tried] = self.deep_luck;
+        let chance = (3.0 + f64::from(helped)) / (3.0 + f64::from(tried));
+        if reached <= objective + objective / NEAR + 1 && self.rng.f64() < chance {
+            self.settle(state, self.deepest);
+            let has_helped = state.objective(&self.ground.prices) < reached;
+            self.deep_luck = [helped + u32::from(has_helped), tried + 1];
         }
     }
 
-    /// Give one node another cut, or grow its subtree anew from a share of the features.
+    /// Give one node another cut, with its children as they are or planted anew, or grow its subtree anew.
     fn disturb_cuts(&mut self, state: &mut State) {
         let nodes = state.below(0);
         let v = nodes[self.rng.usize(..nodes.len())];
+        if self.ground.problem.depth > 2 && self.rng.f64() < PLANTED {
+            return self.plant_at(state);
+        }
         if state.is_leaf(v) || self.rng.bool() {
-            self.grow_anew(
-                state,
-                v,
-                Soil {
-                    share: RANDOM_SHARE,
-                    has_planes: false,
-                },
-            );
+            let soil = Soil {
+                share: RANDOM_SHARE,
+                has_planes: false,
+            };
+            self.grow_anew(state, v, soil);
         } else {
             self.cut_at_random(state, v);
         }

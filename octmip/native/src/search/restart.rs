@@ -1,10 +1,13 @@
-//! One restart from its start to its last kick.
+//! One restart: how it begins, and what it does in each round.
 
+use crate::exact::samples::Samples;
+use crate::search::Options;
 use crate::search::climb::Climber;
 use crate::search::ground::Ground;
 use crate::search::melt::{Heat, Opening};
 use crate::search::start::Soil;
 use crate::search::state::State;
+use crate::search::watch::Watch;
 use crate::tree::Tree;
 
 /// Share of the features that a randomised start may look at in one node.
@@ -15,102 +18,195 @@ const WHOLE: Heat = Heat {
     first_sharpness: 2.0,
     opening: Opening::All,
 };
+/// Samples x features that an exact block of the first tree may look at.
+const FIRST_WORK: f64 = 1e9;
+/// Kicks of the axis-aligned tree that a hyperplane tree must not be worse than.
+const AXIS_KICKS: usize = 10;
 
-/// Where a restart begins.
+/// What the restarts of one round do.
 #[derive(Debug, Clone, Copy)]
-pub enum Start<'t> {
-    /// A tree that is known.
-    Known(&'t Tree),
-    /// The greedy tree without chance.
-    Greedy,
-    /// A greedy tree with chance.
-    Random,
-}
-
-/// The best tree of an axis-aligned restart.
-///
-/// Cheap descents come first, so that the dear exact blocks begin with a low budget and prune more.
-pub fn axis(climber: &mut Climber, ground: &Ground, start: Start, n_kicks: usize) -> State {
-    let problem = ground.problem;
-    climber.has_planes = false;
-    let mut state = match start {
-        Start::Known(tree) => State::from_tree(problem, tree),
-        Start::Greedy | Start::Random => {
-            let share = if matches!(start, Start::Greedy) {
-                1.0
-            } else {
-                RANDOM_SHARE
-            };
-            let mut state = State::leaf(problem);
-            climber.grow(
-                &mut state,
-                0,
-                problem.depth,
-                Soil {
-                    share,
-                    has_planes: false,
-                },
-            );
-            state
-        }
-    };
-    climber.settle(&mut state, 2);
-    let is_first = !matches!(start, Start::Random) && problem.sensor_limit.is_infinite();
-    if is_first {
-        improve_by_look_ahead(climber, ground, &mut state, 2);
-    }
-    climber.kick_until_stale(&mut state, n_kicks);
-    if is_first && problem.depth > ground.deepest_block() {
-        improve_by_look_ahead(climber, ground, &mut state, ground.deepest_block());
-    }
-    climber.settle(&mut state, ground.deepest_block());
-    state
-}
-
-fn improve_by_look_ahead(
-    climber: &mut Climber,
-    ground: &Ground,
-    state: &mut State,
-    deepest: usize,
-) {
-    let mut ahead = climber.look_ahead(deepest, None);
-    climber.settle(&mut ahead, deepest);
-    if ahead.objective(&ground.prices) < state.objective(&ground.prices) {
-        *state = ahead;
-    }
-}
-
-/// The best tree of a restart with hyperplanes: from a tree of logistic splits, melted; never above `floor`.
-pub fn planes(
-    climber: &mut Climber,
-    ground: &Ground,
-    start: Start,
-    floor: Option<State>,
+pub struct Round<'t> {
+    /// Kicks in a row without a better tree that end the turn.
     n_kicks: usize,
-) -> State {
-    let problem = ground.problem;
-    climber.has_planes = true;
-    let share = if matches!(start, Start::Random) {
-        0.5 + 0.5 * climber.rng.f64()
-    } else {
-        1.0
-    };
-    let mut state = State::leaf(problem);
-    climber.grow(
-        &mut state,
-        0,
-        problem.depth,
-        Soil {
+    /// Samples x features that one exact block of three levels and more may look at.
+    work: f64,
+    /// Levels of the deepest exact block.
+    deepest: usize,
+    /// A tree that is known.
+    known: Option<&'t Tree>,
+}
+
+impl<'t> Round<'t> {
+    /// Beginning, going on, and the last one.
+    pub fn all(options: Options, known: Option<&'t Tree>) -> [Self; 3] {
+        let round = |n_kicks, work, deepest| Self {
+            n_kicks,
+            work,
+            deepest,
+            known,
+        };
+        let n = options.n_kicks;
+        [round(n / 4, 1e7, 3), round(n, 1e7, 3), round(2 * n, 2e7, 4)]
+    }
+}
+
+/// A restart with the best tree that it has found.
+pub struct Restart<'a> {
+    /// Its number; its random stream depends on this and the seed alone.
+    pub number: usize,
+    /// Its place in the present round.
+    pub place: usize,
+    /// The tree.
+    pub state: State,
+    /// What it costs.
+    pub objective: i64,
+    ground: &'a Ground<'a>,
+    watch: &'a Watch,
+    climber: Climber<'a>,
+    seed: u64,
+    has_begun: bool,
+}
+
+impl<'a> Restart<'a> {
+    /// Restart `number`, not begun yet.
+    pub fn new(
+        ground: &'a Ground<'a>,
+        samples: &'a Samples,
+        watch: &'a Watch,
+        seed: u64,
+        number: usize,
+    ) -> Self {
+        let stream = seed
+            .wrapping_mul(0x9E37_79B9_7F4A_7C15)
+            .wrapping_add(number as u64);
+        let (state, objective) = super::leaf_of(ground);
+        Self {
+            number,
+            place: number,
+            state,
+            objective,
+            ground,
+            watch,
+            climber: Climber::new(ground, samples, watch, stream),
+            seed,
+            has_begun: false,
+        }
+    }
+
+    /// What restarts are ordered by, the best first.
+    pub fn rank(&self) -> (i64, usize) {
+        (self.objective, self.number)
+    }
+
+    /// Take a turn; nothing once the restarts before it are out of reach, or a limit is.
+    pub fn run(&mut self, round: &Round) {
+        self.climber.place = self.place;
+        if !self.climber.goes_on() {
+            return;
+        }
+        self.climber.blocks.work = round.work;
+        self.climber.deepest = round.deepest;
+        if !self.has_begun {
+            self.has_begun = true;
+            self.begin(round);
+        }
+        self.climber
+            .kick_until_stale(&mut self.state, round.n_kicks);
+        if !self.ground.has_planes() {
+            self.climber.settle(&mut self.state, round.deepest);
+        }
+        self.objective = self.state.objective(&self.ground.prices);
+        self.climber.report(self.objective);
+        if self.climber.is_best(&self.state, self.objective) {
+            self.watch.is_best(self.place);
+        }
+    }
+
+    fn begin(&mut self, round: &Round) {
+        if !self.ground.has_planes() {
+            self.state = self.begin_axis(round.known);
+            return;
+        }
+        let floor = (self.number == 0 || (self.number == 1 && round.known.is_some())).then(|| {
+            self.climber.has_planes = false;
+            let mut floor = self.begin_axis(round.known);
+            self.climber.kick_until_stale(&mut floor, AXIS_KICKS);
+            self.climber.has_planes = true;
+            floor
+        });
+        self.state = self.begin_planes(floor);
+    }
+
+    /// The known tree, the greedy one, then one for each promising root, then greedy ones with chance.
+    fn begin_axis(&mut self, known: Option<&Tree>) -> State {
+        let n_first = 1 + usize::from(known.is_some());
+        if let (0, Some(tree)) = (self.number, known) {
+            let mut state = State::from_tree(self.ground.problem, tree);
+            self.climber.settle(&mut state, 2);
+            return state;
+        }
+        let is_greedy = self.number < n_first;
+        let is_free = self.ground.problem.sensor_limit.is_infinite();
+        let planted = (!is_greedy && is_free)
+            .then(|| self.climber.plant(self.number - n_first, self.seed))
+            .flatten();
+        let mut state =
+            planted.unwrap_or_else(|| self.grown(if is_greedy { 1.0 } else { RANDOM_SHARE }));
+        self.climber.settle(&mut state, 2);
+        if is_greedy && is_free {
+            self.look_ahead_from(&mut state);
+        }
+        self.climber.report(state.objective(&self.ground.prices));
+        state
+    }
+
+    /// Take the tree of exact blocks, of two levels and then of three, where it is better.
+    fn look_ahead_from(&mut self, state: &mut State) {
+        let deepest = if self.ground.has_planes() { 2 } else { 3 };
+        let work = std::mem::replace(&mut self.climber.blocks.work, FIRST_WORK);
+        for levels in 2..=deepest {
+            let mut ahead = self.climber.look_ahead(levels, None);
+            self.climber.settle(&mut ahead, 2);
+            if ahead.objective(&self.ground.prices) < state.objective(&self.ground.prices) {
+                *state = ahead;
+                self.climber.report(state.objective(&self.ground.prices));
+            }
+        }
+        self.climber.blocks.work = work;
+    }
+
+    fn grown(&mut self, share: f64) -> State {
+        let problem = self.ground.problem;
+        let mut state = State::leaf(problem);
+        let soil = Soil {
+            share,
+            has_planes: false,
+        };
+        self.climber.grow(&mut state, 0, problem.depth, soil);
+        state
+    }
+
+    /// A tree of logistic splits, melted; never above `floor`.
+    fn begin_planes(&mut self, floor: Option<State>) -> State {
+        let (ground, climber) = (self.ground, &mut self.climber);
+        let share = if floor.is_some() {
+            1.0
+        } else {
+            0.5 + 0.5 * climber.rng.f64()
+        };
+        let soil = Soil {
             share,
             has_planes: ground.has_real_planes(),
-        },
-    );
-    climber.melt(&mut state, 0, WHOLE);
-    climber.descend(&mut state);
-    let mut best = match floor {
-        Some(floor) if floor.objective(&ground.prices) < state.objective(&ground.prices) => floor,
-        _ => state,
-    };
-    climber.kick_until_stale(&mut best, n_kicks);
-    best
+        };
+        let mut state = State::leaf(ground.problem);
+        climber.grow(&mut state, 0, ground.problem.depth, soil);
+        climber.melt(&mut state, 0, WHOLE);
+        climber.descend(&mut state);
+        match floor {
+            Some(floor) if floor.objective(&ground.prices) < state.objective(&ground.prices) => {
+                floor
+            }
+            _ => state,
+        }
+    }
 }

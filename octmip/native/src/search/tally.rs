@@ -6,6 +6,7 @@
 //! `objective = sum of all samples' dearest costs - sum over leaves of max_k gain_k + penalty * features in splits`
 
 use crate::problem::Problem;
+use crate::search::view::Member;
 
 /// Gains of every class, and what a sample costs at worst.
 #[derive(Debug)]
@@ -116,6 +117,14 @@ pub struct Weighed {
     pub label: u32,
     /// Risk weight.
     pub weight: i64,
+}
+
+/// The way of a sample that gains in one class only: slots and their cells of that class, left and right.
+#[derive(Debug, Clone, Copy)]
+pub struct Lane {
+    slots: [u32; 2],
+    cells: [u32; 2],
+    gain: i64,
 }
 
 /// How good a placing of samples is: total gain first, then purity, which only breaks ties.
@@ -236,6 +245,45 @@ impl<'a> Tally<'a> {
             self.short -= usize::from(self.counts[slot] == 1);
         }
         self.counts[slot] -= 1;
+    }
+
+    /// How each member crosses from right to left where it gains in one class only and leaves may be of any size.
+    pub fn lanes(&self, members: &[Member]) -> Option<Vec<Lane>> {
+        let single = self
+            .prices
+            .single
+            .as_ref()
+            .filter(|_| self.prices.leaf_size <= 1)?;
+        let n_classes = self.prices.n_classes as u32;
+        let lane = |member: &Member| {
+            let (class, gain) = single[member.weighed.label as usize];
+            Lane {
+                slots: member.slots,
+                cells: member.slots.map(|slot| (slot * n_classes) + class as u32),
+                gain: gain * member.weighed.weight,
+            }
+        };
+        Some(members.iter().map(lane).collect())
+    }
+
+    /// Let a sample cross from right to left; counts of samples are left behind, as no leaf can be too small.
+    #[inline(always)]
+    pub fn cross(&mut self, lane: &Lane) {
+        let [left, right] = lane.slots.map(|slot| slot as usize);
+        let [to, from] = lane.cells.map(|cell| cell as usize);
+        let before = self.gains[from];
+        self.gains[from] = before - lane.gain;
+        if before == self.best[right] {
+            let k = self.prices.n_classes;
+            let best = largest(&self.gains[right * k..(right + 1) * k]);
+            self.total += best - before;
+            self.best[right] = best;
+        }
+        self.gains[to] += lane.gain;
+        if self.gains[to] > self.best[left] {
+            self.total += self.gains[to] - self.best[left];
+            self.best[left] = self.gains[to];
+        }
     }
 
     /// Sum over slots of squared gains over their sum. It is convex and homogeneous in the gains, so that a split
