@@ -44,7 +44,10 @@ FAMILIES = {
     "mio_build": "benchmarks.cases.mio_build",
     "oblique_trees": "benchmarks.cases.oblique_trees",
     "oblique_single": "benchmarks.cases.oblique_single",
+    "oblique_proofs": "benchmarks.cases.oblique_proofs",
+    "oblique_agreement": "benchmarks.cases.oblique_agreement",
     "fuzz_oblique": "benchmarks.cases.fuzz_oblique",
+    "fuzz_oblique_proofs": "benchmarks.cases.fuzz_oblique_proofs",
 }
 
 

@@ -2,11 +2,13 @@
 
 import resource
 import time
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from benchmarks.data import Table, published
+from benchmarks.data import Table, published, uci
 from octmip.certificate import certify
 from octmip.oblique import two_feature_branch_and_bound
 from octmip.problem import Problem
@@ -19,6 +21,38 @@ def strains(target: str, n_samples: int, n_gauges: int) -> Table:
     rows = np.random.default_rng(n_samples).permutation(len(table.labels))[:n_samples]
     rows = rows if n_samples < len(table.labels) else np.arange(n_samples)
     return Table(table.features[rows, :n_gauges], table.labels[rows])
+
+
+def _strains_case(target: str, n_samples: int, n_gauges: int) -> tuple[str, Callable[[], Table]]:
+    name = f"published {target}, {n_samples} x {n_gauges}"
+    return name, partial(strains, target, n_samples, n_gauges)
+
+
+# Name, table, the prototype's axis-aligned optimum -> two-feature optimum, its CPU seconds.
+CASES: tuple[tuple[tuple[str, Callable[[], Table]], str, str], ...] = (
+    (_strains_case("mu1", 175, 2), "34 -> 27", ".01"),
+    (_strains_case("mu1", 350, 2), "62", ".00"),
+    (_strains_case("mu1", 1750, 2), "354 -> 352", "5.8"),
+    (_strains_case("mu1", 175, 20), "27", ".35"),
+    (_strains_case("mu1", 350, 20), "62", ".32"),
+    (_strains_case("mu2", 175, 2), "111 -> 105", "1.1"),
+    (_strains_case("mu2", 350, 2), "243 -> 236", "2.9"),
+    (_strains_case("mu2", 875, 2), "650 -> 626", "25"),
+    (_strains_case("mu2", 1750, 2), "1340 -> 1307", "89-125"),
+    (_strains_case("mu2", 175, 5), "109 -> 100", "16"),
+    (("iris", partial(uci, "iris")), "6 -> 2", ".02"),
+    (("wine", partial(uci, "wine")), "6 -> 1", ".26"),
+    (("seeds", partial(uci, "seeds")), "11 -> 3", ".19"),
+    (("vertebral-column-3c", partial(uci, "vertebral-column-3c")), "50 -> 32", "5.4"),
+    (("banknote-authentication", partial(uci, "banknote-authentication")), "100 -> 9", ".54"),
+    (_strains_case("mu1", 1750, 5), "340..352", "open at 60"),
+    (_strains_case("mu1", 1750, 20), "340..352", "open at 60"),
+    (
+        ("breast-cancer-wisconsin-diagnostic", partial(uci, "breast-cancer-wisconsin-diagnostic")),
+        "<= 13",
+        "open at 60",
+    ),
+)
 
 
 def measure(problem: Problem, limit: float, n_threads: int) -> dict[str, Any]:

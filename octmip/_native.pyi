@@ -70,5 +70,11 @@ def two_feature_branch_and_bound(
 def two_feature_prunes() -> list[str]:
     """Return the names of all prunes and bounds of the two-feature core."""
 
+def prove_lines(problem: Problem, claim: int, n_threads: int) -> str | None:
+    """Return the body of a log that proves a claim about two-feature trees, None when stopped or not shown."""
+
+def check_lines(problem: Problem, log: str, skip: int, claim: int, threads: int) -> tuple[int, str] | None:
+    """Return the line and the reason why a log does not prove a claim about two-feature trees, None when it does."""
+
 def check(problem: Problem, log: str, skip: int, claim: int, threads: int) -> tuple[int, str] | None:
     """Return the line and the reason why a log does not prove that every tree costs `claim`, None when it does."""

@@ -12,14 +12,16 @@ bound but is not returned: `Solution.details["thin"]` then says so. See docs/the
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from octmip import _native
 from octmip.encoding import IntegerCosts, integer_costs, native_problem, rank_features, tree_from_rows
-from octmip.errors import ProblemError
+from octmip.errors import ProblemError, SolverError
 from octmip.problem import Problem
+from octmip.proof import proof_header
 from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop
 from octmip.tree import HyperplaneSplit, Leaf, Node, Split, complexity, goes_left, midpoint, predict
 
@@ -35,7 +37,7 @@ def two_feature_branch_and_bound(
     seed: int = 0,
     n_jobs: int = 1,
     progress: ProgressCallback | None = None,
-    proof: None = None,
+    proof: str | Path | None = None,
     _off: Sequence[str] = (),
 ) -> Solution:
     """Return a proven optimal tree, or the best tree and the bound when a limit is reached.
@@ -47,17 +49,19 @@ def two_feature_branch_and_bound(
         seed: has no effect on the optimum; kept for the record.
         n_jobs: threads; the result does not depend on them.
         progress: called every few hundredths of a second.
-        proof: there is no proof log yet.
+        proof: file for a log that `octmip.proof.check_proof` verifies; it takes a second search, about as long.
         _off: names of prunes and bounds to do without (`_native.two_feature_prunes()`), for tests.
 
     Raises:
-        ProblemError: the problem is deeper, allows more features in a split, or `proof` is asked for.
+        ProblemError: the problem is deeper, or allows more features in a split.
+        SolverError: the proof was interrupted, or rounding leaves no room for it: no log is written.
     """
-    _check(problem, n_jobs, proof)
+    _check(problem, n_jobs)
     start = time.perf_counter()
     ranks, costs = rank_features(problem), integer_costs(problem)
+    native = native_problem(problem, ranks, costs)
     rows, _, bound, stop, n_nodes = _native.two_feature_branch_and_bound(
-        native_problem(problem, ranks, costs),
+        native,
         n_jobs,
         (limits.seconds, limits.gap, limits.nodes, limits.memory),
         None if incumbent is None else _whole_objective(problem, costs, incumbent),
@@ -65,6 +69,8 @@ def two_feature_branch_and_bound(
         list(_off),
         _native_progress(progress, costs.unit),
     )
+    if proof is not None:
+        _write_proof(problem, native, costs, bound, n_jobs, Path(proof))
     tree = _finished(problem, tree_from_rows(rows, ranks), np.arange(problem.n_samples))
     objective = problem.objective_of(tree, predict(tree, problem.features))
     if incumbent is not None:
@@ -87,7 +93,7 @@ def two_feature_branch_and_bound(
     )
 
 
-def _check(problem: Problem, n_jobs: int, proof: None) -> None:
+def _check(problem: Problem, n_jobs: int) -> None:
     if problem.depth > MOST_DEPTH:
         raise ProblemError(
             f"depth is {problem.depth} but two-feature trees are proven to depth {MOST_DEPTH}; take method='search'"
@@ -98,8 +104,19 @@ def _check(problem: Problem, n_jobs: int, proof: None) -> None:
         )
     if n_jobs < 1:
         raise ProblemError(f"n_jobs is {n_jobs}; expected 1 or more")
-    if proof is not None:
-        raise ProblemError("proof is given but two-feature splits have no proof log; leave it out")
+
+
+def _write_proof(
+    problem: Problem, native: _native.Problem, costs: IntegerCosts, claim: int, n_jobs: int, path: Path
+) -> None:
+    body = _native.prove_lines(native, claim, n_jobs)
+    if body is None:
+        raise SolverError(
+            f"no log of the bound {claim * costs.unit} came about: it was interrupted, the budget allows too many sets "
+            f"of sensors, or samples within 1e-12 of a line decide; {path} is not written"
+        )
+    header = proof_header(problem, costs.weight_unit, costs.unit / costs.weight_unit, claim)
+    path.write_text(header + body + "end\n", encoding="ascii")
 
 
 def _whole_objective(problem: Problem, costs: IntegerCosts, tree: Node) -> int:

@@ -1,8 +1,8 @@
 """Proof logs: a file that shows, to a checker that knows no solver, that no tree of a problem costs less than claimed.
 
 The header binds the log to one problem and puts weights and costs on a grid of whole numbers, rounded down, so that a
-bound on the grid is one of the problem. The body is checked by the native `check`, one short file that shares no code
-with the solvers. Format and proofs: docs/theory/proof.md.
+bound on the grid is one of the problem. The body is checked by the native `check`, short files that share no code with
+the solvers. Format and proofs: docs/theory/proof.md; for splits over two features, docs/theory/oblique.md.
 """
 
 import hashlib
@@ -12,12 +12,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from octmip import _native
 from octmip.errors import CertificateError, ProblemError
 from octmip.problem import Problem
 
-FORMAT = "octmip-proof 1"
+# First line of a log, by the kind of split.
+FORMATS = {"axis": "octmip-proof 1", "hyperplane": "octmip-proof 1 two-feature"}
+MOST_DEPTH, MOST_FEATURES = 2, 2  # of trees of two-feature splits that have logs
 # Sums of costs on the grid stay below it, so that they fit into 64 bits with room for every sum of three.
 CAPACITY = 2.0**61
 
@@ -46,7 +49,7 @@ def proof_header(problem: Problem, weight_unit: float, cost_unit: float, claim: 
     exponents = [-round(math.log2(unit)) for unit in (weight_unit, cost_unit)]
     return "\n".join(
         [
-            FORMAT,
+            FORMATS[problem.split],
             f"data {problem.digest()}",
             f"question {question_digest(problem)}",
             f"grid {exponents[0]} {exponents[1]}",
@@ -58,7 +61,7 @@ def proof_header(problem: Problem, weight_unit: float, cost_unit: float, claim: 
 
 def question_digest(problem: Problem) -> str:
     """Return the sha256 of what is asked of the data: depth, costs, limits, sensors."""
-    asked = (
+    asked: tuple[object, ...] = (
         problem.depth,
         problem.split,
         problem.leaf_size,
@@ -69,6 +72,8 @@ def question_digest(problem: Problem) -> str:
         problem.sensor_limit.hex(),
         _allowed(problem),
     )
+    if problem.split == "hyperplane":
+        asked += (problem.max_split_size, problem.allowed_splits)
     return hashlib.sha256(repr(asked).encode()).hexdigest()
 
 
@@ -76,16 +81,16 @@ def check_proof(problem: Problem, path: str | Path, *, bound: float = -math.inf,
     """Check that a log proves a bound of every tree of a problem; refuse one that proves less than `bound`.
 
     Raises:
-        ProblemError: the problem is not axis-aligned.
+        ProblemError: trees of this kind have no proof logs.
         CertificateError: the log is of another problem, or does not prove what it claims; with the line and the reason.
     """
     start = time.perf_counter()
-    if problem.split != "axis":
-        raise ProblemError(f"split is {problem.split!r} but only axis-aligned problems have proof logs")
+    check_provable(problem)
     log = Path(path).read_text(encoding="ascii", errors="replace")
     weight_exponent, cost_exponent, claim = _header(problem, log.split("\n", 5), path)
     native = _on_grid(problem, weight_exponent, cost_exponent, path)
-    refusal = _native.check(native, log, 5, claim, n_jobs)
+    check = _native.check if problem.split == "axis" else _native.check_lines
+    refusal = check(native, log, 5, claim, n_jobs)
     if refusal is not None:
         raise _refused(path, *refusal)
     proven = math.ldexp(claim, -(weight_exponent + cost_exponent))
@@ -94,13 +99,22 @@ def check_proof(problem: Problem, path: str | Path, *, bound: float = -math.inf,
     return ProofReport(proven, log.count("\n"), len(log), time.perf_counter() - start)
 
 
+def check_provable(problem: Problem) -> None:
+    """Raise a `ProblemError` if trees of a problem's kind have no proof logs."""
+    if problem.split == "hyperplane" and (problem.depth > MOST_DEPTH or problem.max_split_size > MOST_FEATURES):
+        raise ProblemError(
+            f"depth {problem.depth} with {problem.max_split_size} features a split has no proof log; expected depth "
+            f"{MOST_DEPTH} and {MOST_FEATURES} features at most, or split='axis'"
+        )
+
+
 def _refused(path: str | Path, line: int, reason: str) -> CertificateError:
     return CertificateError(f"{path}, line {line}: {reason}; the proof is refused")
 
 
 def _header(problem: Problem, lines: list[str], path: str | Path) -> tuple[int, int, int]:
     """Return the exponents of the grid and the claim."""
-    expected = [FORMAT, f"data {problem.digest()}", f"question {question_digest(problem)}"]
+    expected = [FORMATS[problem.split], f"data {problem.digest()}", f"question {question_digest(problem)}"]
     meaning = ["a proof log", "the samples, labels and weights of the problem", "its depth, costs, limits and sensors"]
     for number, (line, wanted) in enumerate(zip(lines, expected, strict=False)):
         if line != wanted:
@@ -139,8 +153,17 @@ def _on_grid(problem: Problem, weight_exponent: int, cost_exponent: int, path: s
         problem.sensor_costs.tolist(),
         problem.sensor_limit,
         _allowed(problem),
-        None,
+        _planes(problem),
     )
+
+
+def _planes(problem: Problem) -> tuple[NDArray[np.float64], int, list[list[int]] | None, None] | None:
+    """Return values and groups of features; a bound over real coefficients holds for whole-numbered ones, too."""
+    if problem.max_split_size == 1:
+        return None
+    groups = problem.allowed_splits
+    members = None if groups is None else [[int(feature) for feature in group] for group in groups]
+    return np.ascontiguousarray(problem.features), problem.max_split_size, members, None
 
 
 def _allowed(problem: Problem) -> list[bool]:

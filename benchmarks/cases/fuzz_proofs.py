@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.corruptions import HEADER, LINE_CHANGES, changed_data, summary
 from octmip.certificate import certify
 from octmip.errors import OctmipError
 from octmip.exact import branch_and_bound
@@ -24,10 +25,10 @@ from octmip.tree import Leaf, Node, Split
 from tests.oracles.enumeration import optimum
 from tests.strategies import random_problem
 
+__all__ = ["corrupted", "results", "summary"]
 N_CORRUPTIONS, CHUNK = 1000, 100
 STREAM = 40  # of seeds: corruption i is drawn from default_rng([STREAM, i])
 Generator = np.random.Generator
-HEADER = 5  # lines
 
 
 def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
@@ -53,8 +54,7 @@ def corrupted(seed: int) -> tuple[str, str]:
 
 def _log(rng: Generator, problem: Problem, solution: Solution, path: Path) -> str:
     lines = path.read_text().split("\n")
-    changes = [_character, _delete, _repeat, _swap, _cut, _number]
-    changes[int(rng.integers(len(changes)))](rng, lines)
+    LINE_CHANGES[int(rng.integers(len(LINE_CHANGES)))](rng, lines)
     path.write_text("\n".join(lines))
     return _judged(problem, path)
 
@@ -75,43 +75,6 @@ def _judged(problem: Problem, path: Path) -> str:
     return "true" if bound <= optimum(problem).objective * (1 + 1e-15) else "wrong"
 
 
-def _body(rng: Generator, lines: list[str]) -> int:
-    return int(rng.integers(HEADER, len(lines) - 1))
-
-
-def _character(rng: Generator, lines: list[str]) -> None:
-    row = int(rng.integers(len(lines) - 1))
-    column = int(rng.integers(max(len(lines[row]), 1)))
-    lines[row] = lines[row][:column] + chr(rng.integers(32, 127)) + lines[row][column + 1 :]
-
-
-def _delete(rng: Generator, lines: list[str]) -> None:
-    del lines[_body(rng, lines)]
-
-
-def _repeat(rng: Generator, lines: list[str]) -> None:
-    row = _body(rng, lines)
-    lines.insert(row, lines[row])
-
-
-def _swap(rng: Generator, lines: list[str]) -> None:
-    one, other = _body(rng, lines), _body(rng, lines)
-    lines[one], lines[other] = lines[other], lines[one]
-
-
-def _cut(rng: Generator, lines: list[str]) -> None:
-    del lines[_body(rng, lines) :]
-
-
-def _number(rng: Generator, lines: list[str]) -> None:
-    row = _body(rng, lines)
-    tokens = lines[row].split(" ")
-    place = int(rng.integers(len(tokens)))
-    if tokens[place].isdigit():
-        tokens[place] = str(max(0, int(tokens[place]) + int(rng.integers(-2, 3))))
-    lines[row] = " ".join(tokens)
-
-
 def _claim(rng: Generator, lines: list[str]) -> None:
     """Raise the claim, and with it the bound of every record that bears it."""
     old = lines[HEADER - 1].split(" ")[1]
@@ -122,31 +85,15 @@ def _claim(rng: Generator, lines: list[str]) -> None:
             lines[row] = " ".join([*line.split(" ")[:3], new])
 
 
-def _changed(rng: Generator, problem: Problem) -> Problem:
-    """Return the problem with one feature value, label or weight changed."""
-    arrays = {"features": problem.features.copy(), "codes": problem.codes.copy(), "weights": problem.weights.copy()}
-    row = int(rng.integers(problem.n_samples))
-    name = str(rng.choice(list(arrays)))
-    if name == "features":
-        arrays[name][row, int(rng.integers(problem.n_features))] = rng.normal()
-    elif name == "codes":
-        arrays[name][row] = (arrays[name][row] + 1) % problem.n_classes
-        arrays[name] = problem.codes if len(set(arrays[name].tolist())) < 2 else arrays[name]
-    else:
-        arrays[name][row] += 1.0
-    labels = np.array(problem.class_names)[arrays["codes"]]
-    return dataclasses.replace(problem, features=arrays["features"], labels=labels, weights=arrays["weights"])
-
-
 def _data(rng: Generator, problem: Problem, solution: Solution, path: Path) -> str:
-    changed = _changed(rng, problem)
+    changed = changed_data(rng, problem)
     outcome = _judged(changed, path)
     # Any change of the data is to be refused, even where the bound stays true.
     return "wrong" if outcome != "refused" and changed.digest() != problem.digest() else outcome
 
 
 def _data_and_header(rng: Generator, problem: Problem, solution: Solution, path: Path) -> str:
-    changed = _changed(rng, problem)
+    changed = changed_data(rng, problem)
     lines = path.read_text().split("\n")
     lines[1] = f"data {changed.digest()}"
     path.write_text("\n".join(lines))
@@ -181,16 +128,3 @@ KINDS: dict[str, Callable[[Generator, Problem, Solution, Path], str]] = {
     "data and header": _data_and_header,
     "tree": _tree,
 }
-
-
-def summary(lines: Sequence[dict[str, Any]]) -> str:
-    """Return what became of the corruptions."""
-    counts = sum((Counter(line["counts"]) for line in lines), Counter[str]())
-    wrong = [seed for line in lines for seed in line["wrong"]]
-    rows = [f"| {kind} | {counts[kind]} |" for kind in sorted(counts)]
-    head = [
-        f"{sum(counts.values())} corruptions, {len(wrong)} wrongly accepted {wrong}.",
-        "",
-        "| what: outcome | count |",
-    ]
-    return "\n".join([*head, "|---|---|", *rows])

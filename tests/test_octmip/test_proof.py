@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from octmip import Problem
-from octmip.errors import CertificateError, ProblemError
+from octmip.errors import CertificateError
 from octmip.proof import check_proof
 from tests.oracles.enumeration import optimum
 from tests.oracles.proof_log import proof_log
@@ -132,9 +132,3 @@ def test_a_log_of_another_problem_is_refused(log, options, line):
 def test_a_log_that_proves_less_than_is_claimed_for_a_tree_is_refused(log):
     with pytest.raises(CertificateError, match=r"line 5: the log proves 1\.0 but 2\.0 is claimed"):
         check_proof(STRIPES, log(proof_log(STRIPES)), bound=2.0)
-
-
-def test_hyperplane_problems_have_no_logs(log):
-    problem = Problem(STRIPES.features, STRIPES.labels, depth=2, split="hyperplane")
-    with pytest.raises(ProblemError, match="axis-aligned"):
-        check_proof(problem, log(""))

@@ -6,6 +6,7 @@
 #![cfg_attr(not(test), deny(clippy::unwrap_used))]
 
 pub mod check;
+pub mod check_lines;
 pub mod control;
 pub mod exact;
 pub mod oblique;

@@ -13,6 +13,7 @@ pub mod loss;
 pub mod margin;
 pub mod pair;
 pub mod plane;
+pub mod proof;
 pub mod queue;
 pub mod realise;
 pub mod refine;

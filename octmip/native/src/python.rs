@@ -218,6 +218,8 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
         module
     )?)?;
     module.add_function(wrap_pyfunction!(oblique::two_feature_prunes, module)?)?;
+    module.add_function(wrap_pyfunction!(oblique::prove_lines, module)?)?;
+    module.add_function(wrap_pyfunction!(check::py_check_lines, module)?)?;
     module.add_function(wrap_pyfunction!(check::py_check, module)?)?;
     module.add_function(wrap_pyfunction!(search::py_search, module)?)?;
     module.add_class::<PyProblem>()?;

@@ -107,7 +107,7 @@ impl Field<'_> {
         }
     }
 
-    fn by_labels(&self, sorted: &Sorted, costs: [i64; 2]) -> i64 {
+    pub(super) fn by_labels(&self, sorted: &Sorted, costs: [i64; 2]) -> i64 {
         let tallies = [&sorted.tallies[0][..], &sorted.tallies[1]];
         if self.ground.switches.labels_due {
             with_labels(&self.ground.loss, costs, tallies, &sorted.open_tally)
@@ -117,7 +117,7 @@ impl Field<'_> {
     }
 
     /// The least cost of child `s` that, with `other` for the other child, brings the labels' bound to `goal`.
-    fn least_to_reach(&self, sorted: &Sorted, s: usize, other: i64, goal: i64) -> i64 {
+    pub(super) fn least_to_reach(&self, sorted: &Sorted, s: usize, other: i64, goal: i64) -> i64 {
         let (mut low, mut high) = (0, goal.max(0));
         while low < high {
             let middle = low + (high - low) / 2;
@@ -216,17 +216,29 @@ impl Field<'_> {
                 dead: INFEASIBLE,
             };
             let dead = upper - price - other.floor;
+            let dead = if switches.dead_strips {
+                dead
+            } else {
+                INFEASIBLE
+            };
             let alive = root.children[s].strips.iter().filter(|s| s.bound < dead);
             let known: Vec<Strip> = alive.copied().collect();
             let mut strips = known.clone();
             let answer = self.ask(&root.children[s], question, &mut strips);
             reach[s] = answer.attained;
             let child = &mut root.children[s];
+            // True of every child with leaves of the full size. A log speaks of children that lack samples (where no
+            // strip is struck off), and may only say so where one sample fills a leaf.
+            let less = if switches.dead_strips || self.need() == 1 {
+                most
+            } else {
+                INFEASIBLE
+            };
             for (strip, known) in strips.iter_mut().zip(known) {
-                strip.bound = known.bound.max(strip.bound - most);
+                strip.bound = known.bound.max(strip.bound - less);
             }
             child.wide.0 = child.wide.0.max(answer.lower);
-            child.floor = child.floor.max(answer.lower - most);
+            child.floor = child.floor.max(answer.lower - less);
             child.remember(answer.line);
             child.keep_strips_below(strips, dead, switches);
             let bound = root.children[0].wide.0 + root.children[1].wide.0 - most + price;

@@ -80,9 +80,11 @@ impl Child {
     /// `dead` or more, the bound of the other child makes up the rest: a tree of this box whose split lies in the strip
     /// is of no interest, and so is one of a box inside. What remains to be bounded are trees without such splits.
     pub(super) fn keep_strips_below(&mut self, strips: Vec<Strip>, dead: i64, switches: Switches) {
-        if !switches.dead_strips {
-            return;
-        }
+        let dead = if switches.dead_strips {
+            dead
+        } else {
+            INFEASIBLE
+        };
         let alive = strips.iter().filter(|strip| strip.bound < dead).count();
         // A copy costs memory; it pays when it says something new.
         if alive < self.strips.len() || *self.strips != strips {
@@ -170,7 +172,7 @@ impl Field<'_> {
         done
     }
 
-    fn sort(&self, (f, g): (usize, usize), cell: &Cell) -> Sorted {
+    pub(super) fn sort(&self, (f, g): (usize, usize), cell: &Cell) -> Sorted {
         let (x, y) = (self.ground.plane.column(f), self.ground.plane.column(g));
         let (mut left, mut right) = (Vec::new(), Vec::new());
         let open = cell.sort(x, y, &self.all, |i, goes_left| {
@@ -195,7 +197,7 @@ impl Field<'_> {
         self.ground.loss.leaf_size as i64
     }
 
-    fn is_infeasible(&self, sorted: &Sorted) -> bool {
+    pub(super) fn is_infeasible(&self, sorted: &Sorted) -> bool {
         let open = sorted.open.len();
         let least = self.ground.loss.leaf_size;
         sorted.sides.iter().any(|side| side.len() + open < least)
@@ -288,18 +290,33 @@ impl Field<'_> {
         sides: &[Vec<u32>; 2],
         upper: i64,
     ) -> Option<(i64, [Answer; 2])> {
+        let (floors, answers) = self.side_bounds(root, sides, upper);
+        let lower = floors[0] + floors[1] + self.price(root);
+        match answers {
+            [Some(left), Some(right)] if lower < upper => Some((lower, [left, right])),
+            _ => None,
+        }
+    }
+
+    /// Bounds of both children of a fixed root until the tree reaches `upper`, and the answers that gave them.
+    pub(super) fn side_bounds(
+        &self,
+        root: &mut RootBox,
+        sides: &[Vec<u32>; 2],
+        upper: i64,
+    ) -> ([i64; 2], [Option<Answer>; 2]) {
         let price = self.price(root);
         let mut floors = [0, 1].map(|s| {
             let tally = self.ground.view().tally(&sides[s]);
             root.children[s].floor.max(self.two_labels(&tally))
         });
-        if floors[0] + floors[1] + price >= upper {
-            return None;
-        }
         let mut answers = [None, None];
         // The larger side first: it reaches its cutoff more often.
         let first = usize::from(sides[1].len() > sides[0].len());
         for s in [first, 1 - first] {
+            if floors[0] + floors[1] + price >= upper {
+                break;
+            }
             let cutoff = upper - price - floors[1 - s];
             let question = Question {
                 ids: &sides[s],
@@ -315,14 +332,8 @@ impl Field<'_> {
             root.children[s].remember(answer.line);
             floors[s] = answer.lower;
             answers[s] = Some(answer);
-            if floors[0] + floors[1] + price >= upper {
-                return None;
-            }
         }
-        let [Some(left), Some(right)] = answers else {
-            return None;
-        };
-        Some((floors[0] + floors[1] + price, [left, right]))
+        (floors, answers)
     }
 }
 

@@ -65,7 +65,11 @@ fn is_flat(plane: &Plane, (f, g): (usize, usize), open: &[u32]) -> bool {
 }
 
 /// The samples grouped by point, the points in the order of the first feature, then of the second.
-fn distinct_points(plane: &Plane, (f, g): (usize, usize), open: &[u32]) -> Vec<Vec<u32>> {
+pub(super) fn distinct_points(
+    plane: &Plane,
+    (f, g): (usize, usize),
+    open: &[u32],
+) -> Vec<Vec<u32>> {
     let mut sorted = open.to_vec();
     sorted.sort_by_key(|&i| (plane.point(f, g, i), i));
     sorted

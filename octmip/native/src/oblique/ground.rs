@@ -71,7 +71,7 @@ fn charts_of(problem: &Problem) -> Vec<(usize, usize)> {
         .collect()
 }
 
-fn is_allowed(problem: &Problem, f: usize, g: usize) -> bool {
+pub(super) fn is_allowed(problem: &Problem, f: usize, g: usize) -> bool {
     if g == problem.p {
         return problem.allowed[f];
     }

@@ -108,7 +108,7 @@ fn floor_of(ground: &Ground) -> i64 {
 }
 
 /// The strips of the charts whose features are all in a set.
-fn strips_of(field: &Field<'_>, set: &[bool]) -> Arc<Vec<Strip>> {
+pub(super) fn strips_of(field: &Field<'_>, set: &[bool]) -> Arc<Vec<Strip>> {
     let p = field.problem.p;
     let mut strips = Vec::new();
     for (index, chart) in field.charts.iter().enumerate() {

@@ -38,7 +38,7 @@ switches! {
     labels_due,
     /// A child costs what its samples cost when each may choose one of two labels.
     two_labels,
-    /// Boxes inherit which strips cannot hold a child's split.
+    /// Strips that cannot hold a child's split are struck off for all boxes inside.
     dead_strips,
     /// Neighbouring strips are bounded as one first.
     grouped,

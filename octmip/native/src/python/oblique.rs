@@ -3,8 +3,10 @@
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::oblique::solve;
+use crate::control::Limits;
 use crate::oblique::switches::Switches;
+use crate::oblique::watch::Watch;
+use crate::oblique::{proof, solve};
 use crate::python::{NodeRow, PyProblem, keep_going, limits, rows_from_tree, stop_name};
 
 /// Node table, objective, bound, stop, boxes searched.
@@ -62,4 +64,23 @@ pub fn py_two_feature_branch_and_bound(
 #[pyfunction]
 pub fn two_feature_prunes() -> Vec<&'static str> {
     Switches::NAMES.to_vec()
+}
+
+/// The body of a log that proves `claim` of all two-feature trees; None when it was stopped, or the claim is not shown.
+#[pyfunction]
+pub fn prove_lines(
+    py: Python<'_>,
+    problem: &PyProblem,
+    claim: i64,
+    n_threads: usize,
+) -> PyResult<Option<String>> {
+    let mut error = None;
+    let watch = Watch::new(Limits::default());
+    let body = py.detach(|| {
+        let mut go_on = keep_going(None, &mut error);
+        watch.over(&mut go_on, claim, || {
+            proof::write(&problem.inner, claim, n_threads, watch.stop())
+        })
+    });
+    error.map_or(Ok(body), Err)
 }

@@ -1,0 +1,288 @@
+//! The proof log: the search once more, its budget at the claim, writing down how every box of roots was closed.
+//!
+//! The format is docs/theory/oblique.md's; `crate::check_lines` reads it and knows nothing of what stands here. What is
+//! written are true statements about all lines: no strip is struck off on this side (`dead_strips` off), the checker
+//! strikes off by itself. It counts all stumps again; only boxes, bounds and ways of parting are handed over.
+
+use std::fmt::Write;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+use crate::check_lines::ways;
+use crate::problem::Problem;
+
+use super::bounds::Goal;
+use super::boxes::{Child, Field, RootBox, Sorted};
+use super::chart::Chart;
+use super::ends::{End, distinct_points, end_of};
+use super::ground::Ground;
+use super::pair::strips_of;
+use super::refine::split;
+
+/// Strips of a chart.
+const STRIPS: usize = 64;
+/// Sets of sensors that are proven one by one.
+const MOST_SETS: usize = 20_000;
+/// More open points than this are not parted in all ways; the checker parts up to 48.
+const MOST_POINTS: usize = 24;
+
+/// A proof that every tree of a problem costs `claim` or more: None if stopped, or if rounding leaves it open.
+struct Writer<'a> {
+    problem: &'a Problem,
+    claim: i64,
+    n_threads: usize,
+    stop: &'a AtomicBool,
+    n_sets: usize,
+}
+
+/// The body of a log that proves `claim`, None if it was stopped, there are too many sets of sensors, or the claim cannot
+/// be shown with room for rounding.
+pub fn write(problem: &Problem, claim: i64, n_threads: usize, stop: &AtomicBool) -> Option<String> {
+    let mut writer = Writer {
+        problem,
+        claim,
+        n_threads,
+        stop,
+        n_sets: 0,
+    };
+    let mut body = String::new();
+    writer.sensors(&mut vec![None; problem.sensor_cost.len()], &mut body)?;
+    Some(body)
+}
+
+impl Writer<'_> {
+    /// Decide sensors until those that may be read can be paid for together, or as many of them as a tree can read.
+    fn sensors(&mut self, read: &mut Vec<Option<bool>>, body: &mut String) -> Option<()> {
+        let q = self.problem;
+        let most_read = 2 * ((1 << q.depth) - 1);
+        let taken: Vec<usize> = (0..read.len()).filter(|&s| read[s] == Some(true)).collect();
+        let paid: f64 = taken.iter().map(|&s| q.sensor_cost[s]).sum();
+        let is_within = |s: usize| (paid + q.sensor_cost[s]) * (1.0 - 1e-12) <= q.sensor_limit;
+        let room = most_read.max(taken.len()) - taken.len();
+        let is_open = |s: usize| read[s].is_none() && room > 0 && is_within(s);
+        let mut dearest: Vec<f64> = (0..read.len())
+            .filter(|&s| is_open(s))
+            .map(|s| q.sensor_cost[s])
+            .collect();
+        dearest.sort_unstable_by(|a, b| b.total_cmp(a));
+        let all_paid = paid + dearest.iter().take(room).sum::<f64>();
+        if let Some(sensor) = (0..read.len()).find(|&s| all_paid > q.sensor_limit && is_open(s)) {
+            let _ = writeln!(body, "S {sensor}");
+            for choice in [false, true] {
+                read[sensor] = Some(choice);
+                self.sensors(read, body)?;
+            }
+            read[sensor] = None;
+            return Some(());
+        }
+        self.n_sets += 1;
+        let may_read = |f: usize| {
+            let s = q.sensor_of_feature[f] as usize;
+            read[s] == Some(true) || is_open(s)
+        };
+        let mut ground = Ground::new(q);
+        ground.switches.dead_strips = false;
+        ground.charts.clear();
+        for f in 0..q.p {
+            let seconds = (0..=q.p).filter(|&g| g != f && (g == q.p || may_read(g)));
+            let charts = seconds.map(|g| (f, g));
+            let allowed =
+                charts.filter(|&(f, g)| may_read(f) && super::ground::is_allowed(q, f, g));
+            ground.charts.extend(allowed);
+        }
+        (self.n_sets <= MOST_SETS).then(|| self.charts(&ground, body))?
+    }
+
+    /// A section for every chart, or none but a title for trees of one split: the checker counts these by itself.
+    fn charts(&self, ground: &Ground, body: &mut String) -> Option<()> {
+        if self.problem.depth == 1 {
+            body.push_str("D\n");
+            return Some(());
+        }
+        let charts = ground.charts.iter();
+        let field = Field {
+            problem: self.problem,
+            ground,
+            charts: charts
+                .take_while(|_| !self.stop.load(Ordering::Relaxed))
+                .map(|&features| Chart::new(&ground.plane, features, STRIPS))
+                .collect(),
+            all: ground.all(),
+            stop: self.stop,
+        };
+        let strips = strips_of(&field, &vec![true; self.problem.p]);
+        let sections: Vec<Mutex<Option<String>>> =
+            field.charts.iter().map(|_| Mutex::default()).collect();
+        let next = AtomicUsize::new(0);
+        let work = || {
+            let mut chart = next.fetch_add(1, Ordering::Relaxed);
+            while chart < sections.len() && !self.stop.load(Ordering::Relaxed) {
+                let child = Child::new(strips.clone());
+                let root = RootBox {
+                    chart: chart as u32,
+                    cell: field.charts[chart].whole(),
+                    key: 0,
+                    children: [child.clone(), child],
+                };
+                let (f, g) = field.charts[chart].features;
+                let mut section = format!("C {f} {g}\n");
+                let told = Told {
+                    floors: [0; 2],
+                    alive: [strips.len(); 2],
+                };
+                if field.prove(root, told, self.claim, &mut section).is_none() {
+                    next.store(sections.len(), Ordering::Relaxed);
+                } else if let Ok(mut slot) = sections[chart].lock() {
+                    *slot = Some(section);
+                }
+                chart = next.fetch_add(1, Ordering::Relaxed);
+            }
+        };
+        std::thread::scope(|scope| {
+            (0..self.n_threads).for_each(|_| drop(scope.spawn(work)));
+        });
+        for section in sections {
+            body.push_str(&section.into_inner().ok().flatten()?);
+        }
+        Some(())
+    }
+}
+
+/// What the checker has been told of both children: their floors, and how many strips it had to keep.
+#[derive(Clone, Copy)]
+struct Told {
+    floors: [i64; 2],
+    alive: [usize; 2],
+}
+
+impl Field<'_> {
+    /// Write the proof that every tree with a root in a box costs `claim` or more.
+    fn prove(
+        &self,
+        mut root: RootBox,
+        mut told: Told,
+        claim: i64,
+        body: &mut String,
+    ) -> Option<()> {
+        let features = self.charts[root.chart as usize].features;
+        let sorted = self.sort(features, &root.cell);
+        if self.is_infeasible(&sorted) {
+            body.push_str("F\n");
+            return Some(());
+        }
+        let goal = Goal {
+            target: claim,
+            upper: claim,
+        };
+        root.key = 0;
+        self.bound(&mut root, &sorted, goal);
+        let owed = claim - self.price(&root);
+        if self.write_bound(&root, &sorted, owed, body) {
+            return Some(());
+        }
+        let (plane, cell) = (&self.ground.plane, root.cell);
+        let end = end_of(plane, features, &cell, &sorted.open);
+        if end != End::Split
+            && let Some(line) = self.ways_closed(&mut root, &sorted, owed)
+        {
+            body.push_str(&line);
+            return Some(());
+        }
+        if self.stop.load(Ordering::Relaxed) || !(cell.is_wide() || cell.is_high()) {
+            return None;
+        }
+        self.tell(&root, &sorted, owed, &mut told, body);
+        let at = self.charts[root.chart as usize].middle_boundary(cell.t0, cell.t1);
+        let halves = split(plane, features, &cell, &sorted.open, at);
+        let _ = if halves[0].t1 < cell.t1 {
+            writeln!(body, "T {}", halves[0].t1)
+        } else {
+            writeln!(body, "R {} {}", halves[0].u0, halves[0].u1)
+        };
+        for cell in halves {
+            let half = RootBox {
+                cell,
+                ..root.clone()
+            };
+            self.prove(half, told, claim, body)?;
+        }
+        Some(())
+    }
+
+    /// Write the bound that closes a box, with children's costs no larger than it takes.
+    fn write_bound(&self, root: &RootBox, sorted: &Sorted, owed: i64, body: &mut String) -> bool {
+        let [left, right] = &root.children;
+        if self.by_labels(sorted, [left.floor, right.floor]) >= owed {
+            let a = self.least_to_reach(sorted, 0, right.floor, owed);
+            let b = self.least_to_reach(sorted, 1, a, owed);
+            let _ = writeln!(body, "N {a} {b}");
+            return true;
+        }
+        // Samples that left the set since the bound was computed lowered it by no more than they can cost.
+        let wide = [0, 1].map(|s| {
+            let (bound, most) = root.children[s].wide;
+            bound - (most - self.ground.loss.most(&sorted.wide_tallies[s]))
+        });
+        let excess = wide[0] + wide[1] - sorted.open_most - owed;
+        if excess >= 0 {
+            let a = wide[0] - excess.min(wide[0].max(0));
+            let b = owed + sorted.open_most - a;
+            let _ = writeln!(body, "W {} {}", a.max(0), b.max(0));
+        }
+        excess >= 0
+    }
+
+    /// Tell the checker what it may strike off in all boxes inside, where that is much.
+    fn tell(&self, root: &RootBox, sorted: &Sorted, owed: i64, told: &mut Told, body: &mut String) {
+        for s in [0, 1] {
+            let dead = self.least_to_reach(sorted, s, told.floors[1 - s], owed);
+            let strips = root.children[s].strips.iter();
+            let alive = strips.filter(|strip| strip.bound < dead).count();
+            let floor = root.children[s].floor;
+            let grown = self.by_labels(sorted, root.children.each_ref().map(|c| c.floor));
+            let is_news = floor > told.floors[s] && floor > self.two_labels(&sorted.tallies[s]);
+            if alive * 2 <= told.alive[s] || (is_news && grown * 2 > owed) {
+                let tag = if s == 0 { 'l' } else { 'r' };
+                let _ = writeln!(body, "{tag} {floor} {dead}");
+                told.floors[s] = told.floors[s].max(floor);
+                told.alive[s] = alive;
+            }
+        }
+    }
+
+    /// The line that closes a box by all ways of parting its open points, if they all cost enough.
+    ///
+    /// The ways are those that the checker will go through: all lines of the cell's range of t.
+    fn ways_closed(&self, root: &mut RootBox, sorted: &Sorted, owed: i64) -> Option<String> {
+        let plane = &self.ground.plane;
+        let features = self.charts[root.chart as usize].features;
+        let mut points = distinct_points(plane, features, &sorted.open);
+        points.sort_unstable_by_key(|point| point[0]);
+        let first: Vec<u32> = points.iter().map(|point| point[0]).collect();
+        if points.len() > MOST_POINTS {
+            return None;
+        }
+        let (x, y) = (plane.column(features.0), plane.column(features.1));
+        let mut line = "E".to_string();
+        for way in ways(x, y, &first, root.cell.t0, root.cell.t1) {
+            let sides = [true, false].map(|wanted| {
+                let mut side = sorted.sides[usize::from(!wanted)].clone();
+                let chosen = points.iter().zip(&way).filter(|(_, w)| **w == wanted);
+                chosen.for_each(|(point, _)| side.extend(point));
+                side
+            });
+            if sides.iter().any(|side| (side.len() as i64) < self.need()) {
+                continue;
+            }
+            let costs = self.side_bounds(root, &sides, owed + self.price(root)).0;
+            if costs[0] + costs[1] < owed {
+                return None;
+            }
+            line.push(' ');
+            line.extend(way.iter().map(|&left| if left { '1' } else { '0' }));
+            let _ = write!(line, ":{}", costs[0].min(owed).max(0));
+        }
+        line.push('\n');
+        Some(line)
+    }
+}
