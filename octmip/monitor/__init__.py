@@ -10,6 +10,7 @@ from octmip.monitor.leaf_likelihood import LeafLikelihood
 from octmip.monitor.library import Library, grid_states, library_of
 from octmip.monitor.selector import ModelSelector, ParameterTree, Selection, without_dead_ends
 from octmip.monitor.stream import Answer, Monitor, Refusal
+from octmip.monitor.surprise import leaf_p_value
 from octmip.monitor.suspects import Suspect, effect_suspects, gauge_suspects
 from octmip.monitor.watch import Vigil, Watch
 
@@ -37,6 +38,7 @@ __all__ = [
     "explain",
     "gauge_suspects",
     "grid_states",
+    "leaf_p_value",
     "library_of",
     "steady_growth",
     "without_dead_ends",

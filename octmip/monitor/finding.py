@@ -146,7 +146,10 @@ def _nearest(watch: Watch, vigil: Vigil, row: int, window: int) -> str:
 def _words(
     kind: str, name: str, probability: float, gauges: tuple[str, ...], proposal: Proposal | None, hint: str
 ) -> str:
-    off = f"Gauges {', '.join(gauges[:4])} disagree with every state" if gauges else "The readings fit no state"
+    off = "The readings fit no state"
+    if gauges:
+        verb = "Gauges {} disagree" if len(gauges) > 1 else "Gauge {} disagrees"
+        off = f"{verb.format(', '.join(gauges[:4]))} with every state"
     if kind == "gauge":
         sure = f"{100 * probability:.0f} %"
         return f"{off}; most likely gauge {name} is faulty ({sure}). Inspect it; it is left out meanwhile."

@@ -18,6 +18,9 @@ from octmip.monitor.library import Library
 
 Floats = NDArray[np.float64]
 
+MOST_TABLES = 64
+"""Tables kept, one for each load and set of gauges at hand."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GaussianLikelihood:
@@ -56,6 +59,8 @@ class GaussianLikelihood:
     def _table(self, load: float, pattern: NDArray[np.bool_]) -> tuple[Floats, Floats, Floats, Floats]:
         key = (load, pattern.tobytes())
         if key not in self._tables:
+            if len(self._tables) >= MOST_TABLES:  # loads and missing gauges need not ever repeat
+                self._tables.clear()
             library = self.library
             sd = library.noise_sd[pattern]
             means = load * library.strains[:, pattern] / sd

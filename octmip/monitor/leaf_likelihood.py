@@ -22,6 +22,9 @@ Floats = NDArray[np.float64]
 
 DRAWS = 2000
 """Readings drawn in every state: an entry of one half is known to 0.011."""
+LOAD_STEP = 0.02
+"""Ratio between the loads that tables are drawn for, less 1: the noise per unit of load is then right to 1 %, and a
+stream whose load never repeats needs no more tables than there are steps."""
 ROWS = 200_000
 """Readings drawn at once: bounds memory."""
 
@@ -43,7 +46,7 @@ class LeafLikelihood:
     seed: int = 0
     _compiled: CompiledTree = field(init=False, repr=False)
     _leaf_of_node: NDArray[np.int64] = field(init=False, repr=False)
-    _tables: dict[float, Floats] = field(init=False, repr=False, default_factory=dict)
+    _tables: dict[int, Floats] = field(init=False, repr=False, default_factory=dict)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "_compiled", CompiledTree(self.tree, self.library.gauges))
@@ -57,10 +60,10 @@ class LeafLikelihood:
 
     def table(self, load_factor: float) -> Floats:
         """Return P(leaf | state), shape (n_leaves, n_states), at a load; leaves from the left."""
-        load = self.library.checked_load(load_factor)
-        if load not in self._tables:
-            self._tables[load] = self._drawn(load)
-        return self._tables[load]
+        step = round(np.log(self.library.checked_load(load_factor)) / np.log1p(LOAD_STEP))
+        if step not in self._tables:
+            self._tables[step] = self._drawn(float((1.0 + LOAD_STEP) ** step))
+        return self._tables[step]
 
     def log_likelihood(self, readings: Floats, load_factor: float) -> Floats:
         """Return log P(what was seen | state), shape (n, n_states), of readings (n, n_gauges), NaN where missing."""

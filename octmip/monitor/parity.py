@@ -21,6 +21,8 @@ from octmip.monitor.library import Library
 
 Floats = NDArray[np.float64]
 
+MOST_PROJECTORS = 256
+"""Projections kept, one for each set of gauges at hand."""
 REMAINDER = 0.1
 """What states may move a residual, in standard deviations of the noise."""
 
@@ -49,6 +51,8 @@ class Parity:
         """
         key = is_known.tobytes()
         if key not in self._projectors:
+            if len(self._projectors) >= MOST_PROJECTORS:
+                self._projectors.clear()
             self._projectors[key] = self._made(is_known)
         return self._projectors[key]
 

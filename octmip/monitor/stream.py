@@ -15,7 +15,9 @@ from octmip.errors import DataError, OctmipError
 from octmip.monitor.belief import Belief
 from octmip.monitor.filter import Filter
 from octmip.monitor.finding import Finding, explain
+from octmip.monitor.leaf_likelihood import LeafLikelihood
 from octmip.monitor.selector import ModelSelector
+from octmip.monitor.surprise import leaf_p_value
 from octmip.monitor.watch import Vigil, Watch
 
 Values = Sequence[float | None] | Mapping[str, float | None]
@@ -31,13 +33,15 @@ class Answer:
         number: of the reading in the stream, from 0.
         state: index of the selected state in the selector's library; None where a missing gauge leaves it open.
         belief: after the reading; None without a filter.
-        p_value: of the reading; None without a watch.
+        leaf_p_value: of the leaf under the belief before the reading; None without a filter on leaves.
+        p_value: of the reading in the library; None without a watch.
         finding: why the alarm was raised at this reading; None otherwise.
     """
 
     number: int
     state: int | None
     belief: Belief | None = None
+    leaf_p_value: float | None = None
     p_value: float | None = None
     finding: Finding | None = None
 
@@ -138,16 +142,19 @@ class Monitor:
                 raise
             state = None
         reading = np.array([row])
+        finding, p_value, leaf_p = None, None, None
         if self.filter is not None and belief is not None:
-            belief = self.filter.step(belief, reading, load_factor)
-        finding, p_value = None, None
+            expected = self.filter.advance(belief)
+            if isinstance(self.filter.likelihood, LeafLikelihood):
+                leaf_p = float(leaf_p_value(self.filter.likelihood, expected, reading, load_factor)[0])
+            belief = self.filter.observe(expected, reading, load_factor)
         if self.watch is not None and vigil is not None:
             was_alarm = bool(vigil.is_alarm[0])
             vigil = self.watch.observe(vigil, reading, load_factor)
             p_value = float(vigil.p_value[0])
             if vigil.is_alarm[0] and not was_alarm:
                 finding = explain(self.watch, vigil, 0, self._state_of_watch(state))
-        return Answer(number, state, belief, p_value, finding), belief, vigil
+        return Answer(number, state, belief, leaf_p, p_value, finding), belief, vigil
 
     def _state_of_watch(self, state: int | None) -> int:
         """Return the state of the watch's library that lies nearest to the selected one."""

@@ -34,6 +34,9 @@ from octmip.monitor.suspects import Suspect, gauge_suspects
 
 Floats = NDArray[np.float64]
 
+MOST_TABLES = 64
+"""Tables kept, one for each load and set of gauges at hand."""
+
 SCALES = (0.3, 1.0, 3.0)
 """Scales tau of a shift in an unknown direction, standard deviations a reading."""
 N_BEGINNINGS = 10
@@ -182,6 +185,8 @@ class Watch:
         """Return what every candidate adds to the residual of a reading, (n_candidates, n_gauges)."""
         key = (is_known.tobytes(), load)
         if key not in self._tables:
+            if len(self._tables) >= MOST_TABLES:  # loads and missing gauges need not ever repeat
+                self._tables.clear()
             rows = [size * load**suspect.load_power * suspect.signature for suspect, size in self.candidates]
             self._tables[key] = np.array(rows) / self.library.noise_sd @ self.parity.projector(is_known)
         return self._tables[key]

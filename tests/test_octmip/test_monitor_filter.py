@@ -16,6 +16,7 @@ from octmip.monitor import (
     LeafLikelihood,
     Library,
     grid_states,
+    leaf_p_value,
     library_of,
     steady_growth,
 )
@@ -169,3 +170,20 @@ def test_sets_hold_what_they_say_on_histories_drawn_from_the_model(cells, kind):
     # places within a cell apart, which the belief spreads out: its sets are a little wide.
     low, high = (0.885, 0.915) if kind == "leaf" else (0.885, 0.935)
     assert low < np.mean(covered) < high
+
+
+def test_a_leaf_that_growth_does_not_allow_is_a_surprise(cells):
+    rng, n = np.random.default_rng(2), 2000
+    likelihood = LeafLikelihood(mu1_tree(), cells)
+    chain = Filter(likelihood, steady_growth(cells, 0.004))
+    expected = chain.advance(chain.start(n, state=9))
+    place = rng.uniform(-0.05, 0.05, (n, 2))
+    state = np.array([rng.choice(64, p=row) for row in expected.probability])
+    strains = cells.strains[state] + np.einsum("np,npg->ng", place, cells.slopes[state])
+    p_value = leaf_p_value(likelihood, expected, 3.0 * strains + rng.normal(0, 60.0, strains.shape), 3.0)
+    for level in (0.01, 0.05, 0.2, 0.7):
+        assert (p_value <= level).mean() <= level + 3 * np.sqrt(level / n)
+    jumped = 3.0 * cells.strains[63:]
+    assert leaf_p_value(likelihood, chain.advance(chain.start(1, state=9)), jumped, 3.0)[0] < 0.02
+    lacking = np.where(np.arange(20) == 0, np.nan, jumped)
+    assert leaf_p_value(likelihood, chain.start(), lacking, 3.0)[0] == 1.0

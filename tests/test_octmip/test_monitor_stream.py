@@ -4,6 +4,7 @@ import math
 import tracemalloc
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from octmip.errors import DataError
@@ -87,6 +88,17 @@ def test_a_stream_runs_in_bounded_memory():
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert n_answers == 20_000 and peak < 200_000
+
+
+def test_loads_that_never_repeat_need_no_more_than_so_many_tables():
+    monitor = whole()
+    leaves = Filter(SELECTOR.likelihood, steady_growth(SELECTOR.library, 0.001))
+    for one in (monitor, replace(monitor, filter=leaves)):
+        loads = np.random.default_rng(0).uniform(2.0, 2.2, 300)
+        answers = one.run((load, (load * SELECTOR.library.strains[7]).tolist()) for load in loads.tolist())
+        assert all(isinstance(answer, Answer) for answer in answers)
+    assert len(monitor.filter.likelihood._tables) <= 64 and len(monitor.watch._tables) <= 64
+    assert len(SELECTOR.likelihood._tables) <= 8
 
 
 def test_parts_that_read_other_gauges_are_refused():

@@ -16,6 +16,8 @@ from octmip.monitor import Filter
 Floats = NDArray[np.float64]
 
 NAMES = ("mu1", "mu2")
+MARGIN = 0.8
+"""The level is set for so much of the tree's delay, so that on other missions the delay is not above the tree's."""
 
 
 def filter_rows(
@@ -59,11 +61,11 @@ def _delays(truth: Floats, is_alarm: NDArray[np.bool_]) -> Floats:
 
 
 def _level(seen: dict[str, Floats]) -> Floats:
-    """Return for each parameter the highest level at which the filter's mean delay is at most the tree's."""
+    """Return for each parameter the highest level at which the filter's mean delay is within `MARGIN` of the tree's."""
     levels = np.zeros(2)
     for j in range(2):
         truth = seen["truth"][:, :, j]
-        wanted = _delays(truth, seen["tree"][:, :, j] > CRITICAL).mean()
+        wanted = MARGIN * _delays(truth, seen["tree"][:, :, j] > CRITICAL).mean()
         fitting = [q for q in np.arange(0.02, 0.9, 0.02) if _delays(truth, seen["above"][:, :, j] > q).mean() <= wanted]
         levels[j] = max(fitting, default=0.01)
     return levels

@@ -48,7 +48,9 @@ def recorded(aircraft: Aircraft, kind: str, seed: int) -> dict[str, Any]:
         step = _state(pilot.belief, truth[0], told)
         step |= {"x": _short(x[0]), "y": _short(course.height(x, width)[0]), "read_at": float(load[0]), "paths": paths}
         load = np.where(is_cautious, 2.0, 3.0)
-        step |= {"load": float(load[0]), "bears": _short(capability(truth)[0], 3), "p": float(pilot.vigil.p_value[0])}
+        believed = float(pilot.belief.expectation(capability(chain.library.states))[0])
+        step |= {"bears": _short(capability(truth)[0], 3), "believed_to_bear": _short(believed, 3)}
+        step |= {"load": float(load[0]), "p": float(pilot.vigil.p_value[0])}
         step["log_e"] = _short(float(pilot.vigil.log_e[0]) / np.log(10.0), 2)
         model = aircraft.strains(np.array([[step["belief"][name]["median"] for name in NAMES]]))[0]
         step["strain"] = [[_short(row[g], 1), _short(model[g], 1)] for g in chosen]

@@ -169,7 +169,7 @@ function show(k) {
   by("decision").textContent = step.load < 3 ? "2 g, wide" : "3 g, tight";
   by("decision").style.background = step.load < 3 ? WARN : SAFE;
   by("reason").textContent = step.words;
-  by("numbers").textContent = `True capability ${step.bears.toFixed(2)} g; P(either over 40 %) ${percent(step.above)}; reading taken at ${step.read_at} g; `
+  by("numbers").textContent = `Capability ${step.believed_to_bear.toFixed(2)} g believed, ${step.bears.toFixed(2)} g true; P(either over 40 %) ${percent(step.above)}; reading taken at ${step.read_at} g; `
     + `p of the reading ${step.p.toFixed(3)}; log10 evidence against the library ${step.log_e.toFixed(1)}.`;
   by("step").textContent = `step ${at} of ${last}`;
 }
