@@ -220,13 +220,13 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
 impl<T: Lane, const N: usize, const S: usize> Stumps for Buckets<T, N, S> {
     fn prepare(&mut self, samples: &Samples, view: &View) {
         let most = self.most_buckets(view.len);
-        self.tables[0].lay(samples, view, self.shape, 8, most);
+        self.tables[0].lay(samples, view, self.shape, most);
         if self.groups.len() > 1 && self.skips {
             self.load(samples, view);
             let mut order: Vec<usize> = (0..samples.p).collect();
             order.sort_by_key(|&f| -self.scores[f]);
             self.tables[0].reorder(order);
-            self.tables[0].lay(samples, view, self.shape, 8, most);
+            self.tables[0].lay(samples, view, self.shape, most);
         }
     }
 
@@ -238,7 +238,7 @@ impl<T: Lane, const N: usize, const S: usize> Stumps for Buckets<T, N, S> {
         self.used = usize::from(view.len * 3 < self.tables[0].len || self.tables[0].len == 0);
         if self.used == 1 {
             let most = self.most_buckets(view.len);
-            self.tables[1].lay(samples, view, self.shape, 6, most);
+            self.tables[1].lay(samples, view, self.shape, most);
         }
         self.totals[0].fill(0);
         self.whole.clone_from(&view.totals);

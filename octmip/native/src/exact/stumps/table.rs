@@ -23,7 +23,16 @@ pub struct Table {
     pub feature_of_slot: Vec<usize>,
     /// Slot of each feature (`p`).
     pub slot_of_feature: Vec<usize>,
+    /// Where the buckets of each feature end in its list.
+    ends: Vec<Vec<u32>>,
 }
+
+/// Buckets of one column each are used where so many samples share one on average: the pass over them is then no longer
+/// than it would be with buckets of mixed columns, and nothing is walked.
+const PER_PURE_BUCKET: usize = 6;
+
+/// A walk over so few samples needs no shorter buckets.
+const SHORT: usize = 8;
 
 /// Shape of a histogram.
 #[derive(Debug, Clone, Copy)]
@@ -35,34 +44,45 @@ pub struct Shape {
 }
 
 impl Table {
-    /// Lay out buckets of about `per_bucket` samples for a view, at most `most` of them, never splitting equal values.
-    pub fn lay(
-        &mut self,
-        samples: &Samples,
-        view: &View,
-        shape: Shape,
-        per_bucket: usize,
-        most: usize,
-    ) {
+    /// Lay out buckets for a view, never splitting equal values; at most `most` of them where labels mix.
+    ///
+    /// Inside a bucket a gain is in doubt by the bucket's swing outside its largest column at most. So buckets hold one
+    /// column each where that makes few of them: then nothing is ever in doubt, however rare a column is. Else a bucket
+    /// ends where it would pass a quota of that swing, or would be long to walk.
+    pub fn lay(&mut self, samples: &Samples, view: &View, shape: Shape, most: usize) {
         let p = samples.p;
-        self.n_buckets = (view.len.div_ceil(per_bucket))
-            .clamp(1, most)
-            .next_multiple_of(8);
         self.len = view.len;
         self.offsets
             .resize(p.div_ceil(shape.slots) * samples.n * shape.slots, 0);
-        self.edges.clear();
-        self.edges.resize(p * self.n_buckets, u32::MAX);
-        self.is_open.clear();
-        self.is_open.resize(p * self.n_buckets, false);
         if self.feature_of_slot.len() != p {
             self.feature_of_slot = (0..p).collect();
             self.slot_of_feature = (0..p).collect();
         }
-        let wanted = view.len.div_ceil(self.n_buckets);
-        for f in 0..p {
-            self.lay_feature(samples, view.list(f), f, shape, wanted);
+        let mut ends = std::mem::take(&mut self.ends);
+        ends.resize_with(p, Vec::new);
+        let most_pure = most.max(view.len / PER_PURE_BUCKET);
+        if !mark_all(samples, view, (0, view.len), most_pure, &mut ends) {
+            let minor = if samples.is_single {
+                view.leaf()
+            } else {
+                view.mass
+            };
+            let (mut quota, mut longest) = (minor / most as i64, (view.len / most).max(SHORT));
+            while !mark_all(samples, view, (quota, longest), most, &mut ends) {
+                quota += quota / 2 + 1;
+                longest += longest / 2;
+            }
         }
+        let longest = ends.iter().map(Vec::len).max().unwrap_or(1);
+        self.n_buckets = longest.next_multiple_of(8);
+        self.edges.clear();
+        self.edges.resize(p * self.n_buckets, u32::MAX);
+        self.is_open.clear();
+        self.is_open.resize(p * self.n_buckets, false);
+        for (f, ends) in ends.iter().enumerate() {
+            self.lay_feature(samples, view.list(f), f, shape, ends);
+        }
+        self.ends = ends;
     }
 
     /// Put the features in this order; needs a new layout.
@@ -79,35 +99,30 @@ impl Table {
         list: &[u32],
         f: usize,
         shape: Shape,
-        wanted: usize,
+        ends: &[u32],
     ) {
         let ranks = samples.ranks_of(f);
         let slot = self.slot_of_feature[f];
         let stride = shape.rows * shape.slots;
-        let mut offset = slot % shape.slots;
         let first = slot / shape.slots * samples.n * shape.slots + slot % shape.slots;
-        let (mut bucket, mut held) = (f * self.n_buckets, 0);
-        let mut last = ranks[list[0] as usize];
-        self.edges[bucket] = 0;
-        for &i in list {
-            let rank = ranks[i as usize];
-            if rank != last {
-                if held >= wanted {
-                    (bucket, held) = (bucket + 1, 0);
-                    offset += stride;
-                    self.edges[bucket] = rank;
+        let mut start = 0;
+        for (bucket, &end) in ends.iter().enumerate() {
+            let members = &list[start..end as usize];
+            let rank = ranks[members[0] as usize];
+            self.edges[f * self.n_buckets + bucket] = if bucket == 0 { 0 } else { rank };
+            self.is_open[f * self.n_buckets + bucket] =
+                ranks[members[members.len() - 1] as usize] != rank;
+            let offset = slot % shape.slots + bucket * stride;
+            for &i in members {
+                let row = if samples.is_single {
+                    samples.column[i as usize] as usize
                 } else {
-                    self.is_open[bucket] = true;
-                }
-                last = rank;
+                    0
+                };
+                self.offsets[first + i as usize * shape.slots] =
+                    (offset + row * shape.slots) as u32;
             }
-            held += 1;
-            let row = if samples.is_single {
-                samples.column[i as usize] as usize
-            } else {
-                0
-            };
-            self.offsets[first + i as usize * shape.slots] = (offset + row * shape.slots) as u32;
+            start = end as usize;
         }
     }
 
@@ -129,4 +144,61 @@ impl Table {
         };
         &rest[..to.unwrap_or(rest.len())]
     }
+}
+
+/// Where buckets end in a list: as long as the swing outside the largest column keeps to the quota, and mixed ones
+/// as long as few samples have to be walked.
+fn mark_ends(
+    samples: &Samples,
+    list: &[u32],
+    f: usize,
+    quota: i64,
+    longest: usize,
+    ends: &mut Vec<u32>,
+) {
+    let ranks = samples.ranks_of(f);
+    let mut counts = vec![0i64; samples.n_columns];
+    let (mut mass, mut top, mut first) = (0, 0, 0);
+    ends.clear();
+    let mut start = 0;
+    while start < list.len() {
+        let rank = ranks[list[start] as usize];
+        let mut end = start;
+        loop {
+            while end < list.len() && ranks[list[end] as usize] == rank {
+                let i = list[end] as usize;
+                mass += samples.swing[i];
+                if samples.is_single {
+                    let count = &mut counts[samples.column[i] as usize];
+                    *count += samples.swing[i];
+                    top = top.max(*count);
+                }
+                end += 1;
+            }
+            let is_full = mass - top > quota || (mass > top && end - first > longest);
+            if !is_full || first == start {
+                break;
+            }
+            // these values begin a bucket of their own: count them again for it
+            ends.push(start as u32);
+            counts.fill(0);
+            (mass, top, first, end) = (0, 0, start, start);
+        }
+        start = end;
+    }
+    ends.push(list.len() as u32);
+}
+
+/// Mark the ends of every feature's buckets; whether no feature has more than `most`.
+fn mark_all(
+    samples: &Samples,
+    view: &View,
+    (quota, longest): (i64, usize),
+    most: usize,
+    ends: &mut [Vec<u32>],
+) -> bool {
+    ends.iter_mut().enumerate().all(|(f, ends)| {
+        mark_ends(samples, view.list(f), f, quota, longest, ends);
+        ends.len() <= most
+    })
 }
