@@ -46,7 +46,11 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
             } else {
                 pulp::Arch::Scalar
             },
-            shape: Shape { slots: S, rows },
+            shape: Shape {
+                slots: S,
+                rows,
+                has_differences: samples.is_single && samples.n_columns == 2,
+            },
             skips: switches.group_skip,
             tables: [Table::default(), Table::default()],
             used: 1,
@@ -205,9 +209,19 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
         best
     }
 
+    /// By lane, the best gain of a group at a bucket edge and the largest that any of its stumps may have.
+    fn sweep(&mut self, group: usize) -> ([T; N], [T; N]) {
+        let histogram = &mut self.groups[group];
+        if self.tables[self.used].is_difference {
+            let best = histogram.sweep_differences(self.arch, &self.lane_totals);
+            return (best, best);
+        }
+        histogram.sweep(self.arch, &self.lane_totals, self.shape.rows)
+    }
+
     /// Sweep a group; what it attained joins `sides.best`, what it may reach is returned.
     fn visit(&mut self, group: usize, sides: &mut Sides) -> [i64; 2] {
-        let (best, reach) = self.groups[group].sweep(self.arch, &self.lane_totals, self.shape.rows);
+        let (best, reach) = self.sweep(group);
         let mut reached = [0; 2];
         for lane in 0..N {
             sides.best[lane % 2] = sides.best[lane % 2].max(best[lane].widen());
@@ -261,8 +275,7 @@ impl<T: Lane, const N: usize, const S: usize> Stumps for Buckets<T, N, S> {
         self.reaches.clear();
         for group in 0..self.groups.len() {
             self.groups[group].load(samples, view, &self.tables[self.used], self.shape);
-            let (best, reach) =
-                self.groups[group].sweep(self.arch, &self.lane_totals, self.shape.rows);
+            let (best, reach) = self.sweep(group);
             let first = group * self.shape.slots;
             for slot in first..(first + self.shape.slots).min(samples.p) {
                 let lane = 2 * (slot - first) + 1;

@@ -3,7 +3,7 @@
 use crate::exact::samples::Samples;
 use crate::exact::stumps::Place;
 use crate::exact::stumps::aligned::Aligned;
-use crate::exact::stumps::sweep::{Group, Lane, STRIDE};
+use crate::exact::stumps::sweep::{Difference, Group, Lane, STRIDE};
 use crate::exact::stumps::table::{Shape, Table};
 use crate::exact::view::View;
 
@@ -45,8 +45,13 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
     /// Enter all samples of a view on the right.
     pub fn load(&mut self, samples: &Samples, view: &View, table: &Table, shape: Shape) {
         let b = table.n_buckets;
-        let per_group = b * shape.rows * shape.slots;
+        let per_group = b * table.rows(shape) * shape.slots;
         self.pairs.zero(per_group);
+        if table.is_difference {
+            let bias = T::BIAS.widen();
+            let both = T::change(T::enter(2 * bias), T::shift(bias));
+            self.pairs.get_mut().fill(both);
+        }
         self.open.clear();
         self.open.resize(b, [T::default(); N]);
         self.caps.resize(b, [T::default(); N]);
@@ -103,6 +108,8 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
         let pairs = self.pairs.get_mut();
         if samples.is_single {
             for &i in ids {
+                let is_second = table.is_difference && samples.column[i as usize] == 1;
+                let sign = if is_second { -sign } else { sign };
                 let by = change(sign * samples.swing[i as usize]);
                 let row = &offsets[i as usize];
                 if used == S {
@@ -145,6 +152,18 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
         };
         arch.dispatch(&mut group);
         (group.best, group.reach)
+    }
+
+    /// The vector pass over differences: by lane, the best gain, which no stump surpasses.
+    pub fn sweep_differences(&self, arch: pulp::Arch, totals: &[[T; N]]) -> [T; N] {
+        let histogram: &[T] = pulp::bytemuck::cast_slice(self.pairs.get());
+        let mut pass = Difference {
+            histogram: &histogram.as_chunks::<N>().0[..self.open.len()],
+            totals,
+            best: [T::default(); N],
+        };
+        arch.dispatch(&mut pass);
+        pass.best
     }
 
     /// Gains left of a bucket's start on one lane, from the last checkpoint of the last pass.

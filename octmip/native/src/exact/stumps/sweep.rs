@@ -27,12 +27,15 @@ pub trait Lane: bytemuck::Pod + Ord + Default + Send {
     fn half(self) -> Self;
     /// The largest.
     const MAX: Self;
+    /// Added to both halves of a pair that holds differences, so that they stay 0 or more: above any swing that fits.
+    const BIAS: Self;
 }
 
 macro_rules! lane {
-    ($t:ty, $pair:ty, $shift:expr, $enter:expr, $change:expr) => {
+    ($t:ty, $bias:expr, $pair:ty, $shift:expr, $enter:expr, $change:expr) => {
         impl Lane for $t {
             const MAX: Self = <$t>::MAX;
+            const BIAS: Self = $bias;
             type Pair = $pair;
             #[inline(always)]
             fn shift(amount: i64) -> $pair {
@@ -77,6 +80,7 @@ const _: () = assert!(
 );
 lane!(
     i16,
+    1 << 14,
     u32,
     |amount: i64| (amount as u32).wrapping_sub((amount as u32) << 16),
     |amount: i64| (amount as u32) << 16,
@@ -84,6 +88,7 @@ lane!(
 );
 lane!(
     i32,
+    1 << 30,
     u64,
     |amount: i64| (amount as u64).wrapping_sub((amount as u64) << 32),
     |amount: i64| (amount as u64) << 32,
@@ -91,6 +96,7 @@ lane!(
 );
 lane!(
     i64,
+    0,
     [i64; 2],
     |amount: i64| [amount, -amount],
     |amount: i64| [0, amount],
@@ -126,6 +132,34 @@ fn max<T: Lane, const N: usize>(a: &Row<T, N>, b: &Row<T, N>) -> Row<T, N> {
 #[inline(always)]
 fn min<T: Lane, const N: usize>(a: &Row<T, N>, b: &Row<T, N>) -> Row<T, N> {
     zip(a, b, |x, y| if x < y { x } else { y })
+}
+
+/// Two columns, buckets of one column each: what the first gains less what the second does is all that is needed.
+pub struct Difference<'a, T, const N: usize> {
+    /// Gain of the first column less that of the second, and `BIAS` (`n_buckets`).
+    pub histogram: &'a [Row<T, N>],
+    /// Sum of each of the two columns, by lane.
+    pub totals: &'a [Row<T, N>],
+    /// Largest gain of a stump, out. Inside a bucket there is no larger one: its difference only grows or only shrinks.
+    pub best: Row<T, N>,
+}
+
+impl<T: Lane, const N: usize> WithSimd for &mut Difference<'_, T, N> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let bias = [T::BIAS; N];
+        let mut run = [T::default(); N];
+        let (mut least, mut most) = (run, run);
+        for bucket in self.histogram {
+            run = add(&run, &sub(bucket, &bias));
+            least = min(&least, &run);
+            most = max(&most, &run);
+        }
+        // first | second: first left + second right = second + run; second | first: first - run
+        self.best = max(&add(&self.totals[1], &most), &sub(&self.totals[0], &least));
+    }
 }
 
 /// Buckets between two checkpoints of the running sums.

@@ -17,6 +17,8 @@ pub struct Table {
     pub is_open: Vec<bool>,
     /// Buckets of a feature.
     pub n_buckets: usize,
+    /// Whether buckets hold one column each and histograms the difference of the two columns.
+    pub is_difference: bool,
     /// Size of the view that it was laid out for.
     pub len: usize,
     /// Feature of each slot (`p`).
@@ -31,6 +33,10 @@ pub struct Table {
 /// than it would be with buckets of mixed columns, and nothing is walked.
 const PER_PURE_BUCKET: usize = 6;
 
+/// The same where a bucket holds but a difference: its pass is a quarter as long. Up to `MANY` it is always worth it.
+const PER_DIFFERENCE: usize = 3;
+const MANY: usize = 512;
+
 /// A walk over so few samples needs no shorter buckets.
 const SHORT: usize = 8;
 
@@ -39,8 +45,10 @@ const SHORT: usize = 8;
 pub struct Shape {
     /// Slots of a group.
     pub slots: usize,
-    /// Rows of a bucket.
+    /// Rows of a bucket of mixed columns.
     pub rows: usize,
+    /// Whether a bucket of one column can do with one row, the difference of the two columns that there are.
+    pub has_differences: bool,
 }
 
 impl Table {
@@ -61,7 +69,10 @@ impl Table {
         let mut ends = std::mem::take(&mut self.ends);
         ends.resize_with(p, Vec::new);
         let most_pure = most.max(view.len / PER_PURE_BUCKET);
-        if !mark_all(samples, view, (0, view.len), most_pure, &mut ends) {
+        let most_differences = most_pure.max(view.len / PER_DIFFERENCE).max(MANY);
+        self.is_difference = shape.has_differences
+            && mark_all(samples, view, (0, view.len), most_differences, &mut ends);
+        if !self.is_difference && !mark_all(samples, view, (0, view.len), most_pure, &mut ends) {
             let minor = if samples.is_single {
                 view.leaf()
             } else {
@@ -85,6 +96,11 @@ impl Table {
         self.ends = ends;
     }
 
+    /// Rows of a bucket.
+    pub fn rows(&self, shape: Shape) -> usize {
+        if self.is_difference { 1 } else { shape.rows }
+    }
+
     /// Put the features in this order; needs a new layout.
     pub fn reorder(&mut self, order: Vec<usize>) {
         for (slot, &f) in order.iter().enumerate() {
@@ -103,7 +119,7 @@ impl Table {
     ) {
         let ranks = samples.ranks_of(f);
         let slot = self.slot_of_feature[f];
-        let stride = shape.rows * shape.slots;
+        let stride = self.rows(shape) * shape.slots;
         let first = slot / shape.slots * samples.n * shape.slots + slot % shape.slots;
         let mut start = 0;
         for (bucket, &end) in ends.iter().enumerate() {
@@ -114,7 +130,7 @@ impl Table {
                 ranks[members[members.len() - 1] as usize] != rank;
             let offset = slot % shape.slots + bucket * stride;
             for &i in members {
-                let row = if samples.is_single {
+                let row = if samples.is_single && !self.is_difference {
                     samples.column[i as usize] as usize
                 } else {
                     0
