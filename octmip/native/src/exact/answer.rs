@@ -2,6 +2,30 @@
 
 use crate::exact::plan::Plan;
 
+/// The best cut of a feature that was seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Reached {
+    /// Its cost, `i64::MAX` when none was seen.
+    pub cost: i64,
+    /// Samples left of it.
+    pub position: usize,
+}
+
+impl Reached {
+    /// Nothing yet.
+    pub const NOTHING: Self = Self {
+        cost: i64::MAX,
+        position: 0,
+    };
+
+    /// Take up a cut if it costs less.
+    pub fn see(&mut self, cost: i64, position: usize) {
+        if cost < self.cost {
+            *self = Self { cost, position };
+        }
+    }
+}
+
 /// What a search found out: the best tree if it is below the budget, and in any case a bound.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Answer {

@@ -141,6 +141,12 @@ impl Axis {
         })
     }
 
+    /// The cut that splits with so many samples left of it.
+    pub fn cut_at(&self, position: usize) -> Option<usize> {
+        let inner = self.positions.get(1..self.last())?;
+        inner.binary_search(&(position as u32)).ok().map(|k| k + 1)
+    }
+
     /// Shrink an interval to cuts whose children may cost less than `target` together; None when there are none.
     pub fn narrow(&self, mut interval: Interval, target: i64) -> Option<Interval> {
         let Interval { a, b, .. } = interval;

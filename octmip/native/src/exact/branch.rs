@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use crate::exact::Switches;
-use crate::exact::answer::Answer;
+use crate::exact::answer::{Answer, Reached};
 use crate::exact::axis::{Axis, Interval};
 use crate::exact::effort::Control;
 use crate::exact::plan::Plan;
@@ -53,8 +53,8 @@ pub struct Search<'a> {
     pub switches: Switches,
     /// Cuts evaluated by stumps.
     pub n_evaluated: u64,
-    /// Best cost seen with each feature at the root of the last search (`p`).
-    pub attained: Vec<i64>,
+    /// Best cut seen of each feature at the root of the last search (`p`).
+    pub attained: Vec<Reached>,
     /// Whether any tree below the budget will do: the search ends with the first one at its root.
     pub takes_first: bool,
     /// The records of what is proven, when a proof is written.
@@ -185,10 +185,10 @@ impl<'a> Search<'a> {
             }
             if self.attained.len() == self.samples.p {
                 let attained = std::mem::take(&mut self.attained);
-                order = self.features_by(|f| attained[f]);
+                order = self.features_by(|f| attained[f].cost);
             }
         }
-        let mut attained = vec![i64::MAX; self.samples.p];
+        let mut attained = vec![Reached::NOTHING; self.samples.p];
         for f in order {
             let is_done = takes_first && best.best.is_some();
             if best.cost(upper) <= floor || is_done || self.is_stopped() {
@@ -212,7 +212,7 @@ impl<'a> Search<'a> {
         f: usize,
         whole: i64,
         upper: i64,
-        seen: &mut i64,
+        seen: &mut Reached,
     ) -> Answer {
         let samples = self.samples;
         let mut level = std::mem::take(&mut self.levels[depth]);
@@ -253,7 +253,7 @@ impl<'a> Search<'a> {
             }
             [level.axis.left[k], level.axis.right[k]] = children.bounds;
             if let Some((cost, plan)) = children.tree {
-                *seen = (*seen).min(cost);
+                seen.see(cost, cut.position);
                 if cost < best.cost(upper) {
                     best = Answer::found(cost, plan);
                     if level.takes_first {

@@ -1,6 +1,6 @@
 //! The best tree of at most two levels: bisection over the cuts of the root, both children answered by best stumps.
 
-use crate::exact::answer::Answer;
+use crate::exact::answer::{Answer, Reached};
 use crate::exact::axis::Interval;
 use crate::exact::branch::Search;
 use crate::exact::plan::Plan;
@@ -25,7 +25,7 @@ impl Search<'_> {
         let scores = finder.scores().to_vec();
         let mut best = Answer::cheapest(stump.value, Plan::Stump, upper);
         self.attained.clear();
-        self.attained.resize(self.samples.p, i64::MAX);
+        self.attained.resize(self.samples.p, Reached::NOTHING);
         for f in self.features_by(|f| -scores[f]) {
             let current = best.cost(upper);
             if current <= floor || self.is_stopped() {
@@ -96,7 +96,7 @@ impl Search<'_> {
             self.n_evaluated += 1;
             (axis.left[k], axis.right[k]) = (left.lower, right.lower);
             let cost = left.value + right.value + samples.penalty;
-            self.attained[f] = self.attained[f].min(cost);
+            self.attained[f].see(cost, k_left);
             if cost < current {
                 current = cost;
                 let sides = [Plan::Stump, Plan::Stump];

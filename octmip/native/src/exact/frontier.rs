@@ -11,6 +11,7 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use crate::exact::Switches;
+use crate::exact::answer::Reached;
 use crate::exact::axis::{Axis, Interval};
 use crate::exact::branch::{Children, Cut, Search};
 use crate::exact::effort::Control;
@@ -30,6 +31,18 @@ struct Open {
 }
 
 impl Open {
+    fn new(bound: i64, place: usize, interval: Interval) -> Self {
+        let Interval { a, b, low, high } = interval;
+        Self {
+            bound,
+            place,
+            low,
+            high,
+            a,
+            b,
+        }
+    }
+
     fn interval(&self) -> Interval {
         Interval {
             a: self.a,
@@ -43,6 +56,9 @@ impl Open {
 /// Cuts of a round: enough to keep a few threads busy, few enough that an incumbent found in it costs little.
 const ROUND: usize = 8;
 
+/// Features whose best cut of one level fewer is solved first: its trees are near the best, and found at once.
+const N_FIRST: usize = 3;
+
 struct State {
     axes: Vec<Axis>,
     heap: BinaryHeap<Reverse<Open>>,
@@ -51,7 +67,7 @@ struct State {
     n_handed_out: usize,
     results: Vec<Option<Children>>,
     is_finished: bool,
-    attained: Vec<i64>,
+    attained: Vec<Reached>,
     cost: i64,
     plan: Option<Plan>,
 }
@@ -79,7 +95,7 @@ struct Task {
 }
 
 impl<'a> Frontier<'a> {
-    /// All cuts of all features, in the order of `features`; trees below `upper` are wanted.
+    /// All cuts of all features; trees below `upper` are wanted, and `attained` is where one level fewer was best.
     #[allow(clippy::too_many_arguments)]
     pub fn new(
         samples: &'a Samples,
@@ -87,37 +103,42 @@ impl<'a> Frontier<'a> {
         control: &'a Control,
         view: &'a View,
         depth: usize,
-        features: Vec<usize>,
+        attained: &[Reached],
         whole: i64,
         upper: i64,
     ) -> Self {
-        let mut heap = BinaryHeap::new();
-        let mut axes = Vec::new();
+        let mut features: Vec<usize> = (0..samples.p).collect();
+        features.sort_by_key(|&f| attained.get(f).map_or(i64::MAX, |reached| reached.cost));
+        let (mut heap, mut axes, mut round) = (BinaryHeap::new(), Vec::new(), Vec::new());
         for (place, &f) in features.iter().enumerate() {
             let mut axis = Axis::default();
             axis.lay(samples, view, f, 1 << (depth - 1).min(20), whole, &switches);
-            if let Some(Interval { a, b, low, high }) = axis.whole() {
-                let bound = samples.penalty + axis.least(&Interval { a, b, low, high });
-                heap.push(Reverse(Open {
-                    bound,
-                    place,
-                    low,
-                    high,
-                    a,
-                    b,
-                }));
+            if let Some(interval) = axis.whole() {
+                let bound = samples.penalty + axis.least(&interval);
+                let open = Open::new(bound, place, interval);
+                let best = attained.get(f).filter(|_| place < N_FIRST);
+                match best.and_then(|reached| axis.cut_at(reached.position)) {
+                    Some(k) => round.push(Task {
+                        place,
+                        k,
+                        interval,
+                        bound,
+                        cut: cut(&axis, f, &interval, k, upper - samples.penalty, &switches),
+                    }),
+                    None => heap.push(Reverse(open)),
+                }
             }
             axes.push(axis);
         }
-        let attained = vec![i64::MAX; samples.p];
+        let results = round.iter().map(|_| None).collect();
         let state = State {
             axes,
             heap,
-            round: Vec::new(),
+            round,
             n_handed_out: 0,
-            results: Vec::new(),
+            results,
             is_finished: false,
-            attained,
+            attained: vec![Reached::NOTHING; samples.p],
             cost: upper,
             plan: None,
         };
@@ -156,8 +177,8 @@ impl<'a> Frontier<'a> {
         state.plan.clone().map(|plan| (state.cost, plan))
     }
 
-    /// Best cost seen with each feature at the root (`p`).
-    pub fn attained(&self) -> Vec<i64> {
+    /// Best cut seen of each feature at the root (`p`).
+    pub fn attained(&self) -> Vec<Reached> {
         self.lock().attained.clone()
     }
 
@@ -226,24 +247,19 @@ impl<'a> Frontier<'a> {
             let Some(k) = axis.pick(&interval, target) else {
                 continue;
             };
-            let slack = if self.switches.slack {
-                axis.slack(&interval, k)
-            } else {
-                0
-            };
-            let cut = Cut {
-                feature: self.features[open.place],
-                position: axis.positions[k] as usize,
-                bounds: axis.bounds(&interval, k).into(),
-                target,
-                slack,
-            };
             return Some(Task {
                 place: open.place,
                 k,
                 interval,
                 bound: open.bound,
-                cut,
+                cut: cut(
+                    axis,
+                    self.features[open.place],
+                    &interval,
+                    k,
+                    target,
+                    &self.switches,
+                ),
             });
         }
         None
@@ -272,23 +288,37 @@ impl<'a> Frontier<'a> {
             .filter(|half| half.low <= half.high)
             .map(|half| {
                 let bound = (axis.least(&half) + self.samples.penalty).max(task.bound);
-                Open {
-                    bound,
-                    place: task.place,
-                    low: half.low,
-                    high: half.high,
-                    a: half.a,
-                    b: half.b,
-                }
+                Open::new(bound, task.place, half)
             })
             .collect();
         state.heap.extend(opened.into_iter().map(Reverse));
         if let Some((cost, plan)) = children.tree {
-            let seen = &mut state.attained[task.cut.feature];
-            *seen = cost.min(*seen);
+            state.attained[task.cut.feature].see(cost, task.cut.position);
             if cost < state.cost {
                 (state.cost, state.plan) = (cost, Some(plan));
             }
         }
+    }
+}
+
+/// Cut `k` of an interval of feature `f`, to be solved.
+fn cut(
+    axis: &Axis,
+    f: usize,
+    interval: &Interval,
+    k: usize,
+    target: i64,
+    switches: &Switches,
+) -> Cut {
+    Cut {
+        feature: f,
+        position: axis.positions[k] as usize,
+        bounds: axis.bounds(interval, k).into(),
+        target,
+        slack: if switches.slack {
+            axis.slack(interval, k)
+        } else {
+            0
+        },
     }
 }

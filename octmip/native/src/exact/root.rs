@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use crate::control::{KeepGoing, Limits, Outcome, Progress, Stop};
 use crate::exact::Switches;
+use crate::exact::answer::Reached;
 use crate::exact::branch::Search;
 use crate::exact::budget::{Sets, is_within};
 use crate::exact::effort::Control;
@@ -135,13 +136,12 @@ impl Run<'_> {
             if self.stop.is_some() {
                 return;
             }
-            let features = order(&attained, self.samples.p);
-            (whole, attained) = self.deep(level, level == depth, features, whole, keep_going);
+            (whole, attained) = self.deep(level, level == depth, &attained, whole, keep_going);
         }
     }
 
     /// Depth one or two, by one thread; a bound of that depth's trees, and what each feature reached.
-    fn shallow(&mut self, depth: usize, keep_going: KeepGoing<'_>) -> (i64, Vec<i64>) {
+    fn shallow(&mut self, depth: usize, keep_going: KeepGoing<'_>) -> (i64, Vec<Reached>) {
         let upper = self.view.leaf() + 1;
         let mut result = None;
         std::thread::scope(|scope| {
@@ -184,10 +184,10 @@ impl Run<'_> {
         &mut self,
         depth: usize,
         is_last: bool,
-        features: Vec<usize>,
+        attained: &[Reached],
         whole: i64,
         keep_going: KeepGoing<'_>,
-    ) -> (i64, Vec<i64>) {
+    ) -> (i64, Vec<Reached>) {
         let (samples, view, switches) = (self.samples, self.view, self.options.switches);
         // The incumbent may be deeper than this level: the level's own trees are asked for up to the last level's cost.
         let upper = self.best.0;
@@ -197,7 +197,7 @@ impl Run<'_> {
             &self.control,
             view,
             depth,
-            features,
+            attained,
             whole,
             upper,
         );
@@ -319,13 +319,6 @@ impl Run<'_> {
             n_nodes: self.control.n_evaluated(),
         }
     }
-}
-
-/// Features by what they reached, ties by index.
-fn order(attained: &[i64], p: usize) -> Vec<usize> {
-    let mut features: Vec<usize> = (0..p).collect();
-    features.sort_by_key(|&f| attained.get(f).copied().unwrap_or(i64::MAX));
-    features
 }
 
 /// Wait for the workers, looking at the limits and asking the caller meanwhile; why they were stopped, if they were.
