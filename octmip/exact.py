@@ -5,9 +5,10 @@ docs/theory/exact.md. Categorical features: one column of 0/1 for each category,
 (`sensor_of_feature`), so that a split asks "is it this category?" and the sensor is paid for once.
 """
 
+import math
 import time
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -42,6 +43,7 @@ from octmip.tree import (
 )
 
 SOLVER = "exact"
+UNBROKEN = {"splits": "not broken", "sensors": "not broken", "margin": "thresholds centred in their nodes"}
 
 
 def branch_and_bound(
@@ -53,7 +55,7 @@ def branch_and_bound(
     n_jobs: int = 1,
     progress: ProgressCallback | None = None,
     proof: str | Path | None = None,
-    fewest_splits: bool = False,
+    break_ties: bool = False,
     _off: Sequence[str] = (),
 ) -> Solution:
     """Return the best axis-aligned tree of a problem and the proof's bound.
@@ -66,7 +68,8 @@ def branch_and_bound(
         n_jobs: threads. Cost, bound and, without a tight sensor budget, the tree do not depend on it.
         progress: called with a `Progress` about every 50 ms.
         proof: file for a log that `octmip.proof.check_proof` verifies; it takes a second search, about as long.
-        fewest_splits: among the optimal trees return one of fewest splits; it takes a second, longer search.
+        break_ties: among the optimal trees return one of fewest splits, of those one of fewest sensors, each proven by
+            more searches; `details["ties_broken"]` says what was. Thresholds are centred in any case.
         _off: names of prunes to do without (`_native.prunes()`), for tests.
 
     Raises:
@@ -87,14 +90,14 @@ def branch_and_bound(
     first = None if start is None else (_integer_objective(problem, start, costs), rows_from_tree(start, ranks))
     notify = None if progress is None else report
     rows, _, bound, stop, n_nodes = _native.branch_and_bound(native, values, n_jobs, first, list(_off), notify)
-    ties = {"splits": "not broken", "sensors": "not broken", "margin": "thresholds centred in their nodes"}
-    if fewest_splits and stop == Stop.OPTIMAL:
-        left = (limits.seconds - (time.perf_counter() - started), 0.0, limits.nodes, limits.memory)
-        rows, is_proven = _fewest_splits(problem, ranks, costs, rows, left, n_jobs)
-        ties["splits"] = "fewest, proven" if is_proven else "fewer looked for, not proven"
+    ties = dict(UNBROKEN)
+    if break_ties and stop == Stop.OPTIMAL:
+        rows, ties = _break_ties(problem, ranks, costs, rows, _Effort(started + limits.seconds, limits, n_jobs))
     if proof is not None:
         _write_proof(problem, native, costs, bound, Path(proof))
     tree, objective = _better(problem, tree_from_rows(rows, ranks), start)
+    if tree is start:
+        ties = dict(UNBROKEN)
     return Solution(
         tree=tree,
         objective=objective,
@@ -145,15 +148,25 @@ def _feasible(problem: Problem, incumbent: Node | Solution) -> Node:
     return tree
 
 
-def _fewest_splits(
-    problem: Problem,
-    ranks: Ranks,
-    costs: IntegerCosts,
-    rows: list[NodeRow],
-    limits: tuple[float, float, float, float],
-    n_jobs: int,
-) -> tuple[list[NodeRow], bool]:
-    """Return an optimal tree of fewest splits, and whether there is proven to be none of fewer.
+@dataclass(frozen=True, slots=True)
+class _Effort:
+    """What is left for breaking ties: until when, and the limits of each search."""
+
+    until: float
+    limits: Limits
+    n_jobs: int
+
+    def search(self, native: _native.Problem, first: tuple[int, list[NodeRow]]) -> tuple[list[NodeRow], int, bool]:
+        """Return table and cost of the cheapest tree (`first` where none is cheaper), and whether that is proven."""
+        values = (max(0.0, self.until - time.perf_counter()), 0.0, self.limits.nodes, self.limits.memory)
+        rows, cost, _, stop, _ = _native.branch_and_bound(native, values, self.n_jobs, first)
+        return rows, cost, stop == Stop.OPTIMAL
+
+
+def _break_ties(
+    problem: Problem, ranks: Ranks, costs: IntegerCosts, rows: list[NodeRow], effort: _Effort
+) -> tuple[list[NodeRow], dict[str, str]]:
+    """Return the table of an optimal tree of fewest splits, of those one of fewest sensors, and what is proven of it.
 
     Every cost is multiplied by more than the splits that a tree can have, and a split costs one more: the cheapest tree
     of that problem is a cheapest one of this, and has the fewest splits of those.
@@ -161,13 +174,40 @@ def _fewest_splits(
     factor = min(2**problem.depth, problem.n_samples)
     finer = replace(costs, costs=costs.costs * factor, penalty=costs.penalty * factor + 1)
     largest = float(finer.weights.sum()) * float(finer.costs.max()) + finer.penalty * factor
-    if largest >= CAPACITY or limits[0] <= 0:
-        return rows, False
-    tree = tree_from_rows(rows, ranks)
-    native = native_problem(problem, ranks, finer)
-    first = (_integer_objective(problem, tree, finer), rows)
-    found, _, _, stop, _ = _native.branch_and_bound(native, limits, n_jobs, first)
-    return found, stop == Stop.OPTIMAL
+    if largest >= CAPACITY:
+        return rows, UNBROKEN | {"splits": "not broken: the costs are too fine to count splits beside them"}
+    cost = _integer_objective(problem, tree_from_rows(rows, ranks), finer)
+    rows, cost, is_proven = effort.search(native_problem(problem, ranks, finer), (cost, rows))
+    if not is_proven:
+        return rows, UNBROKEN | {"splits": "fewer looked for, not proven"}
+    rows, said = _fewest_sensors(problem, ranks, finer, (cost, rows), effort)
+    return rows, UNBROKEN | {"splits": "fewest, proven", "sensors": said}
+
+
+def _fewest_sensors(
+    problem: Problem, ranks: Ranks, costs: IntegerCosts, best: tuple[int, list[NodeRow]], effort: _Effort
+) -> tuple[list[NodeRow], str]:
+    """Return the table of a tree no dearer than `best` that reads the fewest sensors, and what is proven of it.
+
+    One sensor fewer at a time, as a budget, until no tree within it is as cheap: none of still fewer is, as cost never
+    falls when sensors are taken away.
+    """
+    cost, rows = best
+    is_bound = math.fsum(problem.sensor_costs) > problem.sensor_limit
+    if is_bound and np.ptp(problem.sensor_costs) > 0:
+        return rows, "not broken: a budget of sensors of different cost is kept"
+    while n_sensors := len(problem.sensors_used(tree_from_rows(rows, ranks))):
+        fewer = replace(problem, sensor_cost=[1.0] * len(problem.sensors), sensor_budget=float(n_sensors - 1))
+        leaf: NodeRow = (0, 0, 0, 0, 0, 0, [], 0.0)
+        # Stands for "a tree that costs one more": what comes back in its place is as cheap as `best`.
+        found, least, is_proven = effort.search(native_problem(fewer, ranks, costs), (cost + 1, [leaf]))
+        if least <= cost:
+            rows = found
+        elif is_proven:
+            break
+        else:
+            return rows, "fewer looked for, not proven"
+    return rows, "fewest, proven"
 
 
 def _write_proof(problem: Problem, native: _native.Problem, costs: IntegerCosts, claim: int, path: Path) -> None:

@@ -14,6 +14,7 @@ from octmip.certificate import certify
 from octmip.errors import OctmipError
 from octmip.exact import branch_and_bound
 from octmip.problem import Problem
+from octmip.tree import Leaf
 from tests.oracles.enumeration import optimum
 from tests.strategies import random_problem
 
@@ -53,11 +54,15 @@ def complaint(problem: Problem) -> str | None:
         return f"stopped {solution.stop} with bound {solution.bound} of {solution.objective}"
     if abs(solution.objective - best.objective) > solution.tolerance + 1e-12 * max(1.0, best.objective):
         return f"objective {solution.objective}, enumeration finds {best.objective}"
-    if not problem.has_integer_costs or problem.sensor_budget is not None:
+    if not problem.has_integer_costs:
         return None
-    fewest = certify(problem, branch_and_bound(problem, fewest_splits=True))
+    tied = branch_and_bound(problem, break_ties=True)
+    fewest = certify(problem, tied)
     if (fewest.objective, fewest.n_splits) != (best.objective, best.n_splits):
         return f"tie: {fewest.n_splits} splits, enumeration finds {best.n_splits}"
+    n_sensors = len(problem.sensors_used(tied.tree or Leaf(0)))
+    if tied.details["ties_broken"]["sensors"] == "fewest, proven" and n_sensors != best.n_sensors:
+        return f"tie: {n_sensors} sensors, enumeration finds {best.n_sensors}"
     return None
 
 

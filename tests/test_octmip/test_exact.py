@@ -147,8 +147,9 @@ def test_the_tree_is_the_same_for_any_number_of_threads_and_any_vectors() -> Non
 def test_fewest_splits_are_found_among_optimal_trees() -> None:
     for seed in range(40):
         problem = random_problem(seed, depth=2)
-        fewer = branch_and_bound(problem, fewest_splits=True)
+        fewer = branch_and_bound(problem, break_ties=True)
         assert fewer.details["ties_broken"]["splits"] == "fewest, proven"  # type: ignore[index]
+        assert fewer.details["ties_broken"]["sensors"] == "fewest, proven"  # type: ignore[index]
         assert fewer.tree is not None
         assert certify(problem, fewer).objective == branch_and_bound(problem).objective
         priced = Problem(

@@ -62,7 +62,7 @@ def test_auto_is_exact_for_axis_and_search_for_hyperplanes():
 def test_a_proof_starts_from_a_tree_of_search(registered):
     exact = registered("exact", answering())
     registered("search", answering(bound=-math.inf, stop=Stop.FINISHED), proves=False)
-    solve(dataclasses.replace(STRIPES, depth=4), limits=Limits(seconds=100), seed=3, n_jobs=2)
+    solve(dataclasses.replace(STRIPES, depth=5), limits=Limits(seconds=100), seed=3, n_jobs=2)
     call = exact.calls[0]
     assert call["incumbent"] == ZERO_ERRORS and call["seed"] == 3 and call["n_jobs"] == 2
     assert 99 < call["limits"].seconds < 100
@@ -122,7 +122,7 @@ def test_ctrl_c_in_the_search_returns_a_tree_without_starting_the_proof(register
 
     registered("search", interrupted, proves=False)
     exact = registered("exact", answering())
-    solution = solve(dataclasses.replace(STRIPES, depth=4))
+    solution = solve(dataclasses.replace(STRIPES, depth=5))
     assert not exact.calls and solution.stop is Stop.INTERRUPTED
     certify(STRIPES, solution)
 
