@@ -303,9 +303,9 @@ def _solution(
     bound = max(outcome.bound, request.lower_bound)
     if problem.has_integer_costs and math.isfinite(bound):
         bound = math.ceil(bound - 1e-5)
-    bound = max(bound, 0.0)  # weights, costs and penalty are never negative
-    if objective < bound <= objective + tolerance:
-        bound = objective  # what is more than rounding stays, for the certificate to refute
+    # Weights, costs and penalty are never negative. The bound may lie above a tree that the model leaves out (OCT-H's
+    # narrow bands); above the model's own tree it is refused before (`refutation`).
+    bound = min(max(bound, 0.0), objective)
     if bound >= objective - tolerance:
         stop = Stop.OPTIMAL
     else:
