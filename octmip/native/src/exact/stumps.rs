@@ -4,6 +4,7 @@ pub mod aligned;
 pub mod buckets;
 pub mod doubt;
 pub mod groups;
+pub mod inside;
 pub mod scan;
 pub mod sweep;
 pub mod table;

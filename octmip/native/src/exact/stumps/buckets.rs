@@ -9,30 +9,30 @@ use crate::exact::Switches;
 use crate::exact::samples::Samples;
 use crate::exact::stumps::doubt::{Candidate, Sides};
 use crate::exact::stumps::groups::Histogram;
-use crate::exact::stumps::sweep::{Lane, STRIDE};
+use crate::exact::stumps::sweep::Lane;
 use crate::exact::stumps::table::{Shape, Table};
-use crate::exact::stumps::{NEVER, Neighbour, Place, Stump, Stumps, scan::split_gain};
+use crate::exact::stumps::{NEVER, Neighbour, Place, Stump, Stumps};
 use crate::exact::view::View;
 
 /// See the module.
 pub struct Buckets<T: Lane, const N: usize, const S: usize> {
     arch: pulp::Arch,
-    shape: Shape,
+    pub(super) shape: Shape,
     skips: bool,
-    tables: [Table; 2],
+    pub(super) tables: [Table; 2],
     /// 0: the table shared with other views, 1: the view's own.
-    used: usize,
-    groups: Vec<Histogram<T, N, S>>,
+    pub(super) used: usize,
+    pub(super) groups: Vec<Histogram<T, N, S>>,
     scores: Vec<i64>,
     /// What each group may reach on both sides, by evaluated cut (`[record][group][side]`).
-    reaches: Vec<[i64; 2]>,
+    pub(super) reaches: Vec<[i64; 2]>,
     k: usize,
-    totals: [Vec<i64>; 2],
-    whole: Vec<i64>,
+    pub(super) totals: [Vec<i64>; 2],
+    pub(super) whole: Vec<i64>,
     mass: [i64; 2],
     lane_totals: Vec<[T; N]>,
-    candidates: Vec<Candidate>,
-    left: Vec<i64>,
+    pub(super) candidates: Vec<Candidate>,
+    pub(super) left: Vec<i64>,
 }
 
 impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
@@ -117,96 +117,6 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
             (before.0[0] + before.1).min(after.0[0]),
             before.0[1].min(after.0[1] + after.1),
         ]
-    }
-
-    /// Largest gain inside the buckets of a group on one side, given that `best` is known and `close` is enough.
-    fn refine(
-        &mut self,
-        samples: &Samples,
-        place: &Place<'_>,
-        (group, side): (usize, usize),
-        sides: &mut Sides,
-        reach: &mut [i64; 2],
-        close: i64,
-    ) {
-        self.collect(group, side, sides.best[side], samples.p);
-        for index in 0..=self.candidates.len() {
-            let next = self.candidates.get(index).copied();
-            let best = sides.best[side];
-            reach[side] = next.map_or(best, |candidate| best.max(candidate.cap));
-            let is_closed = sides.is_closed(*reach, place.target, close);
-            let Some(candidate) = next.filter(|candidate| candidate.cap > best && !is_closed)
-            else {
-                break;
-            };
-            sides.best[side] = best.max(self.walk(samples, place, group, side, candidate));
-        }
-    }
-
-    /// Buckets of a side whose cap is above `best`, the most promising first.
-    fn collect(&mut self, group: usize, side: usize, best: i64, p: usize) {
-        let least = T::narrow(best);
-        self.candidates.clear();
-        let histogram = &self.groups[group];
-        let above = |row: &[T; N]| row.iter().fold(false, |any, &c| any | (c > least));
-        for (stride, _) in histogram
-            .tops
-            .iter()
-            .enumerate()
-            .filter(|(_, top)| above(top))
-        {
-            for bucket in stride * STRIDE..(stride + 1) * STRIDE {
-                let caps = &histogram.caps[bucket];
-                if !above(caps) {
-                    continue;
-                }
-                for lane in (side..N).step_by(2).filter(|&lane| caps[lane] > least) {
-                    let slot = group * self.shape.slots + lane / 2;
-                    if slot < p {
-                        self.candidates.push(Candidate {
-                            cap: caps[lane].widen(),
-                            slot,
-                            bucket,
-                        });
-                    }
-                }
-            }
-        }
-        self.candidates.sort_unstable_by(|a, b| b.cmp(a));
-    }
-
-    /// Largest gain of a cut inside a bucket, on one side.
-    fn walk(
-        &mut self,
-        samples: &Samples,
-        place: &Place<'_>,
-        group: usize,
-        side: usize,
-        candidate: Candidate,
-    ) -> i64 {
-        let Candidate { slot, bucket, .. } = candidate;
-        let mut left = std::mem::take(&mut self.left);
-        left.resize(self.whole.len(), 0);
-        let lane = 2 * (slot % self.shape.slots) + side;
-        self.groups[group].running_sums(lane, bucket, self.shape.rows, &mut left);
-        let table = &self.tables[self.used];
-        let feature = table.feature_of_slot[slot];
-        let ranks = samples.ranks_of(feature);
-        let members = table.members(samples, place.view.list(feature), feature, bucket);
-        let (mut best, mut last) = (i64::MIN, None);
-        for &i in members
-            .iter()
-            .filter(|&&i| place.k == 0 || place.is_on(side, i))
-        {
-            let rank = ranks[i as usize];
-            if last.is_some_and(|before| before != rank) {
-                best = best.max(split_gain(&left, &self.totals[side]));
-            }
-            samples.count(i, 1, &mut left);
-            last = Some(rank);
-        }
-        self.left = left;
-        best
     }
 
     /// By lane, the best gain of a group at a bucket edge and the largest that any of its stumps may have.
@@ -367,39 +277,5 @@ impl<T: Lane, const N: usize, const S: usize> Stumps for Buckets<T, N, S> {
             .map(|table| 4 * table.offsets.len())
             .sum::<usize>();
         tables + self.groups.iter().map(Histogram::bytes).sum::<usize>()
-    }
-}
-
-impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
-    /// Look inside buckets, the side of the wider doubt first, until the stumps are exact or close the interval.
-    fn finish(
-        &mut self,
-        samples: &Samples,
-        place: &Place<'_>,
-        sides: &mut Sides,
-        first: usize,
-        close: i64,
-    ) {
-        let n = self.groups.len();
-        loop {
-            let reach = |side: usize| {
-                (0..n)
-                    .map(|g| (self.reaches[first + g][side], g))
-                    .max()
-                    .unwrap_or((0, 0))
-            };
-            let widest = [reach(0), reach(1)];
-            let doubt = [0, 1].map(|side| widest[side].0 - sides.best[side]);
-            let side = usize::from(doubt[1] > doubt[0]);
-            let gains = [0, 1].map(|side| widest[side].0.max(sides.best[side]));
-            if doubt[side] <= 0 || sides.is_closed(gains, place.target, close) {
-                return;
-            }
-            let group = widest[side].1;
-            let other = gains[1 - side];
-            let mut reach = [other, other];
-            self.refine(samples, place, (group, side), sides, &mut reach, close);
-            self.reaches[first + group][side] = reach[side];
-        }
     }
 }
