@@ -13,6 +13,7 @@ use crate::python::{NodeRow, PyProblem, keep_going, limits, rows_from_tree, stop
 type Found = (Vec<NodeRow>, i64, i64, &'static str, u64);
 
 /// Find an optimal tree with splits over up to two features.
+#[allow(clippy::too_many_arguments)]
 #[pyfunction(name = "two_feature_branch_and_bound")]
 #[pyo3(signature = (problem, n_threads, limit_values, known=None, seed=0, off=Vec::new(),
     progress=None))]
