@@ -63,6 +63,7 @@ def two_feature_branch_and_bound(
     known: int | None = None,
     seed: int = 0,
     off: list[str] = ...,
+    preferred: int | None = None,
     progress: Callable[[float, int, int, int], None] | None = None,
 ) -> tuple[list[NodeRow], int, int, str, int]:
     """Return node table, objective, bound, stop and number of boxes."""

@@ -38,6 +38,7 @@ def two_feature_branch_and_bound(
     n_jobs: int = 1,
     progress: ProgressCallback | None = None,
     proof: str | Path | None = None,
+    whole_coefficients: int | None = None,
     _off: Sequence[str] = (),
 ) -> Solution:
     """Return a proven optimal tree, or the best tree and the bound when a limit is reached.
@@ -50,6 +51,8 @@ def two_feature_branch_and_bound(
         n_jobs: threads; the result does not depend on them.
         progress: called every few hundredths of a second.
         proof: file for a log that `octmip.proof.check_proof` verifies; it takes a second search, about as long.
+        whole_coefficients: lines get whole-numbered coefficients of at most this size wherever some part the node's
+            samples alike. A wish; `Problem.integer_normals` is a condition.
         _off: names of prunes and bounds to do without (`_native.two_feature_prunes()`), for tests.
 
     Raises:
@@ -63,10 +66,12 @@ def two_feature_branch_and_bound(
     rows, _, bound, stop, n_nodes = _native.two_feature_branch_and_bound(
         native,
         n_jobs,
-        (limits.seconds, limits.gap, limits.nodes, limits.memory),
+        # What was spent on ranks counts, too.
+        (limits.seconds - (time.perf_counter() - start), limits.gap, limits.nodes, limits.memory),
         None if incumbent is None else _whole_objective(problem, costs, incumbent),
         seed % 2**64,
         list(_off),
+        whole_coefficients,
         _native_progress(progress, costs.unit),
     )
     if proof is not None:
@@ -89,8 +94,16 @@ def two_feature_branch_and_bound(
         version=_native.__version__,
         seed=seed,
         tolerance=costs.tolerance,
-        details={"arithmetic": "float64 as given", "thin": not met and stop == "finished"},
+        details=_details(problem, is_open=not met and stop == "finished"),
     )
+
+
+def _details(problem: Problem, *, is_open: bool) -> dict[str, object]:
+    details: dict[str, object] = {"arithmetic": "float64 as given"}
+    if problem.integer_normals is not None:
+        # Trees of real coefficients include those of whole ones: their bound holds, but need not be met.
+        return details | {"coefficients": "whole; the bound is that of real ones"}
+    return details | {"thin": is_open}
 
 
 def _check(problem: Problem, n_jobs: int) -> None:

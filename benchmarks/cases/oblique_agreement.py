@@ -46,7 +46,7 @@ def problems() -> Iterator[tuple[str, Problem, bool]]:
         for depth in (1, 2):
             data = table()
             problem = Problem(data.features, data.labels, depth=depth, split="hyperplane", split_size=2)
-            yield f"{name}, depth {depth}", problem, depth == 1 or problem.n_samples <= 15
+            yield f"{name}, depth {depth}", problem, problem.n_samples <= (30 if depth == 1 else 15)
 
 
 def _every(table: Table, step: int) -> Table:
@@ -56,16 +56,21 @@ def _every(table: Table, step: int) -> Table:
 def results(limit: float, threads: list[int]) -> Iterator[Line]:
     """Yield a line for each problem."""
     for name, problem, is_small in problems():
-        exact = two_feature_branch_and_bound(problem, limits=Limits(seconds=limit), n_jobs=threads[0])
-        certify(problem, exact)
-        line: Line = {"size": name, "limit": limit, "seed": 0, "threads": threads[0], "exact": exact.objective}
-        line |= {"exact_bound": exact.bound, "enumeration": best_objective(problem) if is_small else None}
-        start = local_search(problem, limits=Limits(seconds=limit)).tree
-        for method, solve in MIO.items():
-            mio = solve(problem, incumbent=start, n_jobs=threads[0], **cpu_limit(limit))
-            certify(problem, mio)
-            line |= {method: mio.objective, f"{method}_bound": mio.bound, f"{method}_proven": mio.is_optimal}
-        yield line | {"verdict": verdict(line)}
+        yield {"size": name, "seed": 0} | compared(problem, is_small, limit, threads[0])
+
+
+def compared(problem: Problem, is_small: bool, limit: float, n_threads: int) -> Line:
+    """Return what each program finds and proves of a problem, and the verdict."""
+    exact = two_feature_branch_and_bound(problem, limits=Limits(seconds=limit), n_jobs=n_threads)
+    certify(problem, exact)
+    line: Line = {"limit": limit, "threads": n_threads, "exact": exact.objective, "exact_bound": exact.bound}
+    line["enumeration"] = best_objective(problem) if is_small else None
+    start = local_search(problem, limits=Limits(seconds=limit)).tree
+    for method, solve in MIO.items():
+        mio = solve(problem, incumbent=start, n_jobs=n_threads, **cpu_limit(limit))
+        certify(problem, mio)
+        line |= {method: mio.objective, f"{method}_bound": mio.bound, f"{method}_proven": mio.is_optimal}
+    return line | {"verdict": verdict(line)}
 
 
 def verdict(line: Line) -> str:

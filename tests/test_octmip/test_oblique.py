@@ -138,15 +138,46 @@ def test_ctrl_c_returns_the_best_tree_and_a_bound() -> None:
     certify(problem, solution)
 
 
-def test_whole_numbered_coefficients_are_found_where_they_part_the_samples_alike() -> None:
-    rng = np.random.default_rng(3)
-    features = rng.normal(size=(60, 2))
-    labels = (2 * features[:, 0] - 3 * features[:, 1] > 0.1).astype(int)
-    problem = Problem(features, labels, depth=1, split="hyperplane", integer_normals=9)
-    solution = two_feature_branch_and_bound(problem)
-    assert solution.is_optimal
-    assert solution.objective == 0
-    certify(problem, solution)
+def parted_by(seed: int) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any], int]:
+    """Return samples, their sides of a line with whole-numbered coefficients, and the limit of these."""
+    rng = np.random.default_rng([80, seed])
+    most, n = int(rng.integers(1, 12)), int(rng.integers(4, 200))
+    features = rng.normal(size=(n, 2)) * rng.uniform(0.1, 100, 2)
+    reach = features @ rng.choice([-1, 1], 2) * most if seed % 9 == 0 else features @ rng.integers(-most, most + 1, 2)
+    return features, (reach > 0.3 * rng.normal() * np.abs(reach).mean()).astype(int), most
+
+
+def test_whole_numbered_coefficients_are_found_wherever_some_part_the_samples_alike() -> None:
+    asked = 0
+    for seed in range(60):
+        features, labels, most = parted_by(seed)
+        if len(set(labels.tolist())) == 2:
+            asked += 1
+            problem = Problem(features, labels, depth=1, split="hyperplane", integer_normals=most)
+            assert solve_and_certify(problem) == 0, f"seed {seed}"
+    assert asked > 50
+
+
+def test_whole_numbered_coefficients_may_be_a_wish() -> None:
+    features, labels, most = parted_by(3)
+    problem = Problem(features, labels, depth=1, split="hyperplane")
+    for wish in (most, 1):
+        tree = two_feature_branch_and_bound(problem, whole_coefficients=wish).tree
+        assert tree is not None
+        (split,) = splits(tree)
+        is_whole = isinstance(split, HyperplaneSplit) and all(c == round(c) for c in split.coefficients)
+        assert is_whole == (wish == most)
+
+
+def test_where_no_whole_numbered_coefficients_do_the_bound_is_that_of_real_ones() -> None:
+    features, labels, most = parted_by(3)
+    assert most > 1
+    solution = two_feature_branch_and_bound(
+        Problem(features, labels, depth=1, split="hyperplane", integer_normals=1, leaf_penalty=0)
+    )
+    assert solution.bound == 0 < solution.objective
+    assert solution.stop is Stop.FINISHED
+    assert solution.details["coefficients"] == "whole; the bound is that of real ones"
 
 
 @pytest.mark.parametrize("budget", [1.0, 2.0, 3.0])

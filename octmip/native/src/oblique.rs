@@ -47,14 +47,17 @@ pub fn solve(
     known: Option<i64>,
     seed: u64,
     switches: Switches,
+    preferred: Option<i64>,
     keep_going: KeepGoing,
 ) -> Option<Outcome> {
+    let watch = Watch::new(limits);
     let mut ground = Ground::new(problem);
     ground.switches = switches;
+    ground.preferred = preferred;
     match problem.depth {
-        1 => Some(solve_single(problem, &ground, limits, keep_going)),
+        1 => Some(solve_single(problem, &ground, &watch, keep_going)),
         2 => Some(pair::solve_pair(
-            problem, &ground, limits, n_threads, known, seed, keep_going,
+            problem, &ground, &watch, n_threads, known, seed, keep_going,
         )),
         _ => None,
     }
@@ -63,10 +66,9 @@ pub fn solve(
 fn solve_single(
     problem: &Problem,
     ground: &Ground,
-    limits: Limits,
+    watch: &Watch,
     keep_going: KeepGoing,
 ) -> Outcome {
-    let watch = Watch::new(limits);
     let ids = ground.all();
     let (_, label) = ground.loss.leaf(&ground.view().tally(&ids));
     let leaf =

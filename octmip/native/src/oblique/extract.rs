@@ -3,6 +3,7 @@
 use crate::problem::Problem;
 use crate::tree::{Node, Tree};
 
+use super::ends::hull;
 use super::ground::Ground;
 use super::loss::INFEASIBLE;
 use super::margin::widest_gap;
@@ -93,13 +94,16 @@ fn split_node(
     ];
     let largest = coefficients[0].abs().max(coefficients[1].abs());
     let real = [coefficients[0] / largest, coefficients[1] / largest];
-    let most = problem
-        .planes
-        .as_ref()
-        .and_then(|planes| planes.integer_normals);
-    let chosen = match most {
-        Some(most) => whole_normals(real, most)
-            .find(|&normal| offset_of(ground, (f, g), normal, left, right).is_some())?,
+    let planes = problem.planes.as_ref();
+    let demanded = planes.and_then(|planes| planes.integer_normals);
+    let whole = demanded.or(ground.preferred).and_then(|most| {
+        let cone = parting_cone(ground, (f, g), real, left, right)?;
+        whole_normals(real, cone, most)
+            .find(|&normal| offset_of(ground, (f, g), normal, left, right).is_some())
+    });
+    let chosen = match whole {
+        Some(normal) => normal,
+        None if demanded.is_some() => return None,
         None => real,
     };
     let offset = offset_of(ground, (f, g), chosen, left, right)?;
@@ -124,17 +128,72 @@ fn axis_node(f: usize, cut: u32) -> Node {
     }
 }
 
-/// Whole-number normals of at most this size near a direction, the shortest first.
-fn whole_normals(direction: [f64; 2], most: i64) -> impl Iterator<Item = [f64; 2]> {
-    const TRIED: i64 = 10_000;
-    (1..=most.min(TRIED)).flat_map(move |size| {
-        let at = size as f64;
-        let near = direction.map(|c| (c * at).round());
-        let steps = [[0.0, 0.0], [1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]];
-        steps.into_iter().filter_map(move |step| {
-            let normal = [near[0] + step[0], near[1] + step[1]];
-            let fits = normal.iter().all(|c| c.abs() <= most as f64);
-            (fits && normal != [0.0, 0.0]).then_some(normal)
+/// How far a normal can turn to either side (tangents of the angles, the right-hand one negative) and still part two sets.
+///
+/// A normal parts them if every way from left to right runs along it; ways between corners of the hulls decide.
+fn parting_cone(
+    ground: &Ground,
+    (f, g): (usize, usize),
+    normal: [f64; 2],
+    left: &[u32],
+    right: &[u32],
+) -> Option<[f64; 2]> {
+    let plane = &ground.plane;
+    let (x, y) = (plane.column(f), plane.column(g));
+    let (from, to) = (hull(plane, (f, g), left)?, hull(plane, (f, g), right)?);
+    let mut cone = [f64::NEG_INFINITY, f64::INFINITY];
+    for (&i, &j) in from.iter().flat_map(|i| to.iter().map(move |j| (i, j))) {
+        let (i, j) = (i as usize, j as usize);
+        let way = [
+            (x[j] - x[i]) * plane.half_spans[f],
+            (y[j] - y[i]) * plane.half_spans[g],
+        ];
+        let along = normal[0] * way[0] + normal[1] * way[1];
+        let across = normal[0] * way[1] - normal[1] * way[0];
+        // normal + turn * (normal turned left) runs along the way while along + turn * across > 0.
+        let turn = -along / across;
+        if across > 0.0 {
+            cone[0] = cone[0].max(turn);
+        } else if across < 0.0 {
+            cone[1] = cone[1].min(turn);
+        }
+    }
+    Some(cone)
+}
+
+/// Whole-number normals of at most this size within a cone about a direction, the shortest first.
+///
+/// One coefficient after the other takes each size in turn; where the cone's edges meet that size lies between what the
+/// other may be, and whole numbers there, the middle ones first, are tried.
+fn whole_normals(direction: [f64; 2], cone: [f64; 2], most: i64) -> impl Iterator<Item = [f64; 2]> {
+    const TRIED: i64 = 100_000;
+    const NEAR: [f64; 5] = [0.0, 1.0, -1.0, 2.0, -2.0];
+    // The cone within the quarter turns about the direction; parallels beyond are reached from the other coefficient.
+    let edges = cone.map(|turn| {
+        let turn = turn.clamp(-1e9, 1e9);
+        let [a, b] = direction;
+        [a - turn * b, b + turn * a]
+    });
+    let sizes = (1..=most.min(TRIED)).map(|size| size as f64);
+    sizes.flat_map(move |size| {
+        let tries = (0..2).flat_map(move |k| [size, -size].map(|value| (k, value)));
+        tries.flat_map(move |(k, value)| {
+            // Where the edge rays pass this value of coefficient k, if they do.
+            let at = |edge: [f64; 2]| {
+                let scale = value / edge[k];
+                let other = (edge[1 - k] * scale).clamp(-size, size);
+                let far = if edge[1 - k] > 0.0 { size } else { -size };
+                if scale > 0.0 { other } else { far }
+            };
+            let (low, high) = (at(edges[0]), at(edges[1]));
+            let middle = ((low + high) / 2.0).round();
+            let is_met = edges.iter().any(|edge| edge[k] * value > 0.0);
+            NEAR.into_iter().filter_map(move |step| {
+                let mut normal = [value; 2];
+                normal[1 - k] = middle + step;
+                let is_inside = low.min(high) <= normal[1 - k] && normal[1 - k] <= low.max(high);
+                (is_met && is_inside).then_some(normal)
+            })
         })
     })
 }

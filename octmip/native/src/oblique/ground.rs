@@ -18,6 +18,8 @@ pub struct Ground {
     pub weights: Vec<i64>,
     /// Costs and prices.
     pub loss: Loss,
+    /// Coefficients become whole numbers of at most this size where some part the samples alike.
+    pub preferred: Option<i64>,
     /// What to do without.
     pub switches: Switches,
     /// Charts that a split may come from, as pairs of features; (f, p) is an axis-aligned split of f.
@@ -37,6 +39,7 @@ impl Ground {
             labels: problem.labels.clone(),
             weights: problem.weights.iter().map(|weight| weight * unit).collect(),
             loss,
+            preferred: None,
             switches: Switches::default(),
             charts: charts_of(problem),
         }

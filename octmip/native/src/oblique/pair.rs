@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::control::{KeepGoing, Limits, Outcome, Stop};
+use crate::control::{KeepGoing, Outcome, Stop};
 use crate::problem::Problem;
 use crate::tree::Tree;
 
@@ -28,13 +28,12 @@ const STARTS: usize = 24;
 pub fn solve_pair(
     problem: &Problem,
     ground: &Ground,
-    limits: Limits,
+    watch: &Watch,
     n_threads: usize,
     known: Option<i64>,
     seed: u64,
     keep_going: KeepGoing,
 ) -> Outcome {
-    let watch = Watch::new(limits);
     let leaf = draw(problem, ground, &Sketch::Leaf);
     let (tree, objective) = leaf.unwrap_or((Tree::leaf(0), INFEASIBLE));
     let outcome = |tree, objective, bound, stop, n_nodes| Outcome {
@@ -45,7 +44,8 @@ pub fn solve_pair(
         n_nodes,
     };
     let cells = (ground.charts.len() * ground.plane.n) as f64;
-    let n_strips = (limits.memory / 2.0 / cells.max(1.0) - 1.0).min(MOST_STRIPS as f64) as usize;
+    let n_strips =
+        (watch.limits.memory / 2.0 / cells.max(1.0) - 1.0).min(MOST_STRIPS as f64) as usize;
     let sets = affordable_sets(problem);
     let (Some(sets), true) = (sets, n_strips >= LEAST_STRIPS) else {
         return outcome(tree, objective, 0, Stop::Memory, 0);
@@ -78,7 +78,7 @@ pub fn solve_pair(
     let roots = strips
         .iter()
         .flat_map(|strips| roots_of(&field, strips, floor));
-    let mut queue = Queue::new(&field, &watch, n_threads, roots.collect(), upper);
+    let mut queue = Queue::new(&field, watch, n_threads, roots.collect(), upper);
     for sketch in &first {
         queue.offer(sketch);
     }

@@ -15,7 +15,7 @@ type Found = (Vec<NodeRow>, i64, i64, &'static str, u64);
 /// Find an optimal tree with splits over up to two features.
 #[allow(clippy::too_many_arguments)]
 #[pyfunction(name = "two_feature_branch_and_bound")]
-#[pyo3(signature = (problem, n_threads, limit_values, known=None, seed=0, off=Vec::new(),
+#[pyo3(signature = (problem, n_threads, limit_values, known=None, seed=0, off=Vec::new(), preferred=None,
     progress=None))]
 pub fn py_two_feature_branch_and_bound(
     py: Python<'_>,
@@ -25,6 +25,7 @@ pub fn py_two_feature_branch_and_bound(
     known: Option<i64>,
     seed: u64,
     off: Vec<String>,
+    preferred: Option<i64>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Found> {
     let mut switches = Switches::default();
@@ -43,6 +44,7 @@ pub fn py_two_feature_branch_and_bound(
             known,
             seed,
             switches,
+            preferred,
             &mut go_on,
         )
     });
