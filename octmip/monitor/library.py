@@ -5,7 +5,7 @@ Near a state s the strains at load factor L are  L * (strains_s + slopes_s . del
 """
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -168,12 +168,6 @@ def library_of(
     def ask(at: Floats) -> Floats:
         return np.asarray(predict_states(twin, at, load_factor)[:, columns] / load_factor)
 
-    slopes = np.zeros((len(states), states.shape[1], len(names)))
-    for k, width in enumerate(widths):
-        low, high = states.copy(), states.copy()
-        low[:, k], high[:, k] = np.maximum(states[:, k] - width / 2, 0.0), np.minimum(states[:, k] + width / 2, 1.0)
-        if width > 0:
-            slopes[:, k] = (ask(high) - ask(low)) / (high[:, k] - low[:, k])[:, None]
     is_linear = bool(getattr(twin, "is_linear_in_load", False))
     return Library(
         tuple(twin.parameters),
@@ -182,9 +176,20 @@ def library_of(
         ask(states),
         np.asarray(noise_sd, dtype=np.float64),
         np.array(widths, dtype=np.float64),
-        slopes,
+        _slopes(ask, states, widths, len(names)),
         None if is_linear else load_factor,
     )
+
+
+def _slopes(ask: Callable[[Floats], Floats], states: Floats, widths: Sequence[float], n_gauges: int) -> Floats:
+    """Return the change (n_states, n_parameters, n_gauges) of the strains across each cell, per unit of parameter."""
+    slopes = np.zeros((len(states), states.shape[1], n_gauges))
+    for k, width in enumerate(widths):
+        low, high = states.copy(), states.copy()
+        low[:, k], high[:, k] = np.maximum(states[:, k] - width / 2, 0.0), np.minimum(states[:, k] + width / 2, 1.0)
+        if width > 0:
+            slopes[:, k] = (ask(high) - ask(low)) / (high[:, k] - low[:, k])[:, None]
+    return slopes
 
 
 def _frozen(values: ArrayLike, name: str, shape: tuple[int, ...]) -> Floats:

@@ -147,3 +147,15 @@ def test_a_watch_that_cannot_be_is_refused(library):
     few = library_of(LinearBeam(), grid_states([(0.0, 0.4, 0.8), (0.0, 0.4)]), SD, gauges=("g01", "g16"))
     with pytest.raises(ProblemError, match="can explain any reading of 2 gauges"):
         Watch(few)
+
+
+def test_one_asset_can_be_taken_back_and_the_others_stay(watch, library):
+    vigil = watch.start(3)
+    far = 3.0 * library.strains[:3] + 3.0 * BUMP * 5
+    for _ in range(4):
+        vigil = watch.observe(vigil, far, 3.0)
+    back = watch.restarted(vigil, 1)
+    assert back.is_alarm.tolist() == [True, False, True] and not back.sums[1].any()
+    assert np.array_equal(back.log_evidence[[0, 2]], vigil.log_evidence[[0, 2]])
+    quiet = watch.observe(back, 3.0 * library.strains[:3], 3.0)
+    assert not quiet.is_alarm[1] and quiet.p_value[1] > 0.99
