@@ -37,10 +37,12 @@ def default_values(problem: Problem, over: Literal["depth", "budget"]) -> tuple[
     Depths from 1 to the problem's; as many sensors as a tree of its depth can read, where each costs 1.
 
     Raises:
-        ProblemError: sensors have other costs, so that budgets must be named.
+        ProblemError: sensors have other costs, so that budgets must be named; or `over` is neither of the two.
     """
     if over == "depth":
         return tuple(range(1, problem.depth + 1))
+    if over != "budget":
+        raise ProblemError(f"over is {over!r}; expected depth or budget; penalties of interest come from trace_path")
     if (problem.sensor_costs != 1).any():
         raise ProblemError("sensors do not cost 1 each, so the budgets of interest are not 1, 2, ...; name the values")
     readable = (2**problem.depth - 1) * problem.max_split_size

@@ -68,3 +68,8 @@ def test_budgets_must_be_named_where_sensors_differ_in_cost():
     with pytest.raises(ProblemError, match="name the values"):
         trace_frontier(dear, "budget")
     assert len(trace_frontier(dear, "budget", [2, 3], method="cart")) == 2
+
+
+def test_penalties_have_no_default_values_without_their_path():
+    with pytest.raises(ProblemError, match="over is 'penalty'; expected depth or budget"):
+        default_values(PROBLEM, "penalty")
