@@ -52,7 +52,7 @@ def test_a_small_study_runs_goes_on_from_what_it_kept_and_is_written(means: Mean
 def test_a_line_of_other_readings_restarts_or_core_is_not_taken(
     means: MeanStrains, tmp_path: Path, monkeypatch
 ) -> None:
-    cells, kept = some_cells()[:1], tmp_path / "lines.jsonl"
+    cells, kept = [Cell("mu1", "all", 3, 2, "errors", 0)], tmp_path / "lines.jsonl"
     kept_lines.run(cells, means, 1, 1, kept, SMALL)
     kept_lines.run(cells, means, 2, 1, kept, SMALL)
     kept_lines.run(cells, means, 1, 1, kept, Recipe(samples_per_state=5))

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from joblib import Parallel, delayed
 
-from benchmarks.uav.complexity.cells import Cell, Line, restarts_of, run_cells
+from benchmarks.uav.complexity.cells import Cell, Line, effort_of, run_cells
 from femlib.dataset import MeanStrains, Recipe
 from octmip import _native
 
@@ -57,5 +57,5 @@ def _read(kept: Path) -> dict[str, Line]:
 def _key(cell: Cell, means: MeanStrains, recipe: Recipe, restarts: int) -> str:
     sha = hashlib.sha256(Path(_native.__file__).read_bytes())
     sha.update(means.strain_microstrain.tobytes())
-    sha.update(json.dumps([asdict(cell), asdict(recipe), restarts_of(cell, restarts)], sort_keys=True).encode())
+    sha.update(json.dumps([asdict(cell), asdict(recipe), effort_of(cell, restarts)], sort_keys=True).encode())
     return sha.hexdigest()
