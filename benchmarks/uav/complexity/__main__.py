@@ -45,7 +45,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("grid", choices=("study", "paper"), help="depth x split size, or the paper's own figures")
     parser.add_argument("--source", choices=("published", "wing"), default="published", help="the strains")
     parser.add_argument("--seeds", type=int, default=20)
-    parser.add_argument("--restarts", type=int, default=4, help="of hyperplanes for mu2; mu1: five times as many")
+    parser.add_argument("--restarts", type=int, default=4, help="of hyperplanes for mu2; others: five times as many")
     parser.add_argument("--jobs", type=int, default=1, help="processes")
     parser.add_argument("--out", default="results/uav/complexity")
     return parser
