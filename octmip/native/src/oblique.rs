@@ -36,28 +36,36 @@ use loss::INFEASIBLE;
 use switches::Switches;
 use watch::Watch;
 
+/// How to search.
+#[derive(Debug, Clone, Copy)]
+pub struct Options {
+    /// When to stop early.
+    pub limits: Limits,
+    /// Threads; the result does not depend on them.
+    pub n_threads: usize,
+    /// Trees of this cost and more are of no interest.
+    pub known: Option<i64>,
+    /// Of the first trees' random choices.
+    pub seed: u64,
+    /// What to do without.
+    pub switches: Switches,
+    /// Coefficients become whole numbers of at most this size where some part the samples alike.
+    pub whole_coefficients: Option<i64>,
+}
+
 /// Find an optimal tree of depth 1 or 2 and prove it so.
 ///
 /// The bound holds for every tree whose lines are taken in exact arithmetic over the values as given. Returns None for
 /// deeper trees.
-pub fn solve(
-    problem: &Problem,
-    limits: Limits,
-    n_threads: usize,
-    known: Option<i64>,
-    seed: u64,
-    switches: Switches,
-    preferred: Option<i64>,
-    keep_going: KeepGoing,
-) -> Option<Outcome> {
-    let watch = Watch::new(limits);
+pub fn solve(problem: &Problem, options: &Options, keep_going: KeepGoing) -> Option<Outcome> {
+    let watch = Watch::new(options.limits);
     let mut ground = Ground::new(problem);
-    ground.switches = switches;
-    ground.preferred = preferred;
+    ground.switches = options.switches;
+    ground.preferred = options.whole_coefficients;
     match problem.depth {
         1 => Some(solve_single(problem, &ground, &watch, keep_going)),
         2 => Some(pair::solve_pair(
-            problem, &ground, &watch, n_threads, known, seed, keep_going,
+            problem, &ground, &watch, options, keep_going,
         )),
         _ => None,
     }

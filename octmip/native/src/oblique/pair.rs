@@ -6,6 +6,7 @@ use crate::control::{KeepGoing, Outcome, Stop};
 use crate::problem::Problem;
 use crate::tree::Tree;
 
+use super::Options;
 use super::boxes::{Child, Field, RootBox};
 use super::budget::affordable_sets;
 use super::chart::Chart;
@@ -24,14 +25,12 @@ const LEAST_STRIPS: usize = 4;
 /// Random roots to start from.
 const STARTS: usize = 24;
 
-/// Find the best tree of depth 2 or less; trees of `known` and more are of no interest.
+/// Find the best tree of depth 2 or less; see `Options` for what is known.
 pub fn solve_pair(
     problem: &Problem,
     ground: &Ground,
     watch: &Watch,
-    n_threads: usize,
-    known: Option<i64>,
-    seed: u64,
+    options: &Options,
     keep_going: KeepGoing,
 ) -> Outcome {
     let leaf = draw(problem, ground, &Sketch::Leaf);
@@ -52,7 +51,7 @@ pub fn solve_pair(
     };
     let all = ground.all();
     let floor = floor_of(ground);
-    let upper = known.unwrap_or(objective).min(objective);
+    let upper = options.known.unwrap_or(objective).min(objective);
     let prepared = watch.over(&mut *keep_going, upper, || {
         let charts = ground.charts.iter();
         let field = Field {
@@ -69,7 +68,7 @@ pub fn solve_pair(
         let first: Vec<Sketch> = strips
             .iter()
             .take(8)
-            .filter_map(|strips| first_tree(&field, strips, STARTS, seed, floor))
+            .filter_map(|strips| first_tree(&field, strips, STARTS, options.seed, floor))
             .map(|(_, sketch)| sketch)
             .collect();
         (field, strips, first)
@@ -78,7 +77,7 @@ pub fn solve_pair(
     let roots = strips
         .iter()
         .flat_map(|strips| roots_of(&field, strips, floor));
-    let mut queue = Queue::new(&field, watch, n_threads, roots.collect(), upper);
+    let mut queue = Queue::new(&field, watch, options.n_threads, roots.collect(), upper);
     for sketch in &first {
         queue.offer(sketch);
     }

@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use crate::control::Limits;
 use crate::oblique::switches::Switches;
 use crate::oblique::watch::Watch;
-use crate::oblique::{proof, solve};
+use crate::oblique::{Options, proof, solve};
 use crate::python::{NodeRow, PyProblem, keep_going, limits, rows_from_tree, stop_name};
 
 /// Node table, objective, bound, stop, boxes searched.
@@ -34,19 +34,18 @@ pub fn py_two_feature_branch_and_bound(
             .by_name(name)
             .ok_or_else(|| PyValueError::new_err(format!("no prune is called {name}")))? = false;
     }
+    let options = Options {
+        limits: limits(limit_values),
+        n_threads,
+        known,
+        seed,
+        switches,
+        whole_coefficients: preferred,
+    };
     let mut error = None;
     let outcome = py.detach(|| {
         let mut go_on = keep_going(progress.as_ref(), &mut error);
-        solve(
-            &problem.inner,
-            limits(limit_values),
-            n_threads,
-            known,
-            seed,
-            switches,
-            preferred,
-            &mut go_on,
-        )
+        solve(&problem.inner, &options, &mut go_on)
     });
     if let Some(raised) = error {
         return Err(raised);
