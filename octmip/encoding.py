@@ -67,12 +67,7 @@ class IntegerCosts:
 
 def rank_features(problem: Problem) -> Ranks:
     """Return the dense ranks of every feature of a problem."""
-    ranks = np.empty((problem.n_features, problem.n_samples), dtype=np.uint32)
-    values = []
-    for feature in range(problem.n_features):
-        distinct, inverse = np.unique(problem.features[:, feature], return_inverse=True)
-        ranks[feature] = inverse
-        values.append(distinct)
+    ranks, values = _native.dense_ranks(problem.features)
     return Ranks(ranks, tuple(values))
 
 

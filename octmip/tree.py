@@ -87,13 +87,16 @@ def midpoint(low: float, high: float) -> float:
     return middle if low <= middle < high else low
 
 
-def goes_left(split: Split | HyperplaneSplit, features: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Return which rows of `features` (n_samples, n_features) go left at `split`, shape (n_samples,)."""
+def goes_left(
+    split: Split | HyperplaneSplit, features: NDArray[np.float64], rows: NDArray[np.int64] | slice = slice(None)
+) -> NDArray[np.bool_]:
+    """Return which of the `rows` of `features` (n_samples, n_features) go left at `split`, shape (n_rows,)."""
+    # Only the columns that are asked for: gathering whole rows costs more than all else where features are many.
     if isinstance(split, Split):
-        return features[:, split.feature] <= split.threshold
-    total = np.zeros(len(features))
+        return features[rows, split.feature] <= split.threshold
+    total = np.zeros_like(features[rows, split.features[0]])
     for feature, coefficient in zip(split.features, split.coefficients, strict=True):
-        total += coefficient * features[:, feature]
+        total += coefficient * features[rows, feature]
     return total <= split.offset
 
 
@@ -108,7 +111,7 @@ def leaf_index(tree: Node, features: NDArray[np.float64]) -> NDArray[np.int64]:
             index[rows] = first
             first += 1
         else:
-            left = goes_left(node, features[rows])
+            left = goes_left(node, features, rows)
             stack += [(node.right, rows[~left]), (node.left, rows[left])]
     return index
 

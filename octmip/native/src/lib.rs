@@ -11,6 +11,7 @@ pub mod control;
 pub mod exact;
 pub mod oblique;
 pub mod problem;
+pub mod ranks;
 pub mod search;
 pub mod tree;
 

@@ -3,6 +3,7 @@
 mod check;
 mod exact;
 mod oblique;
+mod ranks;
 mod search;
 
 use std::time::{Duration, Instant};
@@ -221,6 +222,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(oblique::prove_lines, module)?)?;
     module.add_function(wrap_pyfunction!(check::py_check_lines, module)?)?;
     module.add_function(wrap_pyfunction!(check::py_check, module)?)?;
+    module.add_function(wrap_pyfunction!(ranks::dense_ranks, module)?)?;
     module.add_function(wrap_pyfunction!(search::py_search, module)?)?;
     module.add_class::<PyProblem>()?;
     exact::register(module)

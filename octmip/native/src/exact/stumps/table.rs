@@ -163,13 +163,12 @@ impl Table {
 }
 
 /// Where buckets end in a list: as long as the swing outside the largest column keeps to the quota, and mixed ones
-/// as long as few samples have to be walked.
+/// as long as few samples have to be walked; given up past `most` of them.
 fn mark_ends(
     samples: &Samples,
     list: &[u32],
     f: usize,
-    quota: i64,
-    longest: usize,
+    (quota, longest, most): (i64, usize, usize),
     ends: &mut Vec<u32>,
 ) {
     let ranks = samples.ranks_of(f);
@@ -177,7 +176,7 @@ fn mark_ends(
     let (mut mass, mut top, mut first) = (0, 0, 0);
     ends.clear();
     let mut start = 0;
-    while start < list.len() {
+    while start < list.len() && ends.len() <= most {
         let rank = ranks[list[start] as usize];
         let mut end = start;
         loop {
@@ -214,7 +213,7 @@ fn mark_all(
     ends: &mut [Vec<u32>],
 ) -> bool {
     ends.iter_mut().enumerate().all(|(f, ends)| {
-        mark_ends(samples, view.list(f), f, quota, longest, ends);
+        mark_ends(samples, view.list(f), f, (quota, longest, most), ends);
         ends.len() <= most
     })
 }
