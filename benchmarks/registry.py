@@ -37,6 +37,8 @@ FAMILIES = {
     "exact_growth": "benchmarks.cases.exact_growth",
     "exact_proofs": "benchmarks.cases.exact_proofs",
     "search_hits": "benchmarks.cases.search_hits",
+    "search_planes": "benchmarks.cases.search_planes",
+    "search_growth": "benchmarks.cases.search_growth",
     "fuzz_exact": "benchmarks.cases.fuzz_exact",
     "fuzz_proofs": "benchmarks.cases.fuzz_proofs",
     "mio_forms": "benchmarks.cases.mio_forms",

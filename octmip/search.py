@@ -24,12 +24,13 @@ from numpy.typing import NDArray
 from octmip import _native
 from octmip.encoding import integer_costs, native_problem, rank_features, rows_from_tree, tree_from_rows
 from octmip.errors import ProblemError
+from octmip.polish import polished
 from octmip.problem import Problem
 from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop
 from octmip.tree import Leaf, Node, centred, goes_left, predict, simplify, without_empty_sides
 
-RESTARTS = 18
-KICKS = 16
+# Restarts, and kicks in a row without a better tree that end one: hyperplanes profit from longer restarts.
+EFFORT = {"axis": (18, 16), "hyperplane": (6, 60)}
 
 
 def local_search(
@@ -40,8 +41,8 @@ def local_search(
     seed: int = 0,
     n_jobs: int = 1,
     progress: ProgressCallback | None = None,
-    restarts: int = RESTARTS,
-    kicks: int = KICKS,
+    restarts: int | None = None,
+    kicks: int | None = None,
 ) -> Solution:
     """Return the best tree that a local search finds.
 
@@ -52,8 +53,10 @@ def local_search(
         seed: of the restarts' random streams.
         n_jobs: threads.
         progress: called every few hundredths of a second.
-        restarts: independent starts.
-        kicks: a restart ends after so many kicks in a row without a better tree.
+        restarts: independent starts; by default those of `EFFORT`.
+        kicks: a restart ends after so many kicks in a row without a better tree (a quarter of that before the better
+            restarts are chosen, twice that for the last). With `restarts=1, kicks=0` the answer is quick: one descent
+            and exact blocks of two levels.
 
     Returns:
         The solution; its bound is -inf, or the objective where no cost at all is left (`Stop.OPTIMAL`).
@@ -61,6 +64,8 @@ def local_search(
     Raises:
         ProblemError: `restarts` or `n_jobs` is below 1, or `kicks` below 0.
     """
+    restarts = EFFORT[problem.split][0] if restarts is None else restarts
+    kicks = EFFORT[problem.split][1] if kicks is None else kicks
     for name, value, least in (("restarts", restarts, 1), ("n_jobs", n_jobs, 1), ("kicks", kicks, 0)):
         if value < least:
             raise ProblemError(f"{name} is {value}; expected {least} or more")
@@ -116,8 +121,9 @@ def _native_progress(progress: ProgressCallback | None, unit: float) -> Callable
 
 
 def _finished(problem: Problem, tree: Node) -> Node:
-    """Return the tree with leaves labelled by the true costs, idle splits removed and thresholds in mid-gap."""
-    return centred(simplify(_labelled(problem, tree, np.arange(problem.n_samples))), problem.features)
+    """Return the tree with leaves labelled by the true costs, no idle splits, thresholds in mid-gap, simple planes."""
+    simple = simplify(_labelled(problem, tree, np.arange(problem.n_samples)))
+    return polished(problem, centred(simple, problem.features))
 
 
 def _labelled(problem: Problem, tree: Node, rows: NDArray[np.int64]) -> Node:

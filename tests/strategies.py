@@ -38,6 +38,32 @@ def random_problem(rng: Generator, *, max_samples: int = 10, max_features: int =
     return Problem(_features(rng, n, p), labels, **options)
 
 
+def hyperplane_problem(rng: Generator, **sizes: int) -> Problem:
+    """Return a random problem with hyperplane splits: sizes, groups and integer normals as they come."""
+    axis = random_problem(rng, **sizes)
+    options: dict[str, Any] = {"split_size": int(rng.integers(2, 5))} if rng.random() < 0.5 else {}
+    if rng.random() < 0.3:
+        options["integer_normals"] = int(rng.integers(1, 8))
+    if rng.random() < 0.3:
+        groups = [np.flatnonzero(rng.random(axis.n_features) < 0.6).tolist() for _ in range(2)]
+        options["allowed_splits"] = [group for group in groups if group] or [[0]]
+    return Problem(
+        axis.features,
+        axis.labels,
+        depth=axis.depth,
+        split="hyperplane",
+        leaf_size=axis.leaf_size,
+        leaf_penalty=axis.leaf_penalty,
+        weights=axis.weights,
+        costs=axis.costs,
+        sensor_of_feature=axis.sensor_of_feature,
+        sensor_cost=axis.sensor_costs.tolist(),
+        sensor_budget=axis.sensor_budget,
+        class_names=axis.class_names,
+        **options,
+    )
+
+
 def _features(rng: Generator, n: int, p: int) -> NDArray[np.float64]:
     columns = []
     for _ in range(p):

@@ -23,6 +23,7 @@ LEVELS = {
         "solution": 2,
         "table": 2,
         "encoding": 3,
+        "polish": 3,
         "certificate": 4,
         "tree_file": 4,
         "proof": 4,

@@ -20,7 +20,7 @@ from octmip.solver import solve
 
 DEPTHS = (2, 3, 4)
 N_SEEDS = int(os.environ.get("SEARCH_SEEDS", "10"))
-MOST_SAMPLES = 20_000
+MOST_SAMPLES = int(os.environ.get("SEARCH_SAMPLES", "20000"))
 # Proven by the exact core in minutes (docs/benchmarks.md), by name and depth; and how long one search may take [s].
 UNBEATEN = {("synthetic UAV B", 4): 341.0, ("published mu2, seed 0", 4): 953.0}
 SEARCH_LIMIT = 10.0

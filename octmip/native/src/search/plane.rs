@@ -1,6 +1,7 @@
 //! The best hyperplane of one node, the rest of the tree fixed: many lines of hyperplanes, one after the other.
 
 mod lean;
+mod pair;
 mod shake;
 
 use crate::search::ground::Ground;
@@ -31,6 +32,7 @@ const RANDOM_DIRECTIONS: usize = 4;
 const MOST_FEATURES: usize = 24;
 /// Swaps of a feature, and pairs of features, that one visit tries.
 const MOST_SWAPS: usize = 6;
+const MOST_PAIRS: usize = 3;
 /// Share of the gain that a line may lose before it is given up, and how seldom it may lose all.
 const PATIENCE: f64 = 0.03;
 const PATIENT_ONE_IN: u32 = 8;
@@ -151,6 +153,9 @@ impl<'a> PlaneAtWork<'a> {
                 .iter()
                 .take(MOST_SWAPS)
                 .for_each(|&f| self.swap(view, room, f, rng));
+        }
+        if self.ground.split_size() == 2 {
+            (0..MOST_PAIRS).for_each(|_| self.try_pair(view, room, rng));
         }
     }
 

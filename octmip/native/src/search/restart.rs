@@ -37,7 +37,7 @@ pub struct Round<'t> {
 }
 
 impl<'t> Round<'t> {
-    /// Beginning, going on, and the last one.
+    /// Beginning, going on, and the last one. Without kicks the search is to be quick: blocks of two levels alone.
     pub fn all(options: Options, known: Option<&'t Tree>) -> [Self; 3] {
         let round = |n_kicks, work, deepest| Self {
             n_kicks,
@@ -46,6 +46,9 @@ impl<'t> Round<'t> {
             known,
         };
         let n = options.n_kicks;
+        if n == 0 {
+            return [round(0, 0.0, 2); 3];
+        }
         [round(n / 4, 1e7, 3), round(n, 1e7, 3), round(2 * n, 2e7, 4)]
     }
 }
@@ -162,7 +165,11 @@ impl<'a> Restart<'a> {
 
     /// Take the tree of exact blocks, of two levels and then of three, where it is better.
     fn look_ahead_from(&mut self, state: &mut State) {
-        let deepest = if self.ground.has_planes() { 2 } else { 3 };
+        let deepest = if self.ground.has_planes() {
+            2
+        } else {
+            self.climber.deepest
+        };
         let work = std::mem::replace(&mut self.climber.blocks.work, FIRST_WORK);
         for levels in 2..=deepest {
             let mut ahead = self.climber.look_ahead(levels, None);

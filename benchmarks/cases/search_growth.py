@@ -1,0 +1,106 @@
+"""How local search grows with the number of samples, beside scikit-learn's CART: first answer and convergence.
+
+First answer: `restarts=1, kicks=0`, one descent from the greedy tree with exact blocks of two levels where they pay.
+Convergence: one restart of default kicks, which ends when they have not helped in a row. Both kinds of splits.
+"""
+
+import statistics
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib import rc_context
+from matplotlib.figure import Figure
+
+from benchmarks.cpu import Stopwatch
+from octmip.cart import greedy_tree
+from octmip.problem import Problem
+from octmip.search import local_search
+from octmip.solution import Limits, Solution
+
+SAMPLES = (1_000, 3_000, 10_000, 30_000, 100_000)
+DEPTH = 4
+REPEATS = 3
+
+
+def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
+    """Yield a line for each size and kind of answer; CPU seconds are the median of three runs."""
+    for n in SAMPLES:
+        for split in ("axis", "hyperplane"):
+            problem = _problem(n, split)
+            yield _measured(n, split, "CART", lambda p=problem: greedy_tree(p))
+            yield _measured(n, split, "first answer", lambda p=problem: local_search(p, restarts=1, kicks=0))
+            limits = Limits(seconds=limit)
+            yield _measured(n, split, "converged", lambda p=problem, x=limits: local_search(p, restarts=1, limits=x), 1)
+
+
+def _problem(n: int, split: Any) -> Problem:
+    """Return 20 normal features, five classes by four of them along slopes, and a tenth of the labels drawn anew."""
+    rng = np.random.default_rng(0)
+    features = rng.normal(size=(n, 20))
+    score = features[:, 0] + 0.5 * features[:, 1] + (features[:, 2] > 0) * features[:, 3]
+    labels = np.digitize(score, (-1.2, -0.4, 0.4, 1.2))
+    noisy = rng.random(n) < 0.1
+    return Problem(features, np.where(noisy, rng.integers(0, 5, n), labels), depth=DEPTH, split=split)
+
+
+def _measured(n: int, split: str, kind: str, answer: Callable[[], Solution], repeats: int = REPEATS) -> dict[str, Any]:
+    cpu = []
+    for _ in range(repeats):
+        watch = Stopwatch()
+        solution = answer()
+        cpu.append(watch.read()[0])
+    return {
+        "size": f"{n} x 20, depth {DEPTH}, {split}, {kind}",
+        "n": n,
+        "split": split,
+        "kind": kind,
+        "seed": 0,
+        "objective": solution.objective,
+        "stop": str(solution.stop),
+        "cpu_seconds": round(statistics.median(cpu), 5),
+    }
+
+
+def exponent(lines: Sequence[dict[str, Any]], split: str, kind: str) -> float:
+    """Return b of seconds = a n^b, least squares on logarithms."""
+    chosen = [line for line in lines if (line["split"], line["kind"]) == (split, kind)]
+    logs = np.log([[line["n"], max(line["cpu_seconds"], 1e-6)] for line in chosen])
+    return float(np.polyfit(logs[:, 0], logs[:, 1], 1)[0])
+
+
+def picture(lines: Sequence[dict[str, Any]], path: Path) -> None:
+    """Draw CPU seconds against samples, both axes logarithmic, one panel for each kind of split."""
+    figure = Figure(figsize=(9, 3.6), layout="constrained")
+    for axes, split in zip(figure.subplots(1, 2, sharey=True), ("axis", "hyperplane"), strict=True):
+        for kind in ("CART", "first answer", "converged"):
+            chosen = [line for line in lines if (line["split"], line["kind"]) == (split, kind)]
+            sizes, seconds = [line["n"] for line in chosen], [line["cpu_seconds"] for line in chosen]
+            axes.plot(sizes, seconds, "o-", label=f"{kind}: n^{exponent(lines, split, kind):.2f}")
+        axes.set(xscale="log", yscale="log", xlabel="samples", ylabel="CPU seconds", title=split)
+        axes.grid(alpha=0.3)
+        axes.legend()
+    with rc_context({"svg.fonttype": "none"}):
+        figure.savefig(path)
+
+
+def summary(lines: Sequence[dict[str, Any]]) -> str:
+    """Return the table of sizes with the ratios to CART, and the fitted exponents."""
+    rows = []
+    for split in ("axis", "hyperplane"):
+        for n in dict.fromkeys(line["n"] for line in lines):
+            found = {line["kind"]: line for line in lines if (line["n"], line["split"]) == (n, split)}
+            cart = found["CART"]["cpu_seconds"]
+            cells = [
+                f"{line['objective']:g} | {line['cpu_seconds']:.3g} | {line['cpu_seconds'] / cart:.1f}"
+                for line in (found["first answer"], found["converged"])
+            ]
+            rows.append(f"| {split}, {n:,} | {found['CART']['objective']:g} | {cart:.3g} | {' | '.join(cells)} |")
+    fits = [
+        f"{split}, {kind}: CPU seconds grow as n^{exponent(lines, split, kind):.2f}."
+        for split in ("axis", "hyperplane")
+        for kind in ("first answer", "converged")
+    ]
+    head = "| | CART errors | CPU s | first: errors | CPU s | x CART | converged: errors | CPU s | x CART |"
+    return "\n".join([head, "|" + "---|" * 9, *rows, "", *fits])

@@ -1,0 +1,78 @@
+"""Polishing: simpler hyperplanes that part every sample as before; and what every searched tree must hold."""
+
+from dataclasses import replace
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from octmip import HyperplaneSplit, Leaf, Problem, Split, certify
+from octmip.polish import polished
+from octmip.search import local_search
+from octmip.tree import Node, leaf_index, splits
+from tests.strategies import hyperplane_problem
+
+
+def random_hyperplanes(rng, problem: Problem, depth: int) -> Node:
+    """Return a tree of random hyperplanes through random samples, integer normals where the problem wants them."""
+    if depth == 0:
+        return Leaf(0)
+    features = np.flatnonzero(rng.random(problem.n_features) < 0.7)
+    if len(features) == 0:
+        return Leaf(0)
+    normal = rng.integers(1, 4, len(features)) * rng.choice([-1.0, 1.0], len(features))
+    if problem.integer_normals is None:
+        normal = rng.normal(size=len(features))
+    heights = problem.features[:, features] @ normal
+    return HyperplaneSplit(
+        tuple(int(f) for f in features),
+        tuple(float(c) for c in normal),
+        float(rng.choice(heights)),
+        random_hyperplanes(rng, problem, depth - 1),
+        random_hyperplanes(rng, problem, depth - 1),
+    )
+
+
+@settings(max_examples=150, deadline=None)
+@given(st.integers(0, 2**32))
+def test_every_sample_stays_in_its_leaf_and_no_plane_gains_a_feature(seed):
+    rng = np.random.default_rng(seed)
+    problem = hyperplane_problem(rng, max_samples=40, max_features=5)
+    tree = random_hyperplanes(rng, problem, 3)
+    simple = polished(problem, tree)
+    assert np.array_equal(leaf_index(simple, problem.features), leaf_index(tree, problem.features))
+    for before, after in zip(splits(tree), splits(simple), strict=True):
+        assert set(after.features) <= set(before.features)
+        if problem.integer_normals is not None:
+            assert set(after.coefficients) <= set(before.coefficients)
+
+
+def test_needless_features_go_and_numbers_become_short_and_offsets_lie_in_mid_gap():
+    rng = np.random.default_rng(1)
+    features = rng.normal(size=(100, 4))
+    features[:, 0] += np.where(np.arange(100) < 50, -10.0, 10.0)
+    problem = Problem(features, np.arange(100) >= 50, depth=1, split="hyperplane")
+    clumsy = HyperplaneSplit((0, 1, 3), (0.337192, 0.00013, -0.00021), 0.2, Leaf(0), Leaf(1))
+    simple = polished(problem, clumsy)
+    assert (simple.features, simple.coefficients) == ((0,), (1.0,))
+    low, high = features[:50, 0].max(), features[50:, 0].min()
+    assert low + (high - low) / 3 <= simple.offset <= high - (high - low) / 3
+    assert len(repr(simple.offset)) <= 4
+
+
+def test_axis_aligned_splits_and_planes_with_an_empty_side_are_left_alone():
+    problem = Problem(np.arange(6.0)[:, None], [0, 1, 0, 1, 0, 1], depth=2, split="hyperplane")
+    empty = HyperplaneSplit((0,), (2.5,), 100.0, Leaf(0), Leaf(1))
+    tree = Split(0, 2.25, empty, Leaf(1))
+    assert polished(problem, tree) == tree
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.integers(0, 2**32))
+def test_no_searched_tree_breaks_a_limit_or_has_another_objective_than_its_certificate(seed):
+    rng = np.random.default_rng(seed)
+    problem = hyperplane_problem(rng, max_samples=30, max_features=4, max_depth=3)
+    for options in ({"restarts": 1, "kicks": 0}, {"restarts": 3, "kicks": 6}):
+        solution = local_search(problem, seed=seed % 97, **options)
+        certify(problem, solution)
+        certify(problem, replace(solution, tree=polished(problem, solution.tree)))
