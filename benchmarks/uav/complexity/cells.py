@@ -12,7 +12,7 @@ from benchmarks.uav.bayes import BayesLimit, bayes_limit
 from benchmarks.uav.study import best_pair
 from femlib.dataset import Dataset, MeanStrains, Recipe, build_dataset
 from octmip import Problem, certify, predict
-from octmip.search import RESTARTS
+from octmip.search import EFFORT
 from octmip.solver import Method, solve
 
 Line = dict[str, Any]
@@ -98,7 +98,7 @@ def effort_of(cell: Cell, restarts: int) -> tuple[Method, dict[str, int]]:
     if cell.split_size == 1 and cell.depth == 3 and cell.objective == "errors":
         return "exact", {}
     if cell.split_size == 1:
-        return "search", {"restarts": min(SHARE * restarts, RESTARTS)}
+        return "search", {"restarts": min(SHARE * restarts, EFFORT["axis"][0])}
     return "search", {"restarts": SHARE * restarts if cell.label == "mu1" else restarts}
 
 
