@@ -203,3 +203,10 @@ def test_the_keyboard_steps_and_plays(page, flight):
     page.wait_for_function("Number(document.getElementById('slider').value) > 2")
     page.keyboard.press("Space")
     assert page.locator("#play").inner_text() == "Play"
+    page.locator("#play").click()
+    page.keyboard.press("Space")  # one click and one space: it stands again
+    assert page.locator("#play").inner_text() == "Play"
+    page.locator("#slider").focus()
+    page.keyboard.press("Home")
+    page.keyboard.press("ArrowRight")
+    assert page.locator("#step").inner_text().startswith("step 1 ")

@@ -182,7 +182,7 @@ function toggle() {
 }
 slider.max = last;
 slider.addEventListener("input", () => { stop(); show(Number(slider.value)); });
-play.addEventListener("click", toggle);
+play.addEventListener("click", () => { toggle(); play.blur(); }); // so that a space is heard once, by the page
 document.addEventListener("keydown", event => {
   const moves = { ArrowRight: at + 1, ArrowLeft: at - 1, PageDown: at + 10, PageUp: at - 10, Home: 0, End: last };
   if (event.key === " ") { event.preventDefault(); toggle(); }
