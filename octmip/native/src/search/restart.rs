@@ -133,11 +133,12 @@ impl<'a> Restart<'a> {
         let floor = (self.number == 0 || (self.number == 1 && round.known.is_some())).then(|| {
             self.climber.has_planes = false;
             let mut floor = self.begin_axis(round.known);
-            self.climber.kick_until_stale(&mut floor, AXIS_KICKS);
+            self.climber
+                .kick_until_stale(&mut floor, AXIS_KICKS.min(round.n_kicks));
             self.climber.has_planes = true;
             floor
         });
-        self.state = self.begin_planes(floor);
+        self.state = self.begin_planes(floor, round.n_kicks == 0);
     }
 
     /// The known tree, the greedy one, then one for each promising root, then greedy ones with chance.
@@ -156,7 +157,8 @@ impl<'a> Restart<'a> {
         let mut state =
             planted.unwrap_or_else(|| self.grown(if is_greedy { 1.0 } else { RANDOM_SHARE }));
         self.climber.settle(&mut state, 2);
-        if is_greedy && is_free {
+        let has_blocks = self.climber.blocks.deepest(self.ground.problem.n, 2) == 2;
+        if is_greedy && is_free && has_blocks {
             self.look_ahead_from(&mut state);
         }
         self.climber.report(state.objective(&self.ground.prices));
@@ -193,8 +195,8 @@ impl<'a> Restart<'a> {
         state
     }
 
-    /// A tree of logistic splits, melted; never above `floor`.
-    fn begin_planes(&mut self, floor: Option<State>) -> State {
+    /// A tree of logistic splits, melted; never above `floor`. A quick one visits every node once.
+    fn begin_planes(&mut self, floor: Option<State>, is_quick: bool) -> State {
         let (ground, climber) = (self.ground, &mut self.climber);
         let share = if floor.is_some() {
             1.0
@@ -208,7 +210,13 @@ impl<'a> Restart<'a> {
         let mut state = State::leaf(ground.problem);
         climber.grow(&mut state, 0, ground.problem.depth, soil);
         climber.melt(&mut state, 0, WHOLE);
-        climber.descend(&mut state);
+        if is_quick {
+            let nodes = state.below(0);
+            climber.visit_each(&mut state, &nodes);
+            state.compact();
+        } else {
+            climber.descend(&mut state);
+        }
         match floor {
             Some(floor) if floor.objective(&ground.prices) < state.objective(&ground.prices) => {
                 floor
