@@ -146,7 +146,7 @@ def choose_tree(
         KeyboardInterrupt: Ctrl-C; there is no choice from half the folds.
     """
     levels = _checked_depths(problem, depths)
-    pairs = stratified_folds(problem, folds, seed) if isinstance(folds, int) else checked_folds(problem, folds)
+    pairs = checked_folds(problem, folds) if isinstance(folds, Sequence) else stratified_folds(problem, folds, seed)
     if rule not in RULES or (rule == "one_se" and len(pairs) < 2):
         raise ProblemError(f"rule is {rule!r} with {len(pairs)} folds; expected 'least', or 'one_se' with 2 or more")
     trace = delayed(trace_depths)

@@ -19,8 +19,11 @@ def stratified_folds(problem: Problem, n_folds: int, seed: int) -> list[Fold]:
     Raises:
         ProblemError: fewer than 2 folds, or more than samples.
     """
-    if isinstance(n_folds, bool) or not 2 <= n_folds <= problem.n_samples:
-        raise ProblemError(f"folds is {n_folds}; expected a number from 2 to {problem.n_samples}, one sample each")
+    is_whole = isinstance(n_folds, int | np.integer) and not isinstance(n_folds, bool)
+    if not is_whole or not 2 <= n_folds <= problem.n_samples:
+        raise ProblemError(
+            f"folds is {n_folds}; expected a whole number from 2 to {problem.n_samples}, one sample each"
+        )
     shuffled = np.random.default_rng(seed).permutation(problem.n_samples)
     # Class after class like a pack of cards: every fold gets its share of each, and no two folds differ by over one.
     dealt = shuffled[np.argsort(problem.codes[shuffled], kind="stable")]
@@ -33,14 +36,17 @@ def checked_folds(problem: Problem, pairs: Sequence[tuple[ArrayLike, ArrayLike]]
     """Return folds that were given as pairs of training rows and validation rows.
 
     Raises:
-        ProblemError: there is none, a row does not exist, or a row is in both parts of its fold, or held out twice.
+        ProblemError: there is none, or one is no pair, a row does not exist, is in both parts of its fold, is held out
+            twice, or all the rows held out weigh nothing.
     """
+    if len(pairs) == 0 or any(len(pair) != 2 for pair in pairs):
+        raise ProblemError(
+            f"folds has {len(pairs)} entries; expected a number of folds, or pairs of training rows and validation rows"
+        )
     folds = [
         (_rows(problem, train, k, "training"), _rows(problem, held, k, "validation"))
         for k, (train, held) in enumerate(pairs)
     ]
-    if not folds:
-        raise ProblemError("folds is empty; give a number of folds, or pairs of training rows and validation rows")
     for k, (train, held) in enumerate(folds):
         both = np.intersect1d(train, held)
         if len(both):
@@ -48,6 +54,8 @@ def checked_folds(problem: Problem, pairs: Sequence[tuple[ArrayLike, ArrayLike]]
     rows, counts = np.unique(np.concatenate([held for _, held in folds]), return_counts=True)
     if (counts > 1).any():
         raise ProblemError(f"row {rows[counts > 1][0]} is held out in {counts.max()} folds; hold each row out once")
+    if not problem.weights[rows].any():
+        raise ProblemError("the rows held out all have weight 0; hold out some that count")
     return folds
 
 

@@ -147,10 +147,12 @@ ROWS = (range(0, 75), range(75, 150))
 @pytest.mark.parametrize(
     ("options", "sentence"),
     [
-        ({"folds": 1}, "folds is 1; expected a number from 2 to 150"),
+        ({"folds": 1}, "folds is 1; expected a whole number from 2 to 150"),
         ({"folds": 151}, "folds is 151"),
         ({"folds": True}, "folds is True"),
-        ({"folds": []}, "folds is empty"),
+        ({"folds": 2.5}, r"folds is 2\.5; expected a whole number"),
+        ({"folds": []}, "folds has 0 entries; expected a number of folds, or pairs"),
+        ({"folds": [range(3)]}, "folds has 1 entries"),
         ({"folds": [ROWS, ROWS]}, "row 75 is held out in 2 folds"),
         ({"folds": [(range(10), range(5, 20))]}, "fold 0 trains on 5 of the rows that judge it"),
         ({"folds": [(range(10), [150])]}, "validation rows from 150 to 150"),
@@ -168,6 +170,12 @@ ROWS = (range(0, 75), range(75, 150))
 def test_what_cannot_be_chosen_by_is_refused_with_a_sentence(options, sentence):
     with pytest.raises(ProblemError, match=sentence):
         choose_tree(IRIS, **options)
+
+
+def test_rows_that_weigh_nothing_judge_nothing():
+    weightless = replace(IRIS, weights=np.repeat([1.0, 0.0], [140, 10]))
+    with pytest.raises(ProblemError, match="all have weight 0"):
+        choose_tree(weightless, folds=[(range(140), range(140, 150))])
 
 
 def test_costs_that_are_all_zero_leave_nothing_to_choose_by():
