@@ -206,22 +206,42 @@ impl Axis {
     /// The open cut nearest the middle of the interval whose children's bounds stay below `target`.
     pub fn pick(&self, interval: &Interval, target: i64) -> Option<usize> {
         let middle = interval.low + (interval.high - interval.low) / 2;
-        if !self.counts_labels {
+        let (left, right) = self.bounds(interval, middle);
+        if !self.counts_labels || left + right < target {
             return Some(middle);
         }
-        let survives = |k: usize| {
-            let (left, right) = self.bounds(interval, k);
-            left + right < target
-        };
-        for step in 0..=(interval.high - middle) {
-            if survives(middle + step) {
-                return Some(middle + step);
-            }
-            if step <= middle - interval.low && survives(middle - step) {
-                return Some(middle - step);
-            }
+        let Interval { low, high, .. } = *interval;
+        let right = self.survivor(interval, (middle, high), target, false);
+        // Only what is nearer to the middle than that.
+        let nearest = right.map_or(low, |k| (2 * middle + 1).saturating_sub(k).max(low));
+        let left = (nearest < middle)
+            .then(|| self.survivor(interval, (nearest, middle - 1), target, true))
+            .flatten();
+        left.or(right)
+    }
+
+    /// The first cut of `first..=last` (or the last one) whose children's bounds stay below `target`.
+    ///
+    /// Left bounds grow with the cut and right ones shrink, so that both ends together bound all cuts between.
+    fn survivor(
+        &self,
+        interval: &Interval,
+        (first, last): (usize, usize),
+        target: i64,
+        from_end: bool,
+    ) -> Option<usize> {
+        if self.bounds(interval, first).0 + self.bounds(interval, last).1 >= target {
+            return None;
         }
-        None
+        if first == last {
+            return Some(first);
+        }
+        let middle = first + (last - first) / 2;
+        let halves = [(first, middle), (middle + 1, last)];
+        let order = if from_end { [1, 0] } else { [0, 1] };
+        order
+            .iter()
+            .find_map(|&half| self.survivor(interval, halves[half], target, from_end))
     }
 
     /// Swing between `k` and the farther end of the interval: what a child's bound is worth to its neighbours.
