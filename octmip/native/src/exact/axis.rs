@@ -17,6 +17,18 @@ use crate::exact::view::View;
 /// Columns that are counted together.
 const WIDTH: usize = 8;
 
+/// All bits of one lane. A count is added to all lanes at once, though one changes: the whole vector is read back right
+/// away, and would have to wait for a single lane.
+const LANE: [[i32; WIDTH]; WIDTH] = {
+    let mut masks = [[0; WIDTH]; WIDTH];
+    let mut lane = 0;
+    while lane < WIDTH {
+        masks[lane][lane] = -1;
+        lane += 1;
+    }
+    masks
+};
+
 /// Cuts of a feature in order; the first and the last are the trivial ones that leave a side empty.
 #[derive(Debug, Default)]
 pub struct Axis {
@@ -89,7 +101,10 @@ impl Axis {
             mass += samples.swing[i as usize];
             if self.counts_labels {
                 let column = samples.column[i as usize] as usize;
-                counts[column / WIDTH][column % WIDTH] += samples.swing[i as usize] as i32;
+                let swing = samples.swing[i as usize] as i32;
+                let mask = &LANE[column % WIDTH];
+                let part = &mut counts[column / WIDTH];
+                *part = std::array::from_fn(|lane| part[lane] + (mask[lane] & swing));
             }
         }
         self.push(view.len, mass, counts);

@@ -150,7 +150,7 @@ impl<T: Lane, const N: usize, const S: usize> Stumps for Buckets<T, N, S> {
             let mut order: Vec<usize> = (0..samples.p).collect();
             order.sort_by_key(|&f| -self.scores[f]);
             self.tables[0].reorder(order);
-            self.tables[0].lay(samples, view, self.shape, most);
+            self.tables[0].fill(samples, view, self.shape);
         }
     }
 

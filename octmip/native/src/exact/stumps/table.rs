@@ -84,12 +84,19 @@ impl Table {
                 longest += longest / 2;
             }
         }
+        self.ends = ends;
+        self.fill(samples, view, shape);
+    }
+
+    /// Enter the samples into the buckets that are marked, features in the order of their slots.
+    pub fn fill(&mut self, samples: &Samples, view: &View, shape: Shape) {
+        let ends = std::mem::take(&mut self.ends);
         let longest = ends.iter().map(Vec::len).max().unwrap_or(1);
         self.n_buckets = longest.next_multiple_of(8);
         self.edges.clear();
-        self.edges.resize(p * self.n_buckets, u32::MAX);
+        self.edges.resize(samples.p * self.n_buckets, u32::MAX);
         self.is_open.clear();
-        self.is_open.resize(p * self.n_buckets, false);
+        self.is_open.resize(samples.p * self.n_buckets, false);
         for (f, ends) in ends.iter().enumerate() {
             self.lay_feature(samples, view.list(f), f, shape, ends);
         }
@@ -101,7 +108,7 @@ impl Table {
         if self.is_difference { 1 } else { shape.rows }
     }
 
-    /// Put the features in this order; needs a new layout.
+    /// Put the features in this order; needs to be filled again.
     pub fn reorder(&mut self, order: Vec<usize>) {
         for (slot, &f) in order.iter().enumerate() {
             self.slot_of_feature[f] = slot;
