@@ -1,8 +1,9 @@
 """How likely the leaf that a reading reached is in every state of a library: P(leaf | state, load).
 
 The table is drawn: readings of every state (spread over its cell, with the library's noise) are sent down the tree.
-With N draws an entry p has the standard error sqrt(p (1 - p) / N); half a draw is added to every leaf, so that what was
-not drawn is unlikely but not impossible.
+With N draws an entry p has the standard error sqrt(p (1 - p) / N). Half a draw is shared by all leaves, so that what
+was not drawn is unlikely but not impossible. Half a draw for every leaf would be too much: no reading could then speak
+against a state by more than a factor of 2 N, and a sudden damage, rarer than that by growth, needed a second reading.
 
 A reading that lacks gauges reaches all leaves that the known gauges leave open; what was seen is that it lies in one
 of them, so their probabilities add up. Nothing is filled in.
@@ -92,7 +93,7 @@ class LeafLikelihood:
 
     def _drawn(self, load: float) -> Floats:
         library, rng = self.library, np.random.default_rng(self.seed)
-        counts = np.full((self.n_leaves, library.n_states), 0.5)
+        counts = np.full((self.n_leaves, library.n_states), 0.5 / self.n_leaves)
         per_pass = max(1, ROWS // self.n_draws)
         for first in range(0, library.n_states, per_pass):
             states = np.repeat(np.arange(first, min(first + per_pass, library.n_states)), self.n_draws)

@@ -25,13 +25,13 @@ def policy_rows(aircraft: Aircraft, n: int, seed: int, kinds: Sequence[str] = KI
     chain, watch = aircraft.filter(CELLS), aircraft.watch()
     trace = example_trace(aircraft.gauges)
     rows = []
-    for number, kind in enumerate(kinds):
+    for kind in kinds:
         for policy in POLICIES:
             if policy.has_watch and kind not in WATCHED:
                 continue
             flights = []
             for first in range(0, n, CHUNK):
-                rng = np.random.default_rng([seed, number, first])
+                rng = np.random.default_rng([seed, KINDS.index(kind), first])
                 histories = draw(kind, min(CHUNK, n - first), rng, read)
                 pilot = Pilot(policy, aircraft, histories.n, chain, watch)
                 flights.append(fly(aircraft, histories, pilot, rng, trace))
