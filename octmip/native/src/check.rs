@@ -8,10 +8,10 @@
 //!   is one on S; besides, M costs it at least `spread(M)`, which counts classes and no penalties.
 //! * Shrinking: `e(S) >= e(S + M) - dear(M)`, the dearest answers: a tree on S is one on S + M.
 
-mod stumps;
+use std::ops::Add;
+use std::thread;
 
 use crate::problem::Problem;
-use stumps::Counter;
 
 /// Where a log fails (its line, from 1), and why.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -22,20 +22,33 @@ type Checked<T> = Result<T, Refusal>;
 /// Samples in the order of each feature (empty unless it is in play), and last all of them anyhow.
 type Orders = Vec<Vec<u32>>;
 
-/// A lower bound of the trees on some samples: `own` of those the problem allows, `any` of those
-/// with leaves of any size. Only `any` holds for more samples.
-#[derive(Clone, Copy, Default)]
-struct Bound {
-    own: i64,
-    any: i64,
-}
+/// Lower bounds of the trees on some samples: of those that the problem allows, and of those with
+/// leaves of any size. Only the second holds for more samples.
+type Bounds = (i64, i64);
 
 /// A solved cut: feature, number of samples to the left, bounds of the two sides.
-type Cut = (usize, usize, [Bound; 2]);
+type Cut = (usize, usize, [Bounds; 2]);
+
+/// Answers to each sample, and what they save of the cost of the worst.
+type Savings = Vec<Vec<(usize, i64)>>;
+
+/// So many parts of the samples are counted at once, side by side.
+const LANES: usize = 64;
+type Lanes<T> = [T; LANES];
+
+/// A number in a lane: the narrower, the more are counted in one step of the machine.
+trait Lane: Copy + Default + Ord + Add<Output = Self> + TryFrom<i64> + Into<i64> {}
+impl Lane for i16 {}
+impl Lane for i32 {}
+impl Lane for i64 {}
 
 struct Checker<'a> {
     q: &'a Problem,
-    counter: Counter<'a>,
+    /// What each sample costs when it is answered worst.
+    dear: Vec<i64>,
+    savings: Savings,
+    /// No sum is larger.
+    most: i64,
     lines: Vec<&'a str>,
     line: usize,
     threads: usize,
@@ -43,9 +56,15 @@ struct Checker<'a> {
 
 /// Check that a log proves, after `skip` lines, that every tree costs `claim` or more.
 pub fn check(q: &Problem, log: &str, skip: usize, claim: i64, threads: usize) -> Checked<()> {
+    let cost = |i: usize, k| q.weights[i] * q.cost(q.labels[i] as usize, k);
+    let dear = |i| (0..q.n_classes).map(|k| cost(i, k)).max().unwrap_or(0);
+    let saving = |i, k| Some((k, dear(i) - cost(i, k))).filter(|saving| saving.1 > 0);
+    let savings = |i| (0..q.n_classes).filter_map(|k| saving(i, k)).collect();
     let mut checker = Checker {
         q,
-        counter: Counter::new(q),
+        most: (0..q.n).map(dear).sum::<i64>().max(2 * q.n as i64 + 1),
+        dear: (0..q.n).map(dear).collect(),
+        savings: (0..q.n).map(savings).collect(),
         lines: log.lines().collect(),
         line: skip,
         threads,
@@ -102,8 +121,8 @@ impl Checker<'_> {
             order.sort_by_key(|&i| q.feature(f)[i as usize]);
             order
         };
-        let all = (0..q.n as u32).collect();
-        let orders = (0..q.p).map(order).chain([all]).collect();
+        let mut orders: Orders = (0..q.p).map(order).collect();
+        orders.push((0..q.n as u32).collect());
         let (_, bound) = self.node(&orders, q.depth, q.leaf_size)?;
         ensure!(bound >= claim, line, "this proves {bound}, not {claim}");
         Ok(())
@@ -114,41 +133,30 @@ impl Checker<'_> {
     fn node(&mut self, orders: &Orders, depth: usize, leaf: usize) -> Checked<(usize, i64)> {
         let (q, line, all) = (self.q, self.line + 1, &orders[self.q.p]);
         let [levels, m, bound] = self.expect("N")?;
-        let (n, m) = (all.len(), m as usize);
-        let is_kind = levels as usize == depth && (1..=leaf).contains(&m);
-        ensure!(
-            is_kind,
-            line,
-            "expected depth {depth}, leaves of 1 to {leaf}"
-        );
+        let m = m as usize;
+        let fits = levels as usize == depth && (1..=leaf).contains(&m);
+        ensure!(fits, line, "expected depth {depth}, leaves of 1 to {leaf}");
         let (end, cuts) = self.cuts(orders, depth, m)?;
         self.expect::<0>("E")?;
-        let classes = self.classes(all);
-        if self.spread(&classes, depth) >= bound {
-            return Ok((m, bound));
-        }
-        let one_leaf = self.one_leaf(&classes);
+        let mut classes = vec![0; q.n_classes];
+        all.iter().for_each(|&i| self.join(&mut classes, i));
+        let paid = |k| (0..classes.len()).map(|c| classes[c] * q.cost(c, k)).sum();
+        let one_leaf = (0..classes.len()).map(paid).min().unwrap_or(0);
         let best = if depth == 1 { end } else { one_leaf };
         ensure!(best >= bound, line, "a tree costs {best}, not {bound}");
         for (f, order) in orders[..q.p].iter().enumerate().filter(|_| depth > 1) {
-            let [left, right] = [0, 1].map(|side| {
-                let solved = cuts.iter().filter(|cut| cut.0 == f);
-                self.side(
-                    order,
-                    side,
-                    solved.map(|cut| (cut.1, cut.2[side])),
-                    end,
-                    depth - 1,
-                )
-            });
-            for k in m..(order.len() + 1).saturating_sub(m) {
+            let n = order.len();
+            let mut known = [0, 1].map(|_| vec![(0, 0); n + 1]);
+            for (_, k, sides) in cuts.iter().filter(|cut| cut.0 == f) {
+                (known[0][*k], known[1][n - k]) = (sides[0], sides[1]);
+            }
+            let backwards: Vec<u32> = order.iter().rev().copied().collect();
+            let left = self.side(order, &mut known[0], end, depth - 1);
+            let right = self.side(&backwards, &mut known[1], end, depth - 1);
+            for k in m..(n + 1).saturating_sub(m) {
                 let cost = left[k] + right[n - k] + q.penalty;
-                let is_closed = cost >= bound || !self.is_between(f, order, k);
-                ensure!(
-                    is_closed,
-                    line,
-                    "cut {k} of feature {f}: {cost}, not {bound}"
-                );
+                let holds = cost >= bound || !self.is_between(f, order, k);
+                ensure!(holds, line, "cut {k} of feature {f}: {cost}, not {bound}");
             }
         }
         Ok((m, bound))
@@ -169,27 +177,29 @@ impl Checker<'_> {
                 k += *step as usize;
                 let is_cut = f < all && self.is_between(f, &orders[f], k);
                 ensure!(is_cut, line, "feature {f} has no cut {k} here");
-                let mut sides = [Bound::default(); 2];
+                let mut sides = [(0, 0); 2];
                 for (side, tag) in sides.iter_mut().zip(["L", "R"]).filter(|_| !is_counted) {
                     while self.take(tag).is_some() {
                         let part = self.part(orders, &orders[f][..k], tag == "L");
                         let (size, own) = self.node(&part, depth - 1, leaf)?;
                         let any = if size == 1 { own } else { 0 };
-                        (side.own, side.any) = (side.own.max(own), side.any.max(any));
+                        *side = (side.0.max(own), side.1.max(any));
                     }
                 }
                 cuts.push((f, k, sides));
             }
         }
         if is_counted {
-            let mut parts = vec![&orders[all][..]];
-            cuts.iter()
-                .for_each(|c| parts.extend(<[_; 2]>::from(orders[c.0].split_at(c.1))));
-            let bounds = self.counter.stumps(orders, leaf, &parts, self.threads);
-            end = bounds[0].own;
-            for (cut, sides) in cuts.iter_mut().zip(bounds[1..].chunks_exact(2)) {
-                cut.2 = [sides[0], sides[1]];
+            let sides = |&(f, k, _): &Cut| [&orders[f][..k], &orders[f][k..]];
+            let mut parts: Vec<&[u32]> = cuts.iter().flat_map(sides).collect();
+            parts.push(&orders[all]);
+            let any = self.stumps(orders, 1, &parts);
+            let own = (leaf > 1).then(|| self.stumps(orders, leaf, &parts));
+            let own = own.as_ref().unwrap_or(&any);
+            for (c, cut) in cuts.iter_mut().enumerate() {
+                cut.2 = [2 * c, 2 * c + 1].map(|part| (own[part], any[part]));
             }
+            end = own[parts.len() - 1];
         }
         Ok((end, cuts))
     }
@@ -197,9 +207,9 @@ impl Checker<'_> {
     fn part(&self, orders: &Orders, left: &[u32], is_left: bool) -> Orders {
         let mut kept = vec![!is_left; self.q.n];
         left.iter().for_each(|&i| kept[i as usize] = is_left);
-        let keep = |i: &u32| kept[*i as usize];
         let mut part = orders.clone();
-        part.iter_mut().for_each(|order| order.retain(keep));
+        part.iter_mut()
+            .for_each(|order| order.retain(|&i| kept[i as usize]));
         part
     }
 
@@ -209,20 +219,8 @@ impl Checker<'_> {
         0 < cut && cut < order.len() && rank(cut - 1) != rank(cut)
     }
 
-    fn classes(&self, ids: &[u32]) -> Vec<i64> {
-        let mut weights = vec![0; self.q.n_classes];
-        ids.iter().for_each(|&i| self.join(&mut weights, i));
-        weights
-    }
-
-    fn join(&self, weights: &mut [i64], sample: u32) {
-        weights[self.q.labels[sample as usize] as usize] += self.q.weights[sample as usize];
-    }
-
-    fn one_leaf(&self, classes: &[i64]) -> i64 {
-        let paid = |(c, weight): (usize, &i64), k| weight * self.q.cost(c, k);
-        let cost = |k| classes.iter().enumerate().map(|class| paid(class, k)).sum();
-        (0..classes.len()).map(cost).min().unwrap_or(0)
+    fn join(&self, classes: &mut [i64], sample: u32) {
+        classes[self.q.labels[sample as usize] as usize] += self.q.weights[sample as usize];
     }
 
     /// What trees of `depth` levels cost at least, without penalties, by class weights: they give at
@@ -239,36 +237,101 @@ impl Checker<'_> {
         sure + more.iter().rev().skip(1 << depth.min(31)).sum::<i64>()
     }
 
-    /// Bounds of one side of a feature's cuts, by its number of samples: from the solved cuts and
-    /// all the samples first growing, then shrinking.
-    fn side(
-        &self,
-        order: &[u32],
-        side: usize,
-        solved: impl Iterator<Item = (usize, Bound)>,
-        end: i64,
-        depth: usize,
-    ) -> Vec<i64> {
-        let n = order.len();
-        let mirrored = |k: usize, last: usize| if side == 0 { k } else { last - k };
-        let sample = |k: usize| order[mirrored(k, n - 1)];
-        let mut known = vec![Bound::default(); n + 1];
-        known[n].own = end;
-        solved.for_each(|(k, bound)| known[mirrored(k, n)] = bound);
+    /// Bounds of one side of a feature's cuts, by its number of samples, which join in this order:
+    /// from what is known of solved cuts and of all the samples, first growing, then shrinking.
+    fn side(&self, order: &[u32], known: &mut [Bounds], end: i64, depth: usize) -> Vec<i64> {
         let (mut before, mut joined) = (0, vec![0; self.q.n_classes]);
         let mut bounds = vec![0];
-        for (k, bound) in known.iter().enumerate().skip(1) {
-            self.join(&mut joined, sample(k - 1));
+        known[order.len()].0 = end;
+        for (&sample, bound) in order.iter().zip(&known[1..]) {
+            self.join(&mut joined, sample);
             let grown = before + self.spread(&joined, depth);
-            if bound.any > grown {
-                before = bound.any;
+            if bound.1 > grown {
+                before = bound.1;
                 joined.fill(0);
             }
-            bounds.push(grown.max(bound.own).max(bound.any));
+            bounds.push(grown.max(bound.0).max(bound.1));
         }
-        for k in (0..n).rev() {
-            bounds[k] = bounds[k].max(bounds[k + 1] - self.counter.dear[sample(k) as usize]);
+        for (k, &sample) in order.iter().enumerate().rev() {
+            bounds[k] = bounds[k].max(bounds[k + 1] - self.dear[sample as usize]);
         }
         bounds
+    }
+
+    /// The cheapest trees of one split at most, its leaves of `leaf` or more, on parts of the samples.
+    fn stumps(&self, orders: &Orders, leaf: usize, parts: &[&[u32]]) -> Vec<i64> {
+        let mut costs = vec![0; parts.len()];
+        let count = match self.most {
+            ..0x8000 => Self::count::<i16>,
+            0x8000..0x8000_0000 => Self::count::<i32>,
+            _ => Self::count::<i64>,
+        };
+        let share = parts.len().div_ceil(LANES * self.threads) * LANES;
+        let work = |(parts, costs): (&[_], &mut [_])| count(self, orders, leaf, parts, costs);
+        thread::scope(|scope| {
+            for (parts, costs) in parts.chunks(share).zip(costs.chunks_mut(share)) {
+                let lanes = parts.chunks(LANES).zip(costs.chunks_mut(LANES));
+                scope.spawn(|| lanes.for_each(work));
+            }
+        });
+        costs
+    }
+
+    /// The same for as many parts as there are lanes. What a tree costs is what its samples cost
+    /// when answered worst, less what the best answers on both sides save of that.
+    fn count<T: Lane>(&self, orders: &Orders, leaf: usize, parts: &[&[u32]], costs: &mut [i64]) {
+        let of = |number: i64| T::try_from(number).unwrap_or_default();
+        let mut is_in = vec![[of(0); LANES]; self.q.n];
+        for (lane, part) in parts.iter().enumerate() {
+            part.iter()
+                .for_each(|&i| is_in[i as usize][lane] = of(self.most));
+        }
+        let (ones, leaf) = (vec![vec![(0, 1)]; self.q.n], leaf.min(self.q.n + 1) as i64);
+        let mut saved = [of(0); LANES];
+        for (f, order) in orders[..self.q.p].iter().enumerate() {
+            let backwards: Vec<u32> = order.iter().rev().copied().collect();
+            let first = self.saved(order, &is_in, &self.savings);
+            let last = self.saved(&backwards, &is_in, &self.savings);
+            let sizes = (leaf > 1).then(|| self.saved(order, &is_in, &ones));
+            for k in (1..order.len()).filter(|&k| self.is_between(f, order, k)) {
+                let (first, last) = (&first[k], &last[order.len() - k]);
+                for lane in 0..LANES {
+                    let is_wide = |sizes: &Vec<Lanes<T>>| {
+                        let (left, all) = (sizes[k][lane], sizes[order.len()][lane]);
+                        of(leaf) <= left && left + of(leaf) <= all
+                    };
+                    if sizes.as_ref().is_none_or(is_wide) {
+                        saved[lane] = saved[lane].max(first[lane] + last[lane]);
+                    }
+                }
+            }
+        }
+        let one_leaf = self.saved(&orders[self.q.p], &is_in, &self.savings);
+        for (lane, (part, cost)) in parts.iter().zip(costs).enumerate() {
+            let dear: i64 = part.iter().map(|&i| self.dear[i as usize]).sum();
+            let split = dear - saved[lane].into() + self.q.penalty;
+            *cost = split.min(dear - one_leaf[one_leaf.len() - 1][lane].into());
+        }
+    }
+
+    /// What the best answer saves of the first samples of an order, of none, of one, of two and so
+    /// on, in each part. More samples never save less by an answer: the most so far is the most.
+    fn saved<T: Lane>(&self, order: &[u32], is_in: &[Lanes<T>], by: &Savings) -> Vec<Lanes<T>> {
+        let mut best = [T::default(); LANES];
+        let mut answers = vec![best; self.q.n_classes];
+        let mut best_of = Vec::with_capacity(self.q.n + 1);
+        best_of.push(best);
+        for i in order.iter().map(|&i| i as usize) {
+            for &(k, saving) in &by[i] {
+                let (answer, is_in) = (&mut answers[k], &is_in[i]);
+                let saving = T::try_from(saving).unwrap_or_default();
+                for lane in 0..LANES {
+                    answer[lane] = answer[lane] + saving.min(is_in[lane]);
+                    best[lane] = best[lane].max(answer[lane]);
+                }
+            }
+            best_of.push(best);
+        }
+        best_of
     }
 }
