@@ -56,6 +56,9 @@ def branch_and_bound(
 def prove(problem: Problem, claim: int) -> str | None:
     """Return the body of a log that proves a claim, None when stopped or when the claim does not hold."""
 
+def exact_bytes(problem: Problem, n_threads: int) -> float:
+    """Return the bytes that the tables of an exact search may take, its queues left out."""
+
 def prunes() -> list[str]:
     """Return the names of all prunes of the exact core."""
 

@@ -65,7 +65,7 @@ def branch_and_bound(
         limits: seconds, relative gap, nodes (evaluated cuts), bytes of the core's own tables.
         incumbent: a feasible tree to start from; a good one shortens the proof (`octmip.solver.solve` looks for one).
         seed: of the start's random choices.
-        n_jobs: threads. Cost, bound and, without a tight sensor budget, the tree do not depend on it.
+        n_jobs: threads. Cost, bound and tree of a finished search do not depend on it.
         progress: called with a `Progress` about every 50 ms.
         proof: file for a log that `octmip.proof.check_proof` verifies; it takes a second search, about as long.
         break_ties: among the optimal trees return one of fewest splits, of those one of fewest sensors, each proven by

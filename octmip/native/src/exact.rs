@@ -7,6 +7,7 @@ pub mod budget;
 pub mod depth_two;
 pub mod effort;
 pub mod frontier;
+pub mod memory;
 pub mod plan;
 pub mod proof;
 pub mod root;

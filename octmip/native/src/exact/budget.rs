@@ -8,6 +8,9 @@
 //! * a tree that is found and keeps the budget is the new incumbent;
 //! * a tree that breaks the budget names the sensors to branch on: ban one of them, or hold it.
 //!
+//! Nodes are visited depth first. Threads visit those that come next beforehand; such a visit counts if no better tree
+//! was found meanwhile, else it is made again. So every search and the tree are those of one thread.
+//!
 //! Branching ends: every branch bans or holds one more sensor, and once all that are left fit, the relaxation is exact.
 
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
@@ -29,6 +32,13 @@ pub struct Choice {
     breaking: Option<Vec<usize>>,
 }
 
+impl Choice {
+    fn bytes(&self) -> usize {
+        let sensors = self.breaking.iter().map(Vec::capacity).sum::<usize>();
+        size_of::<Self>() + self.held.capacity() + self.banned.capacity() + 8 * sensors
+    }
+}
+
 /// What a relaxation says.
 pub enum Relaxed {
     /// No tree over these features is below the incumbent.
@@ -39,12 +49,52 @@ pub enum Relaxed {
     Breaking(Vec<usize>),
 }
 
+/// What a visit to a node found: the last of its trees within the budget, each cheaper than the one before, and its
+/// branches, the one to visit first last.
+#[derive(Debug, Default)]
+struct Visit {
+    better: Option<(i64, Tree)>,
+    branches: Vec<Choice>,
+}
+
+/// How far an open node is.
+#[derive(Debug)]
+enum Mark {
+    Waiting,
+    InWork,
+    /// Visited with an incumbent of this cost.
+    Visited(i64, Visit),
+}
+
 #[derive(Debug)]
 struct State {
-    open: Vec<Choice>,
-    n_in_work: usize,
+    /// Nodes to visit, the next one last. What lies below a node stays where it is until the node is gone.
+    open: Vec<(Choice, Mark)>,
     cost: i64,
     tree: Option<Tree>,
+}
+
+impl State {
+    fn see(&mut self, better: Option<(i64, Tree)>) {
+        if let Some((cost, tree)) = better.filter(|better| better.0 < self.cost) {
+            (self.cost, self.tree) = (cost, Some(tree));
+        }
+    }
+
+    /// Record the visits of the nodes that are next, as long as they are as one thread would have made them.
+    fn advance(&mut self) {
+        while let Some((choice, mark)) = self.open.pop() {
+            match mark {
+                Mark::Visited(upper, visit) if upper == self.cost => {
+                    self.see(visit.better);
+                    let branches = visit.branches.into_iter();
+                    self.open.extend(branches.map(|node| (node, Mark::Waiting)));
+                }
+                Mark::Visited(..) => self.open.push((choice, Mark::Waiting)),
+                mark => return self.open.push((choice, mark)),
+            }
+        }
+    }
 }
 
 /// The search over sensor sets, shared by the threads.
@@ -70,14 +120,13 @@ impl<'a> Sets<'a> {
     ) -> Self {
         let none = vec![false; problem.sensor_cost.len()];
         let breaking = relaxed.map(|tree| sensors_of(problem, tree));
-        let open = vec![Choice {
+        let all = Choice {
             held: none.clone(),
             banned: none,
             breaking,
-        }];
+        };
         let state = State {
-            open,
-            n_in_work: 0,
+            open: vec![(all, Mark::Waiting)],
             cost: upper,
             tree: None,
         };
@@ -101,51 +150,65 @@ impl<'a> Sets<'a> {
         (state.cost, state.tree.clone())
     }
 
+    /// Bytes of the nodes that wait or are in work.
+    pub fn bytes(&self) -> usize {
+        let state = self.lock();
+        let of_mark = |mark: &Mark| match mark {
+            Mark::Visited(_, visit) => visit.branches.iter().map(Choice::bytes).sum(),
+            _ => size_of::<Mark>(),
+        };
+        let nodes = state.open.iter();
+        nodes.map(|(node, mark)| node.bytes() + of_mark(mark)).sum()
+    }
+
     /// Work until no set is open or someone says stop.
     pub fn work(&self) {
-        while let Some(choice) = self.next() {
-            let branches = self.process(&choice);
+        while let Some((index, choice, upper)) = self.next() {
+            let visit = self.visit(&choice, upper);
             let mut state = self.lock();
-            state.n_in_work -= 1;
-            state.open.extend(branches);
+            if self.control.is_stopped() {
+                state.see(visit.better); // a tree is a tree; what was closed may be no proof
+                break;
+            }
+            state.open[index].1 = Mark::Visited(upper, visit);
+            state.advance();
             drop(state);
             self.changed.notify_all();
         }
+        self.changed.notify_all();
     }
 
-    fn next(&self) -> Option<Choice> {
+    /// The next node that waits, its place, and the incumbent's cost.
+    fn next(&self) -> Option<(usize, Choice, i64)> {
         let mut state = self.lock();
         loop {
-            if self.control.is_stopped() {
+            if self.control.is_stopped() || state.open.is_empty() {
                 return None;
             }
-            if let Some(choice) = state.open.pop() {
-                state.n_in_work += 1;
-                return Some(choice);
+            let waiting = |open: &(Choice, Mark)| matches!(open.1, Mark::Waiting);
+            if let Some(index) = state.open.iter().rposition(waiting) {
+                state.open[index].1 = Mark::InWork;
+                return Some((index, state.open[index].0.clone(), state.cost));
             }
-            if state.n_in_work == 0 {
-                return None;
-            }
+            // Woken by visits; looks up now and then, as nobody wakes it when the word to stop is given.
             let waited = self.changed.wait_timeout(state, Duration::from_millis(20));
             state = waited.unwrap_or_else(PoisonError::into_inner).0;
         }
     }
 
-    /// Close a node or return its branches, the one to visit first last.
-    fn process(&self, choice: &Choice) -> Vec<Choice> {
+    /// Search a node until it is closed or a tree breaks the budget.
+    fn visit(&self, choice: &Choice, upper: i64) -> Visit {
+        let mut visit = Visit::default();
         loop {
-            match self.relax(choice) {
-                Relaxed::Closed(_) => return Vec::new(),
-                Relaxed::Within(cost, tree) => {
-                    let mut state = self.lock();
-                    if cost < state.cost {
-                        (state.cost, state.tree) = (cost, Some(tree));
-                    }
-                }
+            let upper = visit.better.as_ref().map_or(upper, |better| better.0);
+            match self.relax(choice, upper) {
+                Relaxed::Closed(_) => return visit,
+                Relaxed::Within(cost, tree) => visit.better = Some((cost, tree)),
                 Relaxed::Breaking(sensors) => {
-                    let branches = self.decide(choice, &sensors);
-                    return branches
-                        .map_or_else(Vec::new, |(_, without, with)| vec![without, with]);
+                    let decided = self.decide(choice, &sensors);
+                    let branches = decided.map(|(_, without, with)| vec![without, with]);
+                    visit.branches = branches.unwrap_or_default();
+                    return visit;
                 }
             }
         }
@@ -178,7 +241,8 @@ impl<'a> Sets<'a> {
 
     /// The nodes to begin with.
     pub(super) fn take_open(&self) -> Vec<Choice> {
-        std::mem::take(&mut self.lock().open)
+        let open = std::mem::take(&mut self.lock().open);
+        open.into_iter().map(|(choice, _)| choice).collect()
     }
 
     /// Sensors that a node may read: held ones, and those that are not banned and affordable beside them.
@@ -197,10 +261,10 @@ impl<'a> Sets<'a> {
         (0..costs.len()).map(fits).collect()
     }
 
-    /// Search a node's relaxation below the incumbent.
+    /// Search a node's relaxation for trees that cost less than `upper`.
     ///
     /// The first tree will do when the sensors break the budget together; else the best one is wanted.
-    pub(super) fn relax(&self, choice: &Choice) -> Relaxed {
+    pub(super) fn relax(&self, choice: &Choice, upper: i64) -> Relaxed {
         let usable = self.usable(choice);
         if let Some(sensors) = &choice.breaking
             && sensors.iter().all(|&s| usable[s])
@@ -221,7 +285,6 @@ impl<'a> Sets<'a> {
             .map(|(cost, _)| cost)
             .sum();
         search.takes_first = all > self.problem.sensor_limit;
-        let upper = self.lock().cost;
         let answer = search.solve(&view, self.problem.depth, upper, 0);
         match answer.best.filter(|_| !self.control.is_stopped()) {
             None => Relaxed::Closed(features),

@@ -171,6 +171,11 @@ impl<'a> Frontier<'a> {
         (state.cost, bound.min(state.cost))
     }
 
+    /// Bytes of the queue.
+    pub fn bytes(&self) -> usize {
+        self.lock().heap.capacity() * size_of::<Reverse<Open>>()
+    }
+
     /// The best tree below the budget.
     pub fn best(&self) -> Option<(i64, Plan)> {
         let state = self.lock();

@@ -138,7 +138,7 @@ impl Sets<'_> {
     fn prove(&self, out: &mut String) -> Option<()> {
         let mut open = self.take_open();
         while let Some(choice) = open.pop() {
-            match self.relax(&choice) {
+            match self.relax(&choice, self.best().0) {
                 Relaxed::Closed(features) => {
                     let samples = self.samples.with_features(&features);
                     let depth = self.problem.depth;

@@ -10,6 +10,7 @@ use crate::exact::branch::Search;
 use crate::exact::budget::{Sets, is_within};
 use crate::exact::effort::Control;
 use crate::exact::frontier::Frontier;
+use crate::exact::memory;
 use crate::exact::plan::Plan;
 use crate::exact::samples::Samples;
 use crate::exact::view::View;
@@ -36,6 +37,8 @@ struct Run<'a> {
     options: &'a Options,
     control: Control,
     started: Instant,
+    /// Bytes of the tables that do not grow.
+    tables: f64,
     base: i64,
     /// Objective (above the base) and plan of the best tree; no plan: the incumbent that was given.
     best: (i64, Option<Plan>),
@@ -48,7 +51,8 @@ struct Run<'a> {
 /// The best tree of the problem, and a bound.
 pub fn solve(problem: &Problem, options: &Options, keep_going: KeepGoing<'_>) -> Outcome {
     let started = Instant::now();
-    if bytes(problem, options.n_threads) > options.limits.memory {
+    let tables = memory::bytes(problem, options.n_threads.max(1), &options.switches);
+    if tables > options.limits.memory {
         return without_search(problem, options);
     }
     let samples = Samples::new(problem);
@@ -60,6 +64,7 @@ pub fn solve(problem: &Problem, options: &Options, keep_going: KeepGoing<'_>) ->
         options,
         control: Control::new(),
         started,
+        tables,
         base,
         best: (view.leaf(), Some(Plan::Leaf)),
         bound: 0,
@@ -77,14 +82,6 @@ pub fn solve(problem: &Problem, options: &Options, keep_going: KeepGoing<'_>) ->
         run.keep_budget(problem, keep_going);
     }
     run.outcome()
-}
-
-/// What the tables of a search take, about: lists and ranks of the samples once, and for each thread the lists of both
-/// sides at every level, the table of buckets and the cuts of a feature.
-fn bytes(problem: &Problem, n_threads: usize) -> f64 {
-    let numbers = 4.0 * problem.n as f64 * problem.p as f64;
-    let per_thread = numbers * (2 * problem.depth + 4) as f64 + 100.0 * problem.n as f64;
-    3.0 * numbers + n_threads as f64 * per_thread
 }
 
 /// The incumbent or the best leaf, and the cost that no tree avoids: what is known where memory is too small to search.
@@ -164,7 +161,7 @@ impl Run<'_> {
                 control,
                 &receiver,
                 keep_going,
-                || (self.best.0 + self.base, self.base),
+                || (self.best.0 + self.base, self.base, self.tables),
             );
             result = worker.join().ok();
         });
@@ -201,7 +198,7 @@ impl Run<'_> {
             whole,
             upper,
         );
-        let base = self.base;
+        let (base, tables) = (self.base, self.tables);
         std::thread::scope(|scope| {
             let (sender, receiver) = channel::<()>();
             for _ in 0..self.options.n_threads.max(1) {
@@ -225,7 +222,12 @@ impl Run<'_> {
                 keep_going,
                 || {
                     let (cost, bound) = frontier.progress();
-                    (cost + base, if is_last { bound + base } else { base })
+                    let bytes = tables + frontier.bytes() as f64;
+                    (
+                        cost + base,
+                        if is_last { bound + base } else { base },
+                        bytes,
+                    )
                 },
             );
         });
@@ -259,7 +261,8 @@ impl Run<'_> {
         if self.stop.is_some() {
             return;
         }
-        let (samples, upper, base, bound) = (self.samples, self.best.0, self.base, self.bound);
+        let (samples, upper, tables) = (self.samples, self.best.0, self.tables);
+        let (base, bound) = (self.base, self.bound);
         let sets = Sets::new(
             problem,
             samples,
@@ -284,7 +287,10 @@ impl Run<'_> {
                 &self.control,
                 &receiver,
                 keep_going,
-                || (sets.best().0 + base, bound + base),
+                || {
+                    let bytes = tables + sets.bytes() as f64;
+                    (sets.best().0 + base, bound + base, bytes)
+                },
             );
         });
         let (cost, tree) = sets.best();
@@ -322,13 +328,14 @@ impl Run<'_> {
 }
 
 /// Wait for the workers, looking at the limits and asking the caller meanwhile; why they were stopped, if they were.
+/// `progress` says objective, bound and bytes taken.
 fn watch(
     started: Instant,
     limits: &Limits,
     control: &Control,
     workers: &std::sync::mpsc::Receiver<()>,
     keep_going: KeepGoing<'_>,
-    progress: impl Fn() -> (i64, i64),
+    progress: impl Fn() -> (i64, i64, f64),
 ) -> Option<Stop> {
     let mut stop = None;
     loop {
@@ -337,7 +344,7 @@ fn watch(
         if workers.recv_timeout(wait) == Err(RecvTimeoutError::Disconnected) {
             return stop;
         }
-        let (objective, bound) = progress();
+        let (objective, bound, bytes) = progress();
         let n_nodes = control.n_evaluated();
         let seconds = started.elapsed().as_secs_f64();
         let has_gap =
@@ -353,6 +360,8 @@ fn watch(
             Some(Stop::Time)
         } else if n_nodes as f64 >= limits.nodes {
             Some(Stop::Nodes)
+        } else if bytes > limits.memory {
+            Some(Stop::Memory)
         } else if has_gap {
             Some(Stop::Gap)
         } else {

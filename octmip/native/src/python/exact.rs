@@ -8,6 +8,7 @@ use pyo3::prelude::*;
 use crate::control::Progress;
 use crate::exact::Switches;
 use crate::exact::effort::Control;
+use crate::exact::memory;
 use crate::exact::proof::write;
 use crate::exact::root::{Options, solve};
 use crate::python::{
@@ -97,6 +98,12 @@ fn switches(off: &[String]) -> PyResult<Switches> {
     Ok(switches)
 }
 
+/// Bytes that the tables of a search may take, its queues left out.
+#[pyfunction]
+fn exact_bytes(problem: &PyProblem, n_threads: usize) -> f64 {
+    memory::bytes(&problem.inner, n_threads, &Switches::default())
+}
+
 /// Names of all prunes.
 #[pyfunction]
 fn prunes() -> Vec<&'static str> {
@@ -107,5 +114,6 @@ fn prunes() -> Vec<&'static str> {
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(branch_and_bound, module)?)?;
     module.add_function(wrap_pyfunction!(prove, module)?)?;
+    module.add_function(wrap_pyfunction!(exact_bytes, module)?)?;
     module.add_function(wrap_pyfunction!(prunes, module)?)
 }

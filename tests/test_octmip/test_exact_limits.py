@@ -1,0 +1,89 @@
+"""The exact core at its limits: sensor budgets by any number of threads, and memory."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from octmip import _native, certify
+from octmip.encoding import integer_costs, native_problem, rank_features
+from octmip.exact import branch_and_bound
+from octmip.problem import Problem
+from octmip.solution import Limits, Stop
+
+
+def with_ties(seed: int) -> Problem:
+    """Return a problem under a tight budget in which many trees cost the same: every feature comes twice."""
+    generator = np.random.default_rng([33, seed])
+    features = generator.integers(0, 4, (40, 4)).astype(float)
+    labels = generator.integers(0, 3, 40)
+    return Problem(np.hstack([features, features[:, ::-1]]), labels, depth=3, sensor_budget=2)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_under_a_budget_the_tree_is_the_same_for_any_number_of_threads(seed: int) -> None:
+    problem = with_ties(seed)
+    first, *others = (branch_and_bound(problem, n_jobs=n_jobs) for n_jobs in (1, 2, 3))
+    assert first.stop is Stop.OPTIMAL
+    assert problem.sensor_cost_of(first.tree) <= 2
+    for other in others:
+        assert (other.tree, other.objective, other.bound) == (first.tree, first.objective, first.bound)
+
+
+def hard(n_features: int = 12, **options: object) -> Problem:
+    generator = np.random.default_rng(5)
+    features, labels = generator.normal(size=(400, n_features)), generator.integers(0, 3, 400)
+    return Problem(features, labels, depth=4, **options)  # type: ignore[arg-type]
+
+
+def table_bytes(problem: Problem, n_jobs: int = 1) -> float:
+    native = native_problem(problem, rank_features(problem), integer_costs(problem))
+    return _native.exact_bytes(native, n_jobs)
+
+
+def test_memory_too_small_for_the_tables_ends_before_the_search() -> None:
+    problem = hard()
+    solution = branch_and_bound(problem, limits=Limits(memory=table_bytes(problem) - 1))
+    assert (solution.stop, solution.n_nodes) == (Stop.MEMORY, 0)
+    assert certify(problem, solution).bound == 0
+
+
+def test_memory_too_small_for_the_queue_ends_the_search_with_the_best_tree_and_bound() -> None:
+    problem = hard()
+    solution = branch_and_bound(problem, limits=Limits(memory=table_bytes(problem) + 1, seconds=20))
+    assert solution.stop is Stop.MEMORY
+    assert solution.n_nodes > 0
+    leaf = branch_and_bound(problem, limits=Limits(memory=1))
+    assert certify(problem, solution).objective < leaf.objective
+
+
+PEAK = """
+import ctypes, sys
+import numpy as np
+from octmip import _native
+from octmip.encoding import integer_costs, native_problem, rank_features
+from octmip.problem import Problem
+n, p, classes, depth, threads, seconds = map(int, sys.argv[1:7])
+generator = np.random.default_rng(0)
+problem = Problem(generator.normal(size=(n, p)), generator.integers(0, classes, n), depth=depth)
+native = native_problem(problem, rank_features(problem), integer_costs(problem))
+_native.branch_and_bound(native, (0.0, 0.0, 1.0, 0.0), 1, None, [], None)
+ctypes.CDLL(None).malloc_trim(0)
+with open("/proc/self/clear_refs", "w") as file:
+    file.write("5")  # the peak from now on
+def status(name):
+    with open("/proc/self/status") as file:
+        return next(int(line.split()[1]) * 1024 for line in file if line.startswith(name))
+before = status("VmRSS")
+_native.branch_and_bound(native, (seconds, 0.0, float("inf"), float("inf")), threads, None, [], None)
+print(status("VmHWM") - before, _native.exact_bytes(native, threads))
+"""
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the peak is read from /proc")
+@pytest.mark.parametrize("shape", [(100_000, 10, 2, 2, 1), (10_000, 20, 3, 3, 2)])
+def test_the_tables_are_reckoned_no_smaller_than_they_become(shape: tuple[int, ...]) -> None:
+    command = [sys.executable, "-c", PEAK, *map(str, shape), "1"]
+    peak, reckoned = map(float, subprocess.run(command, capture_output=True, text=True, check=True).stdout.split())
+    assert 0.25 * reckoned < peak < reckoned
