@@ -83,5 +83,5 @@ def prove_lines(problem: Problem, claim: int, n_threads: int) -> str | None:
 def check_lines(problem: Problem, log: str, skip: int, claim: int, threads: int) -> tuple[int, str] | None:
     """Return the line and the reason why a log does not prove a claim about two-feature trees, None when it does."""
 
-def check(problem: Problem, log: str, skip: int, claim: int, threads: int) -> tuple[int, str] | None:
+def check(problem: Problem, log: str, skip: int, claim: int) -> tuple[int, str] | None:
     """Return the line and the reason why a log does not prove that every tree costs `claim`, None when it does."""

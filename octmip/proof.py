@@ -80,6 +80,8 @@ def question_digest(problem: Problem) -> str:
 def check_proof(problem: Problem, path: str | Path, *, bound: float = -math.inf, n_jobs: int = 1) -> ProofReport:
     """Check that a log proves a bound of every tree of a problem; refuse one that proves less than `bound`.
 
+    `n_jobs` threads check logs of two-feature trees; the checker of axis-aligned ones, made to be read, uses one.
+
     Raises:
         ProblemError: trees of this kind have no proof logs.
         CertificateError: the log is of another problem, or does not prove what it claims; with the line and the reason.
@@ -89,8 +91,10 @@ def check_proof(problem: Problem, path: str | Path, *, bound: float = -math.inf,
     log = Path(path).read_text(encoding="ascii", errors="replace")
     weight_exponent, cost_exponent, claim = _header(problem, log.split("\n", 5), path)
     native = _on_grid(problem, weight_exponent, cost_exponent, path)
-    check = _native.check if problem.split == "axis" else _native.check_lines
-    refusal = check(native, log, 5, claim, n_jobs)
+    if problem.split == "axis":
+        refusal = _native.check(native, log, 5, claim)
+    else:
+        refusal = _native.check_lines(native, log, 5, claim, n_jobs)
     if refusal is not None:
         raise _refused(path, *refusal)
     proven = math.ldexp(claim, -(weight_exponent + cost_exponent))

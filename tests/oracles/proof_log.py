@@ -51,10 +51,8 @@ class _Writer:
                 yield " ".join(map(str, ["F", f, *np.diff([0, *(len(left) for left, _ in cuts)])]))
             for left, right in cuts if depth > 2 else []:
                 yield f"K {f} {len(left)}"
-                for size in sorted({1, leaf}):
-                    yield from ["L", *self.node(left, features, depth - 1, size)]
-                for size in sorted({1, leaf}):
-                    yield from ["R", *self.node(right, features, depth - 1, size)]
+                yield from ["L", *self.node(left, features, depth - 1, leaf)]
+                yield from ["R", *self.node(right, features, depth - 1, leaf)]
         yield "E"
 
     def cuts(self, rows: Rows, feature: int) -> list[tuple[Rows, Rows]]:

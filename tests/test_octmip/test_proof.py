@@ -91,7 +91,7 @@ def test_real_weights_are_rounded_down_on_the_grid_of_the_header(log):
         (lambda lines: "\n".join(lines[:6]), "expected E"),
         (lambda lines: "\n".join(lines[:-1]), "expected end"),
         (lambda lines: "\n".join([*lines[:5], "N 3 1 1", *lines[6:]]), "line 6: expected depth 2"),
-        (lambda lines: "\n".join([*lines[:5], "N 2 2 1", *lines[6:]]), "line 6: expected depth 2, leaves of 1 to 1"),
+        (lambda lines: "\n".join([*lines[:5], "N 2 2 1", *lines[6:]]), "line 6: expected depth 2, leaves of 1"),
         (lambda lines: "\n".join([*lines[:5], "N 2 1 4", *lines[6:]]), "line 6: a tree costs 3, not 4"),
         (lambda lines: "\n".join([*lines[:5], "N 2 1 0", *lines[6:]]), "line 6: this proves 0, not 1"),
         (lambda lines: "\n".join([*lines[:5], "N 2 1 2", *lines[6:]]), "line 6: cut 2 of feature 0: 1, not 2"),

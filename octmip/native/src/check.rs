@@ -1,15 +1,13 @@
 //! The checker of proof logs: does a log prove that no tree of a problem costs less than it claims?
 //!
-//! It knows no solver. Format and proofs: docs/theory/proof.md. With `e(S)` the cost of the best tree
-//! of some depth on the samples S, leaves of `m` or more, penalties included, and `e1(S)` the same
-//! with leaves of any size, what is used is, for disjoint S and M:
+//! It knows no solver. Format and proofs: docs/theory/proof.md. With `e(S)` the cost of the best tree of some depth on
+//! the samples S, penalties included, what is used is, for disjoint S and M:
 //!
-//! * Growing: `e(S + M) >= e1(S + M) >= e1(S) + spread(M)`. A tree on S + M, empty leaves removed,
-//!   is one on S; besides, M costs it at least `spread(M)`, which counts classes and no penalties.
+//! * Growing: `e(S + M) >= e(S) + spread(M)`. A tree on S + M, empty leaves removed, is one on S (if leaves may have
+//!   any size; S is empty else); besides, M costs it at least `spread(M)`, which counts classes and no penalties.
 //! * Shrinking: `e(S) >= e(S + M) - dear(M)`, the dearest answers: a tree on S is one on S + M.
 
 use std::ops::Add;
-use std::thread;
 
 use crate::problem::Problem;
 
@@ -18,19 +16,10 @@ use crate::problem::Problem;
 pub struct Refusal(pub usize, pub String);
 
 type Checked<T> = Result<T, Refusal>;
-
 /// Samples in the order of each feature (empty unless it is in play), and last all of them anyhow.
 type Orders = Vec<Vec<u32>>;
-
-/// Lower bounds of the trees on some samples: of those that the problem allows, and of those with
-/// leaves of any size. Only the second holds for more samples.
-type Bounds = (i64, i64);
-
 /// A solved cut: feature, number of samples to the left, bounds of the two sides.
-type Cut = (usize, usize, [Bounds; 2]);
-
-/// Answers to each sample, and what they save of the cost of the worst.
-type Savings = Vec<Vec<(usize, i64)>>;
+type Cut = (usize, usize, [i64; 2]);
 
 /// So many parts of the samples are counted at once, side by side.
 const LANES: usize = 64;
@@ -46,16 +35,16 @@ struct Checker<'a> {
     q: &'a Problem,
     /// What each sample costs when it is answered worst.
     dear: Vec<i64>,
-    savings: Savings,
+    /// Answers to each sample, and what they save of that.
+    savings: Vec<Vec<(usize, i64)>>,
     /// No sum is larger.
     most: i64,
     lines: Vec<&'a str>,
     line: usize,
-    threads: usize,
 }
 
 /// Check that a log proves, after `skip` lines, that every tree costs `claim` or more.
-pub fn check(q: &Problem, log: &str, skip: usize, claim: i64, threads: usize) -> Checked<()> {
+pub fn check(q: &Problem, log: &str, skip: usize, claim: i64) -> Checked<()> {
     let cost = |i: usize, k| q.weights[i] * q.cost(q.labels[i] as usize, k);
     let dear = |i| (0..q.n_classes).map(|k| cost(i, k)).max().unwrap_or(0);
     let saving = |i, k| Some((k, dear(i) - cost(i, k))).filter(|saving| saving.1 > 0);
@@ -67,7 +56,6 @@ pub fn check(q: &Problem, log: &str, skip: usize, claim: i64, threads: usize) ->
         savings: (0..q.n).map(savings).collect(),
         lines: log.lines().collect(),
         line: skip,
-        threads,
     };
     checker.sensors(&mut vec![None; q.sensor_cost.len()], claim)?;
     checker.expect::<0>("end").map(|_| ())
@@ -95,14 +83,13 @@ impl Checker<'_> {
         numbers.ok_or_else(|| Refusal(line, format!("expected {tag} and {N} numbers")))
     }
 
-    /// Every tree reads a sensor or does not; `read` says what is decided. A sensor that cannot be
-    /// paid for beside those that are read is not read either.
+    /// Every tree reads a sensor or does not; `read` says what is decided. A sensor that cannot be paid for beside
+    /// those that are read is not read either.
     fn sensors(&mut self, read: &mut Vec<Option<bool>>, claim: i64) -> Checked<()> {
         let (q, line) = (self.q, self.line + 1);
         if let Some(numbers) = self.take("S") {
             let sensor = numbers.first().map_or(usize::MAX, |&s| s as usize);
-            let is_open = read.get(sensor) == Some(&None);
-            ensure!(is_open, line, "sensor {sensor} cannot be decided here");
+            ensure!(read.get(sensor) == Some(&None), line, "sensor {sensor} cannot be decided here");
             for choice in [false, true] {
                 read[sensor] = Some(choice);
                 self.sensors(read, claim)?;
@@ -110,8 +97,7 @@ impl Checker<'_> {
             read[sensor] = None;
             return Ok(());
         }
-        let taken = (0..read.len()).filter(|&s| read[s] == Some(true));
-        let paid: f64 = taken.map(|s| q.sensor_cost[s]).sum();
+        let paid: f64 = (0..read.len()).filter(|&s| read[s] == Some(true)).map(|s| q.sensor_cost[s]).sum();
         // Sums are rounded: whatever may be within the limit is.
         let is_within = |s: usize| (paid + q.sensor_cost[s]) * (1.0 - 1e-12) <= q.sensor_limit;
         let order = |f: usize| {
@@ -123,67 +109,62 @@ impl Checker<'_> {
         };
         let mut orders: Orders = (0..q.p).map(order).collect();
         orders.push((0..q.n as u32).collect());
-        let (_, bound) = self.node(&orders, q.depth, q.leaf_size)?;
+        let bound = self.node(&orders, q.depth)?;
         ensure!(bound >= claim, line, "this proves {bound}, not {claim}");
         Ok(())
     }
 
-    /// Read a record and check it: every tree of `depth` levels on these samples, with leaves of the
-    /// size that it names, `leaf` at most, costs the bound that it names. Returns size and bound.
-    fn node(&mut self, orders: &Orders, depth: usize, leaf: usize) -> Checked<(usize, i64)> {
-        let (q, line, all) = (self.q, self.line + 1, &orders[self.q.p]);
-        let [levels, m, bound] = self.expect("N")?;
-        let m = m as usize;
-        let fits = levels as usize == depth && (1..=leaf).contains(&m);
-        ensure!(fits, line, "expected depth {depth}, leaves of 1 to {leaf}");
-        let (end, cuts) = self.cuts(orders, depth, m)?;
+    /// Read a record and check it: every tree of `depth` levels on these samples costs the bound that it names, which
+    /// is returned.
+    fn node(&mut self, orders: &Orders, depth: usize) -> Checked<i64> {
+        let (q, line, leaf) = (self.q, self.line + 1, self.q.leaf_size);
+        let [levels, size, bound] = self.expect("N")?;
+        ensure!((levels, size) == (depth as i64, leaf as i64), line, "expected depth {depth}, leaves of {leaf}");
+        let (end, cuts) = self.cuts(orders, depth)?;
         self.expect::<0>("E")?;
         let mut classes = vec![0; q.n_classes];
-        all.iter().for_each(|&i| self.join(&mut classes, i));
+        orders[q.p].iter().for_each(|&i| self.join(&mut classes, i));
         let paid = |k| (0..classes.len()).map(|c| classes[c] * q.cost(c, k)).sum();
         let one_leaf = (0..classes.len()).map(paid).min().unwrap_or(0);
         let best = if depth == 1 { end } else { one_leaf };
         ensure!(best >= bound, line, "a tree costs {best}, not {bound}");
         for (f, order) in orders[..q.p].iter().enumerate().filter(|_| depth > 1) {
             let n = order.len();
-            let mut known = [0, 1].map(|_| vec![(0, 0); n + 1]);
+            let mut known = [0, 1].map(|_| vec![0; n + 1]);
             for (_, k, sides) in cuts.iter().filter(|cut| cut.0 == f) {
                 (known[0][*k], known[1][n - k]) = (sides[0], sides[1]);
             }
             let backwards: Vec<u32> = order.iter().rev().copied().collect();
             let left = self.side(order, &mut known[0], end, depth - 1);
             let right = self.side(&backwards, &mut known[1], end, depth - 1);
-            for k in m..(n + 1).saturating_sub(m) {
+            for k in leaf..(n + 1).saturating_sub(leaf) {
                 let cost = left[k] + right[n - k] + q.penalty;
                 let holds = cost >= bound || !self.is_between(f, order, k);
                 ensure!(holds, line, "cut {k} of feature {f}: {cost}, not {bound}");
             }
         }
-        Ok((m, bound))
+        Ok(bound)
     }
 
-    /// Read the solved cuts of a node and check what is said of their sides, or count it. Returns
-    /// a bound of the trees of one level less on all the samples, and the cuts.
-    fn cuts(&mut self, orders: &Orders, depth: usize, leaf: usize) -> Checked<(i64, Vec<Cut>)> {
+    /// Read the solved cuts of a node and check what is said of their sides, or count it. Returns a bound of the trees
+    /// of one level less on all the samples, and the cuts.
+    fn cuts(&mut self, orders: &Orders, depth: usize) -> Checked<(i64, Vec<Cut>)> {
         let (all, is_counted) = (self.q.p, depth <= 2);
         let (mut end, mut cuts): (i64, Vec<Cut>) = (0, Vec::new());
         if !is_counted && self.take("B").is_some() {
-            end = self.node(orders, depth - 1, leaf)?.1;
+            end = self.node(orders, depth - 1)?;
         }
         while let Some(numbers) = self.take(if is_counted { "F" } else { "K" }) {
             let (line, f) = (self.line, numbers.first().map_or(all, |&f| f as usize));
             let mut k = 0;
             for step in numbers.iter().skip(1) {
                 k += *step as usize;
-                let is_cut = f < all && self.is_between(f, &orders[f], k);
-                ensure!(is_cut, line, "feature {f} has no cut {k} here");
-                let mut sides = [(0, 0); 2];
+                ensure!(f < all && self.is_between(f, &orders[f], k), line, "feature {f} has no cut {k} here");
+                let mut sides = [0; 2];
                 for (side, tag) in sides.iter_mut().zip(["L", "R"]).filter(|_| !is_counted) {
                     while self.take(tag).is_some() {
                         let part = self.part(orders, &orders[f][..k], tag == "L");
-                        let (size, own) = self.node(&part, depth - 1, leaf)?;
-                        let any = if size == 1 { own } else { 0 };
-                        *side = (side.0.max(own), side.1.max(any));
+                        *side = self.node(&part, depth - 1)?.max(*side);
                     }
                 }
                 cuts.push((f, k, sides));
@@ -193,13 +174,11 @@ impl Checker<'_> {
             let sides = |&(f, k, _): &Cut| [&orders[f][..k], &orders[f][k..]];
             let mut parts: Vec<&[u32]> = cuts.iter().flat_map(sides).collect();
             parts.push(&orders[all]);
-            let any = self.stumps(orders, 1, &parts);
-            let own = (leaf > 1).then(|| self.stumps(orders, leaf, &parts));
-            let own = own.as_ref().unwrap_or(&any);
-            for (c, cut) in cuts.iter_mut().enumerate() {
-                cut.2 = [2 * c, 2 * c + 1].map(|part| (own[part], any[part]));
+            let costs = self.stumps(orders, &parts);
+            for (cut, sides) in cuts.iter_mut().zip(costs.chunks(2)) {
+                cut.2 = [sides[0], sides[1]];
             }
-            end = own[parts.len() - 1];
+            end = costs[parts.len() - 1];
         }
         Ok((end, cuts))
     }
@@ -207,10 +186,7 @@ impl Checker<'_> {
     fn part(&self, orders: &Orders, left: &[u32], is_left: bool) -> Orders {
         let mut kept = vec![!is_left; self.q.n];
         left.iter().for_each(|&i| kept[i as usize] = is_left);
-        let mut part = orders.clone();
-        part.iter_mut()
-            .for_each(|order| order.retain(|&i| kept[i as usize]));
-        part
+        orders.iter().map(|order| order.iter().copied().filter(|&i| kept[i as usize]).collect()).collect()
     }
 
     /// Whether the first `cut` samples, not none and not all, lie below the others.
@@ -223,8 +199,8 @@ impl Checker<'_> {
         classes[self.q.labels[sample as usize] as usize] += self.q.weights[sample as usize];
     }
 
-    /// What trees of `depth` levels cost at least, without penalties, by class weights: they give at
-    /// most 2^depth answers, and a class that is none of them pays for its cheapest wrong answer.
+    /// What trees of `depth` levels cost at least, without penalties, by class weights: they give at most 2^depth
+    /// answers, and a class that is none of them pays for its cheapest wrong answer.
     fn spread(&self, classes: &[i64], depth: usize) -> i64 {
         let (q, mut sure, mut more) = (self.q, 0, Vec::with_capacity(classes.len()));
         for (c, &weight) in classes.iter().enumerate() {
@@ -237,20 +213,19 @@ impl Checker<'_> {
         sure + more.iter().rev().skip(1 << depth.min(31)).sum::<i64>()
     }
 
-    /// Bounds of one side of a feature's cuts, by its number of samples, which join in this order:
-    /// from what is known of solved cuts and of all the samples, first growing, then shrinking.
-    fn side(&self, order: &[u32], known: &mut [Bounds], end: i64, depth: usize) -> Vec<i64> {
-        let (mut before, mut joined) = (0, vec![0; self.q.n_classes]);
-        let mut bounds = vec![0];
-        known[order.len()].0 = end;
+    /// Bounds of one side of a feature's cuts, by its number of samples, which join in this order: from what is known
+    /// of solved cuts and of all the samples, first growing, then shrinking.
+    fn side(&self, order: &[u32], known: &mut [i64], end: i64, depth: usize) -> Vec<i64> {
+        let (mut before, mut joined, mut bounds) = (0, vec![0; self.q.n_classes], vec![0]);
+        known[order.len()] = end;
         for (&sample, bound) in order.iter().zip(&known[1..]) {
             self.join(&mut joined, sample);
             let grown = before + self.spread(&joined, depth);
-            if bound.1 > grown {
-                before = bound.1;
+            if self.q.leaf_size == 1 && *bound > grown {
+                before = *bound;
                 joined.fill(0);
             }
-            bounds.push(grown.max(bound.0).max(bound.1));
+            bounds.push(grown.max(*bound));
         }
         for (k, &sample) in order.iter().enumerate().rev() {
             bounds[k] = bounds[k].max(bounds[k + 1] - self.dear[sample as usize]);
@@ -258,48 +233,35 @@ impl Checker<'_> {
         bounds
     }
 
-    /// The cheapest trees of one split at most, its leaves of `leaf` or more, on parts of the samples.
-    fn stumps(&self, orders: &Orders, leaf: usize, parts: &[&[u32]]) -> Vec<i64> {
-        let mut costs = vec![0; parts.len()];
+    /// The cheapest trees of one split at most, on parts of the samples.
+    fn stumps(&self, orders: &Orders, parts: &[&[u32]]) -> Vec<i64> {
         let count = match self.most {
             ..0x8000 => Self::count::<i16>,
             0x8000..0x8000_0000 => Self::count::<i32>,
             _ => Self::count::<i64>,
         };
-        let share = parts.len().div_ceil(LANES * self.threads) * LANES;
-        let work = |(parts, costs): (&[_], &mut [_])| count(self, orders, leaf, parts, costs);
-        thread::scope(|scope| {
-            for (parts, costs) in parts.chunks(share).zip(costs.chunks_mut(share)) {
-                let lanes = parts.chunks(LANES).zip(costs.chunks_mut(LANES));
-                scope.spawn(|| lanes.for_each(work));
-            }
-        });
-        costs
+        parts.chunks(LANES).flat_map(|parts| count(self, orders, parts)).collect()
     }
 
-    /// The same for as many parts as there are lanes. What a tree costs is what its samples cost
-    /// when answered worst, less what the best answers on both sides save of that.
-    fn count<T: Lane>(&self, orders: &Orders, leaf: usize, parts: &[&[u32]], costs: &mut [i64]) {
+    /// The same for as many parts as there are lanes. What a tree costs is what its samples cost when answered worst,
+    /// less what the best answers on both sides save of that.
+    fn count<T: Lane>(&self, orders: &Orders, parts: &[&[u32]]) -> Vec<i64> {
         let of = |number: i64| T::try_from(number).unwrap_or_default();
         let mut is_in = vec![[of(0); LANES]; self.q.n];
         for (lane, part) in parts.iter().enumerate() {
-            part.iter()
-                .for_each(|&i| is_in[i as usize][lane] = of(self.most));
+            part.iter().for_each(|&i| is_in[i as usize][lane] = of(self.most));
         }
-        let (ones, leaf) = (vec![vec![(0, 1)]; self.q.n], leaf.min(self.q.n + 1) as i64);
+        let (ones, leaf) = (vec![vec![(0, 1)]; self.q.n], self.q.leaf_size.min(self.q.n + 1) as i64);
         let mut saved = [of(0); LANES];
         for (f, order) in orders[..self.q.p].iter().enumerate() {
-            let backwards: Vec<u32> = order.iter().rev().copied().collect();
+            let (n, backwards) = (order.len(), order.iter().rev().copied().collect::<Vec<u32>>());
             let first = self.saved(order, &is_in, &self.savings);
             let last = self.saved(&backwards, &is_in, &self.savings);
             let sizes = (leaf > 1).then(|| self.saved(order, &is_in, &ones));
-            for k in (1..order.len()).filter(|&k| self.is_between(f, order, k)) {
-                let (first, last) = (&first[k], &last[order.len() - k]);
+            for k in (1..n).filter(|&k| self.is_between(f, order, k)) {
+                let (first, last) = (&first[k], &last[n - k]);
                 for lane in 0..LANES {
-                    let is_wide = |sizes: &Vec<Lanes<T>>| {
-                        let (left, all) = (sizes[k][lane], sizes[order.len()][lane]);
-                        of(leaf) <= left && left + of(leaf) <= all
-                    };
+                    let is_wide = |s: &Vec<Lanes<T>>| of(leaf) <= s[k][lane] && s[k][lane] + of(leaf) <= s[n][lane];
                     if sizes.as_ref().is_none_or(is_wide) {
                         saved[lane] = saved[lane].max(first[lane] + last[lane]);
                     }
@@ -307,16 +269,17 @@ impl Checker<'_> {
             }
         }
         let one_leaf = self.saved(&orders[self.q.p], &is_in, &self.savings);
-        for (lane, (part, cost)) in parts.iter().zip(costs).enumerate() {
+        let cost = |(lane, part): (usize, &&[u32])| {
             let dear: i64 = part.iter().map(|&i| self.dear[i as usize]).sum();
             let split = dear - saved[lane].into() + self.q.penalty;
-            *cost = split.min(dear - one_leaf[one_leaf.len() - 1][lane].into());
-        }
+            split.min(dear - one_leaf[one_leaf.len() - 1][lane].into())
+        };
+        parts.iter().enumerate().map(cost).collect()
     }
 
-    /// What the best answer saves of the first samples of an order, of none, of one, of two and so
-    /// on, in each part. More samples never save less by an answer: the most so far is the most.
-    fn saved<T: Lane>(&self, order: &[u32], is_in: &[Lanes<T>], by: &Savings) -> Vec<Lanes<T>> {
+    /// What the best answer saves of the first samples of an order, of none, of one, of two and so on, in each part.
+    /// More samples never save less by an answer: the most so far is the most.
+    fn saved<T: Lane>(&self, order: &[u32], is_in: &[Lanes<T>], by: &[Vec<(usize, i64)>]) -> Vec<Lanes<T>> {
         let mut best = [T::default(); LANES];
         let mut answers = vec![best; self.q.n_classes];
         let mut best_of = Vec::with_capacity(self.q.n + 1);

@@ -65,40 +65,20 @@ struct Checker<'a> {
 }
 
 /// Check that a log proves, after `skip` lines, that every tree costs `claim` or more.
-pub fn check(
-    q: &Problem,
-    log: &str,
-    skip: usize,
-    claim: i64,
-    threads: usize,
-) -> Result<(), Refusal> {
+pub fn check(q: &Problem, log: &str, skip: usize, claim: i64, threads: usize) -> Result<(), Refusal> {
     let (columns, lines) = (coordinates(q)?, log.lines().collect());
-    let checker = Checker {
-        q,
-        columns,
-        claim,
-        lines,
-    };
+    let checker = Checker { q, columns, claim, lines };
     let (mut line, mut tasks) = (skip, Vec::new());
-    ensure!(
-        checker.leaf(&checker.tally(&checker.all())) >= claim,
-        skip,
-        "one leaf costs less than {claim}"
-    );
+    ensure!(checker.leaf(&checker.tally(&checker.all())) >= claim, skip, "one leaf costs less than {claim}");
     checker.sensors(&mut line, &mut vec![None; q.sensor_cost.len()], &mut tasks)?;
     let end = checker.lines.get(line).copied();
-    ensure!(
-        end == Some("end") && line + 1 == checker.lines.len(),
-        line + 1,
-        "expected end, got {end:?}"
-    );
+    ensure!(end == Some("end") && line + 1 == checker.lines.len(), line + 1, "expected end, got {end:?}");
     let (next, refusals) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
     std::thread::scope(|scope| {
         for _ in 0..threads.clamp(1, tasks.len().max(1)) {
             scope.spawn(|| {
                 while let Some(task) = tasks.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    if let (Err(refusal), Ok(mut found)) = (checker.section(task), refusals.lock())
-                    {
+                    if let (Err(refusal), Ok(mut found)) = (checker.section(task), refusals.lock()) {
                         found.push((refusal.0, refusal));
                         next.store(tasks.len(), Ordering::Relaxed);
                     }
@@ -106,13 +86,8 @@ pub fn check(
             });
         }
     });
-    let found = refusals
-        .into_inner()
-        .unwrap_or_else(|poisoned| poisoned.into_inner());
-    found
-        .into_iter()
-        .min_by_key(|refusal| refusal.0)
-        .map_or(Ok(()), |refusal| Err(refusal.1))
+    let found = refusals.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner());
+    found.into_iter().min_by_key(|refusal| refusal.0).map_or(Ok(()), |refusal| Err(refusal.1))
 }
 
 /// So many numbers, one blank between them.
@@ -130,42 +105,16 @@ impl Checker<'_> {
     fn section(&self, section: &Section) -> Result<(), Refusal> {
         let (mut line, all, need) = (section.lines.start, self.all(), self.q.leaf_size as i64);
         if let Some(chart) = section.chart {
-            let t = if chart.1 == self.q.p {
-                [0.0; 2]
-            } else {
-                [-1.0, 1.0]
-            };
+            let t = if chart.1 == self.q.p { [0.0; 2] } else { [-1.0, 1.0] };
             // No sample's value is beyond 2: lines outside part none.
-            let whole = Cell {
-                t,
-                low: [-2.25; 2],
-                high: [2.25; 2],
-            };
-            let child = Child {
-                floor: 0,
-                strips: section.strips.clone(),
-            };
-            self.root(
-                chart,
-                whole,
-                [child.clone(), child],
-                &mut line,
-                section.lines.end,
-            )?;
+            let whole = Cell { t, low: [-2.25; 2], high: [2.25; 2] };
+            let child = Child { floor: 0, strips: section.strips.clone() };
+            self.root(chart, whole, [child.clone(), child], &mut line, section.lines.end)?;
         } else {
             let is_so = self.child_costs(&all, need, &section.strips, self.claim);
-            ensure!(
-                is_so,
-                line,
-                "a single split is not proven to cost {}",
-                self.claim
-            );
+            ensure!(is_so, line, "a single split is not proven to cost {}", self.claim);
         }
-        ensure!(
-            line == section.lines.end,
-            line + 1,
-            "expected the next chart or end"
-        );
+        ensure!(line == section.lines.end, line + 1, "expected the next chart or end");
         Ok(())
     }
 
@@ -185,46 +134,27 @@ impl Checker<'_> {
         let owed = self.claim - self.price(chart);
         loop {
             *at += 1;
-            let (line, text) = (
-                *at,
-                self.lines[..end].get(*at - 1).copied().unwrap_or("nothing"),
-            );
+            let (line, text) = (*at, self.lines[..end].get(*at - 1).copied().unwrap_or("nothing"));
             let (tag, rest) = text.split_once(' ').unwrap_or((text, ""));
-            let whole =
-                || parse::<i64, 2>(rest, line).map(|list| list.map(|cost| cost.clamp(0, NO_TREE)));
+            let whole = || parse::<i64, 2>(rest, line).map(|list| list.map(|cost| cost.clamp(0, NO_TREE)));
             match tag {
                 // Too few samples for two leaves.
-                "F" if tallies
-                    .iter()
-                    .any(|side| side[q.n_classes] + spare[q.n_classes] < need) =>
-                {
+                "F" if tallies.iter().any(|side| side[q.n_classes] + spare[q.n_classes] < need) => {
                     return Ok(());
                 }
                 // A child's cost for its settled samples, and strips where it costs so much that the tree costs the claim.
                 "l" | "r" => {
                     let (s, cost) = (usize::from(tag == "r"), whole()?);
                     let with = |own: i64| {
-                        if s == 0 {
-                            [own, children[1].floor]
-                        } else {
-                            [children[0].floor, own]
-                        }
+                        if s == 0 { [own, children[1].floor] } else { [children[0].floor, own] }
                     };
                     let is_dead = self.labels_due(with(cost[1]), &tallies, &spare) >= owed;
-                    ensure!(
-                        is_dead,
-                        line,
-                        "a child of {} does not bring the tree to the claim",
-                        cost[1]
-                    );
+                    ensure!(is_dead, line, "a child of {} does not bring the tree to the claim", cost[1]);
                     let less = need - open.len() as i64;
                     let kept = self.sift(sides[s], less, &children[s].strips, cost[1]);
                     let is_so = self.child_costs(sides[s], less, &kept, cost[0]);
                     ensure!(is_so, line, "a child is not proven to cost {}", cost[0]);
-                    children[s] = Child {
-                        floor: children[s].floor.max(cost[0]),
-                        strips: Arc::new(kept),
-                    };
+                    children[s] = Child { floor: children[s].floor.max(cost[0]), strips: Arc::new(kept) };
                 }
                 // The children's costs for their settled samples, with the labels' due, or for these and all open ones.
                 "N" | "W" => {
@@ -234,19 +164,9 @@ impl Checker<'_> {
                     } else {
                         self.labels_due([costs[0], costs[1]], &tallies, &spare)
                     };
-                    ensure!(
-                        bound >= owed,
-                        line,
-                        "this proves {}, not {}",
-                        bound + self.claim - owed,
-                        self.claim
-                    );
+                    ensure!(bound >= owed, line, "this proves {}, not {}", bound + self.claim - owed, self.claim);
                     for s in [0, 1] {
-                        let ids = if wide {
-                            [&sides[s][..], &open].concat()
-                        } else {
-                            sides[s].clone()
-                        };
+                        let ids = if wide { [&sides[s][..], &open].concat() } else { sides[s].clone() };
                         let need = if wide { need } else { need - open.len() as i64 };
                         let is_so = costs[s] <= children[s].floor
                             || self.child_costs(&ids, need, &children[s].strips, costs[s]);
@@ -257,50 +177,23 @@ impl Checker<'_> {
                 // Every way of parting the open points, with the left child's cost.
                 "E" => {
                     let points = self.distinct(chart, &open, MOST);
-                    ensure!(
-                        points.len() <= MOST,
-                        line,
-                        "{} open points are too many to part",
-                        points.len()
-                    );
+                    ensure!(points.len() <= MOST, line, "{} open points are too many to part", points.len());
                     let (x, y) = (&self.columns[chart.0], &self.columns[chart.1]);
                     for way in ways(x, y, &points, cell.t[0], cell.t[1]) {
-                        let goes = |i: &u32| {
-                            way[points
-                                .iter()
-                                .position(|&p| self.is_same(chart, p, *i))
-                                .unwrap_or(0)]
-                        };
+                        let goes = |i: &u32| way[points.iter().position(|&p| self.is_same(chart, p, *i)).unwrap_or(0)];
                         let part: [Vec<u32>; 2] = [true, false].map(|is_left| {
                             let joined = open.iter().copied().filter(|i| goes(i) == is_left);
-                            sides[usize::from(!is_left)]
-                                .iter()
-                                .copied()
-                                .chain(joined)
-                                .collect()
+                            sides[usize::from(!is_left)].iter().copied().chain(joined).collect()
                         });
                         if part.iter().any(|ids| (ids.len() as i64) < need) {
                             continue;
                         }
-                        let name: String = way
-                            .iter()
-                            .map(|&is_left| if is_left { '1' } else { '0' })
-                            .collect();
-                        let given = rest
-                            .split(' ')
-                            .find_map(|word| word.strip_prefix(&name)?.strip_prefix(':'));
-                        let cost: i64 = given
-                            .and_then(|cost| cost.parse().ok())
-                            .unwrap_or(0)
-                            .clamp(0, NO_TREE);
+                        let name: String = way.iter().map(|&is_left| if is_left { '1' } else { '0' }).collect();
+                        let given = rest.split(' ').find_map(|word| word.strip_prefix(&name)?.strip_prefix(':'));
+                        let cost: i64 = given.and_then(|cost| cost.parse().ok()).unwrap_or(0).clamp(0, NO_TREE);
                         let is_so = self.child_costs(&part[0], need, &children[0].strips, cost)
                             && self.child_costs(&part[1], need, &children[1].strips, owed - cost);
-                        ensure!(
-                            is_so,
-                            line,
-                            "the way {name} is not proven to cost {}",
-                            self.claim
-                        );
+                        ensure!(is_so, line, "the way {name} is not proven to cost {}", self.claim);
                     }
                     return Ok(());
                 }
@@ -309,17 +202,12 @@ impl Checker<'_> {
                     let halves = if tag == "T" {
                         let [t]: [f64; 1] = parse(rest, line)?;
                         // Not so small that a product with it underflows.
-                        let is_inside =
-                            cell.t[0] < t && t < cell.t[1] && (t == 0.0 || t.abs() > 1e-130);
+                        let is_inside = cell.t[0] < t && t < cell.t[1] && (t == 0.0 || t.abs() > 1e-130);
                         ensure!(is_inside, line, "t = {t} is outside the cell");
                         cell.cut(t)
                     } else {
                         let edge: [f64; 2] = parse(rest, line)?;
-                        ensure!(
-                            edge.iter().all(|r| r.abs() < 8.0),
-                            line,
-                            "the edge {edge:?} is beyond all values"
-                        );
+                        ensure!(edge.iter().all(|r| r.abs() < 8.0), line, "the edge {edge:?} is beyond all values");
                         [Cell { high: edge, ..cell }, Cell { low: edge, ..cell }]
                     };
                     for half in halves {

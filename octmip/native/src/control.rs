@@ -36,12 +36,7 @@ pub struct Limits {
 
 impl Default for Limits {
     fn default() -> Self {
-        Self {
-            seconds: f64::INFINITY,
-            gap: 0.0,
-            nodes: f64::INFINITY,
-            memory: f64::INFINITY,
-        }
+        Self { seconds: f64::INFINITY, gap: 0.0, nodes: f64::INFINITY, memory: f64::INFINITY }
     }
 }
 

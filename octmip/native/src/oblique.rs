@@ -64,53 +64,27 @@ pub fn solve(problem: &Problem, options: &Options, keep_going: KeepGoing) -> Opt
     ground.preferred = options.whole_coefficients;
     match problem.depth {
         1 => Some(solve_single(problem, &ground, &watch, keep_going)),
-        2 => Some(pair::solve_pair(
-            problem, &ground, &watch, options, keep_going,
-        )),
+        2 => Some(pair::solve_pair(problem, &ground, &watch, options, keep_going)),
         _ => None,
     }
 }
 
-fn solve_single(
-    problem: &Problem,
-    ground: &Ground,
-    watch: &Watch,
-    keep_going: KeepGoing,
-) -> Outcome {
+fn solve_single(problem: &Problem, ground: &Ground, watch: &Watch, keep_going: KeepGoing) -> Outcome {
     let ids = ground.all();
     let (_, label) = ground.loss.leaf(&ground.view().tally(&ids));
-    let leaf =
-        draw(problem, ground, &Sketch::Leaf).unwrap_or((Tree::leaf(label as u32), INFEASIBLE));
+    let leaf = draw(problem, ground, &Sketch::Leaf).unwrap_or((Tree::leaf(label as u32), INFEASIBLE));
     let answer = watch.over(keep_going, leaf.1, || {
         let need = problem.leaf_size as i64;
         let charts = &ground.charts;
-        single::best_single(
-            ground.view(),
-            charts,
-            &ids,
-            need,
-            INFEASIBLE,
-            [],
-            watch.stop(),
-        )
+        single::best_single(ground.view(), charts, &ids, need, INFEASIBLE, [], watch.stop())
     });
     let drawn = draw(problem, ground, &Sketch::stump(answer.line));
     let (tree, objective) = drawn.filter(|drawn| drawn.1 <= leaf.1).unwrap_or(leaf);
-    let bound = if watch.was_stopped() {
-        0
-    } else {
-        answer.lower.min(objective)
-    };
+    let bound = if watch.was_stopped() { 0 } else { answer.lower.min(objective) };
     let stop = match watch.reason() {
         Some(reason) => reason,
         None if bound == objective => Stop::Optimal,
         None => Stop::Finished,
     };
-    Outcome {
-        tree,
-        objective,
-        bound,
-        stop,
-        n_nodes: 1,
-    }
+    Outcome { tree, objective, bound, stop, n_nodes: 1 }
 }

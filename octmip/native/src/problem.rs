@@ -65,9 +65,7 @@ impl Problem {
     /// The feature values of a sample; empty without planes.
     pub fn row(&self, sample: u32) -> &[f64] {
         let start = sample as usize * self.p;
-        self.planes
-            .as_ref()
-            .map_or(&[], |planes| &planes.values[start..start + self.p])
+        self.planes.as_ref().map_or(&[], |planes| &planes.values[start..start + self.p])
     }
 
     /// The feature values, feature-major as the ranks are; none without planes.
@@ -95,9 +93,7 @@ impl Problem {
         ];
         for (name, got, expected) in lengths {
             if got != expected {
-                return Err(ProblemError(format!(
-                    "{name} has {got} entries, expected {expected}"
-                )));
+                return Err(ProblemError(format!("{name} has {got} entries, expected {expected}")));
             }
         }
         if self.n == 0 || self.p == 0 || self.depth == 0 || self.leaf_size == 0 {
@@ -106,55 +102,30 @@ impl Problem {
                 self.n, self.p, self.depth, self.leaf_size
             )));
         }
-        if let Some(i) = self
-            .labels
-            .iter()
-            .position(|&l| l as usize >= self.n_classes)
-        {
-            return Err(ProblemError(format!(
-                "label {} of sample {i} is not a class",
-                self.labels[i]
-            )));
+        if let Some(i) = self.labels.iter().position(|&l| l as usize >= self.n_classes) {
+            return Err(ProblemError(format!("label {} of sample {i} is not a class", self.labels[i])));
         }
-        if self
-            .weights
-            .iter()
-            .chain(&self.costs)
-            .chain([&self.penalty])
-            .any(|&v| v < 0)
-        {
+        if self.weights.iter().chain(&self.costs).chain([&self.penalty]).any(|&v| v < 0) {
             return Err(ProblemError("a weight, cost or penalty is negative".into()));
         }
         for f in 0..self.p {
             if let Some(i) = self.feature(f).iter().position(|&r| r >= self.n_ranks[f]) {
-                return Err(ProblemError(format!(
-                    "rank of sample {i} in feature {f} is out of range"
-                )));
+                return Err(ProblemError(format!("rank of sample {i} in feature {f} is out of range")));
             }
             if self.sensor_of_feature[f] as usize >= self.sensor_cost.len() {
-                return Err(ProblemError(format!(
-                    "feature {f} names sensor {}",
-                    self.sensor_of_feature[f]
-                )));
+                return Err(ProblemError(format!("feature {f} names sensor {}", self.sensor_of_feature[f])));
             }
         }
-        self.planes
-            .as_ref()
-            .map_or(Ok(()), |planes| self.validate_planes(planes))
+        self.planes.as_ref().map_or(Ok(()), |planes| self.validate_planes(planes))
     }
 
     fn validate_planes(&self, planes: &Planes) -> Result<(), ProblemError> {
         let (got, expected) = (planes.values.len(), self.p * self.n);
         if got != expected {
-            return Err(ProblemError(format!(
-                "values has {got} entries, expected {expected}"
-            )));
+            return Err(ProblemError(format!("values has {got} entries, expected {expected}")));
         }
         if let Some(position) = planes.values.iter().position(|value| !value.is_finite()) {
-            return Err(ProblemError(format!(
-                "value {position} is {}",
-                planes.values[position]
-            )));
+            return Err(ProblemError(format!("value {position} is {}", planes.values[position])));
         }
         if planes.split_size == 0 || planes.integer_normals.is_some_and(|most| most < 1) {
             return Err(ProblemError(format!(
@@ -164,10 +135,7 @@ impl Problem {
         }
         let members = planes.groups.iter().flatten().flatten();
         match members.into_iter().find(|&&f| f as usize >= self.p) {
-            Some(f) => Err(ProblemError(format!(
-                "a group names feature {f} of {}",
-                self.p
-            ))),
+            Some(f) => Err(ProblemError(format!("a group names feature {f} of {}", self.p))),
             None => Ok(()),
         }
     }

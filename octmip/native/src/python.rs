@@ -20,12 +20,7 @@ use crate::tree::{Node, Tree};
 pub type NodeRow = (u8, u32, u32, u32, u32, u32, Vec<(u32, f64)>, f64);
 
 /// What hyperplane splits need: values (n, p), split_size, groups, integer_normals.
-type PlaneArguments<'py> = (
-    PyReadonlyArray2<'py, f64>,
-    usize,
-    Option<Vec<Vec<u32>>>,
-    Option<i64>,
-);
+type PlaneArguments<'py> = (PyReadonlyArray2<'py, f64>, usize, Option<Vec<Vec<u32>>>, Option<i64>);
 
 /// `crate::problem::Problem` as a Python object.
 #[pyclass(name = "Problem", frozen)]
@@ -59,12 +54,7 @@ impl PyProblem {
         let planes = planes
             .map(|(values, split_size, groups, integer_normals)| {
                 let values = values.as_slice()?.to_vec();
-                PyResult::Ok(Planes {
-                    values,
-                    split_size,
-                    groups,
-                    integer_normals,
-                })
+                PyResult::Ok(Planes { values, split_size, groups, integer_normals })
             })
             .transpose()?;
         let inner = Problem {
@@ -85,9 +75,7 @@ impl PyProblem {
             allowed,
             planes,
         };
-        inner
-            .validate()
-            .map_err(|error| PyValueError::new_err(error.0))?;
+        inner.validate().map_err(|error| PyValueError::new_err(error.0))?;
         Ok(Self { inner })
     }
 }
@@ -98,18 +86,8 @@ pub fn rows_from_tree(tree: &Tree) -> Vec<NodeRow> {
         .iter()
         .map(|node| match node {
             Node::Leaf { label } => (0, 0, 0, 0, 0, *label, Vec::new(), 0.0),
-            Node::Split {
-                feature,
-                cut,
-                left,
-                right,
-            } => (1, *feature, *cut, *left, *right, 0, Vec::new(), 0.0),
-            Node::Hyperplane {
-                terms,
-                offset,
-                left,
-                right,
-            } => (2, 0, 0, *left, *right, 0, terms.clone(), *offset),
+            Node::Split { feature, cut, left, right } => (1, *feature, *cut, *left, *right, 0, Vec::new(), 0.0),
+            Node::Hyperplane { terms, offset, left, right } => (2, 0, 0, *left, *right, 0, terms.clone(), *offset),
         })
         .collect()
 }
@@ -120,30 +98,16 @@ pub fn tree_from_rows(rows: Vec<NodeRow>) -> PyResult<Tree> {
     let nodes = rows
         .into_iter()
         .enumerate()
-        .map(
-            |(i, (kind, feature, cut, left, right, label, terms, offset))| {
-                if kind != 0 && !(left > i as u32 && left < n && right > i as u32 && right < n) {
-                    return Err(PyValueError::new_err(format!(
-                        "node {i} of {n} has children {left} and {right}"
-                    )));
-                }
-                Ok(match kind {
-                    0 => Node::Leaf { label },
-                    1 => Node::Split {
-                        feature,
-                        cut,
-                        left,
-                        right,
-                    },
-                    _ => Node::Hyperplane {
-                        terms,
-                        offset,
-                        left,
-                        right,
-                    },
-                })
-            },
-        )
+        .map(|(i, (kind, feature, cut, left, right, label, terms, offset))| {
+            if kind != 0 && !(left > i as u32 && left < n && right > i as u32 && right < n) {
+                return Err(PyValueError::new_err(format!("node {i} of {n} has children {left} and {right}")));
+            }
+            Ok(match kind {
+                0 => Node::Leaf { label },
+                1 => Node::Split { feature, cut, left, right },
+                _ => Node::Hyperplane { terms, offset, left, right },
+            })
+        })
         .collect::<PyResult<Vec<_>>>()?;
     if nodes.is_empty() {
         return Err(PyValueError::new_err("the node table is empty"));
@@ -153,12 +117,7 @@ pub fn tree_from_rows(rows: Vec<NodeRow>) -> PyResult<Tree> {
 
 /// Limits from `(seconds, gap, nodes, memory)`.
 pub fn limits(values: (f64, f64, f64, f64)) -> Limits {
-    Limits {
-        seconds: values.0,
-        gap: values.1,
-        nodes: values.2,
-        memory: values.3,
-    }
+    Limits { seconds: values.0, gap: values.1, nodes: values.2, memory: values.3 }
 }
 
 /// The name that `octmip.solution.Stop` gives a stop.
@@ -190,12 +149,7 @@ pub fn keep_going<'a>(
         last = Instant::now();
         Python::attach(|py| {
             let result = py.check_signals().and_then(|()| match progress {
-                Some(call) => call
-                    .call1(
-                        py,
-                        (state.seconds, state.objective, state.bound, state.n_nodes),
-                    )
-                    .map(|_| ()),
+                Some(call) => call.call1(py, (state.seconds, state.objective, state.bound, state.n_nodes)).map(|_| ()),
                 None => Ok(()),
             });
             match result {
@@ -214,10 +168,7 @@ pub fn keep_going<'a>(
 #[pymodule]
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-    module.add_function(wrap_pyfunction!(
-        oblique::py_two_feature_branch_and_bound,
-        module
-    )?)?;
+    module.add_function(wrap_pyfunction!(oblique::py_two_feature_branch_and_bound, module)?)?;
     module.add_function(wrap_pyfunction!(oblique::two_feature_prunes, module)?)?;
     module.add_function(wrap_pyfunction!(oblique::prove_lines, module)?)?;
     module.add_function(wrap_pyfunction!(check::py_check_lines, module)?)?;

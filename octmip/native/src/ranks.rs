@@ -16,8 +16,7 @@ impl Ranker {
     /// Write the dense ranks of finite `values` into `ranks` (of the same length); the distinct values, ascending.
     pub fn rank(&mut self, values: impl Iterator<Item = f64>, ranks: &mut [u32]) -> Vec<f64> {
         self.keyed.clear();
-        self.keyed
-            .extend(values.zip(0..).map(|(value, i)| (key(value), i)));
+        self.keyed.extend(values.zip(0..).map(|(value, i)| (key(value), i)));
         self.keyed.sort_unstable_by_key(|&(key, _)| key);
         let mut distinct = Vec::new();
         let mut last = None;

@@ -75,8 +75,7 @@ pub fn search(
     let watch = Watch::new(limits);
     let new = |k| Restart::new(&ground, &samples, &watch, options.seed, k);
     let rounds = Round::all(options, start);
-    let mut turn =
-        |restarts, round| run(restarts, round, options.n_threads, &watch, &mut *keep_going);
+    let mut turn = |restarts, round| run(restarts, round, options.n_threads, &watch, &mut *keep_going);
     let mut restarts: Vec<Restart> = Vec::new();
     for first in (0..options.n_restarts.max(1)).step_by(GROUP) {
         let group = (first..options.n_restarts.max(1).min(first + GROUP)).map(new);
@@ -116,10 +115,7 @@ fn run<'a>(
     for (place, restart) in restarts.iter_mut().enumerate() {
         restart.place = place;
     }
-    let waiting: Vec<Mutex<Option<Restart>>> = restarts
-        .into_iter()
-        .map(|restart| Mutex::new(Some(restart)))
-        .collect();
+    let waiting: Vec<Mutex<Option<Restart>>> = restarts.into_iter().map(|restart| Mutex::new(Some(restart))).collect();
     let next = AtomicUsize::new(0);
     std::thread::scope(|scope| {
         let (sender, receiver) = channel();
@@ -128,8 +124,7 @@ fn run<'a>(
             scope.spawn(move || {
                 while let Some(slot) = waiting.get(next.fetch_add(1, Ordering::Relaxed)) {
                     // Nobody else asks for this place, and the receiver outlives every sender.
-                    let Some(mut restart) = slot.lock().ok().and_then(|mut slot| slot.take())
-                    else {
+                    let Some(mut restart) = slot.lock().ok().and_then(|mut slot| slot.take()) else {
                         continue;
                     };
                     restart.run(round);

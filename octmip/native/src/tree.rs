@@ -42,20 +42,13 @@ pub struct Tree {
 impl Tree {
     /// A tree of one leaf.
     pub fn leaf(label: u32) -> Self {
-        Self {
-            nodes: vec![Node::Leaf { label }],
-        }
+        Self { nodes: vec![Node::Leaf { label }] }
     }
 
     /// A tree with a cut at its root.
     pub fn join(feature: u32, cut: u32, left: &Tree, right: &Tree) -> Self {
         let first_right = 1 + left.nodes.len() as u32;
-        let mut nodes = vec![Node::Split {
-            feature,
-            cut,
-            left: 1,
-            right: first_right,
-        }];
+        let mut nodes = vec![Node::Split { feature, cut, left: 1, right: first_right }];
         nodes.extend(left.nodes.iter().map(|node| node.shifted(1)));
         nodes.extend(right.nodes.iter().map(|node| node.shifted(first_right)));
         Self { nodes }

@@ -25,12 +25,7 @@ impl Checker<'_> {
             let value = cell.t.map(|t| x + t * y);
             let is_left = (0..2).all(|e| value[e] <= cell.low[e] - EPS);
             let is_right = (0..2).all(|e| value[e] >= cell.high[e] + EPS);
-            sorted[if is_left {
-                0
-            } else {
-                1 + usize::from(is_right)
-            }]
-            .push(i as u32);
+            sorted[if is_left { 0 } else { 1 + usize::from(is_right) }].push(i as u32);
         }
         sorted
     }
@@ -52,33 +47,19 @@ impl Checker<'_> {
 
     /// What samples cost when each has the cheapest of some answers.
     pub(super) fn choosing(&self, tally: &[i64], answers: &[usize]) -> i64 {
-        let cheapest = |c| {
-            answers
-                .iter()
-                .map(|&k| self.q.cost(c, k))
-                .min()
-                .unwrap_or(0)
-        };
+        let cheapest = |c| answers.iter().map(|&k| self.q.cost(c, k)).min().unwrap_or(0);
         (0..self.q.n_classes).map(|c| tally[c] * cheapest(c)).sum()
     }
 
     /// What samples cost in one leaf.
     pub(super) fn leaf(&self, tally: &[i64]) -> i64 {
         let answers = 0..self.q.n_classes;
-        answers
-            .map(|k| self.choosing(tally, &[k]))
-            .min()
-            .unwrap_or(0)
+        answers.map(|k| self.choosing(tally, &[k])).min().unwrap_or(0)
     }
 
     /// The most that samples can cost.
     pub(super) fn most(&self, tally: &[i64]) -> i64 {
-        let dearest = |c| {
-            (0..self.q.n_classes)
-                .map(|k| self.q.cost(c, k))
-                .max()
-                .unwrap_or(0)
-        };
+        let dearest = |c| (0..self.q.n_classes).map(|k| self.q.cost(c, k)).max().unwrap_or(0);
         (0..self.q.n_classes).map(|c| tally[c] * dearest(c)).sum()
     }
 

@@ -18,17 +18,9 @@ pub(super) fn coordinates(q: &Problem) -> Result<Vec<Vec<f64>>, Refusal> {
         let least = values.iter().fold(f64::INFINITY, |a, &b| a.min(b));
         let most = values.iter().fold(f64::NEG_INFINITY, |a, &b| a.max(b));
         // Between zero and all the values, in units of the last place of the largest.
-        let (near, far) = if least > 0.0 {
-            (least, most)
-        } else {
-            (most.min(0.0), least)
-        };
+        let (near, far) = if least > 0.0 { (least, most) } else { (most.min(0.0), least) };
         let unit = binade(far) * f64::EPSILON;
-        let origin = if near == 0.0 {
-            0.0
-        } else {
-            (near / unit).trunc() * unit
-        };
+        let origin = if near == 0.0 { 0.0 } else { (near / unit).trunc() * unit };
         let moved: Vec<f64> = values.iter().map(|v| v - origin).collect();
         let half = binade(moved.iter().fold(0.0, |a: f64, b| a.max(b.abs())));
         let column: Vec<f64> = moved.iter().map(|d| d / half / 2.0).collect();
@@ -79,11 +71,7 @@ fn sign<const N: usize>(products: [(f64, f64); N]) -> f64 {
             parts.push(carry);
         }
     }
-    parts
-        .into_iter()
-        .rev()
-        .find(|&part| part != 0.0)
-        .unwrap_or(0.0)
+    parts.into_iter().rev().find(|&part| part != 0.0).unwrap_or(0.0)
 }
 
 /// All ways in which a line x + t y = r with t0 <= t <= t1 can part different points: true = at or below it.
@@ -92,11 +80,7 @@ fn sign<const N: usize>(products: [(f64, f64); N]) -> f64 {
 /// order at t0. If not, it begins where a point below and one above meet in value: there the line runs through both, the
 /// points off it go where they lie, and those on it come apart just after by y, the smaller below.
 pub(crate) fn ways(x: &[f64], y: &[f64], points: &[u32], t0: f64, t1: f64) -> Vec<Vec<bool>> {
-    let (m, x, y) = (
-        points.len(),
-        |k: usize| x[points[k] as usize],
-        |k: usize| y[points[k] as usize],
-    );
+    let (m, x, y) = (points.len(), |k: usize| x[points[k] as usize], |k: usize| y[points[k] as usize]);
     let mut order: Vec<usize> = (0..m).collect();
     order.sort_by(|&i, &j| {
         let difference = sign([(x(i), 1.0), (-x(j), 1.0), (t0, y(i)), (-t0, y(j))]);

@@ -25,11 +25,7 @@ impl Checker<'_> {
     /// Whether a leaf, or a split in these strips with so many samples on either side, costs `claim` or more for these
     /// samples, and so for all sets that contain them.
     pub(super) fn child_costs(&self, ids: &[u32], need: i64, strips: &[Strip], claim: i64) -> bool {
-        let samples = Samples {
-            ids,
-            total: self.tally(ids),
-            need,
-        };
+        let samples = Samples { ids, total: self.tally(ids), need };
         let k = self.q.n_classes;
         let mut pairs = (0..k).flat_map(|a| (a..k).map(move |b| [a, b]));
         if pairs.all(|pair| self.choosing(&samples.total, &pair) >= claim) {
@@ -45,11 +41,7 @@ impl Checker<'_> {
 
     /// The parts of strips where not all splits cost `dead` or more.
     pub(super) fn sift(&self, ids: &[u32], need: i64, strips: &[Strip], dead: i64) -> Vec<Strip> {
-        let samples = Samples {
-            ids,
-            total: self.tally(ids),
-            need,
-        };
+        let samples = Samples { ids, total: self.tally(ids), need };
         let none = vec![0; self.q.n_classes + 1];
         let mut kept = Vec::new();
         let mut waiting: Vec<Strip> = strips.iter().rev().copied().collect();
@@ -73,12 +65,7 @@ impl Checker<'_> {
     ///
     /// One with an empty side costs what a leaf costs, at least.
     fn around(&self, samples: &Samples<'_>, &(chart, t0, t1): &Strip) -> Band {
-        let mut band = Band {
-            chart,
-            t: [t0, t1],
-            slope: 0.0,
-            c: [-8.0, 8.0],
-        };
+        let mut band = Band { chart, t: [t0, t1], slope: 0.0, c: [-8.0, 8.0] };
         band.slope = self.slope(chart, samples.ids);
         let (mut low, mut high) = (8.0f64, -8.0f64);
         for &i in samples.ids {
@@ -96,10 +83,7 @@ impl Checker<'_> {
 
     /// Between which values of c the line of a sample runs, rounding included.
     fn reach(&self, band: &Band, i: u32) -> [f64; 2] {
-        let (x, y) = (
-            self.columns[band.chart.0][i as usize],
-            self.columns[band.chart.1][i as usize],
-        );
+        let (x, y) = (self.columns[band.chart.0][i as usize], self.columns[band.chart.1][i as usize]);
         let middle = (band.t[0] + band.t[1]) / 2.0;
         let [a, b] = band.t.map(|t| x + t * y - band.slope * (t - middle));
         [a.min(b) - EPS, a.max(b) + EPS]
@@ -133,18 +117,12 @@ impl Checker<'_> {
         let owed = claim - self.price(band.chart);
         let mut scratch = Vec::with_capacity(lanes);
         for (more, less) in first.chunks_exact(lanes).zip(last.chunks_exact(lanes)) {
-            may_left
-                .iter_mut()
-                .zip(more)
-                .for_each(|(sum, more)| *sum += more);
+            may_left.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
             alive.push(match alive.last() {
                 Some(&alive) if is_same && more[lanes - 1] == 0 => alive,
                 _ => self.may_be_below(samples, &may_left, &may_right, owed, &mut scratch),
             });
-            may_right
-                .iter_mut()
-                .zip(less)
-                .for_each(|(sum, less)| *sum -= less);
+            may_right.iter_mut().zip(less).for_each(|(sum, less)| *sum -= less);
             is_same = less[lanes - 1] == 0;
         }
         (places, alive)
@@ -164,11 +142,7 @@ impl Checker<'_> {
         if may_left[k] < samples.need || may_right[k] < samples.need {
             return false;
         }
-        let sure = |may: &[i64], answer| -> i64 {
-            (0..k)
-                .map(|c| (total[c] - may[c]) * q.cost(c, answer))
-                .sum()
-        };
+        let sure = |may: &[i64], answer| -> i64 { (0..k).map(|c| (total[c] - may[c]) * q.cost(c, answer)).sum() };
         right.clear();
         right.extend((0..k).map(|answer| sure(may_left, answer)));
         (0..k).any(|a| {
@@ -183,14 +157,7 @@ impl Checker<'_> {
     }
 
     /// Whether every split by a line of the band costs `claim` or more; only the lines of `open` samples run in it.
-    fn is_closed(
-        &self,
-        samples: &Samples<'_>,
-        band: &Band,
-        open: &[u32],
-        left: &Tally,
-        claim: i64,
-    ) -> bool {
+    fn is_closed(&self, samples: &Samples<'_>, band: &Band, open: &[u32], left: &Tally, claim: i64) -> bool {
         let (places, alive) = self.scan(samples, band, open, left, claim);
         let (is_thin, width) = (band.t[1] - band.t[0] <= TINY, band.c[1] - band.c[0]);
         let (n_bins, mut begin) = (alive.len(), 0);
@@ -240,16 +207,8 @@ impl Checker<'_> {
         let half = |t: [f64; 2]| {
             let own = (t[0] + t[1]) / 2.0;
             let moved = t.map(|t| band.slope * (t - middle) - slope * (t - own));
-            let c = [
-                part[0] + moved[0].min(moved[1]) - EPS,
-                part[1] + moved[0].max(moved[1]) + EPS,
-            ];
-            Band {
-                chart: band.chart,
-                t,
-                slope,
-                c,
-            }
+            let c = [part[0] + moved[0].min(moved[1]) - EPS, part[1] + moved[0].max(moved[1]) + EPS];
+            Band { chart: band.chart, t, slope, c }
         };
         vec![half([t0, middle]), half([middle, t1])]
     }
@@ -268,24 +227,14 @@ impl Checker<'_> {
         if points.len() > few {
             return false;
         }
-        let place = |i: &u32| {
-            points
-                .iter()
-                .position(|&p| self.is_same(band.chart, p, *i))
-                .unwrap_or(0)
-        };
+        let place = |i: &u32| points.iter().position(|&p| self.is_same(band.chart, p, *i)).unwrap_or(0);
         let places: Vec<usize> = inside.iter().map(place).collect();
         let (x, y) = (&self.columns[band.chart.0], &self.columns[band.chart.1]);
         ways(x, y, &points, band.t[0], band.t[1]).iter().all(|way| {
             let mut left = below.clone();
             let joined = inside.iter().zip(&places).filter(|(_, place)| way[**place]);
             joined.for_each(|(&i, _)| self.join(&mut left, i));
-            let right: Tally = samples
-                .total
-                .iter()
-                .zip(&left)
-                .map(|(a, b)| a - b)
-                .collect();
+            let right: Tally = samples.total.iter().zip(&left).map(|(a, b)| a - b).collect();
             let k = self.q.n_classes;
             let is_small = left[k].min(right[k]) < samples.need;
             is_small || self.leaf(&left) + self.leaf(&right) + self.price(band.chart) >= claim

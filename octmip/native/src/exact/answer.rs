@@ -13,10 +13,7 @@ pub struct Reached {
 
 impl Reached {
     /// Nothing yet.
-    pub const NOTHING: Self = Self {
-        cost: i64::MAX,
-        position: 0,
-    };
+    pub const NOTHING: Self = Self { cost: i64::MAX, position: 0 };
 
     /// Take up a cut if it costs less.
     pub fn see(&mut self, cost: i64, position: usize) {
@@ -43,19 +40,12 @@ impl Answer {
 
     /// A tree.
     pub fn found(cost: i64, plan: Plan) -> Self {
-        Self {
-            lower: cost,
-            best: Some((cost, plan)),
-        }
+        Self { lower: cost, best: Some((cost, plan)) }
     }
 
     /// A tree if it is below `upper`.
     pub fn cheapest(cost: i64, plan: Plan, upper: i64) -> Self {
-        if cost < upper {
-            Self::found(cost, plan)
-        } else {
-            Self::none(upper)
-        }
+        if cost < upper { Self::found(cost, plan) } else { Self::none(upper) }
     }
 
     /// The cost to beat.

@@ -67,15 +67,7 @@ pub struct Interval {
 
 impl Axis {
     /// Lay out the cuts of feature `f`, with `whole` a lower bound of the child problem on all samples.
-    pub fn lay(
-        &mut self,
-        samples: &Samples,
-        view: &View,
-        f: usize,
-        n_leaves: usize,
-        whole: i64,
-        switches: &Switches,
-    ) {
+    pub fn lay(&mut self, samples: &Samples, view: &View, f: usize, n_leaves: usize, whole: i64, switches: &Switches) {
         self.n_leaves = n_leaves;
         self.is_monotone = samples.leaf_size == 1 && switches.monotone;
         self.has_swing = switches.swing;
@@ -124,8 +116,7 @@ impl Axis {
             list.resize(room, 0);
         }
         if self.counts_labels {
-            self.prefix
-                .resize(self.prefix.len().max(room * self.width), [0; WIDTH]);
+            self.prefix.resize(self.prefix.len().max(room * self.width), [0; WIDTH]);
         }
     }
 
@@ -148,12 +139,7 @@ impl Axis {
     /// All the cuts that split, None when there are none.
     pub fn whole(&self) -> Option<Interval> {
         let last = self.last();
-        (last > 1).then(|| Interval {
-            a: 0,
-            b: last,
-            low: 1,
-            high: last - 1,
-        })
+        (last > 1).then(|| Interval { a: 0, b: last, low: 1, high: last - 1 })
     }
 
     /// The cut that splits with so many samples left of it.
@@ -166,8 +152,7 @@ impl Axis {
     pub fn narrow(&self, mut interval: Interval, target: i64) -> Option<Interval> {
         let Interval { a, b, .. } = interval;
         // swing on both sides: e(L(k)) + e(R(k)) >= e(L(b)) + e(R(a)) - (mass(b) - mass(a)) for every k between
-        if self.has_swing && self.left[b] + self.right[a] - (self.mass[b] - self.mass[a]) >= target
-        {
+        if self.has_swing && self.left[b] + self.right[a] - (self.mass[b] - self.mass[a]) >= target {
             return None;
         }
         if self.is_monotone {
@@ -178,13 +163,9 @@ impl Axis {
             if self.has_swing {
                 // monotone left of k, swing right of it: e(L(a)) + e(R(a)) - (mass(k) - mass(a)) < target is needed
                 let from = self.mass[a] + self.left[a] + self.right[a] - target;
-                interval.low +=
-                    self.mass[interval.low..=interval.high].partition_point(|&m| m <= from);
+                interval.low += self.mass[interval.low..=interval.high].partition_point(|&m| m <= from);
                 let to = self.mass[b] - (self.left[b] + self.right[b] - target);
-                let kept = self
-                    .mass
-                    .get(interval.low..=interval.high)?
-                    .partition_point(|&m| m < to);
+                let kept = self.mass.get(interval.low..=interval.high)?.partition_point(|&m| m < to);
                 if kept == 0 {
                     return None;
                 }
@@ -212,10 +193,7 @@ impl Axis {
     /// Lower bound of the children of any cut of an interval.
     pub fn least(&self, interval: &Interval) -> i64 {
         let bounds = (interval.low..=interval.high).map(|k| self.bounds(interval, k));
-        bounds
-            .map(|(left, right)| left + right)
-            .min()
-            .unwrap_or(i64::MAX)
+        bounds.map(|(left, right)| left + right).min().unwrap_or(i64::MAX)
     }
 
     /// The open cut nearest the middle of the interval whose children's bounds stay below `target`.
@@ -229,9 +207,7 @@ impl Axis {
         let right = self.survivor(interval, (middle, high), target, false);
         // Only what is nearer to the middle than that.
         let nearest = right.map_or(low, |k| (2 * middle + 1).saturating_sub(k).max(low));
-        let left = (nearest < middle)
-            .then(|| self.survivor(interval, (nearest, middle - 1), target, true))
-            .flatten();
+        let left = (nearest < middle).then(|| self.survivor(interval, (nearest, middle - 1), target, true)).flatten();
         left.or(right)
     }
 
@@ -254,9 +230,7 @@ impl Axis {
         let middle = first + (last - first) / 2;
         let halves = [(first, middle), (middle + 1, last)];
         let order = if from_end { [1, 0] } else { [0, 1] };
-        order
-            .iter()
-            .find_map(|&half| self.survivor(interval, halves[half], target, from_end))
+        order.iter().find_map(|&half| self.survivor(interval, halves[half], target, from_end))
     }
 
     /// Swing between `k` and the farther end of the interval: what a child's bound is worth to its neighbours.
@@ -270,10 +244,7 @@ impl Axis {
         if !self.counts_labels {
             return 0;
         }
-        let (low, high) = (
-            &self.prefix[from * self.width..],
-            &self.prefix[to * self.width..],
-        );
+        let (low, high) = (&self.prefix[from * self.width..], &self.prefix[to * self.width..]);
         let between = self.mass[to] - self.mass[from];
         if self.n_leaves == 2 {
             let (mut first, mut second) = (0, 0);
@@ -287,15 +258,9 @@ impl Axis {
             return between - i64::from(first) - i64::from(second);
         }
         let columns = low.iter().zip(high).take(self.width);
-        let mut counts: Vec<i32> = columns
-            .flat_map(|(low, high)| std::array::from_fn::<_, WIDTH, _>(|c| high[c] - low[c]))
-            .collect();
+        let mut counts: Vec<i32> =
+            columns.flat_map(|(low, high)| std::array::from_fn::<_, WIDTH, _>(|c| high[c] - low[c])).collect();
         counts.sort_unstable_by(|a, b| b.cmp(a));
-        between
-            - counts
-                .iter()
-                .take(self.n_leaves)
-                .map(|&count| i64::from(count))
-                .sum::<i64>()
+        between - counts.iter().take(self.n_leaves).map(|&count| i64::from(count)).sum::<i64>()
     }
 }

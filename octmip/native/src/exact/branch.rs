@@ -69,12 +69,7 @@ pub struct Search<'a> {
 
 impl<'a> Search<'a> {
     /// Workspaces for searches of at most `depth` levels.
-    pub fn new(
-        samples: &'a Samples,
-        switches: Switches,
-        control: &'a Control,
-        depth: usize,
-    ) -> Self {
+    pub fn new(samples: &'a Samples, switches: Switches, control: &'a Control, depth: usize) -> Self {
         Self {
             samples,
             switches,
@@ -107,10 +102,7 @@ impl<'a> Search<'a> {
             return Answer::none(floor);
         }
         let answer = self.solve_unlogged(view, depth, upper, 0);
-        let base: i64 = view
-            .ids(self.samples)
-            .map(|i| self.samples.base[i as usize])
-            .sum();
+        let base: i64 = view.ids(self.samples).map(|i| self.samples.base[i as usize]).sum();
         if let Some(log) = &mut self.log {
             log.close(outer, depth, self.samples.leaf_size, base + answer.lower);
         }
@@ -123,11 +115,7 @@ impl<'a> Search<'a> {
         }
         let leaf = view.leaf();
         let is_leaf_best = leaf <= floor.max(self.samples.penalty) || self.samples.n_columns == 1;
-        if depth == 0
-            || is_leaf_best
-            || view.len < 2 * self.samples.leaf_size
-            || self.samples.p == 0
-        {
+        if depth == 0 || is_leaf_best || view.len < 2 * self.samples.leaf_size || self.samples.p == 0 {
             return Answer::cheapest(leaf, Plan::Leaf, upper);
         }
         if self.label_bound(view, depth) >= upper {
@@ -143,10 +131,7 @@ impl<'a> Search<'a> {
     /// A tree of this depth predicts at most `2^depth` labels: the samples of all others are lost.
     fn label_bound(&self, view: &View, depth: usize) -> i64 {
         let n_leaves = 1usize << depth.min(20);
-        if !self.switches.label_count
-            || !self.samples.is_single
-            || self.samples.n_columns <= n_leaves
-        {
+        if !self.switches.label_count || !self.samples.is_single || self.samples.n_columns <= n_leaves {
             return 0;
         }
         let mut totals = view.totals.clone();
@@ -216,14 +201,7 @@ impl<'a> Search<'a> {
     ) -> Answer {
         let samples = self.samples;
         let mut level = std::mem::take(&mut self.levels[depth]);
-        level.axis.lay(
-            samples,
-            view,
-            f,
-            1 << (depth - 1).min(20),
-            whole,
-            &self.switches,
-        );
+        level.axis.lay(samples, view, f, 1 << (depth - 1).min(20), whole, &self.switches);
         level.queue.clear();
         level.queue.extend(level.axis.whole());
         let mut best = Answer::none(upper);
@@ -235,11 +213,7 @@ impl<'a> Search<'a> {
             let Some(k) = level.axis.pick(&interval, target) else {
                 continue;
             };
-            let slack = if self.switches.slack {
-                level.axis.slack(&interval, k)
-            } else {
-                0
-            };
+            let slack = if self.switches.slack { level.axis.slack(&interval, k) } else { 0 };
             let cut = Cut {
                 feature: f,
                 position: level.axis.positions[k] as usize,
@@ -262,20 +236,10 @@ impl<'a> Search<'a> {
                 }
             }
             if interval.low < k {
-                level.queue.push_back(Interval {
-                    a: interval.a,
-                    b: k,
-                    low: interval.low,
-                    high: k - 1,
-                });
+                level.queue.push_back(Interval { a: interval.a, b: k, low: interval.low, high: k - 1 });
             }
             if interval.high > k {
-                level.queue.push_back(Interval {
-                    a: k,
-                    b: interval.b,
-                    low: k + 1,
-                    high: interval.high,
-                });
+                level.queue.push_back(Interval { a: k, b: interval.b, low: k + 1, high: interval.high });
             }
         }
         self.levels[depth] = level;
@@ -285,13 +249,7 @@ impl<'a> Search<'a> {
     /// Solve both children of a cut: their bounds, and the tree when both are found.
     ///
     /// With slack a child is solved although the pair is known to lose: its bound then rules out neighbours too.
-    pub(super) fn children(
-        &mut self,
-        view: &View,
-        depth: usize,
-        cut: &Cut,
-        sides: &mut [View; 2],
-    ) -> Children {
+    pub(super) fn children(&mut self, view: &View, depth: usize, cut: &Cut, sides: &mut [View; 2]) -> Children {
         let mut marks = std::mem::take(&mut self.marks);
         view.split(self.samples, cut.feature, cut.position, &mut marks, sides);
         self.marks = marks;
@@ -303,10 +261,7 @@ impl<'a> Search<'a> {
             let budget = cut.target + cut.slack - bounds[1 - side];
             let answer = self.solve(&sides[side], depth - 1, budget, bounds[side]);
             if self.is_stopped() {
-                return Children {
-                    bounds: cut.bounds,
-                    tree: None,
-                };
+                return Children { bounds: cut.bounds, tree: None };
             }
             bounds[side] = bounds[side].max(answer.lower);
             plans[side] = answer.best;
@@ -350,10 +305,7 @@ impl<'a> Search<'a> {
 
     /// The samples that follow are not a part of those before.
     pub fn forget(&mut self) {
-        self.finders
-            .iter_mut()
-            .flatten()
-            .for_each(|finder| finder.forget());
+        self.finders.iter_mut().flatten().for_each(|finder| finder.forget());
     }
 
     /// Room for searches of `depth` levels.
@@ -364,9 +316,7 @@ impl<'a> Search<'a> {
 
     /// The stump finder for a view of this swing.
     pub(super) fn take_finder(&mut self, view: &View) -> Box<dyn Stumps> {
-        self.finders[width(view.mass)]
-            .take()
-            .unwrap_or_else(|| finder(self.samples, view.mass, &self.switches))
+        self.finders[width(view.mass)].take().unwrap_or_else(|| finder(self.samples, view.mass, &self.switches))
     }
 
     /// Give the finder back.

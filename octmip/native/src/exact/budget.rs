@@ -120,24 +120,9 @@ impl<'a> Sets<'a> {
     ) -> Self {
         let none = vec![false; problem.sensor_cost.len()];
         let breaking = relaxed.map(|tree| sensors_of(problem, tree));
-        let all = Choice {
-            held: none.clone(),
-            banned: none,
-            breaking,
-        };
-        let state = State {
-            open: vec![(all, Mark::Waiting)],
-            cost: upper,
-            tree: None,
-        };
-        Self {
-            problem,
-            samples,
-            switches,
-            control,
-            state: Mutex::new(state),
-            changed: Condvar::new(),
-        }
+        let all = Choice { held: none.clone(), banned: none, breaking };
+        let state = State { open: vec![(all, Mark::Waiting)], cost: upper, tree: None };
+        Self { problem, samples, switches, control, state: Mutex::new(state), changed: Condvar::new() }
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {
@@ -216,25 +201,12 @@ impl<'a> Sets<'a> {
 
     /// The sensor to decide, and the nodes that ban and hold it: the first that a tree breaking the budget reads and
     /// that is not yet held. There is one, as a tree over held sensors alone keeps the budget.
-    pub(super) fn decide(
-        &self,
-        choice: &Choice,
-        breaking: &[usize],
-    ) -> Option<(usize, Choice, Choice)> {
+    pub(super) fn decide(&self, choice: &Choice, breaking: &[usize]) -> Option<(usize, Choice, Choice)> {
         let costs = &self.problem.sensor_cost;
-        let sensor = breaking
-            .iter()
-            .copied()
-            .find(|&s| !choice.held[s] && costs[s] > 0.0)?;
-        let mut without = Choice {
-            breaking: None,
-            ..choice.clone()
-        };
+        let sensor = breaking.iter().copied().find(|&s| !choice.held[s] && costs[s] > 0.0)?;
+        let mut without = Choice { breaking: None, ..choice.clone() };
         without.banned[sensor] = true;
-        let mut with = Choice {
-            breaking: Some(breaking.to_vec()),
-            ..choice.clone()
-        };
+        let mut with = Choice { breaking: Some(breaking.to_vec()), ..choice.clone() };
         with.held[sensor] = true;
         Some((sensor, without, with))
     }
@@ -248,16 +220,9 @@ impl<'a> Sets<'a> {
     /// Sensors that a node may read: held ones, and those that are not banned and affordable beside them.
     fn usable(&self, choice: &Choice) -> Vec<bool> {
         let costs = &self.problem.sensor_cost;
-        let held: f64 = costs
-            .iter()
-            .zip(&choice.held)
-            .filter(|(_, held)| **held)
-            .map(|(cost, _)| cost)
-            .sum();
+        let held: f64 = costs.iter().zip(&choice.held).filter(|(_, held)| **held).map(|(cost, _)| cost).sum();
         let left = self.problem.sensor_limit - held;
-        let fits = |s: usize| {
-            choice.held[s] || (!choice.banned[s] && (costs[s] <= left || costs[s] == 0.0))
-        };
+        let fits = |s: usize| choice.held[s] || (!choice.banned[s] && (costs[s] <= left || costs[s] == 0.0));
         (0..costs.len()).map(fits).collect()
     }
 
@@ -271,19 +236,13 @@ impl<'a> Sets<'a> {
         {
             return Relaxed::Breaking(sensors.clone());
         }
-        let sensor_of =
-            |f: usize| self.problem.sensor_of_feature[self.samples.features[f] as usize] as usize;
-        let features: Vec<usize> = (0..self.samples.p)
-            .filter(|&f| usable[sensor_of(f)])
-            .collect();
+        let sensor_of = |f: usize| self.problem.sensor_of_feature[self.samples.features[f] as usize] as usize;
+        let features: Vec<usize> = (0..self.samples.p).filter(|&f| usable[sensor_of(f)]).collect();
         let samples = self.samples.with_features(&features);
         let view = View::root(&samples);
         let mut search = Search::new(&samples, self.switches, self.control, self.problem.depth);
         let costs = self.problem.sensor_cost.iter().zip(&usable);
-        let all: f64 = costs
-            .filter(|(_, usable)| **usable)
-            .map(|(cost, _)| cost)
-            .sum();
+        let all: f64 = costs.filter(|(_, usable)| **usable).map(|(cost, _)| cost).sum();
         search.takes_first = all > self.problem.sensor_limit;
         let answer = search.solve(&view, self.problem.depth, upper, 0);
         match answer.best.filter(|_| !self.control.is_stopped()) {
@@ -301,10 +260,7 @@ impl<'a> Sets<'a> {
 
 /// Whether a tree keeps the budget.
 pub fn is_within(problem: &Problem, tree: &Tree) -> bool {
-    let total: f64 = sensors_of(problem, tree)
-        .iter()
-        .map(|&s| problem.sensor_cost[s])
-        .sum();
+    let total: f64 = sensors_of(problem, tree).iter().map(|&s| problem.sensor_cost[s]).sum();
     total <= problem.sensor_limit
 }
 

@@ -65,12 +65,7 @@ impl Search<'_> {
             if self.is_stopped() {
                 break;
             }
-            let close = target
-                + if self.switches.slack {
-                    axis.slack(&interval, k)
-                } else {
-                    0
-                };
+            let close = target + if self.switches.slack { axis.slack(&interval, k) } else { 0 };
             if std::mem::take(&mut is_fresh) {
                 finder.rewind();
                 for (position, &i) in view.list(f).iter().enumerate() {
@@ -82,14 +77,7 @@ impl Search<'_> {
                 distance: (axis.mass[k] - axis.mass[cut]).abs(),
             });
             let k_left = axis.positions[k] as usize;
-            let place = Place {
-                view,
-                f,
-                k: k_left,
-                positions: &positions,
-                neighbours,
-                target,
-            };
+            let place = Place { view, f, k: k_left, positions: &positions, neighbours, target };
             let [left, right] = finder.both(samples, &place, close);
             counted.push(k_left as u32);
             axis.record[k] = finder.last_record() as u32;
@@ -103,20 +91,10 @@ impl Search<'_> {
                 *best = Answer::found(cost, Plan::split(samples, view, f, place.k, sides));
             }
             if interval.high > k {
-                open.push(Interval {
-                    a: k,
-                    b: interval.b,
-                    low: k + 1,
-                    high: interval.high,
-                });
+                open.push(Interval { a: k, b: interval.b, low: k + 1, high: interval.high });
             }
             if interval.low < k {
-                open.push(Interval {
-                    a: interval.a,
-                    b: k,
-                    low: interval.low,
-                    high: k - 1,
-                });
+                open.push(Interval { a: interval.a, b: k, low: interval.low, high: k - 1 });
             }
         }
         if let Some(log) = &mut self.log {

@@ -31,12 +31,7 @@ impl Control {
     }
 
     fn sharing(stop: Arc<AtomicBool>, most: u64) -> Self {
-        Self {
-            stop,
-            n_evaluated: AtomicU64::new(0),
-            most,
-            is_spent: AtomicBool::new(false),
-        }
+        Self { stop, n_evaluated: AtomicU64::new(0), most, is_spent: AtomicBool::new(false) }
     }
 
     /// Say stop: every search that looks here returns soon, without a proof.

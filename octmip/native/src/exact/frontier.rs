@@ -33,23 +33,11 @@ struct Open {
 impl Open {
     fn new(bound: i64, place: usize, interval: Interval) -> Self {
         let Interval { a, b, low, high } = interval;
-        Self {
-            bound,
-            place,
-            low,
-            high,
-            a,
-            b,
-        }
+        Self { bound, place, low, high, a, b }
     }
 
     fn interval(&self) -> Interval {
-        Interval {
-            a: self.a,
-            b: self.b,
-            low: self.low,
-            high: self.high,
-        }
+        Interval { a: self.a, b: self.b, low: self.low, high: self.high }
     }
 }
 
@@ -143,16 +131,7 @@ impl<'a> Frontier<'a> {
             plan: None,
         };
         let changed = Condvar::new();
-        Self {
-            samples,
-            switches,
-            control,
-            view,
-            depth,
-            features,
-            state: Mutex::new(state),
-            changed,
-        }
+        Self { samples, switches, control, view, depth, features, state: Mutex::new(state), changed }
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {
@@ -162,10 +141,7 @@ impl<'a> Frontier<'a> {
     /// Lowest cost so far (or the budget), and a bound of all trees not better than it.
     pub fn progress(&self) -> (i64, i64) {
         let state = self.lock();
-        let open = state
-            .heap
-            .peek()
-            .map_or(i64::MAX, |Reverse(open)| open.bound);
+        let open = state.heap.peek().map_or(i64::MAX, |Reverse(open)| open.bound);
         let in_work = state.round.iter().map(|task| task.bound).min();
         let bound = in_work.unwrap_or(i64::MAX).min(open);
         (state.cost, bound.min(state.cost))
@@ -225,10 +201,7 @@ impl<'a> Frontier<'a> {
 
     /// Record a round and choose the next.
     fn turn(&self, state: &mut State) {
-        let (round, results) = (
-            std::mem::take(&mut state.round),
-            std::mem::take(&mut state.results),
-        );
+        let (round, results) = (std::mem::take(&mut state.round), std::mem::take(&mut state.results));
         for (task, children) in round.iter().zip(results.into_iter().flatten()) {
             self.record(state, task, children);
         }
@@ -257,14 +230,7 @@ impl<'a> Frontier<'a> {
                 k,
                 interval,
                 bound: open.bound,
-                cut: cut(
-                    axis,
-                    self.features[open.place],
-                    &interval,
-                    k,
-                    target,
-                    &self.switches,
-                ),
+                cut: cut(axis, self.features[open.place], &interval, k, target, &self.switches),
             });
         }
         None
@@ -274,20 +240,8 @@ impl<'a> Frontier<'a> {
         let axis = &mut state.axes[task.place];
         [axis.left[task.k], axis.right[task.k]] = children.bounds;
         let Interval { a, b, low, high } = task.interval;
-        let halves = [
-            Interval {
-                a,
-                b: task.k,
-                low,
-                high: task.k - 1,
-            },
-            Interval {
-                a: task.k,
-                b,
-                low: task.k + 1,
-                high,
-            },
-        ];
+        let halves =
+            [Interval { a, b: task.k, low, high: task.k - 1 }, Interval { a: task.k, b, low: task.k + 1, high }];
         let opened: Vec<Open> = halves
             .into_iter()
             .filter(|half| half.low <= half.high)
@@ -307,23 +261,12 @@ impl<'a> Frontier<'a> {
 }
 
 /// Cut `k` of an interval of feature `f`, to be solved.
-fn cut(
-    axis: &Axis,
-    f: usize,
-    interval: &Interval,
-    k: usize,
-    target: i64,
-    switches: &Switches,
-) -> Cut {
+fn cut(axis: &Axis, f: usize, interval: &Interval, k: usize, target: i64, switches: &Switches) -> Cut {
     Cut {
         feature: f,
         position: axis.positions[k] as usize,
         bounds: axis.bounds(interval, k).into(),
         target,
-        slack: if switches.slack {
-            axis.slack(interval, k)
-        } else {
-            0
-        },
+        slack: if switches.slack { axis.slack(interval, k) } else { 0 },
     }
 }

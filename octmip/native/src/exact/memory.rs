@@ -14,8 +14,7 @@ const SLOTS: [f64; 3] = [16.0, 8.0, 4.0];
 pub fn bytes(problem: &Problem, n_threads: usize, switches: &Switches) -> f64 {
     let (n, p) = (problem.n as f64, problem.p as f64);
     let lists = 4.0 * n * p;
-    let gains =
-        n * (20.0 + 8.0 * problem.n_classes as f64 * f64::from(u8::from(!is_plain(problem))));
+    let gains = n * (20.0 + 8.0 * problem.n_classes as f64 * f64::from(u8::from(!is_plain(problem))));
     let samples = 2.0 * lists + gains;
     let own = thread(problem, switches);
     if problem.depth < 3 {
@@ -23,10 +22,7 @@ pub fn bytes(problem: &Problem, n_threads: usize, switches: &Switches) -> f64 {
     }
     let is_tight = problem.sensor_cost.iter().sum::<f64>() > problem.sensor_limit;
     let copies = if is_tight { samples + lists } else { 0.0 };
-    samples
-        + lists
-        + n_threads as f64 * own
-        + (p * axis(problem, problem.depth)).max(n_threads as f64 * copies)
+    samples + lists + n_threads as f64 * own + (p * axis(problem, problem.depth)).max(n_threads as f64 * copies)
 }
 
 /// Workspaces of one thread: the samples on both sides at every level above the last two, cuts, stumps.
@@ -41,11 +37,7 @@ fn thread(problem: &Problem, switches: &Switches) -> f64 {
 /// there are more columns than a child of this level has leaves.
 fn axis(problem: &Problem, level: usize) -> f64 {
     let counts = problem.n_classes > 1 << (level - 1).min(20);
-    let columns = if counts {
-        problem.n_classes.div_ceil(8)
-    } else {
-        0
-    };
+    let columns = if counts { problem.n_classes.div_ceil(8) } else { 0 };
     problem.n as f64 * (32.0 + 32.0 * columns as f64)
 }
 
@@ -62,19 +54,11 @@ fn stumps(problem: &Problem, switches: &Switches) -> f64 {
     let mass: i64 = (0..problem.n).map(swing).sum();
     let rows = if is_plain(problem) { 0.0 } else { 1.0 } + problem.n_classes as f64;
     // One column a bucket: a third of the samples where the difference of two columns is one row, else a sixth.
-    let differences = if problem.n_classes == 2 {
-        n / 3.0 * 5.0
-    } else {
-        0.0
-    };
+    let differences = if problem.n_classes == 2 { n / 3.0 * 5.0 } else { 0.0 };
     let mixed = (n / 6.0).max(512.0f64.min(n)) * (2.0 * rows + 3.0);
     let histogram = VECTOR * mixed.max(differences);
     let widest = width(mass);
-    let (n_tables, widths) = if problem.depth < 3 {
-        (1.0, widest..=widest)
-    } else {
-        (2.0, 0..=widest)
-    };
+    let (n_tables, widths) = if problem.depth < 3 { (1.0, widest..=widest) } else { (2.0, 0..=widest) };
     let of_width = |slots: &f64| {
         let groups = (p / slots).ceil();
         groups * (4.0 * n_tables * slots * n + histogram + 16.0 * n)

@@ -27,11 +27,7 @@ impl Plan {
     /// A cut at position `k` of feature `f` of a view.
     pub fn split(samples: &Samples, view: &View, f: usize, k: usize, sides: [Plan; 2]) -> Self {
         let cut = samples.ranks_of(f)[view.list(f)[k - 1] as usize];
-        Self::Split {
-            feature: f,
-            cut,
-            sides: Box::new(sides),
-        }
+        Self::Split { feature: f, cut, sides: Box::new(sides) }
     }
 
     /// The tree on the samples of a view, features and cuts as the problem numbers them.
@@ -39,31 +35,16 @@ impl Plan {
         match self {
             Self::Leaf => Tree::leaf(samples.labels[view.best_column()]),
             Self::Stump => match best_stump(samples, view) {
-                Some((f, cut)) => Self::Split {
-                    feature: f,
-                    cut,
-                    sides: Box::new([Self::Leaf, Self::Leaf]),
+                Some((f, cut)) => {
+                    Self::Split { feature: f, cut, sides: Box::new([Self::Leaf, Self::Leaf]) }.tree(samples, view)
                 }
-                .tree(samples, view),
                 None => Self::Leaf.tree(samples, view),
             },
-            Self::Split {
-                feature,
-                cut,
-                sides,
-            } => {
+            Self::Split { feature, cut, sides } => {
                 let ranks = samples.ranks_of(*feature);
-                let k = view
-                    .list(*feature)
-                    .partition_point(|&i| ranks[i as usize] <= *cut);
+                let k = view.list(*feature).partition_point(|&i| ranks[i as usize] <= *cut);
                 let mut views = [View::default(), View::default()];
-                view.split(
-                    samples,
-                    *feature,
-                    k,
-                    &mut vec![false; samples.n],
-                    &mut views,
-                );
+                view.split(samples, *feature, k, &mut vec![false; samples.n], &mut views);
                 let [left, right] = [0, 1].map(|side| sides[side].tree(samples, &views[side]));
                 Tree::join(samples.features[*feature], *cut, &left, &right)
             }
@@ -76,12 +57,10 @@ fn best_stump(samples: &Samples, view: &View) -> Option<(usize, u32)> {
     let mut best: Option<(i64, usize, u32)> = None;
     for f in 0..samples.p {
         let found = best_cut(samples, view.list(f), f, &view.totals, view.len, |_| true);
-        if let Some(found) = found.filter(|found| best.is_none_or(|(gain, _, _)| found.gain > gain))
-        {
+        if let Some(found) = found.filter(|found| best.is_none_or(|(gain, _, _)| found.gain > gain)) {
             best = Some((found.gain, f, found.cut));
         }
     }
     let leaf = view.mass - view.leaf();
-    best.filter(|&(gain, _, _)| gain - samples.penalty > leaf)
-        .map(|(_, f, cut)| (f, cut))
+    best.filter(|&(gain, _, _)| gain - samples.penalty > leaf).map(|(_, f, cut)| (f, cut))
 }

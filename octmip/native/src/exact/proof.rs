@@ -84,18 +84,10 @@ impl Log {
 }
 
 /// The body of a log that proves `claim`, None if it was stopped or the claim does not hold.
-pub fn write(
-    problem: &Problem,
-    claim: i64,
-    switches: Switches,
-    control: &Control,
-) -> Option<String> {
+pub fn write(problem: &Problem, claim: i64, switches: Switches, control: &Control) -> Option<String> {
     let samples = Samples::new(problem);
     let upper = claim - samples.base.iter().sum::<i64>();
-    let switches = Switches {
-        mixed_labels: switches.mixed_labels && is_plain(problem),
-        ..switches
-    };
+    let switches = Switches { mixed_labels: switches.mixed_labels && is_plain(problem), ..switches };
     let mut out = String::new();
     if problem.sensor_cost.iter().sum::<f64>() > problem.sensor_limit {
         let sets = Sets::new(problem, &samples, switches, control, None, upper);
@@ -107,13 +99,7 @@ pub fn write(
 }
 
 /// The record that no tree over these features costs less than `upper` above the base.
-pub fn record(
-    samples: &Samples,
-    switches: Switches,
-    control: &Control,
-    depth: usize,
-    upper: i64,
-) -> Option<String> {
+pub fn record(samples: &Samples, switches: Switches, control: &Control, depth: usize, upper: i64) -> Option<String> {
     let view = View::root(samples);
     let mut search = Search::new(samples, switches, control, depth);
     search.log = Some(Log::default());
@@ -125,9 +111,7 @@ pub fn record(
 /// Whether a wrong answer costs the same whichever it is: then columns are classes, for the checker as for the search.
 fn is_plain(problem: &Problem) -> bool {
     (0..problem.n_classes).all(|class| {
-        let mut wrong = (0..problem.n_classes)
-            .filter(|&k| k != class)
-            .map(|k| problem.cost(class, k));
+        let mut wrong = (0..problem.n_classes).filter(|&k| k != class).map(|k| problem.cost(class, k));
         let first = wrong.next().unwrap_or(1);
         wrong.all(|cost| cost == first) && first > problem.cost(class, class)
     })
@@ -142,13 +126,7 @@ impl Sets<'_> {
                 Relaxed::Closed(features) => {
                     let samples = self.samples.with_features(&features);
                     let depth = self.problem.depth;
-                    out.push_str(&record(
-                        &samples,
-                        self.switches,
-                        self.control,
-                        depth,
-                        self.best().0,
-                    )?);
+                    out.push_str(&record(&samples, self.switches, self.control, depth, self.best().0)?);
                 }
                 Relaxed::Within(..) => return None,
                 Relaxed::Breaking(sensors) => {

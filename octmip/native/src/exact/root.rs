@@ -86,15 +86,9 @@ pub fn solve(problem: &Problem, options: &Options, keep_going: KeepGoing<'_>) ->
 
 /// The incumbent or the best leaf, and the cost that no tree avoids: what is known where memory is too small to search.
 fn without_search(problem: &Problem, options: &Options) -> Outcome {
-    let paid =
-        |i: usize, k: usize| problem.weights[i] * problem.cost(problem.labels[i] as usize, k);
+    let paid = |i: usize, k: usize| problem.weights[i] * problem.cost(problem.labels[i] as usize, k);
     let leaf = |k: usize| (0..problem.n).map(|i| paid(i, k)).sum::<i64>();
-    let least = |i: usize| {
-        (0..problem.n_classes)
-            .map(|k| paid(i, k))
-            .min()
-            .unwrap_or(0)
-    };
+    let least = |i: usize| (0..problem.n_classes).map(|k| paid(i, k)).min().unwrap_or(0);
     let label = (0..problem.n_classes).min_by_key(|&k| leaf(k)).unwrap_or(0);
     let best = (leaf(label), Tree::leaf(label as u32));
     let (objective, tree) = match &options.incumbent {
@@ -102,24 +96,13 @@ fn without_search(problem: &Problem, options: &Options) -> Outcome {
         _ => best,
     };
     let bound = (0..problem.n).map(least).sum();
-    let stop = if bound >= objective {
-        Stop::Optimal
-    } else {
-        Stop::Memory
-    };
-    Outcome {
-        tree,
-        objective,
-        bound,
-        stop,
-        n_nodes: 0,
-    }
+    let stop = if bound >= objective { Stop::Optimal } else { Stop::Memory };
+    Outcome { tree, objective, bound, stop, n_nodes: 0 }
 }
 
 impl Run<'_> {
     fn search(&mut self, depth: usize, keep_going: KeepGoing<'_>) {
-        if self.best.0 <= self.samples.penalty || self.samples.p == 0 || self.samples.n_columns == 1
-        {
+        if self.best.0 <= self.samples.penalty || self.samples.p == 0 || self.samples.n_columns == 1 {
             self.bound = self.best.0;
             return;
         }
@@ -143,26 +126,16 @@ impl Run<'_> {
         let mut result = None;
         std::thread::scope(|scope| {
             let (sender, receiver) = channel::<()>();
-            let (samples, view, control, switches) = (
-                self.samples,
-                self.view,
-                &self.control,
-                self.options.switches,
-            );
+            let (samples, view, control, switches) = (self.samples, self.view, &self.control, self.options.switches);
             let worker = scope.spawn(move || {
                 let _sender = sender;
                 let mut search = Search::new(samples, switches, control, depth);
                 let answer = search.solve(view, depth, upper, 0);
                 (answer, search.attained)
             });
-            self.stop = watch(
-                self.started,
-                &self.options.limits,
-                control,
-                &receiver,
-                keep_going,
-                || (self.best.0 + self.base, self.base, self.tables),
-            );
+            self.stop = watch(self.started, &self.options.limits, control, &receiver, keep_going, || {
+                (self.best.0 + self.base, self.base, self.tables)
+            });
             result = worker.join().ok();
         });
         let Some((answer, attained)) = result else {
@@ -188,16 +161,7 @@ impl Run<'_> {
         let (samples, view, switches) = (self.samples, self.view, self.options.switches);
         // The incumbent may be deeper than this level: the level's own trees are asked for up to the last level's cost.
         let upper = self.best.0;
-        let frontier = Frontier::new(
-            samples,
-            switches,
-            &self.control,
-            view,
-            depth,
-            attained,
-            whole,
-            upper,
-        );
+        let frontier = Frontier::new(samples, switches, &self.control, view, depth, attained, whole, upper);
         let (base, tables) = (self.base, self.tables);
         std::thread::scope(|scope| {
             let (sender, receiver) = channel::<()>();
@@ -214,22 +178,11 @@ impl Run<'_> {
                 });
             }
             drop(sender);
-            self.stop = watch(
-                self.started,
-                &self.options.limits,
-                &self.control,
-                &receiver,
-                keep_going,
-                || {
-                    let (cost, bound) = frontier.progress();
-                    let bytes = tables + frontier.bytes() as f64;
-                    (
-                        cost + base,
-                        if is_last { bound + base } else { base },
-                        bytes,
-                    )
-                },
-            );
+            self.stop = watch(self.started, &self.options.limits, &self.control, &receiver, keep_going, || {
+                let (cost, bound) = frontier.progress();
+                let bytes = tables + frontier.bytes() as f64;
+                (cost + base, if is_last { bound + base } else { base }, bytes)
+            });
         });
         let (cost, bound) = frontier.progress();
         if let Some((cost, plan)) = frontier.best() {
@@ -248,11 +201,7 @@ impl Run<'_> {
         if is_within(problem, &relaxed) {
             return;
         }
-        let given = self
-            .options
-            .incumbent
-            .as_ref()
-            .map(|(objective, _)| objective - self.base);
+        let given = self.options.incumbent.as_ref().map(|(objective, _)| objective - self.base);
         let leaf = self.view.leaf();
         self.best = match given {
             Some(cost) if cost <= leaf => (cost, None),
@@ -263,14 +212,7 @@ impl Run<'_> {
         }
         let (samples, upper, tables) = (self.samples, self.best.0, self.tables);
         let (base, bound) = (self.base, self.bound);
-        let sets = Sets::new(
-            problem,
-            samples,
-            self.options.switches,
-            &self.control,
-            Some(&relaxed),
-            upper,
-        );
+        let sets = Sets::new(problem, samples, self.options.switches, &self.control, Some(&relaxed), upper);
         std::thread::scope(|scope| {
             let (sender, receiver) = channel::<()>();
             for _ in 0..self.options.n_threads.max(1) {
@@ -281,17 +223,10 @@ impl Run<'_> {
                 });
             }
             drop(sender);
-            self.stop = watch(
-                self.started,
-                &self.options.limits,
-                &self.control,
-                &receiver,
-                keep_going,
-                || {
-                    let bytes = tables + sets.bytes() as f64;
-                    (sets.best().0 + base, bound + base, bytes)
-                },
-            );
+            self.stop = watch(self.started, &self.options.limits, &self.control, &receiver, keep_going, || {
+                let bytes = tables + sets.bytes() as f64;
+                (sets.best().0 + base, bound + base, bytes)
+            });
         });
         let (cost, tree) = sets.best();
         if let Some(tree) = tree {
@@ -312,18 +247,8 @@ impl Run<'_> {
             (None, None, Some((_, tree))) => tree.clone(),
             (None, None, None) => Tree::leaf(self.samples.labels[self.view.best_column()]),
         };
-        let stop = if bound >= objective {
-            Stop::Optimal
-        } else {
-            self.stop.unwrap_or(Stop::Interrupted)
-        };
-        Outcome {
-            tree,
-            objective,
-            bound,
-            stop,
-            n_nodes: self.control.n_evaluated(),
-        }
+        let stop = if bound >= objective { Stop::Optimal } else { self.stop.unwrap_or(Stop::Interrupted) };
+        Outcome { tree, objective, bound, stop, n_nodes: self.control.n_evaluated() }
     }
 }
 
@@ -347,14 +272,8 @@ fn watch(
         let (objective, bound, bytes) = progress();
         let n_nodes = control.n_evaluated();
         let seconds = started.elapsed().as_secs_f64();
-        let has_gap =
-            limits.gap > 0.0 && (objective - bound) as f64 <= limits.gap * objective as f64;
-        let reason = if !keep_going(Progress {
-            seconds,
-            objective,
-            bound,
-            n_nodes,
-        }) {
+        let has_gap = limits.gap > 0.0 && (objective - bound) as f64 <= limits.gap * objective as f64;
+        let reason = if !keep_going(Progress { seconds, objective, bound, n_nodes }) {
             Some(Stop::Interrupted)
         } else if seconds >= limits.seconds {
             Some(Stop::Time)

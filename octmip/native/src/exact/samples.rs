@@ -48,10 +48,8 @@ pub struct Samples {
 impl Samples {
     /// Encode a validated problem; features that are not allowed or constant are left out.
     pub fn new(problem: &Problem) -> Self {
-        let features: Vec<u32> = (0..problem.p)
-            .filter(|&f| problem.allowed[f] && problem.n_ranks[f] > 1)
-            .map(|f| f as u32)
-            .collect();
+        let features: Vec<u32> =
+            (0..problem.p).filter(|&f| problem.allowed[f] && problem.n_ranks[f] > 1).map(|f| f as u32).collect();
         let n = problem.n;
         let mut ranks = Vec::with_capacity(features.len() * n);
         let mut order = Vec::with_capacity(features.len() * n);
@@ -83,20 +81,13 @@ impl Samples {
     fn set_gains(&mut self, problem: &Problem) {
         let k = problem.n_classes;
         let rows: Vec<&[i64]> = problem.costs.chunks(k).collect();
-        let least: Vec<i64> = rows
-            .iter()
-            .map(|row| row.iter().copied().min().unwrap_or(0))
-            .collect();
-        let most: Vec<i64> = rows
-            .iter()
-            .map(|row| row.iter().copied().max().unwrap_or(0))
-            .collect();
+        let least: Vec<i64> = rows.iter().map(|row| row.iter().copied().min().unwrap_or(0)).collect();
+        let most: Vec<i64> = rows.iter().map(|row| row.iter().copied().max().unwrap_or(0)).collect();
         let mut has_samples = vec![false; k];
         for i in 0..self.n {
             let class = problem.labels[i] as usize;
             has_samples[class] |= problem.weights[i] > 0;
-            self.swing
-                .push(problem.weights[i] * (most[class] - least[class]));
+            self.swing.push(problem.weights[i] * (most[class] - least[class]));
             self.base.push(problem.weights[i] * least[class]);
         }
         // A column in which no present class gains is never better than another.
@@ -110,29 +101,17 @@ impl Samples {
         }
         self.n_columns = self.labels.len();
         let columns_of = |class: usize| -> Vec<usize> {
-            (0..self.labels.len())
-                .filter(|&c| gains(class, self.labels[c] as usize) > 0)
-                .collect()
+            (0..self.labels.len()).filter(|&c| gains(class, self.labels[c] as usize) > 0).collect()
         };
-        self.is_single = (0..k)
-            .filter(|&class| has_samples[class])
-            .all(|class| columns_of(class).len() <= 1);
+        self.is_single = (0..k).filter(|&class| has_samples[class]).all(|class| columns_of(class).len() <= 1);
         if self.is_single {
-            let of_class: Vec<u32> = (0..k)
-                .map(|class| columns_of(class).first().map_or(0, |&column| column as u32))
-                .collect();
-            self.column = problem
-                .labels
-                .iter()
-                .map(|&class| of_class[class as usize])
-                .collect();
+            let of_class: Vec<u32> =
+                (0..k).map(|class| columns_of(class).first().map_or(0, |&column| column as u32)).collect();
+            self.column = problem.labels.iter().map(|&class| of_class[class as usize]).collect();
         } else {
             for i in 0..self.n {
                 let class = problem.labels[i] as usize;
-                let row = self
-                    .labels
-                    .iter()
-                    .map(|&label| problem.weights[i] * gains(class, label as usize));
+                let row = self.labels.iter().map(|&label| problem.weights[i] * gains(class, label as usize));
                 self.gains.extend(row);
             }
         }
@@ -141,10 +120,7 @@ impl Samples {
     /// The same samples with only these of the usable features.
     pub fn with_features(&self, usable: &[usize]) -> Self {
         let pick = |lists: &[u32]| -> Vec<u32> {
-            usable
-                .iter()
-                .flat_map(|&f| lists[f * self.n..(f + 1) * self.n].iter().copied())
-                .collect()
+            usable.iter().flat_map(|&f| lists[f * self.n..(f + 1) * self.n].iter().copied()).collect()
         };
         Self {
             p: usable.len(),

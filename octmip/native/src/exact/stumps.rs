@@ -62,11 +62,7 @@ impl Place<'_> {
 
     /// Number of samples on a side.
     pub fn size(&self, side: usize) -> usize {
-        if side == 0 {
-            self.k
-        } else {
-            self.view.len - self.k
-        }
+        if side == 0 { self.k } else { self.view.len - self.k }
     }
 }
 

@@ -21,20 +21,10 @@ pub struct Found {
 ///
 /// `ids` are indices of the problem's samples, none twice. A search that is stopped from outside finds nothing. The
 /// workspaces are made anew: what an earlier call has laid out knows nothing of the samples of this one.
-pub fn best_subtree(
-    samples: &Samples,
-    control: &Control,
-    ids: &[u32],
-    depth: usize,
-    upper: i64,
-    most: u64,
-) -> Found {
+pub fn best_subtree(samples: &Samples, control: &Control, ids: &[u32], depth: usize, upper: i64, most: u64) -> Found {
     let limited = control.limited(most);
     if ids.is_empty() {
-        return Found {
-            tree: None,
-            is_proof: true,
-        };
+        return Found { tree: None, is_proof: true };
     }
     let view = View::subset(samples, ids);
     let base: i64 = ids.iter().map(|&i| samples.base[i as usize]).sum();
@@ -42,10 +32,7 @@ pub fn best_subtree(
     let answer = search.solve(&view, depth, upper.saturating_sub(base), 0);
     // What was found before the cuts were spent is a tree with its true cost; only the proof is missing.
     let found = answer.best.filter(|_| !control.is_stopped());
-    Found {
-        tree: found.map(|(cost, plan)| (base + cost, plan.tree(samples, &view))),
-        is_proof: !limited.is_stopped(),
-    }
+    Found { tree: found.map(|(cost, plan)| (base + cost, plan.tree(samples, &view))), is_proof: !limited.is_stopped() }
 }
 
 #[cfg(test)]
@@ -57,9 +44,7 @@ mod tests {
     fn problem(n: usize, p: usize) -> Problem {
         let mut state = 1_u64;
         let mut next = |most: u32| {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             (state >> 33) as u32 % most
         };
         Problem {
@@ -95,9 +80,7 @@ mod tests {
             let cut_short = search(most);
             assert!(cut_short.tree.as_ref().map(|(cost, _)| *cost) >= optimum);
             let (cost, tree) = cut_short.tree.expect("a leaf at least");
-            let wrong = ids
-                .iter()
-                .filter(|&&i| label(&problem, &tree, i) != problem.labels[i as usize]);
+            let wrong = ids.iter().filter(|&&i| label(&problem, &tree, i) != problem.labels[i as usize]);
             assert_eq!(wrong.count() as i64, cost);
         }
     }
@@ -107,12 +90,7 @@ mod tests {
         loop {
             match &tree.nodes[row as usize] {
                 Node::Leaf { label } => return *label,
-                Node::Split {
-                    feature,
-                    cut,
-                    left,
-                    right,
-                } => {
+                Node::Split { feature, cut, left, right } => {
                     let goes_left = problem.feature(*feature as usize)[sample as usize] <= *cut;
                     row = if goes_left { *left } else { *right };
                 }

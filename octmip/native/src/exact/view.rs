@@ -18,11 +18,7 @@ pub struct View {
 impl View {
     /// All the samples.
     pub fn root(samples: &Samples) -> Self {
-        let mut view = Self {
-            len: samples.n,
-            lists: samples.order.clone(),
-            ..Self::default()
-        };
+        let mut view = Self { len: samples.n, lists: samples.order.clone(), ..Self::default() };
         view.recount(samples, 0..samples.n as u32);
         view
     }
@@ -33,17 +29,8 @@ impl View {
         for &i in ids {
             chosen[i as usize] = true;
         }
-        let lists = samples
-            .order
-            .iter()
-            .copied()
-            .filter(|&i| chosen[i as usize])
-            .collect();
-        let mut view = Self {
-            len: ids.len(),
-            lists,
-            ..Self::default()
-        };
+        let lists = samples.order.iter().copied().filter(|&i| chosen[i as usize]).collect();
+        let mut view = Self { len: ids.len(), lists, ..Self::default() };
         view.recount(samples, ids.iter().copied());
         view
     }
@@ -69,21 +56,11 @@ impl View {
     /// The column of the best leaf, the lowest among equals.
     pub fn best_column(&self) -> usize {
         let best = self.mass - self.leaf();
-        self.totals
-            .iter()
-            .position(|&gain| gain == best)
-            .unwrap_or(0)
+        self.totals.iter().position(|&gain| gain == best).unwrap_or(0)
     }
 
     /// Fill `sides` with the samples left and right of the cut at position `k` of feature `f`.
-    pub fn split(
-        &self,
-        samples: &Samples,
-        f: usize,
-        k: usize,
-        marks: &mut [bool],
-        sides: &mut [View; 2],
-    ) {
+    pub fn split(&self, samples: &Samples, f: usize, k: usize, marks: &mut [bool], sides: &mut [View; 2]) {
         for (position, &i) in self.list(f).iter().enumerate() {
             marks[i as usize] = position >= k;
         }
@@ -105,11 +82,7 @@ impl View {
         }
         for (side, view) in sides.iter_mut().enumerate() {
             view.lists.truncate(samples.p * sizes[side]);
-            let ids = if side == 0 {
-                &self.list(f)[..k]
-            } else {
-                &self.list(f)[k..]
-            };
+            let ids = if side == 0 { &self.list(f)[..k] } else { &self.list(f)[k..] };
             view.recount(samples, ids.iter().copied());
         }
     }

@@ -19,26 +19,12 @@ pub(super) struct Goal {
 
 impl Field<'_> {
     /// Best cost of a child over some samples by a leaf or the lines it remembers.
-    pub(super) fn attained(
-        &self,
-        child: &Child,
-        ids: &[u32],
-        tally: &[i64],
-        need: i64,
-    ) -> (i64, Option<Line>) {
+    pub(super) fn attained(&self, child: &Child, ids: &[u32], tally: &[i64], need: i64) -> (i64, Option<Line>) {
         let view = self.ground.view();
-        let leaf = if tally[view.loss.k] >= need {
-            view.loss.leaf(tally).0
-        } else {
-            INFEASIBLE
-        };
+        let leaf = if tally[view.loss.k] >= need { view.loss.leaf(tally).0 } else { INFEASIBLE };
         child.lines.iter().fold((leaf, None), |best, line| {
             let cost = view.cost_of(line, ids, tally, need);
-            if cost < best.0 && line.is_clear_of(view.plane, ids) {
-                (cost, Some(*line))
-            } else {
-                best
-            }
+            if cost < best.0 && line.is_clear_of(view.plane, ids) { (cost, Some(*line)) } else { best }
         })
     }
 
@@ -55,36 +41,17 @@ impl Field<'_> {
         }
         let price = self.price(root);
         let relaxed = self.need() - sorted.open.len() as i64;
-        let narrow = [0, 1].map(|s| {
-            self.attained(
-                &root.children[s],
-                &sorted.sides[s],
-                &sorted.tallies[s],
-                relaxed,
-            )
-            .0
-        });
+        let narrow = [0, 1].map(|s| self.attained(&root.children[s], &sorted.sides[s], &sorted.tallies[s], relaxed).0);
         // No bound exceeds what is attained: one that cannot reach the target is not worth its price.
         let narrow_reach = self.by_labels(sorted, narrow) + price;
-        let wide = [0, 1].map(|s| {
-            self.attained(
-                &root.children[s],
-                &sorted.wide[s],
-                &sorted.wide_tallies[s],
-                self.need(),
-            )
-            .0
-        });
+        let wide =
+            [0, 1].map(|s| self.attained(&root.children[s], &sorted.wide[s], &sorted.wide_tallies[s], self.need()).0);
         let wide_reach = wide[0] + wide[1] + price - sorted.open_most;
         let mut order = [(narrow_reach, false), (wide_reach, true)];
         order.sort_by_key(|&(reach, _)| std::cmp::Reverse(reach));
         let switches = self.ground.switches;
         for (reach, is_wide) in order {
-            let is_on = if is_wide {
-                switches.wide
-            } else {
-                switches.narrow
-            };
+            let is_on = if is_wide { switches.wide } else { switches.narrow };
             let is_vain = reach < target && switches.reach;
             if !is_on || is_vain || root.key >= target || self.stop.load(Ordering::Relaxed) {
                 continue;
@@ -100,11 +67,7 @@ impl Field<'_> {
     /// What a child costs when each of its samples may choose one of two labels: no stump names more, and in it some
     /// samples choose badly. Prices only add.
     pub(super) fn two_labels(&self, tally: &[i64]) -> i64 {
-        if self.ground.switches.two_labels {
-            two_labels_at_least(&self.ground.loss, tally)
-        } else {
-            0
-        }
+        if self.ground.switches.two_labels { two_labels_at_least(&self.ground.loss, tally) } else { 0 }
     }
 
     pub(super) fn by_labels(&self, sorted: &Sorted, costs: [i64; 2]) -> i64 {
@@ -121,11 +84,7 @@ impl Field<'_> {
         let (mut low, mut high) = (0, goal.max(0));
         while low < high {
             let middle = low + (high - low) / 2;
-            let costs = if s == 0 {
-                [middle, other]
-            } else {
-                [other, middle]
-            };
+            let costs = if s == 0 { [middle, other] } else { [other, middle] };
             if self.by_labels(sorted, costs) >= goal {
                 high = middle;
             } else {
@@ -146,13 +105,7 @@ impl Field<'_> {
     /// The child of a root line of the box holds L and perhaps open samples; without these the same split costs no more,
     /// so STUMP(L) is at most its cost. A leaf size of m asks for m samples with the open ones: of L for m less those.
     /// Cutoffs and `hopeless` decide how far a bound is computed, never what it is.
-    fn bound_narrow(
-        &self,
-        root: &mut RootBox,
-        sorted: &Sorted,
-        mut reach: [i64; 2],
-        Goal { target, upper }: Goal,
-    ) {
+    fn bound_narrow(&self, root: &mut RootBox, sorted: &Sorted, mut reach: [i64; 2], Goal { target, upper }: Goal) {
         let (price, switches) = (self.price(root), self.ground.switches);
         // The larger child first: its bound is dearer, but oftener enough.
         let first = usize::from(sorted.sides[1].len() > sorted.sides[0].len());
@@ -185,13 +138,7 @@ impl Field<'_> {
     ///
     /// A root line parts O as O1 + O2. The left child's tree, O2 sent through it too, costs at most most(O2) more, and no
     /// leaf has shrunk: STUMP(L + O) <= cost(L + O1) + most(O2); likewise on the right; most(O1) + most(O2) = most(O).
-    fn bound_wide(
-        &self,
-        root: &mut RootBox,
-        sorted: &Sorted,
-        mut reach: [i64; 2],
-        Goal { target, upper }: Goal,
-    ) {
+    fn bound_wide(&self, root: &mut RootBox, sorted: &Sorted, mut reach: [i64; 2], Goal { target, upper }: Goal) {
         let (price, most) = (self.price(root), sorted.open_most);
         let switches = self.ground.switches;
         for s in [0, 1] {
@@ -216,11 +163,7 @@ impl Field<'_> {
                 dead: INFEASIBLE,
             };
             let dead = upper - price - other.floor;
-            let dead = if switches.dead_strips {
-                dead
-            } else {
-                INFEASIBLE
-            };
+            let dead = if switches.dead_strips { dead } else { INFEASIBLE };
             let alive = root.children[s].strips.iter().filter(|s| s.bound < dead);
             let known: Vec<Strip> = alive.copied().collect();
             let mut strips = known.clone();
@@ -229,11 +172,7 @@ impl Field<'_> {
             let child = &mut root.children[s];
             // True of every child with leaves of the full size. A log speaks of children that lack samples (where no
             // strip is struck off), and may only say so where one sample fills a leaf.
-            let less = if switches.dead_strips || self.need() == 1 {
-                most
-            } else {
-                INFEASIBLE
-            };
+            let less = if switches.dead_strips || self.need() == 1 { most } else { INFEASIBLE };
             for (strip, known) in strips.iter_mut().zip(known) {
                 strip.bound = known.bound.max(strip.bound - less);
             }
@@ -250,12 +189,7 @@ impl Field<'_> {
         self.raise_key_by_labels(root, sorted);
     }
 
-    pub(super) fn ask(
-        &self,
-        child: &Child,
-        question: Question<'_>,
-        strips: &mut [Strip],
-    ) -> Answer {
+    pub(super) fn ask(&self, child: &Child, question: Question<'_>, strips: &mut [Strip]) -> Answer {
         let lines = child.lines.iter().copied();
         let view = self.ground.view();
         best_split(view, &self.charts, question, lines, strips, self.stop)

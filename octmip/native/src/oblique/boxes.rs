@@ -58,12 +58,7 @@ pub struct Child {
 impl Child {
     /// Nothing known but where the split may lie.
     pub fn new(strips: Arc<Vec<Strip>>) -> Self {
-        Self {
-            floor: 0,
-            wide: (0, INFEASIBLE),
-            lines: Vec::new(),
-            strips,
-        }
+        Self { floor: 0, wide: (0, INFEASIBLE), lines: Vec::new(), strips }
     }
 
     pub(super) fn remember(&mut self, line: Option<Line>) {
@@ -80,11 +75,7 @@ impl Child {
     /// `dead` or more, the bound of the other child makes up the rest: a tree of this box whose split lies in the strip
     /// is of no interest, and so is one of a box inside. What remains to be bounded are trees without such splits.
     pub(super) fn keep_strips_below(&mut self, strips: Vec<Strip>, dead: i64, switches: Switches) {
-        let dead = if switches.dead_strips {
-            dead
-        } else {
-            INFEASIBLE
-        };
+        let dead = if switches.dead_strips { dead } else { INFEASIBLE };
         let alive = strips.iter().filter(|strip| strip.bound < dead).count();
         // A copy costs memory; it pays when it says something new.
         if alive < self.strips.len() || *self.strips != strips {
@@ -140,10 +131,7 @@ impl Field<'_> {
         }
         self.try_center(&root, &sorted, upper, &mut done);
         let upper = done.found.as_ref().map_or(upper, |(cost, _)| *cost);
-        let goal = Goal {
-            target: target.min(upper),
-            upper,
-        };
+        let goal = Goal { target: target.min(upper), upper };
         self.bound(&mut root, &sorted, goal);
         if root.key >= goal.target {
             if root.key < upper {
@@ -164,10 +152,7 @@ impl Field<'_> {
         let chart = &self.charts[root.chart as usize];
         let at = chart.middle_boundary(root.cell.t0, root.cell.t1);
         for cell in split(plane, features, &root.cell, &sorted.open, at) {
-            done.boxes.push(RootBox {
-                cell,
-                ..root.clone()
-            });
+            done.boxes.push(RootBox { cell, ..root.clone() });
         }
         done
     }
@@ -222,14 +207,7 @@ impl Field<'_> {
             return;
         }
         let view = self.ground.view();
-        let best = [0, 1].map(|s| {
-            self.attained(
-                &root.children[s],
-                &sides[s],
-                &view.tally(&sides[s]),
-                self.need(),
-            )
-        });
+        let best = [0, 1].map(|s| self.attained(&root.children[s], &sides[s], &view.tally(&sides[s]), self.need()));
         let cost = best[0].0 + best[1].0 + self.price(root);
         if cost < upper {
             let children = best.map(|(_, line)| Sketch::stump(line));
@@ -252,9 +230,7 @@ impl Field<'_> {
         for way in ways {
             let chosen = |wanted: bool| points.iter().zip(way).filter(move |(_, w)| **w == wanted);
             let first = |wanted| chosen(wanted).map(|(p, _)| p[0]).collect::<Vec<u32>>();
-            let (distance, ..) = root
-                .cell
-                .clearest(plane, features, &first(true), &first(false));
+            let (distance, ..) = root.cell.clearest(plane, features, &first(true), &first(false));
             // No line of the cell leaves room for it; where one outside does, its own cell looks at it.
             if distance < -THICK && self.ground.switches.room {
                 continue;
@@ -284,12 +260,7 @@ impl Field<'_> {
     }
 
     /// Solve both children of a fixed root; None if the tree is not below `upper`.
-    fn solve_sides(
-        &self,
-        root: &mut RootBox,
-        sides: &[Vec<u32>; 2],
-        upper: i64,
-    ) -> Option<(i64, [Answer; 2])> {
+    fn solve_sides(&self, root: &mut RootBox, sides: &[Vec<u32>; 2], upper: i64) -> Option<(i64, [Answer; 2])> {
         let (floors, answers) = self.side_bounds(root, sides, upper);
         let lower = floors[0] + floors[1] + self.price(root);
         match answers {

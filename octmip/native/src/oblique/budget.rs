@@ -25,13 +25,7 @@ pub fn affordable_sets(problem: &Problem) -> Option<Vec<Vec<bool>>> {
     Some(sets.iter().map(features).collect())
 }
 
-fn extend(
-    problem: &Problem,
-    next: usize,
-    set: &mut Vec<usize>,
-    cost: f64,
-    sets: &mut Vec<Vec<usize>>,
-) -> Option<()> {
+fn extend(problem: &Problem, next: usize, set: &mut Vec<usize>, cost: f64, sets: &mut Vec<Vec<usize>>) -> Option<()> {
     let n_sensors = problem.sensor_cost.len();
     let fits = |s: usize| cost + problem.sensor_cost[s] <= problem.sensor_limit;
     let is_full = set.len() == MOST_READ;

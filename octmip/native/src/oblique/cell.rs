@@ -48,10 +48,7 @@ impl Cell {
 
     /// The line in the middle of the cell, as (t, r).
     pub fn center(&self) -> (f64, f64) {
-        (
-            (self.t0 + self.t1) / 2.0,
-            (self.l0 + self.l1 + self.u0 + self.u1) / 4.0,
-        )
+        ((self.t0 + self.t1) / 2.0, (self.l0 + self.l1 + self.u0 + self.u1) / 4.0)
     }
 
     /// The two cells to both sides of `t`.
@@ -59,36 +56,12 @@ impl Cell {
         let part = (t - self.t0) / (self.t1 - self.t0);
         let low = self.l0 + part * (self.l1 - self.l0);
         let high = self.u0 + part * (self.u1 - self.u0);
-        [
-            Self {
-                t1: t,
-                l1: low,
-                u1: high,
-                ..*self
-            },
-            Self {
-                t0: t,
-                l0: low,
-                u0: high,
-                ..*self
-            },
-        ]
+        [Self { t1: t, l1: low, u1: high, ..*self }, Self { t0: t, l0: low, u0: high, ..*self }]
     }
 
     /// The two cells below and above the edge from (t0, m0) to (t1, m1).
     pub fn split_r(&self, m0: f64, m1: f64) -> [Self; 2] {
-        [
-            Self {
-                u0: m0,
-                u1: m1,
-                ..*self
-            },
-            Self {
-                l0: m0,
-                l1: m1,
-                ..*self
-            },
-        ]
+        [Self { u0: m0, u1: m1, ..*self }, Self { l0: m0, l1: m1, ..*self }]
     }
 
     /// The edge through the middle of the open samples, kept clear of the cell's own edges.
@@ -104,10 +77,7 @@ impl Cell {
             let margin = (high - low) / 8.0;
             mean.clamp(low + margin, high - margin)
         };
-        (
-            clear(sum0 / m, self.l0, self.u0),
-            clear(sum1 / m, self.l1, self.u1),
-        )
+        (clear(sum0 / m, self.l0, self.u0), clear(sum1 / m, self.l1, self.u1))
     }
 
     /// Whether there is room between the edges.
@@ -126,13 +96,7 @@ impl Cell {
     }
 
     /// The samples of `ids` that the cell leaves open; `settled` is told the others.
-    pub fn sort(
-        &self,
-        x: &[f64],
-        y: &[f64],
-        ids: &[u32],
-        mut settled: impl FnMut(u32, bool),
-    ) -> Vec<u32> {
+    pub fn sort(&self, x: &[f64], y: &[f64], ids: &[u32], mut settled: impl FnMut(u32, bool)) -> Vec<u32> {
         let mut open = Vec::new();
         for &i in ids {
             match self.side(x[i as usize], y[i as usize]) {
@@ -158,29 +122,13 @@ impl Cell {
     ///
     /// Returns the least distance in r (negative: no line of the cell does it), t and r. The distance is a concave,
     /// piecewise linear function of t, so its maximum lies at an end or where two of the straight lines in it cross.
-    pub fn clearest(
-        &self,
-        plane: &Plane,
-        features: (usize, usize),
-        left: &[u32],
-        right: &[u32],
-    ) -> (f64, f64, f64) {
+    pub fn clearest(&self, plane: &Plane, features: (usize, usize), left: &[u32], right: &[u32]) -> (f64, f64, f64) {
         let (x, y) = (plane.column(features.0), plane.column(features.1));
         let room = |t: f64| {
-            let part = if self.t1 > self.t0 {
-                (t - self.t0) / (self.t1 - self.t0)
-            } else {
-                0.0
-            };
+            let part = if self.t1 > self.t0 { (t - self.t0) / (self.t1 - self.t0) } else { 0.0 };
             let reach = |i: &u32| x[*i as usize] + t * y[*i as usize];
-            let low = left
-                .iter()
-                .map(reach)
-                .fold(self.l0 + part * (self.l1 - self.l0), f64::max);
-            let high = right
-                .iter()
-                .map(reach)
-                .fold(self.u0 + part * (self.u1 - self.u0), f64::min);
+            let low = left.iter().map(reach).fold(self.l0 + part * (self.l1 - self.l0), f64::max);
+            let high = right.iter().map(reach).fold(self.u0 + part * (self.u1 - self.u0), f64::min);
             (high - low, (high + low) / 2.0)
         };
         let best = self
@@ -208,11 +156,7 @@ impl Cell {
             (a + self.t0 * b, a + self.t1 * b)
         }));
         let mut points = vec![self.t0, self.t1];
-        for (k, a) in lines
-            .iter()
-            .enumerate()
-            .take(if width > 0.0 { lines.len() } else { 0 })
-        {
+        for (k, a) in lines.iter().enumerate().take(if width > 0.0 { lines.len() } else { 0 }) {
             for b in &lines[..k] {
                 let (at_0, at_1) = (a.0 - b.0, a.1 - b.1);
                 if at_0 * at_1 < 0.0 {

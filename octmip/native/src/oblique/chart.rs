@@ -34,24 +34,14 @@ pub struct Chart {
 impl Chart {
     /// The chart of an ordered pair with so many strips (1 where the second feature is the column of zeros).
     pub fn new(plane: &Plane, features: (usize, usize), n_strips: usize) -> Self {
-        let t = if features.1 == plane.p {
-            vec![0.0, 0.0]
-        } else {
-            strip_boundaries(plane, features, n_strips)
-        };
+        let t = if features.1 == plane.p { vec![0.0, 0.0] } else { strip_boundaries(plane, features, n_strips) };
         Self::with_boundaries(plane, features, t)
     }
 
     /// The chart with these strip boundaries.
     pub fn with_boundaries(plane: &Plane, features: (usize, usize), t: Vec<f64>) -> Self {
         let n = plane.n;
-        let mut chart = Self {
-            features,
-            edges: vec![0.0; t.len() * (REGIONS + 1)],
-            bins: vec![0; t.len() * n],
-            t,
-            n,
-        };
+        let mut chart = Self { features, edges: vec![0.0; t.len() * (REGIONS + 1)], bins: vec![0; t.len() * n], t, n };
         let (x, y) = (plane.column(features.0), plane.column(features.1));
         let mut fine = vec![0u16; n];
         for k in 0..chart.t.len() {
@@ -89,19 +79,8 @@ impl Chart {
     pub fn whole(&self) -> Cell {
         // Edges are straight within a strip only, so the whole chart takes fixed ones: coordinates are in [-1, 1].
         let is_axis = self.t[0] == self.t[self.t.len() - 1];
-        let (low, high) = if is_axis {
-            (-1.25, 1.25)
-        } else {
-            (-2.25, 2.25)
-        };
-        Cell {
-            t0: self.t[0],
-            t1: self.t[self.t.len() - 1],
-            l0: low,
-            l1: low,
-            u0: high,
-            u1: high,
-        }
+        let (low, high) = if is_axis { (-1.25, 1.25) } else { (-2.25, 2.25) };
+        Cell { t0: self.t[0], t1: self.t[self.t.len() - 1], l0: low, l1: low, u0: high, u1: high }
     }
 
     /// The strip boundary nearest the middle (counted in strips) of an interval of t, if one lies inside.
@@ -117,14 +96,11 @@ fn strip_boundaries(plane: &Plane, (f, g): (usize, usize), n_strips: usize) -> V
     let (x, y) = (plane.column(f), plane.column(g));
     let mut state = (f as u64) << 32 | g as u64 | 1 << 63;
     let mut draw = || {
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (state >> 33) as usize % plane.n
     };
-    let mut crossings: Vec<f64> = (0..EVEN_CROSSINGS)
-        .map(|k| (k as f64 + 0.5) / EVEN_CROSSINGS as f64 * 2.0 - 1.0)
-        .collect();
+    let mut crossings: Vec<f64> =
+        (0..EVEN_CROSSINGS).map(|k| (k as f64 + 0.5) / EVEN_CROSSINGS as f64 * 2.0 - 1.0).collect();
     for _ in 0..SAMPLED_CROSSINGS {
         let (i, j) = (draw(), draw());
         let t = -(x[i] - x[j]) / (y[i] - y[j]);
@@ -197,10 +173,8 @@ mod tests {
 
     #[test]
     fn every_sample_lies_clear_between_the_edges_of_its_bin() {
-        let values: Vec<f64> = (0..40)
-            .map(|i| f64::from(i * i % 17))
-            .chain((0..40).map(|i| f64::from(i % 5)))
-            .collect();
+        let values: Vec<f64> =
+            (0..40).map(|i| f64::from(i * i % 17)).chain((0..40).map(|i| f64::from(i % 5))).collect();
         let plane = Plane::new(40, 2, &values, &[0; 80]);
         let chart = Chart::new(&plane, (0, 1), 8);
         for strip in 0..chart.n_strips() {

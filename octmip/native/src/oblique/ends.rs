@@ -51,10 +51,7 @@ fn is_flat(plane: &Plane, (f, g): (usize, usize), open: &[u32]) -> bool {
         let (bx, by) = at(*i);
         (bx - ax).abs() + (by - ay).abs()
     };
-    let Some(&far) = open
-        .iter()
-        .max_by(|i, j| distance(i).total_cmp(&distance(j)))
-    else {
+    let Some(&far) = open.iter().max_by(|i, j| distance(i).total_cmp(&distance(j))) else {
         return true;
     };
     let (bx, by) = at(far);
@@ -65,28 +62,17 @@ fn is_flat(plane: &Plane, (f, g): (usize, usize), open: &[u32]) -> bool {
 }
 
 /// The samples grouped by point, the points in the order of the first feature, then of the second.
-pub(super) fn distinct_points(
-    plane: &Plane,
-    (f, g): (usize, usize),
-    open: &[u32],
-) -> Vec<Vec<u32>> {
+pub(super) fn distinct_points(plane: &Plane, (f, g): (usize, usize), open: &[u32]) -> Vec<Vec<u32>> {
     let mut sorted = open.to_vec();
     sorted.sort_by_key(|&i| (plane.point(f, g, i), i));
-    sorted
-        .chunk_by(|&i, &j| plane.point(f, g, i) == plane.point(f, g, j))
-        .map(<[u32]>::to_vec)
-        .collect()
+    sorted.chunk_by(|&i, &j| plane.point(f, g, i) == plane.point(f, g, j)).map(<[u32]>::to_vec).collect()
 }
 
 /// All ways in which a line can part these points (sorted by coordinates), and perhaps some that it cannot.
 ///
 /// Points on one line come apart as a prefix and a suffix in their order along it. In general, every way is that of a
 /// line through two of the points, turned a little about a place between or beyond the points on it.
-fn ways_to_part(
-    plane: &Plane,
-    (f, g): (usize, usize),
-    points: &[Vec<u32>],
-) -> Option<Vec<Vec<bool>>> {
+fn ways_to_part(plane: &Plane, (f, g): (usize, usize), points: &[Vec<u32>]) -> Option<Vec<Vec<bool>>> {
     let m = points.len();
     let at = |k: usize| points[k][0];
     if m <= 2 {
@@ -121,9 +107,7 @@ fn ways_to_part(
 }
 
 fn all_ways(m: usize) -> Vec<Vec<bool>> {
-    (0..1u32 << m)
-        .map(|mask| (0..m).map(|k| mask >> k & 1 == 1).collect())
-        .collect()
+    (0..1u32 << m).map(|mask| (0..m).map(|k| mask >> k & 1 == 1).collect()).collect()
 }
 
 /// Add the ways of the lines near the one through points `a` and `b`.
@@ -135,9 +119,8 @@ fn add_turned_line(
     ways: &mut Vec<Vec<bool>>,
 ) -> Option<()> {
     let m = points.len();
-    let turns: Option<Vec<Ordering>> = (0..m)
-        .map(|k| plane.turn(f, g, points[a][0], points[b][0], points[k][0]))
-        .collect();
+    let turns: Option<Vec<Ordering>> =
+        (0..m).map(|k| plane.turn(f, g, points[a][0], points[b][0], points[k][0])).collect();
     let turns = turns?;
     let on: Vec<usize> = (0..m).filter(|&k| turns[k] == Ordering::Equal).collect();
     for cut in 0..=on.len() {
@@ -157,12 +140,7 @@ fn add_turned_line(
 ///
 /// Two disjoint convex polygons lie strictly to both sides of a line along an edge of one of them; where all points lie
 /// on one line, their order on it decides.
-pub fn can_part(
-    plane: &Plane,
-    (f, g): (usize, usize),
-    left: &[u32],
-    right: &[u32],
-) -> Option<bool> {
+pub fn can_part(plane: &Plane, (f, g): (usize, usize), left: &[u32], right: &[u32]) -> Option<bool> {
     let (a, b) = (hull(plane, (f, g), left)?, hull(plane, (f, g), right)?);
     if a.is_empty() || b.is_empty() {
         return Some(true);
@@ -180,10 +158,7 @@ pub fn can_part(
 
 fn all_on_one_line(plane: &Plane, (f, g): (usize, usize), a: &[u32], b: &[u32]) -> Option<bool> {
     let all: Vec<u32> = a.iter().chain(b).copied().collect();
-    let Some(&other) = all
-        .iter()
-        .find(|&&i| plane.point(f, g, i) != plane.point(f, g, all[0]))
-    else {
+    let Some(&other) = all.iter().find(|&&i| plane.point(f, g, i) != plane.point(f, g, all[0])) else {
         return Some(true);
     };
     for &i in &all {
@@ -230,11 +205,7 @@ pub fn hull(plane: &Plane, (f, g): (usize, usize), ids: &[u32]) -> Option<Vec<u3
     Some(corners)
 }
 
-fn half_hull(
-    plane: &Plane,
-    (f, g): (usize, usize),
-    ids: impl Iterator<Item = u32>,
-) -> Option<Vec<u32>> {
+fn half_hull(plane: &Plane, (f, g): (usize, usize), ids: impl Iterator<Item = u32>) -> Option<Vec<u32>> {
     let mut chain: Vec<u32> = Vec::new();
     for i in ids {
         while chain.len() > 1 {
@@ -258,10 +229,7 @@ mod tests {
             let mut sorted = values.clone();
             sorted.sort_by(f64::total_cmp);
             sorted.dedup();
-            values
-                .iter()
-                .map(|v| sorted.iter().position(|s| s == v).unwrap() as u32)
-                .collect()
+            values.iter().map(|v| sorted.iter().position(|s| s == v).unwrap() as u32).collect()
         };
         let x: Vec<f64> = points.iter().map(|p| p.0).collect();
         let y: Vec<f64> = points.iter().map(|p| p.1).collect();

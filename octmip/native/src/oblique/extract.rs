@@ -21,9 +21,7 @@ pub enum Sketch {
 impl Sketch {
     /// A stump (or a leaf).
     pub fn stump(line: Option<Line>) -> Self {
-        line.map_or(Self::Leaf, |line| {
-            Self::Split(line, Box::new([Self::Leaf, Self::Leaf]))
-        })
+        line.map_or(Self::Leaf, |line| Self::Split(line, Box::new([Self::Leaf, Self::Leaf])))
     }
 }
 
@@ -35,12 +33,7 @@ pub fn draw(problem: &Problem, ground: &Ground, sketch: &Sketch) -> Option<(Tree
     (cost < INFEASIBLE).then_some((tree, cost))
 }
 
-fn draw_part(
-    problem: &Problem,
-    ground: &Ground,
-    sketch: &Sketch,
-    ids: &[u32],
-) -> Option<(Tree, i64)> {
+fn draw_part(problem: &Problem, ground: &Ground, sketch: &Sketch, ids: &[u32]) -> Option<(Tree, i64)> {
     let tally = ground.view().tally(ids);
     let (leaf_cost, label) = ground.loss.leaf(&tally);
     let leaf = || {
@@ -51,9 +44,7 @@ fn draw_part(
     let Sketch::Split(line, children) = sketch else {
         return leaf();
     };
-    let (left, right): (Vec<u32>, Vec<u32>) = ids
-        .iter()
-        .partition(|&&i| line.sends_left(&ground.plane, i));
+    let (left, right): (Vec<u32>, Vec<u32>) = ids.iter().partition(|&&i| line.sends_left(&ground.plane, i));
     if left.is_empty() || right.is_empty() {
         let side = usize::from(left.is_empty());
         return draw_part(problem, ground, &children[side], ids);
@@ -75,31 +66,21 @@ fn draw_part(
 }
 
 /// A split that parts two sets of samples, its children still to be linked.
-fn split_node(
-    problem: &Problem,
-    ground: &Ground,
-    (f, g): (usize, usize),
-    left: &[u32],
-    right: &[u32],
-) -> Option<Node> {
+fn split_node(problem: &Problem, ground: &Ground, (f, g): (usize, usize), left: &[u32], right: &[u32]) -> Option<Node> {
     if g == ground.plane.p {
         let highest = left.iter().map(|&i| ground.plane.point(f, g, i).0).max()?;
         return Some(axis_node(f, highest));
     }
     let (f, g) = (f.min(g), f.max(g));
     let (normal, _) = widest_gap(&ground.plane, (f, g), left, right)?;
-    let coefficients = [
-        normal.0 / ground.plane.half_spans[f],
-        normal.1 / ground.plane.half_spans[g],
-    ];
+    let coefficients = [normal.0 / ground.plane.half_spans[f], normal.1 / ground.plane.half_spans[g]];
     let largest = coefficients[0].abs().max(coefficients[1].abs());
     let real = [coefficients[0] / largest, coefficients[1] / largest];
     let planes = problem.planes.as_ref();
     let demanded = planes.and_then(|planes| planes.integer_normals);
     let whole = demanded.or(ground.preferred).and_then(|most| {
         let cone = parting_cone(ground, (f, g), real, left, right)?;
-        whole_normals(real, cone, most)
-            .find(|&normal| offset_of(ground, (f, g), normal, left, right).is_some())
+        whole_normals(real, cone, most).find(|&normal| offset_of(ground, (f, g), normal, left, right).is_some())
     });
     let chosen = match whole {
         Some(normal) => normal,
@@ -107,25 +88,13 @@ fn split_node(
         None => real,
     };
     let offset = offset_of(ground, (f, g), chosen, left, right)?;
-    let terms: Vec<(u32, f64)> = [(f as u32, chosen[0]), (g as u32, chosen[1])]
-        .into_iter()
-        .filter(|term| term.1 != 0.0)
-        .collect();
-    Some(Node::Hyperplane {
-        terms,
-        offset,
-        left: 0,
-        right: 0,
-    })
+    let terms: Vec<(u32, f64)> =
+        [(f as u32, chosen[0]), (g as u32, chosen[1])].into_iter().filter(|term| term.1 != 0.0).collect();
+    Some(Node::Hyperplane { terms, offset, left: 0, right: 0 })
 }
 
 fn axis_node(f: usize, cut: u32) -> Node {
-    Node::Split {
-        feature: f as u32,
-        cut,
-        left: 0,
-        right: 0,
-    }
+    Node::Split { feature: f as u32, cut, left: 0, right: 0 }
 }
 
 /// How far a normal can turn to either side (tangents of the angles, the right-hand one negative) and still part two sets.
@@ -144,10 +113,7 @@ fn parting_cone(
     let mut cone = [f64::NEG_INFINITY, f64::INFINITY];
     for (&i, &j) in from.iter().flat_map(|i| to.iter().map(move |j| (i, j))) {
         let (i, j) = (i as usize, j as usize);
-        let way = [
-            (x[j] - x[i]) * plane.half_spans[f],
-            (y[j] - y[i]) * plane.half_spans[g],
-        ];
+        let way = [(x[j] - x[i]) * plane.half_spans[f], (y[j] - y[i]) * plane.half_spans[g]];
         let along = normal[0] * way[0] + normal[1] * way[1];
         let across = normal[0] * way[1] - normal[1] * way[0];
         // normal + turn * (normal turned left) runs along the way while along + turn * across > 0.
@@ -199,13 +165,7 @@ fn whole_normals(direction: [f64; 2], cone: [f64; 2], most: i64) -> impl Iterato
 }
 
 /// The offset midway between both sides, None if this normal does not part them by the rule of `octmip.tree`.
-fn offset_of(
-    ground: &Ground,
-    (f, g): (usize, usize),
-    normal: [f64; 2],
-    left: &[u32],
-    right: &[u32],
-) -> Option<f64> {
+fn offset_of(ground: &Ground, (f, g): (usize, usize), normal: [f64; 2], left: &[u32], right: &[u32]) -> Option<f64> {
     let (x, y) = (ground.plane.values(f), ground.plane.values(g));
     // Products rounded, then added from the first feature to the last, beginning with zero; zero terms are left out.
     let reach = |&i: &u32| {
@@ -221,11 +181,7 @@ fn offset_of(
     let highest = left.iter().map(reach).fold(f64::NEG_INFINITY, f64::max);
     let lowest = right.iter().map(reach).fold(f64::INFINITY, f64::min);
     let middle = highest / 2.0 + lowest / 2.0;
-    let offset = if highest <= middle && middle < lowest {
-        middle
-    } else {
-        highest
-    };
+    let offset = if highest <= middle && middle < lowest { middle } else { highest };
     (highest < lowest && offset.is_finite()).then_some(offset)
 }
 
@@ -234,18 +190,8 @@ fn join(node: Node, left: &Tree, right: &Tree) -> Tree {
     let mut tree = Tree::join(0, 0, left, right);
     let (first, second) = (1, 1 + left.nodes.len() as u32);
     tree.nodes[0] = match node {
-        Node::Split { feature, cut, .. } => Node::Split {
-            feature,
-            cut,
-            left: first,
-            right: second,
-        },
-        Node::Hyperplane { terms, offset, .. } => Node::Hyperplane {
-            terms,
-            offset,
-            left: first,
-            right: second,
-        },
+        Node::Split { feature, cut, .. } => Node::Split { feature, cut, left: first, right: second },
+        Node::Hyperplane { terms, offset, .. } => Node::Hyperplane { terms, offset, left: first, right: second },
         leaf @ Node::Leaf { .. } => leaf,
     };
     tree

@@ -68,9 +68,7 @@ fn charts_of(problem: &Problem) -> Vec<(usize, usize)> {
     let axis = (0..p).map(|f| (f, p));
     let pairs = (0..p).flat_map(|f| (0..p).filter(move |&g| g != f).map(move |g| (f, g)));
     axis.chain(pairs)
-        .filter(|&(f, g)| {
-            is_allowed(problem, f, g) && sensor_cost(problem, f, g) <= problem.sensor_limit
-        })
+        .filter(|&(f, g)| is_allowed(problem, f, g) && sensor_cost(problem, f, g) <= problem.sensor_limit)
         .collect()
 }
 
@@ -78,11 +76,7 @@ pub(super) fn is_allowed(problem: &Problem, f: usize, g: usize) -> bool {
     if g == problem.p {
         return problem.allowed[f];
     }
-    let Some(planes) = problem
-        .planes
-        .as_ref()
-        .filter(|planes| planes.split_size >= 2)
-    else {
+    let Some(planes) = problem.planes.as_ref().filter(|planes| planes.split_size >= 2) else {
         return false;
     };
     planes.groups.as_ref().is_none_or(|groups| {
@@ -94,9 +88,5 @@ pub(super) fn is_allowed(problem: &Problem, f: usize, g: usize) -> bool {
 fn sensor_cost(problem: &Problem, f: usize, g: usize) -> f64 {
     let sensor = |f: usize| problem.sensor_of_feature[f] as usize;
     let first = problem.sensor_cost[sensor(f)];
-    if g == problem.p || sensor(f) == sensor(g) {
-        first
-    } else {
-        first + problem.sensor_cost[sensor(g)]
-    }
+    if g == problem.p || sensor(f) == sensor(g) { first } else { first + problem.sensor_cost[sensor(g)] }
 }

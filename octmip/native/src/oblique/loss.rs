@@ -31,16 +31,10 @@ impl Loss {
         let at = |i: usize, j: usize| problem.cost(i, j);
         let unit = if k > 1 { at(0, 1) } else { 1 };
         let uniform = (0..k * k).all(|e| at(e / k, e % k) == if e / k == e % k { 0 } else { unit });
-        let worst = (0..k)
-            .map(|i| (0..k).map(|j| at(i, j)).max().unwrap_or(0))
-            .collect();
+        let worst = (0..k).map(|i| (0..k).map(|j| at(i, j)).max().unwrap_or(0)).collect();
         let loss = Self {
             k,
-            costs: if uniform {
-                Vec::new()
-            } else {
-                problem.costs.clone()
-            },
+            costs: if uniform { Vec::new() } else { problem.costs.clone() },
             worst: if uniform { vec![1; k] } else { worst },
             prices: [problem.penalty, 2 * problem.penalty],
             leaf_size: problem.leaf_size,
@@ -50,13 +44,7 @@ impl Loss {
 
     /// Mistakes between two classes, each at cost 1 and free of charge for splits: what moving one split asks.
     pub fn two_sides() -> Self {
-        Self {
-            k: 2,
-            costs: Vec::new(),
-            worst: vec![1; 2],
-            prices: [0, 0],
-            leaf_size: 1,
-        }
+        Self { k: 2, costs: Vec::new(), worst: vec![1; 2], prices: [0, 0], leaf_size: 1 }
     }
 
     /// Numbers in a vector of samples.
@@ -66,11 +54,7 @@ impl Loss {
 
     /// Cost of one unit of weight of a class under a label.
     pub fn cost(&self, class: usize, label: usize) -> i64 {
-        if self.costs.is_empty() {
-            i64::from(class != label)
-        } else {
-            self.costs[class * self.k + label]
-        }
+        if self.costs.is_empty() { i64::from(class != label) } else { self.costs[class * self.k + label] }
     }
 
     /// Cost and label of the best leaf for samples with these class weights.
@@ -157,11 +141,7 @@ impl Loss {
 fn two_labels(left: &[i64], right: &[i64]) -> i64 {
     let (a1, l1, l2) = two_largest(left);
     let (b1, r1, r2) = two_largest(right);
-    if a1 != b1 {
-        l1 + r1
-    } else {
-        (l1 + r2).max(l2 + r1)
-    }
+    if a1 != b1 { l1 + r1 } else { (l1 + r2).max(l2 + r1) }
 }
 
 #[inline]

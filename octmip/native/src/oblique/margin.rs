@@ -10,12 +10,7 @@ type Point = (f64, f64);
 ///
 /// Widths are measured with every feature stretched to a range of 1: there the normal is the shortest way from one hull
 /// to the other.
-pub fn widest_gap(
-    plane: &Plane,
-    (f, g): (usize, usize),
-    left: &[u32],
-    right: &[u32],
-) -> Option<(Point, Point)> {
+pub fn widest_gap(plane: &Plane, (f, g): (usize, usize), left: &[u32], right: &[u32]) -> Option<(Point, Point)> {
     let (from, to) = shortest_way(plane, (f, g), left, right)?;
     let (a, b) = (plane.stretches[f], plane.stretches[g]);
     let middle = ((from.0 + to.0) / 2.0 / a, (from.1 + to.1) / 2.0 / b);
@@ -25,12 +20,7 @@ pub fn widest_gap(
 /// The shortest way from one hull to the other, as its two ends, in stretched coordinates.
 ///
 /// The shortest way between two disjoint convex polygons starts or ends in a corner, so corners against edges suffice.
-fn shortest_way(
-    plane: &Plane,
-    (f, g): (usize, usize),
-    left: &[u32],
-    right: &[u32],
-) -> Option<(Point, Point)> {
+fn shortest_way(plane: &Plane, (f, g): (usize, usize), left: &[u32], right: &[u32]) -> Option<(Point, Point)> {
     let corners = |ids: &[u32]| -> Option<Vec<Point>> {
         let (x, y) = (plane.column(f), plane.column(g));
         let (a, b) = (plane.stretches[f], plane.stretches[g]);
@@ -71,12 +61,7 @@ fn nearest_on(a: Point, b: Point, point: Point) -> Point {
 /// The widest-margin line between two sets that a line can part, and its distance from them (in r).
 ///
 /// The line's left side is the set with the smaller `x_f + t x_g`: sides may come out exchanged.
-pub fn widest_line(
-    plane: &Plane,
-    (f, g): (usize, usize),
-    left: &[u32],
-    right: &[u32],
-) -> Option<(Line, f64)> {
+pub fn widest_line(plane: &Plane, (f, g): (usize, usize), left: &[u32], right: &[u32]) -> Option<(Line, f64)> {
     let (normal, middle) = widest_gap(plane, (f, g), left, right)?;
     let (features, t, r) = if normal.0.abs() >= normal.1.abs() {
         let t = normal.1 / normal.0;
@@ -89,10 +74,7 @@ pub fn widest_line(
         return None;
     }
     let (x, y) = (plane.column(features.0), plane.column(features.1));
-    let distance = left
-        .iter()
-        .chain(right)
-        .map(|&i| (x[i as usize] + t * y[i as usize] - r).abs())
-        .fold(f64::INFINITY, f64::min);
+    let distance =
+        left.iter().chain(right).map(|&i| (x[i as usize] + t * y[i as usize] - r).abs()).fold(f64::INFINITY, f64::min);
     Some((Line { features, t, r }, distance))
 }

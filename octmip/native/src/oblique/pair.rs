@@ -35,16 +35,9 @@ pub fn solve_pair(
 ) -> Outcome {
     let leaf = draw(problem, ground, &Sketch::Leaf);
     let (tree, objective) = leaf.unwrap_or((Tree::leaf(0), INFEASIBLE));
-    let outcome = |tree, objective, bound, stop, n_nodes| Outcome {
-        tree,
-        objective,
-        bound,
-        stop,
-        n_nodes,
-    };
+    let outcome = |tree, objective, bound, stop, n_nodes| Outcome { tree, objective, bound, stop, n_nodes };
     let cells = (ground.charts.len() * ground.plane.n) as f64;
-    let n_strips =
-        (watch.limits.memory / 2.0 / cells.max(1.0) - 1.0).min(MOST_STRIPS as f64) as usize;
+    let n_strips = (watch.limits.memory / 2.0 / cells.max(1.0) - 1.0).min(MOST_STRIPS as f64) as usize;
     let sets = affordable_sets(problem);
     let (Some(sets), true) = (sets, n_strips >= LEAST_STRIPS) else {
         return outcome(tree, objective, 0, Stop::Memory, 0);
@@ -74,9 +67,7 @@ pub fn solve_pair(
         (field, strips, first)
     });
     let (field, strips, first) = prepared;
-    let roots = strips
-        .iter()
-        .flat_map(|strips| roots_of(&field, strips, floor));
+    let roots = strips.iter().flat_map(|strips| roots_of(&field, strips, floor));
     let mut queue = Queue::new(&field, watch, options.n_threads, roots.collect(), upper);
     for sketch in &first {
         queue.offer(sketch);
@@ -98,12 +89,7 @@ fn floor_of(ground: &Ground) -> i64 {
         return 0;
     }
     let none = vec![0; view.loss.lanes()];
-    with_labels(
-        view.loss,
-        [0, 0],
-        [&none, &none],
-        &view.tally(&ground.all()),
-    )
+    with_labels(view.loss, [0, 0], [&none, &none], &view.tally(&ground.all()))
 }
 
 /// The strips of the charts whose features are all in a set.

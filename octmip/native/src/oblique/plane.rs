@@ -43,9 +43,7 @@ impl Plane {
             let first = scaled.len();
             scaled.extend(column.iter().map(|&v| (v - origin) / half_span / 2.0));
             let coordinates = scaled[first..].iter();
-            let (low, high) = coordinates.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| {
-                (l.min(v), h.max(v))
-            });
+            let (low, high) = coordinates.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)));
             stretches.push(if high > low { 1.0 / (high - low) } else { 1.0 });
             half_spans.push(half_span);
             unit.push(common_unit(column));
@@ -57,16 +55,7 @@ impl Plane {
         values.resize((p + 1) * n, 0.0);
         let mut ranks = ranks.to_vec();
         ranks.resize((p + 1) * n, 0);
-        Self {
-            n,
-            p,
-            scaled,
-            values,
-            ranks,
-            unit,
-            half_spans,
-            stretches,
-        }
+        Self { n, p, scaled, values, ranks, unit, half_spans, stretches }
     }
 
     /// Scaled coordinates of a feature, by sample.
@@ -81,10 +70,7 @@ impl Plane {
 
     /// The point of a sample in the plane of two features, as ranks: equal for equal points, in the order of the values.
     pub fn point(&self, f: usize, g: usize, i: u32) -> (u32, u32) {
-        (
-            self.ranks[f * self.n + i as usize],
-            self.ranks[g * self.n + i as usize],
-        )
+        (self.ranks[f * self.n + i as usize], self.ranks[g * self.n + i as usize])
     }
 
     /// On which side of the line from `a` to `b` the point `c` lies, exactly: `Greater` is the left hand, `Equal` on it.
@@ -108,11 +94,7 @@ impl Plane {
     fn whole(&self, f: usize, i: u32) -> Option<i128> {
         let unit = self.unit[f]?;
         let (mantissa, exponent) = decode(self.values[f * self.n + i as usize]);
-        Some(if mantissa == 0 {
-            0
-        } else {
-            i128::from(mantissa) << (exponent - unit)
-        })
+        Some(if mantissa == 0 { 0 } else { i128::from(mantissa) << (exponent - unit) })
     }
 }
 
@@ -123,9 +105,7 @@ impl Plane {
 /// one and no larger than it, is a float64 value.
 fn frame(column: &[f64]) -> (f64, f64) {
     let range = |values: &mut dyn Iterator<Item = f64>| {
-        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
-            (l.min(v), h.max(v))
-        })
+        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)))
     };
     let (low, high) = range(&mut column.iter().copied());
     let (nearest, farthest) = if low > 0.0 {
@@ -136,11 +116,7 @@ fn frame(column: &[f64]) -> (f64, f64) {
         (0.0, 1.0)
     };
     let last_place = power_of_two(farthest) * f64::EPSILON;
-    let origin = if last_place > 0.0 {
-        (nearest / last_place).trunc() * last_place
-    } else {
-        0.0
-    };
+    let origin = if last_place > 0.0 { (nearest / last_place).trunc() * last_place } else { 0.0 };
     let (low, high) = range(&mut column.iter().map(|v| (v - origin).abs()));
     (origin, power_of_two(high.max(low)))
 }
@@ -159,11 +135,7 @@ fn decode(value: f64) -> (i64, i32) {
     let bits = value.to_bits();
     let fraction = (bits & ((1 << 52) - 1)) as i64;
     let biased = ((bits >> 52) & 0x7ff) as i32;
-    let (mantissa, exponent) = if biased == 0 {
-        (fraction, -1074)
-    } else {
-        (fraction | 1 << 52, biased - 1075)
-    };
+    let (mantissa, exponent) = if biased == 0 { (fraction, -1074) } else { (fraction | 1 << 52, biased - 1075) };
     if mantissa == 0 {
         return (0, 0);
     }
@@ -203,14 +175,7 @@ mod tests {
 
     #[test]
     fn coordinates_are_the_values_moved_and_scaled_without_rounding() {
-        let values = [
-            500.1,
-            3000.7,
-            1024.0 / 3.0,
-            2999.999,
-            341.4,
-            512.000_000_001,
-        ];
+        let values = [500.1, 3000.7, 1024.0 / 3.0, 2999.999, 341.4, 512.000_000_001];
         for sign in [1.0, -1.0] {
             let column = values.map(|v| v * sign);
             let (origin, half_span) = frame(&column);

@@ -38,13 +38,7 @@ struct Writer<'a> {
 /// The body of a log that proves `claim`, None if it was stopped, there are too many sets of sensors, or the claim cannot
 /// be shown with room for rounding.
 pub fn write(problem: &Problem, claim: i64, n_threads: usize, stop: &AtomicBool) -> Option<String> {
-    let mut writer = Writer {
-        problem,
-        claim,
-        n_threads,
-        stop,
-        n_sets: 0,
-    };
+    let mut writer = Writer { problem, claim, n_threads, stop, n_sets: 0 };
     let mut body = String::new();
     writer.sensors(&mut vec![None; problem.sensor_cost.len()], &mut body)?;
     Some(body)
@@ -60,10 +54,7 @@ impl Writer<'_> {
         let is_within = |s: usize| (paid + q.sensor_cost[s]) * (1.0 - 1e-12) <= q.sensor_limit;
         let room = most_read.max(taken.len()) - taken.len();
         let is_open = |s: usize| read[s].is_none() && room > 0 && is_within(s);
-        let mut dearest: Vec<f64> = (0..read.len())
-            .filter(|&s| is_open(s))
-            .map(|s| q.sensor_cost[s])
-            .collect();
+        let mut dearest: Vec<f64> = (0..read.len()).filter(|&s| is_open(s)).map(|s| q.sensor_cost[s]).collect();
         dearest.sort_unstable_by(|a, b| b.total_cmp(a));
         let all_paid = paid + dearest.iter().take(room).sum::<f64>();
         if let Some(sensor) = (0..read.len()).find(|&s| all_paid > q.sensor_limit && is_open(s)) {
@@ -86,8 +77,7 @@ impl Writer<'_> {
         for f in 0..q.p {
             let seconds = (0..=q.p).filter(|&g| g != f && (g == q.p || may_read(g)));
             let charts = seconds.map(|g| (f, g));
-            let allowed =
-                charts.filter(|&(f, g)| may_read(f) && super::ground::is_allowed(q, f, g));
+            let allowed = charts.filter(|&(f, g)| may_read(f) && super::ground::is_allowed(q, f, g));
             ground.charts.extend(allowed);
         }
         (self.n_sets <= MOST_SETS).then(|| self.charts(&ground, body))?
@@ -111,8 +101,7 @@ impl Writer<'_> {
             stop: self.stop,
         };
         let strips = strips_of(&field, &vec![true; self.problem.p]);
-        let sections: Vec<Mutex<Option<String>>> =
-            field.charts.iter().map(|_| Mutex::default()).collect();
+        let sections: Vec<Mutex<Option<String>>> = field.charts.iter().map(|_| Mutex::default()).collect();
         let next = AtomicUsize::new(0);
         let work = || {
             let mut chart = next.fetch_add(1, Ordering::Relaxed);
@@ -126,10 +115,7 @@ impl Writer<'_> {
                 };
                 let (f, g) = field.charts[chart].features;
                 let mut section = format!("C {f} {g}\n");
-                let told = Told {
-                    floors: [0; 2],
-                    alive: [strips.len(); 2],
-                };
+                let told = Told { floors: [0; 2], alive: [strips.len(); 2] };
                 if field.prove(root, told, self.claim, &mut section).is_none() {
                     next.store(sections.len(), Ordering::Relaxed);
                 } else if let Ok(mut slot) = sections[chart].lock() {
@@ -157,23 +143,14 @@ struct Told {
 
 impl Field<'_> {
     /// Write the proof that every tree with a root in a box costs `claim` or more.
-    fn prove(
-        &self,
-        mut root: RootBox,
-        mut told: Told,
-        claim: i64,
-        body: &mut String,
-    ) -> Option<()> {
+    fn prove(&self, mut root: RootBox, mut told: Told, claim: i64, body: &mut String) -> Option<()> {
         let features = self.charts[root.chart as usize].features;
         let sorted = self.sort(features, &root.cell);
         if self.is_infeasible(&sorted) {
             body.push_str("F\n");
             return Some(());
         }
-        let goal = Goal {
-            target: claim,
-            upper: claim,
-        };
+        let goal = Goal { target: claim, upper: claim };
         root.key = 0;
         self.bound(&mut root, &sorted, goal);
         let owed = claim - self.price(&root);
@@ -200,10 +177,7 @@ impl Field<'_> {
             writeln!(body, "R {} {}", halves[0].u0, halves[0].u1)
         };
         for cell in halves {
-            let half = RootBox {
-                cell,
-                ..root.clone()
-            };
+            let half = RootBox { cell, ..root.clone() };
             self.prove(half, told, claim, body)?;
         }
         Some(())

@@ -51,13 +51,7 @@ pub struct Queue<'a> {
 
 impl<'a> Queue<'a> {
     /// A search from these boxes; `upper` is known to be attainable.
-    pub fn new(
-        field: &'a Field<'a>,
-        watch: &'a Watch,
-        n_threads: usize,
-        roots: Vec<RootBox>,
-        upper: i64,
-    ) -> Self {
+    pub fn new(field: &'a Field<'a>, watch: &'a Watch, n_threads: usize, roots: Vec<RootBox>, upper: i64) -> Self {
         let mut queue = Self {
             field,
             watch,
@@ -177,19 +171,10 @@ impl<'a> Queue<'a> {
     fn raise_target(&mut self) {
         let upper = self.upper;
         self.aside.retain(|root| root.key < upper);
-        let bound = self
-            .aside
-            .iter()
-            .map(|root| root.key)
-            .min()
-            .unwrap_or(upper);
+        let bound = self.aside.iter().map(|root| root.key).min().unwrap_or(upper);
         let gap = upper - bound;
         let halves = self.field.ground.switches.targets;
-        self.target = if gap * 25 <= upper || !halves {
-            upper
-        } else {
-            bound + (gap + 1) / 2
-        };
+        self.target = if gap * 25 <= upper || !halves { upper } else { bound + (gap + 1) / 2 };
         for root in std::mem::take(&mut self.aside) {
             if root.key >= self.target {
                 self.aside.push(root);
@@ -222,9 +207,7 @@ impl<'a> Queue<'a> {
         let state = Progress {
             seconds: 0.0,
             objective: self.upper,
-            bound: self
-                .bound()
-                .min(batch.iter().map(|root| root.key).min().unwrap_or(i64::MAX)),
+            bound: self.bound().min(batch.iter().map(|root| root.key).min().unwrap_or(i64::MAX)),
             n_nodes: self.n_nodes,
         };
         let next = AtomicUsize::new(0);
@@ -255,10 +238,7 @@ impl<'a> Queue<'a> {
             }
         });
         self.watch.look(keep_going, state);
-        slots
-            .into_iter()
-            .map(|slot| slot.into_inner().unwrap_or_default())
-            .collect()
+        slots.into_iter().map(|slot| slot.into_inner().unwrap_or_default()).collect()
     }
 }
 

@@ -23,16 +23,8 @@ impl Search<'_> {
                 }
                 End::Stuck => self.thin = self.thin.min(part.bound),
                 End::Split => {
-                    let cells = split(
-                        self.view.plane,
-                        candidate.features,
-                        &part.cell,
-                        &part.open,
-                        None,
-                    );
-                    let mut parts = cells.map(|cell| {
-                        self.part_of(candidate.features, cell, &part.open, Some(&part))
-                    });
+                    let cells = split(self.view.plane, candidate.features, &part.cell, &part.open, None);
+                    let mut parts = cells.map(|cell| self.part_of(candidate.features, cell, &part.open, Some(&part)));
                     if parts[0].bound < parts[1].bound {
                         parts.reverse(); // the better one on top of the stack
                     }
@@ -42,38 +34,18 @@ impl Search<'_> {
         }
     }
 
-    fn part_of(
-        &self,
-        features: (usize, usize),
-        cell: Cell,
-        ids: &[u32],
-        parent: Option<&Part>,
-    ) -> Part {
+    fn part_of(&self, features: (usize, usize), cell: Cell, ids: &[u32], parent: Option<&Part>) -> Part {
         let zero = || vec![0; self.view.loss.lanes()];
         let mut left = parent.map_or_else(zero, |part| part.left.clone());
         let mut right = parent.map_or_else(zero, |part| part.right.clone());
-        let (x, y) = (
-            self.view.plane.column(features.0),
-            self.view.plane.column(features.1),
-        );
+        let (x, y) = (self.view.plane.column(features.0), self.view.plane.column(features.1));
         let open = cell.sort(x, y, ids, |i, goes_left| {
-            self.view
-                .add(if goes_left { &mut left } else { &mut right }, i);
+            self.view.add(if goes_left { &mut left } else { &mut right }, i);
         });
         let may_left = difference(&self.total, &right);
         let may_right = difference(&self.total, &left);
-        let bound = self
-            .view
-            .loss
-            .bound(&self.total, &may_left, &may_right, self.need)
-            + self.view.price(features);
-        Part {
-            cell,
-            left,
-            right,
-            open,
-            bound,
-        }
+        let bound = self.view.loss.bound(&self.total, &may_left, &may_right, self.need) + self.view.price(features);
+        Part { cell, left, right, open, bound }
     }
 
     fn try_center(&mut self, features: (usize, usize), part: &Part) {
@@ -98,13 +70,7 @@ impl Search<'_> {
     }
 
     /// Look at every way in which a line of the cell can part its open points.
-    fn close(
-        &mut self,
-        features: (usize, usize),
-        part: &Part,
-        points: &[Vec<u32>],
-        ways: &[Vec<bool>],
-    ) {
+    fn close(&mut self, features: (usize, usize), part: &Part, points: &[Vec<u32>], ways: &[Vec<bool>]) {
         for way in ways {
             let mut left = part.left.clone();
             for (point, _) in points.iter().zip(way).filter(|(_, goes_left)| **goes_left) {
@@ -135,13 +101,7 @@ pub(super) struct Part {
 }
 
 /// Split a cell in t (at `at`, or in the middle) or in r, whichever leaves fewer samples open.
-pub(super) fn split(
-    plane: &Plane,
-    (f, g): (usize, usize),
-    cell: &Cell,
-    open: &[u32],
-    at: Option<f64>,
-) -> [Cell; 2] {
+pub(super) fn split(plane: &Plane, (f, g): (usize, usize), cell: &Cell, open: &[u32], at: Option<f64>) -> [Cell; 2] {
     let (x, y) = (plane.column(f), plane.column(g));
     let (m0, m1) = cell.middle_edge(x, y, open);
     let by_r = cell.split_r(m0, m1);
@@ -149,8 +109,7 @@ pub(super) fn split(
         return by_r;
     }
     let by_t = cell.split_t(at.unwrap_or((cell.t0 + cell.t1) / 2.0));
-    if !cell.is_high() || Cell::count_open(&by_t, x, y, open) <= Cell::count_open(&by_r, x, y, open)
-    {
+    if !cell.is_high() || Cell::count_open(&by_t, x, y, open) <= Cell::count_open(&by_r, x, y, open) {
         by_t
     } else {
         by_r

@@ -47,12 +47,7 @@ impl Search<'_> {
                     if keeps && bound < self.current {
                         let features = chart.features;
                         let order = self.candidates.len() as u32;
-                        self.candidates.push(Candidate {
-                            bound,
-                            order,
-                            features,
-                            cell,
-                        });
+                        self.candidates.push(Candidate { bound, order, features, cell });
                     }
                 }
             }

@@ -20,10 +20,7 @@ struct Draws(u64);
 
 impl Draws {
     fn below(&mut self, n: usize) -> usize {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         ((self.0 >> 33) as usize) % n
     }
 }
@@ -48,11 +45,7 @@ pub fn first_tree(
         let (k, region) = (strip.strip as usize, 4 + draws.below(REGIONS - 8));
         let cell = chart.cell((k, k + 1), (region, region + 1));
         let (t, r) = cell.center();
-        let mut line = Line {
-            features: chart.features,
-            t,
-            r,
-        };
+        let mut line = Line { features: chart.features, t, r };
         let mut last = INFEASIBLE;
         for _ in 0..MOST_ROUNDS {
             let children = field.best_children(line, strips, &mut draws);
@@ -82,12 +75,7 @@ impl Field<'_> {
         [left, right]
     }
 
-    fn best_children(
-        &self,
-        root: Line,
-        strips: &[Strip],
-        draws: &mut Draws,
-    ) -> [(i64, Option<Line>); 2] {
+    fn best_children(&self, root: Line, strips: &[Strip], draws: &mut Draws) -> [(i64, Option<Line>); 2] {
         self.sides(root).map(|ids| {
             let question = Question {
                 ids: &ids,
@@ -106,28 +94,13 @@ impl Field<'_> {
     }
 
     /// The root that sends most weight to the child that does better by it.
-    fn move_root(
-        &self,
-        root: Line,
-        children: [Option<Line>; 2],
-        strips: &[Strip],
-        draws: &mut Draws,
-    ) -> Option<Line> {
+    fn move_root(&self, root: Line, children: [Option<Line>; 2], strips: &[Strip], draws: &mut Draws) -> Option<Line> {
         let sides = self.sides(root);
         let costs = [0, 1].map(|s| self.costs_under(children[s], &sides[s]));
-        let labels: Vec<u32> = (0..self.all.len())
-            .map(|i| u32::from(costs[1][i] < costs[0][i]))
-            .collect();
-        let weights: Vec<i64> = (0..self.all.len())
-            .map(|i| (costs[1][i] - costs[0][i]).abs())
-            .collect();
+        let labels: Vec<u32> = (0..self.all.len()).map(|i| u32::from(costs[1][i] < costs[0][i])).collect();
+        let weights: Vec<i64> = (0..self.all.len()).map(|i| (costs[1][i] - costs[0][i]).abs()).collect();
         let loss = Loss::two_sides();
-        let matter: Vec<u32> = self
-            .all
-            .iter()
-            .copied()
-            .filter(|&i| weights[i as usize] > 0)
-            .collect();
+        let matter: Vec<u32> = self.all.iter().copied().filter(|&i| weights[i as usize] > 0).collect();
         let view = View {
             plane: &self.ground.plane,
             labels: &labels,
@@ -169,7 +142,5 @@ fn some_strips(strips: &[Strip], draws: &mut Draws) -> Vec<Strip> {
     if strips.len() <= STRIPS {
         return strips.to_vec();
     }
-    (0..STRIPS)
-        .map(|_| strips[draws.below(strips.len())])
-        .collect()
+    (0..STRIPS).map(|_| strips[draws.below(strips.len())]).collect()
 }

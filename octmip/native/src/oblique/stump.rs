@@ -82,19 +82,9 @@ pub struct Search<'a> {
 
 impl<'a> Search<'a> {
     /// Begin with a leaf as the answer.
-    pub fn new(
-        view: View<'a>,
-        ids: &'a [u32],
-        need: i64,
-        cutoff: i64,
-        stop: &'a AtomicBool,
-    ) -> Self {
+    pub fn new(view: View<'a>, ids: &'a [u32], need: i64, cutoff: i64, stop: &'a AtomicBool) -> Self {
         let total = view.tally(ids);
-        let leaf = if total[view.loss.k] >= need {
-            view.loss.leaf(&total).0
-        } else {
-            INFEASIBLE
-        };
+        let leaf = if total[view.loss.k] >= need { view.loss.leaf(&total).0 } else { INFEASIBLE };
         let lanes = view.loss.lanes();
         let size = REGIONS * view.loss.lanes().next_power_of_two();
         Self {
@@ -143,20 +133,11 @@ impl<'a> Search<'a> {
     /// Try the middle of the most promising region since `begin_chart`: a better incumbent spares later charts.
     pub fn try_best_of_chart(&mut self) {
         let newest = &self.candidates[self.chart_start..];
-        if let Some(best) = newest
-            .iter()
-            .min_by_key(|candidate| candidate.bound)
-            .copied()
-        {
+        if let Some(best) = newest.iter().min_by_key(|candidate| candidate.bound).copied() {
             let (t, r) = best.cell.center();
-            self.try_lines([Line {
-                features: best.features,
-                t,
-                r,
-            }]);
+            self.try_lines([Line { features: best.features, t, r }]);
             let current = self.current;
-            self.candidates
-                .retain(|candidate| candidate.bound < current);
+            self.candidates.retain(|candidate| candidate.bound < current);
         }
     }
 
@@ -170,11 +151,7 @@ impl<'a> Search<'a> {
             }
             self.refine(candidate);
         }
-        Answer {
-            lower: self.current.min(self.thin).max(floor),
-            attained: self.attained,
-            line: self.line,
-        }
+        Answer { lower: self.current.min(self.thin).max(floor), attained: self.attained, line: self.line }
     }
 
     pub(super) fn is_stopped(&self) -> bool {
@@ -209,11 +186,7 @@ pub fn best_split(
         search.try_best_of_chart();
         if search.attained < question.hopeless && view.switches.hopeless {
             // The strips have learnt something; the answer is not worth the rest.
-            return Answer {
-                lower: question.floor,
-                attained: search.attained,
-                line: search.line,
-            };
+            return Answer { lower: question.floor, attained: search.attained, line: search.line };
         }
     }
     search.finish(question.floor)

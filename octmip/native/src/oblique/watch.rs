@@ -22,12 +22,7 @@ pub struct Watch {
 impl Watch {
     /// Start the clock.
     pub fn new(limits: Limits) -> Self {
-        Self {
-            begin: Instant::now(),
-            limits,
-            stop: AtomicBool::new(false),
-            out_of_time: AtomicBool::new(false),
-        }
+        Self { begin: Instant::now(), limits, stop: AtomicBool::new(false), out_of_time: AtomicBool::new(false) }
     }
 
     /// The flag that workers read.
@@ -42,13 +37,11 @@ impl Watch {
 
     /// Why the work was cut short.
     pub fn reason(&self) -> Option<Stop> {
-        self.was_stopped().then(|| {
-            if self.out_of_time.load(Ordering::Relaxed) {
-                Stop::Time
-            } else {
-                Stop::Interrupted
-            }
-        })
+        self.was_stopped().then(
+            || {
+                if self.out_of_time.load(Ordering::Relaxed) { Stop::Time } else { Stop::Interrupted }
+            },
+        )
     }
 
     /// Look at the clock and ask the caller.
@@ -63,18 +56,8 @@ impl Watch {
     }
 
     /// Do one piece of work in another thread and watch over it.
-    pub fn over<T: Send>(
-        &self,
-        keep_going: KeepGoing,
-        objective: i64,
-        work: impl FnOnce() -> T + Send,
-    ) -> T {
-        let state = Progress {
-            seconds: 0.0,
-            objective,
-            bound: 0,
-            n_nodes: 0,
-        };
+    pub fn over<T: Send>(&self, keep_going: KeepGoing, objective: i64, work: impl FnOnce() -> T + Send) -> T {
+        let state = Progress { seconds: 0.0, objective, bound: 0, n_nodes: 0 };
         std::thread::scope(|scope| {
             let (sender, receiver) = channel::<()>();
             let worker = scope.spawn(move || {
@@ -82,13 +65,10 @@ impl Watch {
                 drop(sender);
                 result
             });
-            while let Err(std::sync::mpsc::RecvTimeoutError::Timeout) = receiver.recv_timeout(LOOK)
-            {
+            while let Err(std::sync::mpsc::RecvTimeoutError::Timeout) = receiver.recv_timeout(LOOK) {
                 self.look(&mut *keep_going, state);
             }
-            worker
-                .join()
-                .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+            worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
         })
     }
 }

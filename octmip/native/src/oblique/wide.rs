@@ -35,14 +35,8 @@ mod tests {
     #[test]
     fn products_beyond_128_bits_compare_as_they_should() {
         let big = 1i128 << 119;
-        assert_eq!(
-            compare_products(big, big + 1, big + 1, big),
-            Ordering::Equal
-        );
-        assert_eq!(
-            compare_products(big + 1, big + 1, big + 2, big),
-            Ordering::Greater
-        );
+        assert_eq!(compare_products(big, big + 1, big + 1, big), Ordering::Equal);
+        assert_eq!(compare_products(big + 1, big + 1, big + 2, big), Ordering::Greater);
         assert_eq!(compare_products(-big, big, big, big), Ordering::Less);
         assert_eq!(compare_products(-big, big + 1, big, -big), Ordering::Less);
         assert_eq!(compare_products(0, -5, 3, 0), Ordering::Equal);

@@ -11,9 +11,7 @@ use crate::exact::effort::Control;
 use crate::exact::memory;
 use crate::exact::proof::write;
 use crate::exact::root::{Options, solve};
-use crate::python::{
-    NodeRow, PyProblem, keep_going, limits, rows_from_tree, stop_name, tree_from_rows,
-};
+use crate::python::{NodeRow, PyProblem, keep_going, limits, rows_from_tree, stop_name, tree_from_rows};
 
 /// Node rows, objective, bound, stop, evaluated cuts.
 type Found = (Vec<NodeRow>, i64, i64, &'static str, u64);
@@ -30,15 +28,9 @@ fn branch_and_bound(
     off: Vec<String>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Found> {
-    let incumbent = incumbent
-        .map(|(objective, rows)| Ok::<_, PyErr>((objective, tree_from_rows(rows)?)))
-        .transpose()?;
-    let options = Options {
-        limits: limits(limits_),
-        n_threads,
-        incumbent,
-        switches: switches(&off)?,
-    };
+    let incumbent =
+        incumbent.map(|(objective, rows)| Ok::<_, PyErr>((objective, tree_from_rows(rows)?))).transpose()?;
+    let options = Options { limits: limits(limits_), n_threads, incumbent, switches: switches(&off)? };
     let mut error = None;
     let outcome = py.detach(|| {
         let mut going = keep_going(progress.as_ref(), &mut error);
@@ -64,17 +56,11 @@ fn prove(py: Python<'_>, problem: &PyProblem, claim: i64) -> PyResult<Option<Str
     let control = Control::new();
     let body = py.detach(|| {
         std::thread::scope(|scope| {
-            let worker =
-                scope.spawn(|| write(&problem.inner, claim, Switches::default(), &control));
+            let worker = scope.spawn(|| write(&problem.inner, claim, Switches::default(), &control));
             let mut going = keep_going(None, &mut error);
             while !worker.is_finished() {
                 std::thread::sleep(Duration::from_millis(1));
-                if !going(Progress {
-                    seconds: 0.0,
-                    objective: claim,
-                    bound: claim,
-                    n_nodes: 0,
-                }) {
+                if !going(Progress { seconds: 0.0, objective: claim, bound: claim, n_nodes: 0 }) {
                     control.stop();
                 }
             }
@@ -90,9 +76,8 @@ fn prove(py: Python<'_>, problem: &PyProblem, claim: i64) -> PyResult<Option<Str
 fn switches(off: &[String]) -> PyResult<Switches> {
     let mut switches = Switches::default();
     for name in off {
-        let switch = switches
-            .by_name(name)
-            .ok_or_else(|| PyValueError::new_err(format!("no prune is called {name}")))?;
+        let switch =
+            switches.by_name(name).ok_or_else(|| PyValueError::new_err(format!("no prune is called {name}")))?;
         *switch = false;
     }
     Ok(switches)

@@ -30,18 +30,10 @@ pub fn py_two_feature_branch_and_bound(
 ) -> PyResult<Found> {
     let mut switches = Switches::default();
     for name in &off {
-        *switches
-            .by_name(name)
-            .ok_or_else(|| PyValueError::new_err(format!("no prune is called {name}")))? = false;
+        *switches.by_name(name).ok_or_else(|| PyValueError::new_err(format!("no prune is called {name}")))? = false;
     }
-    let options = Options {
-        limits: limits(limit_values),
-        n_threads,
-        known,
-        seed,
-        switches,
-        whole_coefficients: preferred,
-    };
+    let options =
+        Options { limits: limits(limit_values), n_threads, known, seed, switches, whole_coefficients: preferred };
     let mut error = None;
     let outcome = py.detach(|| {
         let mut go_on = keep_going(progress.as_ref(), &mut error);
@@ -50,16 +42,9 @@ pub fn py_two_feature_branch_and_bound(
     if let Some(raised) = error {
         return Err(raised);
     }
-    let outcome = outcome.ok_or_else(|| {
-        PyValueError::new_err(format!("depth is {}; expected 1 or 2", problem.inner.depth))
-    })?;
-    Ok((
-        rows_from_tree(&outcome.tree),
-        outcome.objective,
-        outcome.bound,
-        stop_name(outcome.stop),
-        outcome.n_nodes,
-    ))
+    let outcome =
+        outcome.ok_or_else(|| PyValueError::new_err(format!("depth is {}; expected 1 or 2", problem.inner.depth)))?;
+    Ok((rows_from_tree(&outcome.tree), outcome.objective, outcome.bound, stop_name(outcome.stop), outcome.n_nodes))
 }
 
 /// Names of all prunes and bounds of the two-feature core.
@@ -70,19 +55,12 @@ pub fn two_feature_prunes() -> Vec<&'static str> {
 
 /// The body of a log that proves `claim` of all two-feature trees; None when it was stopped, or the claim is not shown.
 #[pyfunction]
-pub fn prove_lines(
-    py: Python<'_>,
-    problem: &PyProblem,
-    claim: i64,
-    n_threads: usize,
-) -> PyResult<Option<String>> {
+pub fn prove_lines(py: Python<'_>, problem: &PyProblem, claim: i64, n_threads: usize) -> PyResult<Option<String>> {
     let mut error = None;
     let watch = Watch::new(Limits::default());
     let body = py.detach(|| {
         let mut go_on = keep_going(None, &mut error);
-        watch.over(&mut go_on, claim, || {
-            proof::write(&problem.inner, claim, n_threads, watch.stop())
-        })
+        watch.over(&mut go_on, claim, || proof::write(&problem.inner, claim, n_threads, watch.stop()))
     });
     error.map_or(Ok(body), Err)
 }

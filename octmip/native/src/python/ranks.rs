@@ -21,9 +21,6 @@ pub fn dense_ranks<'py>(py: Python<'py>, features: PyReadonlyArray2<'py, f64>) -
             distinct.push(ranker.rank(column.iter().copied(), row));
         }
     }
-    let distinct = distinct
-        .into_iter()
-        .map(|values| values.into_pyarray(py))
-        .collect();
+    let distinct = distinct.into_iter().map(|values| values.into_pyarray(py)).collect();
     (ranks.into_pyarray(py), distinct)
 }

@@ -2,9 +2,7 @@
 
 use pyo3::prelude::*;
 
-use crate::python::{
-    NodeRow, PyProblem, keep_going, limits, rows_from_tree, stop_name, tree_from_rows,
-};
+use crate::python::{NodeRow, PyProblem, keep_going, limits, rows_from_tree, stop_name, tree_from_rows};
 use crate::search::{Options, search};
 
 /// Node table, objective, bound, stop, nodes visited.
@@ -26,22 +24,11 @@ pub fn py_search(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Found> {
     let start = start.map(tree_from_rows).transpose()?;
-    let options = Options {
-        n_restarts,
-        n_kicks,
-        seed,
-        n_threads,
-    };
+    let options = Options { n_restarts, n_kicks, seed, n_threads };
     let mut error = None;
     let outcome = py.detach(|| {
         let mut go_on = keep_going(progress.as_ref(), &mut error);
-        search(
-            &problem.inner,
-            options,
-            start.as_ref(),
-            limits(limit_values),
-            &mut go_on,
-        )
+        search(&problem.inner, options, start.as_ref(), limits(limit_values), &mut go_on)
     });
     match error {
         Some(raised) => Err(raised),

@@ -45,11 +45,7 @@ pub fn best_cut(
                 Some(lanes) => tally.cross(&lanes[j]),
                 None => view.members[j].cross(tally, false),
             }
-            let gain = if aim == Aim::Gain {
-                tally.total - penalty
-            } else {
-                floor.gain
-            };
+            let gain = if aim == Aim::Gain { tally.total - penalty } else { floor.gain };
             if gain < best.gain {
                 continue;
             }
@@ -58,16 +54,10 @@ pub fn best_cut(
             };
             let rank = ranks[i as usize];
             if rank != ranks[view.samples[next as usize] as usize] && tally.is_large_enough() {
-                let worth = Worth {
-                    gain,
-                    purity: tally.purity(),
-                };
+                let worth = Worth { gain, purity: tally.purity() };
                 if worth.beats(&best) {
                     best = worth;
-                    found = Some(Rule::Axis {
-                        feature: f,
-                        cut: rank,
-                    });
+                    found = Some(Rule::Axis { feature: f, cut: rank });
                 }
             }
         }

@@ -35,15 +35,7 @@ const WORTH_TWO: f64 = 3e7;
 impl<'a> Blocks<'a> {
     /// Blocks of a problem, given up as soon as `control` says stop.
     pub fn new(ground: &'a Ground<'a>, samples: &'a Samples, control: &'a Control) -> Self {
-        Self {
-            ground,
-            samples,
-            control,
-            work: 0.0,
-            proven: HashMap::new(),
-            given_up: HashMap::new(),
-            masked: None,
-        }
+        Self { ground, samples, control, work: 0.0, proven: HashMap::new(), given_up: HashMap::new(), masked: None }
     }
 
     /// The deepest block worth its time on so many samples, `levels` at most.
@@ -62,23 +54,13 @@ impl<'a> Blocks<'a> {
         state.collapse(v);
         state.graft(self.ground.problem, v, &tree);
         let now = state.cost_below(&self.ground.prices, v);
-        debug_assert!(
-            now < upper,
-            "an exact tree of {levels} levels costs {now}, not below {upper}"
-        );
+        debug_assert!(now < upper, "an exact tree of {levels} levels costs {now}, not below {upper}");
         now < upper
     }
 
     /// Grow leaf `v` top down: with r levels left the exact tree of the deepest block allowed, of which the root is kept (all
     /// of it when it reaches the last level). Leaves that no block improves stay.
-    pub fn look_ahead(
-        &mut self,
-        state: &mut State,
-        v: u32,
-        levels: usize,
-        deepest: usize,
-        mask: Mask,
-    ) {
+    pub fn look_ahead(&mut self, state: &mut State, v: u32, levels: usize, deepest: usize, mask: Mask) {
         let samples = state.samples(v);
         let block = self.deepest(samples.len(), levels.min(deepest));
         if levels == 0 || samples.is_empty() {
@@ -101,11 +83,7 @@ impl<'a> Blocks<'a> {
 
     /// Whether a block has shown that no tree of the problem costs less.
     pub fn has_proven(&self, state: &State, cost: i64) -> bool {
-        let key = (
-            self.ground.problem.depth,
-            fingerprint(&state.samples(0)),
-            None,
-        );
+        let key = (self.ground.problem.depth, fingerprint(&state.samples(0)), None);
         self.proven.get(&key).is_some_and(|&bound| bound >= cost)
     }
 
@@ -114,10 +92,7 @@ impl<'a> Blocks<'a> {
         let key = (levels, fingerprint(samples), mask.map(<[bool]>::to_vec));
         let work = if levels < 3 { f64::INFINITY } else { self.work };
         let is_known = self.proven.get(&key).is_some_and(|&bound| bound >= upper);
-        let is_vain = self
-            .given_up
-            .get(&key)
-            .is_some_and(|&(spent, at)| work <= spent && upper >= at);
+        let is_vain = self.given_up.get(&key).is_some_and(|&(spent, at)| work <= spent && upper >= at);
         if is_known || is_vain || work == 0.0 {
             return None;
         }
@@ -144,9 +119,7 @@ impl<'a> Blocks<'a> {
             open.for_each(|(allowed, open)| *allowed &= open);
             self.masked = Some((mask.to_vec(), Samples::new(&problem)));
         }
-        self.masked
-            .as_ref()
-            .map_or(self.samples, |(_, samples)| samples)
+        self.masked.as_ref().map_or(self.samples, |(_, samples)| samples)
     }
 }
 
@@ -157,8 +130,5 @@ fn fingerprint(samples: &[u32]) -> u64 {
         let z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
         (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB)
     };
-    samples
-        .iter()
-        .map(mixed)
-        .fold(samples.len() as u64, u64::wrapping_add)
+    samples.iter().map(mixed).fold(samples.len() as u64, u64::wrapping_add)
 }

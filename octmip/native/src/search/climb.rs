@@ -42,12 +42,7 @@ const CUT_ONE_IN: u32 = 8;
 
 impl<'a> Climber<'a> {
     /// A restart with its own random stream.
-    pub fn new(
-        ground: &'a Ground<'a>,
-        samples: &'a Samples,
-        watch: &'a Watch,
-        stream: u64,
-    ) -> Self {
+    pub fn new(ground: &'a Ground<'a>, samples: &'a Samples, watch: &'a Watch, stream: u64) -> Self {
         Self {
             ground,
             rng: fastrand::Rng::with_seed(stream),
@@ -74,23 +69,18 @@ impl<'a> Climber<'a> {
 
     /// Whether nothing can cost less.
     pub fn is_best(&self, state: &State, objective: i64) -> bool {
-        objective == TRIVIAL_BOUND
-            || (!self.ground.has_planes() && self.blocks.has_proven(state, objective))
+        objective == TRIVIAL_BOUND || (!self.ground.has_planes() && self.blocks.has_proven(state, objective))
     }
 
     /// Tell that a tree of this objective is known.
     pub fn report(&mut self, objective: i64) {
-        self.watch
-            .found(objective, std::mem::take(&mut self.n_visits));
+        self.watch.found(objective, std::mem::take(&mut self.n_visits));
     }
 
     /// Grow leaf `v` greedily.
     pub fn grow(&mut self, state: &mut State, v: u32, levels: usize, soil: Soil) {
         let (watch, place) = (self.watch, self.place);
-        self.grower
-            .grow(state, v, levels, soil, &mut self.rng, &|| {
-                watch.goes_on(place)
-            });
+        self.grower.grow(state, v, levels, soil, &mut self.rng, &|| watch.goes_on(place));
     }
 
     /// Visit all nodes in random order, again and again, until no visit helps.
@@ -113,9 +103,7 @@ impl<'a> Climber<'a> {
 
     /// Levels of splits that may hang from `v`, its own included.
     fn levels_left(&self, state: &State, v: u32) -> usize {
-        state
-            .path(v)
-            .map_or(0, |path| self.ground.problem.depth + 1 - path.len())
+        state.path(v).map_or(0, |path| self.ground.problem.depth + 1 - path.len())
     }
 
     /// Replace the bottom subtrees of up to `levels` levels by exact ones, and descend, until neither helps.
@@ -150,8 +138,7 @@ impl<'a> Climber<'a> {
     /// The tree of exact blocks of up to `deepest` levels, top down.
     pub fn look_ahead(&mut self, deepest: usize, mask: Mask) -> State {
         let mut state = State::leaf(self.ground.problem);
-        self.blocks
-            .look_ahead(&mut state, 0, self.ground.problem.depth, deepest, mask);
+        self.blocks.look_ahead(&mut state, 0, self.ground.problem.depth, deepest, mask);
         state
     }
 
@@ -176,8 +163,7 @@ impl<'a> Climber<'a> {
         if is_leaf && level >= self.ground.problem.depth {
             return false;
         }
-        self.view
-            .look(self.ground.problem, &self.ground.prices, state, v);
+        self.view.look(self.ground.problem, &self.ground.prices, state, v);
         if self.remove(state, v) {
             return true;
         }
@@ -194,15 +180,7 @@ impl<'a> Climber<'a> {
         let features = Room::at(self.ground.problem, state, v).axis_features();
         let scratch = (&mut self.tally, &mut self.node_order);
         let (problem, orders) = (self.ground.problem, &self.ground.orders);
-        let found = best_cut(
-            problem,
-            orders,
-            &self.view,
-            &features,
-            Aim::Gain,
-            present,
-            scratch,
-        );
+        let found = best_cut(problem, orders, &self.view, &features, Aim::Gain, present, scratch);
         let helped = found.is_some();
         if let Some((rule, _)) = found {
             self.view.apply(self.ground.problem, state, rule);
@@ -229,9 +207,7 @@ impl<'a> Climber<'a> {
         }
         // Heights were summed up along the way: the plane counts as what its rounded terms do.
         let rule = self.plane.rule();
-        self.view.fill(&mut self.tally, |j| {
-            rule.goes_left(problem, self.view.samples[j])
-        });
+        self.view.fill(&mut self.tally, |j| rule.goes_left(problem, self.view.samples[j]));
         let gain = self.tally.total - self.ground.prices.penalty * rule.size() as i64;
         if gain >= present.gain && self.tally.is_large_enough() && rule.size() > 0 {
             self.view.apply(problem, state, rule);
@@ -245,31 +221,20 @@ impl<'a> Climber<'a> {
             return false;
         }
         let penalty = self.ground.prices.penalty;
-        let present = self
-            .view
-            .present(&mut self.tally, penalty * state.complexity(v));
+        let present = self.view.present(&mut self.tally, penalty * state.complexity(v));
         for side in [0, 1] {
             self.view.fill(&mut self.tally, |_| side == 0);
             let child = state.nodes[v as usize].children[side];
             let gain = self.tally.total - penalty * state.complexity(child);
-            let worth = Worth {
-                gain,
-                purity: self.tally.purity(),
-            };
+            let worth = Worth { gain, purity: self.tally.purity() };
             if self.tally.is_large_enough() && worth.beats(&present) {
                 self.view.replace_by_child(state, side);
                 return true;
             }
         }
         self.tally.clear(1);
-        self.view
-            .members
-            .iter()
-            .for_each(|member| self.tally.add(0, member.weighed));
-        let leaf = Worth {
-            gain: self.tally.total,
-            purity: self.tally.purity(),
-        };
+        self.view.members.iter().for_each(|member| self.tally.add(0, member.weighed));
+        let leaf = Worth { gain: self.tally.total, purity: self.tally.purity() };
         if leaf.beats(&present) {
             state.collapse(v);
         }

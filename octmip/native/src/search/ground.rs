@@ -33,15 +33,7 @@ impl<'a> Ground<'a> {
         let (means, deviations) = moments(problem);
         let standardised = standardise(problem, &means, &deviations);
         let (prices, orders) = (Prices::new(problem), Orders::new(problem));
-        Self {
-            problem,
-            prices,
-            orders,
-            means,
-            deviations,
-            standardised,
-            roots: OnceLock::new(),
-        }
+        Self { problem, prices, orders, means, deviations, standardised, roots: OnceLock::new() }
     }
 
     /// The standardised values of a sample.
@@ -73,18 +65,12 @@ impl<'a> Ground<'a> {
 
     /// Whether splits may be hyperplanes with real coefficients.
     pub fn has_real_planes(&self) -> bool {
-        self.problem
-            .planes
-            .as_ref()
-            .is_some_and(|planes| planes.integer_normals.is_none())
+        self.problem.planes.as_ref().is_some_and(|planes| planes.integer_normals.is_none())
     }
 
     /// Most features in one split.
     pub fn split_size(&self) -> usize {
-        self.problem
-            .planes
-            .as_ref()
-            .map_or(1, |planes| planes.split_size.min(self.problem.p))
+        self.problem.planes.as_ref().map_or(1, |planes| planes.split_size.min(self.problem.p))
     }
 }
 
@@ -95,24 +81,14 @@ fn moments(problem: &Problem) -> (Vec<f64>, Vec<f64>) {
     let n = problem.n as f64;
     let (mut means, mut squares) = (vec![0.0; problem.p], vec![0.0; problem.p]);
     for i in 0..problem.n as u32 {
-        means
-            .iter_mut()
-            .zip(problem.row(i))
-            .for_each(|(mean, x)| *mean += x / n);
+        means.iter_mut().zip(problem.row(i)).for_each(|(mean, x)| *mean += x / n);
     }
     for i in 0..problem.n as u32 {
         let deviations = problem.row(i).iter().zip(&means).map(|(x, mean)| x - mean);
-        squares
-            .iter_mut()
-            .zip(deviations)
-            .for_each(|(square, d)| *square += d * d / n);
+        squares.iter_mut().zip(deviations).for_each(|(square, d)| *square += d * d / n);
     }
     let deviation = |square: f64| {
-        if square > 0.0 && square.is_finite() {
-            square.sqrt()
-        } else {
-            1.0
-        }
+        if square > 0.0 && square.is_finite() { square.sqrt() } else { 1.0 }
     };
     (means, squares.into_iter().map(deviation).collect())
 }

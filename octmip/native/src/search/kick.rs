@@ -70,10 +70,7 @@ impl Climber<'_> {
             return self.plant_at(state);
         }
         if state.is_leaf(v) || self.rng.bool() {
-            let soil = Soil {
-                share: RANDOM_SHARE,
-                has_planes: false,
-            };
+            let soil = Soil { share: RANDOM_SHARE, has_planes: false };
             self.grow_anew(state, v, soil);
         } else {
             self.cut_at_random(state, v);
@@ -104,13 +101,8 @@ impl Climber<'_> {
         }
         let feature = features[self.rng.usize(..features.len())];
         let sample = self.view.samples[self.rng.usize(..self.view.samples.len())];
-        let rule = Rule::Axis {
-            feature,
-            cut: problem.feature(feature as usize)[sample as usize],
-        };
-        self.view.fill(&mut self.tally, |j| {
-            rule.goes_left(problem, self.view.samples[j])
-        });
+        let rule = Rule::Axis { feature, cut: problem.feature(feature as usize)[sample as usize] };
+        self.view.fill(&mut self.tally, |j| rule.goes_left(problem, self.view.samples[j]));
         if self.tally.is_large_enough() {
             self.view.apply(problem, state, rule);
         }
@@ -118,16 +110,8 @@ impl Climber<'_> {
 
     /// Disturb one node of a hyperplane tree; visit what lies below it, the node itself, then what lies above it.
     fn kick_planes(&mut self, state: &mut State) {
-        let splits: Vec<u32> = state
-            .below(0)
-            .into_iter()
-            .filter(|&v| !state.is_leaf(v))
-            .collect();
-        let v = if splits.is_empty() {
-            0
-        } else {
-            splits[self.rng.usize(..splits.len())]
-        };
+        let splits: Vec<u32> = state.below(0).into_iter().filter(|&v| !state.is_leaf(v)).collect();
+        let v = if splits.is_empty() { 0 } else { splits[self.rng.usize(..splits.len())] };
         let chance = self.rng.f64();
         if state.is_leaf(v) || chance < GROWN_ANEW {
             let soil = Soil {
@@ -149,14 +133,10 @@ impl Climber<'_> {
     }
 
     fn jitter(&mut self, state: &mut State, v: u32) {
-        self.view
-            .look(self.ground.problem, &self.ground.prices, state, v);
+        self.view.look(self.ground.problem, &self.ground.prices, state, v);
         self.plane.load(&self.view, &state.nodes[v as usize].rule);
-        if self.plane.jitter(&self.view, &mut self.rng)
-            && self.plane.round(&self.view, &mut self.rng)
-        {
-            self.view
-                .apply(self.ground.problem, state, self.plane.rule());
+        if self.plane.jitter(&self.view, &mut self.rng) && self.plane.round(&self.view, &mut self.rng) {
+            self.view.apply(self.ground.problem, state, self.plane.rule());
         }
     }
 
@@ -164,20 +144,8 @@ impl Climber<'_> {
     fn melt_below(&mut self, state: &mut State, v: u32) {
         let [low, high] = MELT_SHARPNESS;
         let first_sharpness = (low * (high / low).powf(self.rng.f64())) as f32;
-        let opening = if self.rng.bool() {
-            Opening::One(v)
-        } else {
-            Opening::None
-        };
-        self.melt(
-            state,
-            v,
-            Heat {
-                n_steps: MELT_STEPS,
-                first_sharpness,
-                opening,
-            },
-        );
+        let opening = if self.rng.bool() { Opening::One(v) } else { Opening::None };
+        self.melt(state, v, Heat { n_steps: MELT_STEPS, first_sharpness, opening });
     }
 
     /// Melt the subtree at `v` where what comes out keeps the limits of the problem.

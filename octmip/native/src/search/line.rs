@@ -30,10 +30,7 @@ pub struct LineScratch<'a> {
 impl<'a> LineScratch<'a> {
     /// Empty scratch.
     pub fn new(tally: &Tally<'a>) -> Self {
-        Self {
-            outwards: [Vec::new(), Vec::new()],
-            saved: tally.clone(),
-        }
+        Self { outwards: [Vec::new(), Vec::new()], saved: tally.clone() }
     }
 }
 
@@ -58,21 +55,9 @@ pub fn take_best_step<'a>(
 ) -> Option<f64> {
     let index_mask = sort_by_way(plane, slopes, &mut scratch.outwards);
     scratch.saved.copy_from(tally);
-    let mut search = Search {
-        best: tally.total,
-        n_equal: 0,
-        place: None,
-        patience,
-    };
+    let mut search = Search { best: tally.total, n_equal: 0, place: None, patience };
     for way in [0, 1] {
-        search.sweep(
-            view,
-            plane,
-            slopes,
-            tally,
-            (way, &mut scratch.outwards[way], index_mask),
-            rng,
-        );
+        search.sweep(view, plane, slopes, tally, (way, &mut scratch.outwards[way], index_mask), rng);
         tally.copy_from(&scratch.saved);
     }
     let place = search.place.filter(|place| place.step.is_finite())?;
@@ -81,11 +66,7 @@ pub fn take_best_step<'a>(
         view.members[j].cross(tally, plane.is_left[j]);
         plane.is_left[j] = !plane.is_left[j];
     }
-    plane
-        .heights
-        .iter_mut()
-        .zip(slopes)
-        .for_each(|(height, slope)| *height += place.step * slope);
+    plane.heights.iter_mut().zip(slopes).for_each(|(height, slope)| *height += place.step * slope);
     Some(place.step)
 }
 
@@ -132,23 +113,12 @@ impl Search {
             if keys[k - 1] & !index_mask == keys[k] & !index_mask || !tally.is_large_enough() {
                 continue;
             }
-            self.n_equal = if tally.total > self.best {
-                1
-            } else {
-                self.n_equal + 1
-            };
+            self.n_equal = if tally.total > self.best { 1 } else { self.n_equal + 1 };
             self.best = tally.total;
             if self.n_equal == 1 || rng.u32(..self.n_equal) == 0 {
                 let next = (keys[k] & index_mask) as usize;
-                let (near, far) = (
-                    -plane.heights[j] / slopes[j],
-                    -plane.heights[next] / slopes[next],
-                );
-                self.place = Some(Place {
-                    way,
-                    n_flips: k,
-                    step: near / 2.0 + far / 2.0,
-                });
+                let (near, far) = (-plane.heights[j] / slopes[j], -plane.heights[next] / slopes[next]);
+                self.place = Some(Place { way, n_flips: k, step: near / 2.0 + far / 2.0 });
             }
         }
     }

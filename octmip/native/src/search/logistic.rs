@@ -21,12 +21,7 @@ pub struct Pull {
 const STEPS: usize = 6;
 
 /// Normal over `features` and offset, in the units of the values, or none where nothing can be fitted.
-pub fn fit(
-    problem: &Problem,
-    pulls: &[Pull],
-    features: &[u32],
-    ridge: f64,
-) -> Option<(Vec<f64>, f64)> {
+pub fn fit(problem: &Problem, pulls: &[Pull], features: &[u32], ridge: f64) -> Option<(Vec<f64>, f64)> {
     let total: f64 = pulls.iter().map(|pull| pull.weight).sum();
     if total <= 0.0 || features.is_empty() {
         return None;
@@ -43,32 +38,18 @@ pub fn fit(
             break;
         }
     }
-    let normal: Vec<f64> = beta[..q]
-        .iter()
-        .zip(&deviations)
-        .map(|(b, s)| b / s)
-        .collect();
+    let normal: Vec<f64> = beta[..q].iter().zip(&deviations).map(|(b, s)| b / s).collect();
     let offset = normal.iter().zip(&means).map(|(w, m)| w * m).sum::<f64>() - beta[q];
-    let is_usable = normal.iter().all(|w| w.is_finite())
-        && offset.is_finite()
-        && normal.iter().any(|&w| w != 0.0);
+    let is_usable = normal.iter().all(|w| w.is_finite()) && offset.is_finite() && normal.iter().any(|&w| w != 0.0);
     is_usable.then_some((normal, offset))
 }
 
-fn moments(
-    problem: &Problem,
-    pulls: &[Pull],
-    features: &[u32],
-    total: f64,
-) -> (Vec<f64>, Vec<f64>) {
+fn moments(problem: &Problem, pulls: &[Pull], features: &[u32], total: f64) -> (Vec<f64>, Vec<f64>) {
     let mut means = vec![0.0; features.len()];
     let mut squares = vec![0.0; features.len()];
     for pull in pulls {
         let row = problem.row(pull.sample);
-        means
-            .iter_mut()
-            .zip(features)
-            .for_each(|(m, &f)| *m += pull.weight * row[f as usize] / total);
+        means.iter_mut().zip(features).for_each(|(m, &f)| *m += pull.weight * row[f as usize] / total);
     }
     for pull in pulls {
         let row = problem.row(pull.sample);
@@ -80,13 +61,7 @@ fn moments(
     (means, squares.into_iter().map(deviation).collect())
 }
 
-fn standardise(
-    problem: &Problem,
-    pulls: &[Pull],
-    features: &[u32],
-    means: &[f64],
-    deviations: &[f64],
-) -> Vec<f64> {
+fn standardise(problem: &Problem, pulls: &[Pull], features: &[u32], means: &[f64], deviations: &[f64]) -> Vec<f64> {
     let mut scaled = Vec::with_capacity(pulls.len() * (features.len() + 1));
     for pull in pulls {
         let row = problem.row(pull.sample);
@@ -98,13 +73,7 @@ fn standardise(
 }
 
 /// Gradient and Hessian (row-major, lower triangle) of the loss divided by the total weight.
-fn derivatives(
-    pulls: &[Pull],
-    scaled: &[f64],
-    beta: &[f64],
-    total: f64,
-    ridge: f64,
-) -> (Vec<f64>, Vec<f64>) {
+fn derivatives(pulls: &[Pull], scaled: &[f64], beta: &[f64], total: f64, ridge: f64) -> (Vec<f64>, Vec<f64>) {
     let q = beta.len();
     let (mut gradient, mut hessian) = (vec![0.0; q], vec![0.0; q * q]);
     for (pull, z) in pulls.iter().zip(scaled.chunks(q)) {
@@ -116,10 +85,7 @@ fn derivatives(
         for (a, &za) in z.iter().enumerate() {
             gradient[a] += error * za;
             let scaled_a = curvature * za;
-            hessian[a * q..=a * q + a]
-                .iter_mut()
-                .zip(z)
-                .for_each(|(h, zb)| *h += scaled_a * zb);
+            hessian[a * q..=a * q + a].iter_mut().zip(z).for_each(|(h, zb)| *h += scaled_a * zb);
         }
     }
     for a in 0..q {
@@ -140,11 +106,7 @@ fn solve(mut matrix: Vec<f64>, mut rhs: Vec<f64>, q: usize) -> Option<Vec<f64>> 
             if a == b && (rest <= 0.0 || !rest.is_finite()) {
                 return None;
             }
-            matrix[a * q + b] = if a == b {
-                rest.sqrt()
-            } else {
-                rest / matrix[b * q + b]
-            };
+            matrix[a * q + b] = if a == b { rest.sqrt() } else { rest / matrix[b * q + b] };
         }
         let dot: f64 = (0..a).map(|c| matrix[a * q + c] * rhs[c]).sum();
         rhs[a] = (rhs[a] - dot) / matrix[a * q + a];

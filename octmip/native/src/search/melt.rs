@@ -65,13 +65,7 @@ enum Place {
 }
 
 /// Melt the subtree at `v` and freeze it again; whether what came out keeps the limits of leaves and sensors.
-pub fn melt(
-    ground: &Ground,
-    state: &mut State,
-    v: u32,
-    heat: Heat,
-    rng: &mut fastrand::Rng,
-) -> bool {
+pub fn melt(ground: &Ground, state: &mut State, v: u32, heat: Heat, rng: &mut fastrand::Rng) -> bool {
     let samples = state.samples(v);
     let mut molten = Molten::new(ground, state, v, &samples, heat, rng);
     molten.run(&samples, heat, state, rng);
@@ -97,10 +91,7 @@ impl<'a> Molten<'a> {
     ) -> Self {
         let order = state.below(v);
         let mut position = vec![0; state.nodes.len()];
-        order
-            .iter()
-            .enumerate()
-            .for_each(|(k, &node)| position[node as usize] = k);
+        order.iter().enumerate().for_each(|(k, &node)| position[node as usize] = k);
         let (mut planes, mut n_leaves) = (Vec::new(), 0);
         let mut shape = Vec::new();
         for &node in &order {
@@ -108,25 +99,14 @@ impl<'a> Molten<'a> {
                 shape.push(Place::Leaf(n_leaves));
                 n_leaves += 1;
             } else {
-                let children = state.nodes[node as usize]
-                    .children
-                    .map(|child| position[child as usize]);
-                shape.push(Place::Split {
-                    plane: planes.len(),
-                    children,
-                });
+                let children = state.nodes[node as usize].children.map(|child| position[child as usize]);
+                shape.push(Place::Split { plane: planes.len(), children });
                 planes.push(Soft::new(ground, state, node, heat, rng));
             }
         }
         let n_classes = ground.problem.n_classes;
         let merits = vec![0.0; n_leaves * n_classes];
-        let mut molten = Self {
-            ground,
-            planes,
-            shape,
-            labels: vec![0; n_leaves],
-            merits,
-        };
+        let mut molten = Self { ground, planes, shape, labels: vec![0; n_leaves], merits };
         molten.run_batch(samples, heat.first_sharpness);
         molten.relabel();
         molten
@@ -143,21 +123,15 @@ impl<'a> Molten<'a> {
             } else {
                 batch.extend((0..BATCH).map(|_| samples[rng.usize(..samples.len())]));
             }
-            self.planes
-                .iter_mut()
-                .for_each(|soft| soft.gradient.fill(0.0));
+            self.planes.iter_mut().for_each(|soft| soft.gradient.fill(0.0));
             self.run_batch(&batch, heat.first_sharpness * growth.powf(share));
-            self.planes
-                .iter_mut()
-                .for_each(|soft| soft.advance(STEP * 0.1_f32.powf(share), step));
+            self.planes.iter_mut().for_each(|soft| soft.advance(STEP * 0.1_f32.powf(share), step));
             if step % RELABEL == RELABEL - 1 {
                 self.relabel();
             }
             if heat.opening != Opening::None {
                 let size = n_open(self.ground, share);
-                self.planes
-                    .iter_mut()
-                    .for_each(|soft| soft.close(self.ground, state, size));
+                self.planes.iter_mut().for_each(|soft| soft.close(self.ground, state, size));
             }
         }
     }
@@ -165,8 +139,7 @@ impl<'a> Molten<'a> {
     /// Add the gradients and the merits of the leaves' classes over a batch.
     fn run_batch(&mut self, batch: &[u32], sharpness: f32) {
         let n = self.shape.len();
-        let (mut reach, mut chance, mut expected) =
-            (vec![0.0_f32; n], vec![0.0_f32; n], vec![0.0_f32; n]);
+        let (mut reach, mut chance, mut expected) = (vec![0.0_f32; n], vec![0.0_f32; n], vec![0.0_f32; n]);
         let n_classes = self.ground.problem.n_classes;
         for &i in batch {
             let z = self.ground.standardised(i);
@@ -183,8 +156,7 @@ impl<'a> Molten<'a> {
                     Place::Split { plane, children } => {
                         chance[k] = 0.5;
                         if reach[k] >= LEAST_REACH {
-                            chance[k] =
-                                1.0 / (1.0 + (sharpness * self.planes[*plane].height(z)).exp());
+                            chance[k] = 1.0 / (1.0 + (sharpness * self.planes[*plane].height(z)).exp());
                         }
                         reach[children[0]] = reach[k] * chance[k];
                         reach[children[1]] = reach[k] * (1.0 - chance[k]);
@@ -195,8 +167,7 @@ impl<'a> Molten<'a> {
                 if let Place::Split { plane, children } = place {
                     let [left, right] = children.map(|child| expected[child]);
                     expected[k] = chance[k] * left + (1.0 - chance[k]) * right;
-                    let pull =
-                        -sharpness * chance[k] * (1.0 - chance[k]) * reach[k] * (left - right);
+                    let pull = -sharpness * chance[k] * (1.0 - chance[k]) * reach[k] * (left - right);
                     if pull.abs() > 1e-4 {
                         self.planes[*plane].pull(z, pull);
                     }
@@ -208,11 +179,7 @@ impl<'a> Molten<'a> {
     /// Let every leaf predict the class of largest merit, and fade the merits.
     fn relabel(&mut self) {
         let n_classes = self.ground.problem.n_classes;
-        for (label, merits) in self
-            .labels
-            .iter_mut()
-            .zip(self.merits.chunks_mut(n_classes))
-        {
+        for (label, merits) in self.labels.iter_mut().zip(self.merits.chunks_mut(n_classes)) {
             let best = (0..n_classes).max_by(|&a, &b| merits[a].total_cmp(&merits[b]));
             *label = best.unwrap_or(*label);
             merits.iter_mut().for_each(|merit| *merit *= 0.5);

@@ -25,10 +25,7 @@ impl Orders {
                 next[r as usize] += 1;
             }
         }
-        Self {
-            n: problem.n,
-            sorted,
-        }
+        Self { n: problem.n, sorted }
     }
 
     /// All samples in the order of feature `f`.
@@ -71,8 +68,7 @@ impl NodeOrder {
         let ranks = problem.feature(f as usize);
         self.keys.clear();
         let pairs = samples.iter().enumerate();
-        self.keys
-            .extend(pairs.map(|(j, &i)| u64::from(ranks[i as usize]) << 32 | j as u64));
+        self.keys.extend(pairs.map(|(j, &i)| u64::from(ranks[i as usize]) << 32 | j as u64));
         self.keys.sort_unstable();
         self.order.extend(self.keys.iter().map(|&key| key as u32));
     }

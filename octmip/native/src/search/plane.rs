@@ -42,15 +42,7 @@ impl<'a> PlaneAtWork<'a> {
     pub fn new(ground: &'a Ground<'a>) -> Self {
         let tally = Tally::new(&ground.prices);
         let (line, kept) = (LineScratch::new(&tally), (Plane::default(), tally.clone()));
-        Self {
-            ground,
-            plane: Plane::default(),
-            slopes: Vec::new(),
-            line,
-            kept,
-            tally,
-            patience: 0,
-        }
+        Self { ground, plane: Plane::default(), slopes: Vec::new(), line, kept, tally, patience: 0 }
     }
 
     /// Take up the rule of a node that is no leaf.
@@ -64,9 +56,7 @@ impl<'a> PlaneAtWork<'a> {
                 self.plane.offset = self.middle_of_gap(view, *feature as usize);
             }
             Rule::Plane { terms, offset } => {
-                terms
-                    .iter()
-                    .for_each(|&(f, c)| self.plane.normal[f as usize] = c);
+                terms.iter().for_each(|&(f, c)| self.plane.normal[f as usize] = c);
                 self.plane.offset = *offset;
             }
         }
@@ -78,18 +68,10 @@ impl<'a> PlaneAtWork<'a> {
         let values = view.samples.iter().map(|&i| self.ground.problem.row(i)[f]);
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
         for (value, &is_left) in values.zip(&view.is_left) {
-            if is_left {
-                low = low.max(value)
-            } else {
-                high = high.min(value)
-            }
+            if is_left { low = low.max(value) } else { high = high.min(value) }
         }
         let middle = low / 2.0 + high / 2.0;
-        if low <= middle && middle < high {
-            middle
-        } else {
-            low
-        }
+        if low <= middle && middle < high { middle } else { low }
     }
 
     /// Put all samples where normal and offset send them.
@@ -99,17 +81,13 @@ impl<'a> PlaneAtWork<'a> {
         self.plane.heights.clear();
         self.plane.heights.extend(view.samples.iter().map(height));
         self.plane.is_left.clear();
-        self.plane
-            .is_left
-            .extend(self.plane.heights.iter().map(|&height| height <= 0.0));
+        self.plane.is_left.extend(self.plane.heights.iter().map(|&height| height <= 0.0));
         view.fill(&mut self.tally, |j| self.plane.is_left[j]);
     }
 
     fn terms(&self) -> Vec<(u32, f64)> {
         let all = self.plane.normal.iter().enumerate();
-        all.filter(|(_, c)| **c != 0.0)
-            .map(|(f, &c)| (f as u32, c))
-            .collect()
+        all.filter(|(_, c)| **c != 0.0).map(|(f, &c)| (f as u32, c)).collect()
     }
 
     fn support(&self) -> Vec<u32> {
@@ -118,10 +96,7 @@ impl<'a> PlaneAtWork<'a> {
 
     /// The rule as it stands.
     pub fn rule(&self) -> Rule {
-        Rule::Plane {
-            terms: self.terms(),
-            offset: self.plane.offset,
-        }
+        Rule::Plane { terms: self.terms(), offset: self.plane.offset }
     }
 
     /// Gain of the sides as they stand, less the price of the features.
@@ -149,10 +124,7 @@ impl<'a> PlaneAtWork<'a> {
             self.turn(view, &direction, rng);
         }
         if self.support().len() >= self.ground.split_size() {
-            features
-                .iter()
-                .take(MOST_SWAPS)
-                .for_each(|&f| self.swap(view, room, f, rng));
+            features.iter().take(MOST_SWAPS).for_each(|&f| self.swap(view, room, f, rng));
         }
         if self.ground.split_size() == 2 {
             (0..MOST_PAIRS).for_each(|_| self.try_pair(view, room, rng));
@@ -180,46 +152,25 @@ impl<'a> PlaneAtWork<'a> {
     fn turn(&mut self, view: &View, direction: &[(u32, f64)], rng: &mut fastrand::Rng) {
         let problem = self.ground.problem;
         let anchor = if rng.u32(..4) == 0 {
-            direction
-                .iter()
-                .map(|&(f, c)| c * self.ground.means[f as usize])
-                .sum()
+            direction.iter().map(|&(f, c)| c * self.ground.means[f as usize]).sum()
         } else {
-            project(
-                problem,
-                direction,
-                view.samples[rng.usize(..view.samples.len())],
-            )
+            project(problem, direction, view.samples[rng.usize(..view.samples.len())])
         };
         self.turn_about(view, direction, anchor, rng);
     }
 
-    fn turn_about(
-        &mut self,
-        view: &View,
-        direction: &[(u32, f64)],
-        anchor: f64,
-        rng: &mut fastrand::Rng,
-    ) {
+    fn turn_about(&mut self, view: &View, direction: &[(u32, f64)], anchor: f64, rng: &mut fastrand::Rng) {
         let problem = self.ground.problem;
         self.slopes.clear();
-        self.slopes.extend(
-            view.samples
-                .iter()
-                .map(|&i| project(problem, direction, i) - anchor),
-        );
-        let grows = direction
-            .iter()
-            .any(|&(f, _)| self.plane.normal[f as usize] == 0.0);
+        self.slopes.extend(view.samples.iter().map(|&i| project(problem, direction, i) - anchor));
+        let grows = direction.iter().any(|&(f, _)| self.plane.normal[f as usize] == 0.0);
         let floor = self.gain();
         if grows && problem.penalty > 0 {
             self.keep();
         }
         let step = self.step(view, rng);
         if step != 0.0 {
-            direction
-                .iter()
-                .for_each(|&(f, c)| self.plane.normal[f as usize] += step * c);
+            direction.iter().for_each(|&(f, c)| self.plane.normal[f as usize] += step * c);
             self.plane.offset += step * anchor;
         }
         if grows && problem.penalty > 0 && self.gain() < floor {
@@ -228,22 +179,9 @@ impl<'a> PlaneAtWork<'a> {
     }
 
     fn step(&mut self, view: &View, rng: &mut fastrand::Rng) -> f64 {
-        let patience = if rng.u32(..PATIENT_ONE_IN) == 0 {
-            i64::MAX / 2
-        } else {
-            self.patience
-        };
+        let patience = if rng.u32(..PATIENT_ONE_IN) == 0 { i64::MAX / 2 } else { self.patience };
         let (plane, line) = (&mut self.plane, &mut self.line);
-        take_best_step(
-            view,
-            plane,
-            &self.slopes,
-            &mut self.tally,
-            line,
-            patience,
-            rng,
-        )
-        .unwrap_or(0.0)
+        take_best_step(view, plane, &self.slopes, &mut self.tally, line, patience, rng).unwrap_or(0.0)
     }
 
     fn keep(&mut self) {
@@ -257,13 +195,7 @@ impl<'a> PlaneAtWork<'a> {
     }
 
     /// Try a plane of its own, offset refined; keep it when it gains no less and leaves stay large enough.
-    fn try_plane(
-        &mut self,
-        view: &View,
-        terms: &[(u32, f64)],
-        offset: f64,
-        rng: &mut fastrand::Rng,
-    ) {
+    fn try_plane(&mut self, view: &View, terms: &[(u32, f64)], offset: f64, rng: &mut fastrand::Rng) {
         self.keep();
         let floor = self.gain();
         self.set(terms, offset);
@@ -280,28 +212,21 @@ impl<'a> PlaneAtWork<'a> {
     /// Set normal and offset; `place` must follow.
     fn set(&mut self, terms: &[(u32, f64)], offset: f64) {
         self.plane.normal.iter_mut().for_each(|c| *c = 0.0);
-        terms
-            .iter()
-            .for_each(|&(f, c)| self.plane.normal[f as usize] = c);
+        terms.iter().for_each(|&(f, c)| self.plane.normal[f as usize] = c);
         self.plane.offset = offset;
     }
 
     /// A random direction over as many features as may be read.
     fn random_direction(&self, room: &Room, rng: &mut fastrand::Rng) -> Vec<(u32, f64)> {
         let features = self.some_features(room, rng);
-        features
-            .into_iter()
-            .map(|f| (f, normal(rng) / self.ground.deviations[f as usize]))
-            .collect()
+        features.into_iter().map(|f| (f, normal(rng) / self.ground.deviations[f as usize])).collect()
     }
 
     /// The features read now, and at random others that may be read beside them.
     fn some_features(&self, room: &Room, rng: &mut fastrand::Rng) -> Vec<u32> {
         let mut features = self.support();
         let first = features.len();
-        features.extend(
-            (0..self.ground.problem.p as u32).filter(|&f| self.plane.normal[f as usize] == 0.0),
-        );
+        features.extend((0..self.ground.problem.p as u32).filter(|&f| self.plane.normal[f as usize] == 0.0));
         rng.shuffle(&mut features[first..]);
         room.first_admitted(&features, self.ground.split_size())
     }
@@ -320,12 +245,8 @@ impl<'a> PlaneAtWork<'a> {
         }
         let (scale, deviations) = (weight.abs(), &self.ground.deviations);
         let other = normal(rng) * scale * deviations[dropped as usize] / deviations[f as usize];
-        let anchor = self
-            .ground
-            .problem
-            .row(view.samples[rng.usize(..view.samples.len())]);
-        let offset =
-            self.plane.offset - weight * anchor[dropped as usize] + other * anchor[f as usize];
+        let anchor = self.ground.problem.row(view.samples[rng.usize(..view.samples.len())]);
+        let offset = self.plane.offset - weight * anchor[dropped as usize] + other * anchor[f as usize];
         terms.push((f, other));
         terms.sort_unstable_by_key(|term| term.0);
         let (floor, before) = (self.gain(), (self.plane.clone(), self.tally.clone()));

@@ -20,31 +20,23 @@ impl Climber<'_> {
             return None;
         }
         let (ground, samples, control) = (self.ground, self.samples, &self.watch.control);
-        let roots = ground
-            .roots
-            .get_or_init(|| promising(ground, samples, control, seed));
+        let roots = ground.roots.get_or_init(|| promising(ground, samples, control, seed));
         let root = match roots.get(k) {
             Some(&root) => root,
             None => {
                 let feature = roots.get(self.rng.usize(..roots.len().max(1)))?.feature;
                 let sample = self.rng.usize(..problem.n);
-                Root {
-                    feature,
-                    cut: problem.feature(feature as usize)[sample],
-                }
+                Root { feature, cut: problem.feature(feature as usize)[sample] }
             }
         };
         let mut state = State::leaf(problem);
-        self.plant_below(&mut state, 0, root, self.deepest)
-            .then_some(state)
+        self.plant_below(&mut state, 0, root, self.deepest).then_some(state)
     }
 
     /// Plant anew one of the subtrees of three levels or more.
     pub(super) fn plant_at(&mut self, state: &mut State) {
         let depth = self.ground.problem.depth;
-        let is_deep = |&v: &u32| {
-            !state.is_leaf(v) && state.path(v).is_some_and(|path| path.len() + 2 <= depth)
-        };
+        let is_deep = |&v: &u32| !state.is_leaf(v) && state.path(v).is_some_and(|path| path.len() + 2 <= depth);
         let nodes: Vec<u32> = state.below(0).into_iter().filter(is_deep).collect();
         if nodes.is_empty() {
             return;
@@ -59,28 +51,16 @@ impl Climber<'_> {
     /// Split leaf `v` and look ahead below; whether both sides are large enough.
     fn plant_below(&mut self, state: &mut State, v: u32, root: Root, deepest: usize) -> bool {
         let problem = self.ground.problem;
-        let rule = Rule::Axis {
-            feature: root.feature,
-            cut: root.cut,
-        };
+        let rule = Rule::Axis { feature: root.feature, cut: root.cut };
         let samples = &state.nodes[v as usize].samples;
-        let n_left = samples
-            .iter()
-            .filter(|&&i| rule.goes_left(problem, i))
-            .count();
+        let n_left = samples.iter().filter(|&&i| rule.goes_left(problem, i)).count();
         if n_left.min(samples.len() - n_left) < problem.leaf_size {
             return false;
         }
         let level = state.path(v).map_or(0, |path| path.len() - 1);
         let mask = crate::search::sensors::paid_features(problem, state);
         for child in state.split(problem, v, rule) {
-            self.blocks.look_ahead(
-                state,
-                child,
-                problem.depth - level - 1,
-                deepest,
-                mask.as_deref(),
-            );
+            self.blocks.look_ahead(state, child, problem.depth - level - 1, deepest, mask.as_deref());
         }
         true
     }
@@ -94,11 +74,7 @@ impl Climber<'_> {
         let mut samples = state.samples(v);
         let is_moved = self.rng.f64() < MOVED;
         let features = crate::search::sensors::Room::at(problem, state, v).axis_features();
-        let feature = if is_moved {
-            feature
-        } else {
-            features[self.rng.usize(..features.len())]
-        };
+        let feature = if is_moved { feature } else { features[self.rng.usize(..features.len())] };
         let ranks = problem.feature(feature as usize);
         if !is_moved && self.rng.f64() < PUREST {
             return self.purest_cut(state, v, feature);
@@ -106,24 +82,14 @@ impl Climber<'_> {
         samples.sort_unstable_by_key(|&i| (ranks[i as usize], i));
         let n = samples.len();
         if !is_moved {
-            return Some(Root {
-                feature,
-                cut: ranks[samples[self.rng.usize(..n)] as usize],
-            });
+            return Some(Root { feature, cut: ranks[samples[self.rng.usize(..n)] as usize] });
         }
         let here = samples.partition_point(|&i| ranks[i as usize] <= cut);
         let first = samples.partition_point(|&i| ranks[i as usize] < cut);
         let step = ((FURTHEST * n as f64).max(1.0)).powf(self.rng.f64()) as usize;
-        let position = if self.rng.bool() {
-            here + step - 1
-        } else {
-            first.checked_sub(step)?
-        };
+        let position = if self.rng.bool() { here + step - 1 } else { first.checked_sub(step)? };
         let sample = *samples.get(position)?;
-        Some(Root {
-            feature,
-            cut: ranks[sample as usize],
-        })
+        Some(Root { feature, cut: ranks[sample as usize] })
     }
 
     fn purest_cut(&mut self, state: &State, v: u32, feature: u32) -> Option<Root> {
@@ -131,22 +97,9 @@ impl Climber<'_> {
         leaf.collapse(v);
         let (problem, orders) = (self.ground.problem, &self.ground.orders);
         self.view.look(problem, &self.ground.prices, &leaf, v);
-        let floor = Worth {
-            gain: i64::MIN / 2,
-            purity: 0.0,
-        };
+        let floor = Worth { gain: i64::MIN / 2, purity: 0.0 };
         let scratch = (&mut self.tally, &mut self.node_order);
-        match best_cut(
-            problem,
-            orders,
-            &self.view,
-            &[feature],
-            Aim::Purity,
-            floor,
-            scratch,
-        )?
-        .0
-        {
+        match best_cut(problem, orders, &self.view, &[feature], Aim::Purity, floor, scratch)?.0 {
             Rule::Axis { feature, cut } => Some(Root { feature, cut }),
             _ => None,
         }

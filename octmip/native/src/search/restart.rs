@@ -13,11 +13,7 @@ use crate::tree::Tree;
 /// Share of the features that a randomised start may look at in one node.
 const RANDOM_SHARE: f64 = 0.4;
 /// Melting a whole tree from its start.
-const WHOLE: Heat = Heat {
-    n_steps: 1600,
-    first_sharpness: 2.0,
-    opening: Opening::All,
-};
+const WHOLE: Heat = Heat { n_steps: 1600, first_sharpness: 2.0, opening: Opening::All };
 /// Samples x features that an exact block of the first tree may look at.
 const FIRST_WORK: f64 = 1e9;
 /// Kicks of the axis-aligned tree that a hyperplane tree must not be worse than.
@@ -39,12 +35,7 @@ pub struct Round<'t> {
 impl<'t> Round<'t> {
     /// Beginning, going on, and the last one. Without kicks the search is to be quick: blocks of two levels alone.
     pub fn all(options: Options, known: Option<&'t Tree>) -> [Self; 3] {
-        let round = |n_kicks, work, deepest| Self {
-            n_kicks,
-            work,
-            deepest,
-            known,
-        };
+        let round = |n_kicks, work, deepest| Self { n_kicks, work, deepest, known };
         let n = options.n_kicks;
         if n == 0 {
             return [round(0, 0.0, 2); 3];
@@ -72,16 +63,8 @@ pub struct Restart<'a> {
 
 impl<'a> Restart<'a> {
     /// Restart `number`, not begun yet.
-    pub fn new(
-        ground: &'a Ground<'a>,
-        samples: &'a Samples,
-        watch: &'a Watch,
-        seed: u64,
-        number: usize,
-    ) -> Self {
-        let stream = seed
-            .wrapping_mul(0x9E37_79B9_7F4A_7C15)
-            .wrapping_add(number as u64);
+    pub fn new(ground: &'a Ground<'a>, samples: &'a Samples, watch: &'a Watch, seed: u64, number: usize) -> Self {
+        let stream = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(number as u64);
         let (state, objective) = super::leaf_of(ground);
         Self {
             number,
@@ -113,8 +96,7 @@ impl<'a> Restart<'a> {
             self.has_begun = true;
             self.begin(round);
         }
-        self.climber
-            .kick_until_stale(&mut self.state, round.n_kicks);
+        self.climber.kick_until_stale(&mut self.state, round.n_kicks);
         if !self.ground.has_planes() {
             self.climber.settle(&mut self.state, round.deepest);
         }
@@ -133,8 +115,7 @@ impl<'a> Restart<'a> {
         let floor = (self.number == 0 || (self.number == 1 && round.known.is_some())).then(|| {
             self.climber.has_planes = false;
             let mut floor = self.begin_axis(round.known);
-            self.climber
-                .kick_until_stale(&mut floor, AXIS_KICKS.min(round.n_kicks));
+            self.climber.kick_until_stale(&mut floor, AXIS_KICKS.min(round.n_kicks));
             self.climber.has_planes = true;
             floor
         });
@@ -151,11 +132,8 @@ impl<'a> Restart<'a> {
         }
         let is_greedy = self.number < n_first;
         let is_free = self.ground.problem.sensor_limit.is_infinite();
-        let planted = (!is_greedy && is_free)
-            .then(|| self.climber.plant(self.number - n_first, self.seed))
-            .flatten();
-        let mut state =
-            planted.unwrap_or_else(|| self.grown(if is_greedy { 1.0 } else { RANDOM_SHARE }));
+        let planted = (!is_greedy && is_free).then(|| self.climber.plant(self.number - n_first, self.seed)).flatten();
+        let mut state = planted.unwrap_or_else(|| self.grown(if is_greedy { 1.0 } else { RANDOM_SHARE }));
         self.climber.settle(&mut state, 2);
         let has_blocks = self.climber.blocks.deepest(self.ground.problem.n, 2) == 2;
         if is_greedy && is_free && has_blocks {
@@ -167,11 +145,7 @@ impl<'a> Restart<'a> {
 
     /// Take the tree of exact blocks, of two levels and then of three, where it is better.
     fn look_ahead_from(&mut self, state: &mut State) {
-        let deepest = if self.ground.has_planes() {
-            2
-        } else {
-            self.climber.deepest
-        };
+        let deepest = if self.ground.has_planes() { 2 } else { self.climber.deepest };
         let work = std::mem::replace(&mut self.climber.blocks.work, FIRST_WORK);
         for levels in 2..=deepest {
             let mut ahead = self.climber.look_ahead(levels, None);
@@ -187,10 +161,7 @@ impl<'a> Restart<'a> {
     fn grown(&mut self, share: f64) -> State {
         let problem = self.ground.problem;
         let mut state = State::leaf(problem);
-        let soil = Soil {
-            share,
-            has_planes: false,
-        };
+        let soil = Soil { share, has_planes: false };
         self.climber.grow(&mut state, 0, problem.depth, soil);
         state
     }
@@ -198,15 +169,8 @@ impl<'a> Restart<'a> {
     /// A tree of logistic splits, melted; never above `floor`. A quick one visits every node once.
     fn begin_planes(&mut self, floor: Option<State>, is_quick: bool) -> State {
         let (ground, climber) = (self.ground, &mut self.climber);
-        let share = if floor.is_some() {
-            1.0
-        } else {
-            0.5 + 0.5 * climber.rng.f64()
-        };
-        let soil = Soil {
-            share,
-            has_planes: ground.has_real_planes(),
-        };
+        let share = if floor.is_some() { 1.0 } else { 0.5 + 0.5 * climber.rng.f64() };
+        let soil = Soil { share, has_planes: ground.has_real_planes() };
         let mut state = State::leaf(ground.problem);
         climber.grow(&mut state, 0, ground.problem.depth, soil);
         climber.melt(&mut state, 0, WHOLE);
@@ -218,9 +182,7 @@ impl<'a> Restart<'a> {
             climber.descend(&mut state);
         }
         match floor {
-            Some(floor) if floor.objective(&ground.prices) < state.objective(&ground.prices) => {
-                floor
-            }
+            Some(floor) if floor.objective(&ground.prices) < state.objective(&ground.prices) => floor,
             _ => state,
         }
     }

@@ -27,9 +27,7 @@ pub fn promising(ground: &Ground, samples: &Samples, control: &Control, seed: u6
     let mut chosen: Vec<u32> = (0..ground.problem.n as u32).collect();
     rng.shuffle(&mut chosen);
     chosen.truncate(MOST_SAMPLES);
-    let mut features: Vec<u32> = (0..ground.problem.p as u32)
-        .filter(|&f| ground.problem.allowed[f as usize])
-        .collect();
+    let mut features: Vec<u32> = (0..ground.problem.p as u32).filter(|&f| ground.problem.allowed[f as usize]).collect();
     rng.shuffle(&mut features);
     features.truncate(MOST_FEATURES);
     let levels = (ground.problem.depth - 1).min(2);
@@ -47,8 +45,7 @@ pub fn promising(ground: &Ground, samples: &Samples, control: &Control, seed: u6
                 }
                 let costs = sides.map(|side| {
                     let most = WORK_OF_A_SIDE / (side.len() * ground.problem.p) as f64;
-                    let found =
-                        best_subtree(samples, control, side, levels, i64::MAX, 1 + most as u64);
+                    let found = best_subtree(samples, control, side, levels, i64::MAX, 1 + most as u64);
                     found.tree.map_or(i64::MAX / 4, |(cost, _)| cost)
                 });
                 Some((costs[0] + costs[1], Root { feature, cut }))

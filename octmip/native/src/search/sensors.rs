@@ -16,22 +16,9 @@ impl<'a> Room<'a> {
     /// The room of the split at `v`; what `v` itself reads now is not counted.
     pub fn at(problem: &'a Problem, state: &State, v: u32) -> Self {
         let has_budget = problem.sensor_limit.is_finite();
-        let used = if has_budget {
-            used_sensors(problem, state, |node| node != v)
-        } else {
-            Vec::new()
-        };
-        let spent = if has_budget {
-            spent(problem, &used)
-        } else {
-            0.0
-        };
-        Self {
-            problem,
-            used,
-            spent,
-            has_budget,
-        }
+        let used = if has_budget { used_sensors(problem, state, |node| node != v) } else { Vec::new() };
+        let spent = if has_budget { spent(problem, &used) } else { 0.0 };
+        Self { problem, used, spent, has_budget }
     }
 
     /// The features that an axis-aligned split may read, ascending.
@@ -49,11 +36,8 @@ impl<'a> Room<'a> {
         let Some(planes) = &self.problem.planes else {
             return features.len() <= 1;
         };
-        let in_one_group = |groups: &Vec<Vec<u32>>| {
-            groups
-                .iter()
-                .any(|group| features.iter().all(|f| group.binary_search(f).is_ok()))
-        };
+        let in_one_group =
+            |groups: &Vec<Vec<u32>>| groups.iter().any(|group| features.iter().all(|f| group.binary_search(f).is_ok()));
         features.len() <= planes.split_size && planes.groups.as_ref().is_none_or(in_one_group)
     }
 
@@ -90,11 +74,7 @@ impl<'a> Room<'a> {
 }
 
 /// Which sensors are read by the nodes that are counted.
-pub fn used_sensors(
-    problem: &Problem,
-    state: &State,
-    is_counted: impl Fn(u32) -> bool,
-) -> Vec<bool> {
+pub fn used_sensors(problem: &Problem, state: &State, is_counted: impl Fn(u32) -> bool) -> Vec<bool> {
     let mut used = vec![false; problem.sensor_cost.len()];
     for node in state.below(0) {
         if is_counted(node) {
@@ -108,45 +88,28 @@ pub fn used_sensors(
 
 /// What these sensors cost together.
 pub fn spent(problem: &Problem, used: &[bool]) -> f64 {
-    used.iter()
-        .zip(&problem.sensor_cost)
-        .filter(|(used, _)| **used)
-        .map(|(_, cost)| cost)
-        .sum()
+    used.iter().zip(&problem.sensor_cost).filter(|(used, _)| **used).map(|(_, cost)| cost).sum()
 }
 
 /// The features whose sensors the tree reads already, so that any tree over them is affordable; none without a budget.
 pub fn paid_features(problem: &Problem, state: &State) -> Option<Vec<bool>> {
-    problem
-        .sensor_limit
-        .is_finite()
-        .then(|| features_of(problem, &used_sensors(problem, state, |_| true)))
+    problem.sensor_limit.is_finite().then(|| features_of(problem, &used_sensors(problem, state, |_| true)))
 }
 
 /// The features read from these sensors.
 pub fn features_of(problem: &Problem, sensors: &[bool]) -> Vec<bool> {
-    problem
-        .sensor_of_feature
-        .iter()
-        .map(|&sensor| sensors[sensor as usize])
-        .collect()
+    problem.sensor_of_feature.iter().map(|&sensor| sensors[sensor as usize]).collect()
 }
 
 /// The sensors read now, one of them dropped, and others at random as long as they fit the budget.
 pub fn shuffled_sensors(problem: &Problem, state: &State, rng: &mut fastrand::Rng) -> Vec<bool> {
     let mut chosen = used_sensors(problem, state, |_| true);
     let used: Vec<usize> = (0..chosen.len()).filter(|&s| chosen[s]).collect();
-    let dropped = if used.is_empty() {
-        None
-    } else {
-        Some(used[rng.usize(..used.len())])
-    };
+    let dropped = if used.is_empty() { None } else { Some(used[rng.usize(..used.len())]) };
     if let Some(dropped) = dropped {
         chosen[dropped] = false;
     }
-    let mut others: Vec<usize> = (0..chosen.len())
-        .filter(|&s| !chosen[s] && Some(s) != dropped)
-        .collect();
+    let mut others: Vec<usize> = (0..chosen.len()).filter(|&s| !chosen[s] && Some(s) != dropped).collect();
     rng.shuffle(&mut others);
     for sensor in others.into_iter().chain(dropped) {
         chosen[sensor] = true;

@@ -36,12 +36,7 @@ impl<'a> Grower<'a> {
     /// A grower on a problem.
     pub fn new(ground: &'a Ground<'a>) -> Self {
         let tally = Tally::new(&ground.prices);
-        Self {
-            ground,
-            view: View::default(),
-            tally,
-            node_order: NodeOrder::default(),
-        }
+        Self { ground, view: View::default(), tally, node_order: NodeOrder::default() }
     }
 
     /// Grow leaf `v` into a tree of at most `levels` levels of splits.
@@ -66,28 +61,14 @@ impl<'a> Grower<'a> {
         }
     }
 
-    fn purest(
-        &mut self,
-        state: &State,
-        v: u32,
-        soil: Soil,
-        rng: &mut fastrand::Rng,
-    ) -> Option<Rule> {
+    fn purest(&mut self, state: &State, v: u32, soil: Soil, rng: &mut fastrand::Rng) -> Option<Rule> {
         let problem = self.ground.problem;
         let room = Room::at(problem, state, v);
         let features = some(room.axis_features(), soil.share, rng);
         self.view.look(problem, &self.ground.prices, state, v);
         let present = self.view.present(&mut self.tally, 0);
         let scratch = (&mut self.tally, &mut self.node_order);
-        let cut = best_cut(
-            problem,
-            &self.ground.orders,
-            &self.view,
-            &features,
-            Aim::Purity,
-            present,
-            scratch,
-        );
+        let cut = best_cut(problem, &self.ground.orders, &self.view, &features, Aim::Purity, present, scratch);
         if !soil.has_planes {
             return cut.map(|found| found.0);
         }
@@ -106,22 +87,12 @@ impl<'a> Grower<'a> {
     fn groupings(&self, rng: &mut fastrand::Rng) -> Vec<Vec<bool>> {
         let n_classes = self.ground.problem.n_classes;
         let mut is_present = vec![false; n_classes];
-        self.view
-            .samples
-            .iter()
-            .for_each(|&i| is_present[self.ground.prices.label(i)] = true);
+        self.view.samples.iter().for_each(|&i| is_present[self.ground.prices.label(i)] = true);
         let classes: Vec<usize> = (0..n_classes).filter(|&k| is_present[k]).collect();
-        let above = classes
-            .iter()
-            .skip(1)
-            .map(|&c| (0..n_classes).map(|k| k >= c).collect());
+        let above = classes.iter().skip(1).map(|&c| (0..n_classes).map(|k| k >= c).collect());
         let mut groups: Vec<Vec<bool>> = above.collect();
         if classes.len() > 2 {
-            groups.extend(
-                classes
-                    .iter()
-                    .map(|&c| (0..n_classes).map(|k| k == c).collect()),
-            );
+            groups.extend(classes.iter().map(|&c| (0..n_classes).map(|k| k == c).collect()));
         }
         if groups.len() > MOST_GROUPINGS {
             rng.shuffle(&mut groups);
@@ -131,48 +102,24 @@ impl<'a> Grower<'a> {
     }
 
     /// The hyperplane that parts a group of classes from the others, and its worth.
-    fn parting(
-        &mut self,
-        group: &[bool],
-        room: &Room,
-        soil: Soil,
-        rng: &mut fastrand::Rng,
-    ) -> Option<(Rule, Worth)> {
+    fn parting(&mut self, group: &[bool], room: &Room, soil: Soil, rng: &mut fastrand::Rng) -> Option<(Rule, Worth)> {
         let problem = self.ground.problem;
         let pulls = self.pulls(group, rng);
         let all = some((0..problem.p as u32).collect(), soil.share, rng);
         let features = self.leading(&pulls, all, room)?;
         let (normal, offset) = fit(problem, &pulls, &features, RIDGE)?;
-        let terms = features
-            .into_iter()
-            .zip(normal)
-            .filter(|term| term.1 != 0.0)
-            .collect();
+        let terms = features.into_iter().zip(normal).filter(|term| term.1 != 0.0).collect();
         let rule = Rule::Plane { terms, offset };
-        self.view.fill(&mut self.tally, |j| {
-            rule.goes_left(problem, self.view.samples[j])
-        });
+        self.view.fill(&mut self.tally, |j| rule.goes_left(problem, self.view.samples[j]));
         let is_split = self.tally.is_large_enough() && self.tally.has_two_sides();
-        is_split.then(|| {
-            (
-                rule,
-                Worth {
-                    gain: self.tally.total,
-                    purity: self.tally.purity(),
-                },
-            )
-        })
+        is_split.then(|| (rule, Worth { gain: self.tally.total, purity: self.tally.purity() }))
     }
 
     fn pulls(&self, group: &[bool], rng: &mut fastrand::Rng) -> Vec<Pull> {
         let prices = &self.ground.prices;
         let of_sample = |&sample: &u32| {
             let weight = prices.weight(sample) as f64;
-            Pull {
-                sample,
-                goes_right: group[prices.label(sample)],
-                weight,
-            }
+            Pull { sample, goes_right: group[prices.label(sample)], weight }
         };
         let mut pulls: Vec<Pull> = self.view.samples.iter().map(of_sample).collect();
         if pulls.len() > MOST_PULLS {
@@ -190,9 +137,7 @@ impl<'a> Grower<'a> {
             return Some(admitted);
         }
         let (normal, _) = fit(self.ground.problem, pulls, &all, RIDGE)?;
-        let weight = |position: &usize| {
-            normal[*position].abs() * self.ground.deviations[all[*position] as usize]
-        };
+        let weight = |position: &usize| normal[*position].abs() * self.ground.deviations[all[*position] as usize];
         let mut order: Vec<usize> = (0..all.len()).collect();
         order.sort_by(|a, b| weight(b).total_cmp(&weight(a)));
         let ranked: Vec<u32> = order.into_iter().map(|position| all[position]).collect();

@@ -51,9 +51,7 @@ impl Rule {
     pub fn goes_left(&self, problem: &Problem, sample: u32) -> bool {
         match self {
             Self::Leaf => true,
-            Self::Axis { feature, cut } => {
-                problem.ranks[*feature as usize * problem.n + sample as usize] <= *cut
-            }
+            Self::Axis { feature, cut } => problem.ranks[*feature as usize * problem.n + sample as usize] <= *cut,
             Self::Plane { terms, offset } => project(problem, terms, sample) <= *offset,
         }
     }
@@ -63,9 +61,7 @@ impl Rule {
 #[inline]
 pub fn project(problem: &Problem, terms: &[(u32, f64)], sample: u32) -> f64 {
     let row = problem.row(sample);
-    terms
-        .iter()
-        .fold(0.0, |sum, &(f, c)| sum + c * row[f as usize])
+    terms.iter().fold(0.0, |sum, &(f, c)| sum + c * row[f as usize])
 }
 
 /// A node of the arena.
@@ -89,13 +85,7 @@ pub struct State {
 impl State {
     /// One leaf with all samples.
     pub fn leaf(problem: &Problem) -> Self {
-        Self {
-            nodes: vec![Node {
-                rule: Rule::Leaf,
-                children: [0; 2],
-                samples: (0..problem.n as u32).collect(),
-            }],
-        }
+        Self { nodes: vec![Node { rule: Rule::Leaf, children: [0; 2], samples: (0..problem.n as u32).collect() }] }
     }
 
     /// The state of a finished tree.
@@ -113,36 +103,12 @@ impl State {
     fn graft_row(&mut self, problem: &Problem, v: u32, tree: &Tree, row: u32) {
         let (rule, children) = match &tree.nodes[row as usize] {
             Row::Leaf { .. } => return,
-            Row::Split {
-                feature,
-                cut,
-                left,
-                right,
-            } => (
-                Rule::Axis {
-                    feature: *feature,
-                    cut: *cut,
-                },
-                [*left, *right],
-            ),
-            Row::Hyperplane {
-                terms,
-                offset,
-                left,
-                right,
-            } => (
-                Rule::Plane {
-                    terms: terms.clone(),
-                    offset: *offset,
-                },
-                [*left, *right],
-            ),
+            Row::Split { feature, cut, left, right } => (Rule::Axis { feature: *feature, cut: *cut }, [*left, *right]),
+            Row::Hyperplane { terms, offset, left, right } => {
+                (Rule::Plane { terms: terms.clone(), offset: *offset }, [*left, *right])
+            }
         };
-        let n_left = self.nodes[v as usize]
-            .samples
-            .iter()
-            .filter(|&&i| rule.goes_left(problem, i))
-            .count();
+        let n_left = self.nodes[v as usize].samples.iter().filter(|&&i| rule.goes_left(problem, i)).count();
         if n_left == 0 || n_left == self.nodes[v as usize].samples.len() {
             return self.graft_row(problem, v, tree, children[usize::from(n_left == 0)]);
         }
@@ -154,16 +120,10 @@ impl State {
     /// Split leaf `v`; returns its new leaves.
     pub fn split(&mut self, problem: &Problem, v: u32, rule: Rule) -> [u32; 2] {
         let samples = std::mem::take(&mut self.nodes[v as usize].samples);
-        let (left, right) = samples
-            .into_iter()
-            .partition(|&i| rule.goes_left(problem, i));
+        let (left, right) = samples.into_iter().partition(|&i| rule.goes_left(problem, i));
         let first = self.nodes.len() as u32;
         for samples in [left, right] {
-            self.nodes.push(Node {
-                rule: Rule::Leaf,
-                children: [0; 2],
-                samples,
-            });
+            self.nodes.push(Node { rule: Rule::Leaf, children: [0; 2], samples });
         }
         self.nodes[v as usize].rule = rule;
         self.nodes[v as usize].children = [first, first + 1];
@@ -190,19 +150,12 @@ impl State {
 
     /// The leaves at and below `v`, from left to right.
     pub fn leaves(&self, v: u32) -> Vec<u32> {
-        self.below(v)
-            .into_iter()
-            .filter(|&node| self.is_leaf(node))
-            .collect()
+        self.below(v).into_iter().filter(|&node| self.is_leaf(node)).collect()
     }
 
     /// The samples that reach `v`.
     pub fn samples(&self, v: u32) -> Vec<u32> {
-        self.leaves(v)
-            .iter()
-            .flat_map(|&leaf| &self.nodes[leaf as usize].samples)
-            .copied()
-            .collect()
+        self.leaves(v).iter().flat_map(|&leaf| &self.nodes[leaf as usize].samples).copied().collect()
     }
 
     /// The leaf at or below `v` that a sample would reach from there.
@@ -243,10 +196,7 @@ impl State {
 
     /// Features summed over the splits at and below `v`.
     pub fn complexity(&self, v: u32) -> i64 {
-        self.below(v)
-            .iter()
-            .map(|&node| self.nodes[node as usize].rule.size() as i64)
-            .sum()
+        self.below(v).iter().map(|&node| self.nodes[node as usize].rule.size() as i64).sum()
     }
 
     /// Send samples down from `v` anew, after rules at or below it have changed.
@@ -263,28 +213,19 @@ impl State {
     /// Whether all leaves are large enough and all sensors affordable.
     pub fn keeps_limits(&self, problem: &Problem) -> bool {
         let is_large = |&leaf: &u32| self.nodes[leaf as usize].samples.len() >= problem.leaf_size;
-        let is_affordable =
-            || spent(problem, &used_sensors(problem, self, |_| true)) <= problem.sensor_limit;
+        let is_affordable = || spent(problem, &used_sensors(problem, self, |_| true)) <= problem.sensor_limit;
         (self.is_leaf(0) || self.leaves(0).iter().all(is_large)) && is_affordable()
     }
 
     /// Make `v` a leaf with all its samples.
     pub fn collapse(&mut self, v: u32) {
         let samples = self.samples(v);
-        self.nodes[v as usize] = Node {
-            rule: Rule::Leaf,
-            children: [0; 2],
-            samples,
-        };
+        self.nodes[v as usize] = Node { rule: Rule::Leaf, children: [0; 2], samples };
     }
 
     /// Put the node `child` below `v` in the place of `v`; the caller has already moved the samples.
     pub fn lift(&mut self, v: u32, child: u32) {
-        let empty = Node {
-            rule: Rule::Leaf,
-            children: [0; 2],
-            samples: Vec::new(),
-        };
+        let empty = Node { rule: Rule::Leaf, children: [0; 2], samples: Vec::new() };
         self.nodes[v as usize] = std::mem::replace(&mut self.nodes[child as usize], empty);
     }
 
@@ -294,8 +235,7 @@ impl State {
             let [left, right] = self.nodes[v as usize].children;
             self.remove_empty_sides(left);
             self.remove_empty_sides(right);
-            let is_empty =
-                |node: u32| self.is_leaf(node) && self.nodes[node as usize].samples.is_empty();
+            let is_empty = |node: u32| self.is_leaf(node) && self.nodes[node as usize].samples.is_empty();
             match (is_empty(left), is_empty(right)) {
                 (true, _) => self.lift(v, right),
                 (_, true) => self.lift(v, left),
@@ -311,14 +251,8 @@ impl State {
         for (new, &old) in kept.iter().enumerate() {
             position[old as usize] = new as u32;
         }
-        let mut nodes: Vec<Option<Node>> = std::mem::take(&mut self.nodes)
-            .into_iter()
-            .map(Some)
-            .collect();
-        self.nodes = kept
-            .iter()
-            .filter_map(|&old| nodes[old as usize].take())
-            .collect();
+        let mut nodes: Vec<Option<Node>> = std::mem::take(&mut self.nodes).into_iter().map(Some).collect();
+        self.nodes = kept.iter().filter_map(|&old| nodes[old as usize].take()).collect();
         for node in &mut self.nodes {
             node.children = node.children.map(|child| position[child as usize]);
         }
@@ -358,29 +292,13 @@ impl State {
             match &node.rule {
                 Rule::Leaf => {
                     tally.clear(1);
-                    node.samples
-                        .iter()
-                        .for_each(|&i| tally.add(0, prices.weighed(i)));
-                    Row::Leaf {
-                        label: tally.label(0),
-                    }
+                    node.samples.iter().for_each(|&i| tally.add(0, prices.weighed(i)));
+                    Row::Leaf { label: tally.label(0) }
                 }
-                Rule::Axis { feature, cut } => Row::Split {
-                    feature: *feature,
-                    cut: *cut,
-                    left,
-                    right,
-                },
-                Rule::Plane { terms, offset } => Row::Hyperplane {
-                    terms: terms.clone(),
-                    offset: *offset,
-                    left,
-                    right,
-                },
+                Rule::Axis { feature, cut } => Row::Split { feature: *feature, cut: *cut, left, right },
+                Rule::Plane { terms, offset } => Row::Hyperplane { terms: terms.clone(), offset: *offset, left, right },
             }
         };
-        Tree {
-            nodes: order.iter().map(&mut row).collect(),
-        }
+        Tree { nodes: order.iter().map(&mut row).collect() }
     }
 }

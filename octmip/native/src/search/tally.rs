@@ -30,15 +30,8 @@ impl Prices {
     pub fn new(problem: &Problem) -> Self {
         let k = problem.n_classes;
         let rows: Vec<&[i64]> = problem.costs.chunks(k).collect();
-        let dearest: Vec<i64> = rows
-            .iter()
-            .map(|row| row.iter().copied().max().unwrap_or(0))
-            .collect();
-        let gains: Vec<i64> = rows
-            .iter()
-            .zip(&dearest)
-            .flat_map(|(row, d)| row.iter().map(move |c| d - c))
-            .collect();
+        let dearest: Vec<i64> = rows.iter().map(|row| row.iter().copied().max().unwrap_or(0)).collect();
+        let gains: Vec<i64> = rows.iter().zip(&dearest).flat_map(|(row, d)| row.iter().map(move |c| d - c)).collect();
         let single = gains.chunks(k).map(only_gain).collect();
         Self {
             n_classes: k,
@@ -78,20 +71,14 @@ impl Prices {
             }
             None => {
                 let row = self.row(weighed.label);
-                gains
-                    .iter_mut()
-                    .zip(row)
-                    .for_each(|(sum, &gain)| *sum += factor * gain as f64);
+                gains.iter_mut().zip(row).for_each(|(sum, &gain)| *sum += factor * gain as f64);
             }
         }
     }
 
     /// Class and weight of a sample.
     pub fn weighed(&self, sample: u32) -> Weighed {
-        Weighed {
-            label: self.labels[sample as usize],
-            weight: self.weights[sample as usize],
-        }
+        Weighed { label: self.labels[sample as usize], weight: self.weights[sample as usize] }
     }
 
     fn row(&self, label: u32) -> &[i64] {
@@ -140,8 +127,7 @@ impl Worth {
     /// Whether this is better: more gain, or as much and purer by more than rounding.
     pub fn beats(&self, other: &Self) -> bool {
         self.gain > other.gain
-            || (self.gain == other.gain
-                && self.purity > other.purity + 1e-9 * other.purity.abs().max(1.0))
+            || (self.gain == other.gain && self.purity > other.purity + 1e-9 * other.purity.abs().max(1.0))
     }
 }
 
@@ -160,14 +146,7 @@ pub struct Tally<'a> {
 impl<'a> Tally<'a> {
     /// An empty tally.
     pub fn new(prices: &'a Prices) -> Self {
-        Self {
-            prices,
-            gains: Vec::new(),
-            best: Vec::new(),
-            counts: Vec::new(),
-            total: 0,
-            short: 0,
-        }
+        Self { prices, gains: Vec::new(), best: Vec::new(), counts: Vec::new(), total: 0, short: 0 }
     }
 
     /// Empty `n_slots` slots.
@@ -249,11 +228,7 @@ impl<'a> Tally<'a> {
 
     /// How each member crosses from right to left where it gains in one class only and leaves may be of any size.
     pub fn lanes(&self, members: &[Member]) -> Option<Vec<Lane>> {
-        let single = self
-            .prices
-            .single
-            .as_ref()
-            .filter(|_| self.prices.leaf_size <= 1)?;
+        let single = self.prices.single.as_ref().filter(|_| self.prices.leaf_size <= 1)?;
         let n_classes = self.prices.n_classes as u32;
         let lane = |member: &Member| {
             let (class, gain) = single[member.weighed.label as usize];
@@ -290,9 +265,7 @@ impl<'a> Tally<'a> {
     /// never lowers it: with 0/1 costs it ranks cuts as Gini's impurity does.
     pub fn purity(&self) -> f64 {
         let of_slot = |gains: &[i64]| {
-            let (sum, square) = gains.iter().fold((0.0, 0.0), |(s, q), &g| {
-                (s + g as f64, q + g as f64 * g as f64)
-            });
+            let (sum, square) = gains.iter().fold((0.0, 0.0), |(s, q), &g| (s + g as f64, q + g as f64 * g as f64));
             if sum > 0.0 { square / sum } else { 0.0 }
         };
         self.gains.chunks(self.prices.n_classes).map(of_slot).sum()
@@ -302,10 +275,7 @@ impl<'a> Tally<'a> {
     pub fn label(&self, slot: u32) -> u32 {
         let (slot, k) = (slot as usize, self.prices.n_classes);
         let gains = &self.gains[slot * k..(slot + 1) * k];
-        gains
-            .iter()
-            .position(|&gain| gain == self.best[slot])
-            .unwrap_or(0) as u32
+        gains.iter().position(|&gain| gain == self.best[slot]).unwrap_or(0) as u32
     }
 }
 

@@ -53,10 +53,7 @@ impl View {
         if self.is_leaf {
             self.leaves = vec![v; 2];
             self.n_left_slots = 1;
-            let member = |&i: &u32| Member {
-                slots: [0, 1],
-                weighed: prices.weighed(i),
-            };
+            let member = |&i: &u32| Member { slots: [0, 1], weighed: prices.weighed(i) };
             self.members.clear();
             self.members.extend(self.samples.iter().map(member));
             self.is_left = vec![true; n];
@@ -69,27 +66,17 @@ impl View {
         self.fill_members(problem, prices, state, [left, right]);
         let rule = &state.nodes[v as usize].rule;
         self.is_left.clear();
-        self.is_left
-            .extend(self.samples.iter().map(|&i| rule.goes_left(problem, i)));
+        self.is_left.extend(self.samples.iter().map(|&i| rule.goes_left(problem, i)));
     }
 
-    fn fill_members(
-        &mut self,
-        problem: &Problem,
-        prices: &Prices,
-        state: &State,
-        children: [u32; 2],
-    ) {
+    fn fill_members(&mut self, problem: &Problem, prices: &Prices, state: &State, children: [u32; 2]) {
         let mut slot_of_node = vec![0; state.nodes.len()];
         for (slot, &leaf) in self.leaves.iter().enumerate() {
             slot_of_node[leaf as usize] = slot as u32;
         }
         let member = |&i: &u32| {
             let slots = children.map(|child| slot_of_node[state.route(problem, child, i) as usize]);
-            Member {
-                slots,
-                weighed: prices.weighed(i),
-            }
+            Member { slots, weighed: prices.weighed(i) }
         };
         self.members.clear();
         self.members.extend(self.samples.iter().map(member));
@@ -111,10 +98,7 @@ impl View {
     /// Worth of the present rule, of so many features, price of this one split included.
     pub fn present(&self, tally: &mut Tally, price: i64) -> Worth {
         self.fill(tally, |j| self.is_left[j]);
-        Worth {
-            gain: tally.total - price,
-            purity: tally.purity(),
-        }
+        Worth { gain: tally.total - price, purity: tally.purity() }
     }
 
     /// Give `v` a new rule in the state and send its samples where they now belong.
@@ -122,14 +106,10 @@ impl View {
         if self.is_leaf {
             state.split(problem, self.v, rule);
         } else {
-            self.leaves
-                .iter()
-                .for_each(|&leaf| state.nodes[leaf as usize].samples.clear());
+            self.leaves.iter().for_each(|&leaf| state.nodes[leaf as usize].samples.clear());
             for (j, &i) in self.samples.iter().enumerate() {
                 let slot = self.members[j].slots[usize::from(!rule.goes_left(problem, i))];
-                state.nodes[self.leaves[slot as usize] as usize]
-                    .samples
-                    .push(i);
+                state.nodes[self.leaves[slot as usize] as usize].samples.push(i);
             }
             state.nodes[self.v as usize].rule = rule;
         }
@@ -138,13 +118,9 @@ impl View {
 
     /// Put the left (0) or right (1) child in the place of `v`, with all its samples.
     pub fn replace_by_child(&self, state: &mut State, side: usize) {
-        self.leaves
-            .iter()
-            .for_each(|&leaf| state.nodes[leaf as usize].samples.clear());
+        self.leaves.iter().for_each(|&leaf| state.nodes[leaf as usize].samples.clear());
         for (member, &i) in self.members.iter().zip(&self.samples) {
-            state.nodes[self.leaves[member.slots[side] as usize] as usize]
-                .samples
-                .push(i);
+            state.nodes[self.leaves[member.slots[side] as usize] as usize].samples.push(i);
         }
         state.lift(self.v, state.nodes[self.v as usize].children[side]);
         state.remove_empty_sides(self.v);

@@ -17,11 +17,7 @@ impl<P: Pod + Zeroable> Aligned<P> {
     pub fn zero(&mut self, len: usize) {
         self.data.clear();
         self.data.resize(len + LINE / size_of::<P>(), P::zeroed());
-        self.start = self
-            .data
-            .as_ptr()
-            .align_offset(LINE)
-            .min(LINE / size_of::<P>());
+        self.start = self.data.as_ptr().align_offset(LINE).min(LINE / size_of::<P>());
         self.len = len;
     }
 

@@ -41,16 +41,8 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
         let rows = samples.n_columns + usize::from(!samples.is_single);
         let columns = vec![0; samples.n_columns];
         Self {
-            arch: if switches.vectors {
-                pulp::Arch::new()
-            } else {
-                pulp::Arch::Scalar
-            },
-            shape: Shape {
-                slots: S,
-                rows,
-                has_differences: samples.is_single && samples.n_columns == 2,
-            },
+            arch: if switches.vectors { pulp::Arch::new() } else { pulp::Arch::Scalar },
+            shape: Shape { slots: S, rows, has_differences: samples.is_single && samples.n_columns == 2 },
             skips: switches.group_skip,
             tables: [Table::default(), Table::default()],
             used: 1,
@@ -92,31 +84,21 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
         self.lane_totals.clear();
         for (left, right) in self.totals[0].iter().zip(&self.totals[1]) {
             let pair = [T::narrow(*left), T::narrow(*right)];
-            self.lane_totals
-                .push(std::array::from_fn(|lane| pair[lane % 2]));
+            self.lane_totals.push(std::array::from_fn(|lane| pair[lane % 2]));
         }
     }
 
     fn sides(&self, penalty: i64) -> Sides {
         let leaf = [0, 1].map(|side| self.totals[side].iter().copied().max().unwrap_or(0));
-        Sides {
-            mass: self.mass,
-            leaf,
-            best: leaf,
-            penalty,
-        }
+        Sides { mass: self.mass, leaf, best: leaf, penalty }
     }
 
     /// What a group may reach on both sides here, from the evaluated cuts before and after.
     fn inherited(&self, group: usize, neighbours: &[Neighbour; 2]) -> [i64; 2] {
         let n = self.groups.len();
-        let [before, after] =
-            neighbours.map(|n_| (self.reaches[n_.record * n + group], n_.distance));
+        let [before, after] = neighbours.map(|n_| (self.reaches[n_.record * n + group], n_.distance));
         // The left side grew since the cut before by that distance, and is part of the left side of the cut after.
-        [
-            (before.0[0] + before.1).min(after.0[0]),
-            before.0[1].min(after.0[1] + after.1),
-        ]
+        [(before.0[0] + before.1).min(after.0[0]), before.0[1].min(after.0[1] + after.1)]
     }
 
     /// By lane, the best gain of a group at a bucket edge and the largest that any of its stumps may have.
@@ -175,10 +157,7 @@ impl<T: Lane, const N: usize, const S: usize> Stumps for Buckets<T, N, S> {
             k: 0,
             positions: &[],
             target: NEVER,
-            neighbours: [Neighbour {
-                record: 0,
-                distance: 0,
-            }; 2],
+            neighbours: [Neighbour { record: 0, distance: 0 }; 2],
         };
         self.set_lane_totals();
         let mut sides = self.sides(samples.penalty);
@@ -192,25 +171,9 @@ impl<T: Lane, const N: usize, const S: usize> Stumps for Buckets<T, N, S> {
                 self.scores[self.tables[self.used].feature_of_slot[slot]] = best[lane].widen();
                 sides.best[1] = sides.best[1].max(best[lane].widen());
             }
-            let mut reached = [
-                0,
-                reach
-                    .iter()
-                    .skip(1)
-                    .step_by(2)
-                    .map(|r| r.widen())
-                    .max()
-                    .unwrap_or(0),
-            ];
+            let mut reached = [0, reach.iter().skip(1).step_by(2).map(|r| r.widen()).max().unwrap_or(0)];
             if reached[1] > sides.best[1] {
-                self.refine(
-                    samples,
-                    &place,
-                    (group, 1),
-                    &mut sides,
-                    &mut reached,
-                    i64::MAX,
-                );
+                self.refine(samples, &place, (group, 1), &mut sides, &mut reached, i64::MAX);
             }
             self.reaches.push(reached);
         }
@@ -218,10 +181,7 @@ impl<T: Lane, const N: usize, const S: usize> Stumps for Buckets<T, N, S> {
             self.reaches.push([self.reaches[group][1], 0]);
         }
         let cost = sides.cost(1, sides.best[1]);
-        Stump {
-            lower: cost,
-            value: cost,
-        }
+        Stump { lower: cost, value: cost }
     }
 
     fn scores(&self) -> &[i64] {
@@ -254,16 +214,10 @@ impl<T: Lane, const N: usize, const S: usize> Stumps for Buckets<T, N, S> {
         self.finish(samples, place, &mut sides, first_reach, close);
         let n = self.groups.len();
         let reach = [0, 1].map(|side| {
-            let open = self.reaches[first_reach..first_reach + n]
-                .iter()
-                .map(|reach| reach[side])
-                .max();
+            let open = self.reaches[first_reach..first_reach + n].iter().map(|reach| reach[side]).max();
             open.unwrap_or(0).max(sides.best[side])
         });
-        [0, 1].map(|side| Stump {
-            lower: sides.cost(side, reach[side]),
-            value: sides.cost(side, sides.best[side]),
-        })
+        [0, 1].map(|side| Stump { lower: sides.cost(side, reach[side]), value: sides.cost(side, sides.best[side]) })
     }
 
     fn last_record(&self) -> usize {
@@ -271,11 +225,7 @@ impl<T: Lane, const N: usize, const S: usize> Stumps for Buckets<T, N, S> {
     }
 
     fn bytes(&self) -> usize {
-        let tables = self
-            .tables
-            .iter()
-            .map(|table| 4 * table.offsets.len())
-            .sum::<usize>();
+        let tables = self.tables.iter().map(|table| 4 * table.offsets.len()).sum::<usize>();
         tables + self.groups.iter().map(Histogram::bytes).sum::<usize>()
     }
 }

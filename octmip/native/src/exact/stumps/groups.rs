@@ -56,8 +56,7 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
         self.open.resize(b, [T::default(); N]);
         self.caps.resize(b, [T::default(); N]);
         self.tops.resize(b / STRIDE, [T::default(); N]);
-        self.runs
-            .resize(b / STRIDE * samples.n_columns, [T::default(); N]);
+        self.runs.resize(b / STRIDE * samples.n_columns, [T::default(); N]);
         let slots = self.slots(samples.p, shape);
         for slot in slots.clone() {
             let f = table.feature_of_slot[slot];
@@ -94,14 +93,7 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
     }
 
     /// Apply a change to all slots for every sample of `ids`.
-    fn apply(
-        &mut self,
-        samples: &Samples,
-        table: &Table,
-        ids: &[u32],
-        sign: i64,
-        change: impl Fn(i64) -> T::Pair,
-    ) {
+    fn apply(&mut self, samples: &Samples, table: &Table, ids: &[u32], sign: i64, change: impl Fn(i64) -> T::Pair) {
         let first = self.group * samples.n * S;
         let (offsets, _) = table.offsets[first..first + samples.n * S].as_chunks::<S>();
         let used = (samples.p - self.group * S).min(S);
@@ -157,11 +149,8 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
     /// The vector pass over differences: by lane, the best gain, which no stump surpasses.
     pub fn sweep_differences(&self, arch: pulp::Arch, totals: &[[T; N]]) -> [T; N] {
         let histogram: &[T] = pulp::bytemuck::cast_slice(self.pairs.get());
-        let mut pass = Difference {
-            histogram: &histogram.as_chunks::<N>().0[..self.open.len()],
-            totals,
-            best: [T::default(); N],
-        };
+        let mut pass =
+            Difference { histogram: &histogram.as_chunks::<N>().0[..self.open.len()], totals, best: [T::default(); N] };
         arch.dispatch(&mut pass);
         pass.best
     }
@@ -182,8 +171,6 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
 
     /// Bytes.
     pub fn bytes(&self) -> usize {
-        2 * size_of_val(self.pairs.get())
-            + size_of_val(&self.caps[..])
-            + size_of_val(&self.runs[..])
+        2 * size_of_val(self.pairs.get()) + size_of_val(&self.caps[..]) + size_of_val(&self.runs[..])
     }
 }

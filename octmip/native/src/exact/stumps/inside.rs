@@ -8,22 +8,10 @@ use crate::exact::stumps::{Place, scan::split_gain};
 
 impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
     /// Look inside buckets, the side of the wider doubt first, until the stumps are exact or close the interval.
-    pub(super) fn finish(
-        &mut self,
-        samples: &Samples,
-        place: &Place<'_>,
-        sides: &mut Sides,
-        first: usize,
-        close: i64,
-    ) {
+    pub(super) fn finish(&mut self, samples: &Samples, place: &Place<'_>, sides: &mut Sides, first: usize, close: i64) {
         let n = self.groups.len();
         loop {
-            let reach = |side: usize| {
-                (0..n)
-                    .map(|g| (self.reaches[first + g][side], g))
-                    .max()
-                    .unwrap_or((0, 0))
-            };
+            let reach = |side: usize| (0..n).map(|g| (self.reaches[first + g][side], g)).max().unwrap_or((0, 0));
             let widest = [reach(0), reach(1)];
             let doubt = [0, 1].map(|side| widest[side].0 - sides.best[side]);
             let side = usize::from(doubt[1] > doubt[0]);
@@ -55,8 +43,7 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
             let best = sides.best[side];
             reach[side] = next.map_or(best, |candidate| best.max(candidate.cap));
             let is_closed = sides.is_closed(*reach, place.target, close);
-            let Some(candidate) = next.filter(|candidate| candidate.cap > best && !is_closed)
-            else {
+            let Some(candidate) = next.filter(|candidate| candidate.cap > best && !is_closed) else {
                 break;
             };
             sides.best[side] = best.max(self.walk(samples, place, group, side, candidate));
@@ -69,12 +56,7 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
         self.candidates.clear();
         let histogram = &self.groups[group];
         let above = |row: &[T; N]| row.iter().fold(false, |any, &c| any | (c > least));
-        for (stride, _) in histogram
-            .tops
-            .iter()
-            .enumerate()
-            .filter(|(_, top)| above(top))
-        {
+        for (stride, _) in histogram.tops.iter().enumerate().filter(|(_, top)| above(top)) {
             for bucket in stride * STRIDE..(stride + 1) * STRIDE {
                 let caps = &histogram.caps[bucket];
                 if !above(caps) {
@@ -83,11 +65,7 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
                 for lane in (side..N).step_by(2).filter(|&lane| caps[lane] > least) {
                     let slot = group * self.shape.slots + lane / 2;
                     if slot < p {
-                        self.candidates.push(Candidate {
-                            cap: caps[lane].widen(),
-                            slot,
-                            bucket,
-                        });
+                        self.candidates.push(Candidate { cap: caps[lane].widen(), slot, bucket });
                     }
                 }
             }
@@ -96,14 +74,7 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
     }
 
     /// Largest gain of a cut inside a bucket, on one side.
-    fn walk(
-        &mut self,
-        samples: &Samples,
-        place: &Place<'_>,
-        group: usize,
-        side: usize,
-        candidate: Candidate,
-    ) -> i64 {
+    fn walk(&mut self, samples: &Samples, place: &Place<'_>, group: usize, side: usize, candidate: Candidate) -> i64 {
         let Candidate { slot, bucket, .. } = candidate;
         let mut left = std::mem::take(&mut self.left);
         left.resize(self.whole.len(), 0);
@@ -114,10 +85,7 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
         let ranks = samples.ranks_of(feature);
         let members = table.members(samples, place.view.list(feature), feature, bucket);
         let (mut best, mut last) = (i64::MIN, None);
-        for &i in members
-            .iter()
-            .filter(|&&i| place.k == 0 || place.is_on(side, i))
-        {
+        for &i in members.iter().filter(|&&i| place.k == 0 || place.is_on(side, i)) {
             let rank = ranks[i as usize];
             if last.is_some_and(|before| before != rank) {
                 best = best.max(split_gain(&left, &self.totals[side]));

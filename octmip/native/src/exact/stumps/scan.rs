@@ -66,11 +66,7 @@ impl Scan {
         let mut totals = vec![0; samples.n_columns];
         let mut mass = 0;
         let list = place.view.list(place.f);
-        let members = if side == 0 {
-            &list[..place.k]
-        } else {
-            &list[place.k..]
-        };
+        let members = if side == 0 { &list[..place.k] } else { &list[place.k..] };
         for &i in members {
             samples.count(i, 1, &mut totals);
             mass += samples.swing[i as usize];
@@ -78,21 +74,11 @@ impl Scan {
         let mut gain = totals.iter().copied().max().unwrap_or(0);
         for f in 0..samples.p {
             let keeps = |i: u32| place.k == 0 || place.is_on(side, i);
-            let best = best_cut(
-                samples,
-                place.view.list(f),
-                f,
-                &totals,
-                place.size(side),
-                keeps,
-            );
+            let best = best_cut(samples, place.view.list(f), f, &totals, place.size(side), keeps);
             self.scores[f] = best.map_or(0, |best| best.gain);
             gain = gain.max(self.scores[f] - samples.penalty);
         }
-        Stump {
-            lower: mass - gain,
-            value: mass - gain,
-        }
+        Stump { lower: mass - gain, value: mass - gain }
     }
 }
 
@@ -103,22 +89,8 @@ impl Stumps for Scan {
 
     fn load(&mut self, samples: &Samples, view: &View) -> Stump {
         self.scores.resize(samples.p, 0);
-        let neighbours = [Neighbour {
-            record: 0,
-            distance: 0,
-        }; 2];
-        self.stump(
-            samples,
-            &Place {
-                view,
-                f: 0,
-                k: 0,
-                positions: &[],
-                neighbours,
-                target: NEVER,
-            },
-            1,
-        )
+        let neighbours = [Neighbour { record: 0, distance: 0 }; 2];
+        self.stump(samples, &Place { view, f: 0, k: 0, positions: &[], neighbours, target: NEVER }, 1)
     }
 
     fn scores(&self) -> &[i64] {

@@ -74,10 +74,7 @@ macro_rules! lane {
 }
 
 // Both halves of a pair move by one addition: left + 2^16 right is an exact integer while both are 0 or more and fit.
-const _: () = assert!(
-    cfg!(target_endian = "little"),
-    "pairs are read back half by half, the left one first"
-);
+const _: () = assert!(cfg!(target_endian = "little"), "pairs are read back half by half, the left one first");
 lane!(
     i16,
     1 << 14,
@@ -94,14 +91,10 @@ lane!(
     |amount: i64| (amount as u64) << 32,
     u64::wrapping_add
 );
-lane!(
-    i64,
-    0,
-    [i64; 2],
-    |amount: i64| [amount, -amount],
-    |amount: i64| [0, amount],
-    |pair: [i64; 2], by: [i64; 2]| [pair[0] + by[0], pair[1] + by[1]]
-);
+lane!(i64, 0, [i64; 2], |amount: i64| [amount, -amount], |amount: i64| [0, amount], |pair: [i64; 2], by: [i64; 2]| [
+    pair[0] + by[0],
+    pair[1] + by[1]
+]);
 
 type Row<T, const N: usize> = [T; N];
 
@@ -212,12 +205,7 @@ impl<T: Lane, const N: usize> Group<'_, T, N> {
         let mut run = [[T::default(); N]; K];
         let mut edge = Edge::first(&totals);
         let (buckets, _) = self.histogram.as_chunks::<K>();
-        for (b, ((bucket, open), cap)) in buckets
-            .iter()
-            .zip(self.open)
-            .zip(self.caps.iter_mut())
-            .enumerate()
-        {
+        for (b, ((bucket, open), cap)) in buckets.iter().zip(self.open).zip(self.caps.iter_mut()).enumerate() {
             if b % STRIDE == 0 {
                 self.runs[b / STRIDE * K..][..K].copy_from_slice(&run);
             }
@@ -263,14 +251,7 @@ impl<T: Lane, const N: usize> Group<'_, T, N> {
             if has_mass_row {
                 (count, top) = (bucket[k], [T::default(); N]);
             }
-            edge.pass(
-                &low,
-                &high,
-                &count,
-                &sub(&count, &top),
-                &self.open[b],
-                &mut self.caps[b],
-            );
+            edge.pass(&low, &high, &count, &sub(&count, &top), &self.open[b], &mut self.caps[b]);
             if b % STRIDE == STRIDE - 1 {
                 self.tops[b / STRIDE] = edge.close_stride();
             }
@@ -295,13 +276,7 @@ impl<T: Lane, const N: usize> Edge<T, N> {
         for row in totals {
             high = max(&high, row);
         }
-        Self {
-            high,
-            score: high,
-            best: high,
-            reach: high,
-            top: [T::default(); N],
-        }
+        Self { high, score: high, best: high, reach: high, top: [T::default(); N] }
     }
 
     /// Pass a bucket: `low`, `high` the best gain left and right of its end, `count` its swing, `minor` its swing

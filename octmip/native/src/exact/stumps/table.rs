@@ -60,8 +60,7 @@ impl Table {
     pub fn lay(&mut self, samples: &Samples, view: &View, shape: Shape, most: usize) {
         let p = samples.p;
         self.len = view.len;
-        self.offsets
-            .resize(p.div_ceil(shape.slots) * samples.n * shape.slots, 0);
+        self.offsets.resize(p.div_ceil(shape.slots) * samples.n * shape.slots, 0);
         if self.feature_of_slot.len() != p {
             self.feature_of_slot = (0..p).collect();
             self.slot_of_feature = (0..p).collect();
@@ -70,14 +69,10 @@ impl Table {
         ends.resize_with(p, Vec::new);
         let most_pure = most.max(view.len / PER_PURE_BUCKET);
         let most_differences = most_pure.max(view.len / PER_DIFFERENCE).max(MANY);
-        self.is_difference = shape.has_differences
-            && mark_all(samples, view, (0, view.len), most_differences, &mut ends);
+        self.is_difference =
+            shape.has_differences && mark_all(samples, view, (0, view.len), most_differences, &mut ends);
         if !self.is_difference && !mark_all(samples, view, (0, view.len), most_pure, &mut ends) {
-            let minor = if samples.is_single {
-                view.leaf()
-            } else {
-                view.mass
-            };
+            let minor = if samples.is_single { view.leaf() } else { view.mass };
             let (mut quota, mut longest) = (minor / most as i64, (view.len / most).max(SHORT));
             while !mark_all(samples, view, (quota, longest), most, &mut ends) {
                 quota += quota / 2 + 1;
@@ -116,14 +111,7 @@ impl Table {
         self.feature_of_slot = order;
     }
 
-    fn lay_feature(
-        &mut self,
-        samples: &Samples,
-        list: &[u32],
-        f: usize,
-        shape: Shape,
-        ends: &[u32],
-    ) {
+    fn lay_feature(&mut self, samples: &Samples, list: &[u32], f: usize, shape: Shape, ends: &[u32]) {
         let ranks = samples.ranks_of(f);
         let slot = self.slot_of_feature[f];
         let stride = self.rows(shape) * shape.slots;
@@ -133,30 +121,19 @@ impl Table {
             let members = &list[start..end as usize];
             let rank = ranks[members[0] as usize];
             self.edges[f * self.n_buckets + bucket] = if bucket == 0 { 0 } else { rank };
-            self.is_open[f * self.n_buckets + bucket] =
-                ranks[members[members.len() - 1] as usize] != rank;
+            self.is_open[f * self.n_buckets + bucket] = ranks[members[members.len() - 1] as usize] != rank;
             let offset = slot % shape.slots + bucket * stride;
             for &i in members {
-                let row = if samples.is_single && !self.is_difference {
-                    samples.column[i as usize] as usize
-                } else {
-                    0
-                };
-                self.offsets[first + i as usize * shape.slots] =
-                    (offset + row * shape.slots) as u32;
+                let row =
+                    if samples.is_single && !self.is_difference { samples.column[i as usize] as usize } else { 0 };
+                self.offsets[first + i as usize * shape.slots] = (offset + row * shape.slots) as u32;
             }
             start = end as usize;
         }
     }
 
     /// The samples of a bucket among a list in the order of feature `f`.
-    pub fn members<'a>(
-        &self,
-        samples: &Samples,
-        list: &'a [u32],
-        f: usize,
-        bucket: usize,
-    ) -> &'a [u32] {
+    pub fn members<'a>(&self, samples: &Samples, list: &'a [u32], f: usize, bucket: usize) -> &'a [u32] {
         let ranks = samples.ranks_of(f);
         let edges = &self.edges[f * self.n_buckets..(f + 1) * self.n_buckets];
         let from = list.partition_point(|&i| ranks[i as usize] < edges[bucket]);

@@ -23,13 +23,7 @@ pub(super) struct Soft {
 
 impl Soft {
     /// The plane of a node, its features open or closed as the heat says.
-    pub fn new(
-        ground: &Ground,
-        state: &State,
-        v: u32,
-        heat: Heat,
-        rng: &mut fastrand::Rng,
-    ) -> Self {
+    pub fn new(ground: &Ground, state: &State, v: u32, heat: Heat, rng: &mut fastrand::Rng) -> Self {
         let p = ground.problem.p;
         let is_opened = heat.opening == Opening::All || heat.opening == Opening::One(v);
         let (mut plane, mut is_open) = (vec![0.0; p + 1], vec![is_opened; p + 1]);
@@ -48,9 +42,7 @@ impl Soft {
             order.extend((0..p as u32).filter(|&f| !is_open[f as usize]));
             rng.shuffle(&mut order[first..]);
             let room = Room::at(ground.problem, state, v);
-            room.first_admitted(&order, ground.split_size())
-                .iter()
-                .for_each(|&f| is_open[f as usize] = true);
+            room.first_admitted(&order, ground.split_size()).iter().for_each(|&f| is_open[f as usize] = true);
         }
         plane[p] = intercept as f32;
         is_open[p] = true;
@@ -59,15 +51,7 @@ impl Soft {
         plane.iter_mut().for_each(|c| *c /= spread);
         let length = plane[..p].iter().map(|c| c * c).sum::<f32>().sqrt();
         let zeros = vec![0.0; p + 1];
-        Self {
-            v,
-            plane,
-            is_open,
-            length,
-            gradient: zeros.clone(),
-            momentum: zeros.clone(),
-            spread: zeros,
-        }
+        Self { v, plane, is_open, length, gradient: zeros.clone(), momentum: zeros.clone(), spread: zeros }
     }
 
     /// Height of a standardised sample.
@@ -77,10 +61,7 @@ impl Soft {
 
     /// Add a sample's gradient.
     pub fn pull(&mut self, z: &[f32], pull: f32) {
-        self.gradient
-            .iter_mut()
-            .zip(z)
-            .for_each(|(g, z)| *g += pull * z);
+        self.gradient.iter_mut().zip(z).for_each(|(g, z)| *g += pull * z);
         self.gradient[z.len()] += pull;
     }
 
@@ -115,18 +96,12 @@ impl Soft {
     /// Keep so many leading features; those that one split may read together once that is all that is left.
     pub fn close(&mut self, ground: &Ground, state: &State, size: usize) {
         let last = self.plane.len() - 1;
-        let mut order: Vec<u32> = (0..last as u32)
-            .filter(|&f| self.is_open[f as usize])
-            .collect();
+        let mut order: Vec<u32> = (0..last as u32).filter(|&f| self.is_open[f as usize]).collect();
         let is_final = size <= ground.split_size();
         if order.len() <= size && !is_final {
             return;
         }
-        order.sort_by(|&a, &b| {
-            self.plane[b as usize]
-                .abs()
-                .total_cmp(&self.plane[a as usize].abs())
-        });
+        order.sort_by(|&a, &b| self.plane[b as usize].abs().total_cmp(&self.plane[a as usize].abs()));
         let mut kept = if is_final {
             Room::at(ground.problem, state, self.v).first_admitted(&order, size)
         } else {
@@ -146,14 +121,8 @@ impl Soft {
     pub fn rule(&self, ground: &Ground) -> Option<Rule> {
         let last = self.plane.len() - 1;
         let raw = |f: usize| f64::from(self.plane[f]) / ground.deviations[f];
-        let terms: Vec<(u32, f64)> = (0..last)
-            .filter(|&f| self.plane[f] != 0.0)
-            .map(|f| (f as u32, raw(f)))
-            .collect();
-        let shift: f64 = terms
-            .iter()
-            .map(|&(f, c)| c * ground.means[f as usize])
-            .sum();
+        let terms: Vec<(u32, f64)> = (0..last).filter(|&f| self.plane[f] != 0.0).map(|f| (f as u32, raw(f))).collect();
+        let shift: f64 = terms.iter().map(|&(f, c)| c * ground.means[f as usize]).sum();
         let offset = shift - f64::from(self.plane[last]);
         let is_finite = offset.is_finite() && terms.iter().all(|term| term.1.is_finite());
         (is_finite && !terms.is_empty()).then_some(Rule::Plane { terms, offset })
@@ -170,23 +139,14 @@ fn spread_of_heights(ground: &Ground, plane: &[f32], samples: &[u32]) -> f32 {
     }
     let n = samples.len().max(1) as f32;
     let variance = square / n - (sum / n) * (sum / n);
-    if variance > 1e-12 {
-        variance.sqrt()
-    } else {
-        1.0
-    }
+    if variance > 1e-12 { variance.sqrt() } else { 1.0 }
 }
 
 /// Dot product in eight running sums, which the compiler turns into vector instructions.
 fn dot(a: &[f32], b: &[f32]) -> f32 {
     let mut sums = [0.0_f32; 8];
     let (a_chunks, b_chunks) = (a.chunks_exact(8), b.chunks_exact(8));
-    let rest: f32 = a_chunks
-        .remainder()
-        .iter()
-        .zip(b_chunks.remainder())
-        .map(|(x, y)| x * y)
-        .sum();
+    let rest: f32 = a_chunks.remainder().iter().zip(b_chunks.remainder()).map(|(x, y)| x * y).sum();
     for (x, y) in a_chunks.zip(b_chunks) {
         (0..8).for_each(|k| sums[k] += x[k] * y[k]);
     }

@@ -19,12 +19,7 @@ impl PlaneAtWork<'_> {
         let Some((normal, offset)) = fit(self.ground.problem, &pulls, &features, ridge) else {
             return;
         };
-        let terms: Vec<(u32, f64)> = features
-            .iter()
-            .copied()
-            .zip(normal)
-            .filter(|term| term.1 != 0.0)
-            .collect();
+        let terms: Vec<(u32, f64)> = features.iter().copied().zip(normal).filter(|term| term.1 != 0.0).collect();
         // some_features holds the present support, so that the planes between the two read no more than it.
         self.turn_about(view, &terms, offset, rng);
         self.try_plane(view, &terms, offset, rng);
@@ -32,27 +27,15 @@ impl PlaneAtWork<'_> {
 
     /// The samples that exactly one side serves best, with the leaves' present classes.
     fn pulls(&self, view: &View, rng: &mut fastrand::Rng) -> Vec<Pull> {
-        let labels: Vec<u32> = (0..view.n_slots() as u32)
-            .map(|slot| self.tally.label(slot))
-            .collect();
+        let labels: Vec<u32> = (0..view.n_slots() as u32).map(|slot| self.tally.label(slot)).collect();
         let class = |side: usize, j: usize| labels[view.members[j].slots[side] as usize] as usize;
         let prices = &self.ground.prices;
         let of_sample = |(j, &sample): (usize, &u32)| {
-            let left_is_better =
-                prices.gain_of(sample, class(0, j)) - prices.gain_of(sample, class(1, j));
+            let left_is_better = prices.gain_of(sample, class(0, j)) - prices.gain_of(sample, class(1, j));
             let weight = left_is_better.abs() as f64;
-            (weight > 0.0).then_some(Pull {
-                sample,
-                goes_right: left_is_better < 0,
-                weight,
-            })
+            (weight > 0.0).then_some(Pull { sample, goes_right: left_is_better < 0, weight })
         };
-        let mut pulls: Vec<Pull> = view
-            .samples
-            .iter()
-            .enumerate()
-            .filter_map(of_sample)
-            .collect();
+        let mut pulls: Vec<Pull> = view.samples.iter().enumerate().filter_map(of_sample).collect();
         if pulls.len() > MOST_PULLS {
             rng.shuffle(&mut pulls);
             pulls.truncate(MOST_PULLS);

@@ -16,9 +16,7 @@ impl PlaneAtWork<'_> {
         let support = self.support();
         let f = match rng.u32(..FRESH_ONE_IN) {
             0 => rng.usize(..p),
-            _ => support
-                .get(rng.usize(..support.len().max(1)))
-                .map_or(0, |&f| f as usize),
+            _ => support.get(rng.usize(..support.len().max(1))).map_or(0, |&f| f as usize),
         };
         let g = rng.usize(..p);
         let pair = [f.min(g) as u32, f.max(g) as u32];
