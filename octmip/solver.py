@@ -148,8 +148,8 @@ def _registration(problem: Problem, name: str) -> Registration:
 def _wants_incumbent(problem: Problem, name: str) -> bool:
     """Whether a local search first shortens the proof.
 
-    To depth 4 the exact core's own start, the best tree of one level fewer, is at the optimum early (1,750 x 20 at
-    depth 2 answers in 10 ms), and the search would take as long as many a proof.
+    To depth 4 the exact core's own start, the best tree of one level fewer, is at the optimum early, and the
+    search would take as long as many a proof.
     """
     return REGISTRY[name].proves and not (name == "exact" and problem.depth <= 4)
 

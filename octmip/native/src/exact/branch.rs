@@ -308,12 +308,6 @@ impl<'a> Search<'a> {
         self.finders.iter_mut().flatten().for_each(|finder| finder.forget());
     }
 
-    /// Room for searches of `depth` levels.
-    pub fn deepen(&mut self, depth: usize) {
-        let levels = self.levels.len().max(depth + 1);
-        self.levels.resize_with(levels, Level::default);
-    }
-
     /// The stump finder for a view of this swing.
     pub(super) fn take_finder(&mut self, view: &View) -> Box<dyn Stumps> {
         self.finders[width(view.mass)].take().unwrap_or_else(|| finder(self.samples, view.mass, &self.switches))
