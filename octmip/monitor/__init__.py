@@ -1,6 +1,6 @@
 """The tree at work: which state the asset is in, how sure that is, and whether the library still knows the asset."""
 
-from octmip.monitor.belief import Belief
+from octmip.monitor.belief import Belief, calibrated_content
 from octmip.monitor.compiled import REFUSED, CompiledTree
 from octmip.monitor.filter import Filter
 from octmip.monitor.finding import Finding, Proposal, explain
@@ -34,6 +34,7 @@ __all__ = [
     "Suspect",
     "Vigil",
     "Watch",
+    "calibrated_content",
     "effect_suspects",
     "explain",
     "gauge_suspects",

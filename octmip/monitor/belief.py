@@ -69,6 +69,15 @@ class Belief:
         """Return the ends (n,), (n,) of the central interval that holds a parameter with probability `content`."""
         return self.quantile(parameter, 0.5 - content / 2), self.quantile(parameter, 0.5 + content / 2)
 
+    def content_holding(self, parameter: str, values: Floats) -> Floats:
+        """Return the least content (n,) whose central interval holds a parameter's value (n,)."""
+        k, _, _ = self._axis(parameter)
+        levels, mass = self.marginal(parameter)
+        width, at = float(self.library.widths[k]), np.asarray(values, dtype=np.float64)[:, None]
+        up_to = (mass * share_below(levels, width, at)).sum(axis=1)
+        below = up_to if width else (mass * (levels < at)).sum(axis=1)
+        return np.asarray(np.maximum(0.0, np.maximum(1.0 - 2.0 * up_to, 2.0 * below - 1.0)))
+
     def probability_above(self, thresholds: Mapping[str, float]) -> Floats:
         """Return the probability (n,) that any of these parameters lies above its threshold."""
         below = np.ones(self.library.n_states)
@@ -87,8 +96,29 @@ class Belief:
         return np.asarray(self.probability.argmax(axis=1))
 
 
-def share_below(states: Floats, width: float, threshold: float) -> Floats:
-    """Return the share (n_states,) of each cell that lies at or below a threshold."""
+def calibrated_content(contents: Floats, coverage: float = 0.9) -> float:
+    """Return the content to ask of `interval` so that it holds the truth at a share `coverage` of all steps.
+
+    A filter's own 90 % hold more or less than that where damage grows otherwise than its model of growth says.
+
+    Args:
+        contents: of any shape, `content_holding` the truth, over the steps of simulated histories like those to come.
+            The answer is their quantile, as in split-conformal prediction; how well it is known is a matter of the
+            number of histories, not of their steps.
+
+    Raises:
+        ProblemError: there are none, or coverage is no share.
+    """
+    if not np.size(contents) or not 0.0 < coverage < 1.0:
+        raise ProblemError(
+            f"contents has {np.size(contents)} values and coverage is {coverage}; expected at least one value and a "
+            "share between 0 and 1"
+        )
+    return float(np.quantile(contents, coverage, method="higher"))
+
+
+def share_below(states: Floats, width: float, threshold: float | Floats) -> Floats:
+    """Return the share of each cell (n_states,) that lies at or below a threshold, one or (n, 1)."""
     if width == 0.0:
         return np.asarray(states <= threshold, dtype=np.float64)
     return np.clip((threshold - (states - width / 2)) / width, 0.0, 1.0)

@@ -6,7 +6,9 @@ Parameters grow independently. Which rate holds is not known: every combination 
 like the state, and changes to any other with a small probability.
 """
 
+import functools
 import itertools
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -14,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
-from octmip.monitor.library import Library
+from octmip.monitor.library import Library, grid_states
 
 Floats = NDArray[np.float64]
 
@@ -23,29 +25,26 @@ Floats = NDArray[np.float64]
 class Growth:
     """A Markov chain over paces and states.
 
+    The states are all combinations of the levels of one or more axes, the last axis fastest, and the axes grow
+    independently: one small table an axis instead of one large one. Any chain at all is one axis with its full table.
+
     Attributes:
-        transitions: (n_paces, n_states, n_states), from the row's state to the column's in one step at each pace.
+        tables: for each axis (n_paces, n_levels, n_levels), from the row's level to the column's in one step.
         changes: (n_paces, n_paces), from one pace to another in one step.
     """
 
-    transitions: Floats
+    tables: tuple[Floats, ...]
     changes: Floats
 
     def __post_init__(self) -> None:
-        for name, n_axes in (("transitions", 3), ("changes", 2)):
-            table = np.array(getattr(self, name), dtype=np.float64)
-            if table.ndim != n_axes or table.shape[-1] != table.shape[-2]:
-                raise ProblemError(f"{name} has shape {table.shape}; expected {n_axes} axes, the last two a square")
-            if not (table >= 0).all() or not np.allclose(table.sum(axis=-1), 1.0):
-                raise ProblemError(
-                    f"{name} has an entry of {table.min()} and rows that add up to {table.sum(axis=-1).min()} to "
-                    f"{table.sum(axis=-1).max()}; expected probabilities, 1 in every row"
-                )
-            table.flags.writeable = False
-            object.__setattr__(self, name, table)
-        if len(self.transitions) != len(self.changes):
+        if isinstance(self.tables, np.ndarray):
+            raise ProblemError("tables is one array; expected a tuple of them, one for each axis of the states")
+        object.__setattr__(self, "tables", tuple(_probabilities(table, "tables", 3) for table in self.tables))
+        object.__setattr__(self, "changes", _probabilities(self.changes, "changes", 2))
+        lengths = {len(table) for table in self.tables}
+        if lengths != {len(self.changes)}:
             raise ProblemError(
-                f"transitions has {len(self.transitions)} paces but changes {len(self.changes)}; give both for all"
+                f"tables have {sorted(lengths)} paces but changes {len(self.changes)}; give all for the same paces"
             )
 
     @property
@@ -56,12 +55,36 @@ class Growth:
     @property
     def n_states(self) -> int:
         """Number of states."""
-        return int(self.transitions.shape[1])
+        return math.prod(table.shape[1] for table in self.tables)
+
+    @property
+    def transitions(self) -> Floats:
+        """Probabilities (n_paces, n_states, n_states) from the row's state to the column's in one step."""
+        return np.array([functools.reduce(np.kron, axes) for axes in zip(*self.tables, strict=True)])
 
     def advance(self, weights: Floats) -> Floats:
         """Return the probabilities (n, n_paces, n_states) of paces and states one step later."""
-        moved = np.stack([weights[:, k] @ table for k, table in enumerate(self.transitions)], axis=1)
-        return np.asarray(np.einsum("nks,kl->nls", moved, self.changes, optimize=True)) if self.n_paces > 1 else moved
+        moved, behind = np.asarray(weights, dtype=np.float64), self.n_states
+        for table in self.tables:
+            levels = table.shape[1]
+            behind //= levels
+            axes = moved.reshape(len(weights), self.n_paces, -1, levels, behind)
+            moved = table.swapaxes(1, 2)[:, None] @ axes if behind > 1 else (axes[..., 0] @ table)
+        moved = moved.reshape(len(weights), self.n_paces, self.n_states)
+        return np.asarray(self.changes.T @ moved if self.n_paces > 1 else moved)
+
+
+def _probabilities(values: Floats, name: str, n_axes: int) -> Floats:
+    table = np.array(values, dtype=np.float64)
+    if table.ndim != n_axes or table.shape[-1] != table.shape[-2]:
+        raise ProblemError(f"{name} has shape {table.shape}; expected {n_axes} axes, the last two a square")
+    if not (table >= 0).all() or not np.allclose(table.sum(axis=-1), 1.0):
+        raise ProblemError(
+            f"{name} has an entry of {table.min()} and rows that add up to {table.sum(axis=-1).min()} to "
+            f"{table.sum(axis=-1).max()}; expected probabilities, 1 in every row"
+        )
+    table.flags.writeable = False
+    return table
 
 
 def steady_growth(library: Library, rates: float | Sequence[float], sudden: float = 0.0, change: float = 0.0) -> Growth:
@@ -76,19 +99,26 @@ def steady_growth(library: Library, rates: float | Sequence[float], sudden: floa
         ProblemError: a rate or probability is outside of 0 to 1, or a step would skip levels.
     """
     given = np.atleast_1d(np.asarray(rates, dtype=np.float64)).tolist()
-    tables = [_parameter_tables(library, k, given, sudden) for k in range(len(library.parameters))]
-    transitions = np.array([np.prod(chosen, axis=0) for chosen in itertools.product(*tables)])
-    transitions /= transitions.sum(axis=2, keepdims=True)  # a library need not hold every combination of levels
-    n = len(transitions)
+    levels = [np.unique(column) for column in library.states.T]
+    paces = list(itertools.product(given, repeat=len(levels)))
+    tables = [
+        np.array([_level_table(of_axis, pace[k], sudden, library.parameters[k]) for pace in paces])
+        for k, of_axis in enumerate(levels)
+    ]
+    n = len(paces)
     changes = np.full((n, n), change / max(1, n - 1))
     np.fill_diagonal(changes, 1.0 - change if n > 1 else 1.0)
-    return Growth(transitions, changes)
+    grid = grid_states([of_axis.tolist() for of_axis in levels])
+    if np.array_equal(grid, library.states):
+        return Growth(tuple(tables), changes)
+    return Growth((_within(Growth(tuple(tables), changes).transitions, grid, library.states),), changes)
 
 
-def _parameter_tables(library: Library, k: int, rates: list[float], sudden: float) -> list[Floats]:
-    """Return for every rate the transitions (n_states, n_states) of one parameter, the others left alone."""
-    levels, at = np.unique(library.states[:, k], return_inverse=True)
-    return [_level_table(levels, rate, sudden, library.parameters[k])[np.ix_(at, at)] for rate in rates]
+def _within(transitions: Floats, grid: Floats, states: Floats) -> Floats:
+    """Return the transitions between those states of a grid that a library holds; what would leave them stays in."""
+    at = [int(np.flatnonzero((grid == state).all(axis=1))[0]) for state in states]
+    kept = transitions[:, at][:, :, at]
+    return np.asarray(kept / kept.sum(axis=2, keepdims=True))
 
 
 def _level_table(levels: Floats, rate: float, sudden: float, name: str) -> Floats:

@@ -15,6 +15,7 @@ from octmip.monitor import (
     Growth,
     LeafLikelihood,
     Library,
+    calibrated_content,
     grid_states,
     leaf_p_value,
     library_of,
@@ -87,14 +88,35 @@ def test_damage_grows_by_the_rate_and_never_heals():
     assert steady_growth(library, 0.0, sudden=0.1).transitions[0][0, 1:] == pytest.approx(np.full(8, 0.0125))
 
 
+def test_axes_grow_as_the_full_table_says(cells):
+    growth = steady_growth(cells, (0.01, 0.05), sudden=0.01, change=0.1)
+    assert [table.shape for table in growth.tables] == [(4, 8, 8)] * 2
+    weights = np.random.default_rng(0).random((3, 4, 64))
+    expected = np.einsum("nks,kst,kl->nlt", weights, growth.transitions, growth.changes)
+    assert growth.advance(weights) == pytest.approx(expected, rel=1e-12)
+
+
+def test_a_library_that_lacks_combinations_keeps_its_belief_to_itself():
+    states = [[0.0, 0.0], [0.0, 0.5], [0.5, 0.5]]
+    library = Library(("mu1", "mu2"), states, ("a",), [[0.0], [1.0], [2.0]], 1.0)
+    growth = steady_growth(library, 0.1)
+    both, one = 0.8 * 0.8, 0.2 * 0.8  # stays twice; one axis moves
+    assert growth.transitions[0, 0] == pytest.approx(np.array([both, one, 0.04]) / (both + one + 0.04))
+    assert growth.advance(np.ones((1, 1, 3)) / 3).sum() == pytest.approx(1.0)
+
+
 def test_a_growth_that_is_none_is_refused(cells):
     library, growth = small_chain()
     with pytest.raises(ProblemError, match="less than one level a step"):
         steady_growth(library, 0.31)
     with pytest.raises(ProblemError, match="rows that add up to"):
-        Growth(np.full((1, 2, 2), 0.4), np.ones((1, 1)))
+        Growth((np.full((1, 2, 2), 0.4),), np.ones((1, 1)))
     with pytest.raises(ProblemError, match="expected 3 axes"):
-        Growth(np.eye(2), np.ones((1, 1)))
+        Growth((np.eye(2),), np.ones((1, 1)))
+    with pytest.raises(ProblemError, match="expected a tuple"):
+        Growth(np.eye(2)[None], np.ones((1, 1)))
+    with pytest.raises(ProblemError, match="the same paces"):
+        Growth((np.eye(2)[None],), np.eye(2))
     with pytest.raises(ProblemError, match="make both for one library"):
         Filter(GaussianLikelihood(cells), growth)
 
@@ -110,6 +132,25 @@ def test_quantiles_of_a_belief_are_linear_within_cells():
     assert belief.most_probable.tolist() == [1, 0]
     with pytest.raises(ProblemError, match="no parameter 'mu9'"):
         belief.mean("mu9")
+
+
+@pytest.mark.parametrize("width", [0.0, 0.1])
+def test_the_content_that_holds_a_value_is_the_least_whose_interval_does(width):
+    library = Library(("mu1",), [[0.05], [0.15], [0.25]], ("a",), [[0.0], [1.0], [2.0]], 1.0, widths=[width])
+    belief = Belief(library, np.array([[[0.25, 0.5, 0.25]]] * 5))
+    values = np.array([0.05, 0.12, 0.15, 0.16, 0.25])
+    content = belief.content_holding("mu1", values)
+    for shift, holds in ((1e-6, True), (-1e-6, False)):
+        ends = [belief.interval("mu1", min(1.0, max(0.0, c + shift))) for c in content]
+        inside = [low[k] <= values[k] <= high[k] for k, (low, high) in enumerate(ends)]
+        assert all(is_in == holds for is_in, c in zip(inside, content, strict=True) if holds or c > 0)
+
+
+def test_contents_are_calibrated_on_histories():
+    contents = np.linspace(0.0, 1.0, 101)
+    assert calibrated_content(contents, 0.8) == pytest.approx(0.8)
+    with pytest.raises(ProblemError, match="at least one value"):
+        calibrated_content(np.zeros(0))
 
 
 def test_thresholds_of_several_parameters_are_taken_together(cells):
