@@ -78,9 +78,27 @@ def strain_rows(mesh: Mesh, thickness: FloatArray, gauges: Sequence[StrainGauge]
     InputError
         If a gauge lies outside its patches or measures along the normal.
     """
-    weights = element_weights(mesh, gauges)
-    rows = [_averaged_row(mesh, thickness, gauge, parts) for gauge, parts in zip(gauges, weights, strict=True)]
-    return sparse.csr_array(sparse.vstack(rows))
+    rows = np.zeros((len(gauges), mesh.n_dofs))
+    for row, parts in zip(rows, element_rows(mesh, thickness, gauges), strict=True):
+        for element, strain in parts.items():
+            row[dofs_of_nodes(mesh.quads[element]).ravel()] += strain
+    return sparse.csr_array(rows)
+
+
+def element_rows(mesh: Mesh, thickness: FloatArray, gauges: Sequence[StrainGauge]) -> list[dict[int, FloatArray]]:
+    """Return for each gauge the quadrilaterals it averages and their rows (24,), weights included; as `strain_rows`.
+
+    A gauge's strain is the sum of row @ displacements of the element, or @ its deformation where it moved far.
+    """
+    rows = []
+    for gauge, weights in zip(gauges, element_weights(mesh, gauges), strict=True):
+        parts = {}
+        for element, weight in weights.items():
+            height = gauge.side * thickness[element] / 2.0
+            corners = mesh.nodes[mesh.quads[element]]
+            parts[element] = weight * point_strain_row(corners, 0.0, 0.0, gauge.direction, height, gauge.name)
+        rows.append(parts)
+    return rows
 
 
 def locate(mesh: Mesh, gauge: StrainGauge) -> Spot:
@@ -135,16 +153,6 @@ def _weights(mesh: Mesh, spot: Spot, adjoining: list[IntArray], areas: FloatArra
         for element, part in zip(around, share * inverse / inverse.sum(), strict=True):
             weights[element] = weights.get(element, 0.0) + float(part)
     return weights
-
-
-def _averaged_row(mesh: Mesh, thickness: FloatArray, gauge: StrainGauge, weights: dict[int, float]) -> sparse.csr_array:
-    row = np.zeros((1, mesh.n_dofs))
-    for element, weight in weights.items():
-        height = gauge.side * thickness[element] / 2.0
-        corners = mesh.quads[element]
-        strain = point_strain_row(mesh.nodes[corners], 0.0, 0.0, gauge.direction, height, gauge.name)
-        row[0, dofs_of_nodes(corners).ravel()] += weight * strain
-    return sparse.csr_array(row)
 
 
 def _quads_at_nodes(mesh: Mesh) -> list[IntArray]:

@@ -60,21 +60,29 @@ def thermal_load(shells: Shells, warming: FloatArray, gradient: FloatArray) -> F
     gradient : FloatArray
         Temperature per height toward the top side (n_elements,) [K/m].
     """
+    loads = np.zeros(shells.mesh.n_dofs)
+    corners_of = (shells.mesh.quads, shells.mesh.trias)
+    for corners, forces in zip(corners_of, thermal_forces(shells, warming, gradient), strict=True):
+        np.add.at(loads, dofs_of_nodes(corners).reshape(forces.shape), forces)
+    return loads
+
+
+def thermal_forces(shells: Shells, warming: FloatArray, gradient: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the same element by element: (n_quads, 24) and (n_trias, 18) in global axes before any motion."""
     mesh = shells.mesh
     warm = frozen_floats(warming, "warming", (mesh.n_elements,))
     steep = frozen_floats(gradient, "gradient", (mesh.n_elements,))
-    loads = np.zeros(mesh.n_dofs)
+    parts = (np.zeros((len(mesh.quads), quad4.N_DOFS)), np.zeros((len(mesh.trias), tria3.N_DOFS)))
     for element in np.flatnonzero((warm != 0.0) | (steep != 0.0)):
         laminate = shells.laminates[shells.section[element]]
         force = warm[element] * laminate.thermal_force + steep[element] * laminate.gradient_force
         moment = warm[element] * laminate.thermal_moment + steep[element] * laminate.gradient_moment
-        corners = mesh.corners_of(int(element))
-        nodal = np.zeros(DOFS_PER_NODE * len(corners))
-        for operator, area in _quadrature(mesh.nodes[corners]):
+        kind, row = (0, element) if element < len(mesh.quads) else (1, element - len(mesh.quads))
+        for operator, area in _quadrature(mesh.nodes[mesh.corners_of(int(element))]):
             turn = resultant_turn(operator.axes, shells.axis)
-            nodal += area * ((turn @ force) @ operator.membrane + (turn @ moment) @ operator.curvature)
-        loads[dofs_of_nodes(corners).ravel()] += shells.scale[element] * nodal
-    return loads
+            parts[kind][row] += area * ((turn @ force) @ operator.membrane + (turn @ moment) @ operator.curvature)
+        parts[kind][row] *= shells.scale[element]
+    return parts
 
 
 def _quadrature(points: FloatArray) -> list[tuple[StrainOperator, float]]:

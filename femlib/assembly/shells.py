@@ -52,6 +52,11 @@ class Shells:
         trias *= self.scale[k:, None, None]
         object.__setattr__(self, "_matrices", (quads, trias))
 
+    @property
+    def element_stiffness(self) -> tuple[FloatArray, FloatArray]:
+        """The elements' matrices (n_quads, 24, 24) and (n_trias, 18, 18) in global axes."""
+        return self._matrices
+
     def stiffness(self, elements: BoolArray | None = None) -> sparse.csc_array:
         """Return the stiffness (n_dofs, n_dofs), of all elements or of those where `elements` (n_elements,) is true."""
         return assemble(self.mesh, *self._matrices, elements)

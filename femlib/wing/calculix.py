@@ -15,9 +15,9 @@ import numpy as np
 from femlib import sensors
 from femlib.arrays import FloatArray, IntArray
 from femlib.components import checked_damage, damage_row
-from femlib.errors import InputError
+from femlib.errors import InputError, frozen_floats
 from femlib.mesh import DOFS_PER_NODE, Mesh
-from femlib.wing.model import MICRO, Wing
+from femlib.wing.model import MICRO, Wing, checked_load_factor
 
 
 def write_deck(
@@ -25,8 +25,10 @@ def write_deck(
     path: str | Path,
     state: Mapping[str, float],
     load_factor: float,
-    warming: float = 0.0,
+    warming: float | FloatArray = 0.0,
     large_deflection: bool = False,
+    forces: FloatArray | None = None,
+    gradient: float = 0.0,
 ) -> None:
     """Write the deck, whole or not at all.
 
@@ -39,22 +41,31 @@ def write_deck(
     state : mapping
         Damage fractions by parameter.
     load_factor : float
-        Factor on the lift.
-    warming : float
-        Uniform temperature above the stress-free state [K].
+        Factor on the forces.
+    warming : float or FloatArray
+        Temperature above the stress-free state [K], uniform or of each element (n_elements,), as that of one warm skin.
     large_deflection : bool
         Let CalculiX follow the deformed shape.
+    forces : FloatArray, optional
+        Nodal forces and moments (n_dofs,) at load factor 1 [N, N m], as an aerodynamic load or the pull of masses; the
+        elliptic lift if not given.
+    gradient : float
+        Temperature per height toward each shell's top side [K/m], with a uniform warming only.
 
     Raises
     ------
     InputError
-        If the state is bad, the ending is not .inp, or the folder cannot be written to.
+        If state, load factor, temperature or forces are bad, the ending is not .inp, or the folder cannot be written
+        to.
     """
     target = Path(path)
     if target.suffix != ".inp":
         raise InputError(f"deck path {target} ends in {target.suffix!r}; expected .inp; rename it")
     damage = checked_damage(damage_row(state, wing.parameters)[None, :], wing.parameters)[0]
-    lines = [*_geometry(wing), *_sections(wing, damage), *_step(wing, load_factor, warming, large_deflection)]
+    load = wing.lift if forces is None else frozen_floats(forces, "forces", wing.lift.shape)
+    load = checked_load_factor(load_factor) * load
+    expansion, field = _temperature(wing, warming, gradient)
+    lines = [*_geometry(wing), *_sections(wing, damage, expansion), *_step(field, load, large_deflection)]
     temporary = target.with_name(f".{target.name}.part")
     try:
         temporary.write_text("\n".join(lines) + "\n", encoding="ascii")
@@ -136,17 +147,35 @@ def _edge_middles(mesh: Mesh) -> tuple[FloatArray, IntArray, IntArray]:
     return mesh.nodes[edges].mean(axis=1), numbers[:split].reshape(-1, 4), numbers[split:].reshape(-1, 3)
 
 
-def _sections(wing: Wing, damage: FloatArray) -> list[str]:
-    """Return materials and shell sections: one for each section and stiffness that occurs."""
+def _temperature(wing: Wing, warming: float | FloatArray, gradient: float) -> tuple[FloatArray, str]:
+    """Return a factor on each element's expansion (n_elements,) and the temperature field of all nodes.
+
+    A node that two warm and cold shells share has one temperature, so a field by element enters by the expansion: each
+    shell's own times its temperature, under one kelvin everywhere.
+    """
+    n = wing.structure.shells.mesh.n_elements
+    if np.ndim(warming) == 0:
+        uniform, steep = frozen_floats([float(np.asarray(warming)), gradient], "warming, gradient", (2,)).tolist()
+        return np.ones(n), f"ALL, {uniform}, {steep}"
+    if gradient != 0.0:
+        raise InputError(
+            f"gradient is {gradient} K/m beside a warming by element; expected 0; write two decks and add their strains"
+        )
+    return frozen_floats(warming, "warming", (n,)), "ALL, 1.0, 0.0"
+
+
+def _sections(wing: Wing, damage: FloatArray, expansion_factor: FloatArray) -> list[str]:
+    """Return materials and shell sections: one for each section, stiffness and expansion that occurs."""
     shells, cards = wing.structure.shells, wing.materials
     factor = cards.modulus_scale * shells.scale
     for mu, component in zip(damage, wing.structure.components, strict=True):
         factor = np.where(component.elements, (1.0 - mu) * factor, factor)
-    kinds, member = np.unique(np.column_stack([shells.section, np.round(factor, 9)]), axis=0, return_inverse=True)
+    columns = np.column_stack([shells.section, np.round(factor, 9), expansion_factor])
+    kinds, member = np.unique(columns, axis=0, return_inverse=True)
     skin = (cards.skin_young, cards.skin_poisson, cards.skin_thickness, cards.skin_density, cards.skin_expansion)
     wood = (cards.wood_young, cards.wood_poisson, cards.wood_thickness, cards.wood_density, cards.wood_expansion)
     lines: list[str] = []
-    for number, (section, amount) in enumerate(kinds):
+    for number, (section, amount, warmth) in enumerate(kinds):
         young, poisson, thickness, density, expansion = (skin, wood)[int(section)]
         lines += [f"*ELSET, ELSET=E{number}", *(f"{e + 1}," for e in np.flatnonzero(member.ravel() == number))]
         lines += [
@@ -156,18 +185,18 @@ def _sections(wing: Wing, damage: FloatArray) -> list[str]:
             "*DENSITY",
             f"{density}",
         ]
-        lines += ["*EXPANSION, ZERO=0", f"{expansion}"]
+        lines += ["*EXPANSION, ZERO=0", f"{expansion * warmth:.9e}"]
         lines += [f"*SHELL SECTION, ELSET=E{number}, MATERIAL=M{number}", f"{thickness}"]
     return lines
 
 
-def _step(wing: Wing, load_factor: float, warming: float, large_deflection: bool) -> list[str]:
+def _step(temperature: str, load: FloatArray, large_deflection: bool) -> list[str]:
     lines = ["*INITIAL CONDITIONS, TYPE=TEMPERATURE", "ALL, 0."]
     lines += ["*STEP" + (", NLGEOM" if large_deflection else ""), "*STATIC"]
     if large_deflection:
-        lines.append("0.25, 1.")
-    lines += ["*TEMPERATURE", f"ALL, {warming}", "*CLOAD"]
-    forces = load_factor * wing.lift.reshape(-1, DOFS_PER_NODE)[:, :3]
+        lines.append("1., 1.")  # the whole load at once: CalculiX halves it by itself where it must
+    lines += ["*TEMPERATURE", temperature, "*CLOAD"]
+    forces = load.reshape(-1, DOFS_PER_NODE)
     lines += [f"{n + 1}, {axis + 1}, {forces[n, axis]:.9e}" for n, axis in np.argwhere(forces != 0.0)]
     printed = ["*EL PRINT, ELSET=GAUGES", "E", "*NODE FILE, OUTPUT=2D", "U", "*END STEP"]
     return lines + printed

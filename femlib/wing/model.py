@@ -58,11 +58,20 @@ class Wing:
     strain_rows: sparse.csr_array = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
+        rows = sensors.strain_rows(self.structure.shells.mesh, self.thickness, self.strain_gauges)
+        object.__setattr__(self, "strain_rows", -rows)
+
+    @property
+    def thickness(self) -> FloatArray:
+        """Thickness of each element (n_elements,) [m]."""
         shells = self.structure.shells
+        return np.array([laminate.thickness for laminate in shells.laminates])[shells.section]
+
+    @property
+    def strain_gauges(self) -> list[sensors.StrainGauge]:
+        """The gauges on the shells: they read at the height of the skin's carbon face."""
         side = self.materials.face_height / (self.materials.skin_thickness / 2.0)
-        thickness = np.array([laminate.thickness for laminate in shells.laminates])[shells.section]
-        gauges = self.gauges.strain_gauges(("top",), side)
-        object.__setattr__(self, "strain_rows", -sensors.strain_rows(shells.mesh, thickness, gauges))
+        return self.gauges.strain_gauges(("top",), side)
 
     @property
     def span(self) -> float:
@@ -94,7 +103,7 @@ class Wing:
             If the state names an unknown parameter, a damage is outside [0, 1), or the load factor is not finite.
         """
         row = damage_row(state, self.parameters)[None, :]
-        load = _checked_load_factor(load_factor) * self.lift
+        load = checked_load_factor(load_factor) * self.lift
         return np.asarray(self.structure.solve(row, load)[0].reshape(-1, DOFS_PER_NODE))
 
     def strain_microstrain(self, state: Mapping[str, float], load_factor: float) -> FloatArray:
@@ -115,7 +124,7 @@ class Wing:
         InputError
             As `solve`.
         """
-        load = _checked_load_factor(load_factor) * self.lift
+        load = checked_load_factor(load_factor) * self.lift
         return MICRO * self.structure.solve_outputs(states, load, self.strain_rows)
 
     def tip_stiffness(self) -> float:
@@ -180,7 +189,8 @@ def uav_wing(
     return Wing(structure, grid, regions, gauges, cards, elliptic_lift(mesh, grid, effective_mass))
 
 
-def _checked_load_factor(load_factor: float) -> float:
+def checked_load_factor(load_factor: float) -> float:
+    """Return the load factor as a float; raise InputError if it is not finite."""
     if not np.isfinite(load_factor):
         raise InputError(f"load_factor is {load_factor}; expected a finite number; 1 is steady level flight")
     return float(load_factor)

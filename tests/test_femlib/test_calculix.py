@@ -32,7 +32,7 @@ def test_the_deck_has_every_element_and_the_whole_load(coarse: Wing, deck: list[
     assert len(block(deck, "*ELEMENT, TYPE=S6")) == len(mesh.trias)
     loads = np.array([line.split(",") for line in block(deck, "*CLOAD")], dtype=float)
     assert loads[:, 2].sum() == pytest.approx(3.0 * coarse.lift[2::6].sum())
-    assert "*STEP, NLGEOM" in deck and "ALL, -20.0" in deck
+    assert "*STEP, NLGEOM" in deck and "ALL, -20.0, 0.0" in deck
 
 
 def test_damage_lowers_the_modulus_of_its_region(coarse: Wing, tmp_path: Path) -> None:

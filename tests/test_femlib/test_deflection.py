@@ -1,0 +1,185 @@
+"""Large deflection: exact tangents, turns without strain, the elastica, a rolled-up strip, a stretched plate strip."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_bvp
+from scipy.optimize import brentq
+
+from femlib.arrays import FloatArray, IntArray
+from femlib.assembly import Shells, Supports, deflect, factorise, line_load, surface_load, thermal_forces, thermal_load
+from femlib.elements import corotational
+from femlib.elements.rotations import exp_rotation, log_rotation, moment_variation, spin_to_vector
+from femlib.errors import InputError, SolveError
+from femlib.material import isotropic_plate
+from tests.test_femlib.plates import patch
+from tests.test_femlib.shell_problems import hold, mapped
+
+PUBLISHED = {0.25: (0.563, 3.015), 0.5: (1.604, 4.933), 0.75: (2.541, 6.031), 1.0: (3.286, 6.698)}
+"""Shortening and deflection of the cantilever's tip by load fraction. Source: K. Y. Sze, X. H. Liu, S. H. Lo, Finite
+Elements in Analysis and Design 40 (2004) 1551-1569, table 1."""
+
+
+def strip(n: int) -> tuple[Shells, Supports, IntArray]:
+    """The published cantilever: 10 x 1 x 0.1, E = 1.2e6, nu = 0."""
+    shells, node = mapped(
+        lambda u, v: np.stack([10 * u, v - 0.5, 0 * u], axis=-1), n, 1, isotropic_plate(1.2e6, 0.0, 0.1)
+    )
+    return shells, Supports.clamping(shells.mesh, node[0]), node
+
+
+def elastica(load: float) -> tuple[float, float]:
+    """Shortening and deflection of a tip under a dead load [EI / L^2], L = 1: theta'' = -load cos theta."""
+    s = np.linspace(0.0, 1.0, 200)
+
+    def slope(s: FloatArray, y: FloatArray) -> FloatArray:
+        return np.stack([y[1], -load * np.cos(y[0]), np.cos(y[0]), np.sin(y[0])])
+
+    def ends(a: FloatArray, b: FloatArray) -> FloatArray:
+        return np.array([a[0], b[1], a[2], a[3]])
+
+    start = np.stack([0.5 * load * s, 0.5 * load * (1 - s), s, 0.3 * s])
+    found = solve_bvp(slope, ends, s, start, tol=1e-8)
+    return 1.0 - float(found.y[2, -1]), float(found.y[3, -1])
+
+
+def test_a_cantilever_follows_its_published_curve_and_the_elastica() -> None:
+    shells, supports, node = strip(16)
+    load = line_load(shells.mesh, node[-1], np.array([0.0, 0.0, 4.0]))
+    for found in deflect(shells, supports, load, tuple(PUBLISHED)):
+        tip = found.displacement[node[-1]].mean(axis=0)
+        assert (-tip[0], tip[2]) == pytest.approx(PUBLISHED[found.fraction], abs=2e-3)
+        exact = 10.0 * np.array(elastica(4.0 * found.fraction))
+        assert np.array([-tip[0], tip[2]]) == pytest.approx(exact, abs=4e-3)
+        assert found.residual < 1e-8 and found.n_iterations < 15
+
+
+def test_a_strip_rolls_up_into_a_circle() -> None:
+    shells, supports, node = strip(16)
+    load = np.zeros(shells.mesh.n_dofs)
+    load[hold(node[-1], "y")] = -0.5 * 2.0 * np.pi * 100.0 / 10.0  # a full turn: M = 2 pi E I / L
+    turns = deflect(shells, supports, load, (np.arange(1, 13) / 12).tolist())
+    half, full = turns[5], turns[11]
+    assert half.displacement[node[-1]].mean(axis=0) == pytest.approx([-10.0, 0.0, 20.0 / np.pi], abs=0.015)
+    assert full.displacement[node[-1]].mean(axis=0) == pytest.approx([-10.0, 0.0, 0.0], abs=0.02)
+
+
+def test_a_plate_strip_between_hinges_carries_its_load_by_stretching() -> None:
+    """Cylindrical bending: w = q / (S k^2) (cosh k x / cosh k - 1) + q (1 - x^2) / (2 S), half-width 1, S = D k^2, and
+    the middle surface must be longer by S (1 - nu^2) / (E h).
+
+    Source: S. Timoshenko, S. Woinowsky-Krieger, Theory of Plates and Shells (1959), chapter 1.
+    """
+    young, nu, h, q = 70e9, 0.3, 5e-3, 2e4
+    rigidity = young * h**3 / 12.0 / (1.0 - nu**2)
+    x = np.linspace(0.0, 1.0, 4001)
+
+    def stretch(k: float) -> float:
+        pull = rigidity * k**2
+        slope = q / pull * (np.sinh(k * x) / (k * np.cosh(k)) - x)
+        return float(np.trapezoid(0.5 * slope**2, x)) - pull * (1.0 - nu**2) / (young * h)
+
+    k = brentq(stretch, 0.1, 200.0)
+    pull = rigidity * k**2
+    exact = q / pull * (0.5 + (1.0 / np.cosh(k) - 1.0) / k**2)
+    linear = 5.0 * q * 2.0**4 / (384.0 * rigidity)
+    assert exact < 0.1 * linear  # deep in the range where only stretching carries
+    shells, node = mapped(lambda u, v: np.stack([u, 0.05 * v, 0 * u], axis=-1), 40, 1, isotropic_plate(young, nu, h))
+    held = [hold(node[0], "uyz"), hold(node[-1], "uw"), hold(node, "vxz")]
+    load = surface_load(shells.mesh, np.tile([0.0, 0.0, q], (40, 1)))
+    found = deflect(shells, Supports.holding(shells.mesh, np.concatenate(held)), load, (0.1, 1.0))[-1]
+    assert found.displacement[node[0], 2] == pytest.approx(exact, rel=5e-3)
+
+
+@pytest.mark.parametrize("shape", ["quad4", "tria3"])
+def test_the_tangent_is_the_derivative_of_the_forces(shape: str) -> None:
+    rng = np.random.default_rng(0)
+    shells = patch(isotropic_plate(70e9, 0.3, 5e-3), shape)
+    kind = 0 if shape == "quad4" else 1
+    corners, stiffness = (shells.mesh.quads, shells.mesh.trias)[kind], shells.element_stiffness[kind]
+    points = shells.mesh.nodes[corners]
+    m, n = corners.shape
+    turn = exp_rotation(np.array([0.5, -0.8, 1.1]))
+    moved = points @ turn.T - points + 5e-3 * rng.normal(size=points.shape)
+    turned = exp_rotation(0.15 * rng.normal(size=(m, n, 3))) @ turn
+    offset = 1e4 * rng.normal(size=(m, 6 * n))
+
+    def pushed(node: int, dof: int, step: float) -> FloatArray:
+        displacement, rotation = moved.copy(), turned.copy()
+        if dof < 3:
+            displacement[:, node, dof] += step
+        else:
+            rotation[:, node] = exp_rotation(step * np.eye(3)[dof - 3]) @ rotation[:, node]
+        return corotational.forces(corotational.motion(points, displacement, rotation), stiffness, offset)
+
+    columns = [(pushed(i, k, 1e-6) - pushed(i, k, -1e-6)).reshape(m, -1) / 2e-6 for i in range(n) for k in range(6)]
+    measured = np.stack(columns, axis=2)
+    measured = 0.5 * (measured + measured.transpose(0, 2, 1))
+    tangent = corotational.tangent(corotational.motion(points, moved, turned), stiffness, offset)
+    assert np.abs(tangent - measured).max() < 1e-8 * np.abs(measured).max()
+
+
+@pytest.mark.parametrize("shape", ["quad4", "tria3"])
+def test_a_large_rigid_motion_has_no_force(shape: str) -> None:
+    shells = patch(isotropic_plate(70e9, 0.3, 5e-3), shape)
+    kind = 0 if shape == "quad4" else 1
+    points = shells.mesh.nodes[(shells.mesh.quads, shells.mesh.trias)[kind]]
+    m, n = points.shape[:2]
+    turn = exp_rotation(np.array([1.5, -0.8, 1.1]))
+    motion = corotational.motion(points, points @ turn.T - points + 3.0, np.broadcast_to(turn, (m, n, 3, 3)))
+    stiffness = shells.element_stiffness[kind]
+    assert np.abs(corotational.forces(motion, stiffness, np.zeros((m, 6 * n)))).max() < 1e-12 * stiffness.max()
+
+
+@pytest.mark.parametrize("size", [1e-3, 0.19, 0.21, 2.0])
+def test_rotation_vectors_vary_with_spins_as_their_formulas_say(size: float) -> None:
+    vector, moment = size * np.array([0.6, 0.0, 0.8]), np.array([1.0, -2.0, 0.5])
+    turn = exp_rotation(vector)
+    assert log_rotation(turn) == pytest.approx(vector)
+    h = 1e-6
+    spun = [
+        (log_rotation(exp_rotation(h * e) @ turn) - log_rotation(exp_rotation(-h * e) @ turn)) / (2 * h)
+        for e in np.eye(3)
+    ]
+    assert np.stack(spun, axis=1) == pytest.approx(spin_to_vector(vector), abs=1e-8)
+    pulled = [
+        (spin_to_vector(vector + h * e).T - spin_to_vector(vector - h * e).T) @ moment / (2 * h) for e in np.eye(3)
+    ]
+    assert np.stack(pulled, axis=1) == pytest.approx(moment_variation(vector, moment), abs=1e-8)
+
+
+def test_a_small_load_deflects_as_in_the_linear_theory() -> None:
+    shells, supports, node = strip(8)
+    load = line_load(shells.mesh, node[-1], np.array([0.0, 0.0, 4e-5]))
+    linear = supports.expand(factorise(supports.reduce(shells.stiffness()), supports.groups).solve(load[supports.free]))
+    found = deflect(shells, supports, load)[0]
+    assert found.displacement[:, 2] == pytest.approx(linear.reshape(-1, 6)[:, 2], rel=1e-5, abs=1e-12)
+    assert log_rotation(found.rotation)[:, 1] == pytest.approx(linear.reshape(-1, 6)[:, 4], rel=1e-5, abs=1e-12)
+
+
+def test_free_warming_of_a_strip_stays_without_stress() -> None:
+    plate = isotropic_plate(70e9, 0.3, 5e-3, expansion=2e-3)
+    shells, node = mapped(lambda u, v: np.stack([u, 0.3 * v, 0 * u], axis=-1), 4, 2, plate)
+    supports = Supports.holding(shells.mesh, hold(node[:1, :1], "uvwxyz"))
+    warm = np.full(8, 10.0)
+    thermal = thermal_forces(shells, warm, np.zeros(8))
+    found = deflect(shells, supports, np.zeros(shells.mesh.n_dofs), thermal=thermal)[-1]
+    assert found.displacement[node[-1, -1]] == pytest.approx([0.02, 0.006, 0.0], rel=1e-6, abs=1e-9)
+    assert np.abs(thermal_load(shells, warm, np.zeros(8))).max() > 0
+
+
+def test_bad_input_gets_a_sentence() -> None:
+    shells, supports, node = strip(2)
+    load = line_load(shells.mesh, node[-1], np.array([0.0, 0.0, 4.0]))
+    with pytest.raises(InputError, match=r"load fractions are \[1.0, 0.5\]; expected increasing numbers above 0"):
+        deflect(shells, supports, load, (1.0, 0.5))
+    with pytest.raises(InputError, match=r"load has shape \(3,\); expected \(36,\)"):
+        deflect(shells, supports, np.zeros(3))
+    with pytest.raises(InputError, match=r"load\[0\] is nan"):
+        deflect(shells, supports, np.full(36, np.nan))
+
+
+def test_a_load_beyond_the_limit_is_an_error_and_not_an_answer() -> None:
+    shells, supports, node = strip(4)
+    torn = line_load(shells.mesh, node[-1], np.array([-1e12, 3.0, 0.0]))
+    with pytest.raises(SolveError, match="large deflection did not converge from load fraction"):
+        deflect(shells, supports, torn)
