@@ -1,10 +1,12 @@
 """HiGHS: one run of the solver on a model, with limits, Ctrl-C, progress, a start and injected incumbents.
 
 HiGHS runs in a thread of its own while this one waits: so Ctrl-C reaches Python, the run ends at its next callback, and
-incumbent and bound survive (`Highs.run` in the calling thread loses them).
+incumbent and bound survive (`Highs.run` in the calling thread loses them). The waiting thread also keeps the time,
+which HiGHS looks at too rarely within a relaxation, and the memory, for which HiGHS has no limit.
 """
 
 import math
+import os
 import threading
 import time
 from collections.abc import Callable
@@ -38,7 +40,7 @@ class Options:
     """How HiGHS is run.
 
     Attributes:
-        limits: seconds, gap and nodes at which to stop.
+        limits: at which to stop; memory counts what the process has grown by since the run began.
         seed: of its random choices.
         threads: that it may use.
         tolerance: feasibility tolerance of integer solutions, integrality included.
@@ -88,7 +90,7 @@ class _State:
     n_nodes: int = 0
     first_incumbent: float = math.inf
     root_bound: float = -math.inf
-    is_stopped: bool = False
+    stop: Stop | None = None  # why the waiting thread wants an end
     error: BaseException | None = None
 
 
@@ -119,7 +121,7 @@ def run(
         solution = highspy.HighsSolution()
         solution.col_value = start.tolist()
         highs.setSolution(solution)
-    _wait(highs, state, progress, began)
+    _wait(highs, state, options.limits, progress, began)
     return _outcome(highs, state, time.perf_counter() - began)
 
 
@@ -198,11 +200,11 @@ def _subscribe(
         state.objective, state.bound, state.n_nodes = out.mip_primal_bound, out.mip_dual_bound, out.mip_node_count
         if state.n_nodes <= 1:
             state.root_bound = max(state.root_bound, state.bound)
-        if state.is_stopped:
+        if state.stop is not None:
             event.interrupt()
 
     def obey(event: highspy.HighsCallbackEvent) -> None:
-        if state.is_stopped:
+        if state.stop is not None:
             event.interrupt()
 
     def note_incumbent(event: highspy.HighsCallbackEvent) -> None:
@@ -214,7 +216,7 @@ def _subscribe(
         try:
             values = inject(event.data_out.mip_primal_bound)
         except BaseException as error:  # raised again in the waiting thread: HiGHS would swallow it here
-            state.error, state.is_stopped = error, True
+            state.error, state.stop = error, Stop.INTERRUPTED
             return
         if values is not None and event.data_in is not None:
             event.data_in.setSolution(values)
@@ -227,27 +229,46 @@ def _subscribe(
         highs.cbMipUserSolution.subscribe(give)
 
 
-def _wait(highs: highspy.Highs, state: _State, progress: ProgressCallback | None, began: float) -> None:
-    """Run HiGHS in its own thread and wait; Ctrl-C and errors of `progress` stop it."""
+def _wait(highs: highspy.Highs, state: _State, limits: Limits, progress: ProgressCallback | None, began: float) -> None:
+    """Run HiGHS in its own thread and wait; limits, Ctrl-C and errors of `progress` stop it."""
 
     def work() -> None:
         highs.run()
         # Threads are HiGHS's global state: the next run may ask for another number of them.
         highspy.Highs.resetGlobalScheduler(False)
 
+    most_memory = resident_bytes() + limits.memory
     thread = threading.Thread(target=work, daemon=True)
     thread.start()
     while thread.is_alive():
         try:
             thread.join(POLL)
-            if progress is not None and thread.is_alive() and not state.is_stopped:
-                progress(Progress(time.perf_counter() - began, state.objective, state.bound, state.n_nodes))
+            if state.stop is None:
+                seconds = time.perf_counter() - began
+                state.stop = _reached(limits, seconds, most_memory)
+                if progress is not None and thread.is_alive():
+                    progress(Progress(seconds, state.objective, state.bound, state.n_nodes))
         except KeyboardInterrupt:
-            state.is_stopped = True
+            state.stop = Stop.INTERRUPTED
         except BaseException as error:
-            state.error, state.is_stopped = error, True
+            state.error, state.stop = error, Stop.INTERRUPTED
     if state.error is not None:
         raise state.error
+
+
+def _reached(limits: Limits, seconds: float, most_memory: float) -> Stop | None:
+    """Return the limit that is reached, None while there is none."""
+    if seconds > limits.seconds:
+        return Stop.TIME
+    return Stop.MEMORY if resident_bytes() > most_memory else None
+
+
+def resident_bytes() -> float:
+    """Return the memory that this process holds, 0 where the system does not tell (no limit is kept there)."""
+    try:
+        return float(int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE"))
+    except OSError:
+        return 0.0
 
 
 def _outcome(highs: highspy.Highs, state: _State, seconds: float) -> Outcome:
@@ -256,12 +277,13 @@ def _outcome(highs: highspy.Highs, state: _State, seconds: float) -> Outcome:
         raise SolverError(f"HiGHS {VERSION} ended with {status.name} after {seconds:.1f} s; expected a solution")
     has_solution = info.primal_solution_status == int(highspy.SolutionStatus.kSolutionStatusFeasible)
     is_infeasible = status == highspy.HighsModelStatus.kInfeasible
+    is_interrupted = status == highspy.HighsModelStatus.kInterrupt
     bound = math.inf if is_infeasible else float(info.mip_dual_bound)
     return Outcome(
         values=np.array(highs.getSolution().col_value) if has_solution and not is_infeasible else None,
         objective=float(info.objective_function_value) if has_solution and not is_infeasible else math.inf,
         bound=bound if math.isfinite(bound) or is_infeasible else -math.inf,
-        stop=_STOPS[status],
+        stop=state.stop if is_interrupted and state.stop is not None else _STOPS[status],
         n_nodes=max(int(info.mip_node_count), 0),
         seconds=seconds,
         first_incumbent=state.first_incumbent,

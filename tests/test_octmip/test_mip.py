@@ -161,6 +161,13 @@ def test_a_time_limit_returns_the_start_and_an_honest_bound():
     assert solution.stop is Stop.TIME and solution.bound < 6 == solution.objective
 
 
+def test_a_memory_limit_stops():
+    problem = blobs(60, depth=3)
+    solution = solve_oct(problem, limits=Limits(seconds=300, memory=2e6))
+    certify(problem, solution)
+    assert solution.stop is Stop.MEMORY and solution.bound < solution.objective
+
+
 def test_a_node_limit_stops():
     assert solve_oct(uci("iris", depth=1), limits=Limits(nodes=2)).stop is Stop.NODES
 
