@@ -11,6 +11,9 @@ oct       Bertsimas & Dunn's OCT, HiGHS             search, HiGHS        HiGHS
 oct_h     Bertsimas & Dunn's OCT-H, HiGHS           search, HiGHS        HiGHS
 flow      the strengthened formulation, HiGHS       search, HiGHS        HiGHS
 auto      exact for axis-aligned trees, search for hyperplanes (whose proofs end in time for few features only)
+
+HiGHS works alone unless it is given assistance (`options={"assist": ("exact", "search")}`): the exact core's bound
+becomes a row of its model, or trees of further local searches are handed to it while it runs.
 """
 
 import importlib
@@ -34,6 +37,10 @@ Method = Literal["auto", "search", "exact", "oct", "oct_h", "flow", "cart"]
 SEARCH_SHARE = 0.2
 # And it makes fewer restarts than a search by itself: after the first few a proof gains more from the time.
 FIRST_RESTARTS = 4
+ASSISTANTS = ("exact", "search")
+"""Who may assist HiGHS."""
+TURN_SECONDS = 5.0
+"""A search that assists takes so long at most, so that it ends soon after HiGHS."""
 
 
 class Solver(Protocol):
@@ -55,11 +62,12 @@ class Solver(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Registration:
-    """Where a method's solver lives, and whether it proves and so wants an incumbent first."""
+    """Where a method's solver lives, whether it proves and so wants an incumbent first, and whether HiGHS does it."""
 
     module: str
     function: str
     proves: bool
+    is_mixed_integer: bool = False
 
     def load(self) -> Solver:
         """Return the solver, its module imported only now: Pyomo alone costs 0.6 s.
@@ -80,9 +88,9 @@ REGISTRY = {
     "cart": Registration("octmip.cart", "greedy_tree", proves=False),
     "search": Registration("octmip.search", "local_search", proves=False),
     "exact": Registration("octmip.exact", "branch_and_bound", proves=True),
-    "oct": Registration("octmip.mip.oct", "solve_oct", proves=True),
-    "oct_h": Registration("octmip.mip.oct_h", "solve_oct_h", proves=True),
-    "flow": Registration("octmip.mip.flow", "solve_flow", proves=True),
+    "oct": Registration("octmip.mip.oct", "solve_oct", proves=True, is_mixed_integer=True),
+    "oct_h": Registration("octmip.mip.oct_h", "solve_oct_h", proves=True, is_mixed_integer=True),
+    "flow": Registration("octmip.mip.flow", "solve_flow", proves=True, is_mixed_integer=True),
 }
 METHODS = ("auto", *REGISTRY)
 # What "exact" means for splits over one or two features.
@@ -113,7 +121,10 @@ def solve(
         seed: of all random choices.
         n_jobs: threads; the tree is the same for any number, unless time runs out.
         progress: called now and then with the state of the solver.
-        options: what the method's own solver takes beyond all this, for instance ``restarts`` of the search.
+        options: what the method's own solver takes beyond all this, for instance ``restarts`` of the search. The
+            mixed-integer methods take ``assist`` too, some of `ASSISTANTS`: "exact" proves for at most a fifth of the
+            time first and its bound enters the model (`details["lower_bound_given"]`); "search" goes on in a thread of
+            its own and hands over better trees, so which of several optimal trees comes back may vary.
 
     Raises:
         ProblemError: the method or an option is unknown, or the incumbent is no tree of this problem.
@@ -166,18 +177,25 @@ class _Call:
     start: float
 
     def run(
-        self, name: str, tree: Node | None, *, share: float = 1.0, options: Mapping[str, Any] = MappingProxyType({})
+        self,
+        name: str,
+        tree: Node | None,
+        *,
+        share: float = 1.0,
+        turn: int = 0,
+        options: Mapping[str, Any] = MappingProxyType({}),
     ) -> Solution:
-        """Return the solution of one solver within `share` of the seconds that are left."""
+        """Return the solution of one solver within `share` of the seconds that are left; another turn, another seed."""
         spent = time.perf_counter() - self.start
-        limits = replace(self.limits, seconds=share * max(0.0, self.limits.seconds - spent))
+        seconds = share * max(0.0, self.limits.seconds - spent)
+        limits = replace(self.limits, seconds=seconds if turn == 0 else min(seconds, TURN_SECONDS))
         return _registration(self.problem, name).load()(
             self.problem,
             limits=limits,
             incumbent=tree,
-            seed=self.seed,
-            n_jobs=self.n_jobs,
-            progress=self._shifted_progress(spent),
+            seed=self.seed + turn,
+            n_jobs=self.n_jobs if turn == 0 else 1,
+            progress=self._shifted_progress(spent) if turn == 0 else None,
             **options,
         )
 
@@ -190,6 +208,11 @@ class _Call:
 
 def _check_options(name: str, solver: Solver, options: Mapping[str, Any]) -> None:
     parameters = inspect.signature(solver).parameters
+    if "assist" in options and REGISTRY[name].is_mixed_integer:
+        assist = options["assist"]
+        if isinstance(assist, str) or not set(assist) <= set(ASSISTANTS):
+            raise ProblemError(f"assist is {assist!r}; expected a tuple of some of {', '.join(ASSISTANTS)}")
+        options = {key: value for key, value in options.items() if key != "assist"}
     takes_any = any(parameter.kind is parameter.VAR_KEYWORD for parameter in parameters.values())
     shared = {"problem", "limits", "incumbent", "seed", "n_jobs", "progress"}
     unknown = [option for option in options if option in shared or (option not in parameters and not takes_any)]
@@ -219,11 +242,30 @@ def _first_tree(call: _Call) -> Solution:
 def _run(call: _Call, name: str, first: Solution | None, options: Mapping[str, Any]) -> Solution:
     """Return one solver's solution; a Ctrl-C that it did not see itself ends with the incumbent."""
     try:
+        if "assist" in options:
+            return _assisted(call, name, first, options)
         return call.run(name, first.tree if first else None, options=options)
     except KeyboardInterrupt:
         if first is None:
             first = call.run("cart", None)
         return replace(first, stop=Stop.INTERRUPTED)
+
+
+def _assisted(call: _Call, name: str, first: Solution | None, options: Mapping[str, Any]) -> Solution:
+    """Return the solution of a mixed-integer method that the exact core, the search or both assist."""
+    own = {key: value for key, value in options.items() if key != "assist"}
+    tree = first.tree if first else None
+    if "exact" in options["assist"]:
+        proven = _checked(call.problem, call.run("exact", tree, share=SEARCH_SHARE))
+        if proven.stop is Stop.INTERRUPTED:
+            return replace(proven, solver=name)
+        tree, own["lower_bound"] = proven.tree, proven.bound
+    if "search" not in options["assist"]:
+        return call.run(name, tree, options=own)
+    from octmip.mip.feed import Feed
+
+    with Feed(lambda turn: call.run("search", None, turn=turn + 1, options={"restarts": FIRST_RESTARTS}).tree) as feed:
+        return call.run(name, tree, options=own | {"inject": feed})
 
 
 def _checked_incumbent(problem: Problem, incumbent: Node | Solution | None) -> Solution | None:

@@ -15,7 +15,7 @@ from octmip.errors import DataError, SolverError
 from octmip.files import check_writable
 from octmip.report.text import solution_text, tree_text
 from octmip.solution import Solution
-from octmip.solver import solve
+from octmip.solver import ASSISTANTS, solve
 from octmip.tree_file import leaf_counts, read_tree_file, record_tree, tree_for, write_tree_file
 
 
@@ -26,6 +26,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_method_argument(parser)
     parser.add_argument("--incumbent", metavar="TREE.json", help="a tree of this problem to start from")
     parser.add_argument("--write", metavar="MODEL", help="write the mixed-integer model to this .mps or .lp file too")
+    parser.add_argument(
+        "--assist",
+        nargs="+",
+        choices=ASSISTANTS,
+        help="give HiGHS the exact core's bound, or trees of local search while it runs (oct, oct_h, flow)",
+    )
     parser.add_argument("--proof", metavar="LOG", help="write a proof log that octmip certify --proof checks (exact)")
     parser.add_argument("--out", metavar="TREE.json", help="write the tree here")
 
@@ -57,16 +63,20 @@ def _options(arguments: argparse.Namespace) -> dict[str, object]:
     if arguments.proof:
         check_writable(arguments.proof)
         return {"proof": Path(arguments.proof)}
-    if not arguments.write:
-        return {}
-    if arguments.method not in ("oct", "oct_h", "flow"):
-        raise DataError(
-            f"--write needs a mixed-integer method, not {arguments.method!r}; add --method oct, oct_h or flow"
-        )
-    if Path(arguments.write).suffix not in (".mps", ".lp"):
-        raise DataError(f"--write {arguments.write} ends with neither .mps nor .lp; expected one of these")
-    check_writable(arguments.write)
-    return {"write": arguments.write}
+    options: dict[str, object] = {}
+    for name in ("write", "assist"):
+        if getattr(arguments, name) and arguments.method not in ("oct", "oct_h", "flow"):
+            raise DataError(
+                f"--{name} needs a mixed-integer method, not {arguments.method!r}; add --method oct, oct_h or flow"
+            )
+    if arguments.assist:
+        options["assist"] = tuple(arguments.assist)
+    if arguments.write:
+        if Path(arguments.write).suffix not in (".mps", ".lp"):
+            raise DataError(f"--write {arguments.write} ends with neither .mps nor .lp; expected one of these")
+        check_writable(arguments.write)
+        options["write"] = arguments.write
+    return options
 
 
 def _show(arguments: argparse.Namespace, question: Question, solution: Solution) -> None:

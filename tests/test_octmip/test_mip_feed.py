@@ -2,7 +2,8 @@
 
 import pytest
 
-from octmip import Leaf, Limits, Split
+from octmip import Leaf, Limits, Split, certify, solve
+from octmip.errors import ProblemError
 from octmip.mip.feed import Feed
 from octmip.mip.oct import solve_oct
 from tests.test_octmip.test_mip import stop_at_six, uci
@@ -23,3 +24,43 @@ def test_what_a_feed_s_source_raises_comes_out():
 
     with Feed(source) as feed, pytest.raises(ValueError, match="dry"):
         solve_oct(uci("iris", depth=2), limits=Limits(seconds=20), inject=feed)
+
+
+def test_the_exact_core_assists_with_its_bound():
+    problem = uci("wine", depth=2)
+    solution = solve(problem, "oct", Limits(seconds=60), options={"assist": ("exact",)})
+    certify(problem, solution)
+    assert solution.is_optimal and solution.objective == 6 == solution.details["lower_bound_given"]
+    assert solution.solver == "oct" and solution.n_nodes <= 1  # what HiGHS proves by itself is nothing then
+
+
+def test_the_search_assists_while_highs_runs(monkeypatch):
+    turns = []
+    monkeypatch.setattr("octmip.search.local_search", _counted(turns))
+    solution = solve(
+        uci("iris", depth=2),
+        "oct",
+        Limits(seconds=120),
+        incumbent=Split(0, 5.5, Leaf(0), Leaf(2)),
+        progress=stop_at_six,
+        options={"assist": ("search",)},
+    )
+    assert solution.objective == 6 and len(turns) >= 1
+
+
+def _counted(turns):
+    from octmip.search import local_search
+
+    def search(problem, **options):
+        turns.append(options["seed"])
+        return local_search(problem, **options)
+
+    return search
+
+
+def test_an_assistant_must_be_known_and_is_for_mixed_integer_methods():
+    problem = uci("iris", depth=1)
+    with pytest.raises(ProblemError, match="expected a tuple of some of exact, search"):
+        solve(problem, "flow", options={"assist": "exact"})
+    with pytest.raises(ProblemError, match="takes no option 'assist'"):
+        solve(problem, "exact", options={"assist": ("search",)})
