@@ -85,3 +85,21 @@ def check_lines(problem: Problem, log: str, skip: int, claim: int, threads: int)
 
 def check(problem: Problem, log: str, skip: int, claim: int) -> tuple[int, str] | None:
     """Return the line and the reason why a log does not prove that every tree costs `claim`, None when it does."""
+
+def acquisition(
+    ranks: NDArray[np.uint32],
+    paid: NDArray[np.float64],
+    frequency: NDArray[np.float64],
+    haste: NDArray[np.float64],
+    shape: tuple[float, int, int, list[int], list[bool], list[int]],
+    prices: tuple[list[float], list[int], list[float], list[int]],
+    multiplier: float,
+    cap: float | None,
+    room: float,
+    limit_values: tuple[float, float, float, float],
+) -> tuple[list[NodeRow] | None, float, str, int]:
+    """Return the node table of the best tree below the room (None: there is none), bound, stop and evaluated cuts.
+
+    `shape`: penalty, depth, leaf size, sensor of each feature, whether it may be used, most readings of each label.
+    `prices`: cost and group of each sensor, opening cost of each group, sensors read before the root.
+    """

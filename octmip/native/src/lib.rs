@@ -5,6 +5,7 @@
 #![warn(missing_docs)]
 #![cfg_attr(not(test), deny(clippy::unwrap_used))]
 
+pub mod acquisition;
 pub mod check;
 pub mod check_lines;
 pub mod control;

@@ -1,5 +1,6 @@
 //! The Python border: arrays in, a flat node table and counters out. No logic of trees lives here.
 
+mod acquisition;
 mod check;
 mod exact;
 mod oblique;
@@ -173,6 +174,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(oblique::prove_lines, module)?)?;
     module.add_function(wrap_pyfunction!(check::py_check_lines, module)?)?;
     module.add_function(wrap_pyfunction!(check::py_check, module)?)?;
+    module.add_function(wrap_pyfunction!(acquisition::acquisition, module)?)?;
     module.add_function(wrap_pyfunction!(ranks::dense_ranks, module)?)?;
     module.add_function(wrap_pyfunction!(search::py_search, module)?)?;
     module.add_class::<PyProblem>()?;

@@ -1,0 +1,151 @@
+"""An inspection plan: which sensor to read next, when to stop, what to decide, and what that costs."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from octmip.report.markdown import markdown_table
+from octmip.report.text import condition, narrow_scope, number, percent
+from octmip.sensing.inspection import Inspection, InspectionCertificate, certify_inspection
+from octmip.solution import Solution
+from octmip.tree import HyperplaneSplit, Leaf, Node, Split, leaf_index, leaves
+
+
+@dataclass(frozen=True, slots=True)
+class Wording:
+    """How values and answers are written.
+
+    Attributes:
+        unit: of a reading, as "microstrain".
+        label: what is decided, as "mu2".
+        label_unit: as "%".
+    """
+
+    unit: str = ""
+    label: str = ""
+    label_unit: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class _Step:
+    """One node of a plan, numbered from 1 in preorder, with what has been read before it."""
+
+    node: Node
+    number: int
+    level: int
+    read: frozenset[str]
+    yes: int = 0
+    no: int = 0
+
+
+def plan_text(inspection: Inspection, solution: Solution, wording: Wording = Wording()) -> str:
+    """Return the plan as indented lines, yes before no, with the cost and the proof below.
+
+    Raises:
+        CertificateError: the solution does not hold what it claims.
+    """
+    certificate = certify_inspection(inspection, solution)
+    assert solution.tree is not None
+    notes = iter(_leaf_notes(inspection, solution.tree))
+    lines: list[str] = []
+
+    def say(node: Node, indent: str, read: frozenset[str]) -> None:
+        if isinstance(node, Leaf):
+            lines.append(f"{indent}decide {_decision(inspection, node, wording)}    ({next(notes)})")
+            return
+        lines.append(f"{indent}{_reading(inspection, node, read)}; if {_condition(inspection, node, wording)}")
+        after = read | inspection.sensors_of(node.features)
+        say(node.left, indent + "    ", after)
+        lines.append(f"{indent}else")
+        say(node.right, indent + "    ", after)
+
+    say(solution.tree, "", frozenset())
+    return "\n".join([*lines, *_summary(solution, certificate)])
+
+
+def plan_markdown(inspection: Inspection, solution: Solution, wording: Wording = Wording()) -> str:
+    """Return the plan as a Markdown table of numbered steps, with the cost and the proof below.
+
+    Raises:
+        CertificateError: the solution does not hold what it claims.
+    """
+    certificate = certify_inspection(inspection, solution)
+    assert solution.tree is not None
+    steps: list[_Step] = []
+    _number_steps(inspection, solution.tree, 0, frozenset(), steps)
+    rows = []
+    notes = iter(_leaf_notes(inspection, solution.tree))
+    for step in steps:
+        if isinstance(step.node, Leaf):
+            decision = f"decide {_decision(inspection, step.node, wording)}"
+            rows.append({"step": step.number, "do": decision, "if": next(notes)})
+        else:
+            question = _condition(inspection, step.node, wording)
+            reading = _reading(inspection, step.node, step.read)
+            rows.append({"step": step.number, "do": reading, "if": question, "yes": step.yes, "no": step.no})
+    table = markdown_table(rows, ["step", "do", "if", "yes", "no"])
+    return "\n".join([table, "", *_summary(solution, certificate)])
+
+
+def _number_steps(inspection: Inspection, node: Node, level: int, read: frozenset[str], steps: list[_Step]) -> int:
+    own = len(steps)
+    steps.append(_Step(node, own + 1, level, read))
+    if not isinstance(node, Leaf):
+        after = read | inspection.sensors_of(node.features)
+        yes = _number_steps(inspection, node.left, level + 1, after, steps)
+        no = _number_steps(inspection, node.right, level + 1, after, steps)
+        steps[own] = _Step(node, own + 1, level, read, yes, no)
+    return own + 1
+
+
+def _reading(inspection: Inspection, node: Split | HyperplaneSplit, read: frozenset[str]) -> str:
+    parts = []
+    for sensor in sorted(inspection.sensors_of(node.features)):
+        cost = inspection.path_cost(read | {sensor}) - inspection.path_cost(read)
+        parts.append(f"{sensor} (already read: free)" if sensor in read else f"{sensor} (cost {number(cost)})")
+        read = read | {sensor}
+    return "read " + ", ".join(parts)
+
+
+def _condition(inspection: Inspection, node: Split | HyperplaneSplit, wording: Wording) -> str:
+    return f"{condition(node, inspection.problem.feature_names)} {wording.unit}".strip()
+
+
+def _decision(inspection: Inspection, leaf: Leaf, wording: Wording) -> str:
+    name = f"{wording.label} = " if wording.label else ""
+    return f"{name}{inspection.problem.class_names[leaf.label]} {wording.label_unit}".strip()
+
+
+def _leaf_notes(inspection: Inspection, tree: Node) -> Sequence[str]:
+    """Return for each leaf, from the left, how many samples end there and what they have paid."""
+    problem = inspection.problem
+    assert inspection.shares is not None
+    reached = leaf_index(tree, problem.features)
+    notes = []
+    for k, read in enumerate(inspection.read_at_leaves(tree)):
+        share = math.fsum(inspection.shares[reached == k])
+        counts = np.bincount(problem.codes[reached == k], minlength=problem.n_classes)
+        label = leaves(tree)[k].label
+        wrong = f"{counts.sum() - counts[label]} of {counts.sum()} wrong"
+        notes.append(
+            f"{percent(share)} of cases, {wrong}; {_readings(len(read))}, cost {number(inspection.path_cost(read))}"
+        )
+    return notes
+
+
+def _readings(count: float) -> str:
+    return f"{number(count)} reading{'' if count == 1 else 's'}"
+
+
+def _summary(solution: Solution, found: InspectionCertificate) -> list[str]:
+    proof = f"proven optimal among {narrow_scope(solution) or 'all trees of this depth'}"
+    if not solution.is_optimal:
+        proof = f"not proven: none is below {number(solution.bound)}"
+    cheapest = ", and none as good is cheaper" if solution.details.get("cheapest") == "proven" else ""
+    return [
+        f"expected cost {number(found.expected_cost)} ({_readings(found.expected_readings)}); "
+        f"worst {number(found.worst_cost)} ({_readings(found.worst_readings)})",
+        f"{found.errors} samples wrong; objective {number(found.objective)}, {proof}{cheapest}",
+    ]
