@@ -7,15 +7,15 @@ and bounds never fall behind. A frontier over the penalty has one point for each
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 from octmip.errors import ProblemError
 from octmip.problem import Problem
 from octmip.solution import Limits, ProgressCallback, Solution, Stop
 from octmip.solver import Method, solve
-from octmip.tradeoff.path import trace_path
+from octmip.tradeoff.path import NO_OPTIONS, trace_path
 from octmip.tree import Node
 
 Over = Literal["depth", "budget", "penalty"]
@@ -59,11 +59,13 @@ def trace_frontier(
     seed: int = 0,
     n_jobs: int = 1,
     progress: ProgressCallback | None = None,
+    options: Mapping[str, Any] = NO_OPTIONS,
 ) -> list[Point]:
     """Return one point for each value, values ascending; `limits` hold for each point by itself.
 
     Ctrl-C ends the frontier: the points so far come back, the last one interrupted. Without values the penalties are
-    those at which another tree is best, which takes about two more solves a point.
+    those at which another tree is best, which takes about two more solves a point. `options` are the method's own, for
+    instance ``restarts`` of the search.
 
     Raises:
         ProblemError: `over` is unknown, or a value makes no problem.
@@ -71,10 +73,10 @@ def trace_frontier(
     if over not in OVERS:
         raise ProblemError(f"over is {over!r}; expected one of {', '.join(OVERS)}")
     points: list[Point] = []
-    for value, tree in _starts(problem, over, values, method, limits, seed, n_jobs, progress):
+    for value, tree in _starts(problem, over, values, method, limits, seed, n_jobs, progress, options):
         here = _problem_at(problem, over, value)
         known = tree or (points[-1].solution.tree if points else None)
-        solution = solve(here, method, limits, known, seed, n_jobs, progress)
+        solution = solve(here, method, limits, known, seed, n_jobs, progress, options)
         points.append(Point(value, here, solution))
         if solution.stop is Stop.INTERRUPTED:
             break
@@ -90,10 +92,13 @@ def _starts(
     seed: int,
     n_jobs: int,
     progress: ProgressCallback | None,
+    options: Mapping[str, Any],
 ) -> list[tuple[float, Node | None]]:
     """Return the values, ascending, each with a tree to start from where one is known beforehand."""
     if over == "penalty" and values is None:
-        path = trace_path(problem, method=method, limits=limits, seed=seed, n_jobs=n_jobs, progress=progress)
+        path = trace_path(
+            problem, method=method, limits=limits, seed=seed, n_jobs=n_jobs, progress=progress, options=options
+        )
         return [(candidate.penalty, candidate.tree) for candidate in path.candidates]
     chosen = default_values(problem, over) if values is None and over != "penalty" else values
     assert chosen is not None

@@ -118,6 +118,11 @@ def test_the_twin_answers_for_the_installed_gauges(wing: Wing) -> None:
     assert twin.predict(at, 2.0) == pytest.approx(wing.strain_microstrain(at, 2.0))
 
 
+def test_of_82_gauges_67_lie_outside_the_damage_regions(coarse: Wing) -> None:
+    assert len(coarse.gauges.names) == 82
+    assert int(coarse.gauges.is_usable.sum()) == 67
+
+
 def test_the_model_hash_tells_models_apart(coarse: Wing) -> None:
     assert coarse.model_hash == uav_wing(candidates=True, refinement=0.5).model_hash
     assert coarse.model_hash != uav_wing(refinement=0.5).model_hash

@@ -1,0 +1,123 @@
+"""JointSolution: one tree for each of several labels, all reading from one set of sensors within one budget.
+
+minimise   sum over labels l of  weight_l * objective_l(T_l)
+such that  the sensors that any of the trees reads cost the budget at most, each paid for once
+"""
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+
+from octmip.errors import ProblemError, SolverError
+from octmip.problem import Problem
+from octmip.solution import Solution, Stop, relative_gap
+from octmip.tree import Node
+
+
+@dataclass(frozen=True, slots=True)
+class HandSplit:
+    """The best division of the budget into one budget for each label, each label's tree found by itself.
+
+    Attributes:
+        budgets: (n_labels,) what each label may spend; they add up to the whole budget or less.
+        objective: weighted sum of the labels' objectives. Sensors that two labels share are paid for twice.
+    """
+
+    budgets: tuple[float, ...]
+    objective: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class JointSolution:
+    """Trees for several labels under one budget of sensors, and the bound below which no such trees lie.
+
+    Attributes:
+        problems: one a label, `sensor_budget` the shared one.
+        weights: (n_labels,) of the labels' objectives in the sum.
+        solutions: one a label. `bound` of each is one over its trees alone within the whole budget, so that it says
+            what the label gives up for the others.
+        bound: proven lower bound of the weighted sum; -inf without a proof.
+        stop: why the solver stopped.
+        seconds: wall time [s].
+        n_nodes: sets of sensors that were branched on; 0 for a search.
+        hand_split: the best split by hand that was tried: the sum is never above it.
+        tolerance: how far `bound` may stand from `objective` and still meet it: 0 for whole weights and costs.
+    """
+
+    problems: tuple[Problem, ...]
+    weights: tuple[float, ...]
+    solutions: tuple[Solution, ...]
+    bound: float
+    stop: Stop
+    seconds: float
+    n_nodes: int
+    hand_split: HandSplit
+    tolerance: float = field(default=0.0)
+
+    def __post_init__(self) -> None:
+        if not len(self.problems) == len(self.weights) == len(self.solutions):
+            raise SolverError(
+                f"a joint solution has {len(self.problems)} problems, {len(self.weights)} weights and "
+                f"{len(self.solutions)} solutions; expected one of each for every label"
+            )
+
+    @property
+    def trees(self) -> tuple[Node, ...]:
+        """The trees, one a label."""
+        return tuple(solution.tree for solution in self.solutions if solution.tree is not None)
+
+    @property
+    def objective(self) -> float:
+        """Weighted sum of the labels' objectives."""
+        return weighted_sum(self.weights, (solution.objective for solution in self.solutions))
+
+    @property
+    def budget(self) -> float:
+        """The budget that the labels share."""
+        assert self.problems[0].sensor_budget is not None  # set by whoever shares it
+        return self.problems[0].sensor_budget
+
+    @property
+    def sensors(self) -> tuple[str, ...]:
+        """Names of the sensors that some tree reads, each once, in the order of the problems."""
+        read = (p.sensors_used(tree) for p, tree in zip(self.problems, self.trees, strict=True))
+        return tuple(dict.fromkeys(name for names in read for name in names))
+
+    @property
+    def sensor_cost(self) -> float:
+        """What those sensors cost, each paid for once."""
+        prices = sensor_prices(self.problems)
+        return math.fsum(prices[name] for name in self.sensors)
+
+    @property
+    def is_optimal(self) -> bool:
+        """Whether the bound proves that no trees within the budget are better (by more than `tolerance`)."""
+        return self.bound >= self.objective - self.tolerance
+
+    @property
+    def gap(self) -> float:
+        """Relative gap between objective and bound; 0 when they meet within `tolerance`."""
+        return 0.0 if self.is_optimal else relative_gap(self.objective, self.bound)
+
+
+def weighted_sum(weights: Sequence[float], values: Iterable[float]) -> float:
+    """Return the sum of weight * value, rounded once; -inf or +inf where a value is."""
+    terms = [weight * value for weight, value in zip(weights, values, strict=True)]
+    return math.fsum(terms) if all(map(math.isfinite, terms)) else sum(terms)
+
+
+def sensor_prices(problems: Sequence[Problem]) -> dict[str, float]:
+    """Return the cost of every sensor of some problem, in the order in which they first appear.
+
+    Raises:
+        ProblemError: two problems name one sensor at two costs.
+    """
+    prices: dict[str, float] = {}
+    for k, problem in enumerate(problems):
+        for name, cost in zip(problem.sensors, problem.sensor_costs.tolist(), strict=True):
+            if prices.setdefault(name, cost) != cost:
+                raise ProblemError(
+                    f"sensor {name!r} costs {cost} in problem {k} but {prices[name]} in one before it; "
+                    "give a sensor that is shared one cost"
+                )
+    return prices

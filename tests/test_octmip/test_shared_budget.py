@@ -1,0 +1,216 @@
+"""Several labels under one budget of sensors: against enumeration of sensor sets, and never worse than by hand."""
+
+import math
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+from octmip import Leaf, Limits, Problem, Stop
+from octmip.errors import CertificateError, ProblemError
+from octmip.sensing import HandSplit, JointSolution, certify_joint, shared, shared_budget
+from octmip.sensing.label_trees import LabelTrees
+from octmip.sensing.sensor_sets import SetSearch
+from tests.oracles.enumeration import optimum
+from tests.strategies import random_problem
+
+
+def random_labels(rng: np.random.Generator, n_labels: int) -> list[Problem]:
+    """Return problems over the same features and sensors, each with labels, costs and weights of its own."""
+    first = random_problem(rng, max_samples=9, max_features=4, max_depth=2)
+    price = rng.choice([0.0, 0.5, 1.0, 2.0, 0.1], first.n_features) if rng.random() < 0.5 else np.ones(first.n_features)
+    problems = []
+    for _ in range(n_labels):
+        codes = rng.permutation(first.codes)
+        own = replace(first, labels=np.array(first.class_names)[codes], sensor_cost=None, sensor_of_feature=None)
+        problems.append(replace(own, sensor_budget=None, sensor_cost=price.tolist(), allowed_splits=None))
+    return problems
+
+
+def rivals(rng: np.random.Generator) -> list[Problem]:
+    """Return labels that need sensors of their own, more than the budgets of the tests pay for."""
+    features = rng.integers(0, 4, (10, 5)).astype(float)
+    problems = []
+    for _ in range(int(rng.integers(2, 4))):
+        pair = features[:, rng.choice(5, 2, replace=False)]
+        labels = (pair.sum(axis=1) > 3).astype(int)
+        labels[rng.integers(10)] ^= 1
+        labels[:2] = [0, 1]
+        weights = rng.integers(1, 4, 10).astype(float)
+        problems.append(Problem(features, labels, depth=int(rng.integers(1, 3)), weights=weights))
+    return problems
+
+
+def joint_optimum(problems: list[Problem], weights: list[float], budget: float) -> float:
+    """Return the least weighted sum over every set of sensors within the budget, each label enumerated on the set."""
+    names, least = problems[0].sensors, math.inf
+    for size in range(len(names) + 1):
+        for chosen in combinations(range(len(names)), size):
+            if math.fsum(problems[0].sensor_costs[list(chosen)]) <= budget + 1e-9 * max(1.0, budget):
+                allowed = [[j] for j in chosen]
+                found = [optimum(replace(p, allowed_splits=allowed)).objective for p in problems]
+                least = min(least, math.fsum(w * value for w, value in zip(weights, found, strict=True)))
+    return least
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_the_proven_optimum_is_that_of_enumeration(seed):
+    rng = np.random.default_rng(seed)
+    problems = random_labels(rng, int(rng.integers(1, 4)))
+    weights = [1.0] * len(problems) if rng.random() < 0.5 else rng.choice([0.5, 1.0, 3.0], len(problems)).tolist()
+    budget = float(rng.integers(0, 4))
+    joint = shared_budget(problems, budget, weights=weights)
+    assert joint.stop is Stop.OPTIMAL and joint.is_optimal
+    assert joint.objective == pytest.approx(joint_optimum(problems, weights, budget), rel=1e-9, abs=1e-9)
+
+
+@pytest.mark.parametrize("has_start", [True, False])
+def test_the_proof_by_branching_is_that_of_enumeration_with_and_without_a_good_start(monkeypatch, has_start):
+    if not has_start:
+        # Without good trees from elsewhere a bound that is too high shows itself in what is found.
+        monkeypatch.setattr(LabelTrees, "alternate", lambda labels, trees: tuple(trees))
+        monkeypatch.setattr(SetSearch, "_repaired", lambda search, held, banned, answers: search.labels.best.trees)
+        monkeypatch.setattr(shared, "split_by_hand", lambda labels, budget: HandSplit((), math.inf))
+    n_branched = 0
+    for seed in range(16):
+        rng = np.random.default_rng(2000 + seed)
+        problems, budget = rivals(rng), float(rng.integers(1, 4))
+        joint = shared_budget(problems, budget)
+        assert joint.is_optimal and joint.objective == joint_optimum(problems, [1.0] * len(problems), budget), seed
+        n_branched += joint.n_nodes > 0
+    assert n_branched >= 6
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_search_is_never_worse_than_the_best_split_by_hand_nor_better_than_the_proof(seed):
+    rng = np.random.default_rng(1000 + seed)
+    problems = random_labels(rng, 2)
+    found = shared_budget(problems, 2.0, method="search", options={"restarts": 1})
+    proven = shared_budget(problems, 2.0, method="exact")
+    slack = 1e-9 * max(1.0, proven.objective)
+    assert found.objective <= found.hand_split.objective + slack
+    assert proven.objective <= found.objective + slack
+    assert found.bound <= proven.objective
+
+
+def gauges_for_two(n_each: int = 12) -> list[Problem]:
+    """Return two labels that one shared gauge tells well together, and two private gauges a little better apart.
+
+    g0 tells all but one sample of either label; a tells the first label wholly, b the second; c tells nothing.
+    """
+    rng = np.random.default_rng(0)
+    first = rng.permutation(np.repeat([0, 1], n_each))
+    second = first.copy()
+    shared = first.astype(float)
+    shared[0] = 1 - shared[0]
+    features = np.column_stack([shared, first, second, rng.random(2 * n_each)])
+    second[1] = 1 - second[1]
+    features[:, 2] = second
+    return [Problem(features, labels, depth=1, feature_names=("g0", "a", "b", "c")) for labels in (first, second)]
+
+
+def test_a_gauge_that_serves_both_is_bought_where_no_split_by_hand_would():
+    problems = gauges_for_two()
+    joint = shared_budget(problems, 1.0)
+    assert joint.is_optimal and joint.objective < joint.hand_split.objective
+    assert len(joint.sensors) == 1 and joint.sensor_cost == 1.0
+    assert shared_budget(problems, 2.0).sensors == ("a", "b")
+    assert shared_budget(problems, 1.0, method="search").objective == joint.objective
+
+
+def test_weights_say_which_label_gets_the_sensor():
+    problems = gauges_for_two()
+    assert shared_budget(problems, 1.0, weights=[10.0, 0.1]).sensors == ("a",)
+    assert shared_budget(problems, 1.0, weights=[0.1, 10.0]).sensors == ("b",)
+
+
+def test_more_budget_is_never_worse_and_all_of_it_is_each_label_by_itself():
+    rng = np.random.default_rng(5)
+    features = rng.integers(0, 5, (60, 5)).astype(float)
+    problems = [Problem(features, rng.integers(0, 3, 60), depth=2) for _ in range(3)]
+    values = [shared_budget(problems, float(b)).objective for b in range(6)]
+    assert values == sorted(values, reverse=True)
+    assert values[0] == sum(problem.baseline for problem in problems)
+    whole = shared_budget(problems, 5.0)
+    assert all(solution.is_optimal for solution in whole.solutions)
+
+
+def test_hyperplanes_share_a_budget_by_search():
+    rng = np.random.default_rng(3)
+    features = rng.normal(size=(80, 5))
+    labels = [(features[:, 0] + features[:, 1] > 0).astype(int), (features[:, 1] > features[:, 2]).astype(int)]
+    problems = [Problem(features, y, depth=1, split="hyperplane", split_size=2) for y in labels]
+    joint = shared_budget(problems, 3.0, options={"restarts": 1})
+    assert joint.objective == 0 and joint.stop is Stop.OPTIMAL
+    assert set(joint.sensors) == {"x0", "x1", "x2"}
+
+
+@pytest.mark.parametrize("limits", [Limits(seconds=0.0), Limits(nodes=0), Limits(gap=0.5)])
+def test_a_limit_leaves_trees_and_a_true_bound(limits):
+    rng = np.random.default_rng(7)
+    features = rng.normal(size=(60, 8))
+    problems = [Problem(features, rng.integers(0, 3, 60), depth=2) for _ in range(2)]
+    proven = shared_budget(problems, 3.0)
+    limited = shared_budget(problems, 3.0, limits=limits)
+    assert proven.n_nodes > 0
+    assert limited.bound <= proven.objective <= limited.objective
+    assert limited.stop in (Stop.TIME, Stop.NODES, Stop.GAP, Stop.OPTIMAL)
+    assert limited.gap <= max(limits.gap, 0.0) or limits.gap == 0
+
+
+def test_a_label_says_what_it_gives_up_for_the_others():
+    joint = shared_budget(gauges_for_two(), 1.0)
+    assert sum(solution.bound for solution in joint.solutions) < joint.objective
+    assert [solution.bound for solution in joint.solutions] == [0.0, 0.0]
+
+
+def forged(joint: JointSolution) -> dict[str, JointSolution]:
+    first, second = joint.solutions
+    return {
+        "bound": replace(joint, bound=joint.objective + 1),
+        "budget": replace(joint, problems=tuple(replace(p, sensor_budget=0.5) for p in joint.problems)),
+        "one budget": replace(joint, problems=(joint.problems[0], replace(joint.problems[1], sensor_budget=9.0))),
+        "objective": replace(joint, solutions=(replace(first, objective=0.5), second)),
+        "hand": replace(joint, hand_split=replace(joint.hand_split, objective=joint.objective - 1)),
+        "optimal": replace(joint, bound=joint.objective - 1),
+    }
+
+
+@pytest.mark.parametrize("what", ["bound", "budget", "one budget", "objective", "hand", "optimal"])
+def test_the_certificate_refutes_a_forged_joint_solution(what):
+    joint = shared_budget(gauges_for_two(), 1.0)
+    certificate = certify_joint(joint)
+    assert certificate.objective == joint.objective and certificate.sensors == joint.sensors
+    with pytest.raises(CertificateError):
+        certify_joint(forged(joint)[what])
+
+
+def test_trees_that_together_break_the_budget_are_refuted():
+    problems = gauges_for_two()
+    joint = shared_budget(problems, 2.0)
+    assert joint.sensors == ("a", "b")
+    narrow = tuple(replace(problem, sensor_budget=1.0) for problem in joint.problems)
+    with pytest.raises(CertificateError, match="together"):
+        certify_joint(replace(joint, problems=narrow))
+
+
+def test_wrong_input_is_named():
+    problems = gauges_for_two()
+    for wrong, sentence in (
+        (lambda: shared_budget([], 1.0), "empty"),
+        (lambda: shared_budget([replace(problems[0], sensor_budget=1.0)], 1.0), "budget of their own"),
+        (lambda: shared_budget([problems[0], replace(problems[1], sensor_cost=[2, 1, 1, 1])], 1.0), "one cost"),
+        (lambda: shared_budget(problems, 1.0, weights=[1.0]), "2 finite numbers"),
+        (lambda: shared_budget(problems, 1.0, weights=[-1.0, 1.0]), "2 finite numbers"),
+        (lambda: shared_budget(problems, -1.0), "sensor_budget"),
+        (lambda: shared_budget(problems, 1.0, method="oct"), "'exact' or 'search'"),  # type: ignore[arg-type]
+        (lambda: shared_budget([replace(problems[0], split="hyperplane")], 1.0, method="exact"), "hyperplanes"),
+    ):
+        with pytest.raises(ProblemError, match=sentence):
+            wrong()
+
+
+def test_a_leaf_is_the_answer_without_a_budget():
+    joint = shared_budget(gauges_for_two(), 0.0)
+    assert all(isinstance(tree, Leaf) for tree in joint.trees) and joint.is_optimal
