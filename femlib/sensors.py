@@ -113,9 +113,11 @@ def locate(mesh: Mesh, gauge: StrainGauge) -> Spot:
     candidates = candidates[candidates < len(mesh.quads)]
     distance = np.linalg.norm(mesh.nodes[mesh.quads[candidates]].mean(axis=1) - gauge.position, axis=1)
     nearest = candidates[np.argsort(distance, kind="stable")[:N_NEAREST]]
-    found = [(_natural(mesh.nodes[mesh.quads[e]], gauge.position), int(e)) for e in nearest]
-    (xi, eta), element = min(found, key=lambda item: (_overshoot(*item[0]), item[1]))
-    if _overshoot(xi, eta) > 1e-6:
+    places = _natural(mesh.nodes[mesh.quads[nearest]], gauge.position)
+    over = np.hypot(*np.maximum(0.0, np.abs(places) - 1.0).T)
+    best = int(np.lexsort((nearest, over))[0])
+    element, (xi, eta) = int(nearest[best]), places[best]
+    if over[best] > 1e-6:
         raise InputError(
             f"gauge {gauge.name} at {[round(float(p), 4) for p in gauge.position]} m lies outside "
             f"{list(gauge.patches)} (nearest element {element}); expected a point of the patch; move the gauge"
@@ -162,18 +164,19 @@ def _quads_at_nodes(mesh: Mesh) -> list[IntArray]:
     return np.split(order // quad4.N_NODES, np.cumsum(counts)[:-1])
 
 
-def _overshoot(xi: float, eta: float) -> float:
-    """Return how far natural coordinates lie outside the element."""
-    return float(np.hypot(max(0.0, abs(xi) - 1.0), max(0.0, abs(eta) - 1.0)))
-
-
-def _natural(points: FloatArray, position: FloatArray) -> tuple[float, float]:
-    """Return (xi, eta) of the projection of `position` on the bilinear surface, by Gauss-Newton."""
-    xi = eta = 0.0
+def _natural(points: FloatArray, position: FloatArray) -> FloatArray:
+    """Return (xi, eta) (n, 2) of the projection of `position` on bilinear surfaces (n, 4, 3), by Gauss-Newton."""
+    places = np.zeros((len(points), 2))
     for _ in range(6):
-        gap = position - quad4.shape(xi, eta) @ points
-        along_xi = 0.25 * np.array([eta - 1, 1 - eta, 1 + eta, -1 - eta]) @ points
-        along_eta = 0.25 * np.array([xi - 1, -1 - xi, 1 + xi, 1 - xi]) @ points
-        step = np.linalg.lstsq(np.stack([along_xi, along_eta], axis=1), gap, rcond=None)[0]
-        xi, eta = float(np.clip(xi + step[0], -3, 3)), float(np.clip(eta + step[1], -3, 3))
-    return xi, eta
+        xi, eta = places.T
+        along_xi = 0.25 * np.stack([eta - 1, 1 - eta, 1 + eta, -1 - eta], axis=1)
+        along_eta = 0.25 * np.stack([xi - 1, -1 - xi, 1 + xi, 1 - xi], axis=1)
+        shapes = 0.25 * np.stack(
+            [(1 - xi) * (1 - eta), (1 + xi) * (1 - eta), (1 + xi) * (1 + eta), (1 - xi) * (1 + eta)]
+        )
+        gap = position - np.einsum("kn,nki->ni", shapes, points)
+        slopes = np.einsum("skn,nki->nsi", np.stack([along_xi.T, along_eta.T]), points)
+        right = np.einsum("nsi,ni->ns", slopes, gap)
+        step = np.linalg.solve(slopes @ slopes.transpose(0, 2, 1), right[:, :, None])[:, :, 0]
+        places = np.clip(places + step, -3.0, 3.0)
+    return places

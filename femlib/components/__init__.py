@@ -17,7 +17,8 @@ ESAIM M2AN 47 (2013) 213-251 (components with ports). The result is the full mod
 dense solve of the size of the ports.
 """
 
+from femlib.components.output_map import OutputMap
 from femlib.components.regions import Component, Condensed, checked_damage, damage_row
-from femlib.components.structure import DamagedStructure
+from femlib.components.structure import MOST_PORTS, DamagedStructure
 
-__all__ = ["Component", "Condensed", "DamagedStructure", "checked_damage", "damage_row"]
+__all__ = ["MOST_PORTS", "Component", "Condensed", "DamagedStructure", "OutputMap", "checked_damage", "damage_row"]

@@ -4,11 +4,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-import scipy.linalg as linalg
 import scipy.sparse as sparse
 
 from femlib.arrays import FloatArray, IntArray
 from femlib.assembly import Factors, Shells, Supports, factorise
+from femlib.components.output_map import OutputMap, port_forces
 from femlib.components.regions import Component, Condensed, checked_damage, condense, refuse_overlap
 from femlib.errors import frozen_floats
 
@@ -62,6 +62,10 @@ class DamagedStructure:
         condensed = tuple(condense(self.shells, self.supports, component) for component in self.components)
         object.__setattr__(self, "_condensed", condensed)
         object.__setattr__(self, "_eliminated", {})
+
+    def __getstate__(self) -> list[object]:
+        """Leave the factors behind: another process makes its own when it needs them."""
+        return [self.shells, self.supports, self.components, self._condensed, {}]
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -128,34 +132,48 @@ class DamagedStructure:
         The work of a state is the dense solve at the ports: one adjoint solve an output tells what forces do to it.
         """
         damage = checked_damage(states, self.parameters)
-        force = frozen_floats(load, "load", (self.supports.n_dofs,))[self.supports.free]
         active = self._active(damage)
         if self.n_ports(active) > MOST_PORTS:
             return np.asarray((rows @ self.solve(states, load).T).T)
-        factors = self.eliminated(active).factors
-        pristine = factors.solve(force)
+        return self.output_map(load, rows, active).solve(damage)
+
+    def output_map(self, load: FloatArray, rows: sparse.csr_array, active: tuple[int, ...]) -> OutputMap:
+        """Return the map from states that damage the components `active` alone to rows @ u under a load (n_dofs,).
+
+        Raises
+        ------
+        InputError
+            If the load is not finite or of the wrong size.
+        """
+        force = frozen_floats(load, "load", (self.supports.n_dofs,))[self.supports.free]
+        eliminated = self.eliminated(active)
+        ports = eliminated.factors.ports
+        pristine = eliminated.factors.solve(force)
         free_rows = sparse.csr_array(rows)[:, self.supports.free]
-        adjoint = factors.solve(free_rows.toarray().T)
-        outputs = free_rows @ pristine + self._port_forces(damage, active, pristine) @ adjoint[factors.ports]
-        for k in active:
-            outputs += np.outer(_ratio(damage[:, k]), self._condensed[k].interior_load(force) @ adjoint)
-        return np.asarray(outputs)
+        adjoint = eliminated.factors.solve(free_rows.toarray().T)
+        interior = [self._condensed[k].interior_load(force) @ adjoint for k in active]
+        return OutputMap(
+            self.parameters,
+            active,
+            free_rows @ pristine,
+            eliminated.schur,
+            eliminated.schur @ pristine[ports],
+            self._losses(active),
+            adjoint[ports],
+            np.array(interior).reshape(len(active), adjoint.shape[1]),
+        )
+
+    def _losses(self, active: tuple[int, ...]) -> tuple[tuple[IntArray, FloatArray], ...]:
+        """Return for each active component its places among the ports and its condensed stiffness."""
+        ports = self.eliminated(active).factors.ports
+        parts = [self._condensed[k] for k in active]
+        return tuple((np.searchsorted(ports, part.ports), part.stiffness) for part in parts)
 
     def _port_forces(self, damage: FloatArray, active: tuple[int, ...], pristine: FloatArray) -> FloatArray:
         """Return sum_i mu_i T_i u_b of the package's docstring for each state (n_states, n_ports)."""
         eliminated = self.eliminated(active)
-        ports, schur = eliminated.factors.ports, eliminated.schur
-        condensed_load = schur @ pristine[ports]
-        places = {k: np.searchsorted(ports, self._condensed[k].ports) for k in active}
-        forces = np.zeros((len(damage), len(ports)))
-        for mu, force in zip(damage, forces, strict=True):
-            if not mu.any():
-                continue
-            loss = np.zeros_like(schur)
-            for k, place in places.items():
-                loss[np.ix_(place, place)] += mu[k] * self._condensed[k].stiffness
-            force[:] = loss @ linalg.solve(schur - loss, condensed_load, assume_a="pos")
-        return forces
+        load = eliminated.schur @ pristine[eliminated.factors.ports]
+        return port_forces(eliminated.schur, self._losses(active), damage[:, list(active)], load)
 
     def _solve_directly(self, mu: FloatArray, force: FloatArray) -> FloatArray:
         """Return the displacements (n_dofs,) of one state from a factorisation of its own."""

@@ -1,6 +1,7 @@
-"""Training samples from strains: mean strains of a library of states, noisy readings, files."""
+"""Training samples from strains: libraries of states, loads, noise, the study's recipe, files of any length."""
 
 from femlib.dataset.files import read_dataset, write_dataset
+from femlib.dataset.noise import Bias, ColouredNoise, WhiteNoise
 from femlib.dataset.samples import (
     Dataset,
     MeanStrains,
@@ -10,15 +11,31 @@ from femlib.dataset.samples import (
     simulated_strains,
     study_states_percent,
 )
+from femlib.dataset.sampling import Load, Sampling
+from femlib.dataset.states import StateLibrary, grid_states, listed_states, random_states
+from femlib.dataset.stored import StoredDataset, open_dataset
+from femlib.dataset.stream import stream_dataset
 
 __all__ = [
+    "Bias",
+    "ColouredNoise",
     "Dataset",
+    "Load",
     "MeanStrains",
     "Recipe",
+    "Sampling",
+    "StateLibrary",
+    "StoredDataset",
+    "WhiteNoise",
     "build_dataset",
+    "grid_states",
+    "listed_states",
+    "open_dataset",
     "published_strains",
+    "random_states",
     "read_dataset",
     "simulated_strains",
+    "stream_dataset",
     "study_states_percent",
     "write_dataset",
 ]

@@ -4,10 +4,7 @@ The side file has what the rows lack (seed, noise, model hash, units, mean strai
 so that a data file that was changed or cut off is refused.
 """
 
-import hashlib
 import json
-import os
-import tempfile
 from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
@@ -16,8 +13,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from femlib.dataset.disk import checked_target, file_sha256, read_side, side_path, whole_file
 from femlib.dataset.samples import Dataset, Recipe
-from femlib.errors import InputError
 
 VERSION = 1
 UNITS = {
@@ -47,14 +44,15 @@ def write_dataset(data: Dataset, path: str | Path) -> None:
     InputError
         If the ending is another, or the folder cannot be written to.
     """
-    target = _checked_path(path)
+    target = checked_target(path, tuple(_WRITERS))
     table = pd.DataFrame(data.features, columns=list(data.gauges))
     table.insert(0, "mu1_percent", data.mu1)
     table.insert(1, "mu2_percent", data.mu2)
     table.insert(2, "is_train", data.is_train.astype(np.int64))
-    _write_whole(target, lambda temporary: _WRITERS[target.suffix](table, temporary))
-    side = json.dumps(_side(data, target), indent=1) + "\n"
-    _write_whole(_side_path(target), lambda temporary: temporary.write_text(side, encoding="utf-8"))
+    with whole_file(target) as rows_file, whole_file(side_path(target)) as side_file:
+        _WRITERS[target.suffix](table, rows_file)
+        side = _side(data, target) | {"sha256": file_sha256(rows_file)}
+        side_file.write_text(json.dumps(side, indent=1) + "\n", encoding="utf-8")
 
 
 def read_dataset(path: str | Path) -> Dataset:
@@ -65,10 +63,8 @@ def read_dataset(path: str | Path) -> Dataset:
     InputError
         If a file is missing or unreadable, or the data file is not the one that the side file describes.
     """
-    target = _checked_path(path)
-    side = _read_side(target)
-    if _sha256(target) != side["sha256"]:
-        raise InputError(f"{target} is not the file its side file describes (another sha256); write the dataset again")
+    target = checked_target(path, tuple(_WRITERS))
+    side = read_side(target, VERSION)
     table = _READERS[target.suffix](target)
     states_percent = np.array(side["states_percent"], dtype=np.int64)
     number = {tuple(row): k for k, row in enumerate(states_percent.tolist())}
@@ -92,7 +88,6 @@ def _side(data: Dataset, target: Path) -> dict[str, Any]:
     return {
         "version": VERSION,
         "data": target.name,
-        "sha256": _sha256(target),
         "rows": len(data.features),
         "seed": data.seed,
         "recipe": asdict(data.recipe),
@@ -105,55 +100,3 @@ def _side(data: Dataset, target: Path) -> dict[str, Any]:
         "states_percent": data.states_percent.tolist(),
         "mean_features": data.mean_features.tolist(),
     }
-
-
-def _read_side(target: Path) -> dict[str, Any]:
-    path = _side_path(target)
-    try:
-        side = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError as error:
-        raise InputError(
-            f"{path} does not exist; expected the side file of {target.name}; write the dataset again"
-        ) from error
-    except (json.JSONDecodeError, UnicodeDecodeError) as error:
-        raise InputError(
-            f"{path} is not JSON ({error}); expected a dataset's side file; write the dataset again"
-        ) from error
-    if not isinstance(side, dict) or side.get("version") != VERSION:
-        raise InputError(f"{path} is not a side file of version {VERSION}; write the dataset again")
-    return side
-
-
-def _side_path(target: Path) -> Path:
-    return target.with_name(target.name + ".json")
-
-
-def _checked_path(path: str | Path) -> Path:
-    target = Path(path)
-    if target.suffix not in _WRITERS:
-        raise InputError(f"dataset path {target} ends in {target.suffix!r}; expected .csv or .parquet; rename it")
-    return target
-
-
-def _sha256(path: Path) -> str:
-    try:
-        return hashlib.sha256(path.read_bytes()).hexdigest()
-    except OSError as error:
-        raise InputError(f"{path} cannot be read ({error.strerror}); expected a dataset; correct the path") from error
-
-
-def _write_whole(target: Path, write: Callable[[Path], object]) -> None:
-    """Let `write` fill a temporary file beside `target`, then rename it: the target is whole or absent."""
-    try:
-        handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.", suffix=target.suffix)
-    except OSError as error:
-        raise InputError(
-            f"{target} cannot be written ({error.strerror}); expected a writable folder; create it"
-        ) from error
-    os.close(handle)
-    temporary = Path(name)
-    try:
-        write(temporary)
-        os.replace(temporary, target)
-    finally:
-        temporary.unlink(missing_ok=True)

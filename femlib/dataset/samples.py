@@ -11,7 +11,7 @@ Learning (2020), section 4.
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 import pandas as pd
@@ -40,8 +40,13 @@ class GaugePlaces(Protocol):
         """Whether each gauge may be used (n_gauges,)."""
 
 
+@runtime_checkable
 class StrainModel(Protocol):
-    """What the recipe asks of a model of two damage parameters, mu1 and mu2."""
+    """What a dataset asks of a model."""
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the damage parameters: the columns of a state array."""
 
     @property
     def gauges(self) -> GaugePlaces:

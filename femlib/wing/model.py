@@ -6,8 +6,9 @@ and not divided by it. The model is linear in load.
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
+from functools import partial
 
 import numpy as np
 import scipy.sparse as sparse
@@ -15,8 +16,8 @@ import scipy.sparse as sparse
 from femlib import sensors
 from femlib.arrays import FloatArray
 from femlib.assembly import Supports
-from femlib.components import Component, DamagedStructure, damage_row
-from femlib.errors import InputError
+from femlib.components import MOST_PORTS, Component, DamagedStructure, damage_row
+from femlib.errors import InputError, frozen_floats
 from femlib.mesh import DOFS_PER_NODE
 from femlib.wing.damage import UAV_REGIONS, DamageRegion
 from femlib.wing.gauges import GaugeSet, gauge_set, installed_places
@@ -127,6 +128,30 @@ class Wing:
         load = checked_load_factor(load_factor) * self.lift
         return MICRO * self.structure.solve_outputs(states, load, self.strain_rows)
 
+    def strain_map(self, load_factor: float, lift: FloatArray | None = None) -> Callable[[FloatArray], FloatArray]:
+        """Return the map from states (n_states, n_parameters) to gauge strains (n_states, n_gauges) under one load.
+
+        What a load has in common for all states is done once; the map goes to other processes.
+
+        Parameters
+        ----------
+        load_factor : float
+            Factor on the lift.
+        lift : FloatArray, optional
+            Nodal forces and moments (n_dofs,) at load factor 1 [N, N m]; the wing's own lift if not given.
+
+        Raises
+        ------
+        InputError
+            If the load factor or a force is not finite, or the forces are not as many as the degrees of freedom.
+        """
+        wanted = self.lift if lift is None else frozen_floats(lift, "lift", self.lift.shape)
+        load, rows = checked_load_factor(load_factor) * wanted, MICRO * self.strain_rows
+        everything = tuple(range(len(self.parameters)))
+        if self.structure.n_ports(everything) > MOST_PORTS:
+            return partial(self.structure.solve_outputs, load=load, rows=rows)
+        return self.structure.output_map(load, rows, everything).solve
+
     def tip_stiffness(self) -> float:
         """Return force over deflection of a tip load at the spar [N/m]."""
         nodes = self.grid.columns(len(self.grid.eta) - 1)[self.grid.spar_column]
@@ -190,7 +215,7 @@ def uav_wing(
 
 
 def checked_load_factor(load_factor: float) -> float:
-    """Return the load factor as a float; raise InputError if it is not finite."""
-    if not np.isfinite(load_factor):
-        raise InputError(f"load_factor is {load_factor}; expected a finite number; 1 is steady level flight")
+    """Return the load factor as a float; raise InputError if it is not a finite number."""
+    if isinstance(load_factor, str) or not np.isfinite(load_factor):
+        raise InputError(f"load_factor is {load_factor!r}; expected a finite number; 1 is steady level flight")
     return float(load_factor)

@@ -114,7 +114,7 @@ def test_missing_and_broken_files_are_refused(means: MeanStrains, tmp_path: Path
 
 def test_nothing_is_left_behind_when_writing_fails(means: MeanStrains, tmp_path: Path) -> None:
     (tmp_path / "data.csv").mkdir()
-    with pytest.raises(OSError, match=r"."):
+    with pytest.raises(InputError, match=r"data.csv is a folder; expected a file"):
         write_dataset(build_dataset(means), tmp_path / "data.csv")
     assert [p.name for p in tmp_path.iterdir()] == ["data.csv"]
 

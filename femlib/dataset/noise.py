@@ -1,0 +1,144 @@
+"""Noise of strain readings: white, coloured, biased; several models add up.
+
+Readings come in runs: the samples of one state under one load, taken one after the other. White noise is
+independent in every number. Coloured noise is a stationary first-order process along a run,
+
+    e_1 = s z_1,   e_k = r e_k-1 + s sqrt(1 - r^2) z_k,   z_k = sqrt(g) (common to all gauges) + sqrt(1 - g) (own),
+
+with variance s^2, correlation r^|j-k| between readings and g between gauges. A bias is an offset of each gauge, the
+same in every reading. Source: G. E. P. Box, G. M. Jenkins, G. C. Reinsel, Time Series Analysis (2008), section 3.2.
+"""
+
+from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+
+from femlib.arrays import FloatArray
+from femlib.errors import InputError
+
+
+@runtime_checkable
+class Noise(Protocol):
+    """What is added to clean readings."""
+
+    def draw(self, n_runs: int, n_readings: int, offsets: FloatArray, rng: np.random.Generator) -> FloatArray:
+        """Return errors (n_runs, n_readings, n_gauges) [microstrain]; `offsets` (n_gauges,) came from `fix`."""
+
+    def fix(self, n_gauges: int, rng: np.random.Generator) -> FloatArray:
+        """Return what is drawn once for all readings: an offset of each gauge (n_gauges,) [microstrain]."""
+
+
+@dataclass(frozen=True, slots=True)
+class WhiteNoise:
+    """Independent Gaussian errors.
+
+    Attributes
+    ----------
+    standard_deviation : float
+        Of a reading at its load factor, before any division by it [microstrain]. The study's is sqrt(1000) = 31.6.
+
+    Raises
+    ------
+    InputError
+        If it is negative or not finite.
+    """
+
+    standard_deviation: float
+
+    def __post_init__(self) -> None:
+        _check_deviation("white noise standard_deviation", self.standard_deviation)
+
+    def draw(self, n_runs: int, n_readings: int, offsets: FloatArray, rng: np.random.Generator) -> FloatArray:
+        """Return errors (n_runs, n_readings, n_gauges) [microstrain]."""
+        return rng.normal(0.0, self.standard_deviation, (n_runs, n_readings, len(offsets)))
+
+    def fix(self, n_gauges: int, rng: np.random.Generator) -> FloatArray:
+        """Return zeros (n_gauges,): nothing stays."""
+        return np.zeros(n_gauges)
+
+
+@dataclass(frozen=True, slots=True)
+class ColouredNoise:
+    """Gaussian errors that neighbours in time, or gauges, share.
+
+    Attributes
+    ----------
+    standard_deviation : float
+        Of a reading at its load factor [microstrain].
+    between_readings : float
+        Correlation of one reading's error with the next one's of the same run, in [0, 1).
+    between_gauges : float
+        Correlation of the errors of two gauges in one reading, in [0, 1).
+
+    Raises
+    ------
+    InputError
+        If a number is out of its range.
+    """
+
+    standard_deviation: float
+    between_readings: float = 0.0
+    between_gauges: float = 0.0
+
+    def __post_init__(self) -> None:
+        _check_deviation("coloured noise standard_deviation", self.standard_deviation)
+        for name in ("between_readings", "between_gauges"):
+            if not 0.0 <= getattr(self, name) < 1.0:
+                raise InputError(
+                    f"coloured noise {name} is {getattr(self, name)}; expected a correlation from 0 to below 1; "
+                    "1 would be a Bias"
+                )
+
+    def draw(self, n_runs: int, n_readings: int, offsets: FloatArray, rng: np.random.Generator) -> FloatArray:
+        """Return errors (n_runs, n_readings, n_gauges) [microstrain]."""
+        own = rng.normal(0.0, np.sqrt(1.0 - self.between_gauges), (n_runs, n_readings, len(offsets)))
+        errors = own + rng.normal(0.0, np.sqrt(self.between_gauges), (n_runs, n_readings, 1))
+        keep = self.between_readings
+        errors[:, 1:] *= np.sqrt(1.0 - keep**2)
+        for k in range(1, n_readings if keep else 0):
+            errors[:, k] += keep * errors[:, k - 1]
+        return np.asarray(self.standard_deviation * errors)
+
+    def fix(self, n_gauges: int, rng: np.random.Generator) -> FloatArray:
+        """Return zeros (n_gauges,): nothing stays."""
+        return np.zeros(n_gauges)
+
+
+@dataclass(frozen=True, slots=True)
+class Bias:
+    """An offset of each gauge that stays the same in every reading, whatever the load.
+
+    Attributes
+    ----------
+    offset : float
+        Common to all gauges [microstrain].
+    spread : float
+        Standard deviation of each gauge's own offset about it, drawn once for a dataset [microstrain].
+
+    Raises
+    ------
+    InputError
+        If a number is not finite or the spread is negative.
+    """
+
+    offset: float = 0.0
+    spread: float = 0.0
+
+    def __post_init__(self) -> None:
+        _check_deviation("bias spread", self.spread)
+        if not np.isfinite(self.offset):
+            raise InputError(f"bias offset is {self.offset}; expected a finite number of microstrain; correct it")
+
+    def draw(self, n_runs: int, n_readings: int, offsets: FloatArray, rng: np.random.Generator) -> FloatArray:
+        """Return the offsets as errors (1, 1, n_gauges) [microstrain]."""
+        return offsets[None, None, :]
+
+    def fix(self, n_gauges: int, rng: np.random.Generator) -> FloatArray:
+        """Return the offsets (n_gauges,) [microstrain]."""
+        return self.offset + rng.normal(0.0, self.spread, n_gauges)
+
+
+def _check_deviation(name: str, value: float) -> None:
+    if not 0.0 <= value < np.inf:
+        raise InputError(f"{name} is {value}; expected 0 or more microstrain; 0 is no noise")

@@ -1,0 +1,248 @@
+"""Streamed datasets: the same rows however they are made, memory that does not grow, whole or nothing."""
+
+import json
+import tracemalloc
+from pathlib import Path
+
+import joblib
+import numpy as np
+import pandas as pd
+import pyarrow as pa
+import pytest
+
+from femlib.arrays import BoolArray, FloatArray
+from femlib.dataset import (
+    Bias,
+    ColouredNoise,
+    Load,
+    Sampling,
+    StateLibrary,
+    StoredDataset,
+    WhiteNoise,
+    grid_states,
+    listed_states,
+    open_dataset,
+    random_states,
+    stored,
+    stream,
+    stream_dataset,
+)
+from femlib.errors import InputError
+from femlib.wing import Wing, uav_wing
+
+QUIET = Sampling(noise=(), samples_per_state=1)
+
+
+class FourGauges:
+    """Names, and the last inside a region."""
+
+    names = ("g01", "g02", "g03", "g04")
+    is_usable: BoolArray = np.array([True, True, True, False])
+
+
+class Slope:
+    """Strains that grow with damage and load: no solver, so that a million rows take seconds."""
+
+    parameters = ("mu1", "mu2", "mu3")
+    gauges = FourGauges()
+    model_hash = "slope"
+
+    def strains_microstrain(self, states: FloatArray, load_factor: float) -> FloatArray:
+        return load_factor * (1000.0 + states @ np.array([[300.0, 1, 2, 3], [0, 200, 0, 0], [0, 0, 100, 0]]))
+
+
+class Broken(Slope):
+    """A model that is interrupted after so many tasks."""
+
+    def __init__(self, n_tasks: int) -> None:
+        self.left = n_tasks
+
+    def strains_microstrain(self, states: FloatArray, load_factor: float) -> FloatArray:
+        self.left -= 1
+        if self.left < 0:
+            raise KeyboardInterrupt
+        return super().strains_microstrain(states, load_factor)
+
+
+@pytest.fixture(scope="module")
+def tiny() -> Wing:
+    return uav_wing(refinement=0.3)
+
+
+def library() -> StateLibrary:
+    return grid_states({"mu1": [0.0, 0.4, 0.8], "mu2": [0.0, 0.6]}) + random_states(["mu1", "mu2"], 40, seed=3)
+
+
+def noisy(**change: object) -> Sampling:
+    settings = {"loads": [Load("2 g", 2.0), Load("3 g", 3.0)], "samples_per_state": 5, "seed": 7}
+    noise = [WhiteNoise(30.0), ColouredNoise(10.0, 0.5, 0.3), Bias(2.0, 5.0)]
+    return Sampling(**(settings | {"noise": noise} | change))  # type: ignore[arg-type]
+
+
+def test_rows_are_the_models_strains_divided_by_the_load(tmp_path: Path) -> None:
+    states = grid_states({"mu1": [0.0, 0.8], "mu3": [0.0, 0.4]})
+    sampling = Sampling(loads=[Load("down", -1.0), Load("3 g", 3.0)], samples_per_state=2, noise=())
+    data = stream_dataset(tmp_path / "a.parquet", Slope(), states, sampling)
+    rows = data.read()
+    assert data.n_rows == len(rows) == 4 * 2 * 2 and data.gauges == ("g01", "g02", "g03")
+    assert list(rows.columns[:7]) == ["state", "mu1", "mu3", "load", "load_factor", "is_train", "source"]
+    full = np.stack([rows["mu1"], np.zeros(16), rows["mu3"]], axis=1)
+    assert rows[["g01", "g02", "g03"]].to_numpy() == pytest.approx(Slope().strains_microstrain(full, 1.0)[:, :3])
+    assert sorted(zip(rows["load"], rows["load_factor"], strict=True))[::8] == [("3 g", 3.0), ("down", -1.0)]
+    assert rows["state"].value_counts().tolist() == [4, 4, 4, 4]
+
+
+def test_one_seed_is_one_file_and_another_seed_another(tmp_path: Path) -> None:
+    one, same, other = (
+        stream_dataset(tmp_path / f"{k}.parquet", Slope(), library(), noisy(seed=seed))
+        for k, seed in enumerate([1, 1, 2])
+    )
+    assert one.read().equals(same.read()) and one.about["sha256"] == same.about["sha256"]
+    assert not np.array_equal(one.read()["g01"], other.read()["g01"])
+
+
+def wing_rows(tiny: Wing, path: Path, n_jobs: int | None = None) -> StoredDataset:
+    return stream_dataset(path, tiny, library(), noisy(), n_jobs=n_jobs)
+
+
+def test_threads_and_processes_write_the_same_rows_as_one_job(tiny: Wing, tmp_path: Path) -> None:
+    alone = wing_rows(tiny, tmp_path / "alone.parquet")
+    for backend in ("threading", "loky"):
+        with joblib.parallel_config(backend=backend):
+            other = wing_rows(tiny, tmp_path / f"{backend}.parquet", n_jobs=2)
+        assert other.about["sha256"] == alone.about["sha256"]
+
+
+def test_a_dask_cluster_writes_the_same_rows_as_one_job(tiny: Wing, tmp_path: Path) -> None:
+    distributed = pytest.importorskip("distributed", reason="dask is not installed (pip install distributed)")
+    alone = wing_rows(tiny, tmp_path / "alone.parquet")
+    cluster = distributed.LocalCluster(n_workers=1, processes=False, dashboard_address=None)
+    with cluster, distributed.Client(cluster), joblib.parallel_config(backend="dask"):
+        other = wing_rows(tiny, tmp_path / "dask.parquet")
+    assert other.about["sha256"] == alone.about["sha256"]
+
+
+def test_the_wing_under_forces_of_ones_own_is_the_full_solution(tiny: Wing, tmp_path: Path) -> None:
+    force = np.roll(tiny.lift, 6)
+    states = listed_states(["mu2"], [[0.5]])
+    data = stream_dataset(tmp_path / "a.parquet", tiny, states, Sampling([Load("own", 2.0, force)], 1, noise=()))
+    full = -1e6 * (tiny.strain_rows @ tiny.structure.solve(np.array([[0.0, 0.5]]), force)[0])
+    assert data.read()[list(data.gauges)].to_numpy()[0] == pytest.approx(-full[tiny.gauges.is_usable], rel=1e-8)
+
+
+def peak(path: Path, n_states: int) -> tuple[int, int]:
+    """Return the most memory held while streaming: Python's and numpy's [bytes], and arrow's so far."""
+    tracemalloc.start()
+    states = random_states(["mu1", "mu2", "mu3"], n_states, seed=0)
+    assert stream_dataset(path, Slope(), states, Sampling(samples_per_state=1)).n_rows == n_states
+    held = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    return held, int(pa.default_memory_pool().max_memory())
+
+
+def test_memory_does_not_grow_with_the_rows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(stored, "GROUP_ROWS", 2048)
+    monkeypatch.setattr(stream, "WAVE", 2)
+    small, large = (peak(tmp_path / f"{n}.parquet", n) for n in (10_000, 80_000))
+    rows_bytes = 70_000 * 10 * 8
+    assert large[0] - small[0] < rows_bytes / 40 and large[1] - small[1] < rows_bytes / 40
+
+
+def test_rows_do_not_depend_on_the_size_of_the_groups(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = stream_dataset(tmp_path / "a.parquet", Slope(), library(), noisy()).read()
+    monkeypatch.setattr(stored, "GROUP_ROWS", 37)
+    data = stream_dataset(tmp_path / "b.parquet", Slope(), library(), noisy())
+    assert data.read().astype({"load": str, "source": str}).equals(whole.astype({"load": str, "source": str}))
+    assert max(len(piece) for piece in data.pieces(20)) == 20 and next(data.pieces(20, ["g02"])).shape == (20, 1)
+
+
+def test_more_readings_of_a_state_than_are_drawn_at_once(tmp_path: Path) -> None:
+    data = stream_dataset(
+        tmp_path / "a.parquet", Slope(), grid_states({"mu1": [0.0]}), Sampling(samples_per_state=20_000)
+    )
+    noise = data.read()["g01"].to_numpy() - 1000.0
+    assert len(noise) == 20_000 and noise.std() == pytest.approx(np.sqrt(1000.0) / 3.0, rel=0.02)
+    assert data.read()["is_train"].mean() == pytest.approx(0.7, abs=0.02)
+
+
+def test_history_is_appended_as_it_was_measured(tmp_path: Path) -> None:
+    columns = {"load_factor": [2.0, 4.0], "mu1": [0.1, 0.0], "g01": [2000.0, 4400.0], "g02": 8.0, "g03": 8.0}
+    table = pd.DataFrame(columns | {"test": "T", "g04": np.nan})
+    table.to_csv(tmp_path / "flight.csv")
+    table.to_parquet(tmp_path / "flight.parquet")
+    history = [table, tmp_path / "flight.csv", tmp_path / "flight.parquet"]
+    data = stream_dataset(tmp_path / "a.parquet", Slope(), grid_states({"mu1": [0.0]}), QUIET, history=history)
+    rows = data.read()
+    assert rows["source"].tolist() == ["simulated", *np.repeat(["history 0", "history 1", "history 2"], 2)]
+    assert rows["state"].tolist() == [0] + 6 * [-1] and rows["mu1"].tolist() == [0.0] + 3 * [0.1, 0.0]
+    assert rows["g01"].tolist() == [1000.0] + 3 * [1000.0, 1100.0] and data.about["n_history"] == 3
+
+
+def test_the_side_file_says_seed_noise_model_units_states_and_loads(tmp_path: Path) -> None:
+    data = stream_dataset(tmp_path / "a.parquet", Slope(), library(), noisy())
+    side = json.loads((tmp_path / "a.parquet.json").read_text())
+    assert side == open_dataset(tmp_path / "a.parquet").about == data.about
+    assert side["seed"] == 7 and side["model_hash"] == "slope" and side["rows"] == 46 * 2 * 5
+    assert [noise["kind"] for noise in side["noise"]] == ["WhiteNoise", "ColouredNoise", "Bias"]
+    assert len(side["noise"][2]["offsets"]) == 3 and "microstrain" in side["units"]["gauges"]
+    assert side["states"][1] == {"kind": "random", "n_states": 40, "seed": 3, "n_damaged": 2, "largest": 0.8}
+
+
+def test_nothing_is_left_of_an_interrupted_stream_and_the_old_file_stays(tmp_path: Path) -> None:
+    path = tmp_path / "a.parquet"
+    old = stream_dataset(path, Slope(), library(), QUIET).about["sha256"]
+    with pytest.raises(KeyboardInterrupt):
+        stream_dataset(path, Broken(3), library(), noisy())
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["a.parquet", "a.parquet.json"]
+    assert open_dataset(path).about["sha256"] == old
+
+
+def test_a_changed_file_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "a.parquet"
+    stream_dataset(path, Slope(), library(), QUIET)
+    path.write_bytes(path.read_bytes()[:-1])
+    with pytest.raises(InputError, match="is not the file its side file describes"):
+        open_dataset(path)
+
+
+def draw(noise: object, shape: tuple[int, int, int]) -> np.ndarray:
+    rng = np.random.default_rng(0)
+    offsets = noise.fix(shape[2], rng)  # type: ignore[attr-defined]
+    return np.broadcast_to(noise.draw(shape[0], shape[1], offsets, rng), shape)  # type: ignore[attr-defined]
+
+
+def test_white_noise_is_white() -> None:
+    errors = draw(WhiteNoise(5.0), (2000, 3, 4)).reshape(2000, 12)
+    assert errors.std() == pytest.approx(5.0, rel=0.01)
+    assert np.abs(np.corrcoef(errors.T) - np.eye(12)).max() < 0.07
+
+
+def test_coloured_noise_has_its_variance_and_both_correlations() -> None:
+    errors = draw(ColouredNoise(5.0, between_readings=0.8, between_gauges=0.4), (20_000, 4, 2)).reshape(20_000, 8)
+    assert errors.std(axis=0) == pytest.approx(np.full(8, 5.0), rel=0.03)
+    reading, gauge = np.repeat(np.arange(4), 2), np.tile([0, 1], 4)
+    expected = 0.8 ** np.abs(reading[:, None] - reading) * np.where(gauge[:, None] == gauge, 1.0, 0.4)
+    assert np.corrcoef(errors.T) == pytest.approx(expected, abs=0.03)
+
+
+def test_a_bias_stays_the_same_in_every_reading() -> None:
+    errors = draw(Bias(3.0, 2.0), (5, 4, 2000))
+    assert (errors == errors[0, 0]).all()
+    assert errors[0, 0].mean() == pytest.approx(3.0, abs=0.2) and errors[0, 0].std() == pytest.approx(2.0, rel=0.05)
+
+
+def test_a_random_library_is_the_same_in_any_pieces() -> None:
+    states = random_states(["a", "b", "c"], 5000, seed=2, n_damaged=2, largest=0.5)
+    whole = states.between(0, 5000)
+    assert np.array_equal(whole, np.concatenate([states.between(k, min(k + 700, 5000)) for k in range(0, 5000, 700)]))
+    counts = np.bincount((whole > 0).sum(axis=1))
+    assert counts[0] == 0 and counts[1:] == pytest.approx([2500, 2500], rel=0.05) and whole.max() < 0.5
+    assert np.array_equal(
+        random_states(["a", "b", "c"], 10, seed=2, n_damaged=2, largest=0.5).between(0, 10), whole[:10]
+    )
+
+
+def test_a_grid_has_every_combination_in_order() -> None:
+    states = grid_states({"a": [0.0, 0.5], "b": [0.1, 0.2, 0.3]})
+    expected = [[0.0, 0.1], [0.0, 0.2], [0.0, 0.3], [0.5, 0.1], [0.5, 0.2], [0.5, 0.3]]
+    assert np.array_equal((states + listed_states(["a", "b"], [[0.9, 0.0]])).between(0, 7), [*expected, [0.9, 0.0]])
