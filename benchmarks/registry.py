@@ -43,6 +43,7 @@ FAMILIES = {
     "fuzz_proofs": "benchmarks.cases.fuzz_proofs",
     "mio_forms": "benchmarks.cases.mio_forms",
     "mio_agreement": "benchmarks.cases.mio_agreement",
+    "mio_binary": "benchmarks.cases.mio_binary",
     "mio_build": "benchmarks.cases.mio_build",
     "oblique_trees": "benchmarks.cases.oblique_trees",
     "oblique_single": "benchmarks.cases.oblique_single",

@@ -119,6 +119,39 @@ def _pydl85(problem: Problem) -> Fit:
     return fit
 
 
+def _odtlearn(problem: Problem) -> Fit:
+    import pandas as pd
+    from odtlearn.flow_oct import FlowOCT
+
+    columns = pd.DataFrame(problem.features.astype(int), columns=list(problem.feature_names))
+
+    def fit(seconds: float, threads: int) -> Answer:
+        model = FlowOCT(solver="CBC", depth=problem.depth, time_limit=int(np.ceil(seconds)), num_threads=threads)
+        model.fit(columns, problem.codes)
+        errors = float((np.asarray(model.predict(columns)).ravel() != problem.codes).sum())
+        # It maximises the samples that are right, so its bound is one from above.
+        return Answer(errors, problem.n_samples - float(model.objective_bound), "FlowOCT, CBC")
+
+    return fit
+
+
+def _mixed_integer(name: str, **options: int) -> Callable[[Problem], Fit]:
+    def prepare(problem: Problem) -> Fit:
+        from octmip.mip.flow import solve_flow
+        from octmip.mip.oct import solve_oct
+
+        solver = {"oct": solve_oct, "flow": solve_flow}[name]
+
+        def fit(seconds: float, threads: int) -> Answer:
+            solution = solver(problem, limits=Limits(seconds=seconds), n_jobs=threads, **options)
+            settings = " ".join([name, *(f"{key}={value}" for key, value in options.items())])
+            return Answer(solution.objective, solution.bound, settings, solution.n_nodes)
+
+        return fit
+
+    return prepare
+
+
 def can_be_binary(features: NDArray[np.float64]) -> bool:
     """Whether one binary feature for each threshold is few enough for the binary solvers."""
     return sum(len(np.unique(column)) - 1 for column in features.T) <= MOST_BINARY_FEATURES
@@ -130,4 +163,8 @@ RIVALS = {
     "pycontree": Rival(_pycontree, "pycontree"),
     "pystreed": Rival(_pystreed, "pystreed"),
     "pydl8.5": Rival(_pydl85, "pydl8.5"),
+    "odtlearn": Rival(_odtlearn, "odtlearn"),
+    "octmip-oct": Rival(_mixed_integer("oct"), "octmip"),
+    "octmip-flow1": Rival(_mixed_integer("flow", fix=1), "octmip"),
+    "octmip-flow2": Rival(_mixed_integer("flow", fix=2), "octmip"),
 }

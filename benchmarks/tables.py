@@ -8,7 +8,7 @@ Line = dict[str, Any]
 OURS, PEER = "octmip", "pycontree"
 
 
-def race_table(lines: Iterable[Line]) -> str:
+def race_table(lines: Iterable[Line], ours: str = OURS, peer: str = PEER) -> str:
     """Return the table of a race with the CPU seconds of each solver, and the ratios to the peer below it."""
     rows: dict[tuple[str, int], dict[str, Line]] = {}
     columns: list[str] = []
@@ -19,9 +19,15 @@ def race_table(lines: Iterable[Line]) -> str:
     head = ["case", "seed", "optimum", *columns, "ratio"]
     table = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
     for (size, seed), row in rows.items():
-        cells = [size, str(seed), _optimum(row), *(_cell(row.get(column)) for column in columns), _ratio_cell(row)]
+        cells = [
+            size,
+            str(seed),
+            _optimum(row),
+            *(_cell(row.get(column)) for column in columns),
+            _ratio_cell(row, ours, peer),
+        ]
         table.append("| " + " | ".join(cells) + " |")
-    return "\n".join([*table, "", *_verdicts(list(rows.values()))])
+    return "\n".join([*table, "", *_verdicts(list(rows.values()), ours, peer)])
 
 
 def _column(line: Line) -> str:
@@ -45,36 +51,37 @@ def _optimum(row: dict[str, Line]) -> str:
     return f"{proven.pop():g}" if proven else "?"
 
 
-def peer_seconds(row: dict[str, Line]) -> float:
+def peer_seconds(row: dict[str, Line], peer: str = PEER) -> float:
     """Return the peer's CPU seconds, those it had used when its limit came, nan where it did not run."""
-    return float(row.get(PEER, {}).get("cpu_seconds", math.nan))
+    return float(row.get(peer, {}).get("cpu_seconds", math.nan))
 
 
-def ratio(row: dict[str, Line]) -> float:
+def ratio(row: dict[str, Line], ours: str = OURS, peer: str = PEER) -> float:
     """Return how many times faster ours is on one thread, in CPU; nan where either has no figure."""
-    ours = row.get(OURS, {})
-    if {ours.get("outcome"), row.get(PEER, {}).get("outcome")} == {"not proven"}:
+    own = row.get(ours, {})
+    if {own.get("outcome"), row.get(peer, {}).get("outcome")} == {"not proven"}:
         return math.nan  # both ran into the limit: neither is faster
-    return peer_seconds(row) / max(float(ours.get("cpu_seconds", math.nan)), 1e-6)
+    return peer_seconds(row, peer) / max(float(own.get("cpu_seconds", math.nan)), 1e-6)
 
 
-def _ratio_cell(row: dict[str, Line]) -> str:
-    value = ratio(row)
+def _ratio_cell(row: dict[str, Line], ours: str, peer: str) -> str:
+    value = ratio(row, ours, peer)
     if math.isnan(value):
         return ""
-    at_least = ">" if row[PEER]["outcome"] != "proven" and row.get(OURS, {}).get("outcome") == "proven" else ""
+    at_least = ">" if row[peer]["outcome"] != "proven" and row.get(ours, {}).get("outcome") == "proven" else ""
     return f"{at_least}{value:.3g}"
 
 
-def _verdicts(rows: list[dict[str, Line]]) -> list[str]:
-    slow = [ratio(row) for row in rows if peer_seconds(row) > 0.1 and not math.isnan(ratio(row))]
-    slower = [row for row in rows if peer_seconds(row) > 0.02 and ratio(row) < 1]
+def _verdicts(rows: list[dict[str, Line]], ours: str, peer: str) -> list[str]:
+    compared = [(row, peer_seconds(row, peer), ratio(row, ours, peer)) for row in rows]
+    slow = [value for _, seconds, value in compared if seconds > 0.1 and not math.isnan(value)]
+    slower = [row for row, seconds, value in compared if seconds > 0.02 and value < 1]
     lines = []
     if slow:
         mean = math.exp(sum(math.log(value) for value in slow) / len(slow))
         lines.append(
-            f"Geometric mean of the ratios over the {len(slow)} cases where {PEER} needs more than 0.1 s: {mean:.3g}."
+            f"Geometric mean of the ratios over the {len(slow)} cases where {peer} needs more than 0.1 s: {mean:.3g}."
         )
     names = [next(iter(row.values()))["size"] for row in slower]
-    lines.append(f"Slower than {PEER} where it needs more than 0.02 s: {', '.join(names) or 'nowhere'}.")
+    lines.append(f"Slower than {peer} where it needs more than 0.02 s: {', '.join(names) or 'nowhere'}.")
     return lines
