@@ -1,6 +1,6 @@
 """From elements to the system K u = f: assembly, supports, factors and consistent loads."""
 
-from femlib.assembly.deflection import Deflection, deflect
+from femlib.assembly.deflection import CorotatedShells, Deflection, deflect
 from femlib.assembly.factors import Factors, factorise
 from femlib.assembly.loads import line_load, surface_load, thermal_forces, thermal_load
 from femlib.assembly.modes import Mode, natural_modes, point_masses
@@ -8,6 +8,7 @@ from femlib.assembly.shells import Shells, assemble
 from femlib.assembly.supports import Supports
 
 __all__ = [
+    "CorotatedShells",
     "Deflection",
     "Factors",
     "Mode",

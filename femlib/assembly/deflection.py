@@ -50,10 +50,15 @@ class Deflection:
     residual: float = 0.0
 
     @classmethod
-    def none(cls, mesh: Mesh) -> "Deflection":
-        """Return the structure at rest."""
-        n = len(mesh.nodes)
-        return cls(0.0, np.zeros((n, 3)), np.tile(np.eye(3), (n, 1, 1)))
+    def none(cls, mesh: Mesh, fraction: float = 0.0) -> "Deflection":
+        """Return the structure before it moves."""
+        return cls.along(np.zeros(mesh.n_dofs), fraction)
+
+    @classmethod
+    def along(cls, moved: FloatArray, fraction: float = 0.0) -> "Deflection":
+        """Return the structure displaced by the translations and rotation vectors of `moved` (n_dofs,)."""
+        nodal = moved.reshape(-1, DOFS_PER_NODE)
+        return cls(fraction, nodal[:, :3].copy(), exp_rotation(nodal[:, 3:]))
 
     def deformation(self, mesh: Mesh, corners: IntArray) -> FloatArray:
         """Return what strains the elements with `corners` (m, n): displacements (m, 6 n) without their rigid motion.
@@ -101,7 +106,7 @@ def deflect(
     steps = np.asarray(fractions, dtype=np.float64)
     if steps.ndim != 1 or not steps.size or not (np.diff(np.concatenate([[0.0], steps])) > 0.0).all():
         raise InputError(f"load fractions are {list(fractions)}; expected increasing numbers above 0; sort them")
-    newton = _Newton.of(shells, supports, load, stiffness_factor, thermal, tolerance)
+    newton = _Newton.of(CorotatedShells.of(shells, stiffness_factor, thermal), supports, load, tolerance)
     found, state = [], Deflection.none(shells.mesh)
     for target in steps.tolist():
         state = newton.follow(state, target)
@@ -118,39 +123,73 @@ class _Parts:
     stiffness: FloatArray
     thermal: FloatArray
 
+    def motion(self, state: Deflection) -> corotational.Motion:
+        return corotational.motion(self.points, state.displacement[self.corners], state.rotation[self.corners])
+
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Newton:
+class CorotatedShells:
+    """Shells whose elements turn with the structure.
+
+    Attributes
+    ----------
+    mesh : Mesh
+        Nodes and elements.
+    """
+
     mesh: Mesh
-    supports: Supports
-    load: FloatArray
-    parts: tuple[_Parts, _Parts]
-    size: float
-    tolerance: float
+    _parts: tuple[_Parts, ...]
 
     @classmethod
     def of(
         cls,
         shells: Shells,
-        supports: Supports,
-        load: FloatArray,
-        factor: FloatArray | None,
-        thermal: tuple[FloatArray, FloatArray] | None,
-        tolerance: float,
-    ) -> "_Newton":
+        stiffness_factor: FloatArray | None = None,
+        thermal: tuple[FloatArray, FloatArray] | None = None,
+    ) -> "CorotatedShells":
+        """Return the shells, arguments as `deflect`."""
         mesh = shells.mesh
-        force = frozen_floats(load, "load", (mesh.n_dofs,))
-        scale = np.ones(mesh.n_elements) if factor is None else factor
+        scale = np.ones(mesh.n_elements) if stiffness_factor is None else stiffness_factor
         scale = frozen_floats(scale, "stiffness factor", (mesh.n_elements,))
-        total, parts, first = force.copy(), [], 0
+        parts, first = [], 0
         for k, corners in enumerate((mesh.quads, mesh.trias)):
             part = scale[first : first + len(corners), None]
             warm = np.zeros((len(corners), DOFS_PER_NODE * corners.shape[1])) if thermal is None else thermal[k] * part
             parts.append(_Parts(corners, mesh.nodes[corners], shells.element_stiffness[k] * part[:, :, None], warm))
-            np.add.at(total, dofs_of_nodes(corners).reshape(warm.shape), warm)
             first += len(corners)
-        size = float(np.linalg.norm(total[supports.free]))
-        return cls(mesh, supports, force, (parts[0], parts[1]), size, tolerance)
+        return cls(mesh, tuple(parts))
+
+    def forces(self, state: Deflection) -> FloatArray:
+        """Return the shells' nodal forces (n_dofs,), thermal ones taken off; in equilibrium they are the loads."""
+        total = np.zeros(self.mesh.n_dofs)
+        for part in self._parts:
+            inner = corotational.forces(part.motion(state), part.stiffness, state.fraction * part.thermal)
+            np.add.at(total, dofs_of_nodes(part.corners), inner)
+        return total
+
+    def tangent(self, state: Deflection) -> sparse.csc_array:
+        """Return the derivative (n_dofs, n_dofs) of the forces by displacements and spins, symmetrised."""
+        quads, trias = (
+            corotational.tangent(part.motion(state), part.stiffness, state.fraction * part.thermal)
+            for part in self._parts
+        )
+        return assemble(self.mesh, quads, trias)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Newton:
+    shells: CorotatedShells
+    supports: Supports
+    load: FloatArray
+    size: float
+    tolerance: float
+
+    @classmethod
+    def of(cls, shells: CorotatedShells, supports: Supports, load: FloatArray, tolerance: float) -> "_Newton":
+        force = frozen_floats(load, "load", (shells.mesh.n_dofs,))
+        rest = Deflection.none(shells.mesh, fraction=1.0)
+        size = float(np.linalg.norm((force - shells.forces(rest))[supports.free]))
+        return cls(shells, supports, force, size, tolerance)
 
     def follow(self, start: Deflection, target: float) -> Deflection:
         """Return the equilibrium at `target`, the step halved where Newton fails."""
@@ -174,8 +213,8 @@ class _Newton:
         state = Deflection(fraction, start.displacement, start.rotation)
         limit = 1e6 * max(self.size, 1e-300)
         for iteration in range(1, MOST_ITERATIONS + 1):
-            gap, matrix = self.linearised(state)
-            move = factorise(matrix, self.supports.groups).solve(gap)
+            matrix = self.supports.reduce(self.shells.tangent(state))
+            move = factorise(matrix, self.supports.groups).solve(self.residual(state))
             moved = self.supports.expand(move).reshape(-1, DOFS_PER_NODE)
             rotation = exp_rotation(moved[:, 3:]) @ state.rotation
             state = Deflection(fraction, state.displacement + moved[:, :3], rotation, iteration)
@@ -191,21 +230,4 @@ class _Newton:
 
     def residual(self, state: Deflection) -> FloatArray:
         """Return load minus inner forces at the free degrees of freedom (n_free,)."""
-        total = state.fraction * self.load
-        for part in self.parts:
-            inner = corotational.forces(self.motion(part, state), part.stiffness, state.fraction * part.thermal)
-            np.subtract.at(total, dofs_of_nodes(part.corners).reshape(inner.shape), inner)
-        return total[self.supports.free]
-
-    def linearised(self, state: Deflection) -> tuple[FloatArray, sparse.csc_array]:
-        """Return the residual and the tangent (n_free, n_free)."""
-        quads, trias = (
-            corotational.tangent(self.motion(part, state), part.stiffness, state.fraction * part.thermal)
-            for part in self.parts
-        )
-        return self.residual(state), self.supports.reduce(assemble(self.mesh, quads, trias))
-
-    @staticmethod
-    def motion(part: _Parts, state: Deflection) -> corotational.Motion:
-        """Return the motion of the elements of one kind."""
-        return corotational.motion(part.points, state.displacement[part.corners], state.rotation[part.corners])
+        return (state.fraction * self.load - self.shells.forces(state))[self.supports.free]

@@ -71,16 +71,22 @@ def bend(
         If no equilibrium is found.
     """
     structure, n = wing.structure, wing.structure.shells.mesh.n_elements
-    damage = checked_damage(damage_row(state, wing.parameters)[None, :], wing.parameters)[0]
-    factor = np.ones(n)
-    for mu, component in zip(damage, structure.components, strict=True):
-        factor[component.elements] = 1.0 - mu
+    factor = stiffness_factor(wing, state)
     thermal = thermal_forces(structure.shells, np.broadcast_to(warming, n), np.broadcast_to(gradient, n))
     load = checked_load_factor(load_factor) * (wing.lift if forces is None else forces)
     fractions = (np.arange(steps) + 1.0) / steps
     last = deflect(structure.shells, structure.supports, load, fractions.tolist(), factor, thermal)[-1]
     tip = wing.grid.columns(len(wing.grid.eta) - 1)[wing.grid.spar_column]
     return BentWing(last, gauge_strains(wing, last), last.displacement[tip].mean(axis=0))
+
+
+def stiffness_factor(wing: Wing, state: Mapping[str, float]) -> FloatArray:
+    """Return the factor on each element's stiffness (n_elements,) in a state of named damage fractions."""
+    damage = checked_damage(damage_row(state, wing.parameters)[None, :], wing.parameters)[0]
+    factor = np.ones(wing.structure.shells.mesh.n_elements)
+    for mu, component in zip(damage, wing.structure.components, strict=True):
+        factor[component.elements] = 1.0 - mu
+    return factor
 
 
 def gauge_strains(wing: Wing, deflection: Deflection) -> FloatArray:

@@ -9,7 +9,7 @@ from collections.abc import Callable
 import numpy as np
 
 from femlib.arrays import FloatArray
-from femlib.mesh import DOFS_PER_NODE, Mesh
+from femlib.mesh import DOFS_PER_NODE
 from femlib.wing.structure import WingGrid
 
 GRAVITY = 9.81
@@ -19,7 +19,7 @@ EFFECTIVE_MASS = 25.0
 0.677 N/mm the published strains ask for it."""
 
 
-def elliptic_lift(mesh: Mesh, grid: WingGrid, effective_mass: float = EFFECTIVE_MASS) -> FloatArray:
+def elliptic_lift(grid: WingGrid, effective_mass: float = EFFECTIVE_MASS) -> FloatArray:
     """Return nodal forces (n_dofs,) [N] of the half wing at load factor 1.
 
     The lift of each cell of the grid is lumped to its lines exactly (by the integrals of the two distributions), half
@@ -29,7 +29,7 @@ def elliptic_lift(mesh: Mesh, grid: WingGrid, effective_mass: float = EFFECTIVE_
     along = _lumped(grid.eta, _ellipse_integral, _ellipse_moment)
     across = _lumped(grid.chord, _pressure_integral, _pressure_moment)
     force = 0.5 * total * np.outer(along, across)
-    loads = np.zeros(mesh.n_dofs)
+    loads = np.zeros(DOFS_PER_NODE * grid.n_nodes)
     for nodes in (grid.upper, grid.lower):
         np.add.at(loads, DOFS_PER_NODE * nodes + 2, force)
     return loads

@@ -18,6 +18,7 @@ from femlib.arrays import FloatArray
 from femlib.assembly import Supports
 from femlib.components import MOST_PORTS, Component, DamagedStructure, damage_row
 from femlib.errors import InputError, frozen_floats
+from femlib.geometry import Planform
 from femlib.mesh import DOFS_PER_NODE
 from femlib.wing.damage import UAV_REGIONS, DamageRegion
 from femlib.wing.gauges import GaugeSet, gauge_set, installed_places
@@ -46,6 +47,8 @@ class Wing:
         Moduli and thicknesses.
     lift : FloatArray
         Nodal forces (n_dofs,) at load factor 1 [N].
+    planform : Planform
+        Outline; the designed one if not given.
     strain_rows : csr_array
         Map (n_gauges, n_dofs) from displacements to strain, compressive positive [-].
     """
@@ -56,6 +59,7 @@ class Wing:
     gauges: GaugeSet
     materials: WingMaterials
     lift: FloatArray
+    planform: Planform = PLANFORM
     strain_rows: sparse.csr_array = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -77,7 +81,7 @@ class Wing:
     @property
     def span(self) -> float:
         """Half-span [m]."""
-        return PLANFORM.span
+        return self.planform.span
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -162,13 +166,13 @@ class Wing:
 
     def outline(self) -> FloatArray:
         """Return the closed polygon (5, 2) of the planform in (x, y) [m]."""
-        return PLANFORM.outline()
+        return self.planform.outline()
 
     def region_outline(self, region: DamageRegion) -> FloatArray:
         """Return the closed polygon (5, 2) of a region in (x, y) [m]."""
         eta = [region.eta_min, region.eta_max, region.eta_max, region.eta_min, region.eta_min]
         chord = [region.chord_min, region.chord_min, region.chord_max, region.chord_max, region.chord_min]
-        return PLANFORM.position(eta, chord)
+        return self.planform.position(eta, chord)
 
 
 def uav_wing(
@@ -203,15 +207,32 @@ def uav_wing(
             raise InputError(f"{name} is {value}; expected a positive finite number; correct it")
     cards = WingMaterials() if materials is None else materials
     grid = wing_grid(PLANFORM, N_RIBS, regions, installed_places()[:, 0], refinement)
-    mesh = wing_mesh(PLANFORM, SECTION, grid, regions)
-    shells = wing_shells(mesh, PLANFORM, cards, regions)
+    return _on_planform(PLANFORM, grid, regions, cards, candidates, elliptic_lift(grid, effective_mass))
+
+
+def reshaped(wing: Wing, planform: Planform) -> Wing:
+    """Return the same wing on another planform: grid lines and gauges at the same fractions, the same nodal lift."""
+    candidates = len(wing.gauges.names) > len(installed_places())
+    return _on_planform(planform, wing.grid, wing.regions, wing.materials, candidates, wing.lift)
+
+
+def _on_planform(
+    planform: Planform,
+    grid: WingGrid,
+    regions: tuple[DamageRegion, ...],
+    cards: WingMaterials,
+    candidates: bool,
+    lift: FloatArray,
+) -> Wing:
+    mesh = wing_mesh(planform, SECTION, grid, regions)
+    shells = wing_shells(mesh, planform, cards, regions)
     supports = Supports.clamping(mesh, np.flatnonzero(mesh.nodes[:, 1] == 0.0))
     components = tuple(
         Component(r.name, r.parameter, mesh.patch_of_element == mesh.patches.index(r.name)) for r in regions
     )
     structure = DamagedStructure(shells, supports, components)
-    gauges = gauge_set(PLANFORM, SECTION, regions, candidates)
-    return Wing(structure, grid, regions, gauges, cards, elliptic_lift(mesh, grid, effective_mass))
+    gauges = gauge_set(planform, SECTION, regions, candidates)
+    return Wing(structure, grid, regions, gauges, cards, lift, planform)
 
 
 def checked_load_factor(load_factor: float) -> float:

@@ -106,6 +106,11 @@ class WingGrid:
     rib_rows: IntArray
     spar_column: int
 
+    @property
+    def n_nodes(self) -> int:
+        """Number of nodes."""
+        return int(max(self.lower.max(), self.inside.max())) + 1
+
     def columns(self, row: int) -> IntArray:
         """Return the nodes (n_chord, N_WEB_LEVELS + 1) of a span station from the upper to the lower skin."""
         return np.concatenate([self.upper[row, :, None], self.inside[row], self.lower[row, :, None]], axis=1)
@@ -216,8 +221,7 @@ def _ribs(grid: WingGrid) -> tuple[IntArray, IntArray]:
 def _positions(planform: Planform, section: Naca4, grid: WingGrid) -> FloatArray:
     """Node positions (n_nodes, 3): a section scaled by the chord at each station."""
     upper, lower = section.heights(grid.chord)
-    n_nodes = int(max(grid.lower.max(), grid.inside.max())) + 1
-    nodes = np.zeros((n_nodes, 3))
+    nodes = np.zeros((grid.n_nodes, 3))
     chords = planform.chord(grid.eta)
     plane = planform.position(grid.eta[:, None], grid.chord[None, :])
     levels = np.linspace(0.0, 1.0, N_WEB_LEVELS + 1)[1:-1]

@@ -31,6 +31,8 @@ CORRELATED = 0.9
 """Posterior correlation of a damage and an effect beyond which they are not told apart."""
 SOUND = 0.5
 """The asset is called sound when no effect is more probable than all others together."""
+TRACELESS = 1e6
+"""Detectable size over the prior's sd beyond which the signature is nothing but zero."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -270,7 +272,9 @@ def _refused(which: Sequence[Cause], scene: Scene, sizes: Mapping[str, float]) -
     baseline = "a healthy commissioning run at load factors 0, 1, 2 and 3 would separate them"
     for name, size in sizes.items():
         effect = priors[name]
-        if size > ABSURD * effect.prior_sd and effect.prior_mean == 0.0:
+        if size > TRACELESS * effect.prior_sd:
+            refused[name] = f"leaves no trace in any gauge: {effect.separated_by}"
+        elif size > ABSURD * effect.prior_sd and effect.prior_mean == 0.0:
             hidden = "hidden behind the unknown damage" if scene.setting.groups else "too weak in these readings"
             hint = f"; {baseline}" if scene.setting.groups else ""
             refused[name] = f"{hidden}: only more than {size:.3g} {effect.unit} would have been seen{hint}"

@@ -2,13 +2,22 @@
 
 import numpy as np
 import pytest
+import scipy.sparse as sparse
+from scipy.sparse.linalg import splu, spsolve
 
 from femlib.assembly import thermal_load
+from femlib.geometry import Planform
 from femlib.mesh import DOFS_PER_NODE
-from femlib.wing import WingTwin, uav_wing
+from femlib.wing import WingTwin, bend, uav_wing
 from femlib.wing.effects import wing_effects
+from femlib.wing.effects.planform import MANUFACTURED
 from femlib.wing.effects.response import Response
+from femlib.wing.effects.root_flexibility import rolled
+from femlib.wing.effects.spar_skin_debond import web_edge
+from femlib.wing.model import reshaped
+from femlib.wing.planform import PLANFORM
 from femlib.wing.structure import WingMaterials
+from tests.test_femlib.conftest import SHARED
 
 WING = uav_wing(refinement=0.35)
 EFFECTS = wing_effects(WING)
@@ -16,9 +25,12 @@ TWIN = WingTwin(WING, EFFECTS)
 STATE = {"mu1": 0.3, "mu2": 0.5}
 
 
-def signature(name, load=3.0, place=None, state=STATE):
+INVISIBLE = {"root_flexibility"}
+
+
+def signature(name, load=3.0, place=None, state=STATE, time=1800.0):
     effect = EFFECTS[name]
-    return effect.signature(TWIN, state, load, variant=effect.variants(TWIN)[0] if place is None else place)
+    return effect.signature(TWIN, state, load, variant=effect.variants(TWIN)[0] if place is None else place, time=time)
 
 
 @pytest.mark.parametrize("name", EFFECTS)
@@ -26,8 +38,9 @@ def test_the_card_is_complete_and_the_load_power_holds(name):
     effect = EFFECTS[name]
     assert effect.name == name and effect.prior_sd > 0 and effect.separated_by and effect.prior_source
     one, two = signature(name, 1.0), signature(name, 2.0)
-    assert one.shape == (24,) and np.abs(one).max() > 0
-    assert np.allclose(two, 2.0**effect.load_power * one, rtol=1e-6, atol=1e-9)
+    assert one.shape == (24,) and (np.abs(one).max() > 0) == (name not in INVISIBLE)
+    if effect.load_power is not None:
+        assert np.allclose(two, 2.0**effect.load_power * one, rtol=1e-6, atol=1e-9)
 
 
 def test_the_adjoint_gives_the_strains_of_the_lift():
@@ -84,9 +97,86 @@ def test_a_first_order_loss_of_stiffness_is_what_a_small_damage_of_a_region_does
     assert np.allclose(Response(WING).strains({}, pull), small, rtol=0.03, atol=0.02)
 
 
-def test_a_large_deflection_relieves_by_less_than_two_per_cent_at_load_factor_three():
-    relative = signature("large_deflection", state={}) / WING.strain_microstrain({}, 3.0)
-    assert (relative < 0).all() and (relative > -0.02).all()
+@pytest.mark.parametrize("state", [{}, STATE])
+def test_large_deflection_is_what_newton_finds(state):
+    linear = WING.strain_microstrain(state, 3.0)
+    newton = bend(WING, state, 3.0).strain_microstrain - linear
+    assert np.abs(signature("large_deflection", state=state) - newton)[:16].max() < 1e-3 * linear.max()
+    low = bend(WING, state, -1.0).strain_microstrain + WING.strain_microstrain(state, 1.0)
+    assert np.abs(signature("large_deflection", -1.0, state=state) - low).max() < 0.03 * np.abs(low).max()
+
+
+def test_a_mount_that_turns_raises_the_tip_and_strains_nothing():
+    structure = WING.structure
+    free, stiffness = structure.supports.free, structure.shells.stiffness()
+    turned = rolled(WING)
+    root = turned.copy()
+    root[free] = 0.0
+    # unknowns: the free displacements and the turn of the rigid root on its spring
+    tie = sparse.hstack([sparse.eye_array(len(turned)).tocsc()[:, free], sparse.csc_array(root[:, None])]).tocsc()
+    flexibility = 0.2e-3  # rad / (N m)
+    spring = sparse.coo_array(([1.0 / flexibility], ([len(free)], [len(free)])), shape=(len(free) + 1,) * 2)
+    matrix = sparse.csc_array(tie.T @ stiffness @ tie + spring)
+    factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    full = tie @ factors.solve(tie.T @ (3.0 * WING.lift))
+    strains = 1e6 * (WING.strain_rows @ full)
+    assert np.allclose(strains, WING.strain_microstrain({}, 3.0), rtol=1e-6)
+    assert (signature("root_flexibility") == 0.0).all()
+    tip = 6 * WING.grid.upper[-1, WING.grid.spar_column] + 2
+    rise = full[tip] - WING.solve({}, 3.0).ravel()[tip]
+    assert rise == pytest.approx(0.2 * EFFECTS["root_flexibility"].tip_rise(3.0), rel=1e-6)
+
+
+def test_creep_is_the_strain_of_a_wing_whose_skins_have_softened_by_that_time():
+    card = WingMaterials()
+    softer = uav_wing(refinement=0.35, materials=WingMaterials(skin_young=card.skin_young / 1.002))
+    change = softer.strain_microstrain(STATE, 3.0) - WING.strain_microstrain(STATE, 3.0)
+    assert np.allclose(0.2 * signature("creep", time=3600.0), change, rtol=0.01, atol=1e-3)
+    assert (signature("creep", time=0.0) == 0.0).all()
+    assert np.allclose(signature("creep", time=32 * 3600.0), 2.0 * signature("creep", time=3600.0))
+
+
+def test_the_planform_is_linear_between_designed_and_manufactured():
+    halfway = Planform(*(0.5 * (getattr(PLANFORM, f) + getattr(MANUFACTURED, f)) for f in PLANFORM.__slots__))
+    change = reshaped(WING, halfway).strain_microstrain(STATE, 3.0) - WING.strain_microstrain(STATE, 3.0)
+    assert np.allclose(0.5 * signature("planform"), change, rtol=0.02, atol=0.05)
+    assert MANUFACTURED.area() < PLANFORM.area() and (signature("planform", state={}) > 0).all()
+
+
+def test_the_manufactured_planform_is_that_of_the_published_table():
+    table = SHARED / "uav" / "geometry_data.csv"
+    if not table.exists():
+        pytest.skip("the published geometry is not beside the project (../shared/uav/geometry_data.csv)")
+    rows = [line.split(",") for line in table.read_text().splitlines()[1:]]
+    for column, planform in ((1, PLANFORM), (2, MANUFACTURED)):
+        lengths = (planform.span, planform.root_chord, planform.tip_chord)
+        assert [1e-3 * float(row[column]) for row in rows] == pytest.approx(lengths)
+
+
+@pytest.mark.parametrize("flange", ["upper", "lower"])
+def test_a_debond_is_the_wing_with_its_nodes_cut_there(flange):
+    shells, supports = WING.structure.shells, WING.structure.supports
+    elements, nodes = web_edge(WING, flange)
+    eta = shells.mesh.nodes[nodes, 1] / WING.span
+    place = next(p for p in EFFECTS["spar_skin_debond"].places if p.startswith(f"{flange} eta 0.285-"))
+    inner, outer = (float(x) for x in place.split()[2].split("-"))
+    cut = nodes[(eta >= inner) & (eta <= outer)]
+    assert len(cut) >= 3 and elements.sum() == len(WING.grid.eta) - 1
+    n = shells.mesh.n_dofs
+    # the web's edge gets spanwise displacements of its own, numbered after all others
+    own = np.arange(n)
+    own[6 * cut + 1] = n + np.arange(len(cut))
+    row = sparse.coo_array(shells.stiffness(elements))
+    web = sparse.coo_array((row.data, (own[row.row], own[row.col])), shape=(n + len(cut),) * 2)
+    rest = sparse.coo_array(shells.stiffness(~elements))
+    rest = sparse.coo_array((rest.data, (rest.row, rest.col)), shape=web.shape)
+    free = np.concatenate([supports.free, n + np.arange(len(cut))])
+    matrix = sparse.csc_array(web + rest)[free][:, free]
+    moved = np.zeros(n + len(cut))
+    moved[free] = spsolve(matrix, np.concatenate([3.0 * WING.lift, np.zeros(len(cut))])[free])
+    change = 1e6 * (WING.strain_rows @ moved[:n]) - WING.strain_microstrain({}, 3.0)
+    assert np.abs(change).max() > 10.0
+    assert signature("spar_skin_debond", place=place) == pytest.approx(change, rel=1e-5, abs=1e-5)
 
 
 def test_a_mass_changes_nothing_outboard_of_itself():

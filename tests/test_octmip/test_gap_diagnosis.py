@@ -9,7 +9,7 @@ from octmip.gap import CHAIN, diagnose, rounds
 from octmip.gap.page import report_page
 from octmip.gap.words import as_object, page_of_words
 from octmip.tree import Leaf, Split
-from tests.test_octmip.beam_twin import Beam, measured
+from tests.test_octmip.beam_twin import Beam, Field, measured
 
 TWIN = Beam()
 COMMISSIONING = measured(1000)
@@ -198,3 +198,13 @@ def test_columns_in_another_order_give_the_same_answer():
     one, other = (diagnose(c, TWIN, commissioning=COMMISSIONING).which[0] for c in (campaign, shuffled))
     assert one.effects == other.effects and one.parameters[0].variant == other.parameters[0].variant
     assert one.probability == pytest.approx(other.probability, abs=0.02)
+
+
+@pytest.mark.parametrize("known", [True, False], ids=["known state", "unknown state"])
+def test_an_effect_without_any_trace_is_refused_and_not_named(known):
+    hidden = Field("root_flexibility", np.zeros(20), 1, 0.1, "rad/(kN m)", separated_by="invisible in strain")
+    twin = Beam(effects={**TWIN.effects, hidden.name: hidden})
+    campaign = measured(7, effect("temperature_uniform", -8.0), known=known)
+    diagnosis = diagnose(campaign, twin, commissioning=COMMISSIONING)
+    assert diagnosis.refused["root_flexibility"] == "leaves no trace in any gauge: invisible in strain"
+    assert all("root_flexibility" not in names for cause in diagnosis.which for names in cause.names)

@@ -3,12 +3,16 @@
 from collections.abc import Mapping
 
 from femlib.wing.effects import (
+    creep,
     damage_outside_library,
     large_deflection,
     lift_distribution,
     modulus,
     payload_inertia,
+    planform,
+    root_flexibility,
     skin_thickness,
+    spar_skin_debond,
     temperature_gradient,
     temperature_uniform,
     torsion,
@@ -27,6 +31,10 @@ EFFECTS = (
     large_deflection.effect,
     payload_inertia.effect,
     damage_outside_library.effect,
+    spar_skin_debond.effect,
+    creep.effect,
+    planform.effect,
+    root_flexibility.effect,
 )
 
 

@@ -33,8 +33,8 @@ class WingEffect:
         Why this scale.
     separated_by : str
         What separates the effect from its nearest rival.
-    load_power : int
-        The signature is proportional to load_factor**load_power.
+    load_power : int or None
+        The signature is proportional to load_factor**load_power; None where it is no single power.
     response : Response
         How the gauges answer forces.
     force : callable
@@ -45,6 +45,8 @@ class WingEffect:
         Whether the size cannot be negative.
     prior_mean : float
         Expected size, in `unit`.
+    uses_time : bool
+        Whether the signature depends on the time since the start of the campaign.
     """
 
     name: str
@@ -53,12 +55,13 @@ class WingEffect:
     prior_sd: float
     prior_source: str
     separated_by: str
-    load_power: int
+    load_power: int | None
     response: Response
     force: Force
     places: tuple[str, ...] = ("",)
     is_one_sided: bool = False
     prior_mean: float = 0.0
+    uses_time: bool = False
 
     def variants(self, twin: Any) -> tuple[str, ...]:
         """Return the places."""

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.sparse.linalg import splu
+from scipy.sparse.linalg import SuperLU, splu
 
 from femlib.arrays import FloatArray
 from femlib.components import damage_row
@@ -28,6 +28,7 @@ class Response:
     wing: Wing
     _adjoint: dict[tuple[float, ...], FloatArray] = field(init=False, repr=False, default_factory=dict)
     _moved: dict[tuple[float, ...], FloatArray] = field(init=False, repr=False, default_factory=dict)
+    _factor: dict[tuple[float, ...], SuperLU] = field(init=False, repr=False, default_factory=dict)
 
     def strains(self, state: Mapping[str, float], force: FloatArray) -> FloatArray:
         """Return the gauge strains (n_gauges,) [microstrain, compressive positive] under nodal forces (n_dofs,) [N]."""
@@ -40,19 +41,28 @@ class Response:
             self._moved[key] = self.wing.solve(state, 1.0).ravel()
         return self._moved[key]
 
+    def moved_by(self, state: Mapping[str, float], force: FloatArray) -> FloatArray:
+        """Return the displacements (n_dofs, ...) under nodal forces (n_dofs, ...) [N]."""
+        supports = self.wing.structure.supports
+        return supports.expand(self._factors(damage_row(state, self.wing.parameters)).solve(force[supports.free]))
+
     def _of_state(self, state: Mapping[str, float]) -> FloatArray:
         row = damage_row(state, self.wing.parameters)
         key = tuple(row.tolist())
         if key not in self._adjoint:
-            structure = self.wing.structure
-            factor = splu(
-                structure.stiffness(row),
+            supports = self.wing.structure.supports
+            rows = self.wing.strain_rows[:, supports.free].T.toarray()
+            self._adjoint[key] = supports.expand(self._factors(row).solve(rows))
+        return self._adjoint[key]
+
+    def _factors(self, row: FloatArray) -> SuperLU:
+        key = tuple(row.tolist())
+        if key not in self._factor:
+            self._factor.clear()  # one at a time: factors are the largest thing in memory
+            self._factor[key] = splu(
+                self.wing.structure.stiffness(row),
                 permc_spec="MMD_AT_PLUS_A",
                 diag_pivot_thresh=0.0,
                 options={"SymmetricMode": True},
             )
-            free = structure.supports.free
-            adjoint = np.zeros((structure.supports.n_dofs, self.wing.strain_rows.shape[0]))
-            adjoint[free] = factor.solve(self.wing.strain_rows[:, free].T.toarray())
-            self._adjoint[key] = adjoint
-        return self._adjoint[key]
+        return self._factor[key]

@@ -5,27 +5,18 @@ First order: K_skin grows by size / 100, f = -0.01 K_skin(mu) u.
 
 from collections.abc import Mapping
 
-import numpy as np
-
 from femlib.arrays import FloatArray
 from femlib.wing.effects.card import WingEffect
 from femlib.wing.effects.response import Response
+from femlib.wing.effects.skins import SkinForces
 
 
 def effect(response: Response) -> WingEffect:
     """Return the effect."""
-    wing = response.wing
-    shells = wing.structure.shells
-    names = ("top", "bottom")
-    skins = shells.stiffness(np.isin(shells.mesh.patch_of_element, [shells.mesh.patches.index(p) for p in names]))
-    damaged = {c.parameter: shells.stiffness(c.elements) for c in wing.structure.components}
+    skins = SkinForces(response)
 
     def force(state: Mapping[str, float], load_factor: float, place: str) -> FloatArray:
-        u = load_factor * response.displacements(state)
-        pull = skins @ u
-        for parameter, matrix in damaged.items():
-            pull = pull + (1.0 - state.get(parameter, 0.0)) * (matrix @ u)
-        return np.asarray(-0.01 * pull)
+        return -0.01 * load_factor * skins.of_state(state)
 
     return WingEffect(
         name="skin_thickness",

@@ -1,0 +1,63 @@
+"""Creep: the resin of the skins yields slowly, so under a load the strain grows with time while the load stays.
+
+The skins' compliance grows by size * (time / 1 h)^0.2 per cent, as if loaded since the start of the campaign; at every
+moment the wing is an elastic one with softer skins (quasi-elastic), f = +0.01 (t / 1 h)^0.2 K_skin(mu) u to first
+order. Price: a load that came later has crept for less time, and nothing is told of the recovery after it is gone.
+Source: W. N. Findley, J. S. Lai, K. Onaran, Creep and Relaxation of Nonlinear Viscoelastic Materials (1976), chapter 8
+(power law of time); R. A. Schapery, in Mechanics of Composite Materials 2 (1974), section 4 (quasi-elastic method).
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from femlib.arrays import FloatArray
+from femlib.wing.effects.card import WingEffect
+from femlib.wing.effects.response import Response
+from femlib.wing.effects.skins import SkinForces
+
+HOUR = 3600.0
+EXPONENT = 0.2
+"""Power of time of a +-45 carbon fabric in epoxy, whose resin carries the shear. Assumed: plastics creep with 0.1 to
+0.3."""
+
+
+def course(time: float) -> float:
+    """Return the growth of compliance at `time` [s] over that after one hour; none before the start."""
+    return float((max(time, 0.0) / HOUR) ** EXPONENT)
+
+
+class Creep(WingEffect):
+    """The effect, with its course of time."""
+
+    __slots__ = ()
+
+    def signature(
+        self, twin: Any, state: Mapping[str, float], load_factor: float, variant: str = "", time: float = 0.0
+    ) -> FloatArray:
+        """Return the change of the gauge strains (n_gauges,) in microstrain per unit of size at `time` [s]."""
+        one_hour = self.response.strains(state, self.force(state, load_factor, variant))
+        return np.asarray(course(time) * one_hour)
+
+
+def effect(response: Response) -> WingEffect:
+    """Return the effect."""
+    skins = SkinForces(response)
+
+    def force(state: Mapping[str, float], load_factor: float, place: str) -> FloatArray:
+        return 0.01 * load_factor * skins.of_state(state)
+
+    return Creep(
+        name="creep",
+        parameter="growth of the skins' compliance after one hour under load",
+        unit="%",
+        prior_sd=2.0,
+        prior_source="matrix-dominated laminates at room temperature creep by one to five per cent in an hour",
+        separated_by="its course of time: the same load again at the end reads more, which a scale does not do",
+        load_power=1,
+        response=response,
+        force=force,
+        is_one_sided=True,
+        uses_time=True,
+    )

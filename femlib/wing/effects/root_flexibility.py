@@ -1,0 +1,78 @@
+"""Root flexibility: the wing's mount turns under the root's bending moment instead of being rigid.
+
+The wing is held at its root alone (statically determinate), so a turn of the mount moves it as a rigid body: inner
+forces and strains stay, whatever the size. The signature is the gauges' answer to that rigid motion, zero but for
+rounding. The effect is in the library so that a diagnosis says that strain cannot see it: a deflection or a frequency
+can, by `tip_rise`.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from femlib.arrays import FloatArray
+from femlib.mesh import DOFS_PER_NODE
+from femlib.wing.effects.card import WingEffect
+from femlib.wing.effects.response import Response
+from femlib.wing.model import MICRO, Wing
+
+
+class RootFlexibility(WingEffect):
+    """The effect, seen by deflection alone."""
+
+    __slots__ = ()
+
+    def signature(
+        self, twin: Any, state: Mapping[str, float], load_factor: float, variant: str = "", time: float = 0.0
+    ) -> FloatArray:
+        """Return the change of the gauge strains (n_gauges,) in microstrain per unit of size: none."""
+        wing = self.response.wing
+        strains = MICRO * (wing.strain_rows @ (self.turn(load_factor) * rolled(wing)))
+        return np.where(np.abs(strains) < ROUNDING, 0.0, strains)
+
+    def turn(self, load_factor: float) -> float:
+        """Return the turn of the root [rad] per unit of size."""
+        return 1e-3 * load_factor * root_moment(self.response.wing)
+
+    def tip_rise(self, load_factor: float) -> float:
+        """Return the rise of the tip [m] per unit of size, which a deflection test sees."""
+        return self.turn(load_factor) * self.response.wing.span
+
+
+ROUNDING = 1e-6
+"""Strain [microstrain] that a rigid motion may leave by rounding."""
+
+
+def rolled(wing: Wing) -> FloatArray:
+    """Return the displacements (n_dofs,) of the wing turned by one radian about the root's chord, tip up."""
+    nodes = wing.structure.shells.mesh.nodes
+    moved = np.zeros((len(nodes), DOFS_PER_NODE))
+    moved[:, :3] = np.cross([1.0, 0.0, 0.0], nodes)
+    moved[:, 3] = 1.0
+    return moved.ravel()
+
+
+def root_moment(wing: Wing) -> float:
+    """Return the lift's bending moment about the root's chord at load factor 1 [N m]."""
+    return float(wing.lift @ rolled(wing))
+
+
+def effect(response: Response) -> WingEffect:
+    """Return the effect."""
+
+    def force(state: Mapping[str, float], load_factor: float, place: str) -> FloatArray:
+        return np.zeros_like(response.wing.lift)
+
+    return RootFlexibility(
+        name="root_flexibility",
+        parameter="turn of the mount per bending moment at the root",
+        unit="rad/(kN m)",
+        prior_sd=0.1,
+        prior_source="a mount that raises the tip from 130 to 217 mm at load factor 3 has 0.17",
+        separated_by="invisible in strain, as the wing is held at its root alone; deflection or frequency shows it",
+        load_power=1,
+        response=response,
+        force=force,
+        is_one_sided=True,
+    )
