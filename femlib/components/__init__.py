@@ -14,11 +14,23 @@ mu. The whole solution follows from forces that stand for the damage,
 
 Source: R. J. Guyan, AIAA Journal 3 (1965) 380 (static condensation); D. B. P. Huynh, D. J. Knezevic, A. T. Patera,
 ESAIM M2AN 47 (2013) 213-251 (components with ports). The result is the full model's to rounding; a state costs one
-dense solve of the size of the ports.
+dense solve of the size of the ports. `PortFlexibility` holds the same in the regions' own measures: with 28 regions the
+state's system is then solved by iteration, for many states at once.
 """
 
+from femlib.components.flexibility import PortFlexibility, port_flexibility
 from femlib.components.output_map import OutputMap
 from femlib.components.regions import Component, Condensed, checked_damage, damage_row
 from femlib.components.structure import MOST_PORTS, DamagedStructure
 
-__all__ = ["MOST_PORTS", "Component", "Condensed", "DamagedStructure", "OutputMap", "checked_damage", "damage_row"]
+__all__ = [
+    "MOST_PORTS",
+    "Component",
+    "Condensed",
+    "DamagedStructure",
+    "OutputMap",
+    "PortFlexibility",
+    "checked_damage",
+    "damage_row",
+    "port_flexibility",
+]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from femlib.assembly import factorise
-from femlib.components import Component, DamagedStructure
+from femlib.components import Component, DamagedStructure, port_flexibility
 from femlib.errors import InputError
 from femlib.wing import Wing
 
@@ -88,3 +88,24 @@ def test_overlapping_or_empty_regions_are_refused(coarse: Wing) -> None:
     nothing = Component("R9", "mu9", np.zeros_like(first.elements))
     with pytest.raises(InputError, match="region R9 holds no element"):
         DamagedStructure(structure.shells, structure.supports, (nothing,))
+
+
+def test_the_structure_at_its_ports_is_the_condensed_structure(coarse: Wing) -> None:
+    rng = np.random.default_rng(1)
+    load = coarse.lift + 0.1 * rng.normal(size=coarse.lift.shape)  # loads inside the regions too
+    ports = port_flexibility(coarse.structure, load, 1e6 * coarse.strain_rows, coarse.gauges.names)
+    full = 1e6 * coarse.structure.solve_outputs(STATES[:3], load, coarse.strain_rows)
+    assert ports.solve(STATES[:3]) == pytest.approx(full, abs=1e-7 * np.abs(full).max())
+    assert 0.0 < ports.own.min() and ports.own.max() < 1.0  # the regions' stiffness is a part of the structure's
+    assert np.array_equal(ports.across, ports.across.T)
+
+
+def test_a_structure_without_components_has_no_ports(coarse: Wing) -> None:
+    bare = DamagedStructure(coarse.structure.shells, coarse.structure.supports, ())
+    ports = port_flexibility(bare, coarse.lift, 1e6 * coarse.strain_rows, coarse.gauges.names)
+    assert ports.solve(np.zeros((1, 0)))[0] == pytest.approx(coarse.strain_microstrain({}, 1.0), rel=1e-8)
+
+
+def test_rows_without_a_name_get_a_sentence(coarse: Wing) -> None:
+    with pytest.raises(InputError, match="1 output names but 82 rows; expected one name a row"):
+        port_flexibility(coarse.structure, coarse.lift, coarse.strain_rows, ("g01",))

@@ -58,11 +58,6 @@ def test_a_batch_is_its_single_queries(model: ReducedModel) -> None:
     assert batch == pytest.approx(single, rel=1e-8)
 
 
-def test_coupling_is_below_the_identity(model: ReducedModel) -> None:
-    values = np.linalg.eigvalsh(model.coupling)
-    assert values.min() > 0.0 and values.max() < 1.0
-
-
 def test_a_model_comes_back_from_its_file(model: ReducedModel, tmp_path: Path) -> None:
     path = tmp_path / "wing.npz"
     model.save(path)
