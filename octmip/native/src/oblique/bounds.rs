@@ -3,9 +3,11 @@
 use std::sync::atomic::Ordering;
 
 use super::boxes::{Child, Field, RootBox, Sorted};
+use super::known::Notes;
 use super::labels::{two_labels_at_least, with_labels};
 use super::loss::INFEASIBLE;
-use super::stump::{Answer, Question, Strip, best_split};
+use super::scan::Strip;
+use super::stump::{Answer, Question, best_split};
 use super::view::Line;
 
 /// What a bound is computed for.
@@ -18,18 +20,49 @@ pub(super) struct Goal {
 }
 
 impl Field<'_> {
-    /// Best cost of a child over some samples by a leaf or the lines it remembers.
-    pub(super) fn attained(&self, child: &Child, ids: &[u32], tally: &[i64], need: i64) -> (i64, Option<Line>) {
+    /// Best cost of a child over some samples by a leaf or one of these lines.
+    pub(super) fn attained<'l>(
+        &self,
+        lines: impl Iterator<Item = &'l Line>,
+        ids: &[u32],
+        tally: &[i64],
+        need: i64,
+    ) -> (i64, Option<Line>) {
         let view = self.ground.view();
         let leaf = if tally[view.loss.k] >= need { view.loss.leaf(tally).0 } else { INFEASIBLE };
-        child.lines.iter().fold((leaf, None), |best, line| {
+        lines.fold((leaf, None), |best, line| {
             let cost = view.cost_of(line, ids, tally, need);
             if cost < best.0 && line.is_clear_of(view.plane, ids) { (cost, Some(*line)) } else { best }
         })
     }
 
+    /// Best cost of a child by what it remembers and what is known elsewhere; it remembers the best.
+    fn attained_by_all(&self, child: &mut Child, notes: &Notes<'_>, ids: &[u32], tally: &[i64], need: i64) -> i64 {
+        let (cost, line) = self.attained(child.lines.iter().chain(notes.lines()), ids, tally, need);
+        child.remember(line);
+        cost
+    }
+
+    /// Bounds that other boxes have learnt of much the same samples.
+    fn recall(&self, root: &mut RootBox, sorted: &Sorted, notes: &Notes<'_>) {
+        for s in [0, 1] {
+            let child = &mut root.children[s];
+            let all = self.ground.loss.most(&sorted.wide_tallies[s]);
+            // Samples that left the set since the last bound lowered it by no more than they can cost.
+            child.wide.0 -= child.wide.1 - all;
+            child.wide.1 = all;
+            child.floor = child.floor.max(notes.at_least([&sorted.sides[s], &[]]));
+            child.wide.0 = child.wide.0.max(notes.at_least([&sorted.sides[s], &sorted.open]));
+        }
+        self.raise_key_by_labels(root, sorted);
+        if notes.keeps_sets() {
+            let bound = root.children[0].wide.0 + root.children[1].wide.0 - sorted.open_most + self.price(root);
+            root.key = root.key.max(bound);
+        }
+    }
+
     /// Raise the key of a box as far as the target, by the cheaper bounds first.
-    pub(super) fn bound(&self, root: &mut RootBox, sorted: &Sorted, goal: Goal) {
+    pub(super) fn bound(&self, root: &mut RootBox, sorted: &Sorted, goal: Goal, notes: &mut Notes<'_>) {
         let target = goal.target;
         for s in [0, 1] {
             let child = &mut root.children[s];
@@ -39,27 +72,37 @@ impl Field<'_> {
         if root.key >= target {
             return;
         }
+        self.recall(root, sorted, notes);
+        if root.key >= target {
+            return;
+        }
+        if root.key >= target {
+            return;
+        }
         let price = self.price(root);
         let relaxed = self.need() - sorted.open.len() as i64;
-        let narrow = [0, 1].map(|s| self.attained(&root.children[s], &sorted.sides[s], &sorted.tallies[s], relaxed).0);
+        let mut attained = |s: usize, ids: &[Vec<u32>; 2], tallies: &[Vec<i64>; 2], need: i64| {
+            self.attained_by_all(&mut root.children[s], notes, &ids[s], &tallies[s], need)
+        };
+        let narrow = [0, 1].map(|s| attained(s, &sorted.sides, &sorted.tallies, relaxed));
+        let wide = [0, 1].map(|s| attained(s, &sorted.wide, &sorted.wide_tallies, self.need()));
         // No bound exceeds what is attained: one that cannot reach the target is not worth its price.
         let narrow_reach = self.by_labels(sorted, narrow) + price;
-        let wide =
-            [0, 1].map(|s| self.attained(&root.children[s], &sorted.wide[s], &sorted.wide_tallies[s], self.need()).0);
         let wide_reach = wide[0] + wide[1] + price - sorted.open_most;
         let mut order = [(narrow_reach, false), (wide_reach, true)];
         order.sort_by_key(|&(reach, _)| std::cmp::Reverse(reach));
         let switches = self.ground.switches;
         for (reach, is_wide) in order {
-            let is_on = if is_wide { switches.wide } else { switches.narrow };
+            let is_on = if is_wide { switches.wide && notes.is_wide_worth_while() } else { switches.narrow };
             let is_vain = reach < target && switches.reach;
             if !is_on || is_vain || root.key >= target || self.stop.load(Ordering::Relaxed) {
                 continue;
             }
             if is_wide {
-                self.bound_wide(root, sorted, wide, goal);
+                self.bound_wide(root, sorted, wide, goal, notes);
+                notes.note_wide(root.key >= target);
             } else {
-                self.bound_narrow(root, sorted, narrow, goal);
+                self.bound_narrow(root, sorted, narrow, goal, notes);
             }
         }
     }
@@ -105,7 +148,15 @@ impl Field<'_> {
     /// The child of a root line of the box holds L and perhaps open samples; without these the same split costs no more,
     /// so STUMP(L) is at most its cost. A leaf size of m asks for m samples with the open ones: of L for m less those.
     /// Cutoffs and `hopeless` decide how far a bound is computed, never what it is.
-    fn bound_narrow(&self, root: &mut RootBox, sorted: &Sorted, mut reach: [i64; 2], Goal { target, upper }: Goal) {
+    fn bound_narrow(
+        &self,
+        root: &mut RootBox,
+        sorted: &Sorted,
+        mut reach: [i64; 2],
+        goal: Goal,
+        notes: &mut Notes<'_>,
+    ) {
+        let Goal { target, upper } = goal;
         let (price, switches) = (self.price(root), self.ground.switches);
         // The larger child first: its bound is dearer, but oftener enough.
         let first = usize::from(sorted.sides[1].len() > sorted.sides[0].len());
@@ -119,6 +170,7 @@ impl Field<'_> {
                 most_tried: usize::MAX,
                 hopeless: self.least_to_reach(sorted, s, reach[1 - s], target - price),
                 dead: self.least_to_reach(sorted, s, other, upper - price),
+                less: 0,
             };
             let mut strips = root.children[s].strips.to_vec();
             let answer = self.ask(&root.children[s], question, &mut strips);
@@ -127,6 +179,10 @@ impl Field<'_> {
             child.floor = child.floor.max(answer.lower);
             child.remember(answer.line);
             child.keep_strips_below(strips, question.dead, switches);
+            if answer.lower > question.floor {
+                let bound = answer.lower.min(child.struck).min(question.dead);
+                notes.add([&sorted.sides[s], &[]], bound, answer.line);
+            }
             self.raise_key_by_labels(root, sorted);
             if root.key >= target || (answer.attained < question.hopeless && switches.hopeless) {
                 return;
@@ -138,17 +194,14 @@ impl Field<'_> {
     ///
     /// A root line parts O as O1 + O2. The left child's tree, O2 sent through it too, costs at most most(O2) more, and no
     /// leaf has shrunk: STUMP(L + O) <= cost(L + O1) + most(O2); likewise on the right; most(O1) + most(O2) = most(O).
-    fn bound_wide(&self, root: &mut RootBox, sorted: &Sorted, mut reach: [i64; 2], Goal { target, upper }: Goal) {
+    fn bound_wide(&self, root: &mut RootBox, sorted: &Sorted, mut reach: [i64; 2], goal: Goal, notes: &mut Notes<'_>) {
+        let Goal { target, upper } = goal;
         let (price, most) = (self.price(root), sorted.open_most);
         let switches = self.ground.switches;
         for s in [0, 1] {
-            let all = self.ground.loss.most(&sorted.wide_tallies[s]);
-            let child = &mut root.children[s];
-            // Samples that left the set since the last bound lowered it by no more than they can cost.
-            child.wide.0 -= child.wide.1 - all;
             let by_classes = self.two_labels(&sorted.wide_tallies[s]);
+            let child = &mut root.children[s];
             child.wide.0 = child.wide.0.max(child.floor).max(by_classes);
-            child.wide.1 = all;
         }
         for s in [0, 1] {
             let other = &root.children[1 - s];
@@ -161,24 +214,27 @@ impl Field<'_> {
                 hopeless: target - price + most - reach[1 - s],
                 // What is learnt here is of more samples than a strip's bound has to hold for: it kills none.
                 dead: INFEASIBLE,
+                // True of every child with leaves of the full size. A log speaks of children that lack samples (where no
+                // strip is struck off), and may only say so where one sample fills a leaf.
+                less: if switches.dead_strips || self.need() == 1 { most } else { INFEASIBLE },
             };
+            let less = question.less;
             let dead = upper - price - other.floor;
             let dead = if switches.dead_strips { dead } else { INFEASIBLE };
             let alive = root.children[s].strips.iter().filter(|s| s.bound < dead);
-            let known: Vec<Strip> = alive.copied().collect();
-            let mut strips = known.clone();
+            let mut strips: Vec<Strip> = alive.copied().collect();
+            if strips.len() < root.children[s].strips.len() {
+                root.children[s].struck = root.children[s].struck.min(dead);
+            }
             let answer = self.ask(&root.children[s], question, &mut strips);
             reach[s] = answer.attained;
             let child = &mut root.children[s];
-            // True of every child with leaves of the full size. A log speaks of children that lack samples (where no
-            // strip is struck off), and may only say so where one sample fills a leaf.
-            let less = if switches.dead_strips || self.need() == 1 { most } else { INFEASIBLE };
-            for (strip, known) in strips.iter_mut().zip(known) {
-                strip.bound = known.bound.max(strip.bound - less);
-            }
             child.wide.0 = child.wide.0.max(answer.lower);
             child.floor = child.floor.max(answer.lower - less);
             child.remember(answer.line);
+            if answer.lower > question.floor {
+                notes.add([&sorted.sides[s], &sorted.open], answer.lower.min(child.struck), answer.line);
+            }
             child.keep_strips_below(strips, dead, switches);
             let bound = root.children[0].wide.0 + root.children[1].wide.0 - most + price;
             root.key = root.key.max(bound);
@@ -189,7 +245,7 @@ impl Field<'_> {
         self.raise_key_by_labels(root, sorted);
     }
 
-    pub(super) fn ask(&self, child: &Child, question: Question<'_>, strips: &mut [Strip]) -> Answer {
+    pub(super) fn ask(&self, child: &Child, question: Question<'_>, strips: &mut Vec<Strip>) -> Answer {
         let lines = child.lines.iter().copied();
         let view = self.ground.view();
         best_split(view, &self.charts, question, lines, strips, self.stop)

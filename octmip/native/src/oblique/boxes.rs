@@ -20,10 +20,12 @@ use super::chart::Chart;
 use super::ends::{End, end_of};
 use super::extract::Sketch;
 use super::ground::Ground;
+use super::known::{Known, Lessons, Notes};
 use super::loss::INFEASIBLE;
 use super::realise::{Realised, THICK, realise};
 use super::refine::split;
-use super::stump::{Answer, Question, Strip};
+use super::scan::Strip;
+use super::stump::{Answer, Question};
 use super::switches::Switches;
 use super::view::Line;
 
@@ -53,12 +55,14 @@ pub struct Child {
     pub(super) lines: Vec<Line>,
     /// Strips that may hold its split.
     pub(super) strips: Arc<Vec<Strip>>,
+    /// In all other strips a split costs this much or more.
+    pub(super) struck: i64,
 }
 
 impl Child {
     /// Nothing known but where the split may lie.
     pub fn new(strips: Arc<Vec<Strip>>) -> Self {
-        Self { floor: 0, wide: (0, INFEASIBLE), lines: Vec::new(), strips }
+        Self { floor: 0, wide: (0, INFEASIBLE), lines: Vec::new(), strips, struck: INFEASIBLE }
     }
 
     pub(super) fn remember(&mut self, line: Option<Line>) {
@@ -78,6 +82,9 @@ impl Child {
         let dead = if switches.dead_strips { dead } else { INFEASIBLE };
         let alive = strips.iter().filter(|strip| strip.bound < dead).count();
         // A copy costs memory; it pays when it says something new.
+        if alive < strips.len() {
+            self.struck = self.struck.min(dead);
+        }
         if alive < self.strips.len() || *self.strips != strips {
             self.strips = Arc::new(strips.into_iter().filter(|s| s.bound < dead).collect());
         }
@@ -106,6 +113,8 @@ pub struct Processed {
     pub found: Option<(i64, Sketch)>,
     /// Least bound of what rounding leaves undecided.
     pub thin: Option<i64>,
+    /// For the boxes of later batches.
+    pub lessons: Lessons,
 }
 
 /// The samples of a box.
@@ -122,18 +131,19 @@ pub(super) struct Sorted {
 
 impl Field<'_> {
     /// Bound a box until `target`, split it if that fails; trees of `upper` and more are of no interest.
-    pub fn process(&self, mut root: RootBox, target: i64, upper: i64) -> Processed {
+    pub fn process(&self, mut root: RootBox, target: i64, upper: i64, known: &Known) -> Processed {
         let features = self.charts[root.chart as usize].features;
         let sorted = self.sort(features, &root.cell);
-        let mut done = Processed::default();
+        let (mut done, mut notes) = (Processed::default(), Notes::new(known));
         if self.is_infeasible(&sorted) {
             return done;
         }
         self.try_center(&root, &sorted, upper, &mut done);
         let upper = done.found.as_ref().map_or(upper, |(cost, _)| *cost);
         let goal = Goal { target: target.min(upper), upper };
-        self.bound(&mut root, &sorted, goal);
+        self.bound(&mut root, &sorted, goal, &mut notes);
         if root.key >= goal.target {
+            done.lessons = notes.lessons;
             if root.key < upper {
                 done.boxes.push(root);
             }
@@ -142,9 +152,11 @@ impl Field<'_> {
         let plane = &self.ground.plane;
         let end = end_of(plane, features, &root.cell, &sorted.open);
         if let End::Parts { points, ways } = &end {
-            self.close(&mut root, &sorted, points, ways, upper, &mut done);
+            self.close(&mut root, &sorted, (points, ways), upper, &mut done, &mut notes);
+            done.lessons = notes.lessons;
             return done;
         }
+        done.lessons = notes.lessons;
         if end == End::Stuck {
             done.thin = Some(root.key);
             return done;
@@ -207,7 +219,8 @@ impl Field<'_> {
             return;
         }
         let view = self.ground.view();
-        let best = [0, 1].map(|s| self.attained(&root.children[s], &sides[s], &view.tally(&sides[s]), self.need()));
+        let best = [0, 1]
+            .map(|s| self.attained(root.children[s].lines.iter(), &sides[s], &view.tally(&sides[s]), self.need()));
         let cost = best[0].0 + best[1].0 + self.price(root);
         if cost < upper {
             let children = best.map(|(_, line)| Sketch::stump(line));
@@ -220,10 +233,10 @@ impl Field<'_> {
         &self,
         root: &mut RootBox,
         sorted: &Sorted,
-        points: &[Vec<u32>],
-        ways: &[Vec<bool>],
+        (points, ways): (&[Vec<u32>], &[Vec<bool>]),
         mut upper: i64,
         done: &mut Processed,
+        notes: &mut Notes<'_>,
     ) {
         let features = self.charts[root.chart as usize].features;
         let plane = &self.ground.plane;
@@ -240,7 +253,7 @@ impl Field<'_> {
                 chosen(wanted).for_each(|(point, _)| side.extend(point));
                 side
             });
-            let Some((lower, answers)) = self.solve_sides(root, &sides, upper) else {
+            let Some((lower, answers)) = self.solve_sides(root, &sides, upper, notes) else {
                 continue;
             };
             let attained = answers[0].attained + answers[1].attained + self.price(root);
@@ -260,8 +273,14 @@ impl Field<'_> {
     }
 
     /// Solve both children of a fixed root; None if the tree is not below `upper`.
-    fn solve_sides(&self, root: &mut RootBox, sides: &[Vec<u32>; 2], upper: i64) -> Option<(i64, [Answer; 2])> {
-        let (floors, answers) = self.side_bounds(root, sides, upper);
+    fn solve_sides(
+        &self,
+        root: &mut RootBox,
+        sides: &[Vec<u32>; 2],
+        upper: i64,
+        notes: &mut Notes<'_>,
+    ) -> Option<(i64, [Answer; 2])> {
+        let (floors, answers) = self.side_bounds(root, sides, upper, notes);
         let lower = floors[0] + floors[1] + self.price(root);
         match answers {
             [Some(left), Some(right)] if lower < upper => Some((lower, [left, right])),
@@ -275,11 +294,12 @@ impl Field<'_> {
         root: &mut RootBox,
         sides: &[Vec<u32>; 2],
         upper: i64,
+        notes: &mut Notes<'_>,
     ) -> ([i64; 2], [Option<Answer>; 2]) {
         let price = self.price(root);
         let mut floors = [0, 1].map(|s| {
             let tally = self.ground.view().tally(&sides[s]);
-            root.children[s].floor.max(self.two_labels(&tally))
+            root.children[s].floor.max(self.two_labels(&tally)).max(notes.at_least([&sides[s], &[]]))
         });
         let mut answers = [None, None];
         // The larger side first: it reaches its cutoff more often.
@@ -297,10 +317,12 @@ impl Field<'_> {
                 most_tried: usize::MAX,
                 hopeless: 0,
                 dead: cutoff,
+                less: 0,
             };
             let mut strips = root.children[s].strips.to_vec();
             let answer = self.ask(&root.children[s], question, &mut strips);
             root.children[s].remember(answer.line);
+            notes.add([&sides[s], &[]], answer.lower.min(root.children[s].struck), answer.line);
             floors[s] = answer.lower;
             answers[s] = Some(answer);
         }

@@ -52,6 +52,11 @@ impl Loss {
         self.k + 1
     }
 
+    /// Whether every mistake costs the same.
+    pub fn is_uniform(&self) -> bool {
+        self.costs.is_empty()
+    }
+
     /// Cost of one unit of weight of a class under a label.
     pub fn cost(&self, class: usize, label: usize) -> i64 {
         if self.costs.is_empty() { i64::from(class != label) } else { self.costs[class * self.k + label] }

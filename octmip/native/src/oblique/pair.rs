@@ -12,11 +12,12 @@ use super::budget::affordable_sets;
 use super::chart::Chart;
 use super::extract::{Sketch, draw};
 use super::ground::Ground;
+use super::known::Known;
 use super::labels::with_labels;
 use super::loss::INFEASIBLE;
 use super::queue::Queue;
+use super::scan::{GROUP, Strip};
 use super::start::first_tree;
-use super::stump::Strip;
 use super::watch::Watch;
 
 /// Strips of a chart where memory allows.
@@ -68,7 +69,8 @@ pub fn solve_pair(
     });
     let (field, strips, first) = prepared;
     let roots = strips.iter().flat_map(|strips| roots_of(&field, strips, floor));
-    let mut queue = Queue::new(&field, watch, options.n_threads, roots.collect(), upper);
+    let known = Known::new(ground, sets.len() == 1 && problem.leaf_size == 1);
+    let mut queue = Queue::new(&field, watch, options.n_threads, roots.collect(), upper, known);
     for sketch in &first {
         queue.offer(sketch);
     }
@@ -95,13 +97,16 @@ fn floor_of(ground: &Ground) -> i64 {
 /// The strips of the charts whose features are all in a set.
 pub(super) fn strips_of(field: &Field<'_>, set: &[bool]) -> Arc<Vec<Strip>> {
     let p = field.problem.p;
+    let group = if field.ground.switches.grouped { GROUP } else { 1 };
     let mut strips = Vec::new();
     for (index, chart) in field.charts.iter().enumerate() {
         let (f, g) = chart.features;
+        let n = chart.n_strips() as u16;
         if set[f] && (g == p || set[g]) {
-            strips.extend((0..chart.n_strips()).map(|strip| Strip {
+            strips.extend((0..n).step_by(group as usize).map(|first| Strip {
                 chart: index as u32,
-                strip: strip as u32,
+                first,
+                n_strips: group.min(n - first),
                 bound: 0,
             }));
         }
@@ -111,7 +116,7 @@ pub(super) fn strips_of(field: &Field<'_>, set: &[bool]) -> Arc<Vec<Strip>> {
 
 /// One box for every chart that has strips.
 fn roots_of(field: &Field<'_>, strips: &Arc<Vec<Strip>>, floor: i64) -> Vec<RootBox> {
-    let firsts = strips.iter().filter(|strip| strip.strip == 0);
+    let firsts = strips.iter().filter(|strip| strip.first == 0);
     firsts
         .map(|strip| RootBox {
             chart: strip.chart,

@@ -16,8 +16,10 @@ use super::boxes::{Child, Field, RootBox, Sorted};
 use super::chart::Chart;
 use super::ends::{End, distinct_points, end_of};
 use super::ground::Ground;
+use super::known::{Known, Notes};
 use super::pair::strips_of;
 use super::refine::split;
+use super::scan::Strip;
 
 /// Strips of a chart.
 const STRIPS: usize = 64;
@@ -114,12 +116,13 @@ impl Writer<'_> {
                     children: [child.clone(), child],
                 };
                 let (f, g) = field.charts[chart].features;
-                let mut section = format!("C {f} {g}\n");
-                let told = Told { floors: [0; 2], alive: [strips.len(); 2] };
-                if field.prove(root, told, self.claim, &mut section).is_none() {
+                let known = Known::new(ground, self.problem.leaf_size == 1);
+                let mut page = Page { claim: self.claim, known, body: format!("C {f} {g}\n") };
+                let told = Told { floors: [0; 2], alive: [n_strips(strips.iter()); 2] };
+                if field.prove(root, told, &mut page).is_none() {
                     next.store(sections.len(), Ordering::Relaxed);
                 } else if let Ok(mut slot) = sections[chart].lock() {
-                    *slot = Some(section);
+                    *slot = Some(page.body);
                 }
                 chart = next.fetch_add(1, Ordering::Relaxed);
             }
@@ -141,44 +144,59 @@ struct Told {
     alive: [usize; 2],
 }
 
+/// The proof of one chart as it is written.
+struct Page {
+    claim: i64,
+    known: Known,
+    body: String,
+}
+
+fn n_strips<'a>(strips: impl Iterator<Item = &'a Strip>) -> usize {
+    strips.map(|strip| strip.n_strips as usize).sum()
+}
+
 impl Field<'_> {
     /// Write the proof that every tree with a root in a box costs `claim` or more.
-    fn prove(&self, mut root: RootBox, mut told: Told, claim: i64, body: &mut String) -> Option<()> {
+    fn prove(&self, mut root: RootBox, mut told: Told, page: &mut Page) -> Option<()> {
+        let claim = page.claim;
         let features = self.charts[root.chart as usize].features;
         let sorted = self.sort(features, &root.cell);
         if self.is_infeasible(&sorted) {
-            body.push_str("F\n");
+            page.body.push_str("F\n");
             return Some(());
         }
         let goal = Goal { target: claim, upper: claim };
         root.key = 0;
-        self.bound(&mut root, &sorted, goal);
+        let mut notes = Notes::new(&page.known);
+        self.bound(&mut root, &sorted, goal, &mut notes);
+        let lessons = notes.lessons;
+        page.known.learn(lessons);
         let owed = claim - self.price(&root);
-        if self.write_bound(&root, &sorted, owed, body) {
+        if self.write_bound(&root, &sorted, owed, &mut page.body) {
             return Some(());
         }
         let (plane, cell) = (&self.ground.plane, root.cell);
         let end = end_of(plane, features, &cell, &sorted.open);
         if end != End::Split
-            && let Some(line) = self.ways_closed(&mut root, &sorted, owed)
+            && let Some(line) = self.ways_closed(&mut root, &sorted, owed, &page.known)
         {
-            body.push_str(&line);
+            page.body.push_str(&line);
             return Some(());
         }
         if self.stop.load(Ordering::Relaxed) || !(cell.is_wide() || cell.is_high()) {
             return None;
         }
-        self.tell(&root, &sorted, owed, &mut told, body);
+        self.tell(&root, &sorted, owed, &mut told, &mut page.body);
         let at = self.charts[root.chart as usize].middle_boundary(cell.t0, cell.t1);
         let halves = split(plane, features, &cell, &sorted.open, at);
         let _ = if halves[0].t1 < cell.t1 {
-            writeln!(body, "T {}", halves[0].t1)
+            writeln!(page.body, "T {}", halves[0].t1)
         } else {
-            writeln!(body, "R {} {}", halves[0].u0, halves[0].u1)
+            writeln!(page.body, "R {} {}", halves[0].u0, halves[0].u1)
         };
         for cell in halves {
             let half = RootBox { cell, ..root.clone() };
-            self.prove(half, told, claim, body)?;
+            self.prove(half, told, page)?;
         }
         Some(())
     }
@@ -211,7 +229,7 @@ impl Field<'_> {
         for s in [0, 1] {
             let dead = self.least_to_reach(sorted, s, told.floors[1 - s], owed);
             let strips = root.children[s].strips.iter();
-            let alive = strips.filter(|strip| strip.bound < dead).count();
+            let alive = n_strips(strips.filter(|strip| strip.bound < dead));
             let floor = root.children[s].floor;
             let grown = self.by_labels(sorted, root.children.each_ref().map(|c| c.floor));
             let is_news = floor > told.floors[s] && floor > self.two_labels(&sorted.tallies[s]);
@@ -227,7 +245,8 @@ impl Field<'_> {
     /// The line that closes a box by all ways of parting its open points, if they all cost enough.
     ///
     /// The ways are those that the checker will go through: all lines of the cell's range of t.
-    fn ways_closed(&self, root: &mut RootBox, sorted: &Sorted, owed: i64) -> Option<String> {
+    fn ways_closed(&self, root: &mut RootBox, sorted: &Sorted, owed: i64, known: &Known) -> Option<String> {
+        let mut notes = Notes::new(known);
         let plane = &self.ground.plane;
         let features = self.charts[root.chart as usize].features;
         let mut points = distinct_points(plane, features, &sorted.open);
@@ -248,7 +267,7 @@ impl Field<'_> {
             if sides.iter().any(|side| (side.len() as i64) < self.need()) {
                 continue;
             }
-            let costs = self.side_bounds(root, &sides, owed + self.price(root)).0;
+            let costs = self.side_bounds(root, &sides, owed + self.price(root), &mut notes).0;
             if costs[0] + costs[1] < owed {
                 return None;
             }

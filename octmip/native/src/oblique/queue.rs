@@ -18,6 +18,7 @@ use crate::tree::Tree;
 
 use super::boxes::{Child, Field, Processed, RootBox};
 use super::extract::{Sketch, draw};
+use super::known::Known;
 use super::watch::{LOOK, Watch};
 
 /// Boxes of a batch.
@@ -47,11 +48,19 @@ pub struct Queue<'a> {
     n_batches: u64,
     /// What the boxes take, as of the last look.
     bytes: u64,
+    known: Known,
 }
 
 impl<'a> Queue<'a> {
     /// A search from these boxes; `upper` is known to be attainable.
-    pub fn new(field: &'a Field<'a>, watch: &'a Watch, n_threads: usize, roots: Vec<RootBox>, upper: i64) -> Self {
+    pub fn new(
+        field: &'a Field<'a>,
+        watch: &'a Watch,
+        n_threads: usize,
+        roots: Vec<RootBox>,
+        upper: i64,
+        known: Known,
+    ) -> Self {
         let mut queue = Self {
             field,
             watch,
@@ -67,6 +76,7 @@ impl<'a> Queue<'a> {
             n_nodes: 0,
             n_batches: 0,
             bytes: 0,
+            known,
         };
         roots.into_iter().for_each(|root| queue.push(root));
         queue
@@ -185,6 +195,7 @@ impl<'a> Queue<'a> {
     }
 
     fn take(&mut self, result: Processed) {
+        self.known.learn(result.lessons);
         if let Some((cost, sketch)) = &result.found
             && *cost < self.upper
             && !self.offer(sketch)
@@ -216,7 +227,7 @@ impl<'a> Queue<'a> {
             let mut position = next.fetch_add(1, Ordering::Relaxed);
             while position < batch.len() && !self.watch.was_stopped() {
                 let root = batch[position].clone();
-                let result = self.field.process(root, self.target, self.upper);
+                let result = self.field.process(root, self.target, self.upper, &self.known);
                 if let Ok(mut slot) = slots[position].lock() {
                     *slot = result;
                 }

@@ -5,14 +5,80 @@
 
 use super::chart::{Chart, REGIONS};
 use super::loss::INFEASIBLE;
-use super::stump::{Candidate, Search, Strip};
+use super::stump::{Candidate, Search};
+use super::sweep::Sweep;
+use super::view::View;
+
+/// Neighbouring strips of one chart, and a lower bound of what a split in any of them costs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[allow(missing_docs)]
+pub struct Strip {
+    pub chart: u32,
+    /// The first of them, and how many they are.
+    pub first: u16,
+    pub n_strips: u16,
+    pub bound: i64,
+}
 
 /// Neighbouring strips that are bounded together at first.
-pub(super) const GROUP: usize = 16;
+pub const GROUP: u16 = 16;
 
-/// Whether one strip follows the other.
-pub(super) fn are_neighbours(a: &Strip, b: &Strip) -> bool {
-    a.chart == b.chart && a.strip + 1 == b.strip
+/// A sample as a histogram counts it: where its class's column begins, and what it weighs.
+#[derive(Debug, Clone, Copy)]
+struct Entry {
+    id: u32,
+    column: u32,
+    weight: i64,
+}
+
+/// Room for the histograms of one strip.
+#[derive(Debug)]
+pub(super) struct Histograms {
+    arch: pulp::Arch,
+    entries: Vec<Entry>,
+    /// Regions are taken together in runs of 2 to this power: few samples need few.
+    merged: u32,
+    low: Vec<i64>,
+    high: Vec<i64>,
+    bounds: Vec<i64>,
+    running: Vec<i64>,
+}
+
+impl Histograms {
+    pub(super) fn new(view: &View<'_>, ids: &[u32]) -> Self {
+        let merged = (REGIONS / (ids.len() / 4).clamp(8, REGIONS)).ilog2();
+        let n_regions = REGIONS >> merged;
+        let entry = |&id: &u32| Entry {
+            id,
+            column: view.labels[id as usize] * n_regions as u32,
+            weight: view.weights[id as usize],
+        };
+        let size = n_regions * view.loss.lanes();
+        Self {
+            arch: pulp::Arch::new(),
+            entries: ids.iter().map(entry).collect(),
+            merged,
+            low: vec![0; size],
+            high: vec![0; size],
+            bounds: vec![0; n_regions],
+            running: vec![0; n_regions],
+        }
+    }
+
+    fn count(&mut self, first: &[u8], last: &[u8], sizes_at: Option<usize>) {
+        self.low.fill(0);
+        self.high.fill(0);
+        for entry in &self.entries {
+            let (a, b) = (first[entry.id as usize] >> self.merged, last[entry.id as usize] >> self.merged);
+            let (low, high) = (a.min(b) as usize, a.max(b) as usize);
+            self.low[entry.column as usize + low] += entry.weight;
+            self.high[entry.column as usize + high] += entry.weight;
+            if let Some(start) = sizes_at {
+                self.low[start + low] += 1;
+                self.high[start + high] += 1;
+            }
+        }
+    }
 }
 
 impl Search<'_> {
@@ -20,89 +86,86 @@ impl Search<'_> {
     ///
     /// `keeps`: remember the regions that could still win.
     pub fn scan(&mut self, chart: &Chart, (from, to): (usize, usize), keeps: bool) -> i64 {
-        let lanes = self.view.loss.lanes();
-        let lane_bits = lanes.next_power_of_two().trailing_zeros();
-        // Few samples need few regions: neighbours are taken together.
-        let merged = (REGIONS / (self.ids.len() / 4).clamp(8, REGIONS)).ilog2();
-        self.count_bins(chart.bins(from), chart.bins(to), merged, lane_bits);
+        let loss = self.view.loss;
+        let room = &mut self.histograms;
+        let n_regions = room.bounds.len();
+        let need = (self.need > 1).then_some(self.need);
+        room.count(chart.bins(from), chart.bins(to), need.map(|_| loss.k * n_regions));
+        let sweep = Sweep {
+            loss,
+            total: &self.total,
+            low: &mut room.low,
+            high: &mut room.high,
+            need,
+            bounds: &mut room.bounds,
+            running: &mut room.running,
+        };
+        room.arch.dispatch(sweep);
         let price = self.view.price(chart.features);
-        let mut may_left = std::mem::take(&mut self.may_left);
-        let mut may_right = std::mem::take(&mut self.may_right);
-        may_left.fill(0);
-        may_right.copy_from_slice(&self.total);
+        let lowest = room.bounds.iter().fold(INFEASIBLE, |least, &bound| least.min(bound));
+        if lowest + price >= self.current {
+            return (lowest + price).min(INFEASIBLE);
+        }
         let mut least = INFEASIBLE;
-        for region in 0..REGIONS >> merged {
-            let slot = region << lane_bits;
-            for (sum, count) in may_left.iter_mut().zip(&self.low[slot..]) {
-                *sum += count;
+        for (region, bound) in room.bounds.iter().enumerate() {
+            let bound = (bound + price).min(INFEASIBLE);
+            if bound >= least.max(self.current) {
+                continue;
             }
-            let loss = self.view.loss;
-            let bound = loss.bound(&self.total, &may_left, &may_right, self.need) + price;
-            if bound < least.max(self.current) {
-                // A region without room between its edges holds no line of its own.
-                let regions = (region << merged, (region + 1) << merged);
-                let cell = chart.cell((from, to), regions);
-                if cell.has_room() {
-                    least = least.min(bound);
-                    if keeps && bound < self.current {
-                        let features = chart.features;
-                        let order = self.candidates.len() as u32;
-                        self.candidates.push(Candidate { bound, order, features, cell });
-                    }
-                }
+            // A region without room between its edges holds no line of its own.
+            let regions = (region << room.merged, (region + 1) << room.merged);
+            let cell = chart.cell((from, to), regions);
+            if !cell.has_room() {
+                continue;
             }
-            for (sum, count) in may_right.iter_mut().zip(&self.high[slot..]) {
-                *sum -= count;
+            least = least.min(bound);
+            if keeps && bound < self.current {
+                let order = self.candidates.len() as u32;
+                self.candidates.push(Candidate { bound, order, features: chart.features, cell });
             }
         }
-        (self.may_left, self.may_right) = (may_left, may_right);
         least
     }
 
-    fn count_bins(&mut self, first: &[u8], last: &[u8], merged: u32, lane_bits: u32) {
-        let used = (REGIONS >> merged) << lane_bits;
-        self.low[..used].fill(0);
-        self.high[..used].fill(0);
-        let (labels, weights) = (self.view.labels, self.view.weights);
-        let k = self.view.loss.k;
-        let counts_samples = self.need > 1;
-        for &i in self.ids {
-            let i = i as usize;
-            let (a, b) = (first[i] >> merged, last[i] >> merged);
-            let low = (a.min(b) as usize) << lane_bits;
-            let high = (a.max(b) as usize) << lane_bits;
-            let class = labels[i] as usize;
-            self.low[low + class] += weights[i];
-            self.high[high + class] += weights[i];
-            if counts_samples {
-                self.low[low + k] += 1;
-                self.high[high + k] += 1;
-            }
-        }
-        if !counts_samples {
-            // Without counts no region may look too empty for a leaf.
-            self.low[k] = self.total[k];
-        }
-    }
-
-    /// Bound neighbouring strips of one chart, many at once where that is enough.
+    /// Bound neighbouring strips of one chart, many at once where that is enough; all of them go to `found`.
     ///
     /// Taken together they are one wide strip: its regions lie between edges drawn straight from its first boundary to its
     /// last, every line of it is in one of them, and a sample's bins at the two ends say where it lies, as in one strip.
-    pub(super) fn scan_group(&mut self, chart: &Chart, strips: &mut [Strip], dead: i64) {
-        let limit = self.current.min(dead);
-        if strips.iter().all(|strip| strip.bound >= limit) || self.is_stopped() {
-            return;
+    /// Returns the bound for the samples at hand, infeasible for what is left out.
+    pub(super) fn scan_strips(&mut self, chart: &Chart, strip: Strip, limits: Limits, found: &mut Vec<Strip>) -> i64 {
+        if strip.bound >= self.current.min(limits.dead) || self.is_stopped() {
+            found.push(strip);
+            return INFEASIBLE;
         }
-        let from = strips[0].strip as usize;
-        let bound = self.scan(chart, (from, from + strips.len()), strips.len() == 1);
-        for strip in strips.iter_mut() {
-            strip.bound = strip.bound.max(bound);
-        }
-        if bound < self.current && strips.len() > 1 {
-            for part in strips.chunks_mut(strips.len().div_ceil(4)) {
-                self.scan_group(chart, part, dead);
+        let (from, n) = (strip.first as usize, strip.n_strips as usize);
+        let mut bound = self.scan(chart, (from, from + n), n == 1);
+        let begin = found.len();
+        if bound < self.current && n > 1 {
+            let length = n.div_ceil(4);
+            let firsts = (0..n).step_by(length);
+            let raised = strip.bound.max(bound - limits.less);
+            bound = firsts.fold(INFEASIBLE, |least, first| {
+                let (n_strips, first) = (length.min(n - first) as u16, strip.first + first as u16);
+                let part = Strip { first, n_strips, bound: raised, ..strip };
+                least.min(self.scan_strips(chart, part, limits, found))
+            });
+            if bound < self.current.min(limits.dead) {
+                return bound;
             }
         }
+        // None of them matters now: they are one again.
+        let parts = found.drain(begin..).map(|part| part.bound).min();
+        let known = parts.unwrap_or(strip.bound.max(bound - limits.less));
+        found.push(Strip { bound: known, ..strip });
+        bound
     }
+}
+
+/// What the bounds of strips are held against.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Limits {
+    /// Strips of this bound and more are left out.
+    pub(super) dead: i64,
+    /// What a bound loses to hold for fewer samples.
+    pub(super) less: i64,
 }

@@ -7,7 +7,8 @@ use super::boxes::Field;
 use super::chart::REGIONS;
 use super::extract::Sketch;
 use super::loss::{INFEASIBLE, Loss};
-use super::stump::{Question, Strip, best_split};
+use super::scan::Strip;
+use super::stump::{Question, best_split};
 use super::view::{Line, View};
 
 /// Strips looked at in one move, and regions of them that are split.
@@ -40,9 +41,9 @@ pub fn first_tree(
         if is_done || field.stop.load(Ordering::Relaxed) || strips.is_empty() {
             break;
         }
-        let strip = strips[draws.below(strips.len())];
+        let strip = one_of(strips[draws.below(strips.len())], &mut draws);
         let chart = &field.charts[strip.chart as usize];
-        let (k, region) = (strip.strip as usize, 4 + draws.below(REGIONS - 8));
+        let (k, region) = (strip.first as usize, 4 + draws.below(REGIONS - 8));
         let cell = chart.cell((k, k + 1), (region, region + 1));
         let (t, r) = cell.center();
         let mut line = Line { features: chart.features, t, r };
@@ -85,6 +86,7 @@ impl Field<'_> {
                 most_tried: TRIED,
                 hopeless: 0,
                 dead: INFEASIBLE,
+                less: 0,
             };
             let mut chosen = some_strips(strips, draws);
             let view = self.ground.view();
@@ -116,6 +118,7 @@ impl Field<'_> {
             most_tried: TRIED,
             hopeless: 0,
             dead: INFEASIBLE,
+            less: 0,
         };
         let mut chosen = some_strips(strips, draws);
         best_split(view, &self.charts, question, [root], &mut chosen, self.stop).line
@@ -139,8 +142,14 @@ impl Field<'_> {
 }
 
 fn some_strips(strips: &[Strip], draws: &mut Draws) -> Vec<Strip> {
-    if strips.len() <= STRIPS {
+    let n_strips: usize = strips.iter().map(|strip| strip.n_strips as usize).sum();
+    if n_strips <= STRIPS {
         return strips.to_vec();
     }
-    (0..STRIPS).map(|_| strips[draws.below(strips.len())]).collect()
+    (0..STRIPS).map(|_| one_of(strips[draws.below(strips.len())], draws)).collect()
+}
+
+fn one_of(strip: Strip, draws: &mut Draws) -> Strip {
+    let first = strip.first + draws.below(strip.n_strips as usize) as u16;
+    Strip { first, n_strips: 1, ..strip }
 }

@@ -6,19 +6,10 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::cell::Cell;
-use super::chart::{Chart, REGIONS};
+use super::chart::Chart;
 use super::loss::INFEASIBLE;
-use super::scan::{GROUP, are_neighbours};
+use super::scan::{Histograms, Limits, Strip};
 use super::view::{Line, View};
-
-/// A strip of a chart, and a lower bound of what a split in it costs.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[allow(missing_docs)]
-pub struct Strip {
-    pub chart: u32,
-    pub strip: u32,
-    pub bound: i64,
-}
 
 /// What is asked of a search for the best split.
 #[derive(Debug, Clone, Copy)]
@@ -37,6 +28,8 @@ pub struct Question<'a> {
     pub most_tried: usize,
     /// Strips whose own bound is this much or more are left out.
     pub dead: i64,
+    /// What a bound of these samples loses to hold for those that the strips' bounds speak of.
+    pub less: i64,
 }
 
 /// The answer: every split outside dead strips costs at least `lower`; `line` (none: a leaf) costs `attained`.
@@ -74,10 +67,7 @@ pub struct Search<'a> {
     pub(super) chart_start: usize,
     /// So many regions are split at most: all of them for an exact answer.
     pub(super) most_tried: usize,
-    pub(super) low: Vec<i64>,
-    pub(super) high: Vec<i64>,
-    pub(super) may_left: Vec<i64>,
-    pub(super) may_right: Vec<i64>,
+    pub(super) histograms: Histograms,
 }
 
 impl<'a> Search<'a> {
@@ -85,8 +75,6 @@ impl<'a> Search<'a> {
     pub fn new(view: View<'a>, ids: &'a [u32], need: i64, cutoff: i64, stop: &'a AtomicBool) -> Self {
         let total = view.tally(ids);
         let leaf = if total[view.loss.k] >= need { view.loss.leaf(&total).0 } else { INFEASIBLE };
-        let lanes = view.loss.lanes();
-        let size = REGIONS * view.loss.lanes().next_power_of_two();
         Self {
             view,
             ids,
@@ -100,10 +88,7 @@ impl<'a> Search<'a> {
             candidates: Vec::new(),
             chart_start: 0,
             most_tried: usize::MAX,
-            low: vec![0; size],
-            high: vec![0; size],
-            may_left: vec![0; lanes],
-            may_right: vec![0; lanes],
+            histograms: Histograms::new(&view, ids),
         }
     }
 
@@ -161,13 +146,14 @@ impl<'a> Search<'a> {
 
 /// Find the best split, looking only at strips that could hold it; their bounds are raised to what was learnt.
 ///
-/// A raised bound holds for these samples and for every set that contains them.
+/// A raised bound holds for these samples (after `less`, for those that the strips speak of) and for every set that
+/// contains them.
 pub fn best_split(
     view: View<'_>,
     charts: &[Chart],
     question: Question<'_>,
     lines: impl IntoIterator<Item = Line>,
-    strips: &mut [Strip],
+    strips: &mut Vec<Strip>,
     stop: &AtomicBool,
 ) -> Answer {
     let mut search = Search::new(view, question.ids, question.need, question.cutoff, stop);
@@ -176,18 +162,24 @@ pub fn best_split(
     if search.attained <= question.floor {
         return search.finish(question.floor);
     }
-    for run in strips.chunk_by_mut(are_neighbours) {
+    let limits = Limits { dead: question.dead, less: question.less };
+    let mut found = Vec::with_capacity(strips.len() + 16);
+    let mut seen = 0;
+    for run in strips.chunk_by(|a, b| a.chart == b.chart) {
         let chart = &charts[run[0].chart as usize];
         search.begin_chart();
-        let size = if view.switches.grouped { GROUP } else { 1 };
-        for group in run.chunks_mut(size) {
-            search.scan_group(chart, group, question.dead);
+        for &strip in run {
+            search.scan_strips(chart, strip, limits, &mut found);
         }
         search.try_best_of_chart();
+        seen += run.len();
         if search.attained < question.hopeless && view.switches.hopeless {
             // The strips have learnt something; the answer is not worth the rest.
+            found.extend_from_slice(&strips[seen..]);
+            *strips = found;
             return Answer { lower: question.floor, attained: search.attained, line: search.line };
         }
     }
+    *strips = found;
     search.finish(question.floor)
 }

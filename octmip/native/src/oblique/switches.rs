@@ -40,6 +40,12 @@ switches! {
     two_labels,
     /// Strips that cannot hold a child's split are struck off for all boxes inside.
     dead_strips,
+    /// What is known of a set of samples is held against sets that differ in few.
+    known_sets,
+    /// Splits that were best in other boxes are tried first.
+    known_lines,
+    /// The bound of settled and open samples together is left out while it closes few boxes.
+    spared,
     /// Neighbouring strips are bounded as one first.
     grouped,
     /// A bound is left unfinished once it cannot reach its target.
