@@ -13,7 +13,7 @@ from femlib import sensors
 from femlib.arrays import FloatArray
 from femlib.assembly import Deflection, deflect, thermal_forces
 from femlib.components import checked_damage, damage_row
-from femlib.wing.model import MICRO, Wing, checked_load_factor
+from femlib.wing.model import MICRO, Wing
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,7 +39,7 @@ def bend(
     wing: Wing,
     state: Mapping[str, float],
     load_factor: float,
-    forces: FloatArray | None = None,
+    lift: FloatArray | None = None,
     warming: float | FloatArray = 0.0,
     gradient: float | FloatArray = 0.0,
     steps: int = 1,
@@ -54,7 +54,7 @@ def bend(
         Damage fractions by parameter.
     load_factor : float
         Factor on the forces.
-    forces : FloatArray, optional
+    lift : FloatArray, optional
         Nodal forces (n_dofs,) at load factor 1 [N, N m]; the elliptic lift if not given.
     warming : float or FloatArray
         Temperature above the stress-free state, of all or of each element (n_elements,) [K].
@@ -73,7 +73,7 @@ def bend(
     structure, n = wing.structure, wing.structure.shells.mesh.n_elements
     factor = stiffness_factor(wing, state)
     thermal = thermal_forces(structure.shells, np.broadcast_to(warming, n), np.broadcast_to(gradient, n))
-    load = checked_load_factor(load_factor) * (wing.lift if forces is None else forces)
+    load = wing.load(load_factor, lift)
     fractions = (np.arange(steps) + 1.0) / steps
     last = deflect(structure.shells, structure.supports, load, fractions.tolist(), factor, thermal)[-1]
     tip = wing.grid.columns(len(wing.grid.eta) - 1)[wing.grid.spar_column]

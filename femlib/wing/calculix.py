@@ -17,7 +17,7 @@ from femlib.arrays import FloatArray, IntArray
 from femlib.components import checked_damage, damage_row
 from femlib.errors import InputError, frozen_floats
 from femlib.mesh import DOFS_PER_NODE, Mesh
-from femlib.wing.model import MICRO, Wing, checked_load_factor
+from femlib.wing.model import MICRO, Wing
 
 
 def write_deck(
@@ -27,7 +27,7 @@ def write_deck(
     load_factor: float,
     warming: float | FloatArray = 0.0,
     large_deflection: bool = False,
-    forces: FloatArray | None = None,
+    lift: FloatArray | None = None,
     gradient: float = 0.0,
 ) -> None:
     """Write the deck, whole or not at all.
@@ -46,7 +46,7 @@ def write_deck(
         Temperature above the stress-free state [K], uniform or of each element (n_elements,), as that of one warm skin.
     large_deflection : bool
         Let CalculiX follow the deformed shape.
-    forces : FloatArray, optional
+    lift : FloatArray, optional
         Nodal forces and moments (n_dofs,) at load factor 1 [N, N m], as an aerodynamic load or the pull of masses; the
         elliptic lift if not given.
     gradient : float
@@ -62,8 +62,7 @@ def write_deck(
     if target.suffix != ".inp":
         raise InputError(f"deck path {target} ends in {target.suffix!r}; expected .inp; rename it")
     damage = checked_damage(damage_row(state, wing.parameters)[None, :], wing.parameters)[0]
-    load = wing.lift if forces is None else frozen_floats(forces, "forces", wing.lift.shape)
-    load = checked_load_factor(load_factor) * load
+    load = wing.load(load_factor, lift)
     expansion, field = _temperature(wing, warming, gradient)
     lines = [*_geometry(wing), *_sections(wing, damage, expansion), *_step(field, load, large_deflection)]
     temporary = target.with_name(f".{target.name}.part")

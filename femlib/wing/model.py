@@ -99,8 +99,11 @@ class Wing:
         digest.update(json.dumps(named, sort_keys=True).encode())
         return digest.hexdigest()
 
-    def solve(self, state: Mapping[str, float], load_factor: float) -> FloatArray:
+    def solve(self, state: Mapping[str, float], load_factor: float, lift: FloatArray | None = None) -> FloatArray:
         """Return the displacements (n_nodes, 6) [m, rad] of a state of named damage fractions.
+
+        `lift` (n_dofs,) are other nodal forces and moments at load factor 1 [N, N m], such as those of
+        `femlib.wing.aerodynamics` and `femlib.wing.inertia`.
 
         Raises
         ------
@@ -108,10 +111,12 @@ class Wing:
             If the state names an unknown parameter, a damage is outside [0, 1), or the load factor is not finite.
         """
         row = damage_row(state, self.parameters)[None, :]
-        load = checked_load_factor(load_factor) * self.lift
+        load = self.load(load_factor, lift)
         return np.asarray(self.structure.solve(row, load)[0].reshape(-1, DOFS_PER_NODE))
 
-    def strain_microstrain(self, state: Mapping[str, float], load_factor: float) -> FloatArray:
+    def strain_microstrain(
+        self, state: Mapping[str, float], load_factor: float, lift: FloatArray | None = None
+    ) -> FloatArray:
         """Return the gauge strains (n_gauges,) of a state of named damage fractions, compressive positive.
 
         Raises
@@ -119,9 +124,9 @@ class Wing:
         InputError
             As `solve`.
         """
-        return np.asarray(self.strains_microstrain(damage_row(state, self.parameters)[None, :], load_factor)[0])
+        return np.asarray(self.strains_microstrain(damage_row(state, self.parameters)[None, :], load_factor, lift)[0])
 
-    def strains_microstrain(self, states: FloatArray, load_factor: float) -> FloatArray:
+    def strains_microstrain(self, states: FloatArray, load_factor: float, lift: FloatArray | None = None) -> FloatArray:
         """Return the gauge strains (n_states, n_gauges) of damage fractions (n_states, n_parameters).
 
         Raises
@@ -129,7 +134,7 @@ class Wing:
         InputError
             As `solve`.
         """
-        load = checked_load_factor(load_factor) * self.lift
+        load = self.load(load_factor, lift)
         return MICRO * self.structure.solve_outputs(states, load, self.strain_rows)
 
     def strain_map(self, load_factor: float, lift: FloatArray | None = None) -> Callable[[FloatArray], FloatArray]:
@@ -149,12 +154,16 @@ class Wing:
         InputError
             If the load factor or a force is not finite, or the forces are not as many as the degrees of freedom.
         """
-        wanted = self.lift if lift is None else frozen_floats(lift, "lift", self.lift.shape)
-        load, rows = checked_load_factor(load_factor) * wanted, MICRO * self.strain_rows
+        load, rows = self.load(load_factor, lift), MICRO * self.strain_rows
         everything = tuple(range(len(self.parameters)))
         if self.structure.n_ports(everything) > MOST_PORTS:
             return partial(self.structure.solve_outputs, load=load, rows=rows)
         return self.structure.output_map(load, rows, everything).solve
+
+    def load(self, load_factor: float, lift: FloatArray | None = None) -> FloatArray:
+        """Return load factor times `lift` (n_dofs,), the wing's own if not given, after checking both."""
+        wanted = self.lift if lift is None else frozen_floats(lift, "lift", self.lift.shape)
+        return checked_load_factor(load_factor) * wanted
 
     def tip_stiffness(self) -> float:
         """Return force over deflection of a tip load at the spar [N/m]."""

@@ -45,7 +45,7 @@ def test_heat_and_other_forces_add_to_the_lift(small: Wing) -> None:
     shells = small.structure.shells
     n = shells.mesh.n_elements
     wind = surface_load(shells.mesh, np.tile([1.0, 0.0, 2.0], (n, 1)))
-    found = bend(small, {}, 1e-3, forces=wind, warming=1e-3, gradient=1e-2)
+    found = bend(small, {}, 1e-3, lift=wind, warming=1e-3, gradient=1e-2)
     heat = thermal_load(shells, np.full(n, 1e-3), np.full(n, 1e-2))
     linear = MICRO * small.structure.solve_outputs(np.zeros((1, 2)), 1e-3 * wind + heat, small.strain_rows)[0]
     assert found.strain_microstrain == pytest.approx(linear, rel=1e-4, abs=1e-6)
@@ -56,5 +56,5 @@ def test_bad_input_gets_a_sentence(small: Wing) -> None:
         bend(small, {}, np.nan)
     with pytest.raises(InputError, match=r"state 0 has mu1 = 1; expected"):
         bend(small, {"mu1": 1.0}, 3.0)
-    with pytest.raises(InputError, match=r"load has shape \(3,\)"):
-        bend(small, {}, 3.0, forces=np.zeros(3))
+    with pytest.raises(InputError, match=r"lift has shape \(3,\)"):
+        bend(small, {}, 3.0, lift=np.zeros(3))

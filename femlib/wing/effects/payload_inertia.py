@@ -5,10 +5,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from femlib.arrays import FloatArray
-from femlib.mesh import DOFS_PER_NODE
 from femlib.wing.effects.card import WingEffect
 from femlib.wing.effects.response import Response
-from femlib.wing.loads import GRAVITY
+from femlib.wing.inertia import unit_weight
 
 STATIONS = tuple(float(eta) for eta in np.linspace(0.3, 1.0, 15).round(2))
 """Span fractions at which the mass may sit, on the spar."""
@@ -16,15 +15,9 @@ STATIONS = tuple(float(eta) for eta in np.linspace(0.3, 1.0, 15).round(2))
 
 def effect(response: Response) -> WingEffect:
     """Return the effect."""
-    wing = response.wing
-    grid = wing.grid
 
     def force(state: Mapping[str, float], load_factor: float, place: str) -> FloatArray:
-        row = int(np.argmin(np.abs(grid.eta - float(place.removeprefix("eta ")))))
-        nodes = np.array([grid.upper[row, grid.spar_column], grid.lower[row, grid.spar_column]])
-        pull = np.zeros_like(wing.lift)
-        pull[DOFS_PER_NODE * nodes + 2] = -0.5 * GRAVITY * load_factor
-        return pull
+        return load_factor * unit_weight(response.wing, float(place.removeprefix("eta ")))
 
     return WingEffect(
         name="payload_inertia",

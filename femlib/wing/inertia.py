@@ -1,0 +1,53 @@
+"""Inertial relief: the wing's own mass and what it carries pull down with the load factor, against the lift."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from femlib.arrays import FloatArray
+from femlib.assembly import surface_load
+from femlib.errors import InputError
+from femlib.mesh import DOFS_PER_NODE
+from femlib.wing.loads import GRAVITY
+from femlib.wing.model import Wing
+
+
+def inertial_load(wing: Wing, payload: Mapping[float, float] | None = None) -> FloatArray:
+    """Return the nodal forces (n_dofs,) [N] of structure and payload at load factor 1; add them to a lift.
+
+    Parameters
+    ----------
+    wing : Wing
+        The wing; its structure's mass is that of its laminates.
+    payload : mapping
+        Masses [kg] by span fraction, on the spar.
+
+    Raises
+    ------
+    InputError
+        If a payload lies outside the wing or its mass is negative or not finite.
+    """
+    shells = wing.structure.shells
+    areal = np.array([laminate.mass for laminate in shells.laminates])[shells.section]
+    down = np.zeros((shells.mesh.n_elements, 3))
+    down[:, 2] = -GRAVITY * areal
+    load = surface_load(shells.mesh, down)
+    for eta, mass in ({} if payload is None else payload).items():
+        if not 0.0 <= eta <= 1.0 or not 0.0 <= mass < np.inf:
+            raise InputError(f"payload of {mass} kg at eta {eta}; expected 0 kg or more at 0 to 1; correct it")
+        load += mass * unit_weight(wing, eta)
+    return load
+
+
+def unit_weight(wing: Wing, eta: float) -> FloatArray:
+    """Return the nodal forces (n_dofs,) [N] of 1 kg on the spar at a span fraction, at load factor 1.
+
+    Shared by the two stations about it so that its moment is kept, half to each skin.
+    """
+    grid = wing.grid
+    pull = np.zeros((grid.n_nodes, DOFS_PER_NODE))
+    row = int(np.clip(np.searchsorted(grid.eta, eta) - 1, 0, len(grid.eta) - 2))
+    outer = (eta - grid.eta[row]) / (grid.eta[row + 1] - grid.eta[row])
+    for skin in (grid.upper, grid.lower):
+        pull[skin[row : row + 2, grid.spar_column], 2] = -0.5 * GRAVITY * np.array([1.0 - outer, outer])
+    return pull.ravel()

@@ -1,0 +1,129 @@
+"""Loads of the wing: resultants, moments, relief by masses, the vortex lattice against ellipse and lifting line."""
+
+import sys
+
+import numpy as np
+import pytest
+
+from femlib.arrays import FloatArray
+from femlib.errors import InputError
+from femlib.wing import FlightPoint, Wing, bend, inertial_load, uav_wing, vortex_lattice
+from femlib.wing.aerodynamics import hat_means
+from femlib.wing.loads import EFFECTIVE_MASS, GRAVITY
+
+HALF_WEIGHT = 0.5 * EFFECTIVE_MASS * GRAVITY
+
+
+@pytest.fixture(scope="module")
+def small() -> Wing:
+    return uav_wing(refinement=0.25)
+
+
+def moments(wing: Wing, forces: FloatArray, stations: FloatArray) -> FloatArray:
+    """Bending moment of vertical forces outboard of each span fraction, about it [N m]."""
+    y, up = wing.structure.shells.mesh.nodes[:, 1], forces.reshape(-1, 6)[:, 2]
+    return np.array([np.maximum(y - eta * wing.span, 0.0) @ up for eta in stations])
+
+
+def glauert(wing: Wing, stations: FloatArray, n: int = 60) -> FloatArray:
+    """Bending moment over half lift and half-span of the planform by lifting-line theory, without camber.
+
+    Source: H. Glauert, The Elements of Aerofoil and Airscrew Theory (1926), chapter 11.
+    """
+    theta = (np.arange(n) + 0.5) * np.pi / (2 * n)
+    k = 2 * np.arange(n) + 1
+    chord = wing.planform.chord(np.cos(theta))
+    mu = 2.0 * np.pi * chord / (8.0 * wing.span)
+    series = np.sin(np.outer(theta, k)) * (np.outer(mu, k) + np.sin(theta)[:, None])
+    coefficients = np.linalg.solve(series, mu * np.sin(theta))
+    eta = np.linspace(0.0, 1.0, 4001)
+    local = np.sin(np.outer(np.arccos(eta), k)) @ coefficients
+    return np.array([np.trapezoid(local * np.maximum(eta - s, 0.0), eta) for s in stations]) / np.trapezoid(local, eta)
+
+
+def test_the_ellipse_carries_half_the_weight_at_its_centre(small: Wing) -> None:
+    assert small.lift[2::6].sum() == pytest.approx(HALF_WEIGHT)
+    assert moments(small, small.lift, np.zeros(1))[0] == pytest.approx(HALF_WEIGHT * small.span * 4.0 / (3.0 * np.pi))
+
+
+def test_the_inertia_of_the_wing_is_its_mass_times_gravity_and_relieves_the_root(small: Wing) -> None:
+    load = inertial_load(small)
+    mass = small.structure.shells.mass()
+    unit = np.zeros(len(load))
+    unit[2::6] = 1.0
+    weight = GRAVITY * float(unit @ mass @ unit)
+    assert -load[2::6].sum() == pytest.approx(weight) and weight == pytest.approx(2.3 * GRAVITY, rel=0.02)
+    payload = inertial_load(small, {0.5: 0.17, 0.777: 0.13}) - load
+    assert -payload[2::6].sum() == pytest.approx(0.30 * GRAVITY)
+    relief = moments(small, payload, np.zeros(1))[0]
+    assert relief == pytest.approx(-GRAVITY * small.span * (0.5 * 0.17 + 0.777 * 0.13), rel=1e-9)
+    # the root's strain falls as its bending moment does, within what chordwise places and taper leave
+    root = moments(small, load, np.zeros(1))[0] / moments(small, small.lift, np.zeros(1))[0]
+    change = small.strain_microstrain({}, 3.0, small.lift + load) / small.strain_microstrain({}, 3.0) - 1.0
+    assert -0.2 < root < -0.05 and change[0] == pytest.approx(root, abs=0.02)
+
+
+@pytest.mark.parametrize("payload", [{1.2: 0.1}, {0.5: -0.1}, {0.5: np.nan}])
+def test_a_payload_outside_the_wing_is_refused(small: Wing, payload: dict[float, float]) -> None:
+    with pytest.raises(InputError, match=r"payload of .* kg at eta .*; expected 0 kg or more at 0 to 1"):
+        inertial_load(small, payload)
+
+
+def test_hat_means_keep_sum_and_centre() -> None:
+    lines = np.array([0.0, 0.1, 0.15, 0.4, 1.0])
+    for start, end in ((0.0, 0.05), (0.12, 0.7), (0.9, 1.0)):
+        means = hat_means(lines, start, end)
+        assert means.sum() == pytest.approx(1.0) and means @ lines == pytest.approx(0.5 * (start + end))
+
+
+def test_without_aerosandbox_the_cure_is_told(small: Wing, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "aerosandbox", None)
+    with pytest.raises(InputError, match=r"needs AeroSandbox, which is not installed; pip install 'octmip\[aero\]'"):
+        vortex_lattice(small, 1.0)
+
+
+def test_a_bad_flight_point_gets_a_sentence(small: Wing) -> None:
+    with pytest.raises(InputError, match=r"flight point airspeed is 0\.0; expected a positive number"):
+        FlightPoint(airspeed=0.0)
+    with pytest.raises(InputError, match="load_factor is nan"):
+        vortex_lattice(small, np.nan)
+
+
+class TestVortexLattice:
+    """Needs AeroSandbox: pip install 'octmip[aero]'."""
+
+    @pytest.fixture(autouse=True)
+    def _installed(self) -> None:
+        pytest.importorskip("aerosandbox", reason="AeroSandbox is not installed: pip install 'octmip[aero]'")
+
+    @pytest.mark.parametrize("load_factor", [-1.0, 0.0, 2.5, 4.0])
+    def test_the_resultant_is_the_weight_times_the_load_factor(self, small: Wing, load_factor: float) -> None:
+        found = vortex_lattice(small, load_factor)
+        x, y, z = found.forces.reshape(-1, 6)[:, :3].sum(axis=0)
+        a = found.angle_of_attack
+        assert z * np.cos(a) - x * np.sin(a) == pytest.approx(load_factor * HALF_WEIGHT, abs=1e-6 * HALF_WEIGHT)
+        assert abs(y) < 0.02 * (1.0 + abs(load_factor)) * HALF_WEIGHT and not found.forces.reshape(-1, 6)[:, 3:].any()
+
+    def test_its_moments_are_those_of_lifting_line_theory_and_above_the_ellipse(self, small: Wing) -> None:
+        stations = np.array([0.0, 0.25, 0.5, 0.75])
+        difference = vortex_lattice(small, 3.0).forces - vortex_lattice(small, 0.0).forces  # without the camber's part
+        total = difference[2::6].sum() * small.span
+        found = moments(small, difference, stations) / total
+        assert found == pytest.approx(glauert(small, stations), rel=0.05)  # no chord of its own in the theory
+        ellipse = moments(small, small.lift, stations) / (HALF_WEIGHT * small.span)
+        ratio = found / ellipse
+        assert (np.diff(ratio) > 0).all() and 1.0 < ratio[0] < 1.1 and 1.1 < ratio[3] < 1.35
+
+    def test_camber_moves_the_centre_of_pressure_aft_as_the_load_falls(self, small: Wing) -> None:
+        centres = []
+        for load_factor in (1.0, 2.0, 4.0):
+            up = vortex_lattice(small, load_factor).forces[2::6]
+            centres.append(float(up @ small.structure.shells.mesh.nodes[:, 0] / up.sum()))
+        assert centres[0] > centres[1] > centres[2] > -0.1
+
+    def test_the_wing_takes_it_linear_and_bent(self, small: Wing) -> None:
+        forces = vortex_lattice(small, 3.0).forces + 3.0 * inertial_load(small)
+        linear = small.strain_microstrain({"mu1": 0.2}, 1.0, forces)
+        bent = bend(small, {"mu1": 0.2}, 1.0, lift=forces)
+        assert bent.strain_microstrain[:16] == pytest.approx(linear[:16], rel=0.03)
+        assert (linear > 0).all()
