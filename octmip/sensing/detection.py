@@ -16,14 +16,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import logsumexp
 
 from octmip.errors import DataError, ProblemError
 
 Floats = NDArray[np.float64]
 
-CHUNK = 2000
-"""Readings compared with all states at a time: 2000 x 25 x 20 numbers are 8 MB."""
+CHUNK = 1_000_000
+"""Numbers (readings x states x gauges) compared at a time: 8 MB."""
 N_DRAWS = 40_000
 """Healthy readings that the limit is taken from: at a rate of 1 % its own standard error is 0.05 %."""
 
@@ -85,15 +84,16 @@ class FaultDetector:
             raise DataError(
                 f"readings has shape {readings.shape} or an infinite entry; expected (n, {len(self.gauges)})"
             )
-        parts = [self._surprise(readings[k : k + CHUNK]) for k in range(0, len(readings), CHUNK)]
+        step = max(1, CHUNK // self.means.size)
+        parts = [self._surprise(readings[k : k + step]) for k in range(0, len(readings), step)]
         return np.concatenate(parts) if parts else np.zeros(readings.shape)
 
     def _surprise(self, readings: Floats) -> Floats:
         z = (readings[:, None, :] - self.means) / self.noise_sd
         terms = np.where(np.isnan(z), 0.0, -0.5 * z**2 - 0.5 * np.log(2 * np.pi))
         whole = terms.sum(axis=2)
-        without = logsumexp(whole[:, :, None] - terms, axis=1)
-        found = without - logsumexp(whole, axis=1)[:, None]
+        without = _log_sum(whole[:, :, None] - terms)
+        found = without - _log_sum(whole[:, :, None])
         return np.where(np.isnan(readings), np.nan, found)
 
     def is_alarm(self, readings: Floats) -> NDArray[np.bool_]:
@@ -134,3 +134,9 @@ def power(detector: FaultDetector, biases: Sequence[float], n: int, rng: np.rand
             found[b, g] = (named >= 0).mean()
             right[b, g] = (named == g).sum() / max(1, (named >= 0).sum())
     return found, right
+
+
+def _log_sum(logs: Floats) -> Floats:
+    """Return log sum exp of finite numbers (n, n_states, m) over the states; scipy's takes three times as long."""
+    top = logs.max(axis=1)
+    return np.asarray(top + np.log(np.exp(logs - top[:, None, :]).sum(axis=1)))

@@ -7,9 +7,10 @@ Worst: for shares q >= 0 that sum to 1
     min over T of sum_s q_s R(T, x^s)   <=   min over T of max over s of R(T, x^s),
 
 so every stacked problem solved with its proof gives a lower bound, also when q leaves scenarios out, and every tree an
-upper one. The shares move towards the scenarios in which the last tree did badly (multiplicative weights); scenarios
-that no tree so far has seen, because it does not read the failed sensor, are left out until one does. Trees are not
-mixed, so the two bounds need not meet: the gap is stated.
+upper one. Another lower bound is what a tree is left with when its root is stuck (octmip.sensing.root_bound). Shares
+move towards the scenarios in which the last tree did badly (multiplicative weights); scenarios that no tree so far has
+seen, because it does not read the failed sensor, are left out until one does. Trees are not mixed, so the two bounds
+need not meet: the gap is stated.
 Source: Y. Freund, R. E. Schapire, Adaptive game playing using multiplicative weights, Games Econ. Behav. 29 (1999).
 """
 
@@ -21,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
+from octmip.sensing.root_bound import root_bound
 from octmip.sensing.scenarios import FailureProblem
 from octmip.solution import Limits, Solution, Stop
 from octmip.solver import Method, solve
@@ -75,7 +77,9 @@ def solve_worst(
     if rounds < 1:
         raise ProblemError(f"rounds is {rounds}; expected 1 or more")
     start = time.perf_counter()
-    game = _Game(asked)
+    game = _Game(
+        asked, bound=root_bound(asked, replace(limits, seconds=limits.seconds / (4 * len(asked.scenarios))), n_jobs)
+    )
     for _ in range(rounds):
         spent = time.perf_counter() - start
         stacked, scale = asked.stacked(game.shares)
