@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
-from octmip.sensing.root_bound import root_bound
+from octmip.sensing.root_bound import bound_by_stuck_roots
 from octmip.sensing.scenarios import FailureProblem
 from octmip.solution import Limits, Solution, Stop
 from octmip.solver import Method, solve
@@ -78,7 +78,8 @@ def solve_worst(
         raise ProblemError(f"rounds is {rounds}; expected 1 or more")
     start = time.perf_counter()
     game = _Game(
-        asked, bound=root_bound(asked, replace(limits, seconds=limits.seconds / (4 * len(asked.scenarios))), n_jobs)
+        asked,
+        bound=bound_by_stuck_roots(asked, replace(limits, seconds=limits.seconds / (4 * len(asked.scenarios))), n_jobs),
     )
     for _ in range(rounds):
         spent = time.perf_counter() - start

@@ -17,7 +17,7 @@ from octmip.solution import Limits
 from octmip.solver import solve
 
 
-def root_bound(asked: FailureProblem, limits: Limits, n_jobs: int = 1) -> float:
+def bound_by_stuck_roots(asked: FailureProblem, limits: Limits, n_jobs: int = 1) -> float:
     """Return a lower bound of the worst objective of every tree, 0 where some root cannot be stuck.
 
     Args:
