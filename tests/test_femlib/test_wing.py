@@ -28,11 +28,25 @@ def test_gauges_lie_where_the_wing_has_them(coarse: Wing) -> None:
     assert (gauges.position[:, 2] > 0).all()
 
 
+def test_as_many_gauges_as_published_are_installed_and_usable(coarse: Wing) -> None:
+    assert len(coarse.gauges.names) == 82 and int(coarse.gauges.is_usable.sum()) == 67
+    assert int(coarse.gauges.is_usable[:24].sum()) == 20
+    assert len(set(map(tuple, np.round(coarse.gauges.position, 6)))) == 82
+
+
 def test_region_edges_and_installed_gauges_lie_on_grid_lines(coarse: Wing) -> None:
     for region in coarse.regions:
         assert np.isclose(coarse.grid.eta[:, None], [region.eta_min, region.eta_max]).any(axis=0).all()
         assert np.isclose(coarse.grid.chord[:, None], [region.chord_min, region.chord_max]).any(axis=0).all()
     assert np.isclose(coarse.grid.eta[:, None], coarse.gauges.eta[:24]).any(axis=0).all()
+
+
+def test_lines_crowd_where_a_rib_has_a_gauge_and_nowhere_else(wing: Wing) -> None:
+    steps, middles = np.diff(wing.grid.eta), 0.5 * (wing.grid.eta[1:] + wing.grid.eta[:-1])
+    assert steps.max() <= 0.02 + 1e-9 and steps.min() > 0.002
+    assert steps[(middles > 0.21) & (middles < 0.81)].max() <= 0.011 + 1e-9
+    for rib in np.array([3, 4, 5, 7, 8, 9]) / 12:
+        assert steps[np.abs(middles - rib) < 0.0075].max() <= 0.005 + 1e-9
 
 
 def test_the_lift_has_its_total_its_ellipse_and_its_quarter_chord(coarse: Wing) -> None:
