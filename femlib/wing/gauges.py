@@ -14,8 +14,6 @@ from femlib.sensors import StrainGauge
 from femlib.wing.damage import DamageRegion
 
 SPANWISE = np.array([0.0, 1.0, 0.0])
-SNAPPED, SNAPPED_ETA = 40, 0.66
-"""c41 would lie 2.6 mm inside region R2; it is moved 18 mm out of it, so that 67 of the 82 gauges are usable, as published."""
 SNAPPED, SNAPPED_ETA = 30, 0.237  # c31
 
 
