@@ -25,8 +25,8 @@ STEP_ETA_AWAY = 0.02
 """The same farther than `SENSED` from the innermost and the outermost gauge."""
 SENSED = 0.06
 STEP_ETA_RIB = 0.005
-"""The same within `RIB_ZONE` of a rib that has a gauge nearer than `RIB_SENSED`: the skin bends where a rib holds it, and
-the pristine strain of a gauge 9 mm from a rib was 2.6 % off without."""
+"""The same within `RIB_ZONE` of a rib that has a gauge nearer than `RIB_SENSED`: the skin bends where a rib holds it;
+without, the pristine strain of a gauge 9 mm from a rib was 2.6 % off."""
 RIB_ZONE = 0.01
 RIB_SENSED = 0.03
 STEP_CHORD = 0.035
