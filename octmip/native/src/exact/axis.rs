@@ -11,11 +11,9 @@
 //!   may be predicted as the child has leaves: each of them lands in some leaf of the same tree. Needs monotone.
 
 use crate::exact::Switches;
+use crate::exact::label_sets::WIDTH;
 use crate::exact::samples::Samples;
 use crate::exact::view::View;
-
-/// Columns that are counted together.
-const WIDTH: usize = 8;
 
 /// All bits of one lane. A count is added to all lanes at once, though one changes: the whole vector is read back right
 /// away, and would have to wait for a single lane.
@@ -28,6 +26,18 @@ const LANE: [[i32; WIDTH]; WIDTH] = {
     }
     masks
 };
+
+/// What is summed up along a feature for the bound of mixed labels.
+#[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
+enum Counted {
+    /// Nothing: no bound.
+    #[default]
+    Nothing,
+    /// Swing of each column, where samples gain in one column each.
+    Columns,
+    /// Cost under each set of labels.
+    Sets,
+}
 
 /// Cuts of a feature in order; the first and the last are the trivial ones that leave a side empty.
 #[derive(Debug, Default)]
@@ -42,12 +52,12 @@ pub struct Axis {
     pub right: Vec<i64>,
     /// The stump finder's number of each evaluated cut.
     pub record: Vec<u32>,
-    /// Swing of each column left of each cut, `width` vectors a cut.
+    /// Left of each cut, `width` vectors a cut: swing of each column, or cost under each set of labels.
     prefix: Vec<[i32; WIDTH]>,
     width: usize,
     n_cuts: usize,
     n_leaves: usize,
-    counts_labels: bool,
+    counted: Counted,
     is_monotone: bool,
     has_swing: bool,
 }
@@ -71,13 +81,17 @@ impl Axis {
         self.n_leaves = n_leaves;
         self.is_monotone = samples.leaf_size == 1 && switches.monotone;
         self.has_swing = switches.swing;
-        self.counts_labels = switches.mixed_labels
-            && self.is_monotone
-            && samples.is_single
-            && samples.n_columns > n_leaves
-            && view.mass < i64::from(i32::MAX);
-        self.make_room(view.len + 1, samples.n_columns);
-        let counts = &mut vec![[0i32; WIDTH]; if self.counts_labels { self.width } else { 0 }][..];
+        let sets = samples.label_sets(n_leaves);
+        let is_counted = switches.mixed_labels && self.is_monotone && view.mass < i64::from(i32::MAX);
+        (self.counted, self.width) = match sets {
+            Some(sets) if is_counted => (Counted::Sets, sets.width()),
+            None if is_counted && samples.is_single && samples.n_columns > n_leaves => {
+                (Counted::Columns, samples.n_columns.div_ceil(WIDTH))
+            }
+            _ => (Counted::Nothing, 0),
+        };
+        self.make_room(view.len + 1);
+        let counts = &mut vec![[0i32; WIDTH]; self.width][..];
         let (ranks, list) = (samples.ranks_of(f), view.list(f));
         let smallest = samples.leaf_size.max(1);
         let mut mass = 0;
@@ -91,12 +105,17 @@ impl Axis {
             }
             rank = next;
             mass += samples.swing[i as usize];
-            if self.counts_labels {
-                let column = samples.column[i as usize] as usize;
+            if self.counted == Counted::Columns {
+                let column = samples.kind[i as usize] as usize;
                 let swing = samples.swing[i as usize] as i32;
                 let mask = &LANE[column % WIDTH];
                 let part = &mut counts[column / WIDTH];
                 *part = std::array::from_fn(|lane| part[lane] + (mask[lane] & swing));
+            } else if let Some(sets) = sets.filter(|_| self.counted == Counted::Sets) {
+                let amount = samples.amount[i as usize] as i32;
+                for (part, costs) in counts.iter_mut().zip(sets.costs_of(samples.kind[i as usize] as usize)) {
+                    *part = std::array::from_fn(|lane| part[lane] + amount * costs[lane]);
+                }
             }
         }
         self.push(view.len, mass, counts);
@@ -107,17 +126,14 @@ impl Axis {
     }
 
     /// Lists are only ever grown: what lies past the last cut, or belongs to cuts not solved, is never read.
-    fn make_room(&mut self, n_cuts: usize, n_columns: usize) {
-        self.width = n_columns.div_ceil(WIDTH);
+    fn make_room(&mut self, n_cuts: usize) {
         let room = self.positions.len().max(n_cuts);
         self.positions.resize(room, 0);
         self.record.resize(room, 0);
         for list in [&mut self.mass, &mut self.left, &mut self.right] {
             list.resize(room, 0);
         }
-        if self.counts_labels {
-            self.prefix.resize(self.prefix.len().max(room * self.width), [0; WIDTH]);
-        }
+        self.prefix.resize(self.prefix.len().max(room * self.width), [0; WIDTH]);
     }
 
     #[inline(always)]
@@ -200,7 +216,7 @@ impl Axis {
     pub fn pick(&self, interval: &Interval, target: i64) -> Option<usize> {
         let middle = interval.low + (interval.high - interval.low) / 2;
         let (left, right) = self.bounds(interval, middle);
-        if !self.counts_labels || left + right < target {
+        if self.counted == Counted::Nothing || left + right < target {
             return Some(middle);
         }
         let Interval { low, high, .. } = *interval;
@@ -241,10 +257,17 @@ impl Axis {
     /// Least cost of the samples between two cuts when at most `n_leaves` labels are predicted for them.
     #[inline]
     fn mixed(&self, from: usize, to: usize) -> i64 {
-        if !self.counts_labels {
+        if self.counted == Counted::Nothing {
             return 0;
         }
         let (low, high) = (&self.prefix[from * self.width..], &self.prefix[to * self.width..]);
+        if self.counted == Counted::Sets {
+            let mut least = [i32::MAX; WIDTH];
+            for (low, high) in low.iter().zip(high).take(self.width) {
+                least = std::array::from_fn(|set| least[set].min(high[set] - low[set]));
+            }
+            return i64::from(least.into_iter().min().unwrap_or(0));
+        }
         let between = self.mass[to] - self.mass[from];
         if self.n_leaves == 2 {
             let (mut first, mut second) = (0, 0);

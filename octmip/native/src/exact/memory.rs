@@ -3,6 +3,7 @@
 //! Every list is reckoned at the longest that it can become. `n` samples, `p` features, `4 n p` bytes a set of lists.
 
 use crate::exact::Switches;
+use crate::exact::label_sets::{WIDTH, most_width};
 use crate::exact::stumps::width;
 use crate::problem::Problem;
 
@@ -14,8 +15,7 @@ const SLOTS: [f64; 3] = [16.0, 8.0, 4.0];
 pub fn bytes(problem: &Problem, n_threads: usize, switches: &Switches) -> f64 {
     let (n, p) = (problem.n as f64, problem.p as f64);
     let lists = 4.0 * n * p;
-    let gains = n * (20.0 + 8.0 * problem.n_classes as f64 * f64::from(u8::from(!is_plain(problem))));
-    let samples = 2.0 * lists + gains;
+    let samples = 2.0 * lists + 28.0 * n;
     let own = thread(problem, switches);
     if problem.depth < 3 {
         return samples + lists + own;
@@ -33,12 +33,13 @@ fn thread(problem: &Problem, switches: &Switches) -> f64 {
     sides + axes + 8.0 * n + stumps(problem, switches)
 }
 
-/// The cuts of a feature: place, swing, bounds of both sides, record, and the swing of each column, eight at a time, where
-/// there are more columns than a child of this level has leaves.
+/// The cuts of a feature: place, swing, bounds of both sides, record; and eight at a time, where there are more columns
+/// than a child of this level has leaves, the swing of each column, or the cost under each set of labels.
 fn axis(problem: &Problem, level: usize) -> f64 {
-    let counts = problem.n_classes > 1 << (level - 1).min(20);
-    let columns = if counts { problem.n_classes.div_ceil(8) } else { 0 };
-    problem.n as f64 * (32.0 + 32.0 * columns as f64)
+    let (k, n_leaves) = (problem.n_classes, 1 << (level - 1).min(20));
+    let columns = if k > n_leaves { k.div_ceil(WIDTH) } else { 0 };
+    let sets = if is_plain(problem) { 0 } else { most_width(k, n_leaves) };
+    problem.n as f64 * (32.0 + 32.0 * columns.max(sets) as f64)
 }
 
 /// Tables of places in a histogram, histograms, and what each group may reach by evaluated cut. Below depth three there is
@@ -52,7 +53,7 @@ fn stumps(problem: &Problem, switches: &Switches) -> f64 {
     let dearest = |label: usize| (0..problem.n_classes).map(|k| problem.cost(label, k)).max();
     let swing = |i: usize| problem.weights[i] * dearest(problem.labels[i] as usize).unwrap_or(0);
     let mass: i64 = (0..problem.n).map(swing).sum();
-    let rows = if is_plain(problem) { 0.0 } else { 1.0 } + problem.n_classes as f64;
+    let rows = problem.n_classes as f64;
     // One column a bucket: a third of the samples where the difference of two columns is one row, else a sixth.
     let differences = if problem.n_classes == 2 { n / 3.0 * 5.0 } else { 0.0 };
     let mixed = (n / 6.0).max(512.0f64.min(n)) * (2.0 * rows + 3.0);

@@ -10,6 +10,8 @@
 //! and every bound reads as it does for counts of samples, with "number of samples" replaced by swing:
 //! adding a sample never lowers the cost of the best tree above the base, and raises it by at most its swing.
 
+use crate::exact::directions::doubled_spans;
+use crate::exact::label_sets::LabelSets;
 use crate::problem::Problem;
 
 /// Samples, gains and limits; read by all threads.
@@ -33,10 +35,17 @@ pub struct Samples {
     pub base: Vec<i64>,
     /// Whether every sample gains in one column only (0/1 costs with any weights, for instance).
     pub is_single: bool,
-    /// The column that each sample gains in, by all of its swing, where `is_single` (`n`).
-    pub column: Vec<u32>,
-    /// Gains of each sample (`n * n_columns`) where not `is_single`, else empty.
+    /// Kind of each sample (`n`): where `is_single` the column that it gains in, else the row of `gains`.
+    pub kind: Vec<u32>,
+    /// How often a sample counts in its kind (`n`): its gains are `amount * gains[kind]`.
+    pub amount: Vec<i64>,
+    /// Gains of one sample of each kind (`n_kinds * n_columns`).
     pub gains: Vec<i64>,
+    /// Twice the span that is left of each kind beside each direction (`n_directions * n_kinds`); none where
+    /// `is_single`.
+    pub spans: Vec<i64>,
+    /// Sets of 2, 4, 8, ... columns, as far as they bound anything; none where `is_single`.
+    sets: Vec<Option<LabelSets>>,
     /// Label of each column (`n_columns`).
     pub labels: Vec<u32>,
     /// Price of a split.
@@ -68,8 +77,11 @@ impl Samples {
             swing: Vec::with_capacity(n),
             base: Vec::with_capacity(n),
             is_single: true,
-            column: Vec::new(),
+            kind: Vec::with_capacity(n),
+            amount: Vec::with_capacity(n),
             gains: Vec::new(),
+            spans: Vec::new(),
+            sets: Vec::new(),
             labels: Vec::new(),
             penalty: problem.penalty,
             leaf_size: problem.leaf_size,
@@ -90,31 +102,68 @@ impl Samples {
             self.swing.push(problem.weights[i] * (most[class] - least[class]));
             self.base.push(problem.weights[i] * least[class]);
         }
-        // A column in which no present class gains is never better than another.
+        // A column that gains no more than another in any present class (the first of equals stays) is never needed.
         let gains = |class: usize, label: usize| most[class] - rows[class][label];
-        self.labels = (0..k)
-            .filter(|&label| (0..k).any(|class| has_samples[class] && gains(class, label) > 0))
-            .map(|label| label as u32)
-            .collect();
-        if self.labels.is_empty() {
-            self.labels.push(0);
-        }
-        self.n_columns = self.labels.len();
-        let columns_of = |class: usize| -> Vec<usize> {
-            (0..self.labels.len()).filter(|&c| gains(class, self.labels[c] as usize) > 0).collect()
+        let present: Vec<usize> = (0..k).filter(|&class| has_samples[class]).collect();
+        let is_covered = |label: usize, by: usize| {
+            let differs = present.iter().any(|&class| gains(class, label) != gains(class, by));
+            (differs || by < label) && present.iter().all(|&class| gains(class, label) <= gains(class, by))
         };
-        self.is_single = (0..k).filter(|&class| has_samples[class]).all(|class| columns_of(class).len() <= 1);
+        self.labels =
+            (0..k).filter(|&label| !(0..k).any(|by| is_covered(label, by))).map(|label| label as u32).collect();
+        self.n_columns = self.labels.len();
+        self.set_kinds(problem, &has_samples, gains);
+    }
+
+    /// Classes whose gains are in proportion are one kind: cost matrices have few, however many classes there are.
+    fn set_kinds(&mut self, problem: &Problem, has_samples: &[bool], gain: impl Fn(usize, usize) -> i64) {
+        let rows: Vec<Vec<i64>> = (0..problem.n_classes)
+            .map(|class| self.labels.iter().map(|&label| gain(class, label as usize)).collect())
+            .collect();
+        let is_row_single = |row: &Vec<i64>| row.iter().filter(|&&gain| gain > 0).count() <= 1;
+        self.is_single = (0..rows.len()).filter(|&class| has_samples[class]).all(|class| is_row_single(&rows[class]));
+        let mut kinds: Vec<Vec<i64>> = Vec::new();
         if self.is_single {
-            let of_class: Vec<u32> =
-                (0..k).map(|class| columns_of(class).first().map_or(0, |&column| column as u32)).collect();
-            self.column = problem.labels.iter().map(|&class| of_class[class as usize]).collect();
-        } else {
-            for i in 0..self.n {
-                let class = problem.labels[i] as usize;
-                let row = self.labels.iter().map(|&label| problem.weights[i] * gains(class, label as usize));
-                self.gains.extend(row);
+            kinds = (0..self.n_columns).map(|c| (0..self.n_columns).map(|d| i64::from(c == d)).collect()).collect();
+        }
+        let mut of_class = vec![(0, 0); rows.len()];
+        for class in (0..rows.len()).filter(|&class| has_samples[class]) {
+            let factor = rows[class].iter().fold(0, |a, &b| greatest_divisor(a, b));
+            if factor > 0 {
+                let row: Vec<i64> = rows[class].iter().map(|gain| gain / factor).collect();
+                let kind = kinds.iter().position(|known| *known == row).unwrap_or(kinds.len());
+                if kind == kinds.len() {
+                    kinds.push(row);
+                }
+                of_class[class] = (kind as u32, factor);
             }
         }
+        for i in 0..self.n {
+            let (kind, factor) = of_class[problem.labels[i] as usize];
+            self.kind.push(kind);
+            self.amount.push(problem.weights[i] * factor);
+        }
+        self.gains = kinds.concat();
+        if !self.is_single {
+            self.spans = doubled_spans(&self.gains, self.n_columns);
+            let sizes = (1..self.n_columns).map(|level| 1 << level).take_while(|&size| size < self.n_columns);
+            self.sets = sizes.map(|size| LabelSets::new(&self.gains, self.n_columns, size)).collect();
+        }
+    }
+
+    /// The sets of as many columns as a child of this many leaves may predict, where they bound anything.
+    pub fn label_sets(&self, n_leaves: usize) -> Option<&LabelSets> {
+        self.sets.get((n_leaves.max(2).ilog2() - 1) as usize)?.as_ref()
+    }
+
+    /// Number of kinds of samples.
+    pub fn n_kinds(&self) -> usize {
+        self.gains.len() / self.n_columns
+    }
+
+    /// Gains of one sample of a kind (`n_columns`).
+    pub fn gains_of(&self, kind: usize) -> &[i64] {
+        &self.gains[kind * self.n_columns..(kind + 1) * self.n_columns]
     }
 
     /// The same samples with only these of the usable features.
@@ -129,8 +178,11 @@ impl Samples {
             order: pick(&self.order),
             swing: self.swing.clone(),
             base: self.base.clone(),
-            column: self.column.clone(),
+            kind: self.kind.clone(),
+            amount: self.amount.clone(),
             gains: self.gains.clone(),
+            spans: self.spans.clone(),
+            sets: self.sets.clone(),
             labels: self.labels.clone(),
             ..*self
         }
@@ -145,15 +197,19 @@ impl Samples {
     #[inline(always)]
     pub fn count(&self, sample: u32, sign: i64, totals: &mut [i64]) {
         let i = sample as usize;
+        let (kind, amount) = (self.kind[i] as usize, sign * self.amount[i]);
         if self.is_single {
-            totals[self.column[i] as usize] += sign * self.swing[i];
+            totals[kind] += amount;
         } else {
-            let row = &self.gains[i * self.n_columns..(i + 1) * self.n_columns];
-            for (total, gain) in totals.iter_mut().zip(row) {
-                *total += sign * gain;
+            for (total, gain) in totals.iter_mut().zip(self.gains_of(kind)) {
+                *total += amount * gain;
             }
         }
     }
+}
+
+fn greatest_divisor(a: i64, b: i64) -> i64 {
+    if b == 0 { a } else { greatest_divisor(b, a % b) }
 }
 
 /// Sample ids by rank, ties by id: a counting sort.

@@ -8,7 +8,7 @@
 use crate::exact::Switches;
 use crate::exact::samples::Samples;
 use crate::exact::stumps::doubt::{Candidate, Sides};
-use crate::exact::stumps::groups::Histogram;
+use crate::exact::stumps::groups::{Histogram, Kinds};
 use crate::exact::stumps::sweep::Lane;
 use crate::exact::stumps::table::{Shape, Table};
 use crate::exact::stumps::{NEVER, Neighbour, Place, Stump, Stumps};
@@ -18,6 +18,7 @@ use crate::exact::view::View;
 pub struct Buckets<T: Lane, const N: usize, const S: usize> {
     arch: pulp::Arch,
     pub(super) shape: Shape,
+    pub(super) kinds: Kinds<T>,
     skips: bool,
     pub(super) tables: [Table; 2],
     /// 0: the table shared with other views, 1: the view's own.
@@ -38,11 +39,13 @@ pub struct Buckets<T: Lane, const N: usize, const S: usize> {
 impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
     /// Without tables yet.
     pub fn new(samples: &Samples, switches: &Switches) -> Self {
-        let rows = samples.n_columns + usize::from(!samples.is_single);
+        let kinds = Kinds::new(samples);
+        let rows = kinds.rows(samples.n_columns);
         let columns = vec![0; samples.n_columns];
         Self {
             arch: if switches.vectors { pulp::Arch::new() } else { pulp::Arch::Scalar },
             shape: Shape { slots: S, rows, has_differences: samples.is_single && samples.n_columns == 2 },
+            kinds,
             skips: switches.group_skip,
             tables: [Table::default(), Table::default()],
             used: 1,
@@ -59,10 +62,12 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
         }
     }
 
-    /// Most buckets of a feature: few where the vector pass is the price, more where walks inside are.
+    /// Most buckets of a feature: few where the vector pass is the price, more where walks inside are. Under a cost
+    /// matrix more is in doubt inside a bucket, so there are more walks.
     fn most_buckets(&self, len: usize) -> usize {
         let cheap = 256 / (self.groups.len() * self.shape.rows);
-        cheap.max(64).max(2 * len.isqrt())
+        let many = if self.kinds.swings.is_empty() { 2 } else { 4 };
+        cheap.max(64).max(many * len.isqrt())
     }
 
     /// Move the totals of both sides.
@@ -108,7 +113,7 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
             let best = histogram.sweep_differences(self.arch, &self.lane_totals);
             return (best, best);
         }
-        histogram.sweep(self.arch, &self.lane_totals, self.shape.rows)
+        histogram.sweep(self.arch, &self.lane_totals, &self.kinds)
     }
 
     /// Sweep a group; what it attained joins `sides.best`, what it may reach is returned.

@@ -7,6 +7,35 @@ use crate::exact::stumps::sweep::{Difference, Group, Lane, STRIDE};
 use crate::exact::stumps::table::{Shape, Table};
 use crate::exact::view::View;
 
+/// What one sample of each kind gains, as the lanes count it.
+#[derive(Debug)]
+pub struct Kinds<T> {
+    /// In each column (`kinds * columns`); empty where each kind gains in its own column.
+    pub gains: Vec<T>,
+    /// At most (`kinds`); empty likewise.
+    pub swings: Vec<T>,
+    /// Twice the span that is left beside each direction (`directions * kinds`); empty likewise.
+    pub spans: Vec<T>,
+}
+
+impl<T: Lane> Kinds<T> {
+    /// Of the kinds of these samples.
+    pub fn new(samples: &Samples) -> Self {
+        let kinds = if samples.is_single { 0 } else { samples.n_kinds() };
+        let swing = |kind| samples.gains_of(kind).iter().copied().max().unwrap_or(0);
+        Self {
+            gains: (0..kinds).flat_map(|kind| samples.gains_of(kind)).map(|&gain| T::narrow(gain)).collect(),
+            swings: (0..kinds).map(|kind| T::narrow(swing(kind))).collect(),
+            spans: samples.spans.iter().map(|&span| T::narrow(span)).collect(),
+        }
+    }
+
+    /// Rows of a bucket: a kind each.
+    pub fn rows(&self, n_columns: usize) -> usize {
+        if self.swings.is_empty() { n_columns } else { self.swings.len() }
+    }
+}
+
 /// A histogram of the slots of one group: pairs `[bucket][row][slot]`.
 pub struct Histogram<T: Lane, const N: usize, const S: usize> {
     pairs: Aligned<T::Pair>,
@@ -98,38 +127,26 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
         let (offsets, _) = table.offsets[first..first + samples.n * S].as_chunks::<S>();
         let used = (samples.p - self.group * S).min(S);
         let pairs = self.pairs.get_mut();
-        if samples.is_single {
-            for &i in ids {
-                let is_second = table.is_difference && samples.column[i as usize] == 1;
-                let sign = if is_second { -sign } else { sign };
-                let by = change(sign * samples.swing[i as usize]);
-                let row = &offsets[i as usize];
-                if used == S {
-                    for &offset in row {
-                        pairs[offset as usize] = T::change(pairs[offset as usize], by);
-                    }
-                } else {
-                    for &offset in &row[..used] {
-                        pairs[offset as usize] = T::change(pairs[offset as usize], by);
-                    }
-                }
-            }
-            return;
-        }
         for &i in ids {
-            let gains = &samples.gains[i as usize * samples.n_columns..][..samples.n_columns];
-            for (row, gain) in gains.iter().chain([&samples.swing[i as usize]]).enumerate() {
-                let by = change(sign * gain);
-                for &offset in &offsets[i as usize][..used] {
-                    let pair = &mut pairs[offset as usize + row * S];
-                    *pair = T::change(*pair, by);
+            let is_second = table.is_difference && samples.kind[i as usize] == 1;
+            let sign = if is_second { -sign } else { sign };
+            let by = change(sign * samples.amount[i as usize]);
+            let row = &offsets[i as usize];
+            if used == S {
+                for &offset in row {
+                    pairs[offset as usize] = T::change(pairs[offset as usize], by);
+                }
+            } else {
+                for &offset in &row[..used] {
+                    pairs[offset as usize] = T::change(pairs[offset as usize], by);
                 }
             }
         }
     }
 
     /// The vector pass: by lane, the best gain at a bucket edge and the largest that any stump may have.
-    pub fn sweep(&mut self, arch: pulp::Arch, totals: &[[T; N]], rows: usize) -> ([T; N], [T; N]) {
+    pub fn sweep(&mut self, arch: pulp::Arch, totals: &[[T; N]], kinds: &Kinds<T>) -> ([T; N], [T; N]) {
+        let rows = kinds.rows(totals.len());
         let histogram: &[T] = pulp::bytemuck::cast_slice(self.pairs.get());
         let mut group = Group {
             histogram: &histogram.as_chunks::<N>().0[..self.open.len() * rows],
@@ -138,7 +155,9 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
             caps: &mut self.caps,
             tops: &mut self.tops,
             runs: &mut self.runs,
-            rows,
+            gains: &kinds.gains,
+            swings: &kinds.swings,
+            spans: &kinds.spans,
             best: [T::default(); N],
             reach: [T::default(); N],
         };
@@ -156,15 +175,22 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
     }
 
     /// Gains left of a bucket's start on one lane, from the last checkpoint of the last pass.
-    pub fn running_sums(&self, lane: usize, bucket: usize, rows: usize, sums: &mut [i64]) {
+    pub fn running_sums(&self, lane: usize, bucket: usize, kinds: &Kinds<T>, sums: &mut [i64]) {
         let checkpoint = &self.runs[bucket / STRIDE * sums.len()..][..sums.len()];
         for (sum, row) in sums.iter_mut().zip(checkpoint) {
             *sum = row[lane].widen();
         }
         let histogram: &[T] = pulp::bytemuck::cast_slice(self.pairs.get());
-        for between in bucket / STRIDE * STRIDE..bucket {
-            for (c, sum) in sums.iter_mut().enumerate() {
-                *sum += histogram[(between * rows + c) * N + lane].widen();
+        let rows = kinds.rows(sums.len());
+        for row in bucket / STRIDE * STRIDE * rows..bucket * rows {
+            let held = histogram[row * N + lane].widen();
+            if kinds.swings.is_empty() {
+                sums[row % rows] += held;
+            } else {
+                let gains = &kinds.gains[row % rows * sums.len()..];
+                for (sum, gain) in sums.iter_mut().zip(gains) {
+                    *sum += held * gain.widen();
+                }
             }
         }
     }

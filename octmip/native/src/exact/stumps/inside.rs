@@ -79,7 +79,7 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
         let mut left = std::mem::take(&mut self.left);
         left.resize(self.whole.len(), 0);
         let lane = 2 * (slot % self.shape.slots) + side;
-        self.groups[group].running_sums(lane, bucket, self.shape.rows, &mut left);
+        self.groups[group].running_sums(lane, bucket, &self.kinds, &mut left);
         let table = &self.tables[self.used];
         let feature = table.feature_of_slot[slot];
         let ranks = samples.ranks_of(feature);

@@ -5,6 +5,8 @@
 
 use pulp::{Simd, WithSimd, bytemuck};
 
+mod kinds;
+
 /// A number of a histogram lane.
 pub trait Lane: bytemuck::Pod + Ord + Default + Send {
     /// From a sum that fits (see `finder`).
@@ -23,6 +25,8 @@ pub trait Lane: bytemuck::Pod + Ord + Default + Send {
     fn enter(amount: i64) -> Self::Pair;
     /// A pair after a change; both halves stay 0 or more.
     fn change(pair: Self::Pair, by: Self::Pair) -> Self::Pair;
+    /// Product, of numbers whose product fits.
+    fn times(self, other: Self) -> Self;
     /// Half, rounded down.
     fn half(self) -> Self;
     /// The largest.
@@ -64,6 +68,10 @@ macro_rules! lane {
             #[inline(always)]
             fn minus(self, other: Self) -> Self {
                 self.wrapping_sub(other)
+            }
+            #[inline(always)]
+            fn times(self, other: Self) -> Self {
+                self.wrapping_mul(other)
             }
             #[inline(always)]
             fn half(self) -> Self {
@@ -172,8 +180,12 @@ pub struct Group<'a, T, const N: usize> {
     pub tops: &'a mut [Row<T, N>],
     /// Running sums before every `STRIDE`-th bucket, out (`n_buckets / STRIDE * columns`).
     pub runs: &'a mut [Row<T, N>],
-    /// Rows of a bucket: its columns, and its swing where samples gain in several columns.
-    pub rows: usize,
+    /// Gains of one sample of each kind (`kinds * columns`); empty where each kind gains in its own column.
+    pub gains: &'a [T],
+    /// Swing of one sample of each kind (`kinds`); empty likewise.
+    pub swings: &'a [T],
+    /// Twice the span that is left of each kind beside each direction (`directions * kinds`); empty likewise.
+    pub spans: &'a [T],
     /// Largest gain seen at an edge, out.
     pub best: Row<T, N>,
     /// Largest gain that any stump may have, out.
@@ -185,14 +197,18 @@ impl<T: Lane, const N: usize> WithSimd for &mut Group<'_, T, N> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let has_mass_row = self.rows != self.totals.len();
-        match (has_mass_row, self.totals.len()) {
-            (false, 2) => self.sweep::<2>(),
-            (false, 3) => self.sweep::<3>(),
-            (false, 4) => self.sweep::<4>(),
-            (false, 5) => self.sweep::<5>(),
-            (false, 6) => self.sweep::<6>(),
-            _ => self.sweep_any(has_mass_row),
+        match (self.swings.len(), self.totals.len()) {
+            (0, 2) => self.sweep::<2>(),
+            (0, 3) => self.sweep::<3>(),
+            (0, 4) => self.sweep::<4>(),
+            (0, 5) => self.sweep::<5>(),
+            (0, 6) => self.sweep::<6>(),
+            (0, _) => self.sweep_any(),
+            (3, 3) => self.sweep_kinds::<3>(),
+            (4, 4) => self.sweep_kinds::<4>(),
+            (5, 5) => self.sweep_kinds::<5>(),
+            (6, 6) => self.sweep_kinds::<6>(),
+            _ => self.sweep_any_kinds(),
         }
     }
 }
@@ -229,11 +245,11 @@ impl<T: Lane, const N: usize> Group<'_, T, N> {
     }
 
     #[inline(always)]
-    fn sweep_any(&mut self, has_mass_row: bool) {
+    fn sweep_any(&mut self) {
         let k = self.totals.len();
         let mut run = vec![[T::default(); N]; k];
         let mut edge = Edge::first(self.totals);
-        for (b, bucket) in self.histogram.chunks_exact(self.rows).enumerate() {
+        for (b, bucket) in self.histogram.chunks_exact(k).enumerate() {
             if b % STRIDE == 0 {
                 self.runs[b / STRIDE * k..][..k].copy_from_slice(&run);
             }
@@ -241,15 +257,12 @@ impl<T: Lane, const N: usize> Group<'_, T, N> {
             let mut high = [T::default(); N];
             let mut count = [T::default(); N];
             let mut top = [T::default(); N];
-            for (c, held) in bucket[..k].iter().enumerate() {
+            for (c, held) in bucket.iter().enumerate() {
                 run[c] = add(&run[c], held);
                 low = max(&low, &run[c]);
                 high = max(&high, &sub(&self.totals[c], &run[c]));
                 count = add(&count, held);
                 top = max(&top, held);
-            }
-            if has_mass_row {
-                (count, top) = (bucket[k], [T::default(); N]);
             }
             edge.pass(&low, &high, &count, &sub(&count, &top), &self.open[b], &mut self.caps[b]);
             if b % STRIDE == STRIDE - 1 {
@@ -280,7 +293,7 @@ impl<T: Lane, const N: usize> Edge<T, N> {
     }
 
     /// Pass a bucket: `low`, `high` the best gain left and right of its end, `count` its swing, `minor` its swing
-    /// outside its largest column.
+    /// outside its largest column, or the least span that is left of its gains beside one direction.
     ///
     /// A cut inside the bucket has at most the least of these gains (start, end: the bucket's edges):
     /// * `low(end) + high(start)`: gains grow with the set.
@@ -288,7 +301,7 @@ impl<T: Lane, const N: usize> Edge<T, N> {
     ///   their mean: moving a sample changes a gain by at most its swing.
     /// * `max(score(start), score(end)) + minor`: without the samples outside the largest column, low + high is a
     ///   convex function of how many samples of that one column lie left, so largest at an end, where it is at most
-    ///   the score with them; putting them back gains at most their swing.
+    ///   the score with them; putting them back gains at most their swing. For directions: see `exact::directions`.
     #[inline(always)]
     fn pass(
         &mut self,

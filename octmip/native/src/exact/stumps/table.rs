@@ -54,7 +54,7 @@ pub struct Shape {
 impl Table {
     /// Lay out buckets for a view, never splitting equal values; at most `most` of them where labels mix.
     ///
-    /// Inside a bucket a gain is in doubt by the bucket's swing outside its largest column at most. So buckets hold one
+    /// Inside a bucket a gain is in doubt by the bucket's swing outside its largest column (or beside one direction) at most. So buckets hold one
     /// column each where that makes few of them: then nothing is ever in doubt, however rare a column is. Else a bucket
     /// ends where it would pass a quota of that swing, or would be long to walk.
     pub fn lay(&mut self, samples: &Samples, view: &View, shape: Shape, most: usize) {
@@ -72,7 +72,7 @@ impl Table {
         self.is_difference =
             shape.has_differences && mark_all(samples, view, (0, view.len), most_differences, &mut ends);
         if !self.is_difference && !mark_all(samples, view, (0, view.len), most_pure, &mut ends) {
-            let minor = if samples.is_single { view.leaf() } else { view.mass };
+            let minor = Doubt::of(samples, view.ids(samples)).minor();
             let (mut quota, mut longest) = (minor / most as i64, (view.len / most).max(SHORT));
             while !mark_all(samples, view, (quota, longest), most, &mut ends) {
                 quota += quota / 2 + 1;
@@ -124,8 +124,7 @@ impl Table {
             self.is_open[f * self.n_buckets + bucket] = ranks[members[members.len() - 1] as usize] != rank;
             let offset = slot % shape.slots + bucket * stride;
             for &i in members {
-                let row =
-                    if samples.is_single && !self.is_difference { samples.column[i as usize] as usize } else { 0 };
+                let row = if self.is_difference { 0 } else { samples.kind[i as usize] as usize };
                 self.offsets[first + i as usize * shape.slots] = (offset + row * shape.slots) as u32;
             }
             start = end as usize;
@@ -146,6 +145,52 @@ impl Table {
     }
 }
 
+/// What is in doubt inside a bucket: its swing outside its largest column, or beside its best direction.
+struct Doubt<'a> {
+    samples: &'a Samples,
+    /// Swing of each column, or twice the span that is left beside each direction.
+    parts: Vec<i64>,
+    mass: i64,
+    top: i64,
+}
+
+impl<'a> Doubt<'a> {
+    fn none(samples: &'a Samples) -> Self {
+        let n_parts = if samples.is_single { samples.n_columns } else { samples.spans.len() / samples.n_kinds() };
+        Self { samples, parts: vec![0; n_parts], mass: 0, top: 0 }
+    }
+
+    fn of(samples: &'a Samples, ids: impl Iterator<Item = u32>) -> Self {
+        let mut doubt = Self::none(samples);
+        ids.for_each(|i| doubt.join(i as usize));
+        doubt
+    }
+
+    #[inline(always)]
+    fn join(&mut self, i: usize) {
+        let (kind, amount) = (self.samples.kind[i] as usize, self.samples.amount[i]);
+        if self.samples.is_single {
+            self.mass += amount;
+            self.parts[kind] += amount;
+            self.top = self.top.max(self.parts[kind]);
+        } else {
+            for (part, spans) in self.parts.iter_mut().zip(self.samples.spans.chunks_exact(self.samples.n_kinds())) {
+                *part += amount * spans[kind];
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn minor(&self) -> i64 {
+        if self.samples.is_single { self.mass - self.top } else { self.parts.iter().copied().min().unwrap_or(0) / 2 }
+    }
+
+    fn clear(&mut self) {
+        self.parts.fill(0);
+        (self.mass, self.top) = (0, 0);
+    }
+}
+
 /// Where buckets end in a list: as long as the swing outside the largest column keeps to the quota, and mixed ones
 /// as long as few samples have to be walked; given up past `most` of them.
 fn mark_ends(
@@ -156,8 +201,8 @@ fn mark_ends(
     ends: &mut Vec<u32>,
 ) {
     let ranks = samples.ranks_of(f);
-    let mut counts = vec![0i64; samples.n_columns];
-    let (mut mass, mut top, mut first) = (0, 0, 0);
+    let mut doubt = Doubt::none(samples);
+    let mut first = 0;
     ends.clear();
     let mut start = 0;
     while start < list.len() && ends.len() <= most {
@@ -165,23 +210,18 @@ fn mark_ends(
         let mut end = start;
         loop {
             while end < list.len() && ranks[list[end] as usize] == rank {
-                let i = list[end] as usize;
-                mass += samples.swing[i];
-                if samples.is_single {
-                    let count = &mut counts[samples.column[i] as usize];
-                    *count += samples.swing[i];
-                    top = top.max(*count);
-                }
+                doubt.join(list[end] as usize);
                 end += 1;
             }
-            let is_full = mass - top > quota || (mass > top && end - first > longest);
+            let minor = doubt.minor();
+            let is_full = minor > quota || (minor > 0 && end - first > longest);
             if !is_full || first == start {
                 break;
             }
             // these values begin a bucket of their own: count them again for it
             ends.push(start as u32);
-            counts.fill(0);
-            (mass, top, first, end) = (0, 0, start, start);
+            doubt.clear();
+            (first, end) = (start, start);
         }
         start = end;
     }
