@@ -56,7 +56,8 @@ class Mesh:
     Raises
     ------
     MeshError
-        If an element names a missing node, has no area, or exceeds `limits` (with the element's number).
+        If an element names a missing node, has no area, exceeds `limits`, or has its top side where its neighbour has
+        its bottom side (with the element's number).
     """
 
     nodes: FloatArray
@@ -78,6 +79,7 @@ class Mesh:
             _check_corners(corners, first, len(self.nodes))
             if len(corners):
                 _check_quality(self.nodes[corners], first, self.limits)
+        _check_orientation(self.quads, self.trias, self.patch_of_element)
 
     @property
     def n_elements(self) -> int:
@@ -147,6 +149,25 @@ def _check_quality(points: FloatArray, first: int, limits: QualityLimits) -> Non
     _refuse(worst < limits.distortion, first, worst, "a corner ratio of", "", f">= {limits.distortion:g}")
     height = np.abs(np.einsum("eki,ei->ek", points - points.mean(axis=1, keepdims=True), normal)).max(axis=1)
     _refuse(height > limits.warp * longest, first, height / longest, "a warp of", "", f"<= {limits.warp:g}")
+
+
+def _check_orientation(quads: IntArray, trias: IntArray, patch: IntArray) -> None:
+    """Refuse the first element that runs along an edge in the same direction as its one neighbour of the same patch."""
+    starts = np.concatenate([quads.ravel(), trias.ravel()])
+    ends = np.concatenate([np.roll(quads, -1, axis=1).ravel(), np.roll(trias, -1, axis=1).ravel()])
+    sizes = np.repeat([quads.shape[1], trias.shape[1]], [len(quads), len(trias)])
+    element = np.repeat(np.arange(len(sizes)), sizes)
+    edges = np.column_stack([np.minimum(starts, ends), np.maximum(starts, ends), patch[element]])
+    _, edge, count = np.unique(edges, axis=0, return_inverse=True, return_counts=True)
+    forward = np.bincount(edge.ravel(), weights=starts < ends, minlength=len(count))
+    wrong = (count == 2) & (forward != 1.0)  # three at one edge are a junction, which has no common side
+    if wrong.any():
+        order, start = np.argsort(edge.ravel(), kind="stable"), (np.cumsum(count) - count)[wrong]
+        first, second = min(zip(element[order[start]].tolist(), element[order[start + 1]].tolist(), strict=True))
+        raise MeshError(
+            f"element {second} has its top side where its neighbour {first} has its bottom side; expected one side for "
+            "a patch; reverse its corners"
+        )
 
 
 def _refuse(bad: np.ndarray, first: int, values: FloatArray, what: str, unit: str, expected: str) -> None:

@@ -3,7 +3,8 @@
 The strain inside one element is first-order accurate away from its centre. A gauge therefore reads the nodal averages
 of its element: at each corner the mean of the centre strains of the adjoining elements of the same patch, weighted by
 1 / area (exact for a linear field on a rectangular grid), then the element's own shape functions between the corners.
-Elements of other patches never enter, so a damage region's edge, where strain jumps, is not smeared.
+Elements of other patches never enter, so a damage region's edge, where strain jumps, is not smeared. In a triangle,
+whose strain is constant, a gauge reads that element alone.
 """
 
 from collections.abc import Sequence
@@ -13,7 +14,7 @@ import numpy as np
 import scipy.sparse as sparse
 
 from femlib.arrays import FloatArray, IntArray
-from femlib.elements import quad4
+from femlib.elements import quad4, tria3
 from femlib.errors import InputError, frozen_floats
 from femlib.mesh import Mesh, dofs_of_nodes
 
@@ -23,7 +24,7 @@ N_NEAREST = 12
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StrainGauge:
-    """One gauge on a quadrilateral shell patch.
+    """One gauge on a shell patch.
 
     Attributes
     ----------
@@ -54,7 +55,7 @@ class StrainGauge:
 
 @dataclass(frozen=True, slots=True)
 class Spot:
-    """Where a gauge sits: element number and natural coordinates in it."""
+    """Where a gauge sits: element number and natural coordinates in it (area coordinates 2 and 3 of a triangle)."""
 
     element: int
     xi: float
@@ -81,12 +82,12 @@ def strain_rows(mesh: Mesh, thickness: FloatArray, gauges: Sequence[StrainGauge]
     rows = np.zeros((len(gauges), mesh.n_dofs))
     for row, parts in zip(rows, element_rows(mesh, thickness, gauges), strict=True):
         for element, strain in parts.items():
-            row[dofs_of_nodes(mesh.quads[element]).ravel()] += strain
+            row[dofs_of_nodes(mesh.corners_of(element)).ravel()] += strain
     return sparse.csr_array(rows)
 
 
 def element_rows(mesh: Mesh, thickness: FloatArray, gauges: Sequence[StrainGauge]) -> list[dict[int, FloatArray]]:
-    """Return for each gauge the quadrilaterals it averages and their rows (24,), weights included; as `strain_rows`.
+    """Return for each gauge the elements it averages and their rows (24,) or (18,), weights included; as `strain_rows`.
 
     A gauge's strain is the sum of row @ displacements of the element, or @ its deformation where it moved far.
     """
@@ -95,7 +96,7 @@ def element_rows(mesh: Mesh, thickness: FloatArray, gauges: Sequence[StrainGauge
         parts = {}
         for element, weight in weights.items():
             height = gauge.side * thickness[element] / 2.0
-            corners = mesh.nodes[mesh.quads[element]]
+            corners = mesh.nodes[mesh.corners_of(element)]
             parts[element] = weight * point_strain_row(corners, 0.0, 0.0, gauge.direction, height, gauge.name)
         rows.append(parts)
     return rows
@@ -107,14 +108,12 @@ def locate(mesh: Mesh, gauge: StrainGauge) -> Spot:
     Raises
     ------
     InputError
-        If no quadrilateral of the gauge's patches holds the point.
+        If no element of the gauge's patches holds the point.
     """
     candidates = np.concatenate([mesh.elements_in(patch) for patch in gauge.patches])
-    candidates = candidates[candidates < len(mesh.quads)]
-    distance = np.linalg.norm(mesh.nodes[mesh.quads[candidates]].mean(axis=1) - gauge.position, axis=1)
+    distance = np.linalg.norm(mesh.centroids()[candidates] - gauge.position, axis=1)
     nearest = candidates[np.argsort(distance, kind="stable")[:N_NEAREST]]
-    places = _natural(mesh.nodes[mesh.quads[nearest]], gauge.position)
-    over = np.hypot(*np.maximum(0.0, np.abs(places) - 1.0).T)
+    places, over = _places(mesh, nearest, gauge.position)
     best = int(np.lexsort((nearest, over))[0])
     element, (xi, eta) = int(nearest[best]), places[best]
     if over[best] > 1e-6:
@@ -125,11 +124,26 @@ def locate(mesh: Mesh, gauge: StrainGauge) -> Spot:
     return Spot(element, float(np.clip(xi, -1.0, 1.0)), float(np.clip(eta, -1.0, 1.0)))
 
 
+def _places(mesh: Mesh, elements: IntArray, position: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return a point's coordinates (n, 2) in elements and how far it lies outside each (n,)."""
+    places, over = np.zeros((len(elements), 2)), np.zeros(len(elements))
+    four = elements < len(mesh.quads)
+    places[four] = _natural(mesh.nodes[mesh.quads[elements[four]]], position)
+    over[four] = np.hypot(*np.maximum(0.0, np.abs(places[four]) - 1.0).T)
+    points = mesh.nodes[mesh.trias[elements[~four] - len(mesh.quads)]]
+    sides = points[:, 1:] - points[:, :1]  # rows: from corner 1 to corners 2 and 3
+    right = np.einsum("nsi,ni->ns", sides, position - points[:, 0])
+    places[~four] = np.linalg.solve(sides @ sides.transpose(0, 2, 1), right[:, :, None])[:, :, 0]
+    over[~four] = np.maximum(0.0, np.maximum(-places[~four].min(axis=1, initial=0.0), places[~four].sum(axis=1) - 1.0))
+    return places, over
+
+
 def point_strain_row(
     points: FloatArray, xi: float, eta: float, direction: FloatArray, height: float, name: str
 ) -> FloatArray:
-    """Return the row (24,) of strain at one point of one quadrilateral, without averaging, at `height` [m]."""
-    operator = quad4.strain_operator(points, xi, eta)
+    """Return the row (24,) or (18,) of strain at one point of one element, without averaging, at `height` [m]."""
+    is_triangle = len(points) == tria3.N_NODES
+    operator = tria3.strain_operator(points) if is_triangle else quad4.strain_operator(points, xi, eta)
     along = operator.axes.T @ direction
     length = np.hypot(along[0], along[1])
     if length < 1e-6 * np.linalg.norm(direction) or length == 0.0:
@@ -147,6 +161,8 @@ def element_weights(mesh: Mesh, gauges: Sequence[StrainGauge]) -> list[dict[int,
 
 
 def _weights(mesh: Mesh, spot: Spot, adjoining: list[IntArray], areas: FloatArray) -> dict[int, float]:
+    if spot.element >= len(mesh.quads):
+        return {spot.element: 1.0}
     patch = mesh.patch_of_element[spot.element]
     weights: dict[int, float] = {}
     for corner, share in zip(mesh.quads[spot.element], quad4.shape(spot.xi, spot.eta), strict=True):

@@ -238,7 +238,7 @@ def _ribs(grid: WingGrid) -> tuple[IntArray, IntArray]:
     for row in grid.rib_rows:
         columns = grid.columns(int(row))
         quads.append(_skin(columns[1:-1]))
-        for tip, stack in ((grid.upper[row, 0], columns[1]), (grid.upper[row, -1], columns[-2][::-1])):
+        for tip, stack in ((grid.upper[row, 0], columns[1][::-1]), (grid.upper[row, -1], columns[-2])):
             trias.append(np.stack([np.full(N_WEB_LEVELS, tip), stack[:-1], stack[1:]], axis=-1))
     return np.concatenate(quads), np.concatenate(trias)
 

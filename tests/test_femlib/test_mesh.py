@@ -62,3 +62,22 @@ def test_the_section_is_that_of_the_series() -> None:
     upper, lower = Naca4(0.04, 0.4, 0.15).heights([0.0, 0.3, 1.0])
     assert (upper - lower)[1] == pytest.approx(0.15, abs=2e-4)
     assert upper[[0, 2]] == pytest.approx([0, 0], abs=1e-12) and 0.5 * (upper + lower)[1] == pytest.approx(0.0375)
+
+
+@pytest.mark.parametrize("shape", ["quads", "trias"])
+def test_an_element_turned_over_is_refused_by_number(shape: str) -> None:
+    nodes = np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [1, 1, 0], [2, 1, 0]], dtype=float)
+    quads, trias = np.array([[0, 1, 4, 3], [1, 4, 5, 2]]), np.array([[0, 1, 4], [1, 4, 2]])
+    none = np.zeros((0, 3 if shape == "quads" else 4), dtype=np.int64)
+    corners = (quads, none) if shape == "quads" else (none, trias)
+    with pytest.raises(MeshError, match="element 1 has its top side where its neighbour 0 has its bottom side"):
+        Mesh(nodes, *corners, ("p",), np.zeros(2, dtype=np.int64))
+    assert Mesh(nodes, *corners, ("p", "q"), np.array([0, 1])).n_elements == 2  # patches may meet as they like
+
+
+def test_three_elements_may_meet_at_an_edge() -> None:
+    nodes = np.array(
+        [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0], [0, -1, 0], [1, -1, 0], [0, 0, 1], [1, 0, 1]], dtype=float
+    )
+    quads = np.array([[0, 1, 3, 2], [0, 1, 5, 4], [0, 1, 7, 6]])
+    assert Mesh(nodes, quads, np.zeros((0, 3), dtype=np.int64), ("p",), np.zeros(3, dtype=np.int64)).n_elements == 3
