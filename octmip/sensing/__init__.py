@@ -1,5 +1,7 @@
 """Sensors: which to install, for how many labels at once, in which order to read them, and what to do when one fails.
 
+placement   the sensors that the best tree reads; what each further one is worth, with its bound
+designs     sensors chosen by rules and designs of experiment, to compare with
 shared      trees for several labels under one budget of sensors, each sensor paid for once, with the proof
 inspection  sensors read one after the other, paid when a path reaches them; the certificate
 sequence    the best tree of an inspection, with its proof
@@ -10,11 +12,21 @@ filling     a missing reading from the others
 detection   which gauge has failed, at a stated false-alarm rate
 """
 
+from octmip.sensing.designs import InformationDesign, by_chance, by_information, by_reading, by_tree
 from octmip.sensing.detection import FaultDetector, power
 from octmip.sensing.filling import Filling
 from octmip.sensing.inspection import Group, Inspection, InspectionCertificate, certify_inspection
 from octmip.sensing.joint_certificate import JointCertificate, certify_joint
 from octmip.sensing.joint_solution import HandSplit, JointSolution
+from octmip.sensing.placement import (
+    Placement,
+    label_bound,
+    place_sensors,
+    placement_frontier,
+    placement_on,
+    problem_on,
+    sample_bound,
+)
 from octmip.sensing.robust import solve_expected, solve_worst
 from octmip.sensing.scenarios import (
     DEAD,
@@ -40,17 +52,29 @@ __all__ = [
     "GuardedSplit",
     "GuardedTree",
     "HandSplit",
+    "InformationDesign",
     "Inspection",
     "InspectionCertificate",
     "JointCertificate",
     "JointSolution",
+    "Placement",
     "Scenario",
     "Surrogate",
+    "by_chance",
+    "by_information",
+    "by_reading",
+    "by_tree",
     "certify_failures",
     "certify_inspection",
     "certify_joint",
     "failures",
+    "label_bound",
+    "place_sensors",
+    "placement_frontier",
+    "placement_on",
     "power",
+    "problem_on",
+    "sample_bound",
     "shared_budget",
     "solve_expected",
     "solve_inspection",

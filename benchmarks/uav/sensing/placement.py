@@ -1,0 +1,203 @@
+"""Placement: 67 candidate gauges against the 20 installed ones and against other ways to choose as many gauges.
+
+mu2 (the hard label), at most four features a split, trained for the MAE by the cost matrix |mu_i - mu_k|. The tree over
+all candidates says how many gauges it reads; every other way of choosing gets as many. At each depth the trees of every
+set of gauges are searched with the same effort. At depths 4 and 5 only the paper's comparison is made: candidates
+against installed.
+"""
+
+import hashlib
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from benchmarks.cpu import cpu_seconds
+from benchmarks.uav.bayes import bayes_limit
+from benchmarks.uav.report import write_figure
+from benchmarks.uav.sensing.picture import placement_figure
+from benchmarks.uav.sensing.readings import (
+    candidate_wing,
+    installed,
+    mean_absolute_error,
+    mean_strains,
+    problem_of,
+    readings,
+)
+from femlib.dataset import Dataset, MeanStrains
+from octmip import Problem, _native, certify
+from octmip.report.markdown import markdown_table
+from octmip.sensing import by_chance, by_information, by_reading, by_tree, placement_on
+
+LABEL, SPLIT_SIZE = "mu2", 4
+DEPTHS = (3, 4, 5)
+COMPARED_DEPTH = 3  # at which all ways of choosing are compared
+RANDOM_CHOICES = 1  # a seed
+EFFORT = {"restarts": 4}
+GREEDY_ROWS = 400
+# The paper's train MAE at depth 3, four features a split: the installed gauges, all candidates.
+PAPER = {"installed": 11.64, "candidates": 9.89}
+CHOICES = ("candidates", "installed", "D-optimal", "random", "greedy", "highest strain")
+Line = dict[str, object]
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """One tree: how its gauges are chosen, its depth, the seed of readings and search, which of several choices."""
+
+    choice: str
+    depth: int
+    seed: int
+    number: int = 0
+
+
+def report(source: str, folder: Path, seeds: int, is_smoke: bool) -> str:
+    """Run what is not kept in lines.jsonl, write the picture and return the table."""
+    if source != "wing":
+        return "The published table has 24 gauges and no candidates: see the wing.\n"
+    lines: dict[Cell, Line] = {}
+    kept = None if is_smoke else folder / "lines.jsonl"
+    for depth in DEPTHS[:1] if is_smoke else DEPTHS:
+        for seed in range(1 if is_smoke else seeds):
+            lines |= run_seed(seed, depth, is_smoke, kept)
+    write_figure(folder, "placement", picture(lines))
+    return f"## Placement\n\n{markdown_table(table_rows(lines))}\n"
+
+
+def run_seed(seed: int, depth: int, is_smoke: bool, kept: Path | None) -> dict[Cell, Line]:
+    """Return the lines of one seed and depth: first the tree over all candidates, then those of as many gauges."""
+    data = readings("wing", seed, is_smoke)
+    known = _read(kept)
+    lines: dict[Cell, Line] = {}
+    n_gauges = 0
+    for cell in cells(seed, depth):
+        key = _key(cell, is_smoke)
+        if key not in known:
+            line = run_cell(cell, data, n_gauges, is_smoke)
+            if kept is not None:
+                with kept.open("a") as file:
+                    file.write(json.dumps({"key": key, **line}) + "\n")
+            known[key] = line
+        lines[cell] = known[key]
+        if cell.choice == "candidates":
+            n_gauges = len(lines[cell]["gauges"])  # type: ignore[arg-type]
+    return lines
+
+
+def cells(seed: int, depth: int) -> list[Cell]:
+    """Return the cells of one seed and depth, the tree over all candidates first."""
+    choices = CHOICES if depth == COMPARED_DEPTH else CHOICES[:2]
+    return [
+        Cell(choice, depth, seed, number)
+        for choice in choices
+        for number in range(RANDOM_CHOICES if choice == "random" else 1)
+    ]
+
+
+def run_cell(cell: Cell, data: Dataset, n_gauges: int, is_smoke: bool) -> Line:
+    """Return errors, gauges and Bayes limit of one cell."""
+    problem = problem_of(data, LABEL, cell.depth, data.gauges, SPLIT_SIZE, for_mae=True)
+    effort = {"restarts": 1, "kicks": 0} if is_smoke else EFFORT
+    n_gauges = min(n_gauges, 3) if is_smoke else n_gauges
+    before = cpu_seconds()
+    allowed = data.gauges if cell.choice == "candidates" else choose(cell, problem, data, n_gauges)
+    chosen = cpu_seconds() - before
+    placed = placement_on(problem, allowed, method="search", seed=cell.seed, options=effort)
+    tree = placed.solution.tree
+    assert tree is not None
+    used = placed.problem.sensors_used(tree)
+    columns = [data.gauges.index(gauge) for gauge in placed.problem.sensors]
+    limit = bayes_limit(
+        data.mean_features[:, columns],
+        data.states_percent[:, 1].astype(float),
+        data.noise_sd,
+        np.random.default_rng(0),
+        100 if is_smoke else 2000,
+    )
+    return {
+        **asdict(cell),
+        "train_mae": mean_absolute_error(data, LABEL, placed.problem.sensors, tree, data.is_train),
+        "test_mae": mean_absolute_error(data, LABEL, placed.problem.sensors, tree, ~data.is_train),
+        "bayes_mae": limit.mae,
+        "allowed": list(allowed),
+        "gauges": list(used),
+        "n_splits": certify(placed.problem, placed.solution).n_splits,
+        "choosing_cpu_s": round(chosen, 2),
+        "cpu_s": round(cpu_seconds() - before - chosen, 2),
+    }
+
+
+def choose(cell: Cell, problem: Problem, data: Dataset, n_gauges: int) -> tuple[str, ...]:
+    """Return the gauges of a cell: the installed ones, or `n_gauges` of all candidates in its way."""
+    ways: dict[str, Callable[[], tuple[str, ...]]] = {
+        "installed": lambda: installed(data),
+        "highest strain": lambda: by_reading(problem, n_gauges),
+        "D-optimal": lambda: by_information(problem, n_gauges, sensitivities(data)).sensors,
+        "greedy": lambda: by_tree(problem, n_gauges, rows=GREEDY_ROWS, seed=cell.seed),
+        "random": lambda: by_chance(problem, n_gauges, np.random.default_rng([cell.seed, cell.number])),
+    }
+    return ways[cell.choice]()
+
+
+def sensitivities(data: Dataset) -> np.ndarray:
+    """Return (25, n_gauges, 2): differences of the mean readings along mu1 and mu2 in each state [microstrain]."""
+    grid = data.mean_features.reshape(5, 5, -1)
+    along = [np.gradient(grid, axis=axis).reshape(25, -1) for axis in (0, 1)]
+    return np.stack(along, axis=2)
+
+
+def table_rows(lines: dict[Cell, Line]) -> list[dict[str, object]]:
+    """Return a row for each depth and way of choosing: means over seeds."""
+    rows: list[dict[str, object]] = []
+    for depth in sorted({cell.depth for cell in lines}):
+        for choice in CHOICES:
+            found = [line for cell, line in lines.items() if (cell.choice, cell.depth) == (choice, depth)]
+            if found:
+                rows.append({"depth": depth, "gauges from": choice, **_means(found), "paper": _paper(choice, depth)})
+    return rows
+
+
+def _means(found: Sequence[Line]) -> dict[str, object]:
+    def mean(name: str) -> float:
+        return float(np.mean([line[name] for line in found]))  # type: ignore[arg-type]
+
+    test = [float(line["test_mae"]) for line in found]  # type: ignore[arg-type]
+    return {
+        "may read": f"{np.mean([len(line['allowed']) for line in found]):.1f}",  # type: ignore[arg-type]
+        "reads": f"{np.mean([len(line['gauges']) for line in found]):.1f}",  # type: ignore[arg-type]
+        "train MAE": f"{mean('train_mae'):.2f}",
+        "test MAE": f"{mean('test_mae'):.2f} ({min(test):.2f} to {max(test):.2f})",
+        "Bayes limit": f"{mean('bayes_mae'):.2f}",
+        "trees": len(found),
+        "CPU s a tree": f"{mean('cpu_s'):.1f}",
+        "CPU s to choose": f"{mean('choosing_cpu_s'):.1f}",
+    }
+
+
+def _paper(choice: str, depth: int) -> str:
+    return f"{PAPER[choice]}" if depth == COMPARED_DEPTH and choice in PAPER else ""
+
+
+def picture(lines: dict[Cell, Line]) -> Figure:
+    """Return the wing with the gauges that the depth-3 tree of seed 0 chose."""
+    chosen = lines[Cell("candidates", COMPARED_DEPTH, 0)]["gauges"]
+    means: MeanStrains = mean_strains("wing")
+    states = means.states_percent.tolist()
+    change = means.strain_microstrain[states.index([0, 80])] - means.strain_microstrain[states.index([0, 0])]
+    return placement_figure(candidate_wing(), np.abs(change), chosen)  # type: ignore[arg-type]
+
+
+def _read(kept: Path | None) -> dict[str, Line]:
+    text = kept.read_text() if kept is not None and kept.exists() else ""
+    return {str(line.pop("key")): line for line in map(json.loads, text.splitlines())}
+
+
+def _key(cell: Cell, is_smoke: bool) -> str:
+    """Return what a line depends on: the cell, the wing, the effort, the native core that searched."""
+    sha = hashlib.sha256(Path(_native.__file__).read_bytes())
+    sha.update(mean_strains("wing").strain_microstrain.tobytes())
+    sha.update(json.dumps([asdict(cell), EFFORT, GREEDY_ROWS, is_smoke], sort_keys=True).encode())
+    return sha.hexdigest()

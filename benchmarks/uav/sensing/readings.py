@@ -1,0 +1,64 @@
+"""Readings of the study: published table or femlib's wing, and the problems that are made of them."""
+
+from collections.abc import Sequence
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.data import SHARED
+from femlib.dataset import Dataset, MeanStrains, Recipe, build_dataset, published_strains, simulated_strains
+from femlib.wing import Wing, uav_wing
+from octmip import Problem
+from octmip.tree import Node, predict
+
+LABELS = ("mu1", "mu2")
+LEVELS = (0, 20, 40, 60, 80)
+SMOKE = Recipe(samples_per_state=8)
+
+
+@cache
+def candidate_wing() -> Wing:
+    """Return femlib's wing with all 82 candidate gauges."""
+    return uav_wing(candidates=True)
+
+
+@cache
+def mean_strains(source: str) -> MeanStrains:
+    """Return the mean strains of "published" (24 gauges) or "wing" (82)."""
+    if source == "published":
+        return published_strains(SHARED / "uav" / "strains.csv")
+    return simulated_strains(candidate_wing())
+
+
+def readings(source: str, seed: int, is_smoke: bool) -> Dataset:
+    """Return the readings of one seed by the paper's recipe, or few of them."""
+    return build_dataset(mean_strains(source), SMOKE if is_smoke else Recipe(), seed)
+
+
+def installed(data: Dataset) -> tuple[str, ...]:
+    """Return the gauges that are on the wing and usable: 20."""
+    return tuple(name for name in data.gauges if name.startswith("g"))
+
+
+def problem_of(
+    data: Dataset, label: str, depth: int, gauges: Sequence[str], split_size: int = 1, *, for_mae: bool = False
+) -> Problem:
+    """Return the training problem: misclassified samples as objective, or the absolute error in percent stiffness."""
+    levels = np.array(LEVELS, dtype=float)
+    return Problem(
+        data.features[data.is_train][:, [data.gauges.index(gauge) for gauge in gauges]],
+        getattr(data, label)[data.is_train],
+        depth=depth,
+        split="axis" if split_size == 1 else "hyperplane",
+        split_size=split_size,
+        costs=np.abs(levels[:, None] - levels) if for_mae else None,
+        feature_names=tuple(gauges),
+        class_names=LEVELS,
+    )
+
+
+def mean_absolute_error(data: Dataset, label: str, gauges: Sequence[str], tree: Node, rows: NDArray[np.bool_]) -> float:
+    """Return the MAE [percent stiffness] of a tree over `gauges` on some rows."""
+    features = data.features[rows][:, [data.gauges.index(gauge) for gauge in gauges]]
+    return float(np.abs(np.array(LEVELS)[predict(tree, features)] - getattr(data, label)[rows]).mean())

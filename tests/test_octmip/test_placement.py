@@ -1,0 +1,160 @@
+"""Sensors that trees choose, and what they are compared with."""
+
+import math
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+from octmip import Limits, Problem, certify, solve
+from octmip.errors import ProblemError
+from octmip.sensing import (
+    by_chance,
+    by_information,
+    by_reading,
+    by_tree,
+    label_bound,
+    place_sensors,
+    placement_frontier,
+    placement_on,
+    problem_on,
+    sample_bound,
+)
+from tests.oracles.enumeration import optimum
+from tests.strategies import random_problem
+
+
+def readings(n: int = 120, p: int = 8) -> Problem:
+    """Return a problem that sensors s1 and s3 tell: s0 reads highest and tells nothing; two features each."""
+    rng = np.random.default_rng(0)
+    features = rng.normal(size=(n, p))
+    features[:, :2] += 50.0
+    labels = (features[:, 2] > 0).astype(int) + 2 * (features[:, 6] > 0.3).astype(int)
+    return Problem(
+        features, labels, depth=2, sensor_of_feature=[f"s{j // 2}" for j in range(p)], sensor_cost=[1.0, 2.0, 1.0, 4.0]
+    )
+
+
+def test_the_best_tree_says_which_sensors_to_install():
+    problem = readings()
+    found = place_sensors(problem)
+    assert found.sensors == ("s1", "s3") and found.cost == 6.0
+    assert found.solution.objective == 0 and found.solution.is_optimal
+
+
+def test_a_placement_on_given_sensors_reads_no_others_and_is_the_same_tree_on_its_own_choice():
+    problem = readings()
+    chosen = placement_on(problem, ("s3", "s1"))
+    assert chosen.sensors == ("s1", "s3") and chosen.problem.n_features == 4
+    assert chosen.solution.objective == 0
+    worse = placement_on(problem, ("s0", "s2"))
+    assert worse.cost == 2.0 and worse.solution.objective > 0
+    assert certify(worse.problem, worse.solution).sensors
+    with pytest.raises(ProblemError, match="s9"):
+        placement_on(problem, ("s9",))
+
+
+def test_a_part_of_a_problem_keeps_which_features_may_meet():
+    problem = replace(readings(), split="hyperplane", allowed_splits=[[0, 2], [3, 6], [0, 1]])
+    part = problem_on(problem, ["s1", "s3"])
+    assert part.allowed_splits == ((0,), (1, 2)) and part.feature_names == ("x2", "x3", "x6", "x7")
+    assert part.sensor_costs.tolist() == [2.0, 4.0]
+
+
+def test_the_frontier_is_proven_for_every_number_and_every_cost():
+    problem = readings()
+    by_number = placement_frontier(problem)
+    assert [point.value for point in by_number] == [1, 2, 3]
+    assert all(point.solution.is_optimal for point in by_number)
+    assert by_number[1].solution.objective == 0
+    by_cost = placement_frontier(problem, "cost", [1, 2, 5, 6])
+    objectives = [point.solution.objective for point in by_cost]
+    assert objectives == sorted(objectives, reverse=True) and objectives[-1] == 0 < objectives[-2]
+    for point in by_cost:
+        assert point.problem.sensor_cost_of(point.solution.tree) <= point.value
+    with pytest.raises(ProblemError, match="name the values"):
+        placement_frontier(problem, "cost")
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_no_bound_lies_above_the_optimum(seed):
+    rng = np.random.default_rng(seed)
+    problem = random_problem(rng, max_samples=9, max_depth=2)
+    least = optimum(problem).objective
+    slack = 1e-9 * max(1.0, least)
+    assert label_bound(problem) <= least + slack
+    size = int(rng.integers(1, problem.n_samples + 1))
+    blocks = sample_bound(problem, size, problem.n_samples // size, method="exact", seed=seed)
+    assert blocks <= least + slack
+
+
+def test_bounds_are_met_where_they_can_be():
+    features = np.arange(6.0)[:, None]
+    three = Problem(features, [0, 0, 0, 1, 1, 2], depth=1)
+    assert label_bound(three) == 1.0 == solve(three).objective  # two leaves: the rarest class is lost
+    assert label_bound(replace(three, depth=2)) == 0.0
+    twins = Problem(np.zeros((6, 1)), [0, 1, 0, 1, 0, 1], depth=3)
+    assert sample_bound(twins, 6, method="exact") == 3.0 == solve(twins).objective
+
+
+def test_a_hyperplane_frontier_has_the_bounds_that_are_known():
+    problem = replace(readings(), split="hyperplane", split_size=2, depth=1, sensor_cost=None)
+    points = placement_frontier(problem, values=[1, 2], options={"restarts": 1})
+    assert all(0 < label_bound(problem) <= p.solution.bound <= p.solution.objective for p in points)
+    told = placement_frontier(problem, values=[2], bound=points[1].solution.objective, options={"restarts": 1})
+    assert told[0].solution.is_optimal
+
+
+def test_mixed_integer_proofs_on_samples_bound_the_whole():
+    problem = replace(readings(40), split="hyperplane", split_size=2, depth=1, sensor_cost=None)
+    bound = sample_bound(problem, 20, 2, limits=Limits(seconds=20.0))
+    best = solve(problem).objective
+    assert label_bound(problem) / 2 < bound <= best
+
+
+def test_the_highest_readings_and_chance_keep_the_budget():
+    problem = readings()
+    assert by_reading(problem, 1.0) == ("s0",)
+    assert by_reading(replace(problem, sensor_cost=[9.0, 2.0, 1.0, 4.0]), 5.0)[0] != "s0"
+    for seed in range(20):
+        sensors = by_chance(problem, 5.0, np.random.default_rng(seed))
+        assert sum({"s0": 1, "s1": 2, "s2": 1, "s3": 4}[name] for name in sensors) <= 5
+    assert len({by_chance(problem, 2.0, np.random.default_rng(seed)) for seed in range(20)}) > 1
+
+
+def test_forward_selection_takes_the_sensors_that_tell():
+    problem = replace(readings(), sensor_cost=None)
+    assert by_tree(problem, 2.0) == ("s1", "s3")
+    assert by_tree(problem, 2.0, rows=60) == ("s1", "s3")
+    with pytest.raises(ProblemError, match="rows is 1"):
+        by_tree(problem, 2.0, rows=1)
+
+
+def test_the_d_optimal_design_is_near_the_best_of_all_and_below_its_relaxation():
+    rng = np.random.default_rng(1)
+    problem = Problem(rng.normal(size=(10, 7)), [0, 1] * 5, depth=1)
+    sensitivity = rng.normal(size=(3, 7, 2)) * [1.0, 100.0]
+    design = by_information(problem, 3.0, sensitivity)
+    scaled = sensitivity / np.sqrt((sensitivity**2).mean(axis=(0, 1)))
+
+    def log_det(chosen: tuple[int, ...]) -> float:
+        part = scaled[:, list(chosen)]
+        return float(np.linalg.slogdet(np.einsum("sja,sjb->sab", part, part))[1].mean())
+
+    values = {chosen: log_det(chosen) for chosen in combinations(range(7), 3)}
+    mine = tuple(problem.sensors.index(name) for name in design.sensors)
+    assert len(design.sensors) == 3 and design.log_det == pytest.approx(values[mine])
+    assert max(values.values()) <= design.relaxed_log_det + 1e-6
+    assert design.log_det > np.median(list(values.values()))
+    assert math.isclose(sum(design.shares), 3.0, rel_tol=1e-5)
+
+
+def test_a_d_optimal_design_refuses_what_it_cannot_tell():
+    problem = readings()
+    with pytest.raises(ProblemError, match="shape"):
+        by_information(problem, 2.0, np.ones((3, 2)))
+    with pytest.raises(ProblemError, match="parameter 1"):
+        by_information(problem, 2.0, np.column_stack([np.ones(8), np.zeros(8)]))
+    with pytest.raises(ProblemError, match="tell all 2 parameters apart"):
+        by_information(problem, 2.0, np.ones((8, 2)))
