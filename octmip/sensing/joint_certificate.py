@@ -37,8 +37,9 @@ def certify_joint(joint: JointSolution) -> JointCertificate:
     """
     pairs = zip(joint.problems, joint.solutions, strict=True)
     certificates = tuple(certify(problem, solution) for problem, solution in pairs)
-    sensors = tuple(dict.fromkeys(name for certificate in certificates for name in certificate.sensors))
     prices = sensor_prices(joint.problems)
+    used = {name for certificate in certificates for name in certificate.sensors}
+    sensors = tuple(name for name in prices if name in used)
     cost = math.fsum(prices[name] for name in sensors)
     if cost > joint.problems[0].sensor_limit or any(p.sensor_budget != joint.budget for p in joint.problems):
         raise CertificateError(

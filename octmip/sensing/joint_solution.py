@@ -79,9 +79,10 @@ class JointSolution:
 
     @property
     def sensors(self) -> tuple[str, ...]:
-        """Names of the sensors that some tree reads, each once, in the order of the problems."""
+        """Names of the sensors that some tree reads, each once, in the order in which the problems name them."""
         read = (p.sensors_used(tree) for p, tree in zip(self.problems, self.trees, strict=True))
-        return tuple(dict.fromkeys(name for names in read for name in names))
+        used = {name for names in read for name in names}
+        return tuple(name for name in sensor_prices(self.problems) if name in used)
 
     @property
     def sensor_cost(self) -> float:
