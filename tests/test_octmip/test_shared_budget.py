@@ -73,13 +73,13 @@ def test_the_proof_by_branching_is_that_of_enumeration_with_and_without_a_good_s
         monkeypatch.setattr(SetSearch, "_repaired", lambda search, held, banned, answers: search.labels.best.trees)
         monkeypatch.setattr(shared, "split_by_hand", lambda labels, budget: HandSplit((), math.inf))
     n_branched = 0
-    for seed in range(16):
+    for seed in range(12):
         rng = np.random.default_rng(2000 + seed)
         problems, budget = rivals(rng), float(rng.integers(1, 4))
         joint = shared_budget(problems, budget)
         assert joint.is_optimal and joint.objective == joint_optimum(problems, [1.0] * len(problems), budget), seed
         n_branched += joint.n_nodes > 0
-    assert n_branched >= 6
+    assert n_branched >= 5
 
 
 @pytest.mark.parametrize("seed", range(20))

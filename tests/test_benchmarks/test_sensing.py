@@ -1,0 +1,40 @@
+"""The sensing study runs, and its figures hang together."""
+
+import numpy as np
+import pytest
+
+from benchmarks.uav.sensing import __main__ as command
+from benchmarks.uav.sensing import budget, frontier, placement
+from benchmarks.uav.sensing.readings import candidate_wing, installed, mean_strains, readings
+
+
+@pytest.mark.parametrize("study", [budget, frontier])
+def test_a_small_study_writes_its_table(study, tmp_path):
+    text = study.report("wing", tmp_path, 1, True)
+    assert text.count("|") > 50 and "True" in text
+
+
+def test_a_small_placement_has_every_choice_and_its_picture(tmp_path):
+    text = placement.report("wing", tmp_path, 1, True)
+    assert all(choice in text for choice in placement.CHOICES)
+    assert (tmp_path / "placement.png").exists()
+    assert "no candidates" in placement.report("published", tmp_path, 1, True)
+
+
+def test_the_wing_offers_67_candidates_and_20_of_them_are_installed():
+    data = readings("wing", 0, True)
+    assert len(data.gauges) == 67 and len(installed(data)) == 20
+    assert len(candidate_wing().gauges.names) == 82
+
+
+def test_slopes_of_the_readings_are_those_of_the_mean_strains():
+    data = readings("wing", 0, True)
+    slopes = placement.sensitivities(data)
+    assert slopes.shape == (25, 67, 2)
+    means = mean_strains("wing")
+    grid = means.strain_microstrain[:, means.is_usable].reshape(5, 5, -1) / means.load_factor
+    assert np.allclose(slopes[12, :, 1], (grid[2, 3] - grid[2, 1]) / 2)
+
+
+def test_the_command_knows_every_study():
+    assert set(command.STUDIES) >= {"placement", "frontier", "budget"}
