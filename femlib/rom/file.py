@@ -10,6 +10,7 @@ import numpy as np
 from femlib.errors import InputError
 from femlib.rom.bound import ErrorBound
 
+_OPTIONAL = ("motion",)
 _WORDS = ("parameters", "outputs", "provenance", "n_leading")
 
 
@@ -24,7 +25,7 @@ def write_model(path: str | Path, fields: Mapping[str, Any], bound: ErrorBound) 
     target = Path(path)
     if target.suffix != ".npz":
         raise InputError(f"reduced model path {target} ends in {target.suffix!r}; expected .npz; rename it")
-    arrays = {name: value for name, value in fields.items() if name not in _WORDS}
+    arrays = {name: value for name, value in fields.items() if name not in _WORDS and value is not None}
     for kind, factors in (("primal", bound.primal), ("dual", bound.dual)):
         arrays |= {f"{kind}_{k}": factor for k, factor in enumerate(factors)}
     words = json.dumps({name: fields[name] for name in _WORDS})
@@ -47,7 +48,7 @@ def read_model(path: str | Path, names: Sequence[str]) -> dict[str, Any]:
     try:
         with np.load(Path(path), allow_pickle=False) as held:
             words = json.loads(str(held["words"]))
-            fields = {name: held[name] for name in names if name not in _WORDS}
+            fields = {name: held[name] for name in names if name in held or name not in (*_WORDS, *_OPTIONAL)}
             regions = range(len(words["parameters"]))
             bound = ErrorBound(*(tuple(held[f"{kind}_{k}"] for k in regions) for kind in ("primal", "dual")))
     except (OSError, KeyError, ValueError, TypeError) as error:

@@ -17,7 +17,7 @@ from scipy.linalg.lapack import dgesv, dgetrs
 
 from femlib.arrays import FloatArray, IntArray
 from femlib.components import checked_damage
-from femlib.errors import frozen_floats
+from femlib.errors import InputError, frozen_floats
 from femlib.rom.bound import ErrorBound
 from femlib.rom.file import read_model, write_model
 from femlib.rom.sweeps import Sweeps
@@ -56,6 +56,8 @@ class ReducedModel:
     n_leading : int
         Modes solved together; those after them are turned to eigenvectors within their region. With 0 they also
         follow one another region by region, so that batches are solved by the regions in turns.
+    motion : FloatArray, optional
+        Displacements (n_dofs, N + n_parameters + 1) of the amplitudes, of mu / (1 - mu) and of 1 [m, rad].
     """
 
     parameters: tuple[str, ...]
@@ -69,6 +71,7 @@ class ReducedModel:
     bound: ErrorBound
     provenance: dict[str, str]
     n_leading: int
+    motion: FloatArray | None = None
     _lead: FloatArray = field(init=False, repr=False)  # the leading modes' coupling, by columns as LAPACK wants it
     _send: FloatArray = field(init=False, repr=False)  # from all modes to the rest, but for the rest's own
     _back: FloatArray = field(init=False, repr=False)  # from the rest to the leading
@@ -116,10 +119,24 @@ class ReducedModel:
         outputs = np.empty((len(damage), len(self.outputs)))
         for first in range(0, len(damage), CHUNK):
             mu = damage[first : first + CHUNK]
-            ratio = (mu / (1.0 - mu)).T
-            parts = np.concatenate([self.amplitudes(mu).T, ratio, np.ones((1, len(mu)))])
-            np.matmul(parts.T, self._map.T, out=outputs[first : first + CHUNK])
+            np.matmul(self._parts(mu), self._map.T, out=outputs[first : first + CHUNK])
         return outputs
+
+    def displacements(self, states: FloatArray) -> FloatArray:
+        """Return the displacements (n_states, n_dofs) at unit load of damage states (n_states, n_parameters).
+
+        Raises
+        ------
+        InputError
+            If a damage is outside [0, 1) or the model was made without its motion.
+        """
+        if self.motion is None:
+            raise InputError("this reduced model holds no displacements; reduce the structure with with_motion=True")
+        return np.asarray(self._parts(checked_damage(states, self.parameters)) @ self.motion.T)
+
+    def _parts(self, mu: FloatArray) -> FloatArray:
+        """Return (amplitudes, mu / (1 - mu), 1) (n_states, N + n_parameters + 1) of checked damages."""
+        return np.concatenate([self.amplitudes(mu).T, (mu / (1.0 - mu)).T, np.ones((1, len(mu)))]).T
 
     def query(self, damage: FloatArray) -> FloatArray:
         """Return the outputs (n_outputs,) at unit load of one state (n_parameters,), unchecked: for inner loops."""
@@ -224,4 +241,5 @@ _SAVED = (
     "interior",
     "provenance",
     "n_leading",
+    "motion",
 )

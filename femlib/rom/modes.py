@@ -79,7 +79,7 @@ class ReductionSettings:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Modes:
-    """Balanced modes in the order of what they do to the outputs.
+    """Balanced modes, the leading ones in the order of what they do to the outputs.
 
     Attributes
     ----------
@@ -87,11 +87,14 @@ class Modes:
         Region of each mode (N,).
     trial, test : FloatArray
         Phi and Psi (R, N), zero outside the owner's measures.
+    n_leading : int
+        Modes from here on stand region by region, turned to the eigenvectors of their block of C.
     """
 
     owner: IntArray
     trial: FloatArray
     test: FloatArray
+    n_leading: int
 
 
 def reduce_structure(
@@ -101,36 +104,40 @@ def reduce_structure(
     outputs: Sequence[str],
     settings: ReductionSettings | None = None,
     provenance: dict[str, str] | None = None,
+    with_motion: bool = False,
 ) -> ReducedModel:
     """Return a reduced model of outputs rows @ u for one load case.
 
-    Arguments as those of `port_flexibility` and `reduce_ports`.
-    """
-    return reduce_ports(port_flexibility(structure, load, rows, outputs), settings, provenance)
-
-
-def reduce_ports(
-    exact: PortFlexibility,
-    settings: ReductionSettings | None = None,
-    provenance: dict[str, str] | None = None,
-) -> ReducedModel:
-    """Return a reduced model of a structure's equations at its ports.
-
     Parameters
     ----------
-    exact : PortFlexibility
-        The full model.
+    structure, load, rows, outputs
+        As those of `port_flexibility`.
     settings : ReductionSettings, optional
         How fine; the defaults if not given.
     provenance : dict, optional
         What to remember of the full model.
+    with_motion : bool
+        Keep what gives all displacements, in single precision. They are as exact as the outputs ask: take the work
+        load' u among the outputs if they matter.
     """
     chosen = ReductionSettings() if settings is None else settings
+    exact = port_flexibility(structure, load, rows, outputs)
     modes = balanced_modes(exact, chosen)
-    image = exact.across @ modes.trial + exact.own[:, None] * modes.trial
-    n_leading = 0 if len(exact.parameters) <= FEW_REGIONS else LEADING
-    modes, image = _turned(modes, image, n_leading)
-    dual_image = exact.across @ modes.test + exact.own[:, None] * modes.test
+    motion = _motion(structure, load, exact, modes) if with_motion else None
+    return _projected(exact, modes, dict(provenance or {}) | {"settings": repr(chosen)}, motion)
+
+
+def reduce_ports(exact: PortFlexibility, settings: ReductionSettings | None = None) -> ReducedModel:
+    """Return a reduced model of a structure's equations at its ports."""
+    chosen = ReductionSettings() if settings is None else settings
+    return _projected(exact, balanced_modes(exact, chosen), {"settings": repr(chosen)}, None)
+
+
+def _projected(
+    exact: PortFlexibility, modes: Modes, provenance: dict[str, str], motion: FloatArray | None
+) -> ReducedModel:
+    """Return the equations on the modes."""
+    image, dual_image = (exact.across @ basis + exact.own[:, None] * basis for basis in (modes.trial, modes.test))
     return ReducedModel(
         parameters=exact.parameters,
         outputs=exact.outputs,
@@ -144,13 +151,23 @@ def reduce_ports(
             primal=_factors(exact, modes.owner, exact.load[:, None], image, modes.trial),
             dual=_factors(exact, modes.owner, exact.readout.T, dual_image, modes.test),
         ),
-        provenance=dict(provenance or {}) | {"settings": repr(chosen)},
-        n_leading=n_leading,
+        provenance=provenance,
+        n_leading=modes.n_leading,
+        motion=motion,
     )
 
 
+def _motion(structure: DamagedStructure, load: FloatArray, exact: PortFlexibility, modes: Modes) -> FloatArray:
+    """Return the displacements (n_dofs, N + n_parameters + 1) of each mode, each region's interior loads, the load."""
+    force = load[structure.supports.free]
+    interior = [condensed.interior_load(force) for condensed in structure.condensed]
+    forces = np.column_stack([exact.directions @ modes.trial, *interior, force])
+    moved = structure.supports.expand(structure.eliminated(()).factors.solve(forces))
+    return np.asarray(moved, dtype=np.float32)
+
+
 def balanced_modes(exact: PortFlexibility, settings: ReductionSettings) -> Modes:
-    """Return the modes in the order of their singular values."""
+    """Return the modes that a structure's random joint states ask for."""
     rng = np.random.default_rng(settings.seed)
     n = len(exact.parameters)
     states = rng.uniform(0.0, settings.most_damage, (settings.n_states, n))
@@ -183,24 +200,24 @@ def _balanced(exact: PortFlexibility, solved: FloatArray, duals: FloatArray, tol
     order = np.argsort(-strength, kind="stable")
     order = order[strength[order] > tolerance * strength.max(initial=0.0)]
     owners = np.concatenate([np.zeros(0, dtype=np.int64), *owner])
-    return Modes(owners[order], _gathered(trial, exact.first)[:, order], _gathered(test, exact.first)[:, order])
+    n_leading = 0 if len(exact.parameters) <= FEW_REGIONS else LEADING
+    phi, psi = (_gathered(blocks, exact.first)[:, order] for blocks in (trial, test))
+    return _turned(exact, Modes(owners[order], phi, psi, n_leading))
 
 
-def _turned(modes: Modes, image: FloatArray, first: int) -> tuple[Modes, FloatArray]:
-    """Turn each region's modes from `first` on to the eigenvectors of its block of C, and put them region by region.
-
-    Returns the modes and H Phi of them (R, N).
-    """
+def _turned(exact: PortFlexibility, modes: Modes) -> Modes:
+    """Turn the modes that do not lead to the eigenvectors of their region's block of C, and put them by region."""
+    first = modes.n_leading
     lead = np.arange(min(first, len(modes.owner)))
     order = np.concatenate([lead, first + np.argsort(modes.owner[first:], kind="stable")])
-    owner, trial, test, image = modes.owner[order], modes.trial[:, order], modes.test[:, order], image[:, order]
+    owner, trial, test = modes.owner[order], modes.trial[:, order], modes.test[:, order]
     for k in np.unique(owner[first:]):
         own = (owner == k) & (np.arange(len(owner)) >= first)
-        turn = eigen_turn(test[:, own].T @ image[:, own])
+        turn = eigen_turn(test[:, own].T @ (exact.own[:, None] * trial[:, own]))  # H_ii is diagonal
         if np.linalg.cond(turn) < WORST_TURN:
-            trial[:, own], image[:, own] = trial[:, own] @ turn, image[:, own] @ turn
+            trial[:, own] = trial[:, own] @ turn
             test[:, own] = test[:, own] @ np.linalg.inv(turn).T
-    return Modes(owner, trial, test), image
+    return Modes(owner, trial, test, first)
 
 
 def _gathered(blocks: list[FloatArray], first: IntArray) -> FloatArray:
