@@ -34,7 +34,6 @@ class _Step:
 
     node: Node
     number: int
-    level: int
     read: frozenset[str]
     yes: int = 0
     no: int = 0
@@ -74,7 +73,7 @@ def plan_markdown(inspection: Inspection, solution: Solution, wording: Wording =
     certificate = certify_inspection(inspection, solution)
     assert solution.tree is not None
     steps: list[_Step] = []
-    _number_steps(inspection, solution.tree, 0, frozenset(), steps)
+    _number_steps(inspection, solution.tree, frozenset(), steps)
     rows = []
     notes = iter(_leaf_notes(inspection, solution.tree))
     for step in steps:
@@ -89,14 +88,15 @@ def plan_markdown(inspection: Inspection, solution: Solution, wording: Wording =
     return "\n".join([table, "", *_summary(solution, certificate)])
 
 
-def _number_steps(inspection: Inspection, node: Node, level: int, read: frozenset[str], steps: list[_Step]) -> int:
+def _number_steps(inspection: Inspection, node: Node, read: frozenset[str], steps: list[_Step]) -> int:
+    """Append the steps of a subtree in preorder and return the number of its first."""
     own = len(steps)
-    steps.append(_Step(node, own + 1, level, read))
+    steps.append(_Step(node, own + 1, read))
     if not isinstance(node, Leaf):
         after = read | inspection.sensors_of(node.features)
-        yes = _number_steps(inspection, node.left, level + 1, after, steps)
-        no = _number_steps(inspection, node.right, level + 1, after, steps)
-        steps[own] = _Step(node, own + 1, level, read, yes, no)
+        yes = _number_steps(inspection, node.left, after, steps)
+        no = _number_steps(inspection, node.right, after, steps)
+        steps[own] = _Step(node, own + 1, read, yes, no)
     return own + 1
 
 

@@ -39,7 +39,7 @@ def solve_inspection(
         inspection: what is asked.
         method: "exact" proves (axis-aligned trees; to depth 2 in seconds, at depth 3 in minutes for thousands of
             samples); "search" proves no more than the problem's own bound; "auto": exact to depth 3.
-        limits: of the whole; a limit that is reached is no error.
+        limits: seconds of the whole, nodes and gap of each search; to reach one is no error.
         seed, n_jobs: of the solver of the problem without acquisition, where the search begins; the proof has one
             thread.
 
@@ -124,7 +124,7 @@ class _Call:
         self.n_nodes += answer.n_cuts
         if answer.tree is not None:
             self.add(answer.tree)
-        if answer.stop != "optimal":
+        if answer.stop != "optimal" and self.stop is Stop.FINISHED:
             self.stop = Stop(answer.stop)
         return answer
 
@@ -225,8 +225,6 @@ class _Call:
     def tolerance(self, found: InspectionCertificate) -> float:
         if self.inspection.price == 0 and self.unit == 1.0:
             return 0.0
-        return (
-            1e-6 * max(1.0, self.problem.baseline)
-            if self.inspection.price == 0
-            else TOLERANCE * max(1.0, found.objective)
-        )
+        if self.inspection.price == 0:
+            return 1e-6 * max(1.0, self.problem.baseline)
+        return TOLERANCE * max(1.0, found.objective)
