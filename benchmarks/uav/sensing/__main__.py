@@ -4,10 +4,16 @@ import argparse
 import time
 from pathlib import Path
 
-from benchmarks.uav.sensing import budget, frontier, placement
+from benchmarks.uav.sensing import budget, failure, frontier, inspection, placement
 from octmip.files import write_bytes
 
-STUDIES = {"placement": placement.report, "frontier": frontier.report, "budget": budget.report}
+STUDIES = {
+    "placement": placement.report,
+    "frontier": frontier.report,
+    "budget": budget.report,
+    "inspection": inspection.report,
+    "failure": failure.report,
+}
 
 
 def main() -> None:
