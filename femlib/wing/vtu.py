@@ -1,6 +1,7 @@
 """A state of the wing as a VTU file, for ParaView and its kin.
 
-Source: The VTK User's Guide (2010), XML unstructured grids, ASCII.
+Source: The VTK User's Guide (2010), XML unstructured grids, ASCII. Written here in thirty lines instead of through
+meshio, whose last release is of January 2024: meshio 5.3.5 and VTK read the files.
 """
 
 import os
@@ -10,9 +11,11 @@ from pathlib import Path
 import numpy as np
 
 from femlib.arrays import FloatArray, IntArray
+from femlib.assembly import Deflection
 from femlib.errors import InputError
 from femlib.mesh import dofs_of_nodes
 from femlib.sensors import point_strain_row
+from femlib.wing.bent import bend
 from femlib.wing.gauges import SPANWISE
 from femlib.wing.model import MICRO, Wing
 
@@ -20,10 +23,18 @@ QUAD, TRIANGLE = 9, 5
 """The format's numbers of the two shapes."""
 
 
-def write_vtu(wing: Wing, path: str | Path, state: Mapping[str, float], load_factor: float) -> None:
+def write_vtu(
+    wing: Wing,
+    path: str | Path,
+    state: Mapping[str, float],
+    load_factor: float,
+    lift: FloatArray | None = None,
+    large_deflection: bool = False,
+) -> None:
     """Write mesh, displacement [m], spanwise strain [microstrain, compressive positive] and patch, whole or not at all.
 
-    The strain is that of the outer face at each quadrilateral's centre, NaN on ribs.
+    The strain is that of the outer face at each quadrilateral's centre, NaN on ribs. `lift` (n_dofs,) are other nodal
+    forces at load factor 1 [N, N m].
 
     Raises
     ------
@@ -33,13 +44,16 @@ def write_vtu(wing: Wing, path: str | Path, state: Mapping[str, float], load_fac
     target = Path(path)
     if target.suffix != ".vtu":
         raise InputError(f"picture path {target} ends in {target.suffix!r}; expected .vtu; rename it")
-    moved = wing.solve(state, load_factor)
     mesh = wing.structure.shells.mesh
+    if large_deflection:
+        moved, strains = far_shape(wing, bend(wing, state, load_factor, lift).deflection)
+    else:
+        moved, strains = near_shape(wing, wing.solve(state, load_factor, lift))
     cells = {
-        "spanwise_strain_microstrain": _strains(wing, moved),
+        "spanwise_strain_microstrain": strains,
         "patch": mesh.patch_of_element.astype(np.float64),
     }
-    text = _document(mesh.nodes, [mesh.quads, mesh.trias], {"displacement_m": moved[:, :3]}, cells)
+    text = _document(mesh.nodes, [mesh.quads, mesh.trias], {"displacement_m": moved}, cells)
     temporary = target.with_name(f".{target.name}.part")
     try:
         temporary.write_text(text, encoding="ascii")
@@ -48,16 +62,32 @@ def write_vtu(wing: Wing, path: str | Path, state: Mapping[str, float], load_fac
         raise InputError(f"{target} cannot be written ({error.strerror}); expected a writable folder") from error
 
 
-def _strains(wing: Wing, moved: FloatArray) -> FloatArray:
-    """Return the spanwise strain of each element's outer face at its centre (n_elements,)."""
+def near_shape(wing: Wing, moved: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return displacements (n_nodes, 3) [m] and face strains (n_elements,) [microstrain] of a linear solution (n_nodes,
+    6)."""
+    quads = wing.structure.shells.mesh.quads
+    return moved[:, :3], face_strains(wing, moved.ravel()[dofs_of_nodes(quads)].reshape(len(quads), -1))
+
+
+def far_shape(wing: Wing, deflection: Deflection) -> tuple[FloatArray, FloatArray]:
+    """Return the same of a large deflection."""
+    mesh = wing.structure.shells.mesh
+    return deflection.displacement, face_strains(wing, deflection.deformation(mesh, mesh.quads))
+
+
+def face_strains(wing: Wing, deformation: FloatArray) -> FloatArray:
+    """Return the spanwise strain of each element's outer face at its centre (n_elements,) [microstrain], NaN on ribs.
+
+    `deformation` (n_quads, 24) are the quadrilaterals' displacements without rigid motion, or whole if that is small.
+    """
     mesh = wing.structure.shells.mesh
     strains = np.full(mesh.n_elements, np.nan)
     across = mesh.patch_of_element == mesh.patches.index("ribs")
     for element in np.flatnonzero(~across[: len(mesh.quads)]):
-        corners = mesh.quads[element]
         height = wing.materials.face_height if wing.structure.shells.section[element] == 0 else 0.0
-        row = point_strain_row(mesh.nodes[corners], 0.0, 0.0, SPANWISE, height, f"element {element}")
-        strains[element] = -MICRO * float(row @ moved.ravel()[dofs_of_nodes(corners).ravel()])
+        corners = mesh.nodes[mesh.quads[element]]
+        row = point_strain_row(corners, 0.0, 0.0, SPANWISE, height, f"element {element}")
+        strains[element] = -MICRO * float(row @ deformation[element])
     return strains
 
 

@@ -1,0 +1,78 @@
+"""Pictures show what the solution says; the command writes them."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from femlib.wing import Wing, bend, uav_wing
+from femlib.wing.damage import damage_library
+from femlib.wing.pictures import deformed_picture, main, region_picture, render, strain_picture
+from femlib.wing.vtu import far_shape, near_shape, write_vtu
+
+
+@pytest.fixture(scope="module")
+def small() -> Wing:
+    return uav_wing(refinement=0.25)
+
+
+def test_every_region_and_gauge_is_drawn() -> None:
+    wing = uav_wing(refinement=0.25, regions=damage_library(), candidates=True)
+    axes = region_picture(wing).axes
+    texts = {text.get_text() for axis in axes for text in axis.texts}
+    assert texts == set(wing.parameters)
+    assert sum(len(line.get_xdata()) for line in axes[0].lines) == 82
+
+
+def test_the_strain_of_both_skins_is_coloured(small: Wing) -> None:
+    _, strains = near_shape(small, small.solve({"mu1": 0.4}, 2.0))
+    figure = strain_picture(small, strains, "mu1 = 40 %")
+    top, bottom = (np.asarray(axis.collections[0].get_array()) for axis in figure.axes[:2])
+    assert len(top) + len(bottom) == 2 * len(small.grid.upper[:-1]) * (len(small.grid.chord) - 1)
+    assert np.median(top) > 0 > np.median(bottom)
+
+
+def test_the_deformed_wing_is_to_scale(small: Wing) -> None:
+    moved, strains = far_shape(small, bend(small, {}, 3.0).deflection)
+    axis = deformed_picture(small, moved, strains, "load factor 3").axes[0]
+    height = axis.collections[0].get_datalim(axis.transData).y1
+    top = small.structure.shells.mesh.nodes[small.grid.upper[-1], 2] + moved[small.grid.upper[-1], 2]
+    assert height == pytest.approx(top.max(), rel=0.02) and axis.get_aspect() == 1.0
+    assert "129 mm up" in axis.texts[0].get_text() or "13" in axis.texts[0].get_text()
+
+
+def test_a_large_deflection_and_other_loads_reach_the_vtu_file(small: Wing, tmp_path: Path) -> None:
+    texts = []
+    for options in ({}, {"large_deflection": True}, {"lift": 2.0 * small.lift}):
+        write_vtu(small, tmp_path / "wing.vtu", {}, 3.0, **options)  # type: ignore[arg-type]
+        texts.append((tmp_path / "wing.vtu").read_text())
+    assert len(set(texts)) == 3
+
+
+def test_vtk_and_meshio_read_the_file(small: Wing, tmp_path: Path) -> None:
+    pyvista = pytest.importorskip("pyvista", reason="pyvista is not installed: pip install 'octmip[pictures]'")
+    write_vtu(small, tmp_path / "wing.vtu", {}, 1.0)
+    grid = pyvista.read(tmp_path / "wing.vtu")
+    assert (grid.n_points, grid.n_cells) == (
+        len(small.structure.shells.mesh.nodes),
+        small.structure.shells.mesh.n_elements,
+    )
+    assert grid.point_data["displacement_m"][:, 2].max() == pytest.approx(small.solve({}, 1.0)[:, 2].max(), rel=1e-6)
+
+
+def test_vtk_renders_off_screen(small: Wing, tmp_path: Path) -> None:
+    pytest.importorskip("pyvista", reason="pyvista is not installed: pip install 'octmip[pictures]'")
+    moved, strains = near_shape(small, small.solve({}, 3.0))
+    render(small, moved, strains, tmp_path / "wing.png")
+    assert (tmp_path / "wing.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_command_writes_its_pictures(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(sys.modules, "pyvista", None)
+    main([str(tmp_path / "out"), "--refinement", "0.2", "--mu1", "0.5"])
+    names = {path.name for path in (tmp_path / "out").iterdir()}
+    assert names == {"wing_regions.png", "wing_strain.png", "wing_deformed.png", "wing.vtu"}
+    assert "rendering needs pyvista, which is not installed; pip install 'octmip[pictures]'" in capsys.readouterr().out
