@@ -26,6 +26,7 @@ from octmip.solution import Limits, Solution, Stop
 from octmip.solver import Method, solve
 from octmip.tradeoff import Point, trace_frontier
 from octmip.tradeoff.path import NO_OPTIONS
+from octmip.tree import Leaf, Node, Split
 
 MOST_LABEL_SETS = 20_000  # of which label_bound tries each
 
@@ -50,6 +51,7 @@ class Placement:
 def place_sensors(
     problem: Problem,
     *,
+    starts: Iterable[Iterable[str]] = (),
     method: Method = "auto",
     limits: Limits = Limits(),  # noqa: B008 (frozen)
     seed: int = 0,
@@ -58,16 +60,43 @@ def place_sensors(
 ) -> Placement:
     """Return the sensors that the best tree over all candidates reads, within `problem.sensor_budget` if it has one.
 
-    Args are those of `octmip.solve`.
+    Args:
+        problem: its features are those of all candidates.
+        starts: sets of sensors, for instance other ways to choose them (`octmip.sensing.designs`), each within the
+            budget. Their trees are found first, and the best of them is where the search over all candidates begins:
+            so it is never worse than any of them, which a search by itself does not promise.
+        method, limits, seed, n_jobs, options: of each solve, see `octmip.solve`.
 
     Raises:
-        ProblemError, SolverError: as `octmip.solve`.
+        ProblemError: a start names a sensor that is not there, or breaks the budget.
+        SolverError: a solver failed.
     """
-    solution = solve(problem, method, limits, None, seed, n_jobs, None, options)
+    settings: dict[str, Any] = {"method": method, "limits": limits, "seed": seed, "n_jobs": n_jobs, "options": options}
+    known = [placement_on(problem, sensors, **settings) for sensors in starts]
+    known = [placement for placement in known if placement.solution.tree is not None]
+    best = min(known, key=lambda placement: placement.solution.objective, default=None)
+    first = None if best is None else _among_all(best, problem)
+    solution = solve(problem, method, limits, first, seed, n_jobs, None, options)
     if solution.tree is None:
         return Placement((), 0.0, problem, solution)
     sensors = problem.sensors_used(solution.tree)
     return Placement(sensors, problem.sensor_cost_of(solution.tree), problem, solution)
+
+
+def _among_all(placement: Placement, problem: Problem) -> Node:
+    """Return the tree of a placement on some sensors, its features those of the problem with all."""
+    index = [problem.feature_names.index(name) for name in placement.problem.feature_names]
+
+    def renamed(tree: Node) -> Node:
+        if isinstance(tree, Leaf):
+            return tree
+        left, right = renamed(tree.left), renamed(tree.right)
+        if isinstance(tree, Split):
+            return replace(tree, feature=index[tree.feature], left=left, right=right)
+        return replace(tree, features=tuple(index[j] for j in tree.features), left=left, right=right)
+
+    assert placement.solution.tree is not None  # those without are left out
+    return renamed(placement.solution.tree)
 
 
 def placement_on(

@@ -43,6 +43,20 @@ def test_the_best_tree_says_which_sensors_to_install():
     assert found.solution.objective == 0 and found.solution.is_optimal
 
 
+@pytest.mark.parametrize("split", ["axis", "hyperplane"])
+def test_a_placement_is_never_worse_than_the_choices_it_starts_from(split):
+    rng = np.random.default_rng(4)
+    problem = Problem(rng.normal(size=(80, 12)), rng.integers(0, 3, 80), depth=3, split=split)
+    quick = {"method": "search", "options": {"restarts": 1, "kicks": 0}}
+    starts = [by_chance(problem, 4, rng) for _ in range(3)]
+    least = min(placement_on(problem, sensors, **quick).solution.objective for sensors in starts)
+    assert place_sensors(problem, starts=starts, **quick).solution.objective <= least
+    narrow = replace(problem, sensor_budget=4.0)
+    assert place_sensors(narrow, starts=starts, **quick).cost <= 4
+    with pytest.raises(ProblemError, match="elsewhere"):
+        place_sensors(problem, starts=[["elsewhere"]])
+
+
 def test_a_placement_on_given_sensors_reads_no_others_and_is_the_same_tree_on_its_own_choice():
     problem = readings()
     chosen = placement_on(problem, ("s3", "s1"))

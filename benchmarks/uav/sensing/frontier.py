@@ -4,8 +4,10 @@ Axis-aligned trees are proven. Trees with two or four features a split are searc
 classes that a tree can name at all and of mixed-integer proofs on some of the samples.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Literal
 
 from benchmarks.cpu import cpu_seconds
 from benchmarks.uav.sensing.readings import installed, problem_of, readings
@@ -15,8 +17,9 @@ from octmip.report.markdown import markdown_table
 from octmip.sensing import placement_frontier, sample_bound
 from octmip.tradeoff import Point
 
-NUMBERS = (1, 2, 3, 4, 5, 6)
-COSTS = (1, 2, 3, 4, 6, 8)
+NUMBERS = {2: (1, 2, 3, 4, 5), 3: (1, 2, 3, 4)}  # by depth
+COSTS = (1, 2, 3, 4, 5, 6)  # at depth 2
+AXIS_SECONDS = 120.0  # of one point
 NEW_GAUGE_COST = 2.0  # one that is installed costs 1: its wires lie there
 SAMPLES = (60, 2)  # rows of a block and blocks of a mixed-integer proof
 MIO_SECONDS = 20.0
@@ -37,13 +40,15 @@ def report(source: str, folder: Path, seeds: int, is_smoke: bool) -> str:
 def axis_rows(data: Dataset, depth: int) -> list[Row]:
     """Return the proven frontiers over number and cost."""
     problem = _priced(problem_of(data, "mu2", depth, data.gauges), data)
-    rows = []
-    for over, values in (("number", NUMBERS), ("cost", COSTS)):
-        before = cpu_seconds()
-        points = placement_frontier(problem, "cost" if over == "cost" else "number", values)
-        cpu = cpu_seconds() - before
-        rows += [_row(f"1, {over}", point, cpu) for point in points]
-    return rows
+    rows = _axis_rows(problem, "number", NUMBERS[depth])
+    return rows + (_axis_rows(problem, "cost", COSTS) if depth == 2 else [])
+
+
+def _axis_rows(problem: Problem, over: Literal["number", "cost"], values: Sequence[float]) -> list[Row]:
+    before = cpu_seconds()
+    points = placement_frontier(problem, over, values, limits=Limits(seconds=AXIS_SECONDS))
+    cpu = cpu_seconds() - before
+    return [_row(f"1, {over}", point, cpu) for point in points]
 
 
 def hyperplane_rows(data: Dataset, depth: int, is_smoke: bool) -> list[Row]:
