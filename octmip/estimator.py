@@ -12,7 +12,8 @@ from octmip.errors import SolverError
 from octmip.problem import Problem
 from octmip.solution import Limits, Solution
 from octmip.solver import Method, solve
-from octmip.tree import Node, leaf_index, leaves, predict
+from octmip.tree import Node, predict
+from octmip.uncertainty import LeafDistribution
 
 
 class OptimalTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
@@ -25,6 +26,7 @@ class OptimalTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[mis
         leaf_size: at least so many samples in every leaf.
         leaf_penalty: price of one feature in one split, in units of weight times cost.
         costs: (n_classes, n_classes) cost of predicting column k for a class of row i, classes sorted; None: 0/1.
+        smoothing: of the probabilities in each leaf: so much training weight is added, in equal parts to every class.
         method: of `octmip.solve`.
         seconds: limit of wall time [s]; reaching it is no error, see `gap_`.
         n_jobs: threads.
@@ -34,7 +36,7 @@ class OptimalTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[mis
         classes_: the classes, sorted.
         n_features_in_, feature_names_in_: as scikit-learn has them.
         solution_: the Solution. tree_, bound_, gap_: of it.
-        leaf_weights_: (n_leaves, n_classes) training weight of each class in each leaf, leaves from the left.
+        leaf_distribution_: what each leaf says of the classes (`octmip.uncertainty.LeafDistribution`).
 
     A sample of weight 0 is left out of the training, as if it were not there.
     """
@@ -48,6 +50,7 @@ class OptimalTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[mis
         leaf_size: int = 1,
         leaf_penalty: float = 0.0,
         costs: ArrayLike | None = None,
+        smoothing: float = 0.0,
         method: Method = "auto",
         seconds: float = 60.0,
         n_jobs: int = 1,
@@ -59,6 +62,7 @@ class OptimalTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[mis
         self.leaf_size = leaf_size
         self.leaf_penalty = leaf_penalty
         self.costs = costs
+        self.smoothing = smoothing
         self.method = method
         self.seconds = seconds
         self.n_jobs = n_jobs
@@ -81,8 +85,7 @@ class OptimalTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[mis
         self.solution_: Solution = solve(problem, self.method, limits, seed=self.seed, n_jobs=self.n_jobs)
         if self.solution_.tree is None:
             raise SolverError(f"{self.solution_.solver} found no tree within {self.seconds} s; give it more seconds")
-        self.leaf_weights_ = np.zeros((len(leaves(self.solution_.tree)), len(self.classes_)))
-        np.add.at(self.leaf_weights_, (leaf_index(self.solution_.tree, features), problem.codes), problem.weights)
+        self.leaf_distribution_ = LeafDistribution.of(self.solution_.tree, problem, strength=self.smoothing)
         return self
 
     def _problem(self, features: NDArray[np.float64], labels: NDArray[Any], weights: NDArray[np.float64]) -> Problem:
@@ -127,9 +130,12 @@ class OptimalTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[mis
         features = validate_data(self, X, dtype=np.float64, reset=False)
         return np.asarray(self.classes_[predict(self.tree_, features)])
 
-    def predict_proba(self, X: ArrayLike) -> NDArray[np.float64]:
-        """Return each class's share of the training weight in the leaf of each row, shape (n_samples, n_classes)."""
+    def predict_proba(self, X: ArrayLike, prior: ArrayLike | None = None) -> NDArray[np.float64]:
+        """Return the probability of each class in the leaf of each row, shape (n_samples, n_classes).
+
+        It is the class's share of the training weight there, smoothed; with a prior (n_classes,) it is what that
+        becomes where the classes come with these probabilities instead of those in training.
+        """
         check_is_fitted(self, "solution_")
         features = validate_data(self, X, dtype=np.float64, reset=False)
-        shares = self.leaf_weights_ / self.leaf_weights_.sum(axis=1, keepdims=True)
-        return np.asarray(shares[leaf_index(self.tree_, features)])
+        return self.leaf_distribution_.predict(features, prior)

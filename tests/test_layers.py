@@ -23,6 +23,8 @@ LEVELS = {
         "solution": 2,
         "table": 2,
         "encoding": 3,
+        "risk": 3,
+        "uncertainty": 3,
         "polish": 3,
         "certificate": 4,
         "tree_file": 4,

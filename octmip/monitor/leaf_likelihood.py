@@ -18,11 +18,14 @@ from octmip.errors import DataError
 from octmip.monitor.compiled import CompiledTree
 from octmip.monitor.library import Library
 from octmip.tree import HyperplaneSplit, Leaf, Node, nodes
+from octmip.uncertainty import smoothed_shares
 
 Floats = NDArray[np.float64]
 
 DRAWS = 2000
 """Readings drawn in every state: an entry of one half is known to 0.011."""
+HALF_DRAW = 0.5
+"""Draws that all leaves of a state share besides."""
 LOAD_STEP = 0.02
 """Ratio between the loads that tables are drawn for, less 1: the noise per unit of load is then right to 1 %, and a
 stream whose load never repeats needs no more tables than there are steps."""
@@ -93,7 +96,7 @@ class LeafLikelihood:
 
     def _drawn(self, load: float) -> Floats:
         library, rng = self.library, np.random.default_rng(self.seed)
-        counts = np.full((self.n_leaves, library.n_states), 0.5 / self.n_leaves)
+        counts = np.zeros((library.n_states, self.n_leaves))
         per_pass = max(1, ROWS // self.n_draws)
         for first in range(0, library.n_states, per_pass):
             states = np.repeat(np.arange(first, min(first + per_pass, library.n_states)), self.n_draws)
@@ -103,8 +106,8 @@ class LeafLikelihood:
                 features = features + offset[:, k, None] * library.slopes[states, k]
             features += rng.standard_normal(features.shape) * (library.noise_sd / load)
             leaf = self._leaf_of_node[self._compiled.leaf_nodes(features)]
-            np.add.at(counts, (leaf, states), 1.0)
-        return np.asarray(counts / counts.sum(axis=0))
+            np.add.at(counts, (states, leaf), 1.0)
+        return smoothed_shares(counts, HALF_DRAW).T
 
 
 def _open_leaves(tree: Node, features: Floats) -> NDArray[np.bool_]:

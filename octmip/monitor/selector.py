@@ -1,7 +1,8 @@
 """ModelSelector: trees at work, from a reading to the state of the library whose model the asset is taken to follow.
 
 Several trees, one a parameter, are one tree: the second appended to every leaf of the first. The distribution of a
-selection is Bayes' rule over the library's states with equal prior, where what was seen is the leaf that was reached.
+selection is Bayes' rule over the library's states (`octmip.uncertainty.posterior`), where what was seen is the leaf
+that was reached.
 
 Source: the data-driven model selection d = T(x), and the tree of the second parameter under every leaf of the first's:
 M. G. Kapteyn, K. E. Willcox, From Physics-Based Models to Predictive Digital Twins via Interpretable Machine Learning
@@ -14,7 +15,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from octmip.errors import DataError, OctmipError, TreeError
 from octmip.files import PathLike, read_json_object, write_bytes
@@ -23,6 +24,7 @@ from octmip.monitor.leaf_likelihood import LeafLikelihood
 from octmip.monitor.library import Library
 from octmip.tree import HyperplaneSplit, Leaf, Node, Split, features_used, leaves
 from octmip.tree_file import TreeFile, decode_tree, encode_tree
+from octmip.uncertainty import posterior
 
 Floats = NDArray[np.float64]
 FORMAT, VERSION = "octmip-selector", 1
@@ -58,7 +60,7 @@ class Selection:
     Attributes:
         state: index in the library.
         name: of the state.
-        distribution: (n_states,) probability of every state of the library, all states as likely before.
+        distribution: (n_states,) probability of every state of the library.
         path: preorder numbers of the splits passed, and of the leaf.
     """
 
@@ -100,19 +102,23 @@ class ModelSelector:
         """
         return cls(library, _appended(library, list(trees), {}))
 
-    def select(self, reading: Sequence[float] | Floats, load_factor: float) -> Selection:
+    def select(
+        self, reading: Sequence[float] | Floats, load_factor: float, prior: ArrayLike | None = None
+    ) -> Selection:
         """Return what a reading (n_gauges,) in microstrain selects.
 
+        `prior` (n_states,): probability of every state before the reading; None: all as likely.
+
         Raises:
+            ProblemError: the prior is no distribution over the states.
             DataError: its length is another, the load is not positive, or it lacks a number where the tree asks.
         """
         row = self.library.features(np.asarray(reading, dtype=np.float64), load_factor)
         leaf = self.compiled.node(row)
         state = self.compiled.label(row)
-        log_likelihood = self.likelihood.log_likelihood(np.asarray(reading, dtype=np.float64)[None], load_factor)[0]
-        weight = np.exp(log_likelihood - log_likelihood.max())
+        log_likelihood = self.likelihood.log_likelihood(np.asarray(reading, dtype=np.float64)[None], load_factor)
         path = tuple(self.compiled.path_to(leaf))
-        return Selection(state, self.library.state_names[state], weight / weight.sum(), path)
+        return Selection(state, self.library.state_names[state], posterior(log_likelihood, prior)[0], path)
 
     def select_many(self, readings: Floats, load_factor: float) -> NDArray[np.int64]:
         """Return the states of readings (n, n_gauges) in microstrain, `REFUSED` where there is none, shape (n,)."""

@@ -5,7 +5,7 @@ it with ``figure.savefig``. Classes that are numbers (a loss of stiffness of 0, 
 scale in their order, other classes get colours that are told apart by colour-blind readers too.
 """
 
-from octmip.plot.curves import choice_figure, frontier_figure, progress_figure
+from octmip.plot.curves import choice_figure, frontier_figure, progress_figure, reliability_figure
 from octmip.plot.drawing import counted_tree_figure, split_text, tree_figure
 from octmip.plot.plane import partition_figure
 from octmip.plot.style import class_colours
@@ -17,6 +17,7 @@ __all__ = [
     "frontier_figure",
     "partition_figure",
     "progress_figure",
+    "reliability_figure",
     "split_text",
     "tree_figure",
 ]

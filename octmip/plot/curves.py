@@ -1,6 +1,6 @@
-"""Curves: bound and objective over time, along a frontier, and what cross-validation chose from."""
+"""Curves: bound and objective over time, along a frontier, what cross-validation chose from, reliability."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ from octmip.errors import ProblemError
 from octmip.plot.style import DISTINCT, INK, quiet_frame
 from octmip.solution import Progress
 from octmip.tradeoff import Choice, Step
+from octmip.uncertainty import ReliabilityBin
 
 
 def progress_figure(progress: Sequence[Progress], title: str | None = None) -> Figure:
@@ -61,6 +62,33 @@ def frontier_figure(
     axes.set_xlabel(name, color=INK)
     axes.set_ylabel("objective", color=INK)
     axes.legend(frameon=False, fontsize=8)
+    quiet_frame(axes)
+    if title:
+        axes.set_title(title, fontsize=10, color=INK)
+    return figure
+
+
+def reliability_figure(curves: Mapping[str, Sequence[ReliabilityBin]], title: str | None = None) -> Figure:
+    """Return the share of hits against the probability told, one line a name; areas of points go by weight.
+
+    Raises:
+        ProblemError: there is no bin to draw.
+    """
+    if not any(curves.values()):
+        raise ProblemError("there are no bins; give the bins of octmip.uncertainty.reliability under a name")
+    figure = Figure(figsize=(4.2, 4.0), layout="tight")
+    axes = figure.add_subplot()
+    axes.plot([0, 1], [0, 1], color=INK, linewidth=0.8, linestyle="--", label="calibrated")
+    for k, (name, bins) in enumerate(curves.items()):
+        colour = DISTINCT[k % len(DISTINCT)]
+        told, hits = [b.probability for b in bins], [b.hits for b in bins]
+        axes.plot(told, hits, color=colour, linewidth=1.2, label=name)
+        axes.scatter(told, hits, [200 * b.weight for b in bins], color=colour, zorder=3, clip_on=False)
+    axes.set_xlim(0, 1)
+    axes.set_ylim(0, 1)
+    axes.set_xlabel("probability told", color=INK)
+    axes.set_ylabel("share of hits", color=INK)
+    axes.legend(frameon=False, fontsize=8, loc="upper left")
     quiet_frame(axes)
     if title:
         axes.set_title(title, fontsize=10, color=INK)

@@ -2,12 +2,14 @@
 
 frontier   the least cost against depth, sensor budget or leaf penalty, each point with its bound
 path       for every leaf penalty the best tree: all the trees that are best for some penalty
+risk       missed critical states against false alarms, over what a failure costs
 choice     depth and leaf penalty by cross-validation over those paths
 """
 
 from octmip.tradeoff.choice import RULES, Choice, Rule, Step, choose_tree
 from octmip.tradeoff.frontier import OVERS, Over, Point, default_values, trace_frontier
 from octmip.tradeoff.path import Candidate, PenaltyPath, trace_path
+from octmip.tradeoff.risk import RiskPoint, trace_risk_frontier
 
 __all__ = [
     "OVERS",
@@ -17,10 +19,12 @@ __all__ = [
     "Over",
     "PenaltyPath",
     "Point",
+    "RiskPoint",
     "Rule",
     "Step",
     "choose_tree",
     "default_values",
     "trace_frontier",
     "trace_path",
+    "trace_risk_frontier",
 ]

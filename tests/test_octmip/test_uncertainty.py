@@ -1,0 +1,169 @@
+"""Leaf distributions, calibration and credible sets: by hand, against identities, and the coverage as stated."""
+
+import numpy as np
+import pytest
+from sklearn.metrics import brier_score_loss
+
+from octmip import Leaf, Problem, Split
+from octmip.errors import ProblemError
+from octmip.estimator import OptimalTreeClassifier
+from octmip.uncertainty import (
+    LeafDistribution,
+    brier_score,
+    calibrate_sets,
+    calibration_error,
+    posterior,
+    reliability,
+    smoothed_shares,
+)
+
+TREE = Split(0, 0.5, Leaf(0), Leaf(1))
+
+
+def coin(rng, n, sharpness=2.0):
+    """Return probabilities of three classes, on a grid so that they tie, and classes drawn by them."""
+    table = np.round(rng.dirichlet(np.full(3, 1 / sharpness), n), 1)
+    table /= table.sum(axis=1, keepdims=True)
+    codes = (rng.random((n, 1)) > np.cumsum(table, axis=1)).sum(axis=1).clip(0, 2)
+    return table, codes
+
+
+def test_smoothing_draws_towards_the_prior_and_laplace_is_one_more_of_each():
+    weights = np.array([[3.0, 1.0], [0.0, 0.0]])
+    assert smoothed_shares(weights).tolist() == [[0.75, 0.25], [0.5, 0.5]]
+    assert smoothed_shares(weights, 2.0)[0].tolist() == [4 / 6, 2 / 6]
+    assert smoothed_shares(weights, 4.0, [0.0, 1.0])[0].tolist() == [3 / 8, 5 / 8]
+
+
+def test_leaves_count_weights_or_samples():
+    problem = Problem([[0], [0], [1], [1]], [0, 1, 1, 1], depth=1, weights=[3, 1, 2, 2])
+    assert LeafDistribution.of(TREE, problem).probabilities.tolist() == [[0.75, 0.25], [0, 1]]
+    assert LeafDistribution.of(TREE, problem, is_weighted=False).probabilities[0].tolist() == [0.5, 0.5]
+
+
+def test_another_prior_is_as_if_the_classes_had_come_in_those_shares():
+    weights = np.array([[8.0, 2.0], [2.0, 18.0]])
+    leaf = LeafDistribution(TREE, weights)
+    resampled = weights * (np.array([0.9, 0.1]) / weights.sum(axis=0))
+    assert np.allclose(leaf.with_prior([0.9, 0.1]), smoothed_shares(resampled))
+    assert np.allclose(leaf.with_prior(leaf.training_prior), leaf.probabilities)
+    assert np.allclose(leaf.predict([[0.0]], prior=[1, 0]), [[1, 0]])
+
+
+def test_bayes_rule_with_and_without_a_prior():
+    assert np.allclose(posterior(np.log([[0.2, 0.6]])), [[0.25, 0.75]])
+    assert np.allclose(posterior(np.log([[0.2, 0.6]]), [3, 1]), [[0.5, 0.5]])
+    with pytest.raises(ProblemError, match="gives 0"), np.errstate(divide="ignore"):
+        posterior(np.log([[0.0, 1.0]]), [1, 0])
+
+
+def test_the_classifier_gives_the_same_leaf_distributions():
+    rng = np.random.default_rng(0)
+    features, labels = rng.normal(size=(60, 2)), rng.integers(0, 3, 60)
+    model = OptimalTreeClassifier(depth=2, smoothing=3.0).fit(features, labels, rng.integers(1, 4, 60))
+    assert np.array_equal(model.predict_proba(features), model.leaf_distribution_.predict(features))
+    assert (model.predict_proba(features) > 0).all()
+    assert np.allclose(model.predict_proba(features, prior=[0, 0, 1]), [0, 0, 1])
+
+
+def test_bins_hold_their_mean_probability_and_their_hits():
+    bins = reliability([[0.9, 0.1], [0.7, 0.3], [0.75, 0.25], [0.5, 0.5]], [0, 1, 0, 0], n_bins=4)
+    assert [(b.probability, b.hits, b.weight) for b in bins] == [
+        (0.5, 1.0, 0.25),
+        (pytest.approx(0.725), 0.5, 0.5),
+        (0.9, 1.0, 0.25),
+    ]
+    told = reliability([[0.9, 0.1], [0.7, 0.3]], [0, 1], class_index=1, weights=[1, 3], n_bins=10)
+    assert [(b.probability, b.hits, b.weight) for b in told] == [(0.1, 0.0, 0.25), (0.3, 1.0, 0.75)]
+
+
+def test_true_probabilities_are_calibrated_and_sharpened_ones_are_not():
+    table, codes = coin(np.random.default_rng(1), 40_000)
+    assert calibration_error(table, codes) < 0.01
+    sharper = table**2 / (table**2).sum(axis=1, keepdims=True)
+    assert calibration_error(sharper, codes) > 0.05
+    assert brier_score(table, codes).score < brier_score(sharper, codes).score
+
+
+def test_the_brier_score_is_the_sum_of_its_parts_with_weights_too():
+    rng = np.random.default_rng(2)
+    table, codes = coin(rng, 500)
+    weights = rng.random(500)
+    parts = brier_score(table, codes, weights=weights)
+    assert parts.score == pytest.approx(parts.reliability - parts.resolution + parts.uncertainty)
+    two = np.column_stack([1 - table[:, 0], table[:, 0]])
+    hit = (codes == 0).astype(int)
+    assert brier_score(two, hit, weights=weights).score == pytest.approx(
+        2 * brier_score_loss(hit, table[:, 0], sample_weight=weights)
+    )
+    doubled = brier_score(np.vstack([table, table]), np.tile(codes, 2)).score
+    assert doubled == pytest.approx(brier_score(table, codes).score)
+
+
+@pytest.mark.parametrize("n", [9, 40])
+def test_randomised_sets_hold_the_truth_as_often_as_said_and_no_more(n):
+    rng = np.random.default_rng(n)
+    hits = []
+    for _ in range(1500):
+        table, codes = coin(rng, n + 20)
+        found = calibrate_sets(table[:n], codes[:n], coverage=0.8, rng=rng)
+        hits.append(found.sets(table[n:], rng)[np.arange(20), codes[n:]].mean())
+    assert 0.8 - 0.012 < np.mean(hits) < 0.8 + 1 / (n + 1) + 0.012
+
+
+def test_plain_sets_hold_it_at_least_as_often_class_by_class_too():
+    rng = np.random.default_rng(5)
+    n, hits = 60, [[], [], []]
+    for _ in range(400):
+        table, codes = coin(rng, n + 60)
+        held = calibrate_sets(table[:n], codes[:n], coverage=0.8, by_class=True).sets(table[n:])
+        for k in range(3):
+            hits[k].extend(held[codes[n:] == k, k])
+    assert min(np.mean(h) for h in hits) > 0.8 - 0.012
+
+
+def test_thresholds_have_the_coverage_that_they_are_assured_of():
+    rng = np.random.default_rng(6)
+    below = 0
+    for _ in range(600):
+        scores, n = rng.random((2030, 1)), 30
+        table = np.hstack([scores, 1 - scores])  # the truth is class 0: no ties
+        found = calibrate_sets(table[:n], np.zeros(n, dtype=int), coverage=0.8)
+        below += found.sets(table[n:])[:, 0].mean() < found.assured(0.9)[0]
+    assert 0.05 < below / 600 < 0.15
+
+
+def test_too_few_samples_put_the_class_into_every_set():
+    found = calibrate_sets([[0.9, 0.1]] * 5, [0] * 5, coverage=0.9, by_class=True)
+    assert np.isinf(found.thresholds).all() and found.sets([[1.0, 0.0]]).all()
+    assert found.assured().tolist() == [1.0, 1.0]
+
+
+def test_a_weight_of_two_counts_as_two_samples_and_a_heavy_one_widens_the_sets():
+    table, codes = coin(np.random.default_rng(7), 50)
+    once = calibrate_sets(table, codes, coverage=0.7)
+    assert np.array_equal(
+        once.thresholds, calibrate_sets(table, codes, coverage=0.7, weights=np.full(50, 3.0)).thresholds
+    )
+    heavy = np.ones(50)
+    heavy[0] = 100.0
+    assert np.isinf(calibrate_sets(table, codes, coverage=0.7, weights=heavy).thresholds).all()
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: smoothed_shares(np.ones((1, 2)), -1.0),
+        lambda: smoothed_shares(np.ones((1, 2)), 1.0, [1, 1, 1]),
+        lambda: LeafDistribution(TREE, np.ones((3, 2))),
+        lambda: LeafDistribution(TREE, np.array([[1.0, 0.0], [1.0, 0.0]])).with_prior([0.5, 0.5]),
+        lambda: reliability([[0.5, 0.6]], [0]),
+        lambda: reliability([[0.5, 0.5]], [2]),
+        lambda: brier_score([[0.5, 0.5]], [0], weights=[-1]),
+        lambda: calibrate_sets([[0.5, 0.5]], [0], coverage=1.0),
+        lambda: calibrate_sets([[0.5, 0.5]], [0, 1]),
+    ],
+)
+def test_wrong_input_is_refused(call):
+    with pytest.raises(ProblemError):
+        call()
