@@ -1,15 +1,19 @@
 """Effects of the wing against direct solutions on a coarse mesh."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import scipy.sparse as sparse
 from scipy.sparse.linalg import splu, spsolve
 
 from femlib.assembly import thermal_load
+from femlib.components import DamagedStructure
 from femlib.geometry import Planform
 from femlib.mesh import DOFS_PER_NODE
 from femlib.wing import WingTwin, bend, uav_wing
 from femlib.wing.effects import wing_effects
+from femlib.wing.effects.damage_outside_library import damage_zones
 from femlib.wing.effects.planform import MANUFACTURED
 from femlib.wing.effects.response import Response
 from femlib.wing.effects.root_flexibility import rolled
@@ -88,6 +92,54 @@ def test_a_shifted_lift_keeps_its_total_and_moves_the_root_moment_by_its_size(pl
     y = WING.structure.shells.mesh.nodes[:, 1]
     assert force.sum() == pytest.approx(0.0, abs=1e-9 * lift.sum())
     assert force @ y == pytest.approx(0.01 * (lift @ y))
+
+
+@pytest.mark.parametrize(
+    ("name", "place"),
+    [
+        ("lift_distribution", "toward the tip"),
+        ("torsion", ""),
+        ("payload_inertia", "eta 0.6"),
+        ("temperature_gradient", ""),
+        ("temperature_uniform", ""),
+    ],
+)
+def test_an_effect_of_forces_is_the_wing_solved_with_them(name, place):
+    force = EFFECTS[name].force(STATE, 3.0, place)
+    solved = WING.strain_microstrain(STATE, 1.0, 3.0 * WING.lift + force) - WING.strain_microstrain(STATE, 3.0)
+    assert signature(name, place=place) == pytest.approx(solved, rel=1e-6, abs=1e-6)
+
+
+def test_torsion_moves_the_resultant_aft_by_a_hundredth_of_the_chord():
+    force = EFFECTS["torsion"].force({}, 1.0, "").reshape(-1, DOFS_PER_NODE)[:, 2]
+    lift = WING.lift.reshape(-1, DOFS_PER_NODE)[:, 2]
+    nodes = WING.structure.shells.mesh.nodes
+    fraction = nodes[:, 0] / WING.planform.chord(nodes[:, 1] / WING.span)
+    assert force.sum() == pytest.approx(0.0, abs=1e-9 * lift.sum())
+    assert force @ fraction == pytest.approx(0.01 * lift.sum(), rel=1e-6)
+
+
+def test_a_warm_upper_skin_is_the_wing_with_that_temperature():
+    mesh = WING.structure.shells.mesh
+    above = np.isin(mesh.patch_of_element, [mesh.patches.index(name) for name in ("top", "R1", "R2")])
+    below = mesh.patch_of_element == mesh.patches.index("bottom")
+    field = 0.5 * above - 0.5 * below
+    heat = thermal_load(WING.structure.shells, field, np.zeros(len(field)))
+    assert signature("temperature_gradient", state={}) == pytest.approx(
+        WING.strain_microstrain({}, 1.0, heat), rel=1e-6
+    )
+
+
+@pytest.mark.parametrize("start", ["top", "web", "bottom"])
+def test_damage_outside_the_library_is_the_wing_with_a_softer_zone(start):
+    effect = EFFECTS["damage_outside_library"]
+    place = next(p for p in effect.places if p.startswith(start) and "0.4" in p)
+    shells = WING.structure.shells
+    softer = replace(shells, scale=np.where(damage_zones(WING)[place], 0.98, 1.0) * shells.scale)
+    solved = replace(WING, structure=DamagedStructure(softer, WING.structure.supports, WING.structure.components))
+    change = solved.strain_microstrain({}, 3.0) - WING.strain_microstrain({}, 3.0)
+    trace = 2.0 * signature("damage_outside_library", place=place)
+    assert np.abs(trace - change).max() < 0.04 * np.abs(change).max()
 
 
 def test_a_first_order_loss_of_stiffness_is_what_a_small_damage_of_a_region_does():
