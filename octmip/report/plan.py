@@ -61,7 +61,7 @@ def plan_text(inspection: Inspection, solution: Solution, wording: Wording = Wor
         say(node.right, indent + "    ", after)
 
     say(solution.tree, "", frozenset())
-    return "\n".join([*lines, *_summary(solution, certificate)])
+    return "\n".join([*lines, *_summary(solution, certificate, inspection.problem.n_samples)])
 
 
 def plan_markdown(inspection: Inspection, solution: Solution, wording: Wording = Wording()) -> str:
@@ -85,7 +85,7 @@ def plan_markdown(inspection: Inspection, solution: Solution, wording: Wording =
             reading = _reading(inspection, step.node, step.read)
             rows.append({"step": step.number, "do": reading, "if": question, "yes": step.yes, "no": step.no})
     table = markdown_table(rows, ["step", "do", "if", "yes", "no"])
-    return "\n".join([table, "", *_summary(solution, certificate)])
+    return "\n".join([table, "", *_summary(solution, certificate, inspection.problem.n_samples)])
 
 
 def _number_steps(inspection: Inspection, node: Node, read: frozenset[str], steps: list[_Step]) -> int:
@@ -139,7 +139,7 @@ def _readings(count: float) -> str:
     return f"{number(count)} reading{'' if count == 1 else 's'}"
 
 
-def _summary(solution: Solution, found: InspectionCertificate) -> list[str]:
+def _summary(solution: Solution, found: InspectionCertificate, n_samples: int) -> list[str]:
     proof = f"proven optimal among {narrow_scope(solution) or 'all trees of this depth'}"
     if not solution.is_optimal:
         proof = f"not proven: none is below {number(solution.bound)}"
@@ -147,5 +147,5 @@ def _summary(solution: Solution, found: InspectionCertificate) -> list[str]:
     return [
         f"expected cost {number(found.expected_cost)} ({_readings(found.expected_readings)}); "
         f"worst {number(found.worst_cost)} ({_readings(found.worst_readings)})",
-        f"{found.errors} samples wrong; objective {number(found.objective)}, {proof}{cheapest}",
+        f"{found.errors} of {n_samples} samples wrong; objective {number(found.objective)}, {proof}{cheapest}",
     ]

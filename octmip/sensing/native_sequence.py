@@ -98,6 +98,11 @@ class Core:
         return problem.sensor_costs.tolist(), index, opening, [problem.sensors.index(s) for s in sorted(read)]
 
     @property
+    def least_reading(self) -> float:
+        """The least that the first reading of a path can cost."""
+        return min(self.inspection.path_cost(frozenset([sensor])) for sensor in self.inspection.problem.sensors)
+
+    @property
     def dearest_sum(self) -> float:
         """The most that all the samples' paths can cost."""
         inspection = self.inspection

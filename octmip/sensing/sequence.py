@@ -6,7 +6,7 @@ price 0, no budget        the same with a price too small to buy one error: the 
 budget                    for every multiplier, min of error + multiplier * (cost - budget) is a bound; the best of
                           these bounds and the best tree within the budget; then branch and bound over fronts between
 search                    exact subtrees of two levels, one after the other, in trees of every kind; the bound is that
-                          of the problem without acquisition, which no tree can undercut
+                          of the problem without acquisition and what the first reading costs
 """
 
 import math
@@ -38,7 +38,7 @@ def solve_inspection(
     Args:
         inspection: what is asked.
         method: "exact" proves (axis-aligned trees; to depth 2 in seconds, at depth 3 in minutes for thousands of
-            samples); "search" proves no more than the problem's own bound; "auto": exact to depth 3.
+            samples); "search" has the problem's own bound and the first reading's; "auto": exact to depth 3.
         limits: seconds of the whole, nodes and gap of each search; to reach one is no error.
         seed, n_jobs: of the solver of the problem without acquisition, where the search begins; the proof has one
             thread.
@@ -100,7 +100,9 @@ class _Call:
         """Take the single leaf and the tree that is best without acquisition; its bound holds with it too."""
         self.add(Leaf(int(self.problem.class_costs().argmin())))
         first = solve(self.problem, limits=self.left(0.3), seed=self.seed, n_jobs=self.n_jobs)
-        self.bound = first.bound
+        # A tree without a split pays for nothing; every other one makes all samples read the root's sensor.
+        first_reading = self.inspection.price * self.n_counts * self.core.least_reading + self.inspection.haste.sum()
+        self.bound = min(self.trees[0][0], first.bound + float(first_reading))
         if first.tree is not None:
             self.add(first.tree)
         if first.stop is Stop.INTERRUPTED:

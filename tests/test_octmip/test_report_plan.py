@@ -34,7 +34,7 @@ def test_the_plan_counts_each_reading_once_and_says_what_is_free():
         "    else",
         "        decide mu1 = 3 %    (25 % of cases, 1 of 2 wrong; 2 readings, cost 4)",
         "expected cost 3.5 (1.5 readings); worst 4 (2 readings)",
-        "1 samples wrong; objective 4.5, not proven: none is below 0",
+        "1 of 8 samples wrong; objective 4.5, not proven: none is below 0",
     ]
 
 
