@@ -54,6 +54,11 @@ class ReducedWing:
         """Hash and size of the full model, settings and versions."""
         return self.model.provenance
 
+    @property
+    def model_hash(self) -> str:
+        """Fingerprint of the full wing."""
+        return self.provenance["model"]
+
     def solve(self, state: Mapping[str, float], load_factor: float) -> FloatArray:
         """Return the displacements (n_nodes, 6) [m, rad] of a state of named damage fractions, in single precision.
 

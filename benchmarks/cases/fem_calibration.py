@@ -1,0 +1,182 @@
+"""The wing against what was published of the real one and of the authors' model: strains, stiffness, frequencies."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pandas as pd
+
+from benchmarks.data import SHARED
+from femlib.assembly import natural_modes, point_masses
+from femlib.dataset import MeanStrains, build_dataset, published_strains, simulated_strains
+from femlib.wing import Wing, uav_wing
+
+FOLDER = SHARED / "uav"
+MASS_PLACES = {
+    "none": {},
+    "servos at 0.40 and 0.65, pitot at 0.80 of the span": {
+        0.40: "mass_servo_1",
+        0.65: "mass_servo_2",
+        0.80: "mass_pitot",
+    },
+    "servos at 0.35 and 0.75, pitot at the tip": {0.35: "mass_servo_1", 0.75: "mass_servo_2", 1.0: "mass_pitot"},
+}
+"""Span fractions of the published point masses; their places were not published."""
+SEEDS = (0, 1, 2)
+FREQUENCY_REFINEMENT = 0.5
+
+
+def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
+    """Yield a line a gauge, then lines on increments, all states, best possible errors, stiffness and frequencies."""
+    wing = uav_wing()
+    ours, theirs = simulated_strains(wing), published_strains(FOLDER / "strains.csv")
+    yield from gauges(ours, theirs)
+    yield from distances(ours, theirs)
+    yield tip(wing)
+    yield from frequencies(uav_wing(refinement=FREQUENCY_REFINEMENT))
+
+
+def gauges(ours: MeanStrains, theirs: MeanStrains) -> Iterator[dict[str, Any]]:
+    """Yield strains and increments [microstrain] at load factor 3, published and ours, gauge by gauge."""
+    for number, name in enumerate(theirs.gauges):
+        line: dict[str, Any] = {"size": f"gauge {name}", "seed": 0, "gauge": name}
+        line["is_usable"] = bool(theirs.is_usable[number])
+        for key, (mu1, mu2) in {"pristine": (0, 0), "mu1": (80, 0), "mu2": (0, 80)}.items():
+            line[key] = [float(_change(means, mu1, mu2)[number]) for means in (theirs, ours)]
+        yield line
+
+
+def distances(ours: MeanStrains, theirs: MeanStrains) -> Iterator[dict[str, Any]]:
+    """Yield the figures of the distance between two libraries of mean strains."""
+    usable = theirs.is_usable
+    ratio = 100.0 * (_change(ours, 0, 0) / _change(theirs, 0, 0) - 1.0)[usable]
+    yield _figure("pristine strain, 20 gauges", "%", _rms(ratio), float(np.abs(ratio).max()))
+    for name, levels in {"mu1": (80, 0), "mu2": (0, 80)}.items():
+        wanted, error = _change(theirs, *levels), _change(ours, *levels) - _change(theirs, *levels)
+        for which, largest in (("20", np.abs(wanted[usable]).max()), ("24", np.abs(wanted).max())):
+            share = 100.0 * error[usable] / largest
+            most = float(np.abs(share).max())
+            yield _figure(f"increment of {name} = 80 %, of the largest of the {which}", "%", _rms(share), most)
+    error = (ours.strain_microstrain - theirs.strain_microstrain)[:, usable]
+    yield _figure("all 25 states, 20 gauges", "microstrain", _rms(error), float(np.abs(error).max()))
+    for name, means in (("published", theirs), ("ours", ours)):
+        wrong = np.array([_least_errors(means, seed) for seed in SEEDS])
+        for k, target in enumerate(("mu1", "mu2")):
+            low, high = float(wrong[:, k].min()), float(wrong[:, k].max())
+            yield _figure(f"least possible errors on {target}, {name}, seeds 0 to 2", "%", low, high)
+
+
+def tip(wing: Wing) -> dict[str, Any]:
+    """Return the tip stiffness beside the published model's and the one measured [N/mm]."""
+    slopes = []
+    for source in ("model", "measurements"):
+        table = pd.read_csv(FOLDER / f"load_displacement_{source}.csv")
+        slopes.append(float(table["load"] @ table["displacement"] / (table["displacement"] @ table["displacement"])))
+    words = ("published", "measured", "ours")
+    values = dict(zip(words, (*slopes, wing.tip_stiffness() / 1000.0), strict=True))
+    return {"size": "tip stiffness", "seed": 0, "unit": "N/mm", **values}
+
+
+def frequencies(wing: Wing) -> Iterator[dict[str, Any]]:
+    """Yield the two lowest frequencies [Hz] without point masses and with the published ones at assumed places."""
+    table = pd.read_csv(FOLDER / "mass_optimization_results.csv")
+    shells = wing.structure.shells
+    measured = [float(table[f"target_freq_{k}"].iloc[0]) for k in (1, 2)]
+    published = [float(table[f"freq_{k}"].mean()) for k in (1, 2)]
+    for places, names in MASS_PLACES.items():
+        masses = _masses(wing, {eta: float(table[name].mean()) for eta, name in names.items()})
+        mass = shells.mass() + point_masses(shells.mesh, masses)
+        modes = natural_modes(shells.stiffness(), mass, wing.structure.supports, 6)
+        ours = [modes[k].frequency for k in _flapping(wing, [mode.shape for mode in modes])[:2]]
+        line = {"size": f"frequencies, point masses: {places}", "seed": 0, "places": places, "unit": "Hz"}
+        yield line | {"measured": measured, "published": published, "ours": ours}
+
+
+def _flapping(wing: Wing, shapes: Sequence[np.ndarray]) -> list[int]:
+    """Return the modes whose tip moves up more than fore and aft."""
+    tip_node = int(wing.grid.upper[-1, wing.grid.spar_column])
+    moves = [np.abs(shape[6 * tip_node : 6 * tip_node + 3]) for shape in shapes]
+    return [k for k, move in enumerate(moves) if move[2] > move[0]]
+
+
+def _masses(wing: Wing, masses: Mapping[float, float]) -> dict[int, float]:
+    """Return the masses at the nodes of the spar's upper cap next to their span fractions."""
+    rows = {eta: int(np.abs(wing.grid.eta - eta).argmin()) for eta in masses}
+    return {int(wing.grid.upper[row, wing.grid.spar_column]): masses[eta] for eta, row in rows.items()}
+
+
+def _change(means: MeanStrains, mu1: int, mu2: int) -> np.ndarray:
+    """Return the pristine strains (n_gauges,), or what a damage adds to them."""
+    pristine, damaged = (
+        means.strain_microstrain[(means.states_percent == levels).all(axis=1)][0] for levels in ([0, 0], [mu1, mu2])
+    )
+    return damaged - pristine if mu1 or mu2 else pristine
+
+
+def _least_errors(means: MeanStrains, seed: int) -> list[float]:
+    """Return the share of rows [%] that the rule which knows the 25 means gets wrong, for mu1 and mu2."""
+    data = build_dataset(means, seed=seed)
+    square = np.square(data.features[:, None] - data.mean_features[None]).sum(axis=2)
+    likely = np.exp(-0.5 * (square - square.min(axis=1, keepdims=True)) / data.noise_sd**2)
+    wrong = []
+    for label in data.states_percent.T:
+        levels = np.unique(label)
+        posterior = np.stack([likely[:, label == level].sum(axis=1) for level in levels], axis=1)
+        wrong.append(100.0 * float(np.mean(levels[posterior.argmax(axis=1)] != label[data.states])))
+    return wrong
+
+
+def _rms(values: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+def _figure(size: str, unit: str, low: float, high: float) -> dict[str, Any]:
+    return {"size": size, "seed": 0, "unit": unit, "figures": [low, high]}
+
+
+def summary(lines: Sequence[dict[str, Any]]) -> str:
+    """Return the tables of docs/wing.md: figures (rms and most; of seeds least and most), then gauges."""
+    table = ["| figure | value |", "|---|---|"]
+    for line in lines:
+        if "figures" in line:
+            low, high = line["figures"]
+            table.append(f"| {line['size']} | {low:.3g} and {high:.3g} {line['unit']} |")
+        elif "measured" in line:
+            values = [f"{name} {_words(line[name])}" for name in ("measured", "published", "ours")]
+            table.append(f"| {line['size']} [{line['unit']}] | {'; '.join(values)} |")
+    table += ["", "| gauge | pristine: published, ours | mu1 = 80 % adds | mu2 = 80 % adds |", "|---|---|---|---|"]
+    for line in lines:
+        if "gauge" in line:
+            cells = [f"{line[key][0]:.0f}, {line[key][1]:.0f}" for key in ("pristine", "mu1", "mu2")]
+            mark = "" if line["is_usable"] else " (in a region)"
+            table.append(f"| {line['gauge']}{mark} | " + " | ".join(cells) + " |")
+    return "\n".join(table)
+
+
+def _words(values: float | Sequence[float]) -> str:
+    return f"{values:.3f}" if isinstance(values, float) else ", ".join(f"{value:.2f}" for value in values)
+
+
+def picture(lines: Sequence[dict[str, Any]], path: Path) -> None:
+    """Draw the residual of each gauge: pristine in percent, both increments in microstrain."""
+    rows = [line for line in lines if "gauge" in line]
+    figure, axes = plt.subplots(3, 1, figsize=(9, 7), sharex=True, layout="constrained")
+    titles = {
+        "pristine": "pristine strain, ours over published - 1 [%]",
+        "mu1": "increment of mu1 = 80 %, ours - published [microstrain]",
+        "mu2": "increment of mu2 = 80 %, ours - published [microstrain]",
+    }
+    for axis, (key, title) in zip(axes, titles.items(), strict=True):
+        theirs, ours = (np.array([row[key][k] for row in rows]) for k in (0, 1))
+        residual = 100.0 * (ours / theirs - 1.0) if key == "pristine" else ours - theirs
+        usable = np.array([row["is_usable"] for row in rows])
+        axis.bar(range(len(rows)), residual, color=np.where(usable, "#2b6ca3", "#cccccc"))
+        limit = 1.15 * np.abs(residual[usable]).max()
+        axis.set(title=title, ylim=(-limit, limit))
+        axis.axhline(0.0, color="black", linewidth=0.8)
+    axes[-1].set_xticks(range(len(rows)), [row["gauge"] for row in rows], rotation=60)
+    axes[-1].set_xlabel("gauge (grey: inside a damage region, not used; bars may leave the frame)")
+    figure.savefig(path, dpi=110)
+    plt.close(figure)
