@@ -4,6 +4,10 @@ One parent, children that also answer to the built-in errors a caller expects. A
 copied, checked, made read-only.
 """
 
+import math
+from numbers import Integral, Real
+from typing import TypeGuard
+
 import numpy as np
 import numpy.typing as npt
 
@@ -24,15 +28,25 @@ class SolveError(FemlibError, RuntimeError):
     """A linear or nonlinear system could not be solved to the asked accuracy."""
 
 
+def is_number(value: object) -> TypeGuard[float]:
+    """Return whether a value is one finite real number: no text, no truth value, no array, no NaN."""
+    return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def is_whole(value: object) -> TypeGuard[int]:
+    """Return whether a value is a whole number."""
+    return isinstance(value, Integral) and not isinstance(value, bool)
+
+
 def frozen_floats(values: npt.ArrayLike, name: str, shape: tuple[int, ...]) -> npt.NDArray[np.float64]:
     """Return a read-only float64 copy of `values` with the given shape (-1 = any length).
 
     Raises
     ------
     InputError
-        If the shape differs or an entry is not finite.
+        If the values are no numbers, the shape differs or an entry is not finite.
     """
-    array = np.array(values, dtype=np.float64)
+    array = _converted(values, name)
     _check_shape(array.shape, name, shape)
     if not np.isfinite(array).all():
         where = tuple(int(k) for k in np.argwhere(~np.isfinite(array))[0])
@@ -47,12 +61,22 @@ def frozen_ints(values: npt.ArrayLike, name: str, shape: tuple[int, ...]) -> npt
     Raises
     ------
     InputError
-        If the shape differs.
+        If the values are no whole numbers or the shape differs.
     """
-    array = np.array(values, dtype=np.int64)
-    _check_shape(array.shape, name, shape)
+    floats = _converted(values, name)
+    _check_shape(floats.shape, name, shape)
+    if not (floats == np.rint(floats)).all():
+        raise InputError(f"{name} holds {floats[floats != np.rint(floats)][0]}; expected whole numbers; correct it")
+    array = floats.astype(np.int64)
     array.flags.writeable = False
     return array
+
+
+def _converted(values: npt.ArrayLike, name: str) -> npt.NDArray[np.float64]:
+    try:
+        return np.array(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name} is no array of numbers ({error}); expected numbers in rows of one length") from error
 
 
 def _check_shape(got: tuple[int, ...], name: str, expected: tuple[int, ...]) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from femlib.arrays import FloatArray
-from femlib.errors import InputError
+from femlib.errors import InputError, is_number
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,9 +36,10 @@ class Planform:
 
     def __post_init__(self) -> None:
         for name in ("span", "root_chord", "tip_chord"):
-            if not getattr(self, name) > 0.0:
-                raise InputError(f"planform {name} is {getattr(self, name)} m; expected a positive length; correct it")
-        if not 0.0 < self.spar_fraction < 1.0:
+            value = getattr(self, name)
+            if not is_number(value) or value <= 0.0:
+                raise InputError(f"planform {name} is {value!r} m; expected a positive length; correct it")
+        if not is_number(self.spar_fraction) or not 0.0 < self.spar_fraction < 1.0:
             raise InputError(f"planform spar_fraction is {self.spar_fraction}; expected between 0 and 1; correct it")
 
     def chord(self, eta: npt.ArrayLike) -> FloatArray:
@@ -78,9 +79,19 @@ class Naca4:
     camber_position: float
     thickness: float
 
+    def __post_init__(self) -> None:
+        digits = (self.camber, self.camber_position, self.thickness)
+        if not all(map(is_number, digits)) or not (0.0 < self.camber_position < 1.0 and 0.0 < self.thickness < 1.0):
+            raise InputError(
+                f"section has camber {self.camber!r} at {self.camber_position!r} and thickness {self.thickness!r}; "
+                "expected fractions of the chord, the last two between 0 and 1; a 4415 is 0.04, 0.4, 0.15"
+            )
+
     def heights(self, chord_fraction: npt.ArrayLike) -> tuple[FloatArray, FloatArray]:
         """Return (upper, lower) z / chord at chord fractions in [0, 1]."""
         x = np.asarray(chord_fraction, dtype=np.float64)
+        if not ((x >= 0.0) & (x <= 1.0)).all():
+            raise InputError("section heights were asked for outside the chord; expected x/c from 0 to 1; correct them")
         polynomial = 0.2969 * np.sqrt(x) - 0.1260 * x - 0.3516 * x**2 + 0.2843 * x**3 - 0.1036 * x**4
         half = 5.0 * self.thickness * polynomial
         p = self.camber_position
@@ -100,10 +111,10 @@ def grid_lines(stops: Sequence[float], largest_step: float) -> FloatArray:
         If there are fewer than two different stops or the step is not positive.
     """
     fixed = np.unique(np.round(np.asarray(stops, dtype=np.float64), 12))
-    if fixed.size < 2 or not largest_step > 0.0:
+    if fixed.size < 2 or not np.isfinite(fixed).all() or not (is_number(largest_step) and largest_step > 0.0):
         raise InputError(
             f"grid_lines got {fixed.size} different stops and largest_step {largest_step}; "
-            "expected at least 2 stops and a positive step; give both ends of the interval"
+            "expected at least 2 finite stops and a positive step; give both ends of the interval"
         )
     pieces = [
         np.linspace(a, b, max(1, int(np.ceil((b - a) / largest_step - 1e-9))) + 1)[:-1] for a, b in pairwise(fixed)

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from femlib.arrays import FloatArray
-from femlib.errors import InputError, frozen_floats
+from femlib.errors import InputError, frozen_floats, is_number
 
 SHEAR_CORRECTION = 5.0 / 6.0
 """Ratio of the shear stiffness of a homogeneous section to a constant shear strain. Price: exact for one ply only."""
@@ -62,10 +62,14 @@ class Ply:
     def __post_init__(self) -> None:
         for name in ("young_1", "young_2", "shear_12", "shear_13", "shear_23", "thickness"):
             value = getattr(self, name)
-            if not value > 0.0:
+            if not is_number(value) or value <= 0.0:
                 raise InputError(
-                    f"ply {name} is {value}; expected a positive number in SI units; correct the material card"
+                    f"ply {name} is {value!r}; expected a positive number in SI units; correct the material card"
                 )
+        for name in ("poisson_12", "angle", "density", "expansion_1", "expansion_2"):
+            value = getattr(self, name)
+            if not is_number(value):
+                raise InputError(f"ply {name} is {value!r}; expected a finite number in SI units; correct the card")
         if self.density < 0.0:
             raise InputError(f"ply density is {self.density} kg/m^3; expected 0 or more; correct the material card")
         if self.poisson_12**2 * self.young_2 >= self.young_1:
@@ -181,8 +185,10 @@ def laminate(plies: Sequence[Ply]) -> Laminate:
 
 def isotropic_ply(young: float, poisson: float, thickness: float, density: float = 0.0, expansion: float = 0.0) -> Ply:
     """Return a ply of isotropic material, moduli [Pa], thickness [m], density [kg/m^3], expansion [1/K]."""
-    if not -1.0 < poisson < 0.5:
-        raise InputError(f"poisson is {poisson}; expected more than -1 and less than 0.5; correct the material card")
+    if not is_number(young):
+        raise InputError(f"young is {young!r}; expected a positive number of Pa; correct the material card")
+    if not is_number(poisson) or not -1.0 < poisson < 0.5:
+        raise InputError(f"poisson is {poisson!r}; expected more than -1 and less than 0.5; correct the material card")
     shear = young / (2.0 * (1.0 + poisson))
     return Ply(young, young, poisson, shear, shear, shear, thickness, 0.0, density, expansion, expansion)
 

@@ -75,6 +75,9 @@ class Mesh:
         object.__setattr__(
             self, "patch_of_element", frozen_ints(self.patch_of_element, "mesh patch_of_element", counts)
         )
+        if not self.n_elements:
+            raise MeshError("mesh has no element; expected at least one; give quads or trias their corners")
+        _check_patches(self.patch_of_element, len(self.patches))
         for corners, first in ((self.quads, 0), (self.trias, len(self.quads))):
             _check_corners(corners, first, len(self.nodes))
             if len(corners):
@@ -118,6 +121,15 @@ class Mesh:
 def dofs_of_nodes(nodes: IntArray | Sequence[int]) -> IntArray:
     """Return the degrees of freedom (n_nodes, 6) of nodes."""
     return DOFS_PER_NODE * np.asarray(nodes, dtype=np.int64)[..., None] + np.arange(DOFS_PER_NODE)
+
+
+def _check_patches(patch_of_element: IntArray, n_patches: int) -> None:
+    bad = np.flatnonzero((patch_of_element < 0) | (patch_of_element >= n_patches))
+    if bad.size:
+        raise MeshError(
+            f"element {bad[0]} is of patch number {patch_of_element[bad[0]]}; expected 0 to {n_patches - 1}; "
+            "number the patches from zero, in the order of their names"
+        )
 
 
 def _check_corners(corners: IntArray, first: int, n_nodes: int) -> None:

@@ -15,9 +15,11 @@ import scipy.sparse as sparse
 
 from femlib.arrays import FloatArray, IntArray
 from femlib.elements import quad4, tria3
-from femlib.errors import InputError, frozen_floats
+from femlib.errors import InputError, frozen_floats, is_number
 from femlib.mesh import Mesh, dofs_of_nodes
 
+STEEPEST = 0.1
+"""Least share of a gauge's direction that must lie in the surface: 6 degrees from the normal."""
 N_NEAREST = 12
 """Elements, nearest by centroid, among which a gauge's element is looked for."""
 
@@ -49,8 +51,12 @@ class StrainGauge:
     def __post_init__(self) -> None:
         object.__setattr__(self, "position", frozen_floats(self.position, f"gauge {self.name} position", (3,)))
         object.__setattr__(self, "direction", frozen_floats(self.direction, f"gauge {self.name} direction", (3,)))
-        if not -1.0 <= self.side <= 1.0:
-            raise InputError(f"gauge {self.name} side is {self.side}; expected -1 (bottom) to 1 (top); correct it")
+        if not self.direction.any():
+            raise InputError(f"gauge {self.name} direction is zero; expected a direction along the surface; give one")
+        if isinstance(self.patches, str) or not self.patches:
+            raise InputError(f"gauge {self.name} patches are {self.patches!r}; expected a list of names; name one")
+        if not is_number(self.side) or not -1.0 <= self.side <= 1.0:
+            raise InputError(f"gauge {self.name} side is {self.side!r}; expected -1 (bottom) to 1 (top); correct it")
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,6 +97,9 @@ def element_rows(mesh: Mesh, thickness: FloatArray, gauges: Sequence[StrainGauge
 
     A gauge's strain is the sum of row @ displacements of the element, or @ its deformation where it moved far.
     """
+    if not gauges:
+        raise InputError("no gauges were given; expected at least one; add a StrainGauge")
+    thickness = frozen_floats(thickness, "thickness", (mesh.n_elements,))
     rows = []
     for gauge, weights in zip(gauges, element_weights(mesh, gauges), strict=True):
         parts = {}
@@ -146,7 +155,7 @@ def point_strain_row(
     operator = tria3.strain_operator(points) if is_triangle else quad4.strain_operator(points, xi, eta)
     along = operator.axes.T @ direction
     length = np.hypot(along[0], along[1])
-    if length < 1e-6 * np.linalg.norm(direction) or length == 0.0:
+    if length < STEEPEST * np.linalg.norm(direction):
         raise InputError(f"gauge {name} measures along the shell's normal; expected one in the surface; turn it")
     c, s = along[0] / length, along[1] / length
     weights = np.array([c * c, s * s, c * s])

@@ -47,6 +47,7 @@ LEVELS = {
     "femlib": {
         "errors": 0,
         "arrays": 0,
+        "files": 1,
         "material": 1,
         "geometry": 1,
         "mesh": 2,

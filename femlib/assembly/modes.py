@@ -13,7 +13,7 @@ from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 from femlib.arrays import FloatArray
 from femlib.assembly.factors import factorise
 from femlib.assembly.supports import Supports
-from femlib.errors import InputError, SolveError
+from femlib.errors import InputError, SolveError, is_whole
 from femlib.mesh import DOFS_PER_NODE, Mesh
 
 
@@ -38,9 +38,13 @@ def natural_modes(stiffness: sparse.csc_array, mass: sparse.csc_array, supports:
 
     Raises
     ------
+    InputError
+        If the number of modes is none that the structure has.
     SolveError
         If the structure can move freely or the iteration does not converge.
     """
+    if not is_whole(n_modes) or not 1 <= n_modes < len(supports.free) - 1:
+        raise InputError(f"n_modes is {n_modes!r}; expected 1 to {len(supports.free) - 2}; correct it")
     held, heavy = supports.reduce(stiffness), supports.reduce(mass)
     factors = factorise(held, supports.groups)
     inverse = LinearOperator(held.shape, matvec=factors.solve, dtype=np.float64)

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from numbers import Real
 
 import numpy as np
 import scipy.linalg as linalg
@@ -20,7 +21,7 @@ class Component:
     name, parameter : str
         Names of the region and of its damage parameter.
     elements : BoolArray
-        Which elements belong to it (n_elements,).
+        Which elements belong to it (n_elements,), as truth values.
     """
 
     name: str
@@ -80,6 +81,9 @@ def damage_row(state: Mapping[str, float], parameters: Sequence[str]) -> FloatAr
     unknown = sorted(set(state) - set(parameters))
     if unknown:
         raise InputError(f"state names {unknown}; expected among {list(parameters)}; correct the parameter's name")
+    wrong = {name: value for name, value in state.items() if not isinstance(value, Real)}
+    if wrong:
+        raise InputError(f"state has {wrong}; expected fractions of stiffness lost; give numbers, 0.4 for 40 %")
     return np.array([float(state.get(name, 0.0)) for name in parameters])
 
 
@@ -96,8 +100,18 @@ def checked_damage(states: FloatArray, parameters: Sequence[str]) -> FloatArray:
     return damage
 
 
-def refuse_overlap(components: Sequence[Component]) -> None:
-    """Raise InputError if a region is empty or two regions share an element."""
+def refuse_overlap(components: Sequence[Component], n_elements: int) -> None:
+    """Raise InputError if a region is empty or of another mesh, or two share an element or a parameter."""
+    for component in components:
+        got = np.shape(component.elements)
+        if got != (n_elements,):
+            raise InputError(
+                f"region {component.name} has elements of shape {got}; expected ({n_elements},), one truth value "
+                "for each element of the mesh; make them from that mesh"
+            )
+    parameters = [component.parameter for component in components]
+    if len(set(parameters)) != len(parameters):
+        raise InputError(f"components have the parameters {parameters}; expected each its own; rename one")
     for k, second in enumerate(components):
         if not second.elements.any():
             raise InputError(f"region {second.name} holds no element; expected at least one; move it onto the mesh")

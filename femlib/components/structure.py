@@ -58,7 +58,7 @@ class DamagedStructure:
     _eliminated: dict[tuple[int, ...], Eliminated] = field(init=False, repr=False)  # a cache: it changes no answer
 
     def __post_init__(self) -> None:
-        refuse_overlap(self.components)
+        refuse_overlap(self.components, self.shells.mesh.n_elements)
         condensed = tuple(condense(self.shells, self.supports, component) for component in self.components)
         object.__setattr__(self, "_condensed", condensed)
         object.__setattr__(self, "_eliminated", {})

@@ -1,12 +1,9 @@
-"""Files that appear whole or not at all, and the JSON side file that says what a data file is."""
+"""Paths of datasets, and the JSON side file that says what a data file is."""
 
 import hashlib
 import importlib
 import json
-import os
-import secrets
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -43,29 +40,6 @@ def checked_target(path: str | Path, endings: Sequence[str]) -> Path:
     if target.is_dir():
         raise InputError(f"dataset path {target} is a folder; expected a file; add a name to it")
     return target
-
-
-@contextmanager
-def whole_file(target: Path) -> Iterator[Path]:
-    """Give a temporary file beside `target` to fill, then rename it; if the filling fails, nothing is left.
-
-    Raises
-    ------
-    InputError
-        If the folder cannot be written to.
-    """
-    temporary = target.with_name(f".{target.stem}.{secrets.token_hex(4)}{target.suffix}")
-    try:
-        temporary.open("x").close()
-    except OSError as error:
-        raise InputError(
-            f"{target} cannot be written ({error.strerror}); expected a writable folder; create it"
-        ) from error
-    try:
-        yield temporary
-        os.replace(temporary, target)
-    finally:
-        temporary.unlink(missing_ok=True)
 
 
 def side_path(target: Path) -> Path:

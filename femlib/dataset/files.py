@@ -13,8 +13,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from femlib.dataset.disk import checked_target, file_sha256, read_side, side_path, whole_file
+from femlib.dataset.disk import checked_target, file_sha256, read_side, side_path
 from femlib.dataset.samples import Dataset, Recipe
+from femlib.files import whole_file
 
 VERSION = 1
 UNITS = {

@@ -15,7 +15,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 
 from femlib.arrays import FloatArray
-from femlib.errors import InputError
+from femlib.errors import InputError, is_number
 
 
 @runtime_checkable
@@ -84,10 +84,10 @@ class ColouredNoise:
     def __post_init__(self) -> None:
         _check_deviation("coloured noise standard_deviation", self.standard_deviation)
         for name in ("between_readings", "between_gauges"):
-            if not 0.0 <= getattr(self, name) < 1.0:
+            value = getattr(self, name)
+            if not is_number(value) or not 0.0 <= value < 1.0:
                 raise InputError(
-                    f"coloured noise {name} is {getattr(self, name)}; expected a correlation from 0 to below 1; "
-                    "1 would be a Bias"
+                    f"coloured noise {name} is {value!r}; expected a correlation from 0 to below 1; 1 would be a Bias"
                 )
 
     def draw(self, n_runs: int, n_readings: int, offsets: FloatArray, rng: np.random.Generator) -> FloatArray:
@@ -127,8 +127,8 @@ class Bias:
 
     def __post_init__(self) -> None:
         _check_deviation("bias spread", self.spread)
-        if not np.isfinite(self.offset):
-            raise InputError(f"bias offset is {self.offset}; expected a finite number of microstrain; correct it")
+        if not is_number(self.offset):
+            raise InputError(f"bias offset is {self.offset!r}; expected a finite number of microstrain; correct it")
 
     def draw(self, n_runs: int, n_readings: int, offsets: FloatArray, rng: np.random.Generator) -> FloatArray:
         """Return the offsets as errors (1, 1, n_gauges) [microstrain]."""
@@ -140,5 +140,5 @@ class Bias:
 
 
 def _check_deviation(name: str, value: float) -> None:
-    if not 0.0 <= value < np.inf:
-        raise InputError(f"{name} is {value}; expected 0 or more microstrain; 0 is no noise")
+    if not is_number(value) or value < 0.0:
+        raise InputError(f"{name} is {value!r}; expected 0 or more microstrain; 0 is no noise")

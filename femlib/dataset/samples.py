@@ -17,10 +17,11 @@ import numpy as np
 import pandas as pd
 
 from femlib.arrays import BoolArray, FloatArray, IntArray
-from femlib.errors import InputError, frozen_floats, frozen_ints
+from femlib.errors import InputError, frozen_floats, frozen_ints, is_number, is_whole
 
 LEVELS_PERCENT = (0, 20, 40, 60, 80)
 """Losses of stiffness of the study."""
+STUDY_PARAMETERS = ("mu1", "mu2")
 LOAD_FACTOR = 3.0
 """Load factor at which the study measures."""
 PUBLISHED_INSIDE_REGIONS = ("g17", "g18", "g23", "g24")
@@ -104,7 +105,18 @@ def study_states_percent() -> IntArray:
 
 
 def simulated_strains(model: StrainModel, load_factor: float = LOAD_FACTOR) -> MeanStrains:
-    """Return the strains of the 25 states from a model."""
+    """Return the strains of the 25 states from a model.
+
+    Raises
+    ------
+    InputError
+        If the model has other parameters than mu1 and mu2, or the load factor is not finite.
+    """
+    if tuple(model.parameters) != STUDY_PARAMETERS:
+        raise InputError(
+            f"model has the parameters {model.parameters}; expected {STUDY_PARAMETERS}, those of the study; "
+            "for other libraries of states use stream_dataset"
+        )
     states = study_states_percent()
     strains = model.strains_microstrain(states / 100.0, load_factor)
     return MeanStrains(
@@ -160,14 +172,14 @@ class Recipe:
     train_fraction: float = 0.7
 
     def __post_init__(self) -> None:
-        if self.samples_per_state < 1:
-            raise InputError(f"samples_per_state is {self.samples_per_state}; expected 1 or more; the study uses 100")
-        if not 0.0 <= self.noise_variance < np.inf:
+        if not is_whole(self.samples_per_state) or self.samples_per_state < 1:
+            raise InputError(f"samples_per_state is {self.samples_per_state!r}; expected 1 or more; the study uses 100")
+        if not is_number(self.noise_variance) or self.noise_variance < 0.0:
             raise InputError(
-                f"noise_variance is {self.noise_variance}; expected 0 or more microstrain^2; the study uses 1000"
+                f"noise_variance is {self.noise_variance!r}; expected 0 or more microstrain^2; the study uses 1000"
             )
-        if not 0.0 < self.train_fraction < 1.0:
-            raise InputError(f"train_fraction is {self.train_fraction}; expected between 0 and 1; the study uses 0.7")
+        if not is_number(self.train_fraction) or not 0.0 < self.train_fraction < 1.0:
+            raise InputError(f"train_fraction is {self.train_fraction!r}; expected between 0 and 1; the study uses 0.7")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -245,8 +257,8 @@ def build_dataset(means: MeanStrains, recipe: Recipe | None = None, seed: int = 
         If no gauge is usable or the seed is negative.
     """
     drawn = Recipe() if recipe is None else recipe
-    if seed < 0:
-        raise InputError(f"seed is {seed}; expected 0 or more; choose another")
+    if not is_whole(seed) or seed < 0:
+        raise InputError(f"seed is {seed!r}; expected 0 or more; choose another")
     if not means.is_usable.any():
         raise InputError(
             f"none of {len(means.gauges)} gauges is usable; expected at least one outside the regions; move one"

@@ -8,7 +8,7 @@ import numpy as np
 from femlib.arrays import FloatArray
 from femlib.dataset.noise import Noise, WhiteNoise
 from femlib.dataset.samples import LOAD_FACTOR
-from femlib.errors import InputError, frozen_floats
+from femlib.errors import InputError, frozen_floats, is_number, is_whole
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,7 +35,7 @@ class Load:
     force: FloatArray | None = None
 
     def __post_init__(self) -> None:
-        if isinstance(self.factor, str) or not np.isfinite(self.factor):
+        if not is_number(self.factor):
             raise InputError(
                 f"load {self.name!r} has the factor {self.factor!r}; expected a finite number; 1 is steady level flight"
             )
@@ -98,12 +98,12 @@ class Sampling:
         self._check_numbers()
 
     def _check_numbers(self) -> None:
-        if self.samples_per_state < 1:
-            raise InputError(f"samples_per_state is {self.samples_per_state}; expected 1 or more; the study uses 100")
-        if not 0.0 <= self.train_fraction <= 1.0:
-            raise InputError(f"train_fraction is {self.train_fraction}; expected 0 to 1; the study uses 0.7")
-        if self.seed < 0:
-            raise InputError(f"seed is {self.seed}; expected 0 or more; choose another")
+        if not is_whole(self.samples_per_state) or self.samples_per_state < 1:
+            raise InputError(f"samples_per_state is {self.samples_per_state!r}; expected 1 or more; the study uses 100")
+        if not is_number(self.train_fraction) or not 0.0 <= self.train_fraction <= 1.0:
+            raise InputError(f"train_fraction is {self.train_fraction!r}; expected 0 to 1; the study uses 0.7")
+        if not is_whole(self.seed) or self.seed < 0:
+            raise InputError(f"seed is {self.seed!r}; expected 0 or more; choose another")
 
     def divisor(self, load: Load) -> float:
         """Return what a reading under a load is divided by."""

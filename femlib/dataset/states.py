@@ -10,7 +10,7 @@ from typing import Protocol
 import numpy as np
 
 from femlib.arrays import FloatArray
-from femlib.errors import InputError, frozen_floats
+from femlib.errors import InputError, frozen_floats, is_number, is_whole
 
 RANDOM_BLOCK = 1024
 """Random states that share a generator: state k is the same whichever range is asked for."""
@@ -119,17 +119,17 @@ def random_states(
     """
     names = _checked_parameters(parameters)
     most = len(names) if n_damaged is None else n_damaged
-    if n_states < 1:
-        raise InputError(f"n_states is {n_states}; expected 1 or more random states; correct it")
-    if not 1 <= most <= len(names):
-        raise InputError(f"n_damaged is {most}; expected 1 to {len(names)}, the number of parameters; correct it")
-    if not 0.0 < largest < 1.0:
+    if not is_whole(n_states) or n_states < 1:
+        raise InputError(f"n_states is {n_states!r}; expected 1 or more random states; correct it")
+    if not is_whole(most) or not 1 <= most <= len(names):
+        raise InputError(f"n_damaged is {most!r}; expected 1 to {len(names)}, the number of parameters; correct it")
+    if not is_number(largest) or not 0.0 < largest < 1.0:
         raise InputError(
-            f"largest is {largest}; expected a fraction of stiffness between 0 and 1 (a loss of 1 leaves a mechanism); "
+            f"largest is {largest!r}; expected a fraction of stiffness between 0 and 1 (1 leaves a mechanism); "
             "give it as a fraction, not in percent"
         )
-    if seed < 0:
-        raise InputError(f"seed is {seed}; expected 0 or more; choose another")
+    if not is_whole(seed) or seed < 0:
+        raise InputError(f"seed is {seed!r}; expected 0 or more; choose another")
     return StateLibrary(names, (_Random(len(names), n_states, seed, most, largest),))
 
 

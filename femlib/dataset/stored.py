@@ -8,8 +8,9 @@ from typing import Any
 
 import pandas as pd
 
-from femlib.dataset.disk import arrow, checked_target, file_sha256, read_side, side_path, whole_file
-from femlib.errors import InputError
+from femlib.dataset.disk import arrow, checked_target, file_sha256, read_side, side_path
+from femlib.errors import InputError, is_whole
+from femlib.files import whole_file
 
 VERSION = "stream 1"
 GROUP_ROWS = 65_536
@@ -44,8 +45,10 @@ class StoredDataset:
         Raises
         ------
         InputError
-            If a column is not in the file.
+            If a column is not in the file or `n_rows` is no whole number above 0.
         """
+        if not is_whole(n_rows) or n_rows < 1:
+            raise InputError(f"n_rows is {n_rows!r}; expected 1 or more rows at a time; correct it")
         _, parquet = arrow()
         with parquet.ParquetFile(self.path) as file:
             unknown = [name for name in columns or () if name not in file.schema_arrow.names]

@@ -24,7 +24,7 @@ from femlib.dataset.samples import StrainModel
 from femlib.dataset.sampling import Load, Sampling
 from femlib.dataset.states import StateLibrary
 from femlib.dataset.stored import StoredDataset, store
-from femlib.errors import InputError
+from femlib.errors import InputError, is_whole
 
 MOST_TASK_STATES = 1024
 """States of one task, at most."""
@@ -125,6 +125,10 @@ def stream_dataset(
     InputError
         If the path cannot be written to, or model, library, sampling and history do not fit.
     """
+    if isinstance(history, str | Path | pd.DataFrame):
+        raise InputError("history is one table; expected a list of tables; put it in a list")
+    if n_jobs is not None and (not is_whole(n_jobs) or n_jobs == 0):
+        raise InputError(f"n_jobs is {n_jobs!r}; expected a whole number other than 0; -1 is all processors")
     plan = _plan(model, library, Sampling() if sampling is None else sampling)
     with threadpool_limits(1):
         pieces = chain(_simulated(plan, n_jobs), _historical(plan, history))
@@ -137,9 +141,15 @@ def _plan(model: StrainModel, library: StateLibrary, sampling: Sampling) -> Plan
             f"model is a {type(model).__name__}; expected one with gauges, parameters, model_hash and "
             "strains_microstrain, as a Wing has; of a twin, pass its wing"
         )
+    if not isinstance(library, StateLibrary):
+        raise InputError(
+            f"library is a {type(library).__name__}; expected a StateLibrary; listed_states makes one of rows"
+        )
     unknown = [name for name in library.parameters if name not in model.parameters]
     if unknown:
-        raise InputError(f"the library has the parameters {unknown}; expected among the model's {model.parameters}")
+        raise InputError(
+            f"the library has the parameters {unknown}; expected among the model's {model.parameters}; name those"
+        )
     if not len(library):
         raise InputError("the library has no states; expected at least one; give grid_states a level or add a library")
     if any(load.force is not None for load in sampling.loads) and not isinstance(model, MapsStrains):

@@ -6,7 +6,6 @@ the elements that the gauges read; two points through the thickness lie at +-t /
 skin: the height of the carbon face that a gauge reads.
 """
 
-import os
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -16,6 +15,7 @@ from femlib import sensors
 from femlib.arrays import FloatArray, IntArray
 from femlib.components import checked_damage, damage_row
 from femlib.errors import InputError, frozen_floats
+from femlib.files import whole_file
 from femlib.mesh import DOFS_PER_NODE, Mesh
 from femlib.wing.model import MICRO, Wing
 
@@ -65,14 +65,8 @@ def write_deck(
     load = wing.load(load_factor, lift)
     expansion, field = _temperature(wing, warming, gradient)
     lines = [*_geometry(wing), *_sections(wing, damage, expansion), *_step(field, load, large_deflection)]
-    temporary = target.with_name(f".{target.name}.part")
-    try:
+    with whole_file(target) as temporary:
         temporary.write_text("\n".join(lines) + "\n", encoding="ascii")
-        os.replace(temporary, target)
-    except OSError as error:
-        raise InputError(
-            f"{target} cannot be written ({error.strerror}); expected a writable folder; create it"
-        ) from error
 
 
 def read_gauges(wing: Wing, path: str | Path) -> FloatArray:
@@ -98,7 +92,7 @@ def read_gauges(wing: Wing, path: str | Path) -> FloatArray:
 def _centre_strains(path: Path) -> dict[int, float]:
     """Return the spanwise strain at the upper face's middle of each printed element."""
     try:
-        text = path.read_text(encoding="ascii")
+        text = path.read_text(encoding="ascii", errors="replace")  # of another file nothing is found below
     except OSError as error:
         raise InputError(
             f"{path} cannot be read ({error.strerror}); expected CalculiX's .dat file; run the deck"

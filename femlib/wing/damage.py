@@ -1,11 +1,12 @@
 """Effective damage regions: patches of skin whose stiffness falls by the factor 1 - mu."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from femlib.arrays import BoolArray, FloatArray
-from femlib.errors import InputError
+from femlib.errors import InputError, is_number
 
 SURFACES = ("top", "bottom", "web")
 
@@ -39,17 +40,41 @@ class DamageRegion:
             raise InputError(
                 f"damage region {self.name} is on {self.surface!r}; expected one of {list(SURFACES)}; correct it"
             )
-        inside = 0.0 <= self.eta_min < self.eta_max <= 1.0 and 0.0 <= self.chord_min < self.chord_max <= 1.0
-        if not inside:
+        edges = (self.eta_min, self.eta_max, self.chord_min, self.chord_max)
+        if not all(map(is_number, edges)) or not self._is_on_the_wing():
             raise InputError(
                 f"damage region {self.name} has eta {self.eta_min} to {self.eta_max} and x/c {self.chord_min} to "
                 f"{self.chord_max}; expected increasing edges between 0 and 1; move it onto the wing"
             )
 
+    def _is_on_the_wing(self) -> bool:
+        return 0.0 <= self.eta_min < self.eta_max <= 1.0 and 0.0 <= self.chord_min < self.chord_max <= 1.0
+
     def contains(self, eta: FloatArray, chord: FloatArray) -> BoolArray:
         """Return whether points lie inside or on the edge."""
         within = (self.eta_min <= eta) & (eta <= self.eta_max)
         return np.asarray(within & (self.chord_min <= chord) & (chord <= self.chord_max))
+
+
+def checked_regions(regions: Sequence[DamageRegion]) -> tuple[DamageRegion, ...]:
+    """Return regions as a tuple after checking that names and parameters are each their own.
+
+    Raises
+    ------
+    InputError
+        If it is no list of regions, or two share a name or a parameter, or one is called as a part of the wing.
+    """
+    if not isinstance(regions, Sequence) or not all(isinstance(region, DamageRegion) for region in regions):
+        raise InputError(f"regions are {regions!r}; expected a list of DamageRegion; put it in a list")
+    for what in ("name", "parameter"):
+        words = [getattr(region, what) for region in regions]
+        double = sorted({word for word in words if words.count(word) > 1})
+        if double:
+            raise InputError(f"damage regions share the {what} {double}; expected each its own; rename one")
+    taken = sorted({region.name for region in regions} & {*SURFACES, "ribs"})
+    if taken:
+        raise InputError(f"damage regions are called {taken}, as parts of the wing are; expected others; rename them")
+    return tuple(regions)
 
 
 _BAYS = ((1 / 12, 2 / 12), (0.24, 0.39), (5 / 12, 6 / 12), (0.67, 0.83), (11 / 12, 1.0))

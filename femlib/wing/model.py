@@ -17,10 +17,10 @@ from femlib import sensors
 from femlib.arrays import FloatArray
 from femlib.assembly import Supports
 from femlib.components import MOST_PORTS, Component, DamagedStructure, damage_row
-from femlib.errors import InputError, frozen_floats
+from femlib.errors import InputError, frozen_floats, is_number
 from femlib.geometry import Planform
 from femlib.mesh import DOFS_PER_NODE
-from femlib.wing.damage import UAV_REGIONS, DamageRegion
+from femlib.wing.damage import UAV_REGIONS, DamageRegion, checked_regions
 from femlib.wing.gauges import GaugeSet, gauge_set, installed_places
 from femlib.wing.loads import EFFECTIVE_MASS, elliptic_lift
 from femlib.wing.planform import N_RIBS, PLANFORM, SECTION
@@ -209,14 +209,17 @@ def uav_wing(
     Raises
     ------
     InputError
-        If the refinement or the mass is not positive.
+        If the refinement or the mass is not positive, or regions or materials cannot be used.
     """
     for name, value in (("refinement", refinement), ("effective_mass", effective_mass)):
-        if not 0.0 < value < np.inf:
-            raise InputError(f"{name} is {value}; expected a positive finite number; correct it")
+        if not is_number(value) or value <= 0.0:
+            raise InputError(f"{name} is {value!r}; expected a positive finite number; correct it")
     cards = WingMaterials() if materials is None else materials
-    grid = wing_grid(PLANFORM, N_RIBS, regions, installed_places()[:, 0], refinement)
-    return _on_planform(PLANFORM, grid, regions, cards, candidates, elliptic_lift(grid, effective_mass))
+    if not isinstance(cards, WingMaterials):
+        raise InputError(f"materials are {materials!r}; expected WingMaterials; change the fields that differ")
+    kept = checked_regions(regions)
+    grid = wing_grid(PLANFORM, N_RIBS, kept, installed_places()[:, 0], refinement)
+    return _on_planform(PLANFORM, grid, kept, cards, candidates, elliptic_lift(grid, effective_mass))
 
 
 def reshaped(wing: Wing, planform: Planform) -> Wing:
@@ -246,6 +249,6 @@ def _on_planform(
 
 def checked_load_factor(load_factor: float) -> float:
     """Return the load factor as a float; raise InputError if it is not a finite number."""
-    if isinstance(load_factor, str) or not np.isfinite(load_factor):
+    if not is_number(load_factor):
         raise InputError(f"load_factor is {load_factor!r}; expected a finite number; 1 is steady level flight")
     return float(load_factor)

@@ -12,7 +12,7 @@ import numpy as np
 
 from femlib.arrays import FloatArray, IntArray
 from femlib.assembly import Shells
-from femlib.errors import InputError
+from femlib.errors import InputError, is_number
 from femlib.geometry import Naca4, Planform, grid_lines
 from femlib.material import Laminate, isotropic_plate
 from femlib.mesh import Mesh
@@ -76,6 +76,15 @@ class WingMaterials:
     wood_density: float = 600.0
     skin_expansion: float = 2.0e-6
     wood_expansion: float = 5.0e-6
+
+    def __post_init__(self) -> None:
+        if not is_number(self.skin_taper) or self.skin_taper <= 0.0:
+            raise InputError(f"skin_taper is {self.skin_taper!r}; expected tip over root modulus above 0; correct it")
+        if not is_number(self.face_height) or not 0.0 <= self.face_height <= 0.5 * self.skin_thickness:
+            raise InputError(
+                f"face_height is {self.face_height!r} m; expected 0 to half the skin's thickness, "
+                f"{self.skin_thickness!r} m; correct the material card"
+            )
 
     def laminates(self) -> tuple[Laminate, Laminate]:
         """Return the sections (skin at the root, wood)."""
