@@ -6,12 +6,10 @@ cluster). Work is cut by the library's length alone, every piece of noise has a 
 algebra of a piece runs on one thread: the rows are the same for any n_jobs and backend.
 """
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Iterator, Sequence
 from functools import partial
 from itertools import chain
 from pathlib import Path
-from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 import pandas as pd
@@ -20,7 +18,7 @@ from threadpoolctl import threadpool_limits
 
 from femlib.arrays import FloatArray, IntArray
 from femlib.dataset.history import history_pieces
-from femlib.dataset.samples import StrainModel
+from femlib.dataset.plan import MapsStrains, Plan, SampledModel, StrainMap, described, fitted
 from femlib.dataset.sampling import Load, Sampling
 from femlib.dataset.states import StateLibrary
 from femlib.dataset.stored import StoredDataset, store
@@ -34,63 +32,13 @@ WAVE = 32
 """Tasks whose strains are held at once."""
 DRAWN_ROWS = 8192
 """Rows whose noise is drawn at once; coloured noise is correlated along at most so many readings."""
-OFFSETS, READINGS = 0, 1
-"""First words of the generators' seeds: what is drawn once, and what is drawn with the rows."""
-
-StrainMap = Callable[[FloatArray], FloatArray]
-"""From states (n_states, n_parameters) to strains (n_states, n_gauges) [microstrain] under one load."""
-
-
-@runtime_checkable
-class MapsStrains(Protocol):
-    """A model that can prepare a load: what it returns is called for many states, in other processes too."""
-
-    def strain_map(self, load_factor: float, lift: FloatArray | None = None) -> StrainMap:
-        """Return the map from states to strains under a load."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Plan:
-    """A model, a library and a sampling that fit each other.
-
-    Attributes
-    ----------
-    model : StrainModel
-        The model.
-    library : StateLibrary
-        The states.
-    sampling : Sampling
-        What is drawn of each.
-    columns : IntArray
-        Column of each library parameter among the model's (n_library_parameters,).
-    kept : IntArray
-        Place of each gauge of the dataset among the model's (n_gauges,).
-    offsets : tuple of FloatArray
-        What each noise draws once (n_gauges,) [microstrain].
-    """
-
-    model: StrainModel
-    library: StateLibrary
-    sampling: Sampling
-    columns: IntArray
-    kept: IntArray
-    offsets: tuple[FloatArray, ...]
-
-    @property
-    def gauges(self) -> tuple[str, ...]:
-        """Names of the dataset's gauges."""
-        return tuple(self.model.gauges.names[k] for k in self.kept)
-
-    def states(self, first: int, stop: int) -> FloatArray:
-        """Return states of the library in the model's columns; parameters that it does not name are undamaged."""
-        wide = np.zeros((stop - first, len(self.model.parameters)))
-        wide[:, self.columns] = self.library.between(first, stop)
-        return wide
+READINGS = 1
+"""First word of the seeds of what is drawn with the rows; see `femlib.dataset.plan.OFFSETS`."""
 
 
 def stream_dataset(
     path: str | Path,
-    model: StrainModel,
+    model: SampledModel,
     library: StateLibrary,
     sampling: Sampling | None = None,
     *,
@@ -109,8 +57,8 @@ def stream_dataset(
     ----------
     path : str or Path
         File to write (.parquet).
-    model : StrainModel
-        A wing or a reduced model of it.
+    model : SampledModel
+        A wing, or a reduced wing, whose gauges the sampling must name.
     library : StateLibrary
         States; their parameters must be the model's, or some of them.
     sampling : Sampling, optional
@@ -129,89 +77,10 @@ def stream_dataset(
         raise InputError("history is one table; expected a list of tables; put it in a list")
     if n_jobs is not None and (not is_whole(n_jobs) or n_jobs == 0):
         raise InputError(f"n_jobs is {n_jobs!r}; expected a whole number other than 0; -1 is all processors")
-    plan = _plan(model, library, Sampling() if sampling is None else sampling)
+    plan = fitted(model, library, Sampling() if sampling is None else sampling)
     with threadpool_limits(1):
         pieces = chain(_simulated(plan, n_jobs), _historical(plan, history))
-        return store(path, pieces, _side(plan, len(history)))
-
-
-def _plan(model: StrainModel, library: StateLibrary, sampling: Sampling) -> Plan:
-    if not isinstance(model, StrainModel):
-        raise InputError(
-            f"model is a {type(model).__name__}; expected one with gauges, parameters, model_hash and "
-            "strains_microstrain, as a Wing has; of a twin, pass its wing"
-        )
-    if not isinstance(library, StateLibrary):
-        raise InputError(
-            f"library is a {type(library).__name__}; expected a StateLibrary; listed_states makes one of rows"
-        )
-    unknown = [name for name in library.parameters if name not in model.parameters]
-    if unknown:
-        raise InputError(
-            f"the library has the parameters {unknown}; expected among the model's {model.parameters}; name those"
-        )
-    if not len(library):
-        raise InputError("the library has no states; expected at least one; give grid_states a level or add a library")
-    if any(load.force is not None for load in sampling.loads) and not isinstance(model, MapsStrains):
-        raise InputError(f"a load has forces, which a {type(model).__name__} does not take; expected a full model")
-    columns = np.array([list(model.parameters).index(name) for name in library.parameters])
-    kept = _kept_gauges(model, sampling)
-    offsets = [
-        noise.fix(len(kept), np.random.default_rng([OFFSETS, sampling.seed, k]))
-        for k, noise in enumerate(sampling.noise)
-    ]
-    return Plan(model, library, sampling, columns, kept, tuple(offsets))
-
-
-def _kept_gauges(model: StrainModel, sampling: Sampling) -> IntArray:
-    names = list(model.gauges.names)
-    if sampling.gauges is None:
-        kept = np.flatnonzero(model.gauges.is_usable)
-    else:
-        unknown = [name for name in sampling.gauges if name not in names]
-        if unknown or len(set(sampling.gauges)) != len(sampling.gauges):
-            raise InputError(
-                f"sampling names the gauges {unknown or sorted(sampling.gauges)}; expected each once, among "
-                f"{names[0]} to {names[-1]}; correct the names"
-            )
-        kept = np.array([names.index(name) for name in sampling.gauges], dtype=np.int64)
-    if not len(kept):
-        raise InputError(f"none of {len(names)} gauges is left; expected at least one outside the regions; name some")
-    return kept
-
-
-def _side(plan: Plan, n_history: int) -> dict[str, Any]:
-    """Return what the rows lack, for the side file."""
-    sampling = plan.sampling
-    return {
-        "seed": sampling.seed,
-        "parameters": list(plan.library.parameters),
-        "gauges": list(plan.gauges),
-        "n_states": len(plan.library),
-        "states": [part.describe() for part in plan.library.parts],
-        "n_history": n_history,
-        "loads": [
-            {"name": one.name, "factor": one.factor, "has_force": one.force is not None} for one in sampling.loads
-        ],
-        "samples_per_state": sampling.samples_per_state,
-        "train_fraction": sampling.train_fraction,
-        "noise": [
-            {"kind": type(noise).__name__} | asdict(noise) | {"offsets": offsets.tolist()}  # type: ignore[call-overload]
-            for noise, offsets in zip(sampling.noise, plan.offsets, strict=True)
-        ],
-        "model_hash": plan.model.model_hash,
-        "units": _units(sampling),
-    }
-
-
-def _units(sampling: Sampling) -> dict[str, str]:
-    divided = ", divided by load_factor" if sampling.divide_by_load else " at load_factor"
-    return {
-        "gauges": "microstrain, compressive positive" + divided,
-        "parameters": "fraction of stiffness lost",
-        "load_factor": "multiples of steady level flight",
-        "noise": "microstrain at the load factor, before any division",
-    }
+        return store(path, pieces, described(plan, len(history)))
 
 
 def _simulated(plan: Plan, n_jobs: int | None) -> Iterator[pd.DataFrame]:
@@ -229,7 +98,7 @@ def _simulated(plan: Plan, n_jobs: int | None) -> Iterator[pd.DataFrame]:
                 yield from _rows(plan, first, strains[:, :, plan.kept])
 
 
-def _strain_map(model: StrainModel, load: Load) -> StrainMap:
+def _strain_map(model: SampledModel, load: Load) -> StrainMap:
     if isinstance(model, MapsStrains):
         return model.strain_map(load.factor, load.force)
     return partial(model.strains_microstrain, load_factor=load.factor)

@@ -29,7 +29,7 @@ from femlib.geometry import Naca4, Planform, grid_lines
 from femlib.material import isotropic_plate
 from femlib.mesh import Mesh
 from femlib.sensors import StrainGauge, strain_rows
-from femlib.wing import Wing, WingTwin, reduced_wing, uav_wing
+from femlib.wing import Wing, WingTwin, reduce_wing, uav_wing
 from femlib.wing.calculix import read_gauges, write_deck
 from femlib.wing.damage import UAV_REGIONS, DamageRegion
 from femlib.wing.structure import WingMaterials
@@ -187,8 +187,12 @@ ON_THE_WING: list[tuple[Callable[[Wing, Path], object], str]] = [
     ),
     (lambda w, p: stream(w, p, Sampling([Load("a", 1.0, np.ones(3))])), r"lift has shape \(3,\); expected"),
     (
-        lambda w, p: stream(reduced_wing(w), p, Sampling([Load("a", 1.0, np.ones(3))])),
+        lambda w, p: stream(reduce_wing(w), p, Sampling([Load("a", 1.0, np.ones(3))], gauges=["g01"])),
         "a load has forces, which a ReducedWing does not take",
+    ),
+    (
+        lambda w, p: stream(reduce_wing(w), p),
+        "sampling names no gauges, and a ReducedWing does not know which of its 24",
     ),
     (lambda w, p: stream(w, p, history="x.csv"), "history is one table; expected a list of tables"),
     (lambda w, p: stream(w, p, history=[p / "none.csv"]), "history 0 .*none.csv.* cannot be read"),
