@@ -1,20 +1,14 @@
 """The wing against CalculiX on the exported deck: gauge strains, linear and with large deflection."""
 
-import os
 import shutil
-import subprocess
-import tempfile
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from femlib.wing import Wing, uav_wing
-from femlib.wing.bent import bend
-from femlib.wing.calculix import read_gauges, write_deck
+from benchmarks.calculix import LOAD_FACTOR, calculix
+from femlib.wing import Wing, bend, uav_wing
 
-LOAD_FACTOR = 3.0
 HEALTHY: dict[str, float] = {}
 DAMAGED = {"mu1": 0.8, "mu2": 0.8}
 LINEAR = ((HEALTHY, 1.0), (DAMAGED, 1.0), (HEALTHY, 0.5))
@@ -35,7 +29,7 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
 def linear(state: dict[str, float], refinement: float) -> dict[str, Any]:
     """Return how far the strains of a state are from CalculiX [%], over all 24 gauges and over the usable ones."""
     wing = uav_wing(refinement=refinement)
-    theirs = _calculix(wing, state, False)
+    theirs = calculix(wing, state, False, False)
     error = 100.0 * (wing.strain_microstrain(state, LOAD_FACTOR) / theirs - 1.0)
     return (
         _line("linear", state, refinement, wing) | _sizes("all", error) | _sizes("usable", error[wing.gauges.is_usable])
@@ -47,18 +41,10 @@ def bent(state: dict[str, float], refinement: float) -> dict[str, Any]:
     wing = uav_wing(refinement=refinement)
     before = wing.strain_microstrain(state, LOAD_FACTOR)
     ours = 100.0 * (bend(wing, state, LOAD_FACTOR).strain_microstrain / before - 1.0)
-    theirs = 100.0 * (_calculix(wing, state, True) / _calculix(wing, state, False) - 1.0)
+    theirs = 100.0 * (calculix(wing, state, False, True) / calculix(wing, state, False, False) - 1.0)
     error, usable = ours - theirs, wing.gauges.is_usable
     line = _line("large deflection", state, refinement, wing) | _sizes("all", error) | _sizes("usable", error[usable])
     return line | {"change_least": float(theirs[usable].max()), "change_most": float(theirs[usable].min())}
-
-
-def _calculix(wing: Wing, state: dict[str, float], large_deflection: bool) -> np.ndarray:
-    with tempfile.TemporaryDirectory() as folder:
-        write_deck(wing, Path(folder) / "wing.inp", state, LOAD_FACTOR, large_deflection=large_deflection)
-        environment = os.environ | {"OMP_NUM_THREADS": "1"}
-        subprocess.run(["ccx", "wing"], cwd=folder, check=True, capture_output=True, env=environment)
-        return read_gauges(wing, Path(folder) / "wing.dat")
 
 
 def _line(kind: str, state: dict[str, float], refinement: float, wing: Wing) -> dict[str, Any]:
