@@ -7,6 +7,7 @@
 
 mod axis;
 mod blocks;
+mod charts;
 mod climb;
 mod ground;
 mod kick;

@@ -9,7 +9,7 @@ use super::view::{Line, View};
 /// Strips of a chart that is used once.
 const STRIPS: usize = 8;
 
-/// Find the best leaf or split of `ids` over these charts; exact if below `cutoff`. A move for a local search, too.
+/// Find the best leaf or split of `ids` over these charts; exact if below `cutoff`.
 ///
 /// Every side of a split holds at least `need` samples. `lines` are splits that may be good.
 pub fn best_single(
@@ -27,12 +27,31 @@ pub fn best_single(
         if stop.load(std::sync::atomic::Ordering::Relaxed) {
             break;
         }
-        let chart = Chart::new(view.plane, features, STRIPS);
-        search.begin_chart();
-        for strip in 0..chart.n_strips() {
-            search.scan(&chart, (strip, strip + 1), true);
-        }
-        search.try_best_of_chart();
+        scan_chart(&mut search, &Chart::new(view.plane, features, STRIPS));
     }
     search.finish(0)
+}
+
+/// Find a good split of `ids` over a few charts that costs less than `cutoff`: no more than so many regions are split.
+pub fn best_of_charts(
+    view: View<'_>,
+    charts: [&Chart; 2],
+    ids: &[u32],
+    need: i64,
+    cutoff: i64,
+    most_tried: usize,
+    stop: &AtomicBool,
+) -> Answer {
+    let mut search = Search::new(view, ids, need, cutoff, stop);
+    search.most_tried = most_tried;
+    charts.into_iter().for_each(|chart| scan_chart(&mut search, chart));
+    search.finish(0)
+}
+
+fn scan_chart(search: &mut Search<'_>, chart: &Chart) {
+    search.begin_chart();
+    for strip in 0..chart.n_strips() {
+        search.scan(chart, (strip, strip + 1), true);
+    }
+    search.try_best_of_chart();
 }

@@ -3,6 +3,7 @@
 use std::sync::OnceLock;
 
 use crate::problem::Problem;
+use crate::search::charts::PairCharts;
 use crate::search::orders::Orders;
 use crate::search::roots::Root;
 use crate::search::state::Rule;
@@ -25,6 +26,7 @@ pub struct Ground<'a> {
     standardised: Vec<f32>,
     /// The most promising roots, looked for when they are first wanted.
     pub roots: OnceLock<Vec<Root>>,
+    charts: OnceLock<Option<PairCharts>>,
 }
 
 impl<'a> Ground<'a> {
@@ -33,7 +35,21 @@ impl<'a> Ground<'a> {
         let (means, deviations) = moments(problem);
         let standardised = standardise(problem, &means, &deviations);
         let (prices, orders) = (Prices::new(problem), Orders::new(problem));
-        Self { problem, prices, orders, means, deviations, standardised, roots: OnceLock::new() }
+        Self {
+            problem,
+            prices,
+            orders,
+            means,
+            deviations,
+            standardised,
+            roots: OnceLock::new(),
+            charts: OnceLock::new(),
+        }
+    }
+
+    /// Tables of the lines over pairs of features, where they are not too large.
+    pub fn charts(&self) -> Option<&PairCharts> {
+        self.charts.get_or_init(|| PairCharts::new(self.problem)).as_ref()
     }
 
     /// The standardised values of a sample.

@@ -1,5 +1,6 @@
 //! The best hyperplane of one node, the rest of the tree fixed: many lines of hyperplanes, one after the other.
 
+mod exact;
 mod lean;
 mod pair;
 mod shake;
@@ -24,6 +25,8 @@ pub struct PlaneAtWork<'a> {
     kept: (Plane, Tally<'a>),
     /// Gain that a line may lose before it is given up.
     patience: i64,
+    /// By sample, the side that it wants and how much.
+    wishes: (Vec<u32>, Vec<i64>),
 }
 
 /// How many random directions one visit tries.
@@ -42,7 +45,16 @@ impl<'a> PlaneAtWork<'a> {
     pub fn new(ground: &'a Ground<'a>) -> Self {
         let tally = Tally::new(&ground.prices);
         let (line, kept) = (LineScratch::new(&tally), (Plane::default(), tally.clone()));
-        Self { ground, plane: Plane::default(), slopes: Vec::new(), line, kept, tally, patience: 0 }
+        Self {
+            ground,
+            plane: Plane::default(),
+            slopes: Vec::new(),
+            line,
+            kept,
+            tally,
+            patience: 0,
+            wishes: Default::default(),
+        }
     }
 
     /// Take up the rule of a node that is no leaf.
@@ -128,6 +140,7 @@ impl<'a> PlaneAtWork<'a> {
         }
         if self.ground.split_size() == 2 {
             (0..MOST_PAIRS).for_each(|_| self.try_pair(view, room, rng));
+            self.try_exact_pairs(view, room, rng);
         }
     }
 

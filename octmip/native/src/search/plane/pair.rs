@@ -12,17 +12,9 @@ impl PlaneAtWork<'_> {
     ///
     /// The lines `z_f + d z_g = const` through the sample, over all d, are all angles but one.
     pub(super) fn try_pair(&mut self, view: &View, room: &Room, rng: &mut fastrand::Rng) {
-        let p = self.ground.problem.p;
-        let support = self.support();
-        let f = match rng.u32(..FRESH_ONE_IN) {
-            0 => rng.usize(..p),
-            _ => support.get(rng.usize(..support.len().max(1))).map_or(0, |&f| f as usize),
-        };
-        let g = rng.usize(..p);
-        let pair = [f.min(g) as u32, f.max(g) as u32];
-        if f == g || !room.admits(&pair) {
+        let Some([f, g]) = self.random_pair(room, rng) else {
             return;
-        }
+        };
         let problem = self.ground.problem;
         let scale = [f, g].map(|f| 1.0 / self.ground.deviations[f]);
         let anchor = problem.row(view.samples[rng.usize(..view.samples.len())]);
@@ -36,5 +28,18 @@ impl PlaneAtWork<'_> {
         if !self.tally.is_large_enough() || self.gain() < floor {
             (self.plane, self.tally) = before;
         }
+    }
+
+    /// Two features that may be read together, one of them mostly read now.
+    pub(super) fn random_pair(&self, room: &Room, rng: &mut fastrand::Rng) -> Option<[usize; 2]> {
+        let p = self.ground.problem.p;
+        let support = self.support();
+        let f = match rng.u32(..FRESH_ONE_IN) {
+            0 => rng.usize(..p),
+            _ => support.get(rng.usize(..support.len().max(1))).map_or(0, |&f| f as usize),
+        };
+        let g = rng.usize(..p);
+        let pair = [f.min(g) as u32, f.max(g) as u32];
+        (f != g && room.admits(&pair)).then_some([f, g])
     }
 }

@@ -1,0 +1,95 @@
+//! Tables of the lines over pairs of features, each made when a search first asks for it and kept for all its nodes.
+
+use std::sync::OnceLock;
+use std::sync::atomic::AtomicBool;
+
+use crate::oblique::chart::Chart;
+use crate::oblique::loss::Loss;
+use crate::oblique::plane::Plane;
+use crate::oblique::single::best_of_charts;
+use crate::oblique::switches::Switches;
+use crate::oblique::view::{Line, View};
+use crate::problem::Problem;
+
+/// Strips of a chart.
+const STRIPS: usize = 8;
+/// Regions of one pair that are split at most: what is left out is nearly always what could not win.
+const MOST_TRIED: usize = 6;
+/// Tables of more bytes than this are not made at all.
+const MOST_BYTES: usize = 200_000_000;
+
+/// See the module.
+#[derive(Debug)]
+pub struct PairCharts {
+    plane: Plane,
+    charts: Vec<OnceLock<Chart>>,
+    /// Costs of the problem, and its weights as these want them.
+    pub loss: Loss,
+    pub weights: Vec<i64>,
+    /// Right and wrong sides, where the leaves keep their labels.
+    pub sides: Loss,
+    never: AtomicBool,
+}
+
+/// What is asked of a pair of features.
+#[derive(Debug, Clone, Copy)]
+pub struct Asked<'a> {
+    pub ids: &'a [u32],
+    pub labels: &'a [u32],
+    pub weights: &'a [i64],
+    pub loss: &'a Loss,
+    pub need: i64,
+    /// Only splits that cost less are of interest.
+    pub cutoff: i64,
+}
+
+impl PairCharts {
+    /// No tables yet; None where they would be too large.
+    pub fn new(problem: &Problem) -> Option<Self> {
+        let n_charts = problem.p * (problem.p - 1);
+        if n_charts * problem.n * (STRIPS + 1) > MOST_BYTES {
+            return None;
+        }
+        let values = problem.values_by_feature()?;
+        let (loss, unit) = Loss::of(problem);
+        Some(Self {
+            plane: Plane::new(problem.n, problem.p, &values, &problem.ranks),
+            charts: (0..n_charts).map(|_| OnceLock::new()).collect(),
+            loss,
+            weights: problem.weights.iter().map(|weight| weight * unit).collect(),
+            sides: Loss::two_sides(),
+            never: AtomicBool::new(false),
+        })
+    }
+
+    /// The best line over two features that costs less than the cutoff, as far as a few regions tell.
+    pub fn best_line(&self, pair: (usize, usize), asked: Asked) -> Option<Line> {
+        let view = View {
+            plane: &self.plane,
+            labels: asked.labels,
+            weights: asked.weights,
+            loss: asked.loss,
+            switches: Switches::default(),
+        };
+        let charts = [pair, (pair.1, pair.0)].map(|features| self.chart(features));
+        let answer = best_of_charts(view, charts, asked.ids, asked.need, asked.cutoff, MOST_TRIED, &self.never);
+        answer.line.filter(|_| answer.attained < asked.cutoff)
+    }
+
+    fn chart(&self, (f, g): (usize, usize)) -> &Chart {
+        let others = self.plane.p - 1;
+        let slot = f * others + if g > f { g - 1 } else { g };
+        self.charts[slot].get_or_init(|| Chart::new(&self.plane, (f, g), STRIPS))
+    }
+
+    /// Whether a line sends a sample left.
+    pub fn sends_left(&self, line: &Line, sample: u32) -> bool {
+        line.sends_left(&self.plane, sample)
+    }
+
+    /// Coefficients of a line for the values as given, the first 1.
+    pub fn coefficients(&self, line: &Line) -> [f64; 2] {
+        let (f, g) = line.features;
+        [1.0, line.t * (self.plane.half_spans[f] / self.plane.half_spans[g])]
+    }
+}
