@@ -38,6 +38,7 @@ FAMILIES = {
     "exact_proofs": "benchmarks.cases.exact_proofs",
     "search_hits": "benchmarks.cases.search_hits",
     "search_planes": "benchmarks.cases.search_planes",
+    "search_lines": "benchmarks.cases.search_lines",
     "search_growth": "benchmarks.cases.search_growth",
     "fuzz_exact": "benchmarks.cases.fuzz_exact",
     "fuzz_proofs": "benchmarks.cases.fuzz_proofs",

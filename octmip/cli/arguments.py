@@ -77,7 +77,10 @@ def add_json_argument(parser: argparse._ActionsContainer) -> None:
 def add_method_argument(parser: argparse.ArgumentParser) -> None:
     """Add --method."""
     parser.add_argument(
-        "--method", choices=METHODS, default="auto", help="default auto: exact, or search for hyperplanes"
+        "--method",
+        choices=METHODS,
+        default="auto",
+        help="default auto: exact, or search for hyperplanes; exact proves those of at most 2 features to depth 2",
     )
 
 

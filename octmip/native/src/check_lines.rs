@@ -60,6 +60,8 @@ struct Child {
 struct Checker<'a> {
     q: &'a Problem,
     columns: Vec<Vec<f64>>,
+    /// For two answers and a class, what the cheaper answer costs.
+    cheaper: Vec<i64>,
     claim: i64,
     lines: Vec<&'a str>,
 }
@@ -67,7 +69,7 @@ struct Checker<'a> {
 /// Check that a log proves, after `skip` lines, that every tree costs `claim` or more.
 pub fn check(q: &Problem, log: &str, skip: usize, claim: i64, threads: usize) -> Result<(), Refusal> {
     let (columns, lines) = (coordinates(q)?, log.lines().collect());
-    let checker = Checker { q, columns, claim, lines };
+    let checker = Checker { q, columns, cheaper: cheaper(q), claim, lines };
     let (mut line, mut tasks) = (skip, Vec::new());
     ensure!(checker.leaf(&checker.tally(&checker.all())) >= claim, skip, "one leaf costs less than {claim}");
     checker.sensors(&mut line, &mut vec![None; q.sensor_cost.len()], &mut tasks)?;
@@ -88,6 +90,12 @@ pub fn check(q: &Problem, log: &str, skip: usize, claim: i64, threads: usize) ->
     });
     let found = refusals.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner());
     found.into_iter().min_by_key(|refusal| refusal.0).map_or(Ok(()), |refusal| Err(refusal.1))
+}
+
+fn cheaper(q: &Problem) -> Vec<i64> {
+    let k = q.n_classes;
+    let pairs = (0..k).flat_map(|a| (0..k).map(move |b| (a, b)));
+    pairs.flat_map(|(a, b)| (0..k).map(move |c| q.cost(c, a).min(q.cost(c, b)))).collect()
 }
 
 /// So many numbers, one blank between them.

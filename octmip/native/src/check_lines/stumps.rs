@@ -115,7 +115,7 @@ impl Checker<'_> {
         }
         let (mut alive, mut is_same) = (Vec::with_capacity(n_bins), false);
         let owed = claim - self.price(band.chart);
-        let mut scratch = Vec::with_capacity(lanes);
+        let mut scratch = Vec::with_capacity(2 * lanes);
         for (more, less) in first.chunks_exact(lanes).zip(last.chunks_exact(lanes)) {
             may_left.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
             alive.push(match alive.last() {
@@ -136,22 +136,23 @@ impl Checker<'_> {
         may_left: &[i64],
         may_right: &[i64],
         owed: i64,
-        right: &mut Vec<i64>,
+        scratch: &mut Vec<i64>,
     ) -> bool {
         let (q, k, total) = (self.q, self.q.n_classes, &samples.total);
         if may_left[k] < samples.need || may_right[k] < samples.need {
             return false;
         }
         let sure = |may: &[i64], answer| -> i64 { (0..k).map(|c| (total[c] - may[c]) * q.cost(c, answer)).sum() };
-        right.clear();
-        right.extend((0..k).map(|answer| sure(may_left, answer)));
+        scratch.clear();
+        scratch.extend((0..k).map(|answer| sure(may_left, answer)));
+        scratch.extend((0..k).map(|c| may_left[c] + may_right[c] - total[c]));
+        let (right, both) = scratch.split_at(k);
         (0..k).any(|a| {
             let left = sure(may_right, a);
             (0..k).any(|b| {
-                let both = |c: usize| may_left[c] + may_right[c] - total[c];
-                let cheaper = |c| q.cost(c, a).min(q.cost(c, b));
-                let spare = || (0..k).map(|c| both(c) * cheaper(c)).sum::<i64>();
-                a != b && left + right[b] < owed && left + right[b] + spare() < owed
+                let spare = |cheaper: &[i64]| cheaper.iter().zip(both).map(|(cost, n)| cost * n).sum::<i64>();
+                let known = left + right[b];
+                a != b && known < owed && known + spare(&self.cheaper[(a * k + b) * k..][..k]) < owed
             })
         })
     }

@@ -23,7 +23,7 @@ use super::watch::Watch;
 /// Strips of a chart where memory allows.
 const MOST_STRIPS: usize = 64;
 const LEAST_STRIPS: usize = 4;
-/// Random roots to start from.
+/// Random roots in a row that may fail to give a better first tree.
 const STARTS: usize = 24;
 
 /// Find the best tree of depth 2 or less; see `Options` for what is known.

@@ -104,6 +104,9 @@ impl<'a> Queue<'a> {
             Some((tree, cost)) => {
                 self.upper = cost;
                 self.best = Some((tree, cost));
+                if self.target > 0 {
+                    self.target = self.target.min(self.target_above(self.bound()));
+                }
                 true
             }
             None => false,
@@ -169,8 +172,11 @@ impl<'a> Queue<'a> {
             let Some(Reverse((key, Reverse(id)))) = self.waiting.pop() else {
                 break;
             };
-            if let Some(root) = self.boxes.remove(&id).filter(|_| key < self.upper) {
-                batch.push(root);
+            match self.boxes.remove(&id) {
+                Some(root) if key < self.target.min(self.upper) => batch.push(root),
+                // The target fell when a better tree was found.
+                Some(root) if key < self.upper => self.aside.push(root),
+                _ => {}
             }
         }
         batch
@@ -182,9 +188,7 @@ impl<'a> Queue<'a> {
         let upper = self.upper;
         self.aside.retain(|root| root.key < upper);
         let bound = self.aside.iter().map(|root| root.key).min().unwrap_or(upper);
-        let gap = upper - bound;
-        let halves = self.field.ground.switches.targets;
-        self.target = if gap * 25 <= upper || !halves { upper } else { bound + (gap + 1) / 2 };
+        self.target = self.target_above(bound);
         for root in std::mem::take(&mut self.aside) {
             if root.key >= self.target {
                 self.aside.push(root);
@@ -192,6 +196,12 @@ impl<'a> Queue<'a> {
                 self.push(root);
             }
         }
+    }
+
+    fn target_above(&self, bound: i64) -> i64 {
+        let gap = self.upper - bound;
+        let halves = self.field.ground.switches.targets;
+        if gap * 25 <= self.upper || !halves { self.upper } else { bound + (gap + 1) / 2 }
     }
 
     fn take(&mut self, result: Processed) {

@@ -26,17 +26,19 @@ impl Draws {
     }
 }
 
-/// The best tree of depth 2 found from `n_starts` random roots within the charts of `strips`.
+/// The best tree of depth 2 found from random roots within the charts of `strips`, until `patience` in a row fail.
 pub fn first_tree(
     field: &Field<'_>,
     strips: &Arc<Vec<Strip>>,
-    n_starts: usize,
+    patience: usize,
     seed: u64,
     floor: i64,
 ) -> Option<(i64, Sketch)> {
     let mut draws = Draws(seed ^ 0x9e37_79b9_7f4a_7c15);
     let mut best: Option<(i64, Sketch)> = None;
-    for _ in 0..n_starts {
+    let mut n_vain = 0;
+    while n_vain < patience {
+        n_vain += 1;
         let is_done = best.as_ref().is_some_and(|(cost, _)| *cost <= floor);
         if is_done || field.stop.load(Ordering::Relaxed) || strips.is_empty() {
             break;
@@ -59,6 +61,7 @@ pub fn first_tree(
             if best.as_ref().is_none_or(|(least, _)| cost < *least) {
                 let sketches = stumps.map(Sketch::stump);
                 best = Some((cost, Sketch::Split(line, Box::new(sketches))));
+                n_vain = 0;
             }
             match field.move_root(line, stumps, strips, &mut draws) {
                 Some(moved) => line = moved,

@@ -14,7 +14,7 @@ use crate::problem::Problem;
 /// Strips of a chart.
 const STRIPS: usize = 8;
 /// Regions of one pair that are split at most: what is left out is nearly always what could not win.
-const MOST_TRIED: usize = 6;
+const MOST_TRIED: usize = 24;
 /// Tables of more bytes than this are not made at all.
 const MOST_BYTES: usize = 200_000_000;
 

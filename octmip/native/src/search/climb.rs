@@ -198,6 +198,9 @@ impl<'a> Climber<'a> {
         loop {
             let before = self.plane.gain();
             self.plane.improve(&self.view, &room, &mut self.rng);
+            if self.plane.gain() <= before {
+                self.plane.try_exact_pairs(&self.view, &room, &mut self.rng);
+            }
             if self.plane.gain() <= before || !self.goes_on() {
                 break;
             }

@@ -140,7 +140,6 @@ impl<'a> PlaneAtWork<'a> {
         }
         if self.ground.split_size() == 2 {
             (0..MOST_PAIRS).for_each(|_| self.try_pair(view, room, rng));
-            self.try_exact_pairs(view, room, rng);
         }
     }
 

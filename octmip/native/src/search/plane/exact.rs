@@ -9,10 +9,15 @@ use crate::search::view::View;
 /// Samples that the pairs of one visit may look at together, and pairs at most.
 const MOST_SAMPLES: usize = 6000;
 const MOST_PAIRS: usize = 4;
+/// How seldom it is done where nothing else helped.
+const EXACT_ONE_IN: u32 = 4;
 
 impl PlaneAtWork<'_> {
     /// Try the best lines over a few random pairs of features; the gain never falls.
-    pub(super) fn try_exact_pairs(&mut self, view: &View, room: &Room, rng: &mut fastrand::Rng) {
+    pub fn try_exact_pairs(&mut self, view: &View, room: &Room, rng: &mut fastrand::Rng) {
+        if self.ground.split_size() != 2 || rng.u32(..EXACT_ONE_IN) > 0 {
+            return;
+        }
         let Some(charts) = self.ground.charts() else {
             return;
         };

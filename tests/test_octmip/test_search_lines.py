@@ -1,0 +1,50 @@
+"""Local search over lines of two features, whose moves ask the exact single-split solver: no limit is broken."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from octmip import Problem, certify
+from octmip.oblique import two_feature_branch_and_bound
+from octmip.search import local_search
+from tests.two_feature_problems import clouds, random_two_feature_problem
+
+
+def variants(problem: Problem, rng: np.random.Generator) -> list[Problem]:
+    """Return the problem with each kind of limit and price."""
+    k, p = problem.n_classes, problem.n_features
+    return [
+        dataclasses.replace(problem, weights=rng.integers(0, 4, problem.n_samples).astype(float)),
+        dataclasses.replace(problem, costs=rng.integers(0, 6, (k, k)).astype(float)),
+        dataclasses.replace(problem, leaf_size=7, leaf_penalty=1.5),
+        dataclasses.replace(problem, sensor_budget=2.0),
+        dataclasses.replace(problem, allowed_splits=[[0, 1], *([f] for f in range(2, p))]),
+        dataclasses.replace(problem, integer_normals=3),
+        dataclasses.replace(problem, depth=4, leaf_size=3),
+    ]
+
+
+def test_lines_keep_every_limit_of_the_problem():
+    for seed in range(3):
+        rng = np.random.default_rng([71, seed])
+        for problem in variants(clouds(seed, most_samples=130), rng):
+            certify(problem, local_search(problem, seed=seed, restarts=1, kicks=4))
+
+
+def test_small_searches_are_never_better_than_the_proven_optimum_and_mostly_at_it():
+    n_hits = 0
+    for seed in range(24):
+        problem = random_two_feature_problem(np.random.default_rng([72, seed]), depth=1 + seed % 2, max_samples=30)
+        found, best = local_search(problem, seed=seed, restarts=3), two_feature_branch_and_bound(problem)
+        certify(problem, found)
+        assert best.is_optimal and found.objective >= best.bound - best.tolerance
+        n_hits += found.objective <= best.objective + best.tolerance
+    assert n_hits >= 22
+
+
+@pytest.mark.parametrize("seed", [3, 9])
+def test_lines_do_not_depend_on_the_number_of_threads(seed):
+    problem = clouds(seed, most_samples=130)
+    alone, together = (local_search(problem, seed=1, restarts=3, kicks=3, n_jobs=n) for n in (1, 3))
+    assert alone.tree == together.tree
