@@ -1,0 +1,33 @@
+"""The risk study runs from the command, and its figures hang together."""
+
+import matplotlib.image
+import numpy as np
+import pytest
+
+from benchmarks.data import SHARED
+from benchmarks.uav.risk.__main__ import main
+from benchmarks.uav.risk.decisions import decision_rows, state_rows
+from femlib.dataset import Recipe, build_dataset, published_strains
+
+STRAINS = SHARED / "uav" / "strains.csv"
+needs_strains = pytest.mark.skipif(not STRAINS.exists(), reason="the published strains are not beside the project")
+
+
+@needs_strains
+def test_the_command_writes_tables_and_pictures(tmp_path, capsys):
+    main(["--smoke", "--out", str(tmp_path)])
+    assert "| decisions | mu2 | unweighted | 1 of 1 |" in capsys.readouterr().out
+    assert (tmp_path / "risk_published.md").exists()
+    for label in ("mu1", "mu2"):
+        assert np.ptp(matplotlib.image.imread(tmp_path / f"risk_reliability_{label}_published.png")) > 0
+
+
+@needs_strains
+def test_weighing_halves_what_is_missed_and_every_row_is_proven():
+    data = build_dataset(published_strains(STRAINS), Recipe(samples_per_state=20), seed=1)
+    for found in (decision_rows(data, 1, 2), state_rows(data, 1, 2)):
+        rows = [row for row in found if row.task == "mu2"]
+        assert all(row.solution.is_optimal for row in rows)
+        plain, weighted = (next(row for row in rows if row.price == price) for price in (2.0, 11.0))
+        assert weighted.train.missed_critical <= plain.train.missed_critical / 2
+        assert weighted.train.false_alarm > plain.train.false_alarm
