@@ -57,6 +57,7 @@ FAMILIES = {
     "fem_calculix": "benchmarks.cases.fem_calculix",
     "fem_calibration": "benchmarks.cases.fem_calibration",
     "fem_dataset": "benchmarks.cases.fem_dataset",
+    "fem_rom": "benchmarks.cases.fem_rom",
 }
 
 
