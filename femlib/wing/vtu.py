@@ -4,7 +4,6 @@ Source: The VTK User's Guide (2010), XML unstructured grids, ASCII. Written here
 meshio, whose last release is of January 2024: meshio 5.3.5 and VTK read the files.
 """
 
-import os
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -13,6 +12,7 @@ import numpy as np
 from femlib.arrays import FloatArray, IntArray
 from femlib.assembly import Deflection
 from femlib.errors import InputError
+from femlib.files import whole_file
 from femlib.mesh import dofs_of_nodes
 from femlib.sensors import point_strain_row
 from femlib.wing.bent import bend
@@ -54,12 +54,8 @@ def write_vtu(
         "patch": mesh.patch_of_element.astype(np.float64),
     }
     text = _document(mesh.nodes, [mesh.quads, mesh.trias], {"displacement_m": moved}, cells)
-    temporary = target.with_name(f".{target.name}.part")
-    try:
+    with whole_file(target) as temporary:
         temporary.write_text(text, encoding="ascii")
-        os.replace(temporary, target)
-    except OSError as error:
-        raise InputError(f"{target} cannot be written ({error.strerror}); expected a writable folder") from error
 
 
 def near_shape(wing: Wing, moved: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -33,6 +33,7 @@ from femlib.wing import Wing, WingTwin, reduce_wing, uav_wing
 from femlib.wing.calculix import read_gauges, write_deck
 from femlib.wing.damage import UAV_REGIONS, DamageRegion
 from femlib.wing.structure import WingMaterials
+from femlib.wing.vtu import write_vtu
 
 NAN = float("nan")
 SQUARE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=float)
@@ -146,6 +147,7 @@ ON_THE_WING: list[tuple[Callable[[Wing, Path], object], str]] = [
     (lambda w, p: write_deck(w, p / "none" / "a.inp", {}, 3.0), "a.inp cannot be written .*expected a writable folder"),
     (lambda w, p: write_deck(w, p / "folder.inp", {}, 3.0), "folder.inp cannot be written .it is a folder"),
     (lambda w, p: write_deck(w, p / "a.txt", {}, 3.0), "ends in '.txt'; expected .inp"),
+    (lambda w, p: write_vtu(w, p / "folder.vtu", {}, 3.0), "folder.vtu cannot be written .it is a folder"),
     (lambda w, p: read_gauges(w, p / "binary.dat"), "has no strains of element"),
     (lambda w, p: rows_of(w, gauge((9.0, 9.0, 9.0))), r"gauge q at \[9.0, 9.0, 9.0\] m lies outside \['top'\]"),
     (lambda w, p: rows_of(w, gauge(patches=("R3",))), "patch 'R3' is not in the mesh; expected one of"),
@@ -242,6 +244,7 @@ def test_a_wrong_call_gets_a_sentence_and_leaves_no_file(
 ) -> None:
     (tmp_path / "folder.inp").mkdir()
     (tmp_path / "folder.parquet").mkdir()
+    (tmp_path / "folder.vtu").mkdir()
     (tmp_path / "binary.dat").write_bytes(b"\xff\xfe\x00")
     with pytest.raises(InputError, match=sentence) as told:
         attempt(tiny, tmp_path)
