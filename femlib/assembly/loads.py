@@ -17,7 +17,7 @@ from femlib.arrays import FloatArray, IntArray
 from femlib.assembly.shells import Shells
 from femlib.elements import quad4, tria3
 from femlib.elements.frame import StrainOperator, resultant_turn
-from femlib.errors import frozen_floats
+from femlib.errors import InputError, frozen_floats, frozen_ints
 from femlib.mesh import DOFS_PER_NODE, Mesh, dofs_of_nodes
 
 GAUSS = 1.0 / np.sqrt(3.0)
@@ -40,7 +40,11 @@ def surface_load(mesh: Mesh, traction: FloatArray) -> FloatArray:
 def line_load(mesh: Mesh, path: Sequence[int] | IntArray, force: FloatArray) -> FloatArray:
     """Return nodal forces (n_dofs,) [N] of a force per length (3,) [N/m] along a path of nodes joined by edges."""
     per_length = frozen_floats(force, "line force", (3,))
-    nodes = np.asarray(path, dtype=np.int64)
+    nodes = frozen_ints(path, "line load path", (-1,))
+    if len(nodes) < 2 or nodes.min() < 0 or nodes.max() >= len(mesh.nodes):
+        raise InputError(
+            f"line load path names {len(nodes)} nodes; expected 2 or more from 0 to {len(mesh.nodes) - 1}; correct it"
+        )
     half = 0.5 * np.linalg.norm(np.diff(mesh.nodes[nodes], axis=0), axis=1)
     loads = np.zeros((len(mesh.nodes), DOFS_PER_NODE))
     for ends in (nodes[:-1], nodes[1:]):

@@ -13,7 +13,7 @@ from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 from femlib.arrays import FloatArray
 from femlib.assembly.factors import factorise
 from femlib.assembly.supports import Supports
-from femlib.errors import InputError, SolveError, is_whole
+from femlib.errors import InputError, SolveError, is_number, is_whole
 from femlib.mesh import DOFS_PER_NODE, Mesh
 
 
@@ -68,9 +68,9 @@ def point_masses(mesh: Mesh, masses: Mapping[int, float]) -> sparse.csc_array:
     """
     diagonal = np.zeros(mesh.n_dofs)
     for node, mass in masses.items():
-        if not 0 <= node < len(mesh.nodes) or not 0.0 <= mass < np.inf:
+        if not 0 <= node < len(mesh.nodes) or not is_number(mass) or mass < 0.0:
             raise InputError(
-                f"point mass {mass} kg at node {node}; expected 0 kg or more at a node "
+                f"point mass {mass!r} kg at node {node}; expected 0 kg or more at a node "
                 f"from 0 to {len(mesh.nodes) - 1}; correct it"
             )
         diagonal[DOFS_PER_NODE * node : DOFS_PER_NODE * node + 3] += mass

@@ -23,7 +23,7 @@ import scipy.sparse as sparse
 from femlib.arrays import FloatArray, IntArray
 from femlib.components import DamagedStructure, PortFlexibility, port_flexibility
 from femlib.components.flexibility import AT_ONCE
-from femlib.errors import InputError
+from femlib.errors import InputError, is_number, is_whole
 from femlib.rom.bound import ErrorBound
 from femlib.rom.model import ReducedModel
 from femlib.rom.sweeps import eigen_turn
@@ -61,9 +61,9 @@ class ReductionSettings:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        counted = self.n_states >= 1 and self.n_dual_states >= 1
-        fine = self.tolerance is None or 0.0 < self.tolerance < 1.0
-        if not (fine and counted and 0.0 < self.most_damage < 1.0):
+        counted = all(is_whole(n) and n >= 1 for n in (self.n_states, self.n_dual_states))
+        fine = self.tolerance is None or (is_number(self.tolerance) and 0.0 < self.tolerance < 1.0)
+        if not (fine and counted and is_number(self.most_damage) and 0.0 < self.most_damage < 1.0):
             raise InputError(
                 f"reduction settings are tolerance {self.tolerance}, n_states {self.n_states}, "
                 f"n_dual_states {self.n_dual_states}, most_damage {self.most_damage}; "

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from femlib.arrays import FloatArray
-from femlib.errors import InputError, SolveError
+from femlib.errors import InputError, SolveError, is_number
 from femlib.mesh import DOFS_PER_NODE
 from femlib.wing.loads import EFFECTIVE_MASS, GRAVITY
 from femlib.wing.model import Wing, checked_load_factor
@@ -48,10 +48,9 @@ class FlightPoint:
 
     def __post_init__(self) -> None:
         for name in ("airspeed", "density", "mass"):
-            if not 0.0 < getattr(self, name) < np.inf:
-                raise InputError(
-                    f"flight point {name} is {getattr(self, name)}; expected a positive number; correct it"
-                )
+            value = getattr(self, name)
+            if not is_number(value) or value <= 0.0:
+                raise InputError(f"flight point {name} is {value!r}; expected a positive number; correct it")
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -13,6 +13,7 @@ from femlib import sensors
 from femlib.arrays import FloatArray
 from femlib.assembly import Deflection, deflect, thermal_forces
 from femlib.components import checked_damage, damage_row
+from femlib.errors import InputError, is_whole
 from femlib.wing.model import MICRO, Wing
 
 
@@ -71,6 +72,11 @@ def bend(
         If no equilibrium is found.
     """
     structure, n = wing.structure, wing.structure.shells.mesh.n_elements
+    if not is_whole(steps) or steps < 1:
+        raise InputError(f"steps is {steps!r}; expected 1 or more load steps; correct it")
+    for name, field in (("warming", warming), ("gradient", gradient)):
+        if np.shape(field) not in ((), (n,)):
+            raise InputError(f"{name} has shape {np.shape(field)}; expected one number or ({n},), one an element")
     factor = stiffness_factor(wing, state)
     thermal = thermal_forces(structure.shells, np.broadcast_to(warming, n), np.broadcast_to(gradient, n))
     load = wing.load(load_factor, lift)

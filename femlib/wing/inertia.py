@@ -6,7 +6,7 @@ import numpy as np
 
 from femlib.arrays import FloatArray
 from femlib.assembly import surface_load
-from femlib.errors import InputError
+from femlib.errors import InputError, is_number
 from femlib.mesh import DOFS_PER_NODE
 from femlib.wing.loads import GRAVITY
 from femlib.wing.model import Wing
@@ -32,9 +32,11 @@ def inertial_load(wing: Wing, payload: Mapping[float, float] | None = None) -> F
     down = np.zeros((shells.mesh.n_elements, 3))
     down[:, 2] = -GRAVITY * areal
     load = surface_load(shells.mesh, down)
+    if payload is not None and not isinstance(payload, Mapping):
+        raise InputError(f"payload is {payload!r}; expected masses by span fraction; write {{0.5: 0.17}}")
     for eta, mass in ({} if payload is None else payload).items():
-        if not 0.0 <= eta <= 1.0 or not 0.0 <= mass < np.inf:
-            raise InputError(f"payload of {mass} kg at eta {eta}; expected 0 kg or more at 0 to 1; correct it")
+        if not (is_number(eta) and is_number(mass) and 0.0 <= eta <= 1.0 and mass >= 0.0):
+            raise InputError(f"payload of {mass!r} kg at eta {eta!r}; expected 0 kg or more at 0 to 1; correct it")
         load += mass * unit_weight(wing, eta)
     return load
 

@@ -51,6 +51,7 @@ def region_picture(wing: Wing) -> Figure:
 def strain_picture(wing: Wing, strains: FloatArray, title: str) -> Figure:
     """Return the spanwise strain (n_elements,) [microstrain] over both skins, with region borders and gauges."""
     mesh = wing.structure.shells.mesh
+    _check_strains(strains, mesh)
     figure = Figure(figsize=(10, 5.6), layout="constrained")
     axes = figure.subplots(2, 1)
     skins = [_skin(mesh, surface) for surface in ("top", "bottom")]
@@ -74,6 +75,11 @@ def strain_picture(wing: Wing, strains: FloatArray, title: str) -> Figure:
 def deformed_picture(wing: Wing, displacement: FloatArray, strains: FloatArray, title: str) -> Figure:
     """Return the wing seen from behind, at rest and moved by (n_nodes, 3) [m], to scale, coloured by strain."""
     mesh = wing.structure.shells.mesh
+    _check_strains(strains, mesh)
+    if np.shape(displacement) != (len(mesh.nodes), 3):
+        raise InputError(
+            f"displacement has shape {np.shape(displacement)}; expected ({len(mesh.nodes)}, 3); give translations alone"
+        )
     figure = Figure(figsize=(10, 2.6), layout="constrained")
     axis = figure.subplots()
     shown = np.concatenate([_skin(mesh, "bottom"), _skin(mesh, "top")])
@@ -123,6 +129,14 @@ def render(wing: Wing, displacement: FloatArray, strains: FloatArray, path: str 
     plotter.camera.zoom(1.9)
     plotter.screenshot(str(path))
     plotter.close()
+
+
+def _check_strains(strains: FloatArray, mesh: Mesh) -> None:
+    if np.shape(strains) != (mesh.n_elements,):
+        raise InputError(
+            f"strains have shape {np.shape(strains)}; expected ({mesh.n_elements},), one for each element; "
+            "a gauge's strain has no place here"
+        )
 
 
 def _skin(mesh: Mesh, surface: str) -> IntArray:

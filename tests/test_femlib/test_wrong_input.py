@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from femlib.assembly import natural_modes
+from femlib.assembly import line_load, natural_modes, point_masses
 from femlib.components import Component, DamagedStructure
 from femlib.dataset import (
     Bias,
@@ -28,10 +28,12 @@ from femlib.errors import FemlibError, InputError
 from femlib.geometry import Naca4, Planform, grid_lines
 from femlib.material import isotropic_plate
 from femlib.mesh import Mesh
+from femlib.rom import ReductionSettings
 from femlib.sensors import StrainGauge, strain_rows
-from femlib.wing import Wing, WingTwin, reduce_wing, uav_wing
+from femlib.wing import FlightPoint, Wing, WingTwin, bend, inertial_load, reduce_wing, uav_wing
 from femlib.wing.calculix import read_gauges, write_deck
 from femlib.wing.damage import UAV_REGIONS, DamageRegion
+from femlib.wing.pictures import strain_picture
 from femlib.wing.structure import WingMaterials
 from femlib.wing.vtu import write_vtu
 
@@ -89,6 +91,8 @@ ALONE: list[tuple[Callable[[], object], str]] = [
     (lambda: with_materials(skin_taper=-0.5), "skin_taper is -0.5; expected"),
     (lambda: isotropic_plate("1 GPa", 0.3, 1e-3), "young is '1 GPa'; expected"),  # type: ignore[arg-type]
     (lambda: isotropic_plate(1e9, 0.3, 1e-3, NAN), "ply density is nan; expected a finite number"),
+    (lambda: FlightPoint(airspeed="fast"), "flight point airspeed is 'fast'; expected"),  # type: ignore[arg-type]
+    (lambda: ReductionSettings(tolerance="fine"), "reduction settings are tolerance fine"),  # type: ignore[arg-type]
     (lambda: Planform(float("inf"), 1.0, 1.0, 0.3), "planform span is inf m; expected a positive length"),
     (lambda: Planform("2 m", 1.0, 1.0, 0.3), "planform span is '2 m' m; expected"),  # type: ignore[arg-type]
     (lambda: Naca4(0.04, 0.0, 0.15), "section has camber 0.04 at 0.0 and thickness 0.15; expected"),
@@ -173,6 +177,13 @@ ON_THE_WING: list[tuple[Callable[[Wing, Path], object], str]] = [
         "n_modes is 0; expected 1 to",
     ),
     (lambda w, p: simulated_strains(uav_wing(refinement=0.3, regions=())), r"model has the parameters \(\); expected"),
+    (lambda w, p: bend(w, {}, 3.0, steps=0), "steps is 0; expected 1 or more load steps"),
+    (lambda w, p: bend(w, {}, 3.0, warming=np.ones(3)), r"warming has shape \(3,\); expected one number or"),
+    (lambda w, p: inertial_load(w, {1.5: 1.0}), "payload of 1.0 kg at eta 1.5; expected"),
+    (lambda w, p: inertial_load(w, [1.0]), r"payload is \[1.0\]; expected masses by span fraction"),  # type: ignore[arg-type]
+    (lambda w, p: strain_picture(w, np.ones(24), "t"), r"strains have shape \(24,\); expected"),
+    (lambda w, p: line_load(w.structure.shells.mesh, [0, 10**9], np.ones(3)), "line load path names 2 nodes; expected"),
+    (lambda w, p: point_masses(w.structure.shells.mesh, {1: "a"}), "point mass 'a' kg at node 1"),  # type: ignore[dict-item]
     (lambda w, p: stream(w, p, Sampling(gauges=["g99"])), r"sampling names the gauges \['g99'\]; expected each once"),
     (lambda w, p: stream(w, p, Sampling(gauges=[])), "none of 24 gauges is left; expected at least one"),
     (lambda w, p: stream(WingTwin(w), p), "model is a WingTwin; expected one with gauges"),
