@@ -38,7 +38,8 @@ def solve_inspection(
     Args:
         inspection: what is asked.
         method: "exact" proves (axis-aligned trees; to depth 2 in seconds, at depth 3 in minutes for thousands of
-            samples); "search" has the problem's own bound and the first reading's; "auto": exact to depth 3.
+            samples; with a `leaf_size` much longer, as the strongest bound does not hold then: a `leaf_penalty` keeps
+            it); "search" has the problem's own bound and the first reading's; "auto": exact to depth 3.
         limits: seconds of the whole, nodes and gap of each search; to reach one is no error.
         seed, n_jobs: of the solver of the problem without acquisition, where the search begins; the proof has one
             thread.
