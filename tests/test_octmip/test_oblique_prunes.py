@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from octmip import Problem, _native
+from octmip import Problem, _native, certify
 from octmip.oblique import two_feature_branch_and_bound
 from tests.two_feature_problems import clouds
 
@@ -50,6 +50,16 @@ def test_what_more_samples_teach_about_a_strip_is_not_held_against_fewer(seed: i
     """Strips bounded with a box's open samples were once passed over as if bounded without: these came out dearer."""
     problem = clouds(seed)
     assert optimum(problem, []) == optimum(problem, ["wide"]) == best
+
+
+@pytest.mark.parametrize("seed", [0, 4, 8, 21])
+def test_what_one_set_of_sensors_teaches_is_not_used_under_another(seed: int) -> None:
+    """Good lines of other boxes once served sets that may not read their sensors: the tree was over its budget."""
+    problem = clouds(seed, most_samples=130)
+    budget = dataclasses.replace(problem, sensor_budget=problem.n_features - 1.0)
+    solution = two_feature_branch_and_bound(budget)
+    certify(budget, solution)
+    assert solution.is_optimal and solution.objective >= optimum(problem, [])
 
 
 def test_an_unknown_prune_is_refused() -> None:

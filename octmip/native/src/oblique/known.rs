@@ -51,21 +51,20 @@ pub struct Known {
 }
 
 impl Known {
-    /// Nothing known; `is_free`: children may use any chart, and leaves any number of samples.
-    pub fn new(ground: &Ground, is_free: bool) -> Self {
+    /// Nothing known. Under a budget with several affordable sets of sensors, what one allows another may not: then
+    /// nothing is passed on. Bounds of sets are of leaves of any size.
+    pub fn new(ground: &Ground, n_affordable: usize) -> Self {
         let worst = |i: &u32| ground.weights[*i as usize] * ground.loss.worst[ground.labels[*i as usize] as usize];
         let switches = ground.switches;
+        let passes_lines = n_affordable == 1 && switches.known_lines;
+        let passes_sets = n_affordable == 1 && ground.loss.leaf_size == 1 && switches.known_sets;
         Self {
             n: ground.plane.n,
             step: ground.all().iter().map(worst).max().unwrap_or(0),
             sets: VecDeque::new(),
             lines: VecDeque::new(),
-            most_sets: if is_free && switches.known_sets {
-                (ground.charts.len() * SETS_A_CHART).min(MOST_SETS)
-            } else {
-                0
-            },
-            most_lines: if switches.known_lines { (ground.charts.len() / CHARTS_A_LINE).min(MOST_LINES) } else { 0 },
+            most_sets: if passes_sets { (ground.charts.len() * SETS_A_CHART).min(MOST_SETS) } else { 0 },
+            most_lines: if passes_lines { (ground.charts.len() / CHARTS_A_LINE).min(MOST_LINES) } else { 0 },
             credit: CREDIT,
             spares_wide: switches.spared,
             n_boxes: 0,

@@ -69,7 +69,7 @@ pub fn solve_pair(
     });
     let (field, strips, first) = prepared;
     let roots = strips.iter().flat_map(|strips| roots_of(&field, strips, floor));
-    let known = Known::new(ground, sets.len() == 1 && problem.leaf_size == 1);
+    let known = Known::new(ground, sets.len());
     let mut queue = Queue::new(&field, watch, options.n_threads, roots.collect(), upper, known);
     for sketch in &first {
         queue.offer(sketch);

@@ -119,7 +119,7 @@ impl Writer<'_> {
                     children: [child.clone(), child],
                 };
                 let (f, g) = field.charts[chart].features;
-                let known = Known::new(ground, self.problem.leaf_size == 1);
+                let known = Known::new(ground, 1);
                 let mut page = Page { claim: self.claim, known, body: format!("C {f} {g}\n") };
                 let told = Told { floors: [0; 2], alive: [n_strips(strips.iter()); 2] };
                 if field.prove(root, told, &mut page).is_none() {
