@@ -96,6 +96,23 @@ def test_robust_trees_lose_less_in_what_they_were_made_for():
     assert worst.worst <= ordinary.max()
 
 
+def test_whoever_loses_the_root_keeps_one_level():
+    readings, level, _ = gauges()
+    problem = Problem(readings, level, depth=2)
+    worst = solve_worst(FailureProblem(problem, failures(problem)), rounds=1)
+    without = [solve(Problem(np.delete(readings, j, axis=1), level, depth=1)).objective for j in range(8)]
+    assert worst.bound >= min(without)
+
+
+def test_hyperplanes_are_made_robust_by_search():
+    readings, level, _ = gauges(80, 4)
+    problem = Problem(readings, level, depth=1, split="hyperplane", split_size=2)
+    asked = FailureProblem(problem, failures(problem, Fault("drift", 30.0)))
+    ordinary = asked.probabilities @ asked.objectives(solve(problem).tree)
+    assert certify_failures(asked, solve_expected(asked)).expected <= ordinary
+    assert certify_failures(asked, solve_worst(asked, rounds=2)).worst >= solve_worst(asked, rounds=2).bound
+
+
 def test_two_failures_together_are_one_scenario():
     readings, level, _ = gauges(60, 4)
     problem = Problem(readings, level, depth=1)
