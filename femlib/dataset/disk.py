@@ -62,14 +62,14 @@ def file_sha256(path: Path) -> str:
         raise InputError(f"{path} cannot be read ({error.strerror}); expected a dataset; correct the path") from error
 
 
-def read_side(target: Path, kind: int | str) -> dict[str, Any]:
+def read_side(target: Path, version: int | str) -> dict[str, Any]:
     """Return the side file of a data file, after checking that it is the one that it describes.
 
     Parameters
     ----------
     target : Path
         The data file.
-    kind : int or str
+    version : int or str
         What its entry `version` must be.
 
     Raises
@@ -88,8 +88,8 @@ def read_side(target: Path, kind: int | str) -> dict[str, Any]:
         raise InputError(
             f"{path} is not JSON ({error}); expected a dataset's side file; write the dataset again"
         ) from error
-    if not isinstance(side, dict) or side.get("version") != kind:
-        raise InputError(f"{path} is not a side file of version {kind}; write the dataset again")
+    if not isinstance(side, dict) or side.get("version") != version:
+        raise InputError(f"{path} is not a side file of version {version}; write the dataset again")
     if file_sha256(target) != side["sha256"]:
         raise InputError(f"{target} is not the file its side file describes (another sha256); write the dataset again")
     return side

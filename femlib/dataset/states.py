@@ -12,6 +12,8 @@ import numpy as np
 from femlib.arrays import FloatArray
 from femlib.errors import InputError, frozen_floats, is_number, is_whole
 
+STATES = 2
+"""First word of the generators' seeds, so that states and noise of one seed have nothing in common."""
 RANDOM_BLOCK = 1024
 """Random states that share a generator: state k is the same whichever range is asked for."""
 
@@ -180,7 +182,7 @@ class _Random:
         return drawn[first - start : stop - start]
 
     def _block(self, block: int) -> FloatArray:
-        rng = np.random.default_rng([self.seed, block])
+        rng = np.random.default_rng([STATES, self.seed, block])
         shape = (RANDOM_BLOCK, self.n_parameters)
         counts = rng.integers(1, self.n_damaged + 1, RANDOM_BLOCK)
         order = rng.random(shape).argsort(axis=1).argsort(axis=1)
