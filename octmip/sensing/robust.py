@@ -77,15 +77,13 @@ def solve_worst(
     if rounds < 1:
         raise ProblemError(f"rounds is {rounds}; expected 1 or more")
     start = time.perf_counter()
-    game = _Game(
-        asked,
-        bound=bound_by_stuck_roots(asked, replace(limits, seconds=limits.seconds / (4 * len(asked.scenarios))), n_jobs),
-    )
+    each = replace(limits, seconds=limits.seconds / (4 * len(asked.scenarios)))
+    game = _Game(asked, bound=bound_by_stuck_roots(asked, each, n_jobs))
     for _ in range(rounds):
         spent = time.perf_counter() - start
         stacked, scale = asked.stacked(game.shares)
         # Half of what is left: the first round needs no more, and later ones are worth as much.
-        left = replace(limits, seconds=(limits.seconds - spent) / 2)
+        left = replace(limits, seconds=max(0.0, limits.seconds - spent) / 2)
         found = solve(stacked, method, left, seed=seed, n_jobs=n_jobs)
         game.play(found, scale)
         if game.is_closed(limits.gap) or found.stop in (Stop.INTERRUPTED, Stop.TIME):
