@@ -1,7 +1,7 @@
 """From elements to the system K u = f: assembly, supports, factors and consistent loads."""
 
 from femlib.assembly.deflection import CorotatedShells, Deflection, deflect
-from femlib.assembly.factors import Factors, factorise
+from femlib.assembly.factors import Factors, factored_by, factorise
 from femlib.assembly.loads import line_load, surface_load, thermal_forces, thermal_load
 from femlib.assembly.modes import Mode, natural_modes, point_masses
 from femlib.assembly.shells import Shells, assemble
@@ -16,6 +16,7 @@ __all__ = [
     "Supports",
     "assemble",
     "deflect",
+    "factored_by",
     "factorise",
     "line_load",
     "natural_modes",

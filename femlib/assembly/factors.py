@@ -1,5 +1,11 @@
-"""Factors of a stiffness matrix, with chosen unknowns eliminated last."""
+"""Factors of a stiffness matrix, with chosen unknowns eliminated last.
 
+scipy's SuperLU unless `factored_by("pardiso")` says otherwise; ports are always SuperLU's, which shows its factors.
+"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 
 import numpy as np
@@ -7,7 +13,29 @@ import scipy.sparse as sparse
 from scipy.sparse.linalg import SuperLU, splu
 
 from femlib.arrays import FloatArray, IntArray
-from femlib.errors import SolveError
+from femlib.assembly.pardiso import PardisoFactors
+from femlib.errors import InputError, SolveError
+
+SOLVERS = ("superlu", "pardiso")
+_SOLVER: ContextVar[str] = ContextVar("solver", default="superlu")
+
+
+@contextmanager
+def factored_by(solver: str) -> Iterator[None]:
+    """Factorise with "superlu" or "pardiso" (extra `pardiso`) inside the block.
+
+    Raises
+    ------
+    InputError
+        If there is no such solver.
+    """
+    if solver not in SOLVERS:
+        raise InputError(f"solver is {solver!r}; expected one of {list(SOLVERS)}; correct it")
+    token = _SOLVER.set(solver)
+    try:
+        yield
+    finally:
+        _SOLVER.reset(token)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -16,7 +44,7 @@ class Factors:
 
     Attributes
     ----------
-    lu : SuperLU
+    lu : SuperLU or PardisoFactors
         Factors of the reordered matrix.
     order : IntArray
         Row k of the reordered matrix is row order[k] (n,); the ports are its last entries.
@@ -24,7 +52,7 @@ class Factors:
         The rows eliminated last (n_ports,).
     """
 
-    lu: SuperLU
+    lu: SuperLU | PardisoFactors
     order: IntArray
     ports: IntArray
 
@@ -40,6 +68,8 @@ class Factors:
         It costs nothing beyond the factorisation; solving for the flexibility at 400 ports took three times as long.
         """
         n, n_ports = len(self.order), len(self.ports)
+        if isinstance(self.lu, PardisoFactors):
+            raise SolveError("factors of PARDISO hold no ports; expected those of SuperLU; factorise with ports")
         rows, columns = self.lu.perm_r[n - n_ports :], self.lu.perm_c[n - n_ports :]
         first = n - n_ports
         if n_ports and (rows.min() < first or columns.min() < first):
@@ -67,8 +97,12 @@ def factorise(matrix: sparse.csc_array, groups: IntArray, ports: IntArray | None
     ------
     SolveError
         If the matrix is singular, as that of a structure which can still move.
+    InputError
+        If PARDISO is asked for and not installed.
     """
     last = np.zeros(0, dtype=np.int64) if ports is None else ports
+    if _SOLVER.get() == "pardiso" and len(last) == 0:
+        return Factors(PardisoFactors.of(matrix), np.arange(matrix.shape[0]), last)
     rank = _minimum_degree(matrix, groups)[groups]
     rank[last] = rank.max(initial=0) + 1
     inner = np.argsort(rank, kind="stable")[: len(rank) - len(last)]

@@ -114,7 +114,7 @@ class ReducedWing:
 def reduce_wing(wing: Wing, settings: ReductionSettings | None = None, lift: FloatArray | None = None) -> ReducedWing:
     """Return the reduced model of a wing: its gauges under one load.
 
-    Two regions take seconds, 28 at the default mesh minutes and a gigabyte of memory; save the result.
+    Two regions take seconds, 28 at the default mesh two minutes and a gigabyte of memory; save the result.
 
     Parameters
     ----------
