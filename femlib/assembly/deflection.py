@@ -154,7 +154,8 @@ class CorotatedShells:
         parts, first = [], 0
         for k, corners in enumerate((mesh.quads, mesh.trias)):
             part = scale[first : first + len(corners), None]
-            warm = np.zeros((len(corners), DOFS_PER_NODE * corners.shape[1])) if thermal is None else thermal[k] * part
+            shape = (len(corners), DOFS_PER_NODE * corners.shape[1])
+            warm = np.zeros(shape) if thermal is None else frozen_floats(thermal[k], "thermal forces", shape) * part
             parts.append(_Parts(corners, mesh.nodes[corners], shells.element_stiffness[k] * part[:, :, None], warm))
             first += len(corners)
         return cls(mesh, tuple(parts))
@@ -198,7 +199,7 @@ class _Newton:
             goal = target if state.fraction + 1.001 * step >= target else state.fraction + step
             try:
                 state = self.balanced(state, goal)
-            except SolveError as error:
+            except (SolveError, np.linalg.LinAlgError) as error:  # an element may have collapsed on the way
                 halvings += 1
                 if halvings > MOST_HALVINGS:
                     raise SolveError(
@@ -215,6 +216,8 @@ class _Newton:
         for iteration in range(1, MOST_ITERATIONS + 1):
             matrix = self.supports.reduce(self.shells.tangent(state))
             move = factorise(matrix, self.supports.groups).solve(self.residual(state))
+            if not np.isfinite(move).all():
+                raise SolveError(f"the tangent is singular in iteration {iteration}")
             moved = self.supports.expand(move).reshape(-1, DOFS_PER_NODE)
             rotation = exp_rotation(moved[:, 3:]) @ state.rotation
             state = Deflection(fraction, state.displacement + moved[:, :3], rotation, iteration)

@@ -174,8 +174,24 @@ def test_bad_input_gets_a_sentence() -> None:
         deflect(shells, supports, load, (1.0, 0.5))
     with pytest.raises(InputError, match=r"load has shape \(3,\); expected \(36,\)"):
         deflect(shells, supports, np.zeros(3))
+    with pytest.raises(InputError, match=r"thermal forces has shape \(3, 3\); expected \(2, 24\)"):
+        deflect(shells, supports, load, thermal=(np.zeros((3, 3)), np.zeros((0, 18))))
     with pytest.raises(InputError, match=r"load\[0\] is nan"):
         deflect(shells, supports, np.full(36, np.nan))
+
+
+def test_no_load_moves_nothing() -> None:
+    shells, supports, _ = strip(2)
+    found = deflect(shells, supports, np.zeros(36))[0]
+    assert not found.displacement.any() and found.residual == 0.0
+
+
+def test_a_structure_that_can_still_move_is_an_error() -> None:
+    shells, _, node = strip(2)
+    loose = Supports.holding(shells.mesh, hold(node[0], "uvw"))
+    load = line_load(shells.mesh, node[-1], np.array([0.0, 0.0, 4.0]))
+    with pytest.raises(SolveError):
+        deflect(shells, loose, load)
 
 
 def test_a_load_beyond_the_limit_is_an_error_and_not_an_answer() -> None:

@@ -17,6 +17,9 @@ from femlib.wing.effects.card import WingEffect
 from femlib.wing.effects.response import Response
 from femlib.wing.model import MICRO, Wing
 
+ROUNDING = 1e-6
+"""Strain [microstrain] that a rigid motion may leave by rounding."""
+
 
 class RootFlexibility(WingEffect):
     """The effect, seen by deflection alone."""
@@ -38,10 +41,6 @@ class RootFlexibility(WingEffect):
     def tip_rise(self, load_factor: float) -> float:
         """Return the rise of the tip [m] per unit of size, which a deflection test sees."""
         return self.turn(load_factor) * self.response.wing.span
-
-
-ROUNDING = 1e-6
-"""Strain [microstrain] that a rigid motion may leave by rounding."""
 
 
 def rolled(wing: Wing) -> FloatArray:
