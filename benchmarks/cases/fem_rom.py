@@ -25,7 +25,7 @@ LOAD_FACTOR = 3.0
 Floats = NDArray[np.float64]
 KINDS: dict[int, tuple[tuple[int, float], ...]] = {
     2: ((1, 0.95), (2, 0.95)),
-    28: ((1, 0.95), (2, 0.95), (3, 0.95), (28, 0.8), (28, 0.95)),
+    28: ((1, 0.8), (2, 0.8), (3, 0.8), (28, 0.8), (3, 0.95), (28, 0.95)),
 }
 """Kinds of random states: how many regions are damaged, and the most they lose."""
 N_STATES = 1000
