@@ -45,7 +45,7 @@ class ReductionSettings:
     ----------
     tolerance : float, optional
         Modes whose singular value is below this share of the largest are dropped. If not given, 1e-6 with up to
-        `FEW_REGIONS` regions and 6e-6 with more.
+        `FEW_REGIONS` regions and 1e-5 with more.
     n_states, n_dual_states : int
         Random joint states in which the state is solved, and all outputs' duals.
     most_damage : float
@@ -74,7 +74,7 @@ class ReductionSettings:
         """Return the tolerance for so many regions."""
         if self.tolerance is not None:
             return self.tolerance
-        return 1e-6 if n_regions <= FEW_REGIONS else 6e-6
+        return 1e-6 if n_regions <= FEW_REGIONS else 1e-5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
