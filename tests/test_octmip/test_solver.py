@@ -3,6 +3,7 @@
 import dataclasses
 import math
 
+import numpy as np
 import pytest
 
 from octmip import Leaf, Limits, Problem, Solution, Split, Stop, certify, solve, solver
@@ -73,6 +74,15 @@ def test_a_shallow_exact_proof_starts_at_once(registered):
     search = registered("search", answering(), proves=False)
     solve(STRIPES)
     assert not search.calls and exact.calls[0]["incumbent"] is None
+
+
+def test_a_two_feature_proof_starts_from_the_best_axis_aligned_tree():
+    rng = np.random.default_rng(0)
+    features = rng.normal(size=(300, 12))
+    labels = (features[:, 0] + features[:, 1] > 0) + 2 * (features[:, 2] - features[:, 3] > 0.5)
+    axis = solve(Problem(features, labels, depth=2))
+    stopped = solve(Problem(features, labels, depth=2, split="hyperplane", split_size=2), "exact", Limits(nodes=0))
+    assert axis.is_optimal and stopped.objective <= axis.objective
 
 
 def test_an_incumbent_of_the_user_spares_the_search(registered):
