@@ -173,8 +173,12 @@ class Hyperplanes:
         for t in range(len(self.d)):
             normal = values[self.a[:, t]] * (values[self.s[:, t]] > 0.5)
             normal = np.round(normal) if self.space.is_integer else normal * (np.abs(normal) >= 1e-9)
+            middle = float(values[self.b[t]]) - self.mu / 2
             if values[self.d[t]] > 0.5 and normal.any():
-                found[t + 1] = self._split(normal, float(values[self.b[t]]) - self.mu / 2)
+                found[t + 1] = self._split(normal, middle)
+            elif values[self.d[t]] > 0.5 and middle > 0:  # 0'x < b: a split that sends everything left
+                j = int(values[self.s[:, t]].argmax())
+                found[t + 1] = HyperplaneSplit((j,), (1.0,), float(self.problem.features[:, j].max()), Leaf(0), Leaf(0))
         return found
 
     def _split(self, normal: NDArray[np.float64], middle: float) -> HyperplaneSplit:

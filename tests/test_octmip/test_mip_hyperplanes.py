@@ -17,6 +17,7 @@ from octmip.mip.flow import solve_flow
 from octmip.mip.heap import Heap, lift, place
 from octmip.mip.hyperplanes import choose_mu, space_of
 from octmip.mip.oct_h import solve_oct_h
+from octmip.tree import predict
 from tests.test_octmip.test_mip import uci
 from tests.test_octmip.test_mip_rows import rows_of, rows_of_pyomo
 
@@ -150,6 +151,18 @@ def test_a_tree_encoded_is_feasible_costs_its_objective_and_decodes_to_the_same_
     assert model.rows.objective(values) == pytest.approx(objective_of(problem, tree))
     decoded = lift(heap, model.splits(values), model.labels(values))
     assert objective_of(problem, decoded) == objective_of(problem, tree)
+
+
+@pytest.mark.parametrize(("offset", "side"), [(0.5, 0), (0.0, 1)])
+def test_a_normal_of_nothing_but_zeros_sends_everything_one_way(offset, side):
+    problem = whole(integer_normals=None)
+    tree = tidy(problem, TREES[0])
+    model = oct_h.encode(problem, 1e-3)
+    values = model.start(place(tree, Heap(1), problem.features))
+    values[model.hyperplanes.a] = 0.0
+    values[model.hyperplanes.b] = offset  # the solver may choose it: 0'x + mu <= b holds for every sample, or for none
+    decoded = lift(Heap(1), model.splits(values), {2: 0, 3: 1})
+    assert (predict(decoded, problem.features) == side).all()
 
 
 def test_a_turned_tree_ends_rightmost_for_its_sample_and_keeps_samples_together():
