@@ -156,10 +156,9 @@ def test_a_tree_encoded_is_feasible_costs_its_objective_and_decodes_to_the_same_
 @pytest.mark.parametrize(("offset", "side"), [(0.5, 0), (0.0, 1)])
 def test_a_normal_of_nothing_but_zeros_sends_everything_one_way(offset, side):
     problem = whole(integer_normals=None)
-    tree = tidy(problem, TREES[0])
     model = oct_h.encode(problem, 1e-3)
-    values = model.start(place(tree, Heap(1), problem.features))
-    values[model.hyperplanes.a] = 0.0
+    values = np.zeros(model.rows.n_columns)
+    values[model.hyperplanes.d] = values[model.hyperplanes.s[0]] = 1.0
     values[model.hyperplanes.b] = offset  # the solver may choose it: 0'x + mu <= b holds for every sample, or for none
     decoded = lift(Heap(1), model.splits(values), {2: 0, 3: 1})
     assert (predict(decoded, problem.features) == side).all()
