@@ -210,7 +210,7 @@ def _check_options(name: str, solver: Solver, options: Mapping[str, Any]) -> Non
     parameters = inspect.signature(solver).parameters
     if "assist" in options and REGISTRY[name].is_mixed_integer:
         assist = options["assist"]
-        if isinstance(assist, str) or not set(assist) <= set(ASSISTANTS):
+        if not isinstance(assist, tuple | list | set) or not set(assist) <= set(ASSISTANTS):
             raise ProblemError(f"assist is {assist!r}; expected a tuple of some of {', '.join(ASSISTANTS)}")
         options = {key: value for key, value in options.items() if key != "assist"}
     takes_any = any(parameter.kind is parameter.VAR_KEYWORD for parameter in parameters.values())

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from femlib.errors import InputError
+from femlib.files import whole_file
 from femlib.rom.bound import ErrorBound
 
 _OPTIONAL = ("motion",)
@@ -15,7 +16,7 @@ _WORDS = ("parameters", "outputs", "provenance", "n_leading")
 
 
 def write_model(path: str | Path, fields: Mapping[str, Any], bound: ErrorBound) -> None:
-    """Write a model's fields and bound to one .npz file.
+    """Write a model's fields and bound to one .npz file, whole or not at all.
 
     Raises
     ------
@@ -29,12 +30,8 @@ def write_model(path: str | Path, fields: Mapping[str, Any], bound: ErrorBound) 
     for kind, factors in (("primal", bound.primal), ("dual", bound.dual)):
         arrays |= {f"{kind}_{k}": factor for k, factor in enumerate(factors)}
     words = json.dumps({name: fields[name] for name in _WORDS})
-    try:
-        np.savez(target, words=np.array(words), **arrays)
-    except OSError as error:
-        raise InputError(
-            f"{target} cannot be written ({error.strerror}); expected a writable folder; choose another"
-        ) from error
+    with whole_file(target) as file:
+        np.savez(file, words=np.array(words), **arrays)
 
 
 def read_model(path: str | Path, names: Sequence[str]) -> dict[str, Any]:

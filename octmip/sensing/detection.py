@@ -57,7 +57,10 @@ class FaultDetector:
                 f"means has shape {means.shape}; expected (n_states, {len(self.gauges)}), two gauges or more"
             )
         if not np.isfinite(means).all() or not (sd > 0).all() or not np.isfinite(sd).all():
-            raise ProblemError("means must be finite and noise_sd above 0; a gauge without noise needs no test")
+            raise ProblemError(
+                f"means holds {np.count_nonzero(~np.isfinite(means))} numbers that are not finite and the least "
+                f"noise_sd is {sd.min()}; expected none and more than 0; a gauge without noise needs no test"
+            )
         if not 0 < self.rate < 1 or self.n_averaged < 1:
             raise ProblemError(
                 f"rate is {self.rate} and n_averaged {self.n_averaged}; expected a probability and a count"
