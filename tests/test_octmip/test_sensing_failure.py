@@ -16,6 +16,7 @@ from octmip.sensing import (
     certify_failures,
     failures,
     power,
+    robust,
     solve_expected,
     solve_worst,
     with_surrogates,
@@ -263,3 +264,12 @@ def test_more_readings_averaged_find_smaller_faults(detector):
 
 def replace_averaged(detector: FaultDetector, n: int) -> FaultDetector:
     return FaultDetector(detector.means, 8.0, detector.gauges, n_averaged=n)
+
+
+def test_a_bound_above_the_worst_failure_is_not_hidden():
+    problem = Problem([[0.0], [1.0]], [0, 1], depth=1)
+    asked = FailureProblem(problem, failures(problem, Fault("stuck")))
+    game = robust._Game(asked, tree=Leaf(0), worst=1.0, bound=1.5)
+    assert game.solution(0.0, 0).bound == 1.5
+    with pytest.raises(CertificateError):
+        certify_failures(asked, game.solution(0.0, 0))
