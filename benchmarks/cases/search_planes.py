@@ -1,7 +1,7 @@
 """Hyperplane trees by local search: training errors beside the axis-aligned optimum and what was known before.
 
-Each cell is searched with `--limit` CPU seconds (10 are meant) for ten seeds of the search. On the published strains and
-the UCI sets the rows are those of the earlier figures; the synthetic sets are drawn by the same words with another
+Each cell is searched with `--limit` CPU seconds (10 are meant) for ten seeds of the search. On the published strains
+and the UCI sets the rows are those of the earlier figures; the synthetic sets are drawn by the same words with another
 generator, so there ratios to each one's own axis-aligned tree are compared too.
 """
 
