@@ -64,6 +64,7 @@ class Campaign:
         time: (n_rows,) [s], or all NaN.
         temperature: (n_rows,) [deg C], or all NaN.
         notes: what the reader should know about the file, as sentences.
+        numbers: (n_rows,) line of each row in its file; empty when it came from no file.
     Derived:
         cells: the means, in the order of first appearance.
     """
@@ -77,6 +78,7 @@ class Campaign:
     time: NDArray[np.float64]
     temperature: NDArray[np.float64]
     notes: tuple[str, ...] = ()
+    numbers: tuple[int, ...] = ()
     cells: tuple[Cell, ...] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -141,6 +143,10 @@ class Campaign:
             temperature=float(temperature.mean()) if temperature.size else np.nan,
         )
 
+    def row_number(self, row: int) -> int:
+        """Return the number by which a reader finds a row: its line in the file, else its place counted from 1."""
+        return self.numbers[row] if self.numbers else row + 1
+
     @property
     def has_time(self) -> bool:
         """Whether every row has a time."""
@@ -170,4 +176,5 @@ class Campaign:
             time=self.time[keep],
             temperature=self.temperature[keep],
             notes=self.notes,
+            numbers=tuple(self.numbers[k] for k in keep) if self.numbers else (),
         )

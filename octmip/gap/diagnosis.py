@@ -12,6 +12,7 @@ from octmip.gap.ambiguity import ABSURD, detectable
 from octmip.gap.augment import Addition, AugmentedTwin
 from octmip.gap.campaign import Campaign
 from octmip.gap.causes import UNKNOWN, Cause, Tie, cleared, credible_set, tell_causes, with_misfit
+from octmip.gap.clipping import unclipped
 from octmip.gap.discrepancy import Discrepancy, calibrated, uncalibrated
 from octmip.gap.effects import CHAIN
 from octmip.gap.library import library_columns, priors
@@ -181,9 +182,11 @@ def prepare(
     if unknown:
         raise DataError(f"column {unknown[0]!r} is no gauge of the twin; expected among {list(twin.gauges[:3])}...")
     memory = twin if isinstance(twin, Memory) else Memory(twin)
-    notes = []
-    run = commissioning if isinstance(commissioning, Campaign) else None
+    campaign, rails, notes = unclipped(campaign)
+    run = unclipped(commissioning)[0] if isinstance(commissioning, Campaign) else None
     noise = estimate_noise(campaign, run).of_gauges(campaign.gauges)
+    if rails:
+        noise = replace(noise, clipped=rails, findings=(*noise.findings, "clipping"))
     if not campaign.has_repeats:
         notes.append("Every test holds too few repeats to tell the noise; the commissioning run's noise is used.")
     if noise.stuck:

@@ -11,12 +11,14 @@ covariance inflation * scale(L) * V / N, where
 * scale(L) is the ratio of the scatter at load L to the pooled one, 1 unless it differs significantly.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import brentq
+from scipy.special import digamma, polygamma
 from sklearn.covariance import ledoit_wolf
 
 from octmip.errors import DataError
@@ -24,6 +26,10 @@ from octmip.gap.campaign import FEWEST_REPEATS, Campaign, Cell
 
 SIGNIFICANT = 4.0
 """Standard deviations beyond which a property of the noise is reported and used."""
+MILD = 1e-5
+"""Variance of log variances beyond chance below which all gauges are equally noisy."""
+FEW_DEGREES = 40
+"""Repeats beyond the first, over all cells, below which the commissioning run's are added."""
 SCALE_SIGNIFICANT = 1.08
 """Ratios of standard deviations between loads closer to 1 than this are not worth a model."""
 
@@ -42,6 +48,7 @@ class Noise:
         step: quantisation step [microstrain], 0 when none is seen.
         stuck: gauges whose repeats never change.
         findings: names of what is not plain white noise, of the effects' list.
+        clipped: by gauge that met the end of its range, where that lies [microstrain].
         degrees: repeats less cells, over the gauges' mean.
     """
 
@@ -55,6 +62,7 @@ class Noise:
     stuck: tuple[str, ...]
     findings: tuple[str, ...]
     degrees: float
+    clipped: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def sd_microstrain(self) -> float:
@@ -75,17 +83,20 @@ class Noise:
 
 
 def estimate_noise(campaign: Campaign, fallback: Campaign | None = None) -> Noise:
-    """Return the noise of the campaign's repeats; of `fallback` (the commissioning run) when it has one repeat only.
+    """Return the noise of the campaign's repeats, those of `fallback` (the commissioning run) added where they are few.
 
     Raises:
         DataError: neither has repeats.
     """
-    source = campaign if campaign.has_repeats else fallback
-    if source is None or not source.has_repeats:
+    source = campaign
+    if fallback is not None and len(campaign.test) - len(campaign.cells) < FEW_DEGREES:
+        source = _together(campaign, fallback)
+    if not source.has_repeats:
         cell = campaign.cells[0]
         raise DataError(
-            f"row {int(cell.rows[0]) + 1} ({cell.name}): every load of every test was read fewer than {FEWEST_REPEATS} "
-            "times, so the noise cannot be estimated; repeat the readings, or give a commissioning run with repeats"
+            f"row {campaign.row_number(int(cell.rows[0]))} ({cell.name}): every load of every test was read fewer than "
+            f"{FEWEST_REPEATS} times, so the noise cannot be estimated; repeat the readings, or give a commissioning "
+            "run with repeats"
         )
     residuals = [_centred(source, cell) for cell in source.cells]
     pooled = np.concatenate(residuals)
@@ -95,22 +106,22 @@ def estimate_noise(campaign: Campaign, fallback: Campaign | None = None) -> Nois
     usable = (degrees > 0) & ~stuck
     if not usable.any():
         raise DataError("no gauge shows any scatter between repeats; expected noise; the rows are copies of each other")
-    variance = np.where(usable, variance, np.median(variance[usable]))
+    own = variance
+    variance = np.full_like(own, np.median(own[usable]))
+    variance[usable] = _moderated(own[usable], degrees[usable])
     scaled = pooled / np.sqrt(variance)
     covariance = _shrunk(scaled, usable) * np.sqrt(np.outer(variance, variance))
     lag1, inflation = _serial(source, [r / np.sqrt(variance) for r in residuals], usable)
     scale = _scales(source, [r / np.sqrt(variance) for r in residuals], usable)
     kurtosis, heavy = _kurtosis(scaled[:, usable])
     step = quantisation_step(source.readings)
-    findings = []
-    if heavy:
-        findings.append("heavy_tailed_noise")
-    if any(abs(s - 1.0) > 1e-9 for s in scale.values()) or _gauges_differ(variance[usable], degrees[usable], kurtosis):
-        findings.append("heteroscedastic_noise")
-    if inflation > 1.0 or _gauges_correlate(scaled[:, usable]):
-        findings.append("correlated_noise")
-    if step > 0.5 * float(np.sqrt(np.median(variance))):
-        findings.append("quantisation")
+    uneven = any(abs(s - 1.0) > 1e-9 for s in scale.values()) or _gauges_differ(own[usable], degrees[usable], kurtosis)
+    found = {
+        "heavy_tailed_noise": heavy,
+        "heteroscedastic_noise": uneven,
+        "correlated_noise": inflation > 1.0 or _gauges_correlate(scaled[:, usable]),
+        "quantisation": step > 0.5 * float(np.sqrt(np.median(variance))),
+    }
     names = tuple(name for name, is_stuck in zip(source.gauges, stuck, strict=True) if is_stuck)
     return Noise(
         source.gauges,
@@ -121,14 +132,50 @@ def estimate_noise(campaign: Campaign, fallback: Campaign | None = None) -> Nois
         kurtosis,
         step,
         names,
-        tuple(findings),
+        tuple(name for name, is_there in found.items() if is_there),
         float(degrees[usable].mean()),
+    )
+
+
+def _together(campaign: Campaign, run: Campaign) -> Campaign:
+    """Return the rows of both, where the run has every gauge of the campaign; else the campaign."""
+    if set(campaign.gauges) - set(run.gauges) or campaign.parameters != run.parameters:
+        return campaign
+    order = [run.gauges.index(name) for name in campaign.gauges]
+    return Campaign(
+        campaign.gauges,
+        campaign.parameters,
+        (*campaign.test, *(f"commissioning {name}" for name in run.test)),
+        np.concatenate([campaign.load_factor, run.load_factor]),
+        np.concatenate([campaign.states, run.states]),
+        np.concatenate([campaign.readings, run.readings[:, order]]),
+        np.concatenate([campaign.time, run.time]),
+        np.concatenate([campaign.temperature, run.temperature]),
     )
 
 
 def _centred(campaign: Campaign, cell: Cell) -> NDArray[np.float64]:
     readings = campaign.readings[cell.rows] - cell.mean
     return np.asarray(np.where(cell.count > 1, readings, np.nan))
+
+
+def _moderated(variance: NDArray[np.float64], degrees: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return variances (n,) drawn toward what all gauges have in common, the more so the fewer degrees they have.
+
+    With a handful of repeats a gauge's own variance is off by a half, and one that is too small calls noise a gap.
+    Source: G. K. Smyth (2004), "Linear models and empirical Bayes methods for assessing differential expression in
+    microarray experiments", Statist. Appl. Genet. Mol. Biol. 3, section 6.2, with the sample's mean trigamma.
+    """
+    if len(variance) < 3:
+        return variance
+    half = degrees / 2.0
+    e = np.log(variance) - digamma(half) + np.log(half)
+    excess = float(np.var(e, ddof=1) - np.mean(polygamma(1, half)))
+    if excess <= MILD:
+        return np.full_like(variance, np.exp(float(np.average(e, weights=degrees))))
+    prior = 2.0 * float(brentq(lambda h: float(polygamma(1, h)) - excess, 1e-3, 1e6))
+    common = np.exp(float(e.mean()) + float(digamma(prior / 2.0)) - np.log(prior / 2.0))
+    return np.asarray((prior * common + degrees * variance) / (prior + degrees))
 
 
 def _shrunk(scaled: NDArray[np.float64], usable: NDArray[np.bool_]) -> NDArray[np.float64]:

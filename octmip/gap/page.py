@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from octmip.gap.causes import UNKNOWN
 from octmip.gap.diagnosis import Diagnosis
 from octmip.gap.pictures import bars, gauge_map
-from octmip.gap.words import cause_words, page_of_words, percent, verdict
+from octmip.gap.words import cause_words, likely, page_of_words, percent, verdict
 
 Floats = NDArray[np.float64]
 
@@ -73,15 +73,15 @@ def _causes(diagnosis: Diagnosis) -> str:
     shown = [cause for cause in diagnosis.which if cause.probability >= 0.005]
     labels = [" + ".join(cause.effects) or "no effect" for cause in shown]
     rows = "".join(
-        f'<tr><td class="n">{escape(percent(c.probability))}</td><td>{escape(cause_words(c))}</td>'
+        f'<tr><td class="n">{escape(likely(c.probability))}</td><td>{escape(cause_words(c))}</td>'
         f"<td>{escape('; '.join(' / '.join(t.effects) for t in c.ties)) or 'nothing'}</td></tr>"
         for c in shown
     )
     reasons = "".join(f"<p>{escape(' / '.join(t.effects))}: {escape(t.reason)}</p>" for t in diagnosis.ambiguity)
     return (
-        f"<h2>Which</h2><figure>{bars(labels, [c.probability for c in shown], 1.0, percent)}</figure>"
+        f"<h2>Which</h2><figure>{bars(labels, [c.probability for c in shown], 1.0, likely)}</figure>"
         '<table><tr><th class="n">probability</th><th>cause</th><th>cannot be told apart</th></tr>'
-        f"{rows}</table>{reasons}<p>Something outside the library: {escape(percent(diagnosis.unknown_probability))}</p>"
+        f"{rows}</table>{reasons}<p>Something outside the library: {escape(likely(diagnosis.unknown_probability))}</p>"
     )
 
 

@@ -32,7 +32,7 @@ def page_of_words(diagnosis: Diagnosis) -> str:
 def verdict(diagnosis: Diagnosis) -> str:
     """Return one sentence that answers the question."""
     first = diagnosis.which[0]
-    chance = percent(first.probability)
+    chance = likely(first.probability)
     if diagnosis.is_sound:
         return f"Sound: the twin explains these readings without any further effect (probability {chance})."
     if UNKNOWN in first.effects:
@@ -41,7 +41,7 @@ def verdict(diagnosis: Diagnosis) -> str:
             f" The best that the library offers, {cause_words(best)}, does not explain the readings." if best else ""
         )
         return (
-            f"Unexplained: something outside the library acts (probability {percent(diagnosis.unknown_probability)}); "
+            f"Unexplained: something outside the library acts (probability {likely(diagnosis.unknown_probability)}); "
             f"it looks like {diagnosis.posterior.unknown.words}.{tried}"
         )
     return f"The twin lacks {cause_words(first)} (probability {chance})."
@@ -79,6 +79,11 @@ def percent(share: float) -> str:
     return f"{100 * share:.1f} %" if share >= 0.001 or share == 0 else "under 0.1 %"
 
 
+def likely(probability: float) -> str:
+    """Return a probability in per cent, never certainty."""
+    return "over 99.9 %" if probability > 0.999 else percent(probability)
+
+
 def _section(title: str, lines: Sequence[str]) -> str:
     return "\n".join([title, *(f"  {line}" for line in lines)])
 
@@ -112,14 +117,14 @@ def _which(diagnosis: Diagnosis) -> list[str]:
     for cause in diagnosis.which[:FEW]:
         if cause.probability < 0.005 and lines:
             break
-        lines.append(f"{percent(cause.probability):>10}  {cause_words(cause)}")
+        lines.append(f"{likely(cause.probability):>11}  {cause_words(cause)}")
         if cause is diagnosis.which[0]:
             lines += [f"            cannot be told apart: {' / '.join(t.effects)}: {t.reason}" for t in cause.ties]
     if diagnosis.which[0].is_prior_sensitive:
         lines.append(
             "Prior-sensitive: another cause would lead if all effects were thought three times smaller or larger."
         )
-    lines.append(f"Something outside the library: {percent(diagnosis.unknown_probability)}.")
+    lines.append(f"Something outside the library: {likely(diagnosis.unknown_probability)}.")
     if diagnosis.is_sound:
         lines.append(f"These readings would have shown, with 95 % power: {_limits(diagnosis)}.")
     lines += [f"No statement on {name}: {reason}." for name, reason in list(diagnosis.refused.items())[:FEW]]

@@ -97,7 +97,7 @@ def test_equal_readings_are_refused(tmp_path):
 
 def test_one_repeat_is_refused_alone_and_flagged_with_a_commissioning_run(tmp_path):
     campaign = read_campaign(write(tmp_path, lines_of(measured(1, repeats=1))), TWIN)
-    with pytest.raises(DataError, match=r"row 1 .*repeat"):
+    with pytest.raises(DataError, match=r"row 2 .*repeat"):
         diagnose(campaign, TWIN)
     diagnosis = diagnose(campaign, TWIN, commissioning=measured(1000))
     assert diagnosis.is_sound

@@ -1,0 +1,218 @@
+"""Tables as they come from loggers and spreadsheets: each is read, doubted or refused with row, column and cure."""
+
+import numpy as np
+import pytest
+
+from octmip.errors import DataError
+from octmip.gap import diagnose, read_campaign
+from octmip.gap.clipping import unclipped
+from tests.test_octmip.beam_twin import Beam, measured
+from tests.test_octmip.test_gap_campaign import lines_of, with_cell
+
+TWIN = Beam()
+ROWS = lines_of(measured(1, loads=(0.0, 1.0, 2.0), repeats=6))
+"""Row 1 is the header; rows 2 to 7 are at load factor 0, 8 to 13 at 1, 14 to 19 at 2."""
+
+
+def changed(column, change, rows=ROWS):
+    place = rows[0].split(",").index(column)
+    lines = [rows[0]]
+    for k, row in enumerate(rows[1:]):
+        cells = row.split(",")
+        cells[place] = change(k, cells[place])
+        lines.append(",".join(cells))
+    return lines
+
+
+def scaled(factor, rows=ROWS, only=None):
+    lines = list(rows)
+    for name in rows[0].split(",")[5:]:
+        if only is None or name == only:
+            lines = changed(name, lambda k, cell: repr(float(cell) * factor), lines)
+    return lines
+
+
+def without(column):
+    place = ROWS[0].split(",").index(column)
+    return [",".join(cell for k, cell in enumerate(row.split(",")) if k != place) for row in ROWS]
+
+
+def divided():
+    lines = list(ROWS)
+    for name in ROWS[0].split(",")[5:]:
+        lines = changed(name, lambda k, cell: repr(float(cell) / max(1, k // 6)), lines)
+    return lines
+
+
+def text(lines):
+    return "\n".join(lines) + "\n"
+
+
+def load(factor):
+    return changed("load_factor", lambda k, cell: f"{float(cell) * factor:g}")
+
+
+REFUSED = {
+    "an empty file": ("", ["is empty", "header"]),
+    "blank lines": ("\n\n", ["is empty"]),
+    "a header alone": (text(ROWS[:1]), ["header in row 1 and no reading"]),
+    "a gauge in capitals": (text(ROWS).replace("g05", "G05"), ["row 1", "'G05'", "write 'g05'"]),
+    "a gauge without its zero": (text(ROWS).replace("g05", "g5"), ["row 1", "'g5'", "write 'g05'"]),
+    "no column test": (text(without("test")), ["row 1", "'test' is missing"]),
+    "a load with its unit": (text(with_cell(ROWS, 3, "load_factor", "2g")), ["row 4, column load_factor", "'2g'"]),
+    "a load that is no number": (text(with_cell(ROWS, 3, "load_factor", "nan")), ["row 4, column load_factor"]),
+    "loads in newtons": (text(load(245.0)), ["row 8", "0.004", "at load factor 245", "no newtons"]),
+    "loads in m/s2": (text(load(9.81)), ["row 8", "0.1", "load factor"]),
+    "loads of the other sign": (text(load(-1.0)), ["rows 2 to 19", "compressive strain positive"]),
+    "strain": (text(scaled(1e-6)), ["row 8, columns g01 to g20", "microstrain"]),
+    "nanostrain": (text(scaled(1e3)), ["row 8, columns g01 to g20", "microstrain"]),
+    "tension positive": (text(scaled(-1.0)), ["rows 2 to 19", "turn the sign"]),
+    "readings over load": (text(divided()), ["row 14", "1/2 of what the twin predicts", "multiply"]),
+    "one gauge in nanostrain": (text(scaled(1e3, only="g05")), ["column g05", "convert this one"]),
+    "one gauge in millistrain": (text(scaled(1e-3, only="g05")), ["column g05", "convert this one"]),
+    "an absurd reading": (text(with_cell(ROWS, 3, "g05", "1e300")), ["row 4, column g05", "1e+300"]),
+    "repeats that are copies": (
+        text([ROWS[0]] + [ROWS[1 + 6 * (k // 6)] for k in range(18)]),
+        ["rows 2 to 7", "copies"],
+    ),
+    "a column copied": (
+        text(changed("g07", lambda k, cell: ROWS[k + 1].split(",")[10])),
+        ["rows 2 to 19", "columns g06 and g07"],
+    ),
+    "no reading": (text([ROWS[0], *(",".join(row.split(",")[:5]) + "," * 20 for row in ROWS[1:])]), ["rows 2 to 19"]),
+    "N/A": (text(changed("g05", lambda k, cell: "N/A")), ["row 2, column g05", "'N/A'", "clear the cell"]),
+    "a state in words": (text(changed("mu1", lambda k, cell: "none")), ["row 2, column mu1", "'none'"]),
+    "a negative state": (text(with_cell(ROWS, 3, "mu2", "-0.1")), ["row 4, column mu2", "-0.1"]),
+    "a state of 1": (text(with_cell(ROWS, 3, "mu2", "1")), ["row 4, column mu2"]),
+    "a test of two states": (text(with_cell(ROWS, 3, "mu1", "0.3")), ["row 4, column mu1 is 0.3", "row 2", "'T0'"]),
+    "a state given by halves": (text(with_cell(ROWS, 3, "mu1", "")), ["row 4, column mu1 is empty", "row 2"]),
+    "semicolons": (text(ROWS).replace(",", ";"), ["row 1", "semicolons", "expected commas"]),
+    "tabs": (text(ROWS).replace(",", "\t"), ["row 1", "tabs"]),
+    "mixed separators": (text([*ROWS[:4], *(r.replace(",", ";") for r in ROWS[4:])]), ["row 5", "semicolons"]),
+    "decimal commas": (
+        text(with_cell(ROWS, 3, "g05", "12;5")).replace("12;5", '"12,5"'),
+        ["row 4, column g05", "points"],
+    ),
+    "a long row": (text([*ROWS[:4], ROWS[4] + ",1", *ROWS[5:]]), ["row 5 has 26 columns", "25"]),
+    "a row of units": (text([ROWS[0], ROWS[0].replace("g", "m"), *ROWS[1:]]), ["row 2, column"]),
+    "the header again": (text([*ROWS[:8], ROWS[0], *ROWS[8:]]), ["row 9, column load_factor"]),
+    "an open quotation": (text([*ROWS[:4], '"' + ROWS[4], *ROWS[5:]]), ["row 5 is no CSV", "quotation"]),
+    "a clock time": (text(changed("time", lambda k, cell: "12:30:05")), ["row 2, column time", "'12:30:05'"]),
+    "a column without a name": (text([ROWS[0] + ",", *(row + ",3" for row in ROWS[1:])]), ["row 1", "column ''"]),
+    "tests that are comments": (text(changed("test", lambda k, cell: "#1")), ["no reading", "comments"]),
+}
+
+
+def reading(tmp_path, content, encoding="utf-8"):
+    path = tmp_path / "campaign.csv"
+    path.write_bytes(content.encode(encoding))
+    return read_campaign(path, TWIN)
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_no_physics_explains_is_refused_with_its_place(tmp_path, case):
+    content, told = REFUSED[case]
+    with pytest.raises(DataError) as error:
+        reading(tmp_path, content)
+    assert all(word in str(error.value) for word in told), error.value
+
+
+@pytest.mark.parametrize("encoding", ["utf-16", "latin-1"])
+def test_another_encoding_is_refused(tmp_path, encoding):
+    with pytest.raises(DataError, match="UTF-8"):
+        reading(tmp_path, text(ROWS).replace("T0", "Tü"), encoding)
+
+
+SAME = {
+    "a byte order mark": "\ufeff" + text(ROWS),
+    "Windows line ends": "\r\n".join(ROWS),
+    "spaces in the header": text([", ".join(ROWS[0].split(",")), *ROWS[1:]]),
+    "commas at the ends": text([row + "," for row in ROWS]),
+    "quotations": text([",".join(f'"{cell}"' for cell in ROWS[0].split(",")), *ROWS[1:]]),
+    "comments and blank lines": text(['# a "log", of', ROWS[0], "", *ROWS[1:5], "# pause", *ROWS[5:]]),
+    "gauges in another order": text([",".join(row.split(",")[:5] + row.split(",")[:4:-1]) for row in ROWS]),
+    "a name over two lines": text(changed("test", lambda k, cell: '"T\n0"')),
+}
+
+
+@pytest.mark.parametrize("case", SAME)
+def test_what_only_looks_different_is_read_as_it_is_meant(tmp_path, case):
+    plain, other = reading(tmp_path, text(ROWS)), reading(tmp_path, SAME[case])
+    order = [other.gauges.index(name) for name in plain.gauges]
+    assert np.array_equal(other.readings[:, order], plain.readings)
+    assert other.notes == plain.notes == ()
+
+
+def test_rows_keep_their_line_numbers(tmp_path):
+    campaign = reading(tmp_path, text(["# first", ROWS[0], "", *ROWS[1:3], "# pause", *ROWS[3:]]))
+    assert campaign.numbers[:4] == (4, 5, 7, 8)
+    assert campaign.without({0}).numbers[0] == campaign.numbers[6]
+
+
+DOUBTED = {
+    "a mark for nothing": (with_cell(ROWS, 10, "g05", "-9999"), "row 11, column g05: -9999"),
+    "an empty column": (changed("g05", lambda k, cell: ""), "Column g05 holds no reading"),
+    "a bridge the wrong way round": (changed("g05", lambda k, cell: repr(-float(cell))), "Column g05 runs against"),
+    "time that runs back": (changed("time", lambda k, cell: str(-k)), "Row 3, column time"),
+    "time with a hole": (with_cell(ROWS, 4, "time", ""), "Row 5, column time"),
+    "kelvin": ([ROWS[0] + ",temperature", *(row + ",293" for row in ROWS[1:])], "column temperature is 293"),
+    "gauges left out": (without("g05"), "1 of the twin's gauges are not in the file (g05)"),
+    "a state left out": (without("mu2"), "Some states are unknown"),
+}
+
+
+@pytest.mark.parametrize("case", DOUBTED)
+def test_what_may_be_real_is_read_and_told(tmp_path, case):
+    lines, told = DOUBTED[case]
+    notes = reading(tmp_path, text(lines)).notes
+    assert any(told in note for note in notes), notes
+
+
+@pytest.mark.parametrize("repeats", [3, 6])
+def test_few_repeats_raise_no_false_alarm(repeats):
+    """Without shared degrees of freedom ten of these twenty were false alarms."""
+    runs = [
+        measured(seed, repeats=repeats, loads=(0.0,) if repeats == 6 else (0.0, 1.0, 2.0, 3.0)) for seed in range(6)
+    ]
+    assert all(diagnose(run, TWIN, commissioning=measured(1000)).is_sound for run in runs)
+
+
+def clipped(rail, gauges):
+    whole = measured(5)
+    readings = whole.readings.copy()
+    readings[:, gauges] = np.minimum(readings[:, gauges], rail)
+    return type(whole)(
+        whole.gauges, whole.parameters, whole.test, whole.load_factor, whole.states, readings, whole.time,
+        whole.temperature,
+    )  # fmt: skip
+
+
+def test_clipped_gauges_are_named_and_left_out_where_they_clip():
+    campaign = clipped(1500.0, [1, 16])
+    diagnosis = diagnose(campaign, TWIN, commissioning=measured(1000))
+    assert diagnosis.noise.clipped == {"g02": 1500.0, "g17": 1500.0}
+    assert "clipping" in diagnosis.noise.findings
+    assert diagnosis.is_sound
+    assert any("column g02 stops at 1500 microstrain" in note for note in diagnosis.notes)
+
+
+def test_an_effect_is_found_beside_clipped_gauges():
+    change = lambda state, load, time: np.full(20, -25.0)  # noqa: E731
+    whole = measured(5, change=change)
+    campaign = type(whole)(
+        whole.gauges, whole.parameters, whole.test, whole.load_factor, whole.states,
+        np.minimum(whole.readings, 1500.0), whole.time, whole.temperature,
+    )  # fmt: skip
+    diagnosis = diagnose(campaign, TWIN, commissioning=measured(1000))
+    assert diagnosis.which[0].effects == ("temperature_uniform",)
+    assert diagnosis.which[0].parameters[0].size == pytest.approx(10.0, abs=1.0)
+
+
+def test_no_rail_is_seen_where_there_is_none():
+    plain = measured(5)
+    assert unclipped(plain)[1] == {}
+    coarse = type(plain)(
+        plain.gauges, plain.parameters, plain.test, plain.load_factor, plain.states,
+        np.round(plain.readings / 80.0) * 80.0, plain.time, plain.temperature,
+    )  # fmt: skip
+    assert unclipped(coarse)[1] == {}
