@@ -33,6 +33,25 @@ class Eliminated:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Adjoint:
+    """What forces on the undamaged structure do to outputs.
+
+    Attributes
+    ----------
+    rows : csr_array
+        Map (n_outputs, n_dofs) from displacements to outputs.
+    active : tuple of int
+        Components whose ports the factors held.
+    motion : FloatArray
+        K_0^-1 rows' on the free degrees of freedom (n_free, n_outputs).
+    """
+
+    rows: sparse.csr_array
+    active: tuple[int, ...]
+    motion: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class DamagedStructure:
     """A supported structure with damage components, ready to be solved for any state and load.
 
@@ -56,16 +75,18 @@ class DamagedStructure:
     components: tuple[Component, ...]
     _condensed: tuple[Condensed, ...] = field(init=False, repr=False)
     _eliminated: dict[tuple[int, ...], Eliminated] = field(init=False, repr=False)  # a cache: it changes no answer
+    _adjoints: list[Adjoint] = field(init=False, repr=False)  # a cache likewise, the newest last
 
     def __post_init__(self) -> None:
         refuse_overlap(self.components, self.shells.mesh.n_elements)
         condensed = tuple(condense(self.shells, self.supports, component) for component in self.components)
         object.__setattr__(self, "_condensed", condensed)
         object.__setattr__(self, "_eliminated", {})
+        object.__setattr__(self, "_adjoints", [])
 
     def __getstate__(self) -> list[object]:
         """Leave the factors behind: another process makes its own when it needs them."""
-        return [self.shells, self.supports, self.components, self._condensed, {}]
+        return [self.shells, self.supports, self.components, self._condensed, {}, []]
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -149,19 +170,29 @@ class DamagedStructure:
         eliminated = self.eliminated(active)
         ports = eliminated.factors.ports
         pristine = eliminated.factors.solve(force)
-        free_rows = sparse.csr_array(rows)[:, self.supports.free]
-        adjoint = eliminated.factors.solve(free_rows.toarray().T)
+        adjoint = self.adjoint(rows, active)
         interior = [self._condensed[k].interior_load(force) @ adjoint for k in active]
         return OutputMap(
             self.parameters,
             active,
-            free_rows @ pristine,
+            sparse.csr_array(rows)[:, self.supports.free] @ pristine,
             eliminated.schur,
             eliminated.schur @ pristine[ports],
             self._losses(active),
             adjoint[ports],
             np.array(interior).reshape(len(active), adjoint.shape[1]),
         )
+
+    def adjoint(self, rows: sparse.csr_array, active: tuple[int, ...]) -> FloatArray:
+        """Return K_0^-1 rows' (n_free, n_outputs): one solve an output, kept while the same rows are asked for."""
+        for kept in self._adjoints:
+            if kept.rows is rows and kept.active == active:
+                return kept.motion
+        free_rows = sparse.csr_array(rows)[:, self.supports.free]
+        motion = self.eliminated(active).factors.solve(free_rows.toarray().T)
+        self._adjoints[:-1] = []  # two at a time
+        self._adjoints.append(Adjoint(rows, active, motion))
+        return motion
 
     def _losses(self, active: tuple[int, ...]) -> tuple[tuple[IntArray, FloatArray], ...]:
         """Return for each active component its places among the ports and its condensed stiffness."""

@@ -27,6 +27,8 @@ from femlib.wing.planform import N_RIBS, PLANFORM, SECTION
 from femlib.wing.structure import WingGrid, WingMaterials, wing_grid, wing_mesh, wing_shells
 
 MICRO = 1e6
+StrainMap = Callable[[FloatArray], FloatArray]
+"""From states (n_states, n_parameters) to gauge strains (n_states, n_gauges)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,10 +63,12 @@ class Wing:
     lift: FloatArray
     planform: Planform = PLANFORM
     strain_rows: sparse.csr_array = field(init=False, repr=False)
+    _strain_maps: dict[str, StrainMap] = field(init=False, repr=False)  # a cache of one: it changes no answer
 
     def __post_init__(self) -> None:
         rows = sensors.strain_rows(self.structure.shells.mesh, self.thickness, self.strain_gauges)
         object.__setattr__(self, "strain_rows", -rows)
+        object.__setattr__(self, "_strain_maps", {})
 
     @property
     def thickness(self) -> FloatArray:
@@ -134,10 +138,14 @@ class Wing:
         InputError
             As `solve`.
         """
-        load = self.load(load_factor, lift)
-        return MICRO * self.structure.solve_outputs(states, load, self.strain_rows)
+        if lift is not None:
+            return MICRO * self.structure.solve_outputs(states, self.load(load_factor, lift), self.strain_rows)
+        factor = checked_load_factor(load_factor)
+        if not self._strain_maps:
+            self._strain_maps[""] = self.strain_map(1.0)
+        return factor * self._strain_maps[""](states)
 
-    def strain_map(self, load_factor: float, lift: FloatArray | None = None) -> Callable[[FloatArray], FloatArray]:
+    def strain_map(self, load_factor: float, lift: FloatArray | None = None) -> StrainMap:
         """Return the map from states (n_states, n_parameters) to gauge strains (n_states, n_gauges) under one load.
 
         What a load has in common for all states is done once; the map goes to other processes.
@@ -154,7 +162,7 @@ class Wing:
         InputError
             If the load factor or a force is not finite, or the forces are not as many as the degrees of freedom.
         """
-        load, rows = self.load(load_factor, lift), MICRO * self.strain_rows
+        load, rows = MICRO * self.load(load_factor, lift), self.strain_rows
         everything = tuple(range(len(self.parameters)))
         if self.structure.n_ports(everything) > MOST_PORTS:
             return partial(self.structure.solve_outputs, load=load, rows=rows)

@@ -46,41 +46,57 @@ class Fit:
 
 def fit(scene: Scene, members: Sequence[int]) -> Fit:
     """Return the exact evidence of a set, summed over the scale mixture, with the moments of the sizes."""
-    index = list(members)
-    prior = scene.setting.priors
-    gram, pull = scene.gram[np.ix_(index, index)], scene.pull[index]
-    mean, sd, one_sided = prior.mean[index], prior.sd[index], prior.one_sided[index]
-    choices = list(product(*[(1.0,) if fact else SCALES for fact in prior.is_fact[index]]))
-    parts = [_gaussian(gram, pull, mean, sd * np.array(choice), one_sided) for choice in choices]
-    logs = np.array([part[0] for part in parts]) - np.log(len(parts))
-    total = float(logsumexp(logs))
-    share = np.exp(logs - total)
-    size = np.einsum("k,ki->i", share, np.array([part[1] for part in parts]).reshape(len(parts), -1))
-    second = sum(w * (c + np.outer(m, m)) for w, (_, m, c) in zip(share, parts, strict=True))
-    free = ~prior.is_fact[index]
-    alike = tuple(
-        len(parts) * float(sum(s for s, c in zip(share, choices, strict=True) if (np.array(c)[free] == k).all()))
-        for k in SCALES
+    return fits(scene, [tuple(members)])[0]
+
+
+def fits(scene: Scene, sets: Sequence[Members]) -> list[Fit]:
+    """Return `fit` of every set, sets of one shape together; the scene keeps what was fitted."""
+    new = [members for members in dict.fromkeys(sets) if members not in scene.fitted]
+    alike: dict[tuple[bool, ...], list[Members]] = {}
+    for members in new:
+        alike.setdefault(tuple(scene.setting.priors.is_fact[list(members)].tolist()), []).append(members)
+    for facts, group in alike.items():
+        scene.fitted.update(zip(group, _fit_alike(scene, group, np.array(facts, dtype=bool)), strict=True))
+    return [scene.fitted[members] for members in sets]
+
+
+def _fit_alike(scene: Scene, sets: Sequence[Members], facts: NDArray[np.bool_]) -> list[Fit]:
+    """Return the fits of sets whose members are facts or not in the same places: arrays (n_sets, n_choices, ...)."""
+    if not len(facts):
+        return [Fit((), 0.0, np.zeros(0), np.zeros((0, 0)), (1.0,) * len(SCALES)) for _ in sets]
+    prior, index = scene.setting.priors, np.array(sets)
+    choices = np.array(list(product(*[(1.0,) if fact else SCALES for fact in facts])))
+    gram = scene.gram[index[:, :, None], index[:, None, :]][:, None]
+    sd = prior.sd[index][:, None] * choices
+    logs, sizes, covariances = _gaussians(
+        gram, scene.pull[index][:, None], prior.mean[index][:, None], sd, prior.one_sided[index][:, None]
     )
-    return Fit(tuple(index), total, size, np.asarray(second) - np.outer(size, size), alike)
+    total = logsumexp(logs, axis=1) - np.log(len(choices))
+    share = np.exp(logs - total[:, None]) / len(choices)
+    size = np.einsum("sk,ski->si", share, sizes)
+    second = np.einsum("sk,skij->sij", share, covariances + sizes[..., :, None] * sizes[..., None, :])
+    covariance = second - size[:, :, None] * size[:, None, :]
+    of_scale = [(choices[:, ~facts] == scale).all(axis=1) for scale in SCALES]
+    scales = len(choices) * np.array([share[:, chosen].sum(axis=1) for chosen in of_scale]).T
+    rows = zip(sets, total.tolist(), size, covariance, scales.tolist(), strict=True)
+    return [Fit(members, value, mean, spread, tuple(scale)) for members, value, mean, spread, scale in rows]
 
 
-def _gaussian(
+def _gaussians(
     gram: Floats, pull: Floats, mean: Floats, sd: Floats, one_sided: NDArray[np.bool_]
-) -> tuple[float, Floats, Floats]:
-    if not len(mean):
-        return 0.0, mean, gram
-    covariance = np.asarray(np.linalg.inv(gram + np.diag(sd**-2)), dtype=np.float64)
+) -> tuple[Floats, Floats, Floats]:
+    """Return log evidence (...), sizes (..., m) and covariances (..., m, m) for Gram matrices and priors (..., m)."""
+    covariance = np.asarray(np.linalg.inv(gram + (sd**-2)[..., None] * np.eye(sd.shape[-1])), dtype=np.float64)
     eta = mean / sd**2 + pull
-    size = covariance @ eta
-    log_det = -np.linalg.slogdet(covariance)[1] + 2.0 * np.log(sd).sum()
-    value = 0.5 * float(eta @ size - (mean**2 / sd**2).sum() - log_det)
-    spread = np.sqrt(np.diag(covariance))
+    size = np.einsum("...ij,...j->...i", covariance, eta)
+    log_det = 2.0 * np.log(sd).sum(axis=-1) - np.linalg.slogdet(covariance)[1]
+    value = 0.5 * ((eta * size).sum(axis=-1) - (mean**2 / sd**2).sum(axis=-1) - log_det)
     if one_sided.any():
-        value += float((log_ndtr(size / spread) - log_ndtr(mean / sd))[one_sided].sum())
-        size, spread = _positive(size, spread, one_sided)
-        ratio = spread / np.sqrt(np.diag(covariance))
-        covariance = covariance * np.outer(ratio, ratio)
+        spread = np.sqrt(np.einsum("...ii->...i", covariance))
+        value = value + np.where(one_sided, log_ndtr(size / spread) - log_ndtr(mean / sd), 0.0).sum(axis=-1)
+        size, cut = _positive(size, spread, one_sided)
+        ratio = cut / spread
+        covariance = covariance * ratio[..., :, None] * ratio[..., None, :]
     return value, size, covariance
 
 

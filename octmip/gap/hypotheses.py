@@ -35,10 +35,13 @@ class Hypothesis:
 
 def log_prior(scene: Scene, members: Members) -> float:
     """Return the log prior probability of a set of columns."""
-    prior = scene.setting.priors
-    k = len(members)
-    shares = float(prior.log_weight[list(members)].sum())
-    return log(COUNT_PRIOR[k]) - log(max(comb(prior.n_effects, k), 1)) + shares
+    shares = float(scene.setting.priors.log_weight[list(members)].sum())
+    return _log_count(scene, len(members)) + shares
+
+
+def _log_count(scene: Scene, k: int) -> float:
+    """Return the log prior probability of each set of k effects."""
+    return log(COUNT_PRIOR[k]) - log(max(comb(scene.setting.priors.n_effects, k), 1))
 
 
 def candidates(scene: Scene, most: int = 3) -> list[Hypothesis]:
@@ -62,11 +65,10 @@ def _grow(scene: Scene, members: Members) -> dict[Members, float]:
     keep = np.flatnonzero(np.isfinite(logs))
     if members:
         keep = keep[np.argsort(-logs[keep], kind="stable")[: 2 * BEAM[0]]]
-    grown = {}
-    for j in keep.tolist():
-        joined = tuple(sorted((*members, j)))
-        grown[joined] = float(logs[j]) + log_prior(scene, joined)
-    return grown
+    shares = scene.setting.priors.log_weight
+    weights = logs[keep] + shares[keep] + shares[list(members)].sum() + _log_count(scene, len(members) + 1)
+    joined = [tuple(sorted((*members, j))) for j in keep.tolist()]
+    return dict(zip(joined, weights.tolist(), strict=True))
 
 
 def own_part(scene: Scene, members: Members) -> NDArray[np.float64]:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp
 
-from octmip.gap.evidence import Fit, Members, extensions, fit
+from octmip.gap.evidence import Fit, Members, extensions, fit, fits
 from octmip.gap.hypotheses import UNKNOWN_PRIOR, Hypothesis, candidates, log_prior
 from octmip.gap.scene import Scene, Setting, build_scene
 from octmip.gap.states import NEAR, distance, log_box, moved_states, starting_states
@@ -118,6 +118,8 @@ def _polished(scenes: list[Scene], members: list[Members]) -> list[Scene]:
 def _normalised(scenes: list[Scene], found: dict[Members, Hypothesis]) -> Posterior:
     ordered = sorted(found.values(), key=lambda h: -h.log_weight)
     judged: list[tuple[Hypothesis, float, Scene]] = []
+    for scene in scenes:  # all at once: one by one costs ten times as much
+        fits(scene, [h.members for h in ordered[:EXACT]])
     for k, h in enumerate(ordered):
         if k < EXACT:
             value, scene = _exact(scenes, h.members)

@@ -13,8 +13,9 @@ Learning", eq. 2.43 (basis functions with Gaussian weights).
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import groupby
+from typing import Any
 
 import numpy as np
 import scipy.linalg as linalg
@@ -113,6 +114,10 @@ class Scene:
         pull: (n_columns,) b.
         log_none: log p0.
         tangents: (n, n_open) J of all groups' parameters.
+        lean: (n_open, n_columns) how far the open states move per unit of each column's size, sign turned.
+        lean_residual: (n_open,) how far they move when no column acts.
+        open_covariance: (n_open, n_open) of the open states when no column acts.
+        fitted: what `evidence.fit` has found here, by members.
     """
 
     setting: Setting
@@ -130,6 +135,10 @@ class Scene:
     pull: Floats
     log_none: float
     tangents: Floats
+    lean: Floats
+    lean_residual: Floats
+    open_covariance: Floats
+    fitted: dict[tuple[int, ...], Any] = field(init=False, repr=False, default_factory=dict)
 
     @property
     def n(self) -> int:
@@ -138,8 +147,7 @@ class Scene:
 
     def shift(self, members: Sequence[int], size: Floats) -> Floats:
         """Return how far the open states move (n_open,) when the columns `members` have these sizes."""
-        left = self.residual - self.signatures[:, list(members)] @ size
-        return np.asarray(OPEN_STATE**2 * (self.tangents.T @ linalg.cho_solve((self.factor, True), left)))
+        return np.asarray(self.lean_residual - self.lean[:, list(members)] @ size)
 
 
 def blocks_of(campaign: Campaign, split: bool) -> tuple[Block, ...]:
@@ -179,14 +187,18 @@ def build_scene(setting: Setting, states: Floats) -> Scene:
     covariance += OPEN_STATE**2 * tangents @ tangents.T
     factor = np.asarray(np.linalg.cholesky(covariance), dtype=np.float64)
     signatures = _signatures(setting, states, flat)
-    white = linalg.solve_triangular(factor, np.column_stack([signatures, y - predicted]), lower=True)
-    white, residual = white[:, :-1], white[:, -1]
+    n_open = tangents.shape[1]
+    stacked = np.column_stack([signatures, y - predicted, OPEN_STATE**2 * tangents])
+    stacked = linalg.solve_triangular(factor, stacked, lower=True, overwrite_b=True, check_finite=False)
+    white, residual, open_ = np.split(stacked, [signatures.shape[1], signatures.shape[1] + 1], axis=1)
+    residual = residual[:, 0]
     log_none = (
         -0.5 * float(residual @ residual) - float(np.log(np.diag(factor)).sum()) - 0.5 * len(y) * np.log(2 * np.pi)
     )
     return Scene(
         setting, states, block, gauge, predicted, y - predicted, covariance, factor, signatures, white, residual,
         white.T @ white, white.T @ residual, log_none, tangents,
+        open_.T @ white, open_.T @ residual, OPEN_STATE**2 * np.eye(n_open) - open_.T @ open_,
     )  # fmt: skip
 
 

@@ -95,9 +95,7 @@ def state_posterior(scene: Scene, fit: Fit) -> tuple[Floats, Floats]:
 
 def joint_covariance(scene: Scene, fit: Fit) -> Floats:
     """Return the posterior covariance of (open states, sizes): what damage and effects share."""
-    gain = OPEN_STATE**2 * linalg.cho_solve((scene.factor, True), scene.tangents).T
-    own = OPEN_STATE**2 * np.eye(scene.tangents.shape[1]) - gain @ scene.tangents * OPEN_STATE**2
-    cross = gain @ scene.signatures[:, list(fit.members)]
+    own, cross = scene.open_covariance, scene.lean[:, list(fit.members)]
     return np.block(
         [[own + cross @ fit.covariance @ cross.T, -cross @ fit.covariance], [-fit.covariance @ cross.T, fit.covariance]]
     )
@@ -138,15 +136,17 @@ def _node_logs(setting: Setting, group: tuple[int, ...], nodes: Floats) -> list[
         load: setting.memory.predict(named_state(setting, np.zeros(len(setting.names))), load)[order]
         for load in strains
     }
+    load = loads[block]
+    change = np.zeros((len(nodes), len(rows)))
+    for at, strain in strains.items():
+        change[:, load == at] = (strain - start[at])[:, gauge[load == at]]
+    same = np.where(gauge[:, None] == gauge[None, :], setting.discrepancy.damage**2, 0.0)
+    diagonal = np.diag_indices(len(rows))
     logs = []
-    for k in range(len(nodes)):
-        change = np.array(
-            [strains[load][k, g] - start[load][g] for load, g in zip(loads[block].tolist(), gauge, strict=True)]
-        )
-        cell_sd = setting.discrepancy.damage * change
-        same = gauge[:, None] == gauge[None, :]
-        spread_sq = noise + np.outer(cell_sd, cell_sd) * same + np.diag((0.02 * change) ** 2)
-        factor = np.linalg.cholesky(spread_sq)
-        left = linalg.solve_triangular(factor, y - healthy - change, lower=True)
-        logs.append(-0.5 * float(left @ left) - float(np.log(np.diag(factor)).sum()))
+    for row in change:
+        covariance = noise + same * np.outer(row, row)
+        covariance[diagonal] += (0.02 * row) ** 2
+        factor = linalg.cholesky(covariance, lower=True, overwrite_a=True, check_finite=False)
+        left = linalg.solve_triangular(factor, y - healthy - row, lower=True, check_finite=False)
+        logs.append(-0.5 * float(left @ left) - float(np.log(factor[diagonal]).sum()))
     return logs
