@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from femlib.components import PortFlexibility, port_flexibility
-from femlib.rom import ReductionSettings, reduce_ports
+from femlib.rom import ReducedModel, ReductionSettings, reduce_ports
 from femlib.wing import Wing, uav_wing
 from femlib.wing.damage import UAV_REGIONS, damage_library
 
@@ -29,7 +29,7 @@ KINDS: dict[int, tuple[tuple[int, float], ...]] = {
 }
 """Kinds of random states: how many regions are damaged, and the most they lose."""
 N_STATES = 1000
-N_TIMED, N_CALLS, N_BATCH = 15, 40, 10_000
+N_TIMED, N_CALLS, N_BATCH, N_PEER = 15, 40, 10_000, 100
 COARSE, DEFAULT = 0.4, 1.0
 LONG = 300.0
 """Seconds that 28 regions on the default mesh need."""
@@ -62,37 +62,45 @@ def compared(
         states = random_states(rng, n_states // len(KINDS[n_regions]), n_regions, n_damaged, most)
         truth = exact.solve(states)
         kind = head | {"damaged": n_damaged, "most_damage": most}
-        error, bound = np.abs(model.solve(states) - truth), model.error_bound(states)
         batch = random_states(rng, N_BATCH if n_regions == 2 else 200, n_regions, n_damaged, most)
-        yield kind | {
-            "solver": "femlib reduced",
-            "version": f"octmip {version('octmip')}",
-            "modes": model.n_modes,
-            "offline_cpu_seconds": round(offline, 2),
-            "worst_error": LOAD_FACTOR * float(error.max()),
-            "bound_below_error": int((bound < error).sum()),
-            "states": len(states),
-            "largest_bound": LOAD_FACTOR * float(bound.max()),
-            "bound_over_error": float(np.median(bound / np.maximum(error, 1e-12))),
-            "query_microseconds": _microseconds(model.query, states),
-            "checked_microseconds": _microseconds(lambda state: model.solve(state[None, :]), states),
-            "bound_microseconds": _microseconds(lambda state: model.error_bound(state[None, :]), states, 3),
-            "batch_microseconds": 1e6 * _median_seconds(partial(model.solve, batch), 5) / len(batch),
-        }
+        yield kind | {"offline_cpu_seconds": round(offline, 2)} | _reduced(model, states, truth, batch)
         if peer is not None:
-            built, basis, count = peer
-            some = slice(0, 100)
-            error = np.abs(np.array([basis.query(state) for state in states[some]]) - truth[some])
-            yield kind | {
-                "solver": "pymor",
-                "version": f"pymor {version('pymor')}",
-                "modes": count,
-                "offline_cpu_seconds": round(built, 2),
-                "worst_error": LOAD_FACTOR * float(error.max()),
-                "states": len(error),
-                "query_microseconds": _microseconds(basis.query, states, 10),
-                "bound_microseconds": basis.estimate and _microseconds(basis.estimate, states, 3),
-            }
+            yield kind | _pymor(peer, states[:N_PEER], truth[:N_PEER])
+
+
+def _reduced(model: ReducedModel, states: Floats, truth: Floats, batch: Floats) -> dict[str, Any]:
+    """Return errors, bounds and times of femlib's reduced model."""
+    error, bound = np.abs(model.solve(states) - truth), model.error_bound(states)
+    return {
+        "solver": "femlib reduced",
+        "version": f"octmip {version('octmip')}",
+        "modes": model.n_modes,
+        "worst_error": LOAD_FACTOR * float(error.max()),
+        "bound_below_error": int((bound < error).sum()),
+        "states": len(states),
+        "largest_bound": LOAD_FACTOR * float(bound.max()),
+        "bound_over_error": float(np.median(bound / np.maximum(error, 1e-12))),
+        "query_microseconds": _microseconds(model.query, states),
+        "checked_microseconds": _microseconds(lambda state: model.solve(state[None, :]), states),
+        "bound_microseconds": _microseconds(lambda state: model.error_bound(state[None, :]), states, 3),
+        "batch_microseconds": 1e6 * _median_seconds(partial(model.solve, batch), 5) / len(batch),
+    }
+
+
+def _pymor(peer: tuple[float, Any, int], states: Floats, truth: Floats) -> dict[str, Any]:
+    """Return error and times of pymor's reduced basis."""
+    built, basis, count = peer
+    error = np.abs(np.array([basis.query(state) for state in states]) - truth)
+    return {
+        "solver": "pymor",
+        "version": f"pymor {version('pymor')}",
+        "modes": count,
+        "offline_cpu_seconds": round(built, 2),
+        "worst_error": LOAD_FACTOR * float(error.max()),
+        "states": len(error),
+        "query_microseconds": _microseconds(basis.query, states, 10),
+        "bound_microseconds": basis.estimate and _microseconds(basis.estimate, states, 3),
+    }
 
 
 def random_states(rng: np.random.Generator, n: int, n_regions: int, n_damaged: int, most: float) -> Floats:
