@@ -1,19 +1,43 @@
 """Diagnose sealed cases: reads campaigns and the commissioning run, and nothing else."""
 
-import json
+import hashlib
 import time
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+import femlib
+import octmip
 from femlib.wing import WingTwin, uav_wing
 from femlib.wing.effects import wing_effects
-from octmip.gap import diagnose, read_campaign
+from octmip.gap import AugmentedTwin, diagnose, read_campaign
 from octmip.gap.memory import Memory
 from octmip.gap.words import as_object
 
 HELD_LOAD = 2.5
+MOST_PROBABLE = 6
+"""Causes that are written down."""
 _twins: dict = {}
+
+
+@dataclass(frozen=True)
+class Task:
+    """One case to diagnose.
+
+    Attributes:
+        place: folder of its asset, which holds `commissioning.csv` and `campaigns`.
+        name: of the case.
+        refinement: of the twin's mesh.
+        without: whether to diagnose once more without the commissioning run.
+        lasso: whether to ask a group lasso too.
+    """
+
+    place: Path
+    name: str
+    refinement: float = 1.0
+    without: bool = True
+    lasso: bool = False
 
 
 def twin(refinement=1.0):
@@ -24,31 +48,47 @@ def twin(refinement=1.0):
     return _twins[refinement]
 
 
-def answer(folder: Path, name: str, is_calibrated: bool, refinement: float):
-    """Diagnose one campaign and return what the scorer may see."""
-    model = twin(refinement)
-    campaign = read_campaign(folder / "campaigns" / f"{name}.csv", model)
-    run = read_campaign(folder / "commissioning.csv", model) if is_calibrated else None
+def code():
+    """Return the SHA-256 (12 digits) of the code that diagnoses: octmip.gap and femlib."""
+    folders = (Path(octmip.__file__).parent / "gap", Path(femlib.__file__).parent)
+    files = sorted(path for folder in folders for path in folder.rglob("*.py"))
+    return hashlib.sha256(b"".join(path.read_bytes() for path in files)).hexdigest()[:12]
+
+
+def answer(task: Task):
+    """Return what the scorer may see of one case: a diagnosis with the commissioning run, and one without."""
+    model = twin(task.refinement)
+    campaign = read_campaign(task.place / "campaigns" / f"{task.name}.csv", model)
+    run = read_campaign(task.place / "commissioning.csv", model)
+    found = [_diagnosed(task, model, campaign, run)]
+    if task.without:
+        found.append(_diagnosed(task, model, campaign, None))
+    return found
+
+
+def _diagnosed(task, model, campaign, run):
     start = time.process_time()
     diagnosis = diagnose(campaign, model, commissioning=run)
     seconds = time.process_time() - start
-    found = as_object(diagnosis)
+    written = as_object(diagnosis)
+    is_calibrated = run is not None
     return {
-        "name": name,
+        "name": task.name,
         "calibrated": is_calibrated,
         "seconds": seconds,
-        "which": found["which"],
+        "which": written["which"][:MOST_PROBABLE],
         "credible": [[sorted(names) for names in cause.names] for cause in diagnosis.credible],
-        "names": [[sorted(names) for names in cause.names] for cause in diagnosis.which],
-        "unknown_probability": found["unknown_probability"],
-        "inclusion": found["inclusion"],
-        "findings": found["noise"]["findings"],
-        "significant": [entry["name"] for entry in found["where"]["entries"]],
-        "entries": [entry.name for entry in diagnosis.where.entries],
+        "names": [[sorted(names) for names in cause.names] for cause in diagnosis.which][:MOST_PROBABLE],
+        "unknown_probability": written["unknown_probability"],
+        "inclusion": written["inclusion"],
+        "findings": written["noise"]["findings"],
+        "stuck": written["noise"]["stuck"],
+        "significant": [entry["name"] for entry in written["where"]["entries"]],
         "correction": _correction(diagnosis, model),
         "ranking": _chi_squared_ranking(diagnosis),
         "residual": _features(diagnosis),
-        "lasso": None,
+        "lasso": group_lasso(diagnosis) if task.lasso and is_calibrated else None,
+        "augmented": _augmented(diagnosis, model, campaign),
     }
 
 
@@ -58,10 +98,21 @@ def _correction(diagnosis, model):
     scene = diagnosis.which[0].judged.scene
     state = dict(zip(setting.names, scene.states[0].tolist(), strict=True))
     augmented = diagnosis.augmented(model)
-    plain = type(augmented)(model, (), augmented.calibration, augmented.calibration_load)
+    plain = AugmentedTwin(model, (), augmented.calibration, augmented.calibration_load)
     end = max(block.time for block in setting.blocks)
     moved = augmented.predict(state, HELD_LOAD, end) - plain.predict(state, HELD_LOAD)
     return moved[list(setting.order)].tolist()
+
+
+def _augmented(diagnosis, model, campaign):
+    """Return what makes the augmented twin, to be put together again once the keys are open."""
+    augmented = diagnosis.augmented(model)
+    return {
+        "additions": [[a.effect.name, a.variant, a.size] for a in augmented.additions],
+        "calibration": np.asarray(augmented.calibration).tolist(),
+        "load": augmented.calibration_load,
+        "end": float(np.nanmax(campaign.time) - np.nanmin(campaign.time)),
+    }
 
 
 def _chi_squared_ranking(diagnosis):
@@ -82,16 +133,14 @@ def _features(diagnosis):
     n = len(scene.setting.order)
     at_rest = [float(z[(scene.gauge == g) & (loads == 0)].mean()) if (loads == 0).any() else 0.0 for g in range(n)]
     loaded = [float(z[(scene.gauge == g) & (loads > 0)].mean()) if (loads > 0).any() else 0.0 for g in range(n)]
-    return [*at_rest, *loaded]
+    return np.nan_to_num([*at_rest, *loaded]).tolist()
 
 
-def group_lasso(folder: Path, name: str, refinement: float):
+def group_lasso(diagnosis):
     """Return the effect that a group lasso keeps longest (cvxpy, columns in units of the prior sd), or "" for none."""
     import cvxpy as cp
 
-    model = twin(refinement)
-    campaign = read_campaign(folder / "campaigns" / f"{name}.csv", model)
-    scene = diagnose(campaign, model, commissioning=read_campaign(folder / "commissioning.csv", model)).posterior.scene
+    scene = diagnosis.posterior.scene
     prior = scene.setting.priors
     columns = scene.white * np.where(prior.is_fact, 1.0, prior.sd)
     names = [c.name for c in scene.setting.columns]
@@ -107,8 +156,3 @@ def group_lasso(folder: Path, name: str, refinement: float):
     )
     norms = {n: float(np.linalg.norm(size.value[k])) for n, k in groups.items()}
     return max(norms, key=lambda n: norms[n]) if max(norms.values()) > 1e-4 else ""
-
-
-def write(path: Path, found):
-    """Write diagnoses as one JSON line each."""
-    path.write_text("".join(json.dumps(line) + "\n" for line in found))

@@ -1,133 +1,222 @@
 """The asset of the sealed cases: the wing on another mesh, with what a second model of one wing differs by.
 
-Everything about effects is this module's own: forces, constants, the order in which structure and measuring chain
+Everything about effects is this package's own: forces, constants, the order in which structure and measuring chain
 act. It imports the wing's geometry and solver, never a signature of the diagnosis or of `femlib.wing.effects`.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.sparse.linalg import LinearOperator, cg
 
-from femlib.assembly import thermal_load
-from femlib.mesh import DOFS_PER_NODE
-from femlib.wing import uav_wing
+from benchmarks.blind import forces
+from femlib.assembly import Shells, thermal_load
+from femlib.material import Ply, laminate
+from femlib.wing import bend, uav_wing
+from femlib.wing.structure import WingMaterials
 
 REFINEMENT = 1.3
-COMMON, OWN = (
-    0.006,
-    0.008,
-)  # relative difference of two good codes on one wing: common to all gauges, and each gauge's own
-GRAVITY = 9.80665
+COMMON, OWN = 0.006, 0.008
+"""Relative difference of two good codes on one wing: common to all gauges, and each gauge's own."""
 STATES = ((0.0, 0.0), (0.2, 0.0), (0.0, 0.4), (0.25, 0.45), (0.6, 0.2), (0.1, 0.7), (0.35, 0.1))
+TREE_STATES = tuple((round(0.2 * i, 1), round(0.2 * j, 1)) for i in range(5) for j in range(5))
 PARAMETERS = ("mu1", "mu2")
+STEP = 0.02
+"""Step of the damage that tells how strains change with it."""
+THICKER = 0.08
+"""The skin's stiffness is raised by this share to see what it does."""
+BENT_REFINEMENT = 0.4
+"""Mesh of the nonlinear solution, which gives relative changes alone."""
+BENT_LOADS = (1.5, 3.0)
+NO_SHEAR = 0.01
+"""Share of its shear modulus that a debonded row of the web keeps."""
 
 
-@dataclass(eq=False)
-class Asset:
-    """The wing on a finer mesh, its gauges reading (1 + own difference) times its strain.
+@dataclass(frozen=True)
+class Flaw:
+    """One local fault of a structure, drawn once a set.
 
     Attributes:
-        seed: of the difference, one for all cases of a set.
+        name: "damage_outside_library" [%] or "spar_skin_debond" [-].
+        place: where, in the words of `forces`.
+        size: how much.
     """
 
-    seed: int
-    refinement: float = REFINEMENT
-    _cache: dict = field(default_factory=dict, repr=False)
+    name: str
+    place: str
+    size: float
 
-    def __post_init__(self):
-        self.wing = uav_wing(refinement=self.refinement)
-        usable = self.wing.gauges.is_usable
-        self.columns = np.flatnonzero(usable)
-        self.gauges = tuple(name for name, ok in zip(self.wing.gauges.names, usable, strict=True) if ok)
-        rng = np.random.default_rng([self.seed, 77])
+
+def neighbours(state):
+    """Return the states a step of damage further, one for each parameter."""
+    return tuple(tuple(round(v + STEP * (k == p), 9) for k, v in enumerate(state)) for p in range(len(state)))
+
+
+class Asset:
+    """What cases ask of an asset, whatever code computes its strains.
+
+    Attributes:
+        family: name of the code and mesh.
+        gauges, eta, row: of the gauges that lie in no region: name, span fraction, chordwise row.
+        states: damage states of the tests.
+        places: names of the fields and flaws that were drawn for this set.
+    """
+
+    family = ""
+    states: tuple = STATES
+    n_places = {"payload_inertia": 8, "hot_spot": 4, "damage_outside_library": 10, "spar_skin_debond": 8}  # noqa: RUF012
+
+    def __init__(self, seed, refinement):
+        self.wing = uav_wing(refinement=refinement)
+        gauges = self.wing.gauges
+        self.columns = np.flatnonzero(gauges.is_usable)
+        self.gauges = tuple(gauges.names[k] for k in self.columns)
+        self.eta = gauges.eta[self.columns]
+        self.row = gauges.chord_fraction[self.columns]
+        self._kept = {}
+        rng = np.random.default_rng([seed, 77])
         self.own = 1.0 + COMMON * rng.standard_normal() + OWN * rng.standard_normal(len(self.gauges))
-        self.eta = self.wing.gauges.eta[self.columns]
+        self.payloads = [
+            f"payload_inertia:{eta:.3f}" for eta in rng.uniform(0.4, 0.95, self.n_places["payload_inertia"])
+        ]
+        self.hot_spots = [f"hot_spot:{eta:.2f}" for eta in rng.uniform(0.3, 0.7, self.n_places["hot_spot"])]
+        self.lifts = [f"lift_distribution:{kind}" for kind in forces.LIFT_KINDS]
+        self.flaws = [*self._patches(rng), *self._debonds(rng)]
+
+    def _patches(self, rng):
+        for _ in range(self.n_places["damage_outside_library"]):
+            place = f"{rng.uniform(0.28, 0.74):.3f}:{rng.choice([0.2, 0.4, 0.6])}"
+            yield Flaw("damage_outside_library", place, float(min(90.0, 25.0 * log_uniform(rng))))
+
+    def _debonds(self, rng):
+        for _ in range(self.n_places["spar_skin_debond"]):
+            centre, width = rng.uniform(0.25, 0.75), rng.uniform(0.05, 0.15)
+            place = f"{rng.choice(['upper', 'lower'])}:{centre - width / 2:.3f}:{centre + width / 2:.3f}"
+            yield Flaw("spar_skin_debond", place, float(min(1.0, 0.5 * log_uniform(rng))))
+
+    @property
+    def field_names(self):
+        """Names of all fields."""
+        plain = ["temperature_uniform", "temperature_gradient", "torsion"]
+        return [*plain, *self.lifts, *self.payloads, *self.hot_spots]
+
+    def kept(self, key, make):
+        """Return what `make` returns, made once."""
+        if key not in self._kept:
+            self._kept[key] = make()
+        return self._kept[key]
 
     def strain(self, state):
         """Return the strains (n_gauges,) at load factor 1 [microstrain, compressive positive]."""
-        return self._kept(("strain", state), lambda: self.of_force(state, self.wing.lift) * self.own)
+        raise NotImplementedError
 
     def field(self, name, state):
-        """Return the change of the strains (n_gauges,) per unit of a structural effect, at load factor 1."""
-        return self._kept(
-            (name, state), lambda: self.of_force(state, getattr(self, "_" + name.split(":")[0])(name, state))
+        """Return the change of the strains (n_gauges,) per unit of a field, at load factor 1 or whatever the load."""
+        raise NotImplementedError
+
+    def softness(self, state):
+        """Return b (n_gauges,) where skins stiffer by the share s have strain / (1 + b s)."""
+        raise NotImplementedError
+
+    def flaw(self, flaw):
+        """Return the change of the healthy wing's strains (n_gauges,) by a flaw at load factor 1."""
+        raise NotImplementedError
+
+    def bending(self):
+        """Return the relative changes (n_gauges,) of strain by large deflection per L and per L^2."""
+        return self.kept("bending", lambda: _bending(min(BENT_REFINEMENT, self.bent_refinement), self.columns))
+
+
+class FemlibAsset(Asset):
+    """The wing on a finer mesh, its gauges reading (1 + own difference) times its strain."""
+
+    family = "femlib, other mesh"
+
+    def __init__(self, seed, refinement=REFINEMENT):
+        super().__init__(seed, refinement)
+        self.bent_refinement = refinement
+        every = [*STATES, *TREE_STATES, *(near for state in STATES for near in neighbours(state))]
+        self.every = tuple(dict.fromkeys(every))
+
+    def strain(self, state):
+        strains = self.kept("strain", lambda: self._answers(self.wing, self.wing.lift))
+        return self.own * strains[self.every.index(state)]
+
+    def field(self, name, state):
+        return self.kept(name, lambda: self._field(name))[self.every.index(state)]
+
+    def softness(self, state):
+        return self.kept("softness", self._softness)[self.every.index(state)]
+
+    def flaw(self, flaw):
+        return self.kept(flaw, lambda: self._flaw(flaw))
+
+    def _answers(self, wing, force):
+        """Return the strains (n_states, n_gauges) of all states under nodal forces (n_dofs,)."""
+        active = tuple(range(len(PARAMETERS)))
+        answers = wing.structure.output_map(np.asarray(force), wing.strain_rows, active)
+        return 1e6 * answers.solve(np.array(self.every))[:, self.columns]
+
+    def _field(self, name):
+        if not forces.is_thermal(name):
+            return self._answers(self.wing, forces.force(self.wing, name))
+        shells, warmth = self.wing.structure.shells, forces.warming(self.wing, name)
+        still = np.zeros(len(warmth))
+        total = self._answers(self.wing, thermal_load(shells, warmth, still))
+        for component, damage in zip(self.wing.structure.components, np.array(self.every).T, strict=True):
+            lost = np.where(component.elements, warmth, 0.0)  # damaged skin pushes less
+            if lost.any():
+                total = total - damage[:, None] * self._answers(self.wing, thermal_load(shells, lost, still))
+        return total
+
+    def _softness(self):
+        cards = WingMaterials()
+        wing = uav_wing(
+            refinement=self.bent_refinement, materials=replace(cards, skin_young=cards.skin_young * (1 + THICKER))
         )
+        return (self._answers(self.wing, self.wing.lift) / self._answers(wing, wing.lift) - 1.0) / THICKER
 
-    def of_force(self, state, force):
-        """Return strains (n_gauges,) under nodal forces (n_dofs,)."""
-        outputs = self.wing.structure.solve_outputs(np.array([state]), np.asarray(force), self.wing.strain_rows)
-        return 1e6 * outputs[0][self.columns]
+    def _flaw(self, flaw):
+        """Solve the flawed wing anew, by conjugate gradients that the sound wing's factors precondition."""
+        structure = self.wing.structure
+        supports = structure.supports
+        sound = supports.reduce(structure.shells.stiffness())
+        factors = structure.eliminated(tuple(range(len(PARAMETERS)))).factors
+        flawed = sound - supports.reduce(self._lost(flaw))
+        force = self.wing.lift[supports.free]
+        before = factors.solve(force)
+        precondition = LinearOperator(flawed.shape, matvec=factors.solve, dtype=np.float64)
+        after, failure = cg(flawed, force, x0=before, rtol=1e-9, maxiter=200, M=precondition)
+        assert failure == 0, f"{flaw} did not converge"
+        moved = self.wing.strain_rows @ supports.expand(after - before)
+        return 1e6 * moved[self.columns]
 
-    def _kept(self, key, make):
-        if key not in self._cache:
-            self._cache[key] = make()
-        return self._cache[key]
-
-    def _moved(self, state):
-        return self._kept(("moved", state), lambda: self.wing.solve(dict(zip(PARAMETERS, state, strict=True)), 1.0))
-
-    # -- nodal forces of structural effects, each per unit of its size ------------------------------------------------
-
-    def _temperature_uniform(self, name, state):
-        return self._warm(state, np.ones(self.wing.structure.shells.mesh.n_elements))
-
-    def _temperature_gradient(self, name, state):
-        height = self.wing.structure.shells.mesh.centroids()[:, 2]
-        patches = self.wing.structure.shells.mesh.patches
-        inner = np.isin(self.wing.structure.shells.mesh.patch_of_element, [patches.index("web"), patches.index("ribs")])
-        return self._warm(state, np.where(inner, 0.0, np.where(height > 0, 0.5, -0.5)))
-
-    def _hot_spot(self, name, state):
-        """Sun on a third of the chord between two ribs: no effect of any library."""
-        mesh = self.wing.structure.shells.mesh
-        eta = mesh.centroids()[:, 1] / self.wing.span
-        centre = float(name.split(":")[1])
-        top = mesh.centroids()[:, 2] > 0
-        return self._warm(state, np.where(top, np.exp(-(((eta - centre) / 0.06) ** 2)), 0.0))
-
-    def _warm(self, state, warming):
+    def _lost(self, flaw):
         shells = self.wing.structure.shells
-        scale = np.ones(len(warming))
-        for component, damage in zip(self.wing.structure.components, state, strict=True):
-            scale[component.elements] = 1.0 - damage
-        return thermal_load(shells, warming * scale, np.zeros(len(warming)))
+        if flaw.name == "damage_outside_library":
+            return 0.01 * flaw.size * shells.stiffness(forces.foreign_patch(self.wing, flaw.place))
+        row = forces.bond_row(self.wing, flaw.place)
+        return flaw.size * (shells.stiffness(row) - self.kept("loose", lambda: _sheared(self.wing)).stiffness(row))
 
-    def _lift_distribution(self, name, state):
-        """More lift outboard: a part that grows with the square of the span and drops at the tip, as twist gives."""
-        lift = self.wing.lift.reshape(-1, DOFS_PER_NODE)[:, 2]
-        eta = self.wing.structure.shells.mesh.nodes[:, 1] / self.wing.span
-        shape = lift * eta**2 * (1.0 - 0.5 * eta**6)
-        shape -= lift * shape.sum() / lift.sum()
-        force = np.zeros((len(lift), DOFS_PER_NODE))
-        force[:, 2] = shape * (0.01 * (lift @ eta) / (shape @ eta))
-        return force.ravel()
 
-    def _skin_thickness(self, name, state):
-        shells = self.wing.structure.shells
-        patches = shells.mesh.patches
-        u = self._moved(state).ravel()
-        inner = np.isin(shells.mesh.patch_of_element, [patches.index("web"), patches.index("ribs")])
-        pull = shells.stiffness(~inner) @ u
-        for component, damage in zip(self.wing.structure.components, state, strict=True):
-            pull = pull - damage * (shells.stiffness(component.elements) @ u)
-        return -0.01 * pull
+def log_uniform(rng):
+    """Return a factor between 0.3 and 3, its logarithm uniform."""
+    return float(np.exp(rng.uniform(np.log(0.3), np.log(3.0))))
 
-    def _payload_inertia(self, name, state):
-        mesh = self.wing.structure.shells.mesh
-        eta = float(name.split(":")[1])
-        point = np.array([0.0, eta * self.wing.span, 0.0])
-        near = np.argsort(np.linalg.norm(mesh.nodes - point, axis=1))[:6]
-        force = np.zeros((len(mesh.nodes), DOFS_PER_NODE))
-        force[near, 2] = -GRAVITY / len(near)
-        return force.ravel()
 
-    def _damage_outside_library(self, name, state):
-        """A loss of stiffness of a patch of the upper skin, 0.1 of the span by 0.35 of the chord, per per cent."""
-        shells = self.wing.structure.shells
-        centre = shells.mesh.centroids()
-        eta, aft = (float(part) for part in name.split(":")[1:])
-        patch = (np.abs(centre[:, 1] / self.wing.span - eta) < 0.05) & (centre[:, 2] > 0.0)
-        local = 0.43561 - (0.43561 - 0.261112) * centre[:, 1] / self.wing.span
-        patch &= np.abs(centre[:, 0] / local + 0.3 - aft) < 0.175
-        patch &= np.isin(shells.mesh.patch_of_element, [shells.mesh.patches.index("top")])
-        return 0.01 * (shells.stiffness(patch) @ self._moved(state).ravel())
+def _sheared(wing):
+    """Return the shells with a web whose wood bears no shear in its plane: what a bond that slides passes on."""
+    shells, cards = wing.structure.shells, wing.materials
+    young = cards.modulus_scale * cards.wood_young
+    shear = young / (2.0 * (1.0 + cards.wood_poisson))
+    ply = Ply(young, young, cards.wood_poisson, NO_SHEAR * shear, shear, shear, cards.wood_thickness)
+    skin, _ = shells.laminates
+    return Shells(shells.mesh, (skin, laminate([ply])), shells.section, shells.scale, shells.axis)
+
+
+def _bending(refinement, columns):
+    wing = uav_wing(refinement=refinement)
+    straight = wing.strain_microstrain({}, 1.0)[columns]
+    bent = [bend(wing, {}, load).strain_microstrain[columns] / (load * straight) - 1.0 for load in BENT_LOADS]
+    powers = np.array([[load, load**2] for load in BENT_LOADS])
+    return np.linalg.solve(powers, np.array(bent))

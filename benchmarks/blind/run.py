@@ -1,0 +1,183 @@
+"""One sealed set from its plan to its tables; what is done is kept, so that a set which was stopped goes on."""
+
+import json
+import sys
+import time
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import asdict, dataclass
+
+from benchmarks.blind import calculix_asset
+from benchmarks.blind.answers import Task, answer, code
+from benchmarks.blind.asset import REFINEMENT, FemlibAsset
+from benchmarks.blind.guards import guards
+from benchmarks.blind.score import by_effect, figures, is_standard, open_keys, strata
+from benchmarks.blind.sealing import seal
+from benchmarks.blind.trees import Retraining, recovered, tree_figures
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A set of cases.
+
+    Attributes:
+        seed, count, jobs: of the set; processes.
+        without: share of the cases diagnosed without commissioning run too.
+        lasso, trees: numbers of cases for the group lasso and for retraining.
+        calculix: share of the cases on CalculiX's asset, where `ccx` is installed.
+        asset_mesh, twin_mesh: refinements.
+    """
+
+    seed: int
+    count: int = 600
+    jobs: int = 2
+    without: float = 1.0
+    lasso: int = 60
+    trees: int = 60
+    calculix: float = 0.25
+    asset_mesh: float = REFINEMENT
+    twin_mesh: float = 1.0
+
+
+def run(folder, plan):
+    """Seal, diagnose, open, score; return the tables in Markdown, which also stand in `folder/tables.md`."""
+    folder.mkdir(parents=True, exist_ok=True)
+    keys = folder.resolve().parent / f"{folder.name}.keys.json"
+    plan = _settled(folder, plan)
+    clock = [time.time()]
+    if not (folder / "seals.json").exists():
+        _seal(folder, keys, plan)
+    clock.append(time.time())
+    found = _diagnose(folder, plan)
+    clock.append(time.time())
+    answers = open_keys(folder, keys)
+    tables = _tables(found, answers, plan)
+    clock.append(time.time())
+    text = "\n\n".join([_heading(plan, len(answers), clock), *tables])
+    (folder / "tables.md").write_text(text + "\n")
+    return text
+
+
+def _settled(folder, plan):
+    """Return the plan of a set that was begun, otherwise write this one down."""
+    path = folder / "plan.json"
+    if path.exists():
+        return Plan(**{**json.loads(path.read_text()), "jobs": plan.jobs})
+    path.write_text(json.dumps(asdict(plan)))
+    return plan
+
+
+def _seal(folder, keys, plan):
+    assets, shares = [FemlibAsset(plan.seed, plan.asset_mesh)], [1.0]
+    if plan.calculix > 0.0 and calculix_asset.is_installed():
+        store = keys.with_suffix(".calculix.json")
+        assets.append(calculix_asset.CalculixAsset(plan.seed, store=store, jobs=plan.jobs))
+        shares = [1.0 - plan.calculix, plan.calculix]
+    seal(folder, keys, plan.seed, plan.count, assets, shares, plan.trees)
+
+
+def _diagnose(folder, plan):
+    """Return all diagnoses; each case is one line, written when it is done, and is not diagnosed again."""
+    path = folder / "diagnoses.jsonl"
+    cases = _written(path)
+    done = {lines[0]["name"] for lines in cases}
+    tasks = [task for task in _tasks(folder, plan) if task.name not in done]
+    with path.open("a") as file:
+        for found in _answers(tasks, plan.jobs):
+            file.write(json.dumps(found) + "\n")
+            file.flush()
+            cases.append(found)
+            if len(cases) % 50 == 0:
+                print(f"{len(cases)} cases diagnosed", file=sys.stderr)
+    return [line for found in sorted(cases, key=lambda found: found[0]["name"]) for line in found]
+
+
+def _written(path):
+    """Return the cases that an earlier run finished; a last line that was cut off is taken out of the file."""
+    if not path.exists():
+        return []
+    whole = [line for line in path.read_text().splitlines(keepends=True) if line.endswith("\n")]
+    path.write_text("".join(whole))
+    return [json.loads(line) for line in whole]
+
+
+def _answers(tasks, jobs):
+    if jobs == 1:
+        yield from map(answer, tasks)
+        return
+    with ProcessPoolExecutor(jobs) as pool:
+        for future in as_completed([pool.submit(answer, task) for task in tasks]):
+            yield future.result()
+
+
+def _tasks(folder, plan):
+    """Return one task a case; unknown to it are seed, truths and keys."""
+    paths = sorted(folder.glob("*/campaigns/*.csv"), key=lambda path: path.stem)
+    return [
+        Task(
+            path.parents[1].resolve(),
+            path.stem,
+            plan.twin_mesh,
+            without=k < round(plan.without * len(paths)),
+            lasso=k % max(1, len(paths) // max(1, plan.lasso)) == 0 and plan.lasso > 0,
+        )
+        for k, path in enumerate(paths)
+    ]
+
+
+def _tables(found, answers, plan):
+    """Return all tables."""
+    cases = [(f, answers[f["name"]]) for f in found]
+    with_run = [(f, a) for f, a in cases if f["calibrated"]]
+    without = [(f, a) for f, a in cases if not f["calibrated"]]
+    retrained = tree_figures(_recoveries(with_run, plan))
+    families = sorted({a["case"]["family"] for _, a in cases}, reverse=True)
+    standard = [(f, a) for f, a in with_run if is_standard(a)]
+    tables = [
+        _table(
+            "With the commissioning run",
+            {"known healthy state, loads 0 to 3": figures(standard) + retrained, "all cases": figures(with_run)},
+        ),
+        _table("Without a commissioning run", {"all cases": figures(without)}),
+        _table("By family, with the commissioning run", {name: figures(_of(with_run, name)) for name in families}),
+        _table("By family, without a commissioning run", {name: figures(_of(without, name)) for name in families}),
+        _table("Single effects", {"with the commissioning run": strata(with_run), "without": strata(without)}),
+        _table("Top-1 by effect, d' >= 5", {"with the commissioning run": by_effect(with_run)}),
+        _table("Guards and baselines, d' >= 5, with the commissioning run", {"single effects": guards(with_run)}),
+    ]
+    return tables
+
+
+def _of(cases, family):
+    return [(f, a) for f, a in cases if a["case"]["family"] == family]
+
+
+def _recoveries(with_run, plan):
+    tasks = [Retraining(f, a, plan.twin_mesh) for f, a in with_run if "tree_means" in a]
+    if plan.jobs == 1 or len(tasks) < plan.jobs:
+        return [recovered(task) for task in tasks]
+    with ProcessPoolExecutor(plan.jobs) as pool:
+        return list(pool.map(recovered, tasks))
+
+
+def _heading(plan, count, clock):
+    seconds = [f"{what} in {b - a:.0f} s" for what, a, b in zip(_STEPS, clock, clock[1:], strict=False)]
+    return (
+        f"Seed {plan.seed}, {count} cases, code {code()}, {plan.jobs} processes; asset's mesh {plan.asset_mesh:g}, "
+        f"twin's {plan.twin_mesh:g}; {', '.join(seconds)}."
+    )
+
+
+_STEPS = ("sealed", "diagnosed", "scored")
+
+
+def _table(title, columns):
+    """Return figures in Markdown: one row a name, what it owes, then one column a set of cases."""
+    named = {column: {row.name: row for row in rows} for column, rows in columns.items()}
+    names = dict.fromkeys(name for rows in named.values() for name in rows)
+    owed = {name: next(rows[name].owed() for rows in named.values() if name in rows) for name in names}
+    has_must = any(owed.values())
+    lines = [f"| {title} | {'must | ' * has_must}{' | '.join(columns)} |", "|---|" + "---|" * (has_must + len(columns))]
+    for name in names:
+        cells = [rows[name].words() if name in rows else "" for rows in named.values()]
+        lines.append(f"| {name} | {owed[name] + ' | ' if has_must else ''}{' | '.join(cells)} |")
+    return "\n".join(lines)

@@ -1,0 +1,122 @@
+"""Seal a set: campaigns and fingerprints into one folder, answers into a file that no diagnosis is told of.
+
+`folder/<asset>/commissioning.csv` and `folder/<asset>/campaigns/*.csv` are all that a diagnosis reads.
+"""
+
+import hashlib
+import json
+import secrets
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.blind.asset import TREE_STATES, FemlibAsset, neighbours
+from benchmarks.blind.cases import (
+    ALL_LOADS,
+    INTERVAL,
+    REPEATS,
+    VARIANCE,
+    Case,
+    draw_cases,
+    mean_readings,
+    moments,
+    write_campaign,
+)
+from benchmarks.blind.changes import Moment
+
+HELD_LOAD = 2.5  # never measured: the correction is judged there
+TREE_LOAD = 3.0
+COMMON, OWN, LEAST = 0.01, 0.01, 0.003
+"""Without a commissioning run: what two models of one wing differ by, in common, a gauge, and of the mean strain."""
+DAMAGE = 0.5
+"""Typical size of an unknown damage."""
+
+
+def seal(folder: Path, keys: Path, seed: int, count: int, assets, shares, n_trees=0):
+    """Write campaigns and seals to `folder`, the answers to `keys`; `n_trees` of them with the states of a tree."""
+    for asset in assets:
+        place = folder / slug(asset.family)
+        (place / "campaigns").mkdir(parents=True, exist_ok=True)
+        healthy = Case("commissioning", "none", (), (asset.states[0],), True, ALL_LOADS, "white", asset.family)
+        write_campaign(place / "commissioning.csv", healthy, asset, seed)
+    by_family = {asset.family: asset for asset in assets}
+    seals, answers = {}, {}
+    for case in draw_cases(seed, count, assets, shares):
+        asset = by_family[case.family]
+        write_campaign(folder / slug(case.family) / "campaigns" / f"{case.name}.csv", case, asset, seed)
+        answer = {"case": asdict(case), "salt": secrets.token_hex(16), **facts(case, asset)}
+        if n_trees > 0 and _is_for_tree(case):
+            answer["tree_means"] = tree_means(case, asset)
+            n_trees -= 1
+        seals[case.name] = fingerprint(answer)
+        answers[case.name] = answer
+    keys.write_text(json.dumps(answers))
+    (folder / "seals.json").write_text(json.dumps(seals, indent=1, sort_keys=True))  # last: the set is whole
+
+
+def slug(family):
+    """Return the folder's name of a family."""
+    return family.split(",")[0].lower()
+
+
+def fingerprint(answer):
+    """Return the SHA-256 of a salted answer."""
+    return hashlib.sha256(json.dumps(answer, sort_keys=True).encode()).hexdigest()
+
+
+def facts(case, asset):
+    """Return what the scorer needs: how far the truths stand from the noise, and what they change."""
+    cells = moments(case)
+    moved = _moved(case.truths, asset, cells)
+    parts = [_moved((truth,), asset, cells) for truth in case.truths]
+    last = cells[-1].times[-1]
+    held = Moment(case.states[0], HELD_LOAD, np.array([last]), (*cells[-1].history, (HELD_LOAD, last - 300.0)))
+    names = [f"T{number} at load factor {load:g}" for number, _, load in case.cells]
+    return {
+        "d_prime": {key: distance(moved, case, asset, key == "calibrated") for key in ("calibrated", "bare")},
+        "d_prime_of_parts": [distance(part, case, asset, True) for part in parts],
+        "held_change": _moved(case.truths, asset, [held])[0].tolist(),
+        "entries": {name: row.tolist() for name, row in zip(names, moved, strict=True)},
+        "strain": asset.strain(case.states[0]).tolist(),
+        "gauges": list(asset.gauges),
+    }
+
+
+def _moved(truths, asset, cells):
+    """Return the mean change (n_cells, n_gauges) that truths make."""
+    return np.array([(mean_readings(truths, asset, m) - m.load * asset.strain(m.state)).mean(axis=0) for m in cells])
+
+
+def distance(moved, case, asset, is_calibrated):
+    """Return d': how many standard deviations a change (n_cells, n_gauges) stands from noise, model and damage."""
+    loads = np.array([load for _, _, load in case.cells])
+    n, noise = len(asset.gauges), VARIANCE / REPEATS
+    strain = 3.0 * asset.strain(asset.states[0])
+    if is_calibrated:
+        model = np.eye(n) * noise / sum((load / 3.0) ** 2 for load in ALL_LOADS)
+    else:
+        own = (OWN * strain) ** 2 + (LEAST * np.sqrt(np.mean(strain**2))) ** 2
+        model = COMMON**2 * np.outer(strain, strain) + np.diag(own)
+    covariance = np.eye(moved.size) * noise + np.kron(np.outer(loads / 3.0, loads / 3.0), model)
+    if not case.is_known:
+        state = case.states[0]
+        for near in neighbours(state):
+            step = max(abs(a - b) for a, b in zip(near, state, strict=True))
+            tangent = np.kron(loads, (asset.strain(near) - asset.strain(state)) / step)
+            covariance += DAMAGE**2 * np.outer(tangent, tangent)
+    flat = moved.ravel()
+    return float(np.sqrt(flat @ np.linalg.solve(covariance, flat)))
+
+
+def _is_for_tree(case):
+    """Return whether a case is one of those whose retrained tree is scored."""
+    return case.is_known and case.stratum in ("single", "single, damaged") and case.family == FemlibAsset.family
+
+
+def tree_means(case, asset):
+    """Return the asset's mean readings (n_states, n_gauges) in the states of a tree, after the campaign."""
+    last = len(case.cells) * REPEATS * INTERVAL
+    history = (*moments(case)[-1].history, (TREE_LOAD, last - REPEATS * INTERVAL))
+    at = [Moment(state, TREE_LOAD, np.array([last]), history) for state in TREE_STATES]
+    return [mean_readings(case.truths, asset, moment)[0].tolist() for moment in at]

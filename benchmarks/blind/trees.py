@@ -1,0 +1,88 @@
+"""What retraining recovers: a tree that tells mu1 learns from the twin, from the augmented twin, and from the asset."""
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+from benchmarks.blind.answers import twin
+from benchmarks.blind.asset import TREE_STATES
+from benchmarks.blind.cases import VARIANCE
+from benchmarks.blind.figure import Figure, share, statistic
+from benchmarks.blind.sealing import TREE_LOAD
+from octmip.gap import CHAIN, Addition, AugmentedTwin
+from octmip.gap.retrain import Lesson, recovery, retrained, trained
+
+REPEATS = 100
+DEPTH = 3
+
+
+def lesson(gauges):
+    """Return what the study's tree for mu1 learns: 25 states, 100 readings each at load factor 3, depth 3."""
+    states = np.array(TREE_STATES)
+    return Lesson(states, 100.0 * states[:, 0], tuple(gauges), TREE_LOAD, REPEATS, VARIANCE**0.5, DEPTH)
+
+
+@dataclass(frozen=True)
+class Retraining:
+    """One case to retrain for.
+
+    Attributes:
+        found, answer: its diagnosis and its opened key.
+        refinement: of the twin's mesh.
+    """
+
+    found: dict
+    answer: dict
+    refinement: float
+
+
+def recovered(task):
+    """Return the recovery of one case, scored on the asset's readings with the effect present in all states."""
+    plan = lesson(task.answer["gauges"])
+    model = twin(task.refinement)
+    asset = np.array(task.answer["tree_means"])
+    before = deployed(task.refinement, plan.gauges)
+    after, oracle = (trained(plan, mean).tree for mean in (augmented_means(task, plan, model), asset))
+    return recovery(plan, asset, (before, after, oracle))
+
+
+@cache
+def deployed(refinement, gauges):
+    """Return the tree that the twin as it is teaches: the same for all cases."""
+    return retrained(twin(refinement), lesson(gauges)).tree
+
+
+def augmented_means(task, plan, model):
+    """Return the augmented twin's readings (n_states, n_gauges) in the tree's states, at the end of the campaign."""
+    parts = task.found["augmented"]
+    effects = {**CHAIN, **model.effects}
+    additions = tuple(Addition(effects[name], place, size) for name, place, size in parts["additions"])
+    augmented = AugmentedTwin(model, additions, np.array(parts["calibration"]), parts["load"])
+    order = [model.gauges.index(name) for name in plan.gauges]
+    states = [dict(zip(model.parameters, state, strict=True)) for state in plan.states.tolist()]
+    return np.array([augmented.predict(state, plan.load_factor, parts["end"])[order] for state in states])
+
+
+def tree_figures(recoveries):
+    """Return the figures of retraining."""
+    clear = [r for r in recoveries if np.isfinite(r.recovered)]
+    must = (0.90, np.inf)
+    pooled = sum(r.before - r.after for r in clear) / sum(r.before - r.oracle for r in clear) if clear else np.nan
+    bounds = _interval(clear) if clear else (np.nan, np.nan)
+    return [
+        statistic("tree MAE recovered against oracle, median", [r.recovered for r in clear], np.median, must),
+        Figure("tree MAE recovered against oracle, all trees together", pooled, *bounds, len(clear), must),
+        share("trees whom the gap costs more than noise", [bool(np.isfinite(r.recovered)) for r in recoveries]),
+        statistic("tree MAE [% stiffness loss], trained on the twin", [r.before for r in clear]),
+        statistic("tree MAE, trained on the augmented twin", [r.after for r in clear]),
+        statistic("tree MAE, trained on the asset (oracle)", [r.oracle for r in clear]),
+    ]
+
+
+def _interval(clear):
+    """Return the bootstrap interval of the pooled share."""
+    rng = np.random.default_rng(0)
+    gain, cost = np.array([r.before - r.after for r in clear]), np.array([r.before - r.oracle for r in clear])
+    draws = rng.integers(len(clear), size=(1000, len(clear)))
+    return np.quantile(gain[draws].sum(axis=1) / cost[draws].sum(axis=1), [0.025, 0.975]).tolist()
