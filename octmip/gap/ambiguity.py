@@ -75,12 +75,12 @@ def visibility(scene: Scene, own: Fit, member: int) -> float:
 
 def conditional_gram(scene: Scene, others: Members, member: int) -> tuple[Floats, Floats]:
     """Return (G_aj, G_jj) (n_columns,) each, the free columns `others` projected out."""
-    cross, diagonal = scene.gram[member].copy(), np.diag(scene.gram).copy()
+    cross, diagonal = scene.products([member])[0], scene.lengths.copy()
     if others:
         index = list(others)
         sd = scene.setting.priors.sd[index]
-        inverse = np.linalg.inv(scene.gram[np.ix_(index, index)] + np.diag((3.0 * sd) ** -2))
-        with_others = scene.gram[index]
+        with_others = scene.products(index)
+        inverse = np.linalg.inv(with_others[:, index] + np.diag((3.0 * sd) ** -2))
         cross -= with_others.T @ inverse @ with_others[:, member]
         diagonal -= np.einsum("ij,ik,kj->j", with_others, inverse, with_others)
     return cross, np.maximum(diagonal, 0.0)
@@ -102,7 +102,7 @@ def _distances(scene: Scene, gram: tuple[Floats, Floats], member: int, size: flo
 def detectable(scene: Scene) -> dict[str, float]:
     """Return for every effect the size that these readings would have shown with 95 % power, at a typical place."""
     sizes: dict[str, list[float]] = {}
-    for column, length in zip(scene.setting.columns, np.sqrt(np.diag(scene.gram)), strict=True):
+    for column, length in zip(scene.setting.columns, np.sqrt(scene.lengths), strict=True):
         sizes.setdefault(column.name, []).append(POWER / max(float(length), 1e-12))
     return {name: float(np.median(found)) for name, found in sizes.items()}
 

@@ -13,9 +13,10 @@ from itertools import permutations
 import numpy as np
 
 from octmip.gap.ambiguity import SEPARABLE, Rival, rivals, tied_columns, visibility
-from octmip.gap.evidence import Fit
+from octmip.gap.evidence import Fit, Members
 from octmip.gap.library import SCALES
 from octmip.gap.posterior import Judged, Posterior
+from octmip.gap.shape_error import allowing, judge, neighbours
 from octmip.gap.shrinkage import Shrinkage, chance_of_rest
 
 UNKNOWN = "unknown"
@@ -108,8 +109,8 @@ def tell_causes(posterior: Posterior) -> tuple[Cause, ...]:
     while left and len(found) < MOST_CAUSES and (told < CREDIBLE or len(found) < 3):
         head = left[0]
         own = head.fit
-        tied = [] if head.has_unknown else [tied_columns(head.scene, own, j) | {j} for j in head.members]
-        same = [h for h in left if h is head or _is_same(head, tied, h)]
+        parts = [] if head.has_unknown else _parts(head)
+        same = [h for h in left if h is head or _is_same(head, parts, h)]
         cause = _cause(head, own, float(sum(h.probability for h in same)), found)
         found.append(cause)
         told += cause.probability
@@ -143,10 +144,17 @@ def cleared(judged: Sequence[Judged]) -> list[Judged]:
     return sorted(kept, key=lambda h: -h.probability)
 
 
-def clear_members(judged: Judged) -> tuple[int, ...]:
-    """Return the members of a hypothesis that stand d' = 3 clear of the noise."""
-    own = judged.fit
-    return tuple(j for j in judged.members if visibility(judged.scene, own, j) >= SEPARABLE)
+def clear_members(judged: Judged) -> Members:
+    """Return the members of a hypothesis that stand d' = 3 clear of the noise, the faintest taken out one at a time."""
+    scene, members = judged.scene, judged.members
+    while members:
+        own, allowed = judge(scene, [members])[0].fit, allowing(scene, members)
+        clear = [visibility(allowed, own, j) for j in members]
+        faintest = int(np.argmin(clear))
+        if clear[faintest] >= SEPARABLE:
+            break
+        members = (*members[:faintest], *members[faintest + 1 :])
+    return members
 
 
 def with_misfit(
@@ -160,7 +168,7 @@ def with_misfit(
     """
     if best is None:
         return found, unknown_probability
-    chance = closing.p_after if closing is not None else chance_of_rest(best.judged.scene, ())
+    chance = closing.p_after if closing is not None else chance_of_rest(best.judged.scene, best.judged.fit)
     if chance >= MISFIT or (closing is not None and closing.closed > EXPLAINED):
         return found, unknown_probability
     kept = chance / MISFIT
@@ -179,12 +187,32 @@ def credible_set(found: Sequence[Cause]) -> tuple[Cause, ...]:
     return tuple(kept)
 
 
-def _is_same(head: Judged, tied: Sequence[set[int]], other: Judged) -> bool:
+def _parts(head: Judged) -> list[set[int]]:
+    """Return for every effect of a hypothesis the columns that are the same cause.
+
+    Those are tied to it (d' < 3), or, where the effect lies between places, next to it: two such places are one.
+    """
+    columns = head.scene.setting.columns
+    found: dict[object, set[int]] = {}
+    for j in head.members:
+        key = columns[j].name if columns[j].n_between else j
+        near = {j, *neighbours(head.scene, j)} if columns[j].n_between else {j}
+        found[key] = found.get(key, set()) | near | tied_columns(head.allowed, head.fit, j)
+    return list(found.values())
+
+
+def _is_same(head: Judged, parts: Sequence[set[int]], other: Judged) -> bool:
     if head.has_unknown or other.has_unknown:  # an effect that the unknown makes no more probable is idle beside it
         return head.has_unknown and other.has_unknown and not head.members
-    if len(other.members) != len(head.members) or not head.members:
+    if not parts or not other.members:
         return False
-    return any(all(j in t for j, t in zip(order, tied, strict=True)) for order in permutations(other.members))
+    columns = head.scene.setting.columns
+    grouped: dict[object, set[int]] = {}
+    for j in other.members:
+        grouped.setdefault(columns[j].name if columns[j].n_between else j, set()).add(j)
+    if len(grouped) != len(parts):
+        return False
+    return any(all(g <= p for g, p in zip(order, parts, strict=True)) for order in permutations(grouped.values()))
 
 
 def _cause(head: Judged, own: Fit, probability: float, before: Sequence[Cause]) -> Cause:
@@ -193,8 +221,8 @@ def _cause(head: Judged, own: Fit, probability: float, before: Sequence[Cause]) 
         extra = tuple(dict.fromkeys(columns[j].name for j in head.members))
         return Cause((*extra, UNKNOWN), probability, _parameters(head, own), (), True, False, head)
     effects = tuple(dict.fromkeys(columns[j].name for j in head.members))
-    clear = all(visibility(head.scene, own, j) >= SEPARABLE for j in head.members)
-    ties = [_tie(head, j, rivals(head.scene, own, j)) for j in head.members] if clear else []
+    clear = all(visibility(head.allowed, own, j) >= SEPARABLE for j in head.members)
+    ties = [_tie(head, j, rivals(head.allowed, own, j)) for j in head.members] if clear else []
     return Cause(effects, probability, _parameters(head, own), tuple(t for t in ties if t), clear, False, head)
 
 
@@ -234,11 +262,11 @@ def _is_sensitive(posterior: Posterior) -> bool:
         return False
     head = best[0]
     named = {h.members: clear_members(h) for h in best if not h.has_unknown}
-    tied = [tied_columns(head.scene, head.fit, j) | {j} for j in head.members]
+    parts = _parts(head)
     shares = [(h, h.fit.scales if h.members else (1.0,) * 3) for h in best if not h.has_unknown]
     for k in range(len(SCALES)):
         winner = max(shares, key=lambda item: item[0].probability * item[1][k])[0]
-        same = named[winner.members] == named[head.members] or _is_same(head, tied, winner)
+        same = named[winner.members] == named[head.members] or _is_same(head, parts, winner)
         if not same:
             return True
     return False

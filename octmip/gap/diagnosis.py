@@ -246,7 +246,7 @@ def _open_groups(campaign: Campaign) -> tuple[tuple[tuple[int, ...], ...], list[
 def _states(which: Sequence[Cause]) -> tuple[StateEstimate, ...]:
     if not which:
         return ()
-    scene = which[0].judged.scene
+    scene = which[0].judged.allowed
     setting = scene.setting
     if not setting.groups:
         return ()
@@ -285,7 +285,7 @@ def _refused(which: Sequence[Cause], scene: Scene, sizes: Mapping[str, float]) -
         own = cause.judged.fit
         if not scene.setting.groups or not own.members:
             continue
-        joint = joint_covariance(cause.judged.scene, own)
+        joint = joint_covariance(cause.judged.allowed, own)
         n_open = len(joint) - len(own.members)
         sd = np.sqrt(np.maximum(np.diag(joint), 1e-300))
         correlation = np.abs(joint / np.outer(sd, sd))[n_open:, :n_open]

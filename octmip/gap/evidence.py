@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import log_ndtr, logsumexp
 
-from octmip.gap.library import SCALES
+from octmip.gap.library import SCALES, Priors
 from octmip.gap.scene import Scene
 
 Floats = NDArray[np.float64]
@@ -52,24 +52,31 @@ def fit(scene: Scene, members: Sequence[int]) -> Fit:
 def fits(scene: Scene, sets: Sequence[Members]) -> list[Fit]:
     """Return `fit` of every set, sets of one shape together; the scene keeps what was fitted."""
     new = [members for members in dict.fromkeys(sets) if members not in scene.fitted]
-    alike: dict[tuple[bool, ...], list[Members]] = {}
-    for members in new:
-        alike.setdefault(tuple(scene.setting.priors.is_fact[list(members)].tolist()), []).append(members)
-    for facts, group in alike.items():
-        scene.fitted.update(zip(group, _fit_alike(scene, group, np.array(facts, dtype=bool)), strict=True))
+    for group in alike(scene.setting.priors, new):
+        white = scene.white[:, np.array(group, dtype=np.int64).reshape(len(group), -1)].transpose(1, 2, 0)
+        found = fits_of(scene.setting.priors, group, white @ white.transpose(0, 2, 1), white @ scene.white_residual)
+        scene.fitted.update(zip(group, found, strict=True))
     return [scene.fitted[members] for members in sets]
 
 
-def _fit_alike(scene: Scene, sets: Sequence[Members], facts: NDArray[np.bool_]) -> list[Fit]:
-    """Return the fits of sets whose members are facts or not in the same places: arrays (n_sets, n_choices, ...)."""
+def alike(prior: Priors, sets: Sequence[Members]) -> list[list[Members]]:
+    """Return the sets grouped by where they hold facts: those of one group share the shape of their arrays."""
+    groups: dict[tuple[bool, ...], list[Members]] = {}
+    for members in sets:
+        groups.setdefault(tuple(prior.is_fact[list(members)].tolist()), []).append(members)
+    return list(groups.values())
+
+
+def fits_of(prior: Priors, sets: Sequence[Members], gram: Floats, pull: Floats) -> list[Fit]:
+    """Return the fits of sets of one group (see `alike`) from their (n_sets, m, m) Gram matrices and (n_sets, m) b."""
+    facts = prior.is_fact[list(sets[0])]
     if not len(facts):
         return [Fit((), 0.0, np.zeros(0), np.zeros((0, 0)), (1.0,) * len(SCALES)) for _ in sets]
-    prior, index = scene.setting.priors, np.array(sets)
+    index = np.array(sets)
     choices = np.array(list(product(*[(1.0,) if fact else SCALES for fact in facts])))
-    gram = scene.gram[index[:, :, None], index[:, None, :]][:, None]
     sd = prior.sd[index][:, None] * choices
     logs, sizes, covariances = _gaussians(
-        gram, scene.pull[index][:, None], prior.mean[index][:, None], sd, prior.one_sided[index][:, None]
+        gram[:, None], pull[:, None], prior.mean[index][:, None], sd, prior.one_sided[index][:, None]
     )
     total = logsumexp(logs, axis=1) - np.log(len(choices))
     share = np.exp(logs - total[:, None]) / len(choices)
@@ -117,12 +124,12 @@ def extensions(scene: Scene, members: Members) -> Floats:
     """
     prior = scene.setting.priors
     index = list(members)
-    within = scene.gram[np.ix_(index, index)] + np.diag(prior.sd[index] ** -2)
     eta = prior.mean[index] / prior.sd[index] ** 2 + scene.pull[index]
-    start, variance, gain = 0.0, np.diag(scene.gram).copy(), scene.pull.copy()
+    start, variance, gain = 0.0, scene.lengths.copy(), scene.pull.copy()
     if index:
+        cross = scene.products(index)
+        within = cross[:, index] + np.diag(prior.sd[index] ** -2)
         inverse = np.linalg.inv(within)
-        cross = scene.gram[index]
         variance -= np.einsum("ij,ik,kj->j", cross, inverse, cross)
         gain -= cross.T @ inverse @ eta
         log_det = np.linalg.slogdet(within)[1] + 2.0 * np.log(prior.sd[index]).sum()

@@ -13,13 +13,16 @@ from numpy.typing import NDArray
 
 from octmip.gap.evidence import Members, extensions
 from octmip.gap.scene import Scene
+from octmip.gap.shape_error import allowing
 
-COUNT_PRIOR = (0.5, 0.38, 0.07, 0.01)
+COUNT_PRIOR = (0.48, 0.34, 0.12, 0.02)
 """Prior probability of no, one, two, three effects; what is missing to 1 belongs to the unknown."""
 UNKNOWN_PRIOR = (0.03, 0.01)
 """Prior probability of the unknown alone, and of the unknown beside one effect."""
 BEAM = (48, 24)
 """Sets of one and of two columns that are extended."""
+TRACE = 0.1
+"""Standard deviations that an effect must be able to move all readings together; others are no explanation."""
 OWN_PART = 0.02
 """A column is imitated by others when less than this share of its squared length is its own."""
 
@@ -59,10 +62,13 @@ def candidates(scene: Scene, most: int = 3) -> list[Hypothesis]:
 
 
 def _grow(scene: Scene, members: Members) -> dict[Members, float]:
-    logs = extensions(scene, members)
+    under_shape = allowing(scene, members)
+    logs = extensions(under_shape, members) + under_shape.log_none - scene.log_none
     if members:
-        logs = np.where(own_part(scene, members) < OWN_PART, -np.inf, logs)
-    keep = np.flatnonzero(np.isfinite(logs))
+        logs = np.where(own_part(under_shape, members) < OWN_PART, -np.inf, logs)
+    prior = scene.setting.priors
+    has_trace = 3.0 * np.hypot(prior.mean, prior.sd) * np.sqrt(scene.lengths) > TRACE
+    keep = np.flatnonzero(np.isfinite(logs) & has_trace)
     if members:
         keep = keep[np.argsort(-logs[keep], kind="stable")[: 2 * BEAM[0]]]
     shares = scene.setting.priors.log_weight
@@ -74,9 +80,9 @@ def _grow(scene: Scene, members: Members) -> dict[Members, float]:
 def own_part(scene: Scene, members: Members) -> NDArray[np.float64]:
     """Return the share (n_columns,) of each column's squared whitened length that `members` cannot imitate."""
     index = list(members)
-    within = scene.gram[np.ix_(index, index)]
-    cross = scene.gram[index]
-    length = np.maximum(np.diag(scene.gram), 1e-300)
+    cross = scene.products(index)
+    within = cross[:, index]
+    length = np.maximum(scene.lengths, 1e-300)
     imitated = np.einsum("ij,ij->j", cross, np.linalg.lstsq(within, cross, rcond=None)[0])
     return np.asarray(1.0 - imitated / length)
 

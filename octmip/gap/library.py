@@ -42,6 +42,16 @@ class Column:
         return self.effect.prior_mean != 0.0
 
     @property
+    def signature_error(self) -> float:
+        """Relative sd of the signature at each gauge: how well the model knows what the effect does."""
+        return float(getattr(self.effect, "signature_error", 0.0))
+
+    @property
+    def n_between(self) -> int:
+        """Number of neighbouring places between which the effect may lie; 0 where each place is its own."""
+        return int(getattr(self.effect, "n_between", 0))
+
+    @property
     def words(self) -> str:
         """Name and place."""
         return f"{self.name} ({self.variant})" if self.variant else self.name

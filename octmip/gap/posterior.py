@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp
 
-from octmip.gap.evidence import Fit, Members, extensions, fit, fits
+from octmip.gap.evidence import Fit, Members, extensions, fit
 from octmip.gap.hypotheses import UNKNOWN_PRIOR, Hypothesis, candidates, log_prior
 from octmip.gap.scene import Scene, Setting, build_scene
+from octmip.gap.shape_error import allowing, judge
 from octmip.gap.states import NEAR, distance, log_box, moved_states, starting_states
 from octmip.gap.unknown import Unknown, weigh_unknown
 
@@ -45,7 +46,12 @@ class Judged:
     @property
     def fit(self) -> Fit:
         """The sizes."""
-        return fit(self.scene, self.members)
+        return judge(self.scene, [self.members])[0].fit
+
+    @property
+    def allowed(self) -> Scene:
+        """The scene under the errors of the hypothesis' own shapes."""
+        return allowing(self.scene, self.members)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -119,7 +125,7 @@ def _normalised(scenes: list[Scene], found: dict[Members, Hypothesis]) -> Poster
     ordered = sorted(found.values(), key=lambda h: -h.log_weight)
     judged: list[tuple[Hypothesis, float, Scene]] = []
     for scene in scenes:  # all at once: one by one costs ten times as much
-        fits(scene, [h.members for h in ordered[:EXACT]])
+        judge(scene, [h.members for h in ordered[:EXACT]])
     for k, h in enumerate(ordered):
         if k < EXACT:
             value, scene = _exact(scenes, h.members)
@@ -138,9 +144,10 @@ def _exact(scenes: list[Scene], members: Members) -> tuple[float, Scene]:
     """Return prior times evidence of a hypothesis in the scene nearest to its own states."""
     tried = []
     for scene in scenes:
-        own = fit(scene, members)
+        shaped = judge(scene, [members])[0]
+        own = shaped.fit
         away = distance(moved_states(scene, own), scene.states) if scene.setting.groups else 0.0
-        value = scene.log_none + own.log_factor + log_box(scene, own) + log_prior(scene, members)
+        value = scene.log_none + shaped.log_factor + log_box(scene, own) + log_prior(scene, members)
         tried.append((away, value, scene))
     near = [t for t in tried if t[0] < NEAR / 2] or [min(tried, key=lambda t: t[0])]
     _, value, scene = max(near, key=lambda t: t[1])

@@ -26,7 +26,7 @@ from octmip.gap.discrepancy import Discrepancy
 from octmip.gap.library import Column, Priors
 from octmip.gap.memory import Memory
 from octmip.gap.noise import Noise
-from octmip.twin import Effect
+from octmip.twin import Effect, State
 
 Floats = NDArray[np.float64]
 
@@ -110,7 +110,7 @@ class Scene:
         signatures: (n, n_columns) S.
         white: (n, n_columns) factor^-1 S.
         white_residual: (n,).
-        gram: (n_columns, n_columns) G.
+        lengths: (n_columns,) diagonal of G.
         pull: (n_columns,) b.
         log_none: log p0.
         tangents: (n, n_open) J of all groups' parameters.
@@ -118,6 +118,7 @@ class Scene:
         lean_residual: (n_open,) how far they move when no column acts.
         open_covariance: (n_open, n_open) of the open states when no column acts.
         fitted: what `evidence.fit` has found here, by members.
+        errors, shaped, allowed: what `shape_error` has found here, by column and by members.
     """
 
     setting: Setting
@@ -131,7 +132,7 @@ class Scene:
     signatures: Floats
     white: Floats
     white_residual: Floats
-    gram: Floats
+    lengths: Floats
     pull: Floats
     log_none: float
     tangents: Floats
@@ -139,11 +140,27 @@ class Scene:
     lean_residual: Floats
     open_covariance: Floats
     fitted: dict[tuple[int, ...], Any] = field(init=False, repr=False, default_factory=dict)
+    errors: dict[int, Floats] = field(init=False, repr=False, default_factory=dict)
+    shaped: dict[tuple[int, ...], Any] = field(init=False, repr=False, default_factory=dict)
+    allowed: dict[tuple[int, ...], "Scene"] = field(init=False, repr=False, default_factory=dict)
 
     @property
     def n(self) -> int:
         """Number of averaged readings."""
         return len(self.residual)
+
+    @property
+    def gram(self) -> Floats:
+        """The whole of G (n_columns, n_columns): dear, `products` gives the rows that are needed."""
+        return self.products(range(self.white.shape[1]))
+
+    def products(self, members: Sequence[int]) -> Floats:
+        """Return the rows (n_members, n_columns) of G."""
+        return np.asarray(self.white[:, list(members)].T @ self.white)
+
+    def whitened(self, columns: Floats) -> Floats:
+        """Return factor^-1 columns."""
+        return np.asarray(linalg.solve_triangular(self.factor, columns, lower=True, check_finite=False))
 
     def shift(self, members: Sequence[int], size: Floats) -> Floats:
         """Return how far the open states move (n_open,) when the columns `members` have these sizes."""
@@ -179,14 +196,15 @@ def build_scene(setting: Setting, states: Floats) -> Scene:
     y = np.array([b.mean for b in blocks]).ravel()[flat]
     strain, healthy = _predictions(setting, states)
     phi = np.array([setting.discrepancy.share(h, _reference(setting)) for h in healthy])
-    predicted = (strain + phi[:, None] * setting.discrepancy.mean).ravel()[flat]
+    expected = strain + phi[:, None] * setting.discrepancy.mean
+    predicted = expected.ravel()[flat]
     covariance = _noise(setting, block, gauge)
     covariance += np.outer(phi[block], phi[block]) * setting.discrepancy.covariance[np.ix_(gauge, gauge)]
     covariance += _damage_nugget(setting, strain - healthy, block, gauge, states)
     tangents = _tangents(setting, states, flat)
     covariance += OPEN_STATE**2 * tangents @ tangents.T
     factor = np.asarray(np.linalg.cholesky(covariance), dtype=np.float64)
-    signatures = _signatures(setting, states, flat)
+    signatures = _signatures(setting, states, expected)[:, flat].T
     n_open = tangents.shape[1]
     stacked = np.column_stack([signatures, y - predicted, OPEN_STATE**2 * tangents])
     stacked = linalg.solve_triangular(factor, stacked, lower=True, overwrite_b=True, check_finite=False)
@@ -197,7 +215,7 @@ def build_scene(setting: Setting, states: Floats) -> Scene:
     )
     return Scene(
         setting, states, block, gauge, predicted, y - predicted, covariance, factor, signatures, white, residual,
-        white.T @ white, white.T @ residual, log_none, tangents,
+        np.einsum("ij,ij->j", white, white), white.T @ residual, log_none, tangents,
         open_.T @ white, open_.T @ residual, OPEN_STATE**2 * np.eye(n_open) - open_.T @ open_,
     )  # fmt: skip
 
@@ -272,16 +290,48 @@ def _tangent(setting: Setting, state: Floats, parameter: int, load: float) -> Fl
     return np.asarray((after - memory.predict(named_state(setting, state), load)) / STEP)
 
 
-def _signatures(setting: Setting, states: Floats, flat: NDArray[np.int64]) -> Floats:
-    order = list(setting.order)
+def _signatures(setting: Setting, states: Floats, expected: Floats) -> Floats:
+    """Return the signatures (n_columns, n_blocks * n_gauges); `expected` (n_blocks, n_gauges) is what is read."""
     places = [np.round(np.clip(states[b.cell], 0.0, None) / LATTICE) * LATTICE for b in setting.blocks]
     open_cells = {cell for group in setting.groups for cell in group}
-    columns = []
+    columns = [np.zeros((0, expected.size))]
     for effect, variants in setting.places():
-        rows = []
-        for part, place in zip(setting.blocks, places, strict=True):
+        rows: list[Floats] = []
+        for k, (part, place) in enumerate(zip(setting.blocks, places, strict=True)):
+            if effect.prior_mean != 0.0:
+                same = k > 0 and setting.blocks[k - 1].cell == part.cell
+                rows.append(rows[-1] if same else _facts(setting, effect, variants, expected[k]))
+                continue
             state = named_state(setting, place if part.cell in open_cells else states[part.cell])
             load = setting.cell_of(part).load_factor
-            rows.append(setting.memory.signatures(effect, variants, state, load, part.time)[:, order])
-        columns.append(np.array(rows).transpose(1, 0, 2).reshape(len(variants), -1)[:, flat])
-    return np.concatenate([np.zeros((0, len(flat))), *columns]).T
+            rows.append(setting.memory.signatures(effect, variants, state, load, part.time)[:, list(setting.order)])
+        columns.append(np.array(rows).transpose(1, 0, 2).reshape(len(variants), -1))
+    return np.concatenate(columns)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Readings:
+    """A twin that answers with given readings (n_gauges,) of the campaign's gauges."""
+
+    gauges: tuple[str, ...]
+    readings: Floats
+
+    def predict(self, state: State, load_factor: float) -> Floats:
+        """Return the readings."""
+        return self.readings
+
+
+def _facts(setting: Setting, effect: Effect, places: Sequence[str], readings: Floats) -> Floats:
+    """Return what a fact at each place does to readings (n_gauges,), calibrated: the whole signal counts."""
+    seen: Any = _Readings(setting.campaign.gauges, readings)
+    return np.array([effect.signature(seen, {}, 1.0, variant=place) for place in places])
+
+
+def carried(scene: Scene, column: int, fact: int) -> Floats:
+    """Return what a fact does to a column's signature (n,): a dead gauge hides it, a swapped one shows the other's."""
+    setting = scene.setting
+    change = np.zeros((len(setting.blocks), len(setting.order)))
+    change[scene.block, scene.gauge] = scene.signatures[:, column]
+    chosen = setting.columns[fact]
+    moved = np.array([_facts(setting, chosen.effect, (chosen.variant,), row)[0] for row in change])
+    return np.asarray(moved[scene.block, scene.gauge])

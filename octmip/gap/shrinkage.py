@@ -17,9 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
-from octmip.gap.evidence import fit
+from octmip.gap.evidence import Fit
 from octmip.gap.location import noise_variance
 from octmip.gap.scene import OPEN_STATE, Scene
+from octmip.gap.shape_error import allowing, judge
 
 Floats = NDArray[np.float64]
 
@@ -75,6 +76,8 @@ class Shrinkage:
 def measure_shrinkage(scene: Scene, members: Sequence[int], seed: int = 0) -> Shrinkage:
     """Return how far the columns `members` close the gap, the interval by a parametric bootstrap of the noise."""
     index = list(members)
+    under_shape = allowing(scene, tuple(members))
+    own = judge(scene, [tuple(members)])[0].fit
     noise = noise_variance(scene)
     parts = [(name, rows, _left(scene, index, rows)) for name, rows in _folds(scene)]
     floor = np.diag(scene.covariance) - noise - OPEN_STATE**2 * np.sum(scene.tangents**2, axis=1)
@@ -84,7 +87,7 @@ def measure_shrinkage(scene: Scene, members: Sequence[int], seed: int = 0) -> Sh
     after = np.concatenate([left[1] for _, _, left in parts]) if parts else np.zeros(0)
     closed, low, high = _closed(before, after, noise[rows], floor[rows], np.random.default_rng(seed))
     squared = float(scene.white_residual @ scene.white_residual)
-    remaining = scene.white_residual - scene.white[:, index] @ fit(scene, index).size
+    remaining = under_shape.white_residual - under_shape.white[:, index] @ own.size
     left_over = float(remaining @ remaining)
     return Shrinkage(
         _rms(before, noise[rows]),
@@ -96,15 +99,14 @@ def measure_shrinkage(scene: Scene, members: Sequence[int], seed: int = 0) -> Sh
         tuple(held),
         squared / scene.n,
         left_over / scene.n,
-        chance_of_rest(scene, index),
+        chance_of_rest(under_shape, own),
     )
 
 
-def chance_of_rest(scene: Scene, members: Sequence[int]) -> float:
-    """Return the chance of a chi-squared as large as what the columns `members` leave of the readings."""
-    index = list(members)
-    left = scene.white_residual - scene.white[:, index] @ fit(scene, index).size
-    return float(chi2.sf(float(left @ left), max(1, scene.n - len(index))))
+def chance_of_rest(scene: Scene, own: Fit) -> float:
+    """Return the chance of a chi-squared as large as what the fitted columns leave of the readings."""
+    left = scene.white_residual - scene.white[:, list(own.members)] @ own.size
+    return float(chi2.sf(float(left @ left), max(1, scene.n - len(own.members))))
 
 
 def _folds(scene: Scene) -> list[tuple[str, NDArray[np.int64]]]:

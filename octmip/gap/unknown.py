@@ -11,7 +11,7 @@ Source: Kennedy and O'Hagan (2001), "Bayesian calibration of computer models", J
 discrepancy as a Gaussian process), here with a few fixed scales summed with equal weight instead of a fitted one.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg as linalg
@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 from octmip.gap.scene import Scene
+from octmip.gap.shape_error import under
 
 Floats = NDArray[np.float64]
 
@@ -65,7 +66,7 @@ def weigh_unknown(scene: Scene) -> Unknown:
     return Unknown(
         total,
         f"a {name} field, {load}, of about {size * scene.setting.discrepancy.reference:.0f} microstrain",
-        _conditioned(scene, u, s * size * scene.setting.discrepancy.reference, values[best]),
+        under(scene, u * (s * size * scene.setting.discrepancy.reference)),
     )
 
 
@@ -90,18 +91,3 @@ def _field(scene: Scene, root: Floats, power: int) -> Floats:
 def _log_factor(s: Floats, c: Floats, tau: float) -> float:
     gain = (tau * s) ** 2
     return float(0.5 * np.sum(c**2 * gain / (1.0 + gain) - np.log1p(gain)))
-
-
-def _conditioned(scene: Scene, u: Floats, s: Floats, log_factor: float) -> Scene:
-    """Return the scene with covariance C0 + field: white vectors shrink along u by (1 + s^2)^(-1/2)."""
-    shrink = 1.0 - (1.0 + s**2) ** -0.5
-    white = scene.white - u @ (shrink[:, None] * (u.T @ scene.white))
-    residual = scene.white_residual - u @ (shrink * (u.T @ scene.white_residual))
-    return replace(
-        scene,
-        white=white,
-        white_residual=residual,
-        gram=white.T @ white,
-        pull=white.T @ residual,
-        log_none=scene.log_none + log_factor,
-    )

@@ -63,6 +63,18 @@ class Beam:
         return load_factor * (HEALTHY + sum(c * mu / (1 - 0.6 * mu) for c, mu in zip(CHANGE, damage, strict=False)))
 
 
+def own_gains(mesh: float = 0.01):
+    """Return what the asset's gauges show of the twin's healthy strain (20,): the same for all seeds."""
+    return 1 + mesh * (0.9 + np.random.default_rng(12345).standard_normal(20))
+
+
+class Asset(Beam):
+    """The beam as its gauges read it."""
+
+    def predict(self, state, load_factor):
+        return own_gains() * super().predict(state, load_factor)
+
+
 Change = Callable[[dict, float, float], np.ndarray]
 
 
@@ -83,7 +95,7 @@ def measured(
     """
     rng = np.random.default_rng(seed)
     twin = Beam()
-    own = 1 + mesh * (0.9 + np.random.default_rng(12345).standard_normal(20))
+    own = own_gains(mesh)
     rows, time = [], 0.0
     for number, state in enumerate(states):
         named = dict(zip(twin.parameters, state, strict=True))

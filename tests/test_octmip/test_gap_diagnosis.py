@@ -9,7 +9,7 @@ from octmip.gap import CHAIN, diagnose, rounds
 from octmip.gap.page import report_page
 from octmip.gap.words import as_object, page_of_words
 from octmip.tree import Leaf, Split
-from tests.test_octmip.beam_twin import Beam, Field, measured
+from tests.test_octmip.beam_twin import Asset, Beam, Field, measured
 
 TWIN = Beam()
 COMMISSIONING = measured(1000)
@@ -18,9 +18,10 @@ TIED = {"modulus", "load_factor_error", "common_gain"}
 
 def effect(name, size, place=""):
     source = {**CHAIN, **TWIN.effects}[name]
+    strained = Asset() if name in CHAIN else TWIN  # the chain acts on what the asset's gauges see
 
     def change(state, load, time):
-        return size * source.signature(TWIN, state, load, variant=place, time=time)
+        return size * source.signature(strained, state, load, variant=place, time=time)
 
     return change
 

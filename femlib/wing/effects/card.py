@@ -47,6 +47,11 @@ class WingEffect:
         Expected size, in `unit`.
     uses_time : bool
         Whether the signature depends on the time since the start of the campaign.
+    signature_error : float
+        Relative sd of the signature at each gauge: two meshes or codes differ by some parts in a hundred.
+    n_between : int
+        Number of places next to one between which the effect may lie, where places sample a continuum (a span, shapes
+        of a distribution); 0 where each place is its own.
     """
 
     name: str
@@ -62,6 +67,8 @@ class WingEffect:
     is_one_sided: bool = False
     prior_mean: float = 0.0
     uses_time: bool = False
+    signature_error: float = 0.02
+    n_between: int = 0
 
     def variants(self, twin: Any) -> tuple[str, ...]:
         """Return the places."""

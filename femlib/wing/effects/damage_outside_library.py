@@ -5,7 +5,7 @@ changes little with damage elsewhere, and one factorisation serves all zones).
 """
 
 from collections.abc import Mapping
-from itertools import pairwise, product
+from itertools import product
 
 import numpy as np
 
@@ -18,7 +18,8 @@ SPAN_CENTRES = np.linspace(0.15, 0.84, 24)
 """Centres of the zones along the span: a local trace needs zones as fine as the gauges lie, and overlapping."""
 SPAN_WIDTHS = (0.06, 0.12)
 """Widths of the zones, span fractions."""
-CHORD_EDGES = (0.0, 0.3, 0.55, 1.0)
+CHORD_WINDOWS = ((0.0, 0.3), (0.15, 0.45), (0.3, 0.6), (0.45, 0.75), (0.6, 1.0))
+"""Parts of the chord on the upper skin, overlapping by half like the zones along the span."""
 
 
 def effect(response: Response) -> WingEffect:
@@ -45,6 +46,8 @@ def effect(response: Response) -> WingEffect:
         response=response,
         force=force,
         places=tuple(zones),
+        n_between=8,
+        signature_error=0.1,
         is_one_sided=True,
     )
 
@@ -74,7 +77,7 @@ def damage_zones(wing: Wing) -> dict[str, BoolArray]:
         along = (eta >= inner) & (eta < outer)
         where = f"eta {inner:.2f}-{outer:.2f}"
         zones[f"web {where}"] = patches["web"] & along
-        for fore, aft in pairwise(CHORD_EDGES):
+        for fore, aft in CHORD_WINDOWS:
             across = along & (chord >= fore) & (chord < aft)
             zones[f"top {where} x/c {fore:g}-{aft:g}"] = patches["top"] & across
         zones[f"bottom {where}"] = patches["bottom"] & along

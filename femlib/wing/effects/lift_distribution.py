@@ -1,7 +1,7 @@
 """Lift distribution: the same total lift, carried further outboard than the ellipse.
 
-Three shapes, all without change of the total: a shift linear along the span, one that grows toward the tip (cubic),
-and the third harmonic of the lifting line. The size is the change of the bending moment at the root. Source: H.
+Four shapes, all without change of the total: a shift linear, quadratic or cubic along the span, and the third harmonic
+of the lifting line; others lie between. The size is the change of the bending moment at the root. Source: H.
 Glauert, The Elements of Aerofoil and Airscrew Theory (1926), chapter 11 (the lift's Fourier series).
 """
 
@@ -22,6 +22,7 @@ def effect(response: Response) -> WingEffect:
     theta = np.arccos(np.clip(eta, 0.0, 1.0))
     shapes = {
         "linear": moved_lift(wing, eta),
+        "quadratic": moved_lift(wing, eta**2),
         "toward the tip": moved_lift(wing, eta**3),
         "third harmonic": moved_lift(wing, np.sin(3.0 * theta) / np.maximum(np.sin(theta), 1e-6)),
     }
@@ -42,4 +43,5 @@ def effect(response: Response) -> WingEffect:
         response=response,
         force=force,
         places=tuple(shapes),
+        n_between=2,
     )

@@ -30,5 +30,6 @@ def effect(response: Response) -> WingEffect:
         response=response,
         force=force,
         places=tuple(f"eta {eta:g}" for eta in STATIONS),
+        n_between=2,
         is_one_sided=True,
     )

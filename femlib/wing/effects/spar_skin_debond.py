@@ -125,5 +125,7 @@ def effect(response: Response) -> WingEffect:
         response=response,
         force=force,
         places=tuple(f"{flange} eta {inner:.3f}-{outer:.3f}" for flange in FLANGES for inner, outer in inside),
+        n_between=4,
+        signature_error=0.1,
         is_one_sided=True,
     )

@@ -1,0 +1,90 @@
+"""A large effect whose trace is not quite the library's: its name is right, and nothing else is dragged in."""
+
+import numpy as np
+import pytest
+from scipy.stats import multivariate_normal
+
+from octmip.gap import CHAIN, diagnose
+from octmip.gap.diagnosis import prepare
+from octmip.gap.scene import build_scene
+from octmip.gap.shape_error import allowing, judge
+from tests.test_octmip.beam_twin import ETA, Asset, Beam, Field, measured
+
+COMMISSIONING = measured(1000)
+SHAPE = -2.5 - 4.0 * np.linspace(-1, 1, 20) ** 2
+
+
+class Uncertain(Field):
+    """A field that the model knows to 3 % at each gauge."""
+
+    signature_error = 0.03
+
+
+class Bumps(Field):
+    """A bump anywhere along the span, told at six places."""
+
+    n_between = 2
+
+    def variants(self, twin):
+        return tuple(f"{eta:.2f}" for eta in np.linspace(0.25, 0.75, 6))
+
+    def signature(self, twin, state, load_factor, variant="", time=0.0):
+        return bump(float(variant), load_factor)
+
+
+def bump(eta, load_factor):
+    return load_factor * np.exp(-(((ETA - eta) / 0.15) ** 2))
+
+
+def twin_with(effect):
+    return Beam(effects={**Beam().effects, effect.name: effect})
+
+
+def scene_of(twin, campaign):
+    setting, _ = prepare(campaign, twin, {**CHAIN, **twin.effects}, COMMISSIONING)
+    return build_scene(setting, np.array([cell.state for cell in campaign.cells]))
+
+
+def column(scene, words):
+    return next(k for k, c in enumerate(scene.setting.columns) if c.words == words)
+
+
+def test_the_judgement_under_errors_of_shape_equals_the_dense_gaussian_density():
+    twin = twin_with(Uncertain("soak", SHAPE, 1, 10.0))
+    scene = scene_of(twin, measured(3, lambda state, load, time: 8.0 * load * SHAPE))
+    j = column(scene, "soak")
+    judged = judge(scene, [(j,)])[0]
+    errors = 0.03 * scene.signatures[:, [j]] * (scene.gauge[:, None] == np.arange(20)[None, :])
+    root = scene.factor @ judged.root
+    assert np.allclose(root @ root.T, judged.fit.size[0] ** 2 * errors @ errors.T, rtol=2e-3, atol=1e-6)
+    dense = multivariate_normal.logpdf(scene.residual, cov=scene.covariance + root @ root.T)
+    assert scene.log_none + judged.log_shift == pytest.approx(dense, abs=1e-6)
+    assert allowing(scene, (j,)).log_none == pytest.approx(dense, abs=1e-6)
+
+
+@pytest.mark.parametrize("knows", [True, False])
+def test_a_shape_that_is_three_per_cent_off_drags_no_partner_in_when_its_error_is_known(knows):
+    off = SHAPE * (1.0 + 0.03 * np.random.default_rng(5).standard_normal(20))
+    kind = Uncertain if knows else Field
+    campaign = measured(3, lambda state, load, time: 40.0 * load * off)
+    first = diagnose(campaign, twin_with(kind("soak", SHAPE, 1, 10.0)), commissioning=COMMISSIONING).which[0]
+    assert (first.effects == ("soak",)) == knows
+
+
+def test_an_effect_between_two_of_its_places_is_one_effect():
+    twin = twin_with(Bumps("bump", ETA, 1, 40.0))
+    campaign = measured(3, lambda state, load, time: 60.0 * bump(0.4, load))
+    first = diagnose(campaign, twin, commissioning=COMMISSIONING).which[0]
+    assert first.effects == ("bump",) and first.probability > 0.9
+
+
+def test_what_a_swapped_pair_shows_of_another_effect_is_exchanged_too():
+    def change(state, load, time):
+        both = Asset().predict(state, load) + 12.0 * load * SHAPE
+        both[[2, 15]] = both[[15, 2]]
+        return both - Asset().predict(state, load)
+
+    twin = twin_with(Field("soak", SHAPE, 1, 10.0))
+    first = diagnose(measured(3, change), twin, commissioning=COMMISSIONING).which[0]
+    assert set(first.effects) == {"soak", "swapped_pair"}
+    assert {p.variant for p in first.parameters} == {"", "g03/g16"}
