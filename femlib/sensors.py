@@ -7,7 +7,7 @@ Elements of other patches never enter, so a damage region's edge, where strain j
 whose strain is constant, a gauge reads that element alone.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -85,8 +85,13 @@ def strain_rows(mesh: Mesh, thickness: FloatArray, gauges: Sequence[StrainGauge]
     InputError
         If a gauge lies outside its patches or measures along the normal.
     """
-    rows = np.zeros((len(gauges), mesh.n_dofs))
-    for row, parts in zip(rows, element_rows(mesh, thickness, gauges), strict=True):
+    return assembled_rows(mesh, element_rows(mesh, thickness, gauges))
+
+
+def assembled_rows(mesh: Mesh, of_elements: Sequence[Mapping[int, FloatArray]]) -> sparse.csr_array:
+    """Return the map (n_gauges, n_dofs) of the rows that `element_rows` gives."""
+    rows = np.zeros((len(of_elements), mesh.n_dofs))
+    for row, parts in zip(rows, of_elements, strict=True):
         for element, strain in parts.items():
             row[dofs_of_nodes(mesh.corners_of(element)).ravel()] += strain
     return sparse.csr_array(rows)

@@ -73,30 +73,55 @@ def thermal_load(shells: Shells, warming: FloatArray, gradient: FloatArray) -> F
 
 def thermal_forces(shells: Shells, warming: FloatArray, gradient: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the same element by element: (n_quads, 24) and (n_trias, 18) in global axes before any motion."""
-    mesh = shells.mesh
+    mesh, n_quads = shells.mesh, len(shells.mesh.quads)
     warm = frozen_floats(warming, "warming", (mesh.n_elements,))
     steep = frozen_floats(gradient, "gradient", (mesh.n_elements,))
-    parts = (np.zeros((len(mesh.quads), quad4.N_DOFS)), np.zeros((len(mesh.trias), tria3.N_DOFS)))
-    for element in np.flatnonzero((warm != 0.0) | (steep != 0.0)):
-        laminate = shells.laminates[shells.section[element]]
-        force = warm[element] * laminate.thermal_force + steep[element] * laminate.gradient_force
-        moment = warm[element] * laminate.thermal_moment + steep[element] * laminate.gradient_moment
-        kind, row = (0, element) if element < len(mesh.quads) else (1, element - len(mesh.quads))
-        for operator, area in _quadrature(mesh.nodes[mesh.corners_of(int(element))]):
-            turn = resultant_turn(operator.axes, shells.axis)
-            parts[kind][row] += area * ((turn @ force) @ operator.membrane + (turn @ moment) @ operator.curvature)
-        parts[kind][row] *= shells.scale[element]
-    return parts
+    if not shells.unit_thermal:
+        shells.unit_thermal.extend((_of_quads(shells), _of_trias(shells)))
+    quads, trias = (
+        warm[part, None] * unit[:, 0] + steep[part, None] * unit[:, 1]
+        for part, unit in zip((slice(0, n_quads), slice(n_quads, None)), shells.unit_thermal, strict=True)
+    )
+    return quads, trias
 
 
-def _quadrature(points: FloatArray) -> list[tuple[StrainOperator, float]]:
-    """Return strain rows and areas whose sum integrates the rows over one element exactly."""
-    if len(points) == tria3.N_NODES:
-        area = 0.5 * float(np.linalg.norm(np.cross(points[1] - points[0], points[2] - points[0])))
-        return [(tria3.strain_operator(points), area)]
-    return [
-        (quad4.strain_operator(points, r, s), float(_gauss_area(points[None], r, s)[1][0])) for r, s in GAUSS * CORNERS
-    ]
+def _of_quads(shells: Shells) -> FloatArray:
+    """Return the thermal forces (n_quads, 2, 24) of a unit warming and of a unit gradient."""
+    points = shells.mesh.nodes[shells.mesh.quads]
+    places = (GAUSS * CORNERS).tolist()
+    operator = quad4.strain_operators(points, [(r, s) for r, s in places])
+    area = np.array([_gauss_area(points, r, s)[1] for r, s in places]).T
+    return _integrated(shells, operator, area, np.arange(len(points)))
+
+
+def _of_trias(shells: Shells) -> FloatArray:
+    """Return the same of the triangles (n_trias, 2, 18), whose strains are constant."""
+    points, first = shells.mesh.nodes[shells.mesh.trias], len(shells.mesh.quads)
+    if not len(points):
+        return np.zeros((0, 2, tria3.N_DOFS))
+    operators = [tria3.strain_operator(corners) for corners in points]
+    joined = StrainOperator(
+        np.array([[o.membrane] for o in operators]),
+        np.array([[o.curvature] for o in operators]),
+        np.array([o.axes for o in operators]),
+    )
+    area = np.linalg.norm(shells.mesh.area_vectors()[first:], axis=1)[:, None]
+    return _integrated(shells, joined, area, first + np.arange(len(points)))
+
+
+def _integrated(shells: Shells, operator: StrainOperator, area: FloatArray, elements: IntArray) -> FloatArray:
+    """Return the forces (n, 2, n_dofs) of `elements` (n,) with strain rows and areas (n, n_places) of a quadrature."""
+    turn = resultant_turn(operator.axes, shells.axis)
+    membrane = np.einsum("np,npci->nci", area, operator.membrane)
+    curvature = np.einsum("np,npci->nci", area, operator.curvature)
+    kind, unit = shells.section[elements], []
+    for force, moment in (("thermal_force", "thermal_moment"), ("gradient_force", "gradient_moment")):
+        pushes = np.array([getattr(laminate, force) for laminate in shells.laminates])[kind]
+        turns = np.array([getattr(laminate, moment) for laminate in shells.laminates])[kind]
+        unit.append(
+            np.einsum("ncd,nd,nci->ni", turn, pushes, membrane) + np.einsum("ncd,nd,nci->ni", turn, turns, curvature)
+        )
+    return np.stack(unit, axis=1) * shells.scale[elements, None, None]
 
 
 def _gauss_area(points: FloatArray, r: float, s: float) -> tuple[FloatArray, FloatArray]:

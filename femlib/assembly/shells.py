@@ -28,6 +28,8 @@ class Shells:
         Factor on each element's stiffness (n_elements,), for moduli that vary over the structure.
     axis : FloatArray
         Global direction (3,) whose projection on an element is its laminate's axis.
+    unit_thermal : list
+        Kept by `femlib.assembly.loads`: the elements' thermal forces per unit, once they were asked for.
     """
 
     mesh: Mesh
@@ -35,6 +37,7 @@ class Shells:
     section: IntArray
     scale: FloatArray
     axis: FloatArray
+    unit_thermal: list[FloatArray] = field(init=False, repr=False, default_factory=list)
     _matrices: tuple[FloatArray, FloatArray] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:

@@ -1,4 +1,4 @@
-"""Outputs of damage states under one load, as a map that costs one dense solve at the ports a state.
+"""Outputs of damage states under one load, as a map that costs small dense products a state.
 
 With the ports' condensation S_0, each component's T_i, the pristine solution u_0 and the outputs' adjoint a = K_0^-1 c,
 
@@ -7,13 +7,12 @@ With the ports' condensation S_0, each component's T_i, the pristine solution u_
 in the words of the package's docstring. The map holds dense arrays alone: it goes to other processes as it is.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.linalg as linalg
 
-from femlib.arrays import FloatArray, IntArray
+from femlib.arrays import FloatArray
+from femlib.components.ports import Ports
 from femlib.components.regions import checked_damage
 
 
@@ -29,12 +28,10 @@ class OutputMap:
         Parameters whose ports the map holds; the others must be zero.
     pristine : FloatArray
         Outputs of the undamaged structure (n_outputs,).
-    schur : FloatArray
-        Undamaged stiffness condensed on the ports (n_ports, n_ports).
+    ports : Ports
+        The ports of the active components.
     load : FloatArray
         Condensed load S_0 u_0,b (n_ports,).
-    losses : tuple of (IntArray, FloatArray)
-        For each active component its places among the ports and its T there.
     adjoint : FloatArray
         What a unit force at a port does to each output (n_ports, n_outputs).
     interior : FloatArray
@@ -44,9 +41,8 @@ class OutputMap:
     parameters: tuple[str, ...]
     active: tuple[int, ...]
     pristine: FloatArray
-    schur: FloatArray
+    ports: Ports
     load: FloatArray
-    losses: tuple[tuple[IntArray, FloatArray], ...]
     adjoint: FloatArray
     interior: FloatArray
 
@@ -59,20 +55,5 @@ class OutputMap:
             If a damage is outside [0, 1).
         """
         damage = checked_damage(states, self.parameters)[:, list(self.active)]
-        forces = port_forces(self.schur, self.losses, damage, self.load)
+        forces = self.ports.forces(damage, self.load)
         return np.asarray(self.pristine + forces @ self.adjoint + (damage / (1.0 - damage)) @ self.interior)
-
-
-def port_forces(
-    schur: FloatArray, losses: Sequence[tuple[IntArray, FloatArray]], damage: FloatArray, load: FloatArray
-) -> FloatArray:
-    """Return sum_i mu_i T_i u_b for each state (n_states, n_ports) of the components' damages (n_states, n_losses)."""
-    forces = np.zeros((len(damage), len(schur)))
-    for mu, force in zip(damage, forces, strict=True):
-        if not mu.any():
-            continue
-        loss = np.zeros_like(schur)
-        for amount, (place, stiffness) in zip(mu, losses, strict=True):
-            loss[np.ix_(place, place)] += amount * stiffness
-        force[:] = loss @ linalg.solve(schur - loss, load, assume_a="pos")
-    return forces

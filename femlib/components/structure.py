@@ -8,7 +8,8 @@ import scipy.sparse as sparse
 
 from femlib.arrays import FloatArray, IntArray
 from femlib.assembly import Factors, Shells, Supports, factorise
-from femlib.components.output_map import OutputMap, port_forces
+from femlib.components.output_map import OutputMap
+from femlib.components.ports import Ports
 from femlib.components.regions import Component, Condensed, checked_damage, condense, refuse_overlap
 from femlib.errors import frozen_floats
 
@@ -24,12 +25,16 @@ class Eliminated:
     ----------
     factors : Factors
         Factors of the whole.
-    schur : FloatArray
-        Its condensation on the ports (n_ports, n_ports).
+    ports : Ports
+        Its condensation on the ports, and the components'.
     """
 
     factors: Factors
-    schur: FloatArray
+    ports: Ports
+
+    def condensed_load(self, pristine: FloatArray) -> FloatArray:
+        """Return S_0 u_0,b (n_ports, ...) of undamaged displacements (n_free, ...)."""
+        return np.asarray(self.ports.schur @ pristine[self.factors.ports])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -98,7 +103,7 @@ class DamagedStructure:
         """The components condensed on their ports."""
         return self._condensed
 
-    def _active(self, damage: FloatArray) -> tuple[int, ...]:
+    def active(self, damage: FloatArray) -> tuple[int, ...]:
         """Return the components whose ports to keep: all if few, so that one factorisation serves every state."""
         everything = tuple(range(len(self.components)))
         if self.n_ports(everything) <= MOST_PORTS:
@@ -112,10 +117,12 @@ class DamagedStructure:
     def eliminated(self, active: tuple[int, ...]) -> Eliminated:
         """Return the undamaged stiffness, factorised with the ports of the components `active` last."""
         if active not in self._eliminated:
-            ports = _all_ports([self._condensed[k] for k in active])
+            parts = [self._condensed[k] for k in active]
+            ports = _all_ports(parts)
             factors = factorise(self.supports.reduce(self.shells.stiffness()), self.supports.groups, ports)
+            losses = tuple((np.searchsorted(ports, part.ports), part.stiffness) for part in parts)
             self._eliminated.clear()  # one at a time: factors are the largest thing in memory
-            self._eliminated[active] = Eliminated(factors, factors.schur())
+            self._eliminated[active] = Eliminated(factors, Ports(factors.schur(), losses))
         return self._eliminated[active]
 
     def stiffness(self, damage: FloatArray) -> sparse.csc_array:
@@ -135,17 +142,43 @@ class DamagedStructure:
         """
         damage = checked_damage(states, self.parameters)
         force = frozen_floats(load, "load", (self.supports.n_dofs,))[self.supports.free]
-        active = self._active(damage)
+        active = self.active(damage)
         if self.n_ports(active) > MOST_PORTS:
             return np.stack([self._solve_directly(mu, force) for mu in damage])
         eliminated = self.eliminated(active)
         pristine = eliminated.factors.solve(force)
         extra = np.zeros((len(force), len(damage)))
-        extra[eliminated.factors.ports] = self._port_forces(damage, active, pristine).T
+        load_at_ports = eliminated.condensed_load(pristine)
+        extra[eliminated.factors.ports] = eliminated.ports.forces(damage[:, list(active)], load_at_ports).T
         for k in active:
             extra += np.outer(self._condensed[k].interior_load(force), _ratio(damage[:, k]))
         moved = pristine[:, None] + eliminated.factors.solve(extra)
         return np.ascontiguousarray(self.supports.expand(moved).T)
+
+    def solve_loads(self, damage: FloatArray, loads: FloatArray, pristine: FloatArray | None = None) -> FloatArray:
+        """Return the displacements (n_dofs, ...) of one damage state (n_parameters,) under loads (n_dofs, ...).
+
+        `pristine` (n_dofs, ...) are those of the undamaged structure; solved for if not given.
+
+        Raises
+        ------
+        InputError
+            If a damage is outside [0, 1).
+        """
+        row = checked_damage(damage[None, :], self.parameters)
+        force, active = loads[self.supports.free], self.active(row)
+        if self.n_ports(active) > MOST_PORTS:
+            return self._solve_directly(row[0], force)
+        eliminated = self.eliminated(active)
+        moved = eliminated.factors.solve(force) if pristine is None else pristine[self.supports.free]
+        if row.any():
+            extra = np.zeros_like(force)
+            load_at_ports = eliminated.condensed_load(moved)
+            extra[eliminated.factors.ports] = eliminated.ports.forces(row[:, list(active)], load_at_ports)[0]
+            for k in active:
+                extra += float(_ratio(row[0, k])) * self._condensed[k].interior_load(force)
+            moved += eliminated.factors.solve(extra)
+        return self.supports.expand(moved)
 
     def solve_outputs(self, states: FloatArray, load: FloatArray, rows: sparse.csr_array) -> FloatArray:
         """Return rows @ u (n_states, n_outputs) for rows (n_outputs, n_dofs), without forming u; arguments as `solve`.
@@ -153,7 +186,7 @@ class DamagedStructure:
         The work of a state is the dense solve at the ports: one adjoint solve an output tells what forces do to it.
         """
         damage = checked_damage(states, self.parameters)
-        active = self._active(damage)
+        active = self.active(damage)
         if self.n_ports(active) > MOST_PORTS:
             return np.asarray((rows @ self.solve(states, load).T).T)
         return self.output_map(load, rows, active).solve(damage)
@@ -176,9 +209,8 @@ class DamagedStructure:
             self.parameters,
             active,
             sparse.csr_array(rows)[:, self.supports.free] @ pristine,
-            eliminated.schur,
-            eliminated.schur @ pristine[ports],
-            self._losses(active),
+            eliminated.ports,
+            eliminated.condensed_load(pristine),
             adjoint[ports],
             np.array(interior).reshape(len(active), adjoint.shape[1]),
         )
@@ -193,18 +225,6 @@ class DamagedStructure:
         self._adjoints[:-1] = []  # two at a time
         self._adjoints.append(Adjoint(rows, active, motion))
         return motion
-
-    def _losses(self, active: tuple[int, ...]) -> tuple[tuple[IntArray, FloatArray], ...]:
-        """Return for each active component its places among the ports and its condensed stiffness."""
-        ports = self.eliminated(active).factors.ports
-        parts = [self._condensed[k] for k in active]
-        return tuple((np.searchsorted(ports, part.ports), part.stiffness) for part in parts)
-
-    def _port_forces(self, damage: FloatArray, active: tuple[int, ...], pristine: FloatArray) -> FloatArray:
-        """Return sum_i mu_i T_i u_b of the package's docstring for each state (n_states, n_ports)."""
-        eliminated = self.eliminated(active)
-        load = eliminated.schur @ pristine[eliminated.factors.ports]
-        return port_forces(eliminated.schur, self._losses(active), damage[:, list(active)], load)
 
     def _solve_directly(self, mu: FloatArray, force: FloatArray) -> FloatArray:
         """Return the displacements (n_dofs,) of one state from a factorisation of its own."""

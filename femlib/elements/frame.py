@@ -61,16 +61,17 @@ def align(element: Quad4 | Tria3DSG, axis: FloatArray) -> None:
 
 
 def resultant_turn(axes: FloatArray, axis: FloatArray) -> FloatArray:
-    """Return the matrix (3, 3) that leads forces or moments (xx, yy, xy) from the laminate's axes to the element's.
+    """Return the matrices (..., 3, 3) that lead forces or moments (xx, yy, xy) from laminates' to elements' axes.
 
-    `axes` (3, 3) are the element's, `axis` (3,) the laminates' direction as in `align`.
+    `axes` (..., 3, 3) are the elements', `axis` (3,) the laminates' direction as in `align`.
     """
-    along_x, along_y, _ = axes.T @ axis
-    length = float(np.hypot(along_x, along_y))
-    if length <= 1e-10 * float(np.linalg.norm(axis)):
-        return np.eye(3)
-    c, s = along_x / length, along_y / length
-    return np.array([[c * c, s * s, -2 * c * s], [s * s, c * c, 2 * c * s], [c * s, -c * s, c * c - s * s]])
+    along_x, along_y = axes[..., :, 0] @ axis, axes[..., :, 1] @ axis
+    length = np.hypot(along_x, along_y)
+    is_seen = length > 1e-10 * float(np.linalg.norm(axis))
+    safe = np.where(is_seen, length, 1.0)
+    c, s = np.where(is_seen, along_x / safe, 1.0), np.where(is_seen, along_y / safe, 0.0)
+    rows = [[c * c, s * s, -2 * c * s], [s * s, c * c, 2 * c * s], [c * s, -c * s, c * c - s * s]]
+    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
 
 
 def to_global(rows: FloatArray, axes: FloatArray) -> FloatArray:

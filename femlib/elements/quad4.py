@@ -68,6 +68,25 @@ def strain_operator(points: FloatArray, xi: float = 0.0, eta: float = 0.0) -> St
     return StrainOperator(to_global(membrane, axes), to_global(curvature, axes), axes)
 
 
+def strain_operators(points: FloatArray, places: Sequence[tuple[float, float]]) -> StrainOperator:
+    """Return the strain rows of many elements with corners (n, 4, 3) [m] at natural coordinates `places`.
+
+    The operator's arrays have leading axes: rows (n, n_places, 3, 24), axes (n, 3, 3).
+    """
+    rows = np.empty((len(points), len(places), 2, 3, N_DOFS))
+    axes = np.empty((len(points), 3, 3))
+    for corners, own, frame in zip(points, rows, axes, strict=True):
+        element = _placed(corners, np.zeros(3))
+        probe, frame[:] = element.probe, element_axes(element)
+        for place, (membrane, curvature) in zip(places, own, strict=True):
+            probe.update_BL(*place)
+            membrane[0], membrane[1], membrane[2] = probe.BLexx, probe.BLeyy, probe.BLgxy
+            curvature[0], curvature[1], curvature[2] = probe.BLkxx, probe.BLkyy, probe.BLkxy
+    blocks = rows.reshape(len(points), len(places) * 2 * 3 * 2 * N_NODES, 3)  # of three dofs each
+    turned = (blocks @ axes.transpose(0, 2, 1)).reshape(rows.shape)
+    return StrainOperator(turned[:, :, 0], turned[:, :, 1], axes)
+
+
 def shape(xi: float, eta: float) -> FloatArray:
     """Return the bilinear shape functions (4,) at natural coordinates."""
     return 0.25 * np.array([(1 - xi) * (1 - eta), (1 + xi) * (1 - eta), (1 + xi) * (1 + eta), (1 - xi) * (1 + eta)])

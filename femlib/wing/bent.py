@@ -9,7 +9,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from femlib import sensors
 from femlib.arrays import FloatArray
 from femlib.assembly import Deflection, deflect, thermal_forces
 from femlib.components import checked_damage, damage_row
@@ -99,7 +98,7 @@ def gauge_strains(wing: Wing, deflection: Deflection) -> FloatArray:
     """Return the strains (n_gauges,) [microstrain, compressive positive] of a deflection."""
     mesh = wing.structure.shells.mesh
     strains = []
-    for parts in sensors.element_rows(mesh, wing.thickness, wing.strain_gauges):
+    for parts in wing.element_rows:
         elements = np.array(list(parts))
         deformation = deflection.deformation(mesh, mesh.quads[elements])
         strains.append(float(np.sum(np.stack(list(parts.values())) * deformation)))

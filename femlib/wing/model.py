@@ -53,6 +53,8 @@ class Wing:
         Outline; the designed one if not given.
     strain_rows : csr_array
         Map (n_gauges, n_dofs) from displacements to strain, compressive positive [-].
+    element_rows : tuple of dict
+        For each gauge the elements that it averages and their rows, tension positive, as `sensors.element_rows`.
     """
 
     structure: DamagedStructure
@@ -63,11 +65,14 @@ class Wing:
     lift: FloatArray
     planform: Planform = PLANFORM
     strain_rows: sparse.csr_array = field(init=False, repr=False)
+    element_rows: tuple[dict[int, FloatArray], ...] = field(init=False, repr=False)
     _strain_maps: dict[str, StrainMap] = field(init=False, repr=False)  # a cache of one: it changes no answer
 
     def __post_init__(self) -> None:
-        rows = sensors.strain_rows(self.structure.shells.mesh, self.thickness, self.strain_gauges)
-        object.__setattr__(self, "strain_rows", -rows)
+        mesh = self.structure.shells.mesh
+        of_elements = tuple(sensors.element_rows(mesh, self.thickness, self.strain_gauges))
+        object.__setattr__(self, "element_rows", of_elements)
+        object.__setattr__(self, "strain_rows", -sensors.assembled_rows(mesh, of_elements))
         object.__setattr__(self, "_strain_maps", {})
 
     @property

@@ -43,7 +43,7 @@ def test_stiffness_is_affine_symmetric_and_positive_definite_in_every_state(coar
         assert abs(matrix - matrix.T).max() < 1e-12 * abs(matrix).max()
         trial = rng.normal(size=(matrix.shape[0], 5))
         assert (np.einsum("ik,ik->k", trial, matrix @ trial) > 0).all()
-    assert np.linalg.eigvalsh(structure.eliminated((0, 1)).schur).min() > 0
+    assert np.linalg.eigvalsh(structure.eliminated((0, 1)).ports.schur).min() > 0
 
 
 def test_a_structure_without_components_is_solved(coarse: Wing) -> None:

@@ -6,6 +6,8 @@ signature is then
 
     rows K(mu)^-1 f     [microstrain per unit].
 
+A force that is the same in every state is solved once for all of them (`FixedForce`).
+
 Source of the first-order step: R. T. Haftka and Z. Guerdal, Elements of Structural Optimization (1992), section 7.2.
 """
 
@@ -79,3 +81,17 @@ class WingEffect:
     ) -> FloatArray:
         """Return the change of the gauge strains (n_gauges,) in microstrain per unit of size."""
         return self.response.strains(state, self.force(state, load_factor, variant))
+
+
+class FixedForce(WingEffect):
+    """An effect whose force is the same in every state but for its power of the load."""
+
+    __slots__ = ()
+
+    def signature(
+        self, twin: Any, state: Mapping[str, float], load_factor: float, variant: str = "", time: float = 0.0
+    ) -> FloatArray:
+        """Return the change of the gauge strains (n_gauges,) in microstrain per unit of size."""
+        assert self.load_power is not None
+        force = self.force({}, 1.0, variant)
+        return load_factor**self.load_power * self.response.strains_of_fixed(state, self.name, variant, force)

@@ -15,7 +15,7 @@ import numpy as np
 from femlib.arrays import FloatArray
 from femlib.wing.effects.card import WingEffect
 from femlib.wing.effects.response import Response
-from femlib.wing.effects.skins import SkinForces
+from femlib.wing.effects.skins import SkinEffect, SkinForces
 
 HOUR = 3600.0
 EXPONENT = 0.2
@@ -28,7 +28,7 @@ def course(time: float) -> float:
     return float((max(time, 0.0) / HOUR) ** EXPONENT)
 
 
-class Creep(WingEffect):
+class Creep(SkinEffect):
     """The effect, with its course of time."""
 
     __slots__ = ()
@@ -37,13 +37,13 @@ class Creep(WingEffect):
         self, twin: Any, state: Mapping[str, float], load_factor: float, variant: str = "", time: float = 0.0
     ) -> FloatArray:
         """Return the change of the gauge strains (n_gauges,) in microstrain per unit of size at `time` [s]."""
-        one_hour = self.response.strains(state, self.force(state, load_factor, variant))
+        one_hour = super().signature(twin, state, load_factor, variant)
         return np.asarray(course(time) * one_hour)
 
 
 def effect(response: Response) -> WingEffect:
     """Return the effect."""
-    skins = SkinForces(response)
+    skins = SkinForces.of(response)
 
     def force(state: Mapping[str, float], load_factor: float, place: str) -> FloatArray:
         return 0.01 * load_factor * skins.of_state(state)
@@ -60,4 +60,6 @@ def effect(response: Response) -> WingEffect:
         force=force,
         is_one_sided=True,
         uses_time=True,
+        skins=skins,
+        factor=0.01,
     )

@@ -1,18 +1,21 @@
 """Damage where the library of states has no parameter: a patch of skin or a length of web that lost stiffness.
 
 First order: f = +0.01 K_zone u per per cent, u and the response those of the healthy wing (the zone's own signature
-changes little with damage elsewhere, and one factorisation serves all zones).
+changes little with damage elsewhere). A zone's trace is the sum of its elements' traces, made once for all of them.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cache
 from itertools import product
 
 import numpy as np
 
 from femlib.arrays import BoolArray, FloatArray
+from femlib.mesh import dofs_of_nodes
 from femlib.wing.effects.card import WingEffect
 from femlib.wing.effects.response import Response
-from femlib.wing.model import Wing
+from femlib.wing.model import MICRO, Wing
 
 SPAN_CENTRES = np.linspace(0.15, 0.84, 24)
 """Centres of the zones along the span: a local trace needs zones as fine as the gauges lie, and overlapping."""
@@ -28,12 +31,13 @@ def effect(response: Response) -> WingEffect:
     shells = wing.structure.shells
     zones = damage_zones(wing)
 
-    forces: dict[str, FloatArray] = {}
+    @cache  # made at the first call: a second that many users of the wing never need
+    def traces() -> dict[str, FloatArray]:
+        of_elements = element_traces(response)
+        return {place: 0.01 * of_elements[elements].sum(axis=0) for place, elements in zones.items()}
 
     def force(state: Mapping[str, float], load_factor: float, place: str) -> FloatArray:
-        if place not in forces:  # the same in every state: some two hundred assemblies are worth keeping
-            forces[place] = np.asarray(0.01 * (shells.stiffness(zones[place]) @ response.displacements({})))
-        return load_factor * forces[place]
+        return np.asarray(0.01 * load_factor * (shells.stiffness(zones[place]) @ response.displacements({})))
 
     return _HealthyResponse(
         name="damage_outside_library",
@@ -49,19 +53,33 @@ def effect(response: Response) -> WingEffect:
         n_between=8,
         signature_error=0.1,
         is_one_sided=True,
+        traces=traces,
     )
 
 
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class _HealthyResponse(WingEffect):
     """The signature of the healthy wing, whatever the state."""
 
-    __slots__ = ()
+    traces: Callable[[], dict[str, FloatArray]]
 
     def signature(
         self, twin: object, state: Mapping[str, float], load_factor: float, variant: str = "", time: float = 0.0
     ) -> FloatArray:
         """Return the change of the gauge strains (n_gauges,) in microstrain per unit of size."""
-        return super().signature(twin, {}, load_factor, variant, time)
+        return load_factor * self.traces()[variant]
+
+
+def element_traces(response: Response) -> FloatArray:
+    """Return Z' k_e u (n_elements, n_gauges) [microstrain]: what each element's loss of all its stiffness does."""
+    shells, supports = response.wing.structure.shells, response.wing.structure.supports
+    moved, adjoint = response.displacements({}), supports.expand(response.adjoint())
+    traces = []
+    for corners, stiffness in zip((shells.mesh.quads, shells.mesh.trias), shells.element_stiffness, strict=True):
+        dofs = dofs_of_nodes(corners).reshape(len(corners), -1)
+        force = np.einsum("eij,ej->ei", stiffness, moved[dofs])
+        traces.append(MICRO * np.einsum("ei,eig->eg", force, adjoint[dofs]))
+    return np.concatenate(traces)
 
 
 def damage_zones(wing: Wing) -> dict[str, BoolArray]:

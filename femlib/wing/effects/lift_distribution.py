@@ -10,7 +10,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from femlib.arrays import FloatArray
-from femlib.wing.effects.card import WingEffect
+from femlib.wing.effects.card import FixedForce, WingEffect
 from femlib.wing.effects.lift_shift import moment, moved_lift
 from femlib.wing.effects.response import Response
 
@@ -32,7 +32,7 @@ def effect(response: Response) -> WingEffect:
     def force(state: Mapping[str, float], load_factor: float, place: str) -> FloatArray:
         return load_factor * shapes[place]
 
-    return WingEffect(
+    return FixedForce(
         name="lift_distribution",
         parameter="change of the root bending moment at the same total lift",
         unit="%",

@@ -4,11 +4,11 @@ from collections.abc import Mapping
 from typing import Any
 
 from femlib.arrays import FloatArray
-from femlib.wing.effects.card import WingEffect
+from femlib.wing.effects.card import FixedForce, WingEffect
 from femlib.wing.effects.response import Response
 
 
-class Modulus(WingEffect):
+class Modulus(FixedForce):
     """The effect, with its exact forward map."""
 
     __slots__ = ()

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from femlib.arrays import FloatArray
-from femlib.wing.effects.card import WingEffect
+from femlib.wing.effects.card import FixedForce, WingEffect
 from femlib.wing.effects.response import Response
 from femlib.wing.inertia import unit_weight
 
@@ -19,7 +19,7 @@ def effect(response: Response) -> WingEffect:
     def force(state: Mapping[str, float], load_factor: float, place: str) -> FloatArray:
         return load_factor * unit_weight(response.wing, float(place.removeprefix("eta ")))
 
-    return WingEffect(
+    return FixedForce(
         name="payload_inertia",
         parameter="mass in the wing that the model does not have",
         unit="kg",

@@ -1,68 +1,136 @@
-"""How the gauges answer nodal forces in a state: one adjoint solution a gauge, kept for all effects.
+"""How the gauges answer nodal forces in a state, without a factorisation a state.
 
-With B the rows from displacements to gauge strains and K(mu) the stiffness, Z = K(mu)^-1 B^T gives the strains under
-any forces f as Z^T f. A state costs one factorisation; every effect after that is a product.
+With B the rows from displacements to gauge strains, K_0 the undamaged stiffness, Z = K_0^-1 B' and u = K_0^-1 f, the
+strains of a damaged wing under forces f are (femlib.components, damage standing for forces, seen from the gauges)
+
+    B u(mu) = Z' f + G(mu)' u_b + sum_i mu_i / (1 - mu_i) w_i(B)' u,   G(mu) = sum_i mu_i T_i z_b(mu),
+
+exact to rounding. G belongs to a state and u to a force, so many forces in many states cost one solve a force and one
+small system a state.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
-from scipy.sparse.linalg import SuperLU, splu
+import scipy.sparse as sparse
 
 from femlib.arrays import FloatArray
-from femlib.components import damage_row
+from femlib.components import MOST_PORTS, damage_row
 from femlib.wing.model import MICRO, Wing
+
+Key = tuple[float, ...]
+Active = tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Answer:
+    """What one force does to the undamaged wing.
+
+    Attributes
+    ----------
+    active : tuple of int
+        Components whose ports are known.
+    gauges : FloatArray
+        Gauge strains (n_gauges,) [-].
+    ports : FloatArray
+        Displacements at the ports (n_ports,).
+    interior : FloatArray
+        w_i(B)' u (n_active, n_gauges).
+    """
+
+    active: Active
+    gauges: FloatArray
+    ports: FloatArray
+    interior: FloatArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Response:
-    """The adjoint solutions of a wing by state.
+    """The wing's answers, kept by state.
 
     Attributes
     ----------
     wing : Wing
         The model.
+    shared : dict
+        What several effects make once for all of them, by name.
     """
 
     wing: Wing
-    _adjoint: dict[tuple[float, ...], FloatArray] = field(init=False, repr=False, default_factory=dict)
-    _moved: dict[tuple[float, ...], FloatArray] = field(init=False, repr=False, default_factory=dict)
-    _factor: dict[tuple[float, ...], SuperLU] = field(init=False, repr=False, default_factory=dict)
+    shared: dict[str, Any] = field(init=False, repr=False, default_factory=dict)
+    _gauge_forces: dict[Key, FloatArray] = field(init=False, repr=False, default_factory=dict)
+    _moved: dict[Key, FloatArray] = field(init=False, repr=False, default_factory=dict)
+    _interior: dict[int, sparse.csr_array] = field(init=False, repr=False, default_factory=dict)
+    _answers: dict[tuple[str, str, Active], Answer] = field(init=False, repr=False, default_factory=dict)
 
     def strains(self, state: Mapping[str, float], force: FloatArray) -> FloatArray:
         """Return the gauge strains (n_gauges,) [microstrain, compressive positive] under nodal forces (n_dofs,) [N]."""
-        return np.asarray(MICRO * (force @ self._of_state(state)))
+        row = damage_row(state, self.wing.parameters)
+        if not row.any():
+            return np.asarray(MICRO * (force[self.wing.structure.supports.free] @ self.adjoint()))
+        active = self.wing.structure.active(row[None, :])
+        if self.wing.structure.n_ports(active) > MOST_PORTS:
+            return np.asarray(MICRO * (self.wing.strain_rows @ self.moved_by(state, force)))
+        return self._damaged(row, self._answer(force, active))
+
+    def strains_of_fixed(self, state: Mapping[str, float], name: str, place: str, force: FloatArray) -> FloatArray:
+        """Return `strains` for a force that is the same in every state, known by a name and a place: solved once."""
+        row = damage_row(state, self.wing.parameters)
+        active = self.wing.structure.active(row[None, :])
+        if not row.any() or self.wing.structure.n_ports(active) > MOST_PORTS:
+            return self.strains(state, force)
+        key = (name, place, active)
+        if key not in self._answers:
+            self._answers[key] = self._answer(force, active)
+        return self._damaged(row, self._answers[key])
 
     def displacements(self, state: Mapping[str, float]) -> FloatArray:
         """Return the displacements (n_dofs,) [m, rad] under the lift at load factor 1."""
         key = tuple(damage_row(state, self.wing.parameters).tolist())
         if key not in self._moved:
-            self._moved[key] = self.wing.solve(state, 1.0).ravel()
+            pristine = self.displacements({}) if any(key) else None
+            self._moved[key] = self.wing.structure.solve_loads(np.array(key), self.wing.lift, pristine)
         return self._moved[key]
 
     def moved_by(self, state: Mapping[str, float], force: FloatArray) -> FloatArray:
         """Return the displacements (n_dofs, ...) under nodal forces (n_dofs, ...) [N]."""
-        supports = self.wing.structure.supports
-        return supports.expand(self._factors(damage_row(state, self.wing.parameters)).solve(force[supports.free]))
-
-    def _of_state(self, state: Mapping[str, float]) -> FloatArray:
         row = damage_row(state, self.wing.parameters)
-        key = tuple(row.tolist())
-        if key not in self._adjoint:
-            supports = self.wing.structure.supports
-            rows = self.wing.strain_rows[:, supports.free].T.toarray()
-            self._adjoint[key] = supports.expand(self._factors(row).solve(rows))
-        return self._adjoint[key]
+        return self.wing.structure.solve_loads(row, force)
 
-    def _factors(self, row: FloatArray) -> SuperLU:
+    def adjoint(self) -> FloatArray:
+        """Return Z (n_free, n_gauges): what forces on the undamaged wing's free degrees of freedom do to the gauges."""
+        structure = self.wing.structure
+        return structure.adjoint(self.wing.strain_rows, structure.active(np.zeros((1, len(self.wing.parameters)))))
+
+    def _answer(self, force: FloatArray, active: Active) -> Answer:
+        structure, rows = self.wing.structure, self.wing.strain_rows
+        free = structure.supports.free
+        factors = structure.eliminated(active).factors
+        moved = factors.solve(force[free])
+        interior = [self._interior_rows(k) @ moved for k in active]
+        return Answer(active, rows[:, free] @ moved, moved[factors.ports], np.array(interior))
+
+    def _interior_rows(self, component: int) -> sparse.csr_array:
+        """Return w_i(B)' (n_gauges, n_free): few gauges have anything inside a region."""
+        if component not in self._interior:
+            structure = self.wing.structure
+            rows = self.wing.strain_rows[:, structure.supports.free].toarray().T
+            self._interior[component] = sparse.csr_array(structure.condensed[component].interior_load(rows).T)
+        return self._interior[component]
+
+    def _damaged(self, row: FloatArray, answer: Answer) -> FloatArray:
+        damage = row[list(answer.active)]
+        strains = answer.gauges + answer.ports @ self._forces(row, answer.active)
+        return np.asarray(MICRO * (strains + (damage / (1.0 - damage)) @ answer.interior))
+
+    def _forces(self, row: FloatArray, active: Active) -> FloatArray:
+        """Return G (n_ports, n_gauges) of a state."""
         key = tuple(row.tolist())
-        if key not in self._factor:
-            self._factor.clear()  # one at a time: factors are the largest thing in memory
-            self._factor[key] = splu(
-                self.wing.structure.stiffness(row),
-                permc_spec="MMD_AT_PLUS_A",
-                diag_pivot_thresh=0.0,
-                options={"SymmetricMode": True},
-            )
-        return self._factor[key]
+        if key not in self._gauge_forces:
+            structure = self.wing.structure
+            eliminated = structure.eliminated(active)
+            load = eliminated.condensed_load(structure.adjoint(self.wing.strain_rows, active))
+            self._gauge_forces[key] = eliminated.ports.forces(row[None, list(active)], load)[0]
+        return self._gauge_forces[key]

@@ -8,17 +8,17 @@ from collections.abc import Mapping
 from femlib.arrays import FloatArray
 from femlib.wing.effects.card import WingEffect
 from femlib.wing.effects.response import Response
-from femlib.wing.effects.skins import SkinForces
+from femlib.wing.effects.skins import SkinEffect, SkinForces
 
 
 def effect(response: Response) -> WingEffect:
     """Return the effect."""
-    skins = SkinForces(response)
+    skins = SkinForces.of(response)
 
     def force(state: Mapping[str, float], load_factor: float, place: str) -> FloatArray:
         return -0.01 * load_factor * skins.of_state(state)
 
-    return WingEffect(
+    return SkinEffect(
         name="skin_thickness",
         parameter="change of the thickness of the skins' faces",
         unit="%",
@@ -28,4 +28,6 @@ def effect(response: Response) -> WingEffect:
         load_power=1,
         response=response,
         force=force,
+        skins=skins,
+        factor=-0.01,
     )

@@ -1,12 +1,15 @@
-"""The share of the inner forces that both skins carry."""
+"""The share of the inner forces that both skins carry, and effects that are a part of it."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sparse
 
 from femlib.arrays import FloatArray
+from femlib.components import damage_row
+from femlib.wing.effects.card import WingEffect
 from femlib.wing.effects.response import Response
 
 
@@ -21,7 +24,21 @@ class SkinForces:
     """
 
     response: Response
+    _strains: dict[tuple[float, ...], FloatArray] = field(init=False, repr=False, default_factory=dict)
     _matrices: dict[str, sparse.csc_array] = field(init=False, repr=False, default_factory=dict)
+
+    @classmethod
+    def of(cls, response: Response) -> "SkinForces":
+        """Return the forces of a response, one for all effects that ask."""
+        found: SkinForces = response.shared.setdefault("skins", cls(response))
+        return found
+
+    def strains(self, state: Mapping[str, float]) -> FloatArray:
+        """Return the gauge strains (n_gauges,) [microstrain] under `of_state`, solved once a state."""
+        key = tuple(damage_row(state, self.response.wing.parameters).tolist())
+        if key not in self._strains:
+            self._strains[key] = self.response.strains(state, self.of_state(state))
+        return self._strains[key]
 
     def of_state(self, state: Mapping[str, float]) -> FloatArray:
         """Return K_skin(mu) u (n_dofs,) [N, N m] at load factor 1."""
@@ -39,3 +56,25 @@ class SkinForces:
             left = 1.0 - state.get(component.parameter, 0.0)
             pull = pull + left * (self._matrices[component.parameter] @ u)
         return np.asarray(pull)
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class SkinEffect(WingEffect):
+    """An effect whose force is that of the skins times `factor` and the load factor.
+
+    Attributes
+    ----------
+    skins : SkinForces
+        Of the same response, for all effects of this kind.
+    factor : float
+        Force per unit of size over that of the skins.
+    """
+
+    skins: SkinForces
+    factor: float
+
+    def signature(
+        self, twin: Any, state: Mapping[str, float], load_factor: float, variant: str = "", time: float = 0.0
+    ) -> FloatArray:
+        """Return the change of the gauge strains (n_gauges,) in microstrain per unit of size."""
+        return self.factor * load_factor * self.skins.strains(state)

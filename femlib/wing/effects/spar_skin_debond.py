@@ -5,9 +5,10 @@ elements at that edge, K the wing's, u its displacements. Where the edge slides 
 
     K_debonded = K - W T^-1 W',   W = K_w[:, t],   T = K_w[t, t],
 
-and by Woodbury the debonded wing moves by K^-1 W (T - W' K^-1 W)^-1 W' u more. Exact for a whole debond (size 1) of
-the healthy wing; sizes between are linear, at the price of some ten per cent of the trace. The skin keeps touching the
-web: only the sliding is free.
+and by Woodbury the debonded wing moves by K^-1 W (T - W' K^-1 W)^-1 W' u more. The middle matrix is what is left of
+[[K, W], [W', T]] when K is eliminated, so one factorisation gives it for all places. Exact for a whole debond (size 1)
+of the healthy wing; sizes between are linear, at the price of some ten per cent of the trace. The skin keeps touching
+the web: only the sliding is free.
 Source: W. W. Hager, SIAM Review 31 (1989) 221-239, eq. 2 (Woodbury); R. J. Guyan, AIAA Journal 3 (1965) 380.
 """
 
@@ -20,6 +21,7 @@ import numpy as np
 import scipy.sparse as sparse
 
 from femlib.arrays import BoolArray, FloatArray, IntArray
+from femlib.assembly import factorise
 from femlib.mesh import DOFS_PER_NODE
 from femlib.wing.effects.card import WingEffect
 from femlib.wing.effects.response import Response
@@ -42,25 +44,21 @@ class Joint:
         Span fractions of the nodes along it, root left out (n,).
     tied : FloatArray
         W' u of the healthy wing at load factor 1 (n,).
-    row : FloatArray
-        T of all nodes (n, n).
-    answer : FloatArray
-        W' K^-1 W (n, n).
+    hold : FloatArray
+        T - W' K^-1 W (n, n).
     strains : FloatArray
         Gauge strains of forces W (n_gauges, n) [microstrain].
     """
 
     eta: FloatArray
     tied: FloatArray
-    row: FloatArray
-    answer: FloatArray
+    hold: FloatArray
     strains: FloatArray
 
     def opened(self, inner: float, outer: float) -> FloatArray:
         """Return the change of the gauge strains (n_gauges,) where the nodes from `inner` to `outer` slide."""
         free = (self.eta >= inner - 1e-9) & (self.eta <= outer + 1e-9)
-        block = (self.row - self.answer)[np.ix_(free, free)]
-        return np.asarray(self.strains[:, free] @ np.linalg.solve(block, self.tied[free]))
+        return np.asarray(self.strains[:, free] @ np.linalg.solve(self.hold[np.ix_(free, free)], self.tied[free]))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,25 +73,35 @@ class SparSkinDebond(WingEffect):
         """Return the change of the gauge strains (n_gauges,) in microstrain per unit of size, of the healthy wing."""
         flange, _, lengths = variant.split()
         inner, outer = (float(eta) for eta in lengths.split("-"))
-        if flange not in self._joints:
-            self._joints[flange] = joint(self.response, flange)
+        if not self._joints:
+            self._joints.update(joints(self.response))
         return load_factor * self._joints[flange].opened(inner, outer)
 
 
-def joint(response: Response, flange: str) -> Joint:
-    """Return the joint of the web with the upper or lower skin."""
+def joints(response: Response) -> dict[str, Joint]:
+    """Return the joint of the web with each skin, by flange."""
     wing = response.wing
-    elements, nodes = web_edge(wing, flange)
-    sliding = DOFS_PER_NODE * nodes + 1
-    columns = sparse.csc_array(wing.structure.shells.stiffness(elements)[:, sliding])
-    moved = response.moved_by({}, columns.toarray())
-    return Joint(
-        eta=wing.structure.shells.mesh.nodes[nodes, 1] / wing.span,
-        tied=columns.T @ response.displacements({}),
-        row=columns[sliding].toarray(),
-        answer=np.asarray(columns.T @ moved),
-        strains=MICRO * np.asarray(wing.strain_rows @ moved),
-    )
+    shells, supports = wing.structure.shells, wing.structure.supports
+    edges = [web_edge(wing, flange) for flange in FLANGES]
+    sliding = [DOFS_PER_NODE * nodes + 1 for _, nodes in edges]
+    columns = [sparse.csc_array(shells.stiffness(e)[:, s]) for (e, _), s in zip(edges, sliding, strict=True)]
+    rows = sparse.block_diag([column[s] for column, s in zip(columns, sliding, strict=True)], format="csc")
+    across = sparse.hstack(columns, format="csc")[supports.free]
+    stiffness = supports.reduce(shells.stiffness())
+    whole = sparse.csc_array(sparse.block_array([[stiffness, across], [across.T, rows]]))
+    groups = np.concatenate([supports.groups, *(nodes for _, nodes in edges)])
+    hold = factorise(whole, groups, np.arange(stiffness.shape[0], whole.shape[0])).schur()
+    first = np.cumsum([0, *(len(nodes) for _, nodes in edges)])
+    found = {}
+    for k, flange in enumerate(FLANGES):
+        own = slice(first[k], first[k + 1])
+        found[flange] = Joint(
+            eta=shells.mesh.nodes[edges[k][1], 1] / wing.span,
+            tied=columns[k].T @ response.displacements({}),
+            hold=hold[own, own],
+            strains=MICRO * (columns[k][supports.free].T @ response.adjoint()).T,
+        )
+    return found
 
 
 def web_edge(wing: Wing, flange: str) -> tuple[BoolArray, IntArray]:

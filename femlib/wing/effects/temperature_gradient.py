@@ -7,7 +7,7 @@ import numpy as np
 from femlib.arrays import FloatArray
 from femlib.wing.effects.card import WingEffect
 from femlib.wing.effects.response import Response
-from femlib.wing.effects.warming import WarmWing
+from femlib.wing.effects.warming import WarmEffect, WarmWing
 
 
 def effect(response: Response) -> WingEffect:
@@ -22,7 +22,7 @@ def effect(response: Response) -> WingEffect:
     def force(state: Mapping[str, float], load_factor: float, place: str) -> FloatArray:
         return warm.force(state)
 
-    return WingEffect(
+    return WarmEffect(
         name="temperature_gradient",
         parameter="temperature of the upper skin above the lower one",
         unit="K",
@@ -32,4 +32,5 @@ def effect(response: Response) -> WingEffect:
         load_power=0,
         response=response,
         force=force,
+        warm=warm,
     )

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from femlib.arrays import FloatArray
-from femlib.wing.effects.card import WingEffect
+from femlib.wing.effects.card import FixedForce, WingEffect
 from femlib.wing.effects.lift_shift import moment, moved_lift
 from femlib.wing.effects.response import Response
 
@@ -24,7 +24,7 @@ def effect(response: Response) -> WingEffect:
     def force(state: Mapping[str, float], load_factor: float, place: str) -> FloatArray:
         return load_factor * shape
 
-    return WingEffect(
+    return FixedForce(
         name="torsion",
         parameter="shift of the lift's resultant aft, in chords",
         unit="% chord",

@@ -1,0 +1,71 @@
+"""The ports of damage components: from damages to the forces that stand for them.
+
+In the words of the package's docstring, a condensed load l gives the forces sum_i mu_i T_i u_b with S(mu) u_b = l.
+A few states are solved one by one (a Cholesky factorisation each); for many the spectrum of the ports is made once,
+which costs as much as some six states and makes each of them a product.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import scipy.linalg as linalg
+
+from femlib.arrays import FloatArray, IntArray
+from femlib.components.spectrum import PortSpectrum
+
+FEW_STATES = 4
+"""States solved one by one before the spectrum is made."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ports:
+    """Condensed stiffness at the ports.
+
+    Attributes
+    ----------
+    schur : FloatArray
+        Undamaged stiffness condensed on the ports, S_0 (n_ports, n_ports).
+    losses : tuple of (IntArray, FloatArray)
+        For each component its places among the ports and its T there.
+    """
+
+    schur: FloatArray
+    losses: tuple[tuple[IntArray, FloatArray], ...]
+    _spectrum: list[PortSpectrum] = field(init=False, repr=False, default_factory=list)  # at most one: a cache
+    _solved: list[int] = field(init=False, repr=False, default_factory=lambda: [0])  # states solved one by one so far
+
+    def forces(self, damage: FloatArray, load: FloatArray) -> FloatArray:
+        """Return sum_i mu_i T_i u_b (n_states, *load.shape) for damages (n_states, n_components).
+
+        `load` (n_ports,) or (n_ports, n_loads) is condensed on the ports.
+        """
+        damaged = damage.any(axis=1)
+        forces = np.zeros((len(damage), *load.shape))
+        if damaged.any():
+            forces[damaged] = self._of_damaged(damage[damaged], load)
+        return forces
+
+    def _of_damaged(self, damage: FloatArray, load: FloatArray) -> FloatArray:
+        self._solved[0] += len(damage)
+        if not self._spectrum and self._solved[0] > FEW_STATES and are_apart([place for place, _ in self.losses]):
+            self._spectrum.append(PortSpectrum.of(self.schur, self.losses))
+        if self._spectrum:
+            return self._spectrum[0].forces(damage, load)
+        return np.stack([one_by_one(self.schur, self.losses, mu, load) for mu in damage])
+
+
+def one_by_one(
+    schur: FloatArray, losses: Sequence[tuple[IntArray, FloatArray]], mu: FloatArray, load: FloatArray
+) -> FloatArray:
+    """Return the forces (n_ports, ...) of one state (n_components,) from a factorisation of S(mu)."""
+    loss = np.zeros_like(schur)
+    for amount, (place, stiffness) in zip(mu, losses, strict=True):
+        loss[np.ix_(place, place)] += amount * stiffness
+    return np.asarray(loss @ linalg.cho_solve(linalg.cho_factor(schur - loss, overwrite_a=True), load))
+
+
+def are_apart(places: Sequence[IntArray]) -> bool:
+    """Return whether no two components share a port."""
+    together = np.concatenate([*places, np.zeros(0, dtype=np.int64)])
+    return len(np.unique(together)) == len(together)
