@@ -13,7 +13,6 @@ from femlib.wing import WingTwin, uav_wing
 from femlib.wing.effects import wing_effects
 from octmip.gap import AugmentedTwin, diagnose, read_campaign
 from octmip.gap.memory import Memory
-from octmip.gap.words import as_object
 
 HELD_LOAD = 2.5
 MOST_PROBABLE = 6

@@ -25,6 +25,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--commissioning", metavar="RUN.csv", help="readings of the same asset while it was sound")
     parser.add_argument("--tree", metavar="TREE.json", help="a deployed tree: rank its nodes by flipped decisions")
+    parser.add_argument(
+        "--noise", metavar="SD", type=float, help="microstrain of one reading, where no load was read three times"
+    )
     parser.add_argument("--out", metavar="REPORT.html", help="write a page with figures here")
     add_json_argument(parser)
 
@@ -32,9 +35,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Diagnose and show."""
     from octmip.gap import diagnose, read_campaign  # scikit-learn's covariance behind it takes half a second
+    from octmip.gap.as_json import as_object
     from octmip.gap.memory import Memory
     from octmip.gap.page import report_page
-    from octmip.gap.words import as_object, page_of_words
+    from octmip.gap.words import page_of_words
     from octmip.tree_file import read_tree_file
 
     if arguments.out:
@@ -44,7 +48,7 @@ def run(arguments: argparse.Namespace) -> int:
     commissioning = read_campaign(arguments.commissioning, twin) if arguments.commissioning else None
     file = read_tree_file(arguments.tree) if arguments.tree else None
     settings: dict[str, Any] = {} if file is None else {"tree": file.tree, "feature_names": file.feature_names}
-    diagnosis = diagnose(campaign, twin, commissioning=commissioning, **settings)
+    diagnosis = diagnose(campaign, twin, commissioning=commissioning, noise_sd=arguments.noise, **settings)
     if arguments.out:
         write_bytes(arguments.out, report_page(diagnosis).encode())
         print(f"wrote {arguments.out}", file=sys.stderr)

@@ -19,7 +19,7 @@ from octmip.gap.library import library_columns, priors
 from octmip.gap.location import Where, localise
 from octmip.gap.memory import Memory
 from octmip.gap.next_test import Proposal, next_tests
-from octmip.gap.noise import Noise, estimate_noise
+from octmip.gap.noise import Noise, estimate_noise, given_noise
 from octmip.gap.posterior import Posterior, attribute
 from octmip.gap.scene import Scene, Setting, blocks_of
 from octmip.gap.shrinkage import Shrinkage, measure_shrinkage
@@ -118,6 +118,7 @@ def diagnose(
     commissioning: Campaign | Discrepancy | None = None,
     tree: Node | None = None,
     feature_names: Sequence[str] = (),
+    noise_sd: float | Mapping[str, float] | None = None,
 ) -> Diagnosis:
     """Return where campaign and twin differ, which effects explain it, how far the gap closes, and what to test next.
 
@@ -129,13 +130,15 @@ def diagnose(
             the discrepancy that an earlier calibration left.
         tree: a deployed tree, to rank its nodes by flipped decisions.
         feature_names: the tree's features, names of gauges.
+        noise_sd: standard deviation of one reading [microstrain], of all gauges or by gauge, from the instrument's
+            card; used where no load was read often enough to tell the noise.
 
     Raises:
         DataError: nothing to compare (no repeats at all, a gauge that the twin does not know, a commissioning run that
             lacks a gauge or a known state).
     """
     with threadpool_limits(1):  # the matrices are small: threads cost more than they save
-        return _diagnose(campaign, twin, effects, commissioning, tree, feature_names)
+        return _diagnose(campaign, twin, effects, commissioning, tree, feature_names, noise_sd)
 
 
 def _diagnose(
@@ -145,9 +148,10 @@ def _diagnose(
     commissioning: Campaign | Discrepancy | None,
     tree: Node | None,
     feature_names: Sequence[str],
+    noise_sd: float | Mapping[str, float] | None,
 ) -> Diagnosis:
     chosen = {**CHAIN, **_structural(twin)} if effects is None else dict(effects)
-    setting, notes = prepare(campaign, twin, chosen, commissioning)
+    setting, notes = prepare(campaign, twin, chosen, commissioning, noise_sd)
     posterior = attribute(setting)
     which = tell_causes(posterior)
     scene = posterior.scene
@@ -175,7 +179,11 @@ def _diagnose(
 
 
 def prepare(
-    campaign: Campaign, twin: Twin, effects: Mapping[str, Effect], commissioning: Campaign | Discrepancy | None = None
+    campaign: Campaign,
+    twin: Twin,
+    effects: Mapping[str, Effect],
+    commissioning: Campaign | Discrepancy | None = None,
+    noise_sd: float | Mapping[str, float] | None = None,
 ) -> tuple[Setting, list[str]]:
     """Return the campaign laid out against the twin, and notes for the reader."""
     unknown = [name for name in campaign.gauges if name not in twin.gauges]
@@ -184,11 +192,10 @@ def prepare(
     memory = twin if isinstance(twin, Memory) else Memory(twin)
     campaign, rails, notes = unclipped(campaign)
     run = unclipped(commissioning)[0] if isinstance(commissioning, Campaign) else None
-    noise = estimate_noise(campaign, run).of_gauges(campaign.gauges)
+    noise, of_noise = _noise(campaign, run, noise_sd)
+    notes += of_noise
     if rails:
         noise = replace(noise, clipped=rails, findings=(*noise.findings, "clipping"))
-    if not campaign.has_repeats:
-        notes.append("Every test holds too few repeats to tell the noise; the commissioning run's noise is used.")
     if noise.stuck:
         notes.append(f"Readings of {', '.join(noise.stuck)} never change between repeats: a stuck channel.")
     order = tuple(twin.gauges.index(name) for name in campaign.gauges)
@@ -210,6 +217,19 @@ def prepare(
     blocks = blocks_of(campaign, split)
     setting = Setting(campaign, memory, noise, discrepancy, columns, blocks, order, reference, groups, priors(columns))
     return setting, notes + about
+
+
+def _noise(
+    campaign: Campaign, run: Campaign | None, noise_sd: float | Mapping[str, float] | None
+) -> tuple[Noise, list[str]]:
+    """Return the noise and where it is from: the repeats, else the commissioning run's, else what is given."""
+    if campaign.has_repeats:
+        unused = "The noise is estimated from the repeats; the given standard deviation is not used."
+        return estimate_noise(campaign, run), [] if noise_sd is None else [unused]
+    few = "Every test holds too few repeats to tell the noise; "
+    if noise_sd is not None:
+        return given_noise(campaign.gauges, noise_sd), [few + "the given standard deviation is taken as known."]
+    return estimate_noise(campaign, run).of_gauges(campaign.gauges), [few + "the commissioning run's noise is used."]
 
 
 def _structural(twin: Twin) -> dict[str, Effect]:

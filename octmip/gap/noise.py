@@ -96,7 +96,7 @@ def estimate_noise(campaign: Campaign, fallback: Campaign | None = None) -> Nois
         raise DataError(
             f"row {campaign.row_number(int(cell.rows[0]))} ({cell.name}): every load of every test was read fewer than "
             f"{FEWEST_REPEATS} times, so the noise cannot be estimated; repeat the readings, or give a commissioning "
-            "run with repeats"
+            "run with repeats, or the standard deviation of one reading (noise_sd, --noise)"
         )
     residuals = [_centred(source, cell) for cell in source.cells]
     pooled = np.concatenate(residuals)
@@ -135,6 +135,20 @@ def estimate_noise(campaign: Campaign, fallback: Campaign | None = None) -> Nois
         tuple(name for name, is_there in found.items() if is_there),
         float(degrees[usable].mean()),
     )
+
+
+def given_noise(gauges: tuple[str, ...], sd: float | Mapping[str, float]) -> Noise:
+    """Return white noise of a known standard deviation [microstrain], of all gauges or by gauge.
+
+    Raises:
+        DataError: no positive number for some gauge.
+    """
+    wanted = [sd.get(name, float("nan")) if isinstance(sd, Mapping) else sd for name in gauges]
+    for name, value in zip(gauges, wanted, strict=True):
+        if not (np.isfinite(value) and value > 0.0):
+            raise DataError(f"noise_sd of gauge {name} is {value}; expected a positive number of microstrain; give it")
+    covariance = np.diag(np.square(np.array(wanted, dtype=np.float64)))
+    return Noise(gauges, covariance, 1.0, {}, 0.0, 0.0, 0.0, (), (), float("inf"))
 
 
 def _together(campaign: Campaign, run: Campaign) -> Campaign:

@@ -8,7 +8,16 @@ from numpy.typing import NDArray
 from octmip.gap.causes import UNKNOWN
 from octmip.gap.diagnosis import Diagnosis
 from octmip.gap.pictures import bars, gauge_map
-from octmip.gap.words import cause_words, likely, page_of_words, percent, verdict
+from octmip.gap.words import (
+    cause_words,
+    closed_words,
+    flipping_nodes,
+    likely,
+    page_of_words,
+    percent,
+    verdict,
+    where_lines,
+)
 
 Floats = NDArray[np.float64]
 
@@ -19,7 +28,7 @@ h1{font-size:1.5rem}h2{font-size:1.15rem;margin-top:2rem;border-bottom:1px solid
 table{border-collapse:collapse;width:100%;font-size:.92rem}td,th{padding:.3rem .5rem;border-bottom:1px solid #e5e9ee;
 text-align:left;vertical-align:top}td.n,th.n{text-align:right;font-variant-numeric:tabular-nums;white-space:nowrap}
 figure{margin:1rem 0}figcaption{font-size:.9rem;color:#57606a}svg{max-width:100%;height:auto}
-pre{white-space:pre-wrap;background:#f6f8fa;padding:1rem;font-size:.85rem}
+pre{white-space:pre-wrap;background:#f6f8fa;padding:1rem;font-size:.74rem}
 """
 
 
@@ -66,7 +75,8 @@ def _maps(diagnosis: Diagnosis) -> str:
         maps.append(f"<figure>{gauge_map(points, np.array(mean), names, limit, outline)}<figcaption>Residual {title} "
                     f"the first cause is added, at load factor {max(loads.tolist(), key=abs):g} (microstrain, "
                     "calibrated twin; red: more compression than the twin)</figcaption></figure>")  # fmt: skip
-    return f"<h2>Where</h2>{''.join(maps)}"
+    lines = "".join(f"<p>{escape(line)}</p>" for line in where_lines(diagnosis) if not line.startswith("Tree node"))
+    return f"<h2>Where</h2>{lines}{''.join(maps)}"
 
 
 def _causes(diagnosis: Diagnosis) -> str:
@@ -89,23 +99,25 @@ def _shrinkage(diagnosis: Diagnosis) -> str:
     s = diagnosis.shrinkage
     if s is None:
         return "<h2>How far</h2><p>No effect was added, so nothing closes.</p>"
+    if not s.held_out:
+        return f"<h2>How far</h2><p>{escape(closed_words(s))}</p>"
     labels, values = [], []
     for held in s.held_out:
         labels += [f"{held.name}, before", f"{held.name}, after"]
         values += [held.before, held.after]
-    figure = bars(labels, values, max([*values, 1e-9]), lambda v: f"{v:.1f} microstrain")
+    figure = bars(labels, values, max([*values, 1e-9]), lambda v: f"{v:.1f} microstrain", ("#c5ccd3", "#2f6db3"))
     return (
-        f"<h2>How far</h2><p>{escape(percent(s.closed))} of the squared gap closed on held-out readings (90 % "
-        f"interval {escape(percent(s.low))} to {escape(percent(s.high))}): {s.before:.1f} to {s.after:.1f} microstrain "
-        f"root mean square, noise taken off.</p><figure>{figure}<figcaption>Each load or test predicted from the others"
-        "</figcaption></figure>"
+        f"<h2>How far</h2><p>{escape(closed_words(s))}</p><figure>{figure}<figcaption>Each load or test predicted from "
+        "the others, root mean square gap, noise taken off (grey: before, blue: after)</figcaption></figure>"
     )
 
 
 def _nodes(diagnosis: Diagnosis) -> str:
-    nodes = diagnosis.where.nodes
-    if not nodes:
+    nodes = flipping_nodes(diagnosis)
+    if not diagnosis.where.nodes:
         return ""
+    if not nodes:
+        return "<h2>Tree nodes that flip</h2><p>None: readings of the asset go the way of the twin's.</p>"
     rows = "".join(
         f'<tr><td>{escape(n.path or "root")}</td><td>{escape(n.words)}</td><td class="n">{percent(n.simulated)}</td>'
         f'<td class="n">{percent(n.real)}</td><td class="n">{percent(n.share)}</td></tr>'

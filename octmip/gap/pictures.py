@@ -12,10 +12,19 @@ WIDTH = 860
 ROW = 26
 LABEL = 300
 MARGIN = 40
+MAP_WIDTH = 1200
+MAP_DEPTH = 420.0
+DOT = 14
 
 
-def bars(labels: Sequence[str], values: Sequence[float], full: float, words: Callable[[float], str]) -> str:
-    """Return horizontal bars, each with its label and its value in words."""
+def bars(
+    labels: Sequence[str],
+    values: Sequence[float],
+    full: float,
+    words: Callable[[float], str],
+    colours: Sequence[str] = ("#2f6db3",),
+) -> str:
+    """Return horizontal bars, each with its label and its value in words, the colours in turn."""
     height = ROW * len(labels) + 8
     parts = [f'<svg viewBox="0 0 {WIDTH} {height}" role="img" font-family="system-ui,sans-serif" font-size="13">']
     for k, (label, value) in enumerate(zip(labels, values, strict=True)):
@@ -23,37 +32,50 @@ def bars(labels: Sequence[str], values: Sequence[float], full: float, words: Cal
         length = (WIDTH - LABEL - 150) * min(1.0, max(0.0, value / full))
         shown = label if len(label) <= 42 else label[:41] + "…"
         parts.append(f'<text x="{LABEL - 8}" y="{y + 15}" text-anchor="end">{escape(shown)}</text>')
-        parts.append(f'<rect x="{LABEL}" y="{y + 2}" width="{length:.1f}" height="{ROW - 9}" fill="#2f6db3"/>')
+        parts.append(
+            f'<rect x="{LABEL}" y="{y + 2}" width="{length:.1f}" height="{ROW - 9}" '
+            f'fill="{colours[k % len(colours)]}"/>'
+        )
         parts.append(f'<text x="{LABEL + length + 6:.1f}" y="{y + 15}" fill="#57606a">{escape(words(value))}</text>')
     return "".join([*parts, "</svg>"])
 
 
 def gauge_map(points: Floats, values: Floats, names: Sequence[str], limit: float, outline: Floats | None) -> str:
-    """Return gauges (x aft, y outboard) as dots on the outline, y to the right, red above and blue below zero."""
+    """Return gauges (x aft, y outboard) as named dots on the outline, y to the right, red above and blue below zero.
+
+    Chords are drawn larger than spans, so that neighbouring rows of gauges stay apart.
+    """
     corners = points if outline is None else np.concatenate([points, np.asarray(outline)[:, :2]])
     low, high = corners.min(axis=0), corners.max(axis=0)
-    scale = (WIDTH - 2 * MARGIN) / max(float(high[1] - low[1]), 1e-9)
-    scale_x = min(scale, 240.0 / max(float(high[0] - low[0]), 1e-9))
-    height = max(70.0, scale_x * float(high[0] - low[0]) + 2 * MARGIN)
+    across, along = (max(float(extent), 1e-9) for extent in high - low)
+    depth = MAP_DEPTH if float(high[0] - low[0]) > 0.0 else 0.0
+    scale = np.array([depth / across, (MAP_WIDTH - 2 * MARGIN) / along])
 
     def place(point: Floats) -> tuple[float, float]:
-        return MARGIN + scale * float(point[1] - low[1]), MARGIN + scale_x * float(point[0] - low[0])
+        x, y = scale * (point - low)
+        return MARGIN + float(y), MARGIN + float(x)
 
-    parts = [f'<svg viewBox="0 0 {WIDTH} {height:.0f}" role="img" font-family="system-ui,sans-serif" font-size="11">']
+    box = f"0 0 {MAP_WIDTH} {depth + 2 * MARGIN:.0f}"
+    parts = [f'<svg viewBox="{box}" role="img" font-family="system-ui,sans-serif" text-anchor="middle">']
     if outline is not None:
         path = " ".join(f"{x:.1f},{y:.1f}" for x, y in map(place, np.asarray(outline)[:, :2]))
         parts.append(f'<polygon points="{path}" fill="#f3f6fa" stroke="#8c959f"/>')
-    for point, value, name in zip(points, values, names, strict=True):
-        x, y = place(point)
-        told = "no reading" if np.isnan(value) else f"{value:+.1f} microstrain"
-        parts.append(
-            f'<circle cx="{x:.1f}" cy="{y:.1f}" r="9" fill="{colour(value, limit)}" stroke="#1b1f24">'
-            f"<title>{escape(name)}: {told}</title></circle>"
-            f'<text x="{x:.1f}" y="{y - 12:.1f}" text-anchor="middle">{escape(name)}</text>'
-        )
-        if not np.isnan(value):
-            parts.append(f'<text x="{x:.1f}" y="{y + 21:.1f}" text-anchor="middle" fill="#57606a">{value:+.0f}</text>')
+    parts += [
+        _dot(*place(point), float(value), name, limit) for point, value, name in zip(points, values, names, strict=True)
+    ]
     return "".join([*parts, "</svg>"])
+
+
+def _dot(x: float, y: float, value: float, name: str, limit: float) -> str:
+    told = "no reading" if np.isnan(value) else f"{value:+.1f} microstrain"
+    shown = "" if np.isnan(value) else f"{value:+.0f}"
+    ink = "#fff" if abs(value) > 0.6 * limit else "#1b1f24"
+    return (
+        f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{DOT}" fill="{colour(value, limit)}" stroke="#1b1f24">'
+        f"<title>{escape(name)}: {told}</title></circle>"
+        f'<text x="{x:.1f}" y="{y + 3:.1f}" font-size="10" fill="{ink}">{escape(name)}</text>'
+        f'<text x="{x:.1f}" y="{y + DOT + 12:.1f}" font-size="11" fill="#57606a">{shown}</text>'
+    )
 
 
 def colour(value: float, limit: float) -> str:

@@ -1,22 +1,27 @@
-"""The diagnosis as a page of words for a test engineer, and as one JSON object for machines."""
+"""The diagnosis as a page of words for a test engineer."""
 
 import math
+import textwrap
 from collections.abc import Sequence
-from typing import Any
 
 from octmip.gap.causes import MISFIT, UNKNOWN, Cause, Parameter
 from octmip.gap.diagnosis import Diagnosis
-from octmip.gap.location import Place
+from octmip.gap.location import Flip, Place
+from octmip.gap.shrinkage import Shrinkage
 
 FEW = 5
 """Places of one kind that a page lists."""
+LEAST_FLIP = 0.001
+"""Share of the readings that a node must flip to be told."""
+WIDTH = 118
+"""Characters in a line of the page."""
 
 
 def page_of_words(diagnosis: Diagnosis) -> str:
     """Return the page: the verdict first, then where, which, how far, what next, noise, notes."""
     parts = [
         verdict(diagnosis),
-        _section("Where", _where(diagnosis)),
+        _section("Where", where_lines(diagnosis)),
         _section("Which", _which(diagnosis)),
         _section("How far", _how_far(diagnosis)),
         _section("Next test", _next(diagnosis)),
@@ -58,16 +63,21 @@ def cause_words(cause: Cause) -> str:
     told = []
     for parameter in cause.parameters:
         tie = next((t for t in cause.ties if t.effects[0] == parameter.effect), None)
-        others = f", or as well {' or '.join(tie.effects[1:])}" if tie else ""
-        told.append(f"{size_words(parameter)}{others}")
+        told.append(size_words(parameter, tie.effects[1:] if tie else ()))
     return " and ".join(told)
 
 
-def size_words(parameter: Parameter) -> str:
-    """Return an effect with its place, size and 90 % interval."""
+def size_words(parameter: Parameter, others: Sequence[str] = ()) -> str:
+    """Return an effect, `others` that cannot be told from it, its place, size and 90 % interval."""
+    names = f"{parameter.effect} (or {' or '.join(dict.fromkeys(others))})" if others else parameter.effect
     place = f" at {parameter.variant}" if parameter.variant else ""
     interval = f"{parameter.low:.3g} to {parameter.high:.3g}"
-    return f"{parameter.effect}{place}: {parameter.size:.3g} {parameter.unit} (90 % {interval})"
+    return f"{names}{place}: {with_unit(parameter.size, parameter.unit)} (90 % {interval})"
+
+
+def with_unit(size: float, unit: str) -> str:
+    """Return a number with its unit; "-" is the unit of a pure number."""
+    return f"{size:.3g}" if unit == "-" else f"{size:.3g} {unit}"
 
 
 def percent(share: float) -> str:
@@ -85,10 +95,16 @@ def likely(probability: float) -> str:
 
 
 def _section(title: str, lines: Sequence[str]) -> str:
-    return "\n".join([title, *(f"  {line}" for line in lines)])
+    wrapped = [textwrap.fill(line, WIDTH, initial_indent="  ", subsequent_indent=_hang(line)) for line in lines]
+    return "\n".join([title, *wrapped])
 
 
-def _where(diagnosis: Diagnosis) -> list[str]:
+def _hang(line: str) -> str:
+    return " " * (6 + len(line) - len(line.lstrip()))
+
+
+def where_lines(diagnosis: Diagnosis) -> list[str]:
+    """Return the whole gap, its greatest parts and the tree nodes that flip, a sentence each."""
     where = diagnosis.where
     clear = [entry for entry in where.entries if entry.is_significant]
     lines = [
@@ -96,11 +112,15 @@ def _where(diagnosis: Diagnosis) -> list[str]:
         f"{len(where.entries)} mean readings differ clearly (false-discovery rate 5 %); chance of no gap at all "
         f"{where.p_value:.2g}."
     ]
-    for kind, places in (("gauges", where.gauges), ("loads", where.loads), ("tests", where.tests)):
-        worth = [place for place in places if place.is_significant][:FEW]
-        if worth:
-            lines.append(f"By {kind}: {'; '.join(_place(place) for place in worth)}.")
-    for flip in where.nodes[:FEW]:
+    for kind, places in (("gauge", where.gauges), ("load", where.loads), ("test", where.tests)):
+        worth = [place for place in places if place.is_significant]
+        if worth and len(places) > 1:
+            more = f"; and {len(worth) - FEW} more" if len(worth) > FEW else ""
+            lines.append(f"By {kind}: {'; '.join(_place(place) for place in worth[:FEW])}{more}.")
+    flipping = flipping_nodes(diagnosis)
+    if where.nodes and not flipping:
+        lines.append("No node of the tree sends readings of the asset another way than the twin's.")
+    for flip in flipping[:FEW]:
         lines.append(
             f"Tree node {flip.path or 'root'} ({flip.words}): {percent(flip.share)} of all readings go the other way "
             f"(left {percent(flip.simulated)} in the twin, {percent(flip.real)} in the asset)."
@@ -108,19 +128,25 @@ def _where(diagnosis: Diagnosis) -> list[str]:
     return lines
 
 
+def flipping_nodes(diagnosis: Diagnosis) -> list[Flip]:
+    """Return the tree's nodes at which a reading in a thousand or more goes the other way."""
+    return [flip for flip in diagnosis.where.nodes if flip.share >= LEAST_FLIP]
+
+
 def _place(place: Place) -> str:
     return f"{place.name} {place.gap_microstrain:+.1f} microstrain, {percent(max(0.0, place.share))} of the gap"
 
 
 def _which(diagnosis: Diagnosis) -> list[str]:
+    first = diagnosis.which[0]
     lines: list[str] = []
     for cause in diagnosis.which[:FEW]:
-        if cause.probability < 0.005 and lines:
-            break
-        lines.append(f"{likely(cause.probability):>11}  {cause_words(cause)}")
-        if cause is diagnosis.which[0]:
-            lines += [f"            cannot be told apart: {' / '.join(t.effects)}: {t.reason}" for t in cause.ties]
-    if diagnosis.which[0].is_prior_sensitive:
+        if cause is not first and (cause.probability < 0.005 or UNKNOWN in cause.effects):
+            continue  # the unknown has a line of its own below
+        lines.append(f"{likely(cause.probability):>12}  {cause_words(cause)}")
+        if cause is first:
+            lines += _explained(cause)
+    if first.is_prior_sensitive:
         lines.append(
             "Prior-sensitive: another cause would lead if all effects were thought three times smaller or larger."
         )
@@ -131,10 +157,18 @@ def _which(diagnosis: Diagnosis) -> list[str]:
     return lines
 
 
+def _explained(cause: Cause) -> list[str]:
+    """Return what the effects of a cause mean and what cannot be told from them, a line each."""
+    indent = " " * 14
+    told = cause.parameters if cause.is_clear else ()
+    meant = [f"{indent}{effect}: {words}" for effect, words in {p.effect: p.words for p in told}.items()]
+    return meant + [f"{indent}cannot be told apart: {' / '.join(t.effects)}: {t.reason}" for t in cause.ties]
+
+
 def _limits(diagnosis: Diagnosis) -> str:
     units = {c.name: c.effect.unit for c in diagnosis.posterior.scene.setting.columns if not c.is_fact}
     told = [(n, s) for n, s in diagnosis.detectable.items() if n in units and n not in diagnosis.refused]
-    return ", ".join(f"{name} {size:.2g} {units[name]}" for name, size in told)
+    return ", ".join(f"{name} {with_unit(float(f'{size:.2g}'), units[name])}" for name, size in told)
 
 
 def _how_far(diagnosis: Diagnosis) -> list[str]:
@@ -142,14 +176,28 @@ def _how_far(diagnosis: Diagnosis) -> list[str]:
     if s is None:
         return ["No effect was added, so nothing closes."]
     lines = [
-        f"Held-out gap {s.before:.1f} -> {s.after:.1f} microstrain (floor of two good models {s.floor:.1f}): "
-        f"{percent(s.closed)} of the squared gap closed (90 % {percent(s.low)} to {percent(s.high)}).",
+        closed_words(s),
         f"Chi-squared per reading {s.chi2_before:.2f} -> {s.chi2_after:.2f} (chance of what remains {s.p_after:.2g}).",
     ]
     if s.p_after < MISFIT:
         lines.append("Something that no cause of the library describes remains in the readings.")
     lines += [f"{h.name} held out: {h.before:.1f} -> {h.after:.1f} microstrain" for h in s.held_out]
     return lines
+
+
+def closed_words(s: Shrinkage) -> str:
+    """Return how far the first cause of the library closes the gap on held-out readings, as a sentence."""
+    if not s.held_out:
+        return "Nothing can be held out of one load and one test: repeat the test at another load to see the gap close."
+    gap = f"Held-out gap {s.before:.1f} -> {s.after:.1f} microstrain (what two good models differ by: {s.floor:.1f})"
+    if math.isnan(s.closed):
+        return f"{gap}: too small beside noise for a share of it to mean anything."
+    if abs(s.closed) < 0.01 and s.chi2_after < 0.5 * s.chi2_before:
+        return f"{gap}: the effect shows in one load or test alone, so the others say nothing about its size there."
+    interval = f"90 % {percent(s.low)} to {percent(s.high)}"
+    if s.closed >= 1.0:
+        return f"{gap}: all of the gap closed that could ({percent(s.closed)} of its square; {interval})."
+    return f"{gap}: {percent(s.closed)} of the squared gap closed ({interval})."
 
 
 def _next(diagnosis: Diagnosis) -> list[str]:
@@ -185,123 +233,3 @@ def _state_lines(diagnosis: Diagnosis) -> list[str]:
         f"{', '.join(s.tests)}: " + ", ".join(f"{n} {s.mean[n]:.3f} +- {s.sd[n]:.3f}" for n in s.mean)
         for s in diagnosis.states
     ]
-
-
-def as_object(diagnosis: Diagnosis) -> dict[str, Any]:
-    """Return the diagnosis as one JSON object; the keys are stable, numbers that do not exist are null."""
-    s = diagnosis.shrinkage
-    where = diagnosis.where
-    noise = diagnosis.noise
-    content = {
-        "verdict": verdict(diagnosis),
-        "is_sound": diagnosis.is_sound,
-        "where": {
-            "rms_microstrain": where.rms_microstrain,
-            "p_value": where.p_value,
-            "entries": [_place_object(p) for p in where.entries if p.is_significant],
-            "gauges": [_place_object(p) for p in where.gauges],
-            "loads": [_place_object(p) for p in where.loads],
-            "tests": [_place_object(p) for p in where.tests],
-            "nodes": [
-                {"path": f.path, "split": f.words, "simulated": f.simulated, "real": f.real, "share": f.share}
-                for f in where.nodes
-            ],
-        },
-        "which": [_cause_object(cause) for cause in diagnosis.which],
-        "credible_set": [list(cause.effects) for cause in diagnosis.credible],
-        "inclusion": diagnosis.inclusion,
-        "ambiguity": [
-            {
-                "effects": list(t.effects),
-                "places": list(t.places),
-                "d_prime": list(t.d_prime),
-                "reason": t.reason,
-            }
-            for t in diagnosis.ambiguity
-        ],
-        "parameters": [_parameter_object(p) for p in diagnosis.which[0].parameters],
-        "unknown_probability": diagnosis.unknown_probability,
-        "detectable": diagnosis.detectable,
-        "refused": diagnosis.refused,
-        "noise": {
-            "sd_microstrain": noise.sd_microstrain,
-            "variance": noise.sd_microstrain**2,
-            "lag1": noise.lag1,
-            "inflation": noise.inflation,
-            "kurtosis": noise.kurtosis,
-            "step_microstrain": noise.step,
-            "variance_ratio_by_load": {f"{load:g}": ratio for load, ratio in noise.scale.items()},
-            "stuck": list(noise.stuck),
-            "findings": list(noise.findings),
-        },
-        "shrinkage": None
-        if s is None
-        else {
-            "before_microstrain": s.before,
-            "after_microstrain": s.after,
-            "floor_microstrain": s.floor,
-            "closed": s.closed,
-            "low": s.low,
-            "high": s.high,
-            "chi2_before": s.chi2_before,
-            "chi2_after": s.chi2_after,
-            "held_out": [
-                {"name": h.name, "before": h.before, "after": h.after, "closed": h.closed} for h in s.held_out
-            ],
-        },
-        "next_test": [
-            {
-                "name": p.name,
-                "words": p.words,
-                "information_nats": p.information,
-                "cost": p.cost,
-                "is_strain_test": p.is_strain_test,
-            }
-            for p in diagnosis.next_test
-        ],
-        "states": [{"tests": list(e.tests), "mean": e.mean, "sd": e.sd} for e in diagnosis.states],
-        "notes": list(diagnosis.notes),
-    }
-    finite: dict[str, Any] = _finite(content)
-    return finite
-
-
-def _cause_object(cause: Cause) -> dict[str, Any]:
-    return {
-        "effects": list(cause.effects),
-        "probability": cause.probability,
-        "parameters": [_parameter_object(p) for p in cause.parameters],
-        "cannot_be_told_from": [list(t.effects[1:]) for t in cause.ties],
-        "is_prior_sensitive": cause.is_prior_sensitive,
-    }
-
-
-def _parameter_object(p: Parameter) -> dict[str, Any]:
-    return {
-        "effect": p.effect,
-        "place": p.variant,
-        "size": p.size,
-        "low": p.low,
-        "high": p.high,
-        "unit": p.unit,
-        "words": p.words,
-    }
-
-
-def _place_object(p: Place) -> dict[str, Any]:
-    return {
-        "name": p.name,
-        "z": p.z,
-        "p_value": p.p_value,
-        "is_significant": p.is_significant,
-        "share": p.share,
-        "gap_microstrain": p.gap_microstrain,
-    }
-
-
-def _finite(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _finite(item) for key, item in value.items()}
-    if isinstance(value, list):
-        return [_finite(item) for item in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -1,0 +1,24 @@
+"""What the pages on real data print of every diagnosis: causes, inclusion, what closes, what remains."""
+
+import math
+
+from octmip.gap import Diagnosis
+from octmip.gap.words import cause_words, likely, verdict
+
+
+def show_causes(found: Diagnosis, unit: str = "") -> None:
+    """Print verdict, causes of more than 2 %, inclusion of more than 5 %, chi-squared, the held-out share."""
+    words = verdict(found)
+    print(words.replace("microstrain", unit) if unit else words)
+    for cause in found.which:
+        if cause.probability > 0.02:
+            print(f"  {likely(cause.probability):>12}  {cause_words(cause)}")
+    print("  among the causes:", {name: round(p, 3) for name, p in found.inclusion.items() if p > 0.05})
+    closing = found.shrinkage
+    if closing is not None:
+        print(
+            f"  chi-squared per reading {closing.chi2_before:.3g} -> {closing.chi2_after:.3g}, chance of the rest "
+            f"{closing.p_after:.2g}"
+        )
+        if not math.isnan(closing.closed):
+            print(f"  held out: {closing.before:.1f} -> {closing.after:.1f}, closed {closing.closed:.3f}")

@@ -1,0 +1,142 @@
+"""The diagnosis as one JSON object for machines: the keys are stable, numbers that do not exist are null."""
+
+import math
+from typing import Any
+
+from octmip.gap.causes import Cause, Parameter, Tie
+from octmip.gap.diagnosis import Diagnosis
+from octmip.gap.location import Place, Where
+from octmip.gap.next_test import Proposal
+from octmip.gap.noise import Noise
+from octmip.gap.shrinkage import Shrinkage
+from octmip.gap.words import verdict
+
+
+def as_object(diagnosis: Diagnosis) -> dict[str, Any]:
+    """Return the diagnosis as one JSON object."""
+    content = {
+        "verdict": verdict(diagnosis),
+        "is_sound": diagnosis.is_sound,
+        "where": _where(diagnosis.where),
+        "which": [_cause(cause) for cause in diagnosis.which],
+        "credible_set": [list(cause.effects) for cause in diagnosis.credible],
+        "inclusion": diagnosis.inclusion,
+        "ambiguity": [_tie(tie) for tie in diagnosis.ambiguity],
+        "parameters": [_parameter(p) for p in diagnosis.which[0].parameters],
+        "unknown_probability": diagnosis.unknown_probability,
+        "detectable": diagnosis.detectable,
+        "refused": diagnosis.refused,
+        "noise": _noise(diagnosis.noise),
+        "shrinkage": None if diagnosis.shrinkage is None else _shrinkage(diagnosis.shrinkage),
+        "next_test": [_proposal(p) for p in diagnosis.next_test],
+        "states": [{"tests": list(e.tests), "mean": e.mean, "sd": e.sd} for e in diagnosis.states],
+        "notes": list(diagnosis.notes),
+    }
+    finite: dict[str, Any] = _finite(content)
+    return finite
+
+
+def _where(where: Where) -> dict[str, Any]:
+    return {
+        "rms_microstrain": where.rms_microstrain,
+        "p_value": where.p_value,
+        "entries": [_place(p) for p in where.entries if p.is_significant],
+        "gauges": [_place(p) for p in where.gauges],
+        "loads": [_place(p) for p in where.loads],
+        "tests": [_place(p) for p in where.tests],
+        "nodes": [
+            {"path": f.path, "split": f.words, "simulated": f.simulated, "real": f.real, "share": f.share}
+            for f in where.nodes
+        ],
+    }
+
+
+def _place(p: Place) -> dict[str, Any]:
+    return {
+        "name": p.name,
+        "z": p.z,
+        "p_value": p.p_value,
+        "is_significant": p.is_significant,
+        "share": p.share,
+        "gap_microstrain": p.gap_microstrain,
+    }
+
+
+def _cause(cause: Cause) -> dict[str, Any]:
+    return {
+        "effects": list(cause.effects),
+        "probability": cause.probability,
+        "parameters": [_parameter(p) for p in cause.parameters],
+        "cannot_be_told_from": [list(t.effects[1:]) for t in cause.ties],
+        "is_prior_sensitive": cause.is_prior_sensitive,
+    }
+
+
+def _parameter(p: Parameter) -> dict[str, Any]:
+    return {
+        "effect": p.effect,
+        "place": p.variant,
+        "size": p.size,
+        "low": p.low,
+        "high": p.high,
+        "unit": p.unit,
+        "words": p.words,
+    }
+
+
+def _tie(tie: Tie) -> dict[str, Any]:
+    return {
+        "effects": list(tie.effects),
+        "places": list(tie.places),
+        "d_prime": list(tie.d_prime),
+        "reason": tie.reason,
+    }
+
+
+def _noise(noise: Noise) -> dict[str, Any]:
+    return {
+        "sd_microstrain": noise.sd_microstrain,
+        "variance": noise.sd_microstrain**2,
+        "lag1": noise.lag1,
+        "inflation": noise.inflation,
+        "kurtosis": noise.kurtosis,
+        "step_microstrain": noise.step,
+        "variance_ratio_by_load": {f"{load:g}": ratio for load, ratio in noise.scale.items()},
+        "stuck": list(noise.stuck),
+        "clipped": dict(noise.clipped),
+        "findings": list(noise.findings),
+    }
+
+
+def _shrinkage(s: Shrinkage) -> dict[str, Any]:
+    return {
+        "before_microstrain": s.before,
+        "after_microstrain": s.after,
+        "floor_microstrain": s.floor,
+        "closed": s.closed,
+        "low": s.low,
+        "high": s.high,
+        "chi2_before": s.chi2_before,
+        "chi2_after": s.chi2_after,
+        "p_after": s.p_after,
+        "held_out": [{"name": h.name, "before": h.before, "after": h.after, "closed": h.closed} for h in s.held_out],
+    }
+
+
+def _proposal(p: Proposal) -> dict[str, Any]:
+    return {
+        "name": p.name,
+        "words": p.words,
+        "information_nats": p.information,
+        "cost": p.cost,
+        "is_strain_test": p.is_strain_test,
+    }
+
+
+def _finite(value: Any) -> Any:
+    """Return the value with NaN and infinity replaced by None, which JSON can say."""
+    if isinstance(value, dict):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
