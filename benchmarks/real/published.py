@@ -18,7 +18,6 @@ from benchmarks.real.geometry import placing_effects
 from benchmarks.real.telling import show_causes
 from femlib.wing import WingTwin, uav_twin
 from octmip.gap import CHAIN, Addition, AugmentedTwin, Campaign, Diagnosis, diagnose
-from octmip.gap.causes import UNKNOWN
 from octmip.gap.memory import Memory
 
 TABLE = SHARED / "uav" / "strains.csv"
@@ -75,10 +74,13 @@ def held_out_gap(twin, gauges: tuple[str, ...]) -> float:
 
 
 def best_of_library(found: Diagnosis) -> tuple[Addition, ...]:
-    """Return the effects of the best cause that the library offers, even where the diagnosis says unexplained."""
-    cause = next(c for c in found.which if UNKNOWN not in c.effects)
-    effects = {column.name: column.effect for column in found.posterior.scene.setting.columns}
-    parts = [Addition(effects[p.effect], p.variant, p.size) for p in cause.parameters]
+    """Return the effects of the library's best hypothesis, even where the diagnosis says unexplained."""
+    best = next((h for h in found.posterior.judged if not h.has_unknown), None)
+    if best is None:
+        return ()
+    columns = best.scene.setting.columns
+    own = zip(best.members, best.fit.size.tolist(), strict=True)
+    parts = [Addition(columns[j].effect, columns[j].variant, size) for j, size in own]
     return tuple(sorted(parts, key=lambda part: part.effect.name in CHAIN))
 
 
@@ -127,9 +129,13 @@ def picture(twin, corrected, path: str) -> None:
 
 
 def libraries(twin: WingTwin) -> dict[str, Mapping]:
-    """Return the library as it is, and widened by places."""
-    own = {**CHAIN, **twin.effects}
-    return {"the library": own, "the library and places": own | placing_effects(twin.wing)}
+    """Return the library as it is, and the wing's part of it widened by places: a table has no measuring chain."""
+    return {"the whole library": {**CHAIN, **twin.effects}, "the wing and its places": placed(twin)}
+
+
+def placed(twin: WingTwin) -> Mapping:
+    """Return the wing's own effects and those of misplaced regions and gauge rows."""
+    return {**twin.effects, **placing_effects(twin.wing)}
 
 
 def main() -> None:
@@ -156,9 +162,13 @@ def main() -> None:
         for found, additions, after in rounds_of(readings, whole, library):
             corrected = AugmentedTwin(corrected, additions)
             told = ", ".join(f"{a.effect.name} {a.variant} {a.size:.3g} {a.effect.unit}" for a in additions)
-            print(f"  {told}: {after:.1f} microstrain; chance of the rest {found.shrinkage.p_after:.1g}")
+            print(f"  {told}: {after:.1f} microstrain; chance of the rest {_rest(found):.1g}", flush=True)
     if path:
         picture(whole, corrected, path)
+
+
+def _rest(found: Diagnosis) -> float:
+    return float("nan") if found.shrinkage is None else found.shrinkage.p_after
 
 
 def show_where(found: Diagnosis) -> None:

@@ -74,7 +74,8 @@ def _maps(diagnosis: Diagnosis) -> str:
                 for g in range(len(names))]  # fmt: skip
         maps.append(f"<figure>{gauge_map(points, np.array(mean), names, limit, outline)}<figcaption>Residual {title} "
                     f"the first cause is added, at load factor {max(loads.tolist(), key=abs):g} (microstrain, "
-                    "calibrated twin; red: more compression than the twin)</figcaption></figure>")  # fmt: skip
+                    "calibrated twin; red: more compression than "
+                    "the twin; span to the right, aft down, not to scale)</figcaption></figure>")  # fmt: skip
     lines = "".join(f"<p>{escape(line)}</p>" for line in where_lines(diagnosis) if not line.startswith("Tree node"))
     return f"<h2>Where</h2>{lines}{''.join(maps)}"
 

@@ -110,7 +110,7 @@ def where_lines(diagnosis: Diagnosis) -> list[str]:
     lines = [
         f"Gap of {where.rms_microstrain:.1f} microstrain root mean square beyond noise; {len(clear)} of "
         f"{len(where.entries)} mean readings differ clearly (false-discovery rate 5 %); chance of no gap at all "
-        f"{where.p_value:.2g}."
+        f"{_chance(where.p_value)}."
     ]
     for kind, places in (("gauge", where.gauges), ("load", where.loads), ("test", where.tests)):
         worth = [place for place in places if place.is_significant]
@@ -131,6 +131,10 @@ def where_lines(diagnosis: Diagnosis) -> list[str]:
 def flipping_nodes(diagnosis: Diagnosis) -> list[Flip]:
     """Return the tree's nodes at which a reading in a thousand or more goes the other way."""
     return [flip for flip in diagnosis.where.nodes if flip.share >= LEAST_FLIP]
+
+
+def _chance(p_value: float) -> str:
+    return f"{p_value:.2g}" if p_value > 1e-300 else "below 1e-300"
 
 
 def _place(place: Place) -> str:
@@ -177,7 +181,8 @@ def _how_far(diagnosis: Diagnosis) -> list[str]:
         return ["No effect was added, so nothing closes."]
     lines = [
         closed_words(s),
-        f"Chi-squared per reading {s.chi2_before:.2f} -> {s.chi2_after:.2f} (chance of what remains {s.p_after:.2g}).",
+        f"Chi-squared per reading {s.chi2_before:.2f} -> {s.chi2_after:.2f} (chance of what remains "
+        f"{_chance(s.p_after)}).",
     ]
     if s.p_after < MISFIT:
         lines.append("Something that no cause of the library describes remains in the readings.")
