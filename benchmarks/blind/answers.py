@@ -12,6 +12,7 @@ import octmip
 from femlib.wing import WingTwin, uav_wing
 from femlib.wing.effects import wing_effects
 from octmip.gap import AugmentedTwin, diagnose, read_campaign
+from octmip.gap.as_json import as_object
 from octmip.gap.memory import Memory
 
 HELD_LOAD = 2.5
