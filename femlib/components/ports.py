@@ -35,6 +35,11 @@ class Ports:
     _spectrum: list[PortSpectrum] = field(init=False, repr=False, default_factory=list)  # at most one: a cache
     _solved: list[int] = field(init=False, repr=False, default_factory=lambda: [0])  # states solved one by one so far
 
+    @property
+    def is_diagonal(self) -> bool:
+        """Whether the spectrum has been made."""
+        return bool(self._spectrum)
+
     def forces(self, damage: FloatArray, load: FloatArray) -> FloatArray:
         """Return sum_i mu_i T_i u_b (n_states, *load.shape) for damages (n_states, n_components).
 

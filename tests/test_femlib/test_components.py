@@ -1,10 +1,13 @@
 """Damage through ports is the full model, state by state."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from femlib.assembly import factorise
 from femlib.components import Component, DamagedStructure, port_flexibility
+from femlib.components.ports import FEW_STATES
 from femlib.errors import InputError
 from femlib.wing import Wing
 
@@ -25,6 +28,41 @@ def test_the_condensed_solution_is_that_of_a_new_factorisation(coarse: Wing) -> 
     for mu, displacement in zip(STATES, moved, strict=True):
         full = full_solution(coarse, mu, load)
         assert np.abs(displacement - full).max() < 1e-8 * np.abs(full).max()
+
+
+def test_many_states_at_once_are_those_of_new_factorisations(coarse: Wing) -> None:
+    rng = np.random.default_rng(2)
+    states = np.concatenate([STATES, rng.uniform(0.0, 0.95, (FEW_STATES + 2, 2))])
+    load = coarse.lift + 0.1 * rng.normal(size=coarse.lift.shape)
+    fresh = replace(coarse.structure)
+    moved = fresh.solve(states, load)
+    assert fresh.eliminated((0, 1)).ports.is_diagonal
+    for mu, displacement in zip(states[-3:], moved[-3:], strict=True):
+        full = full_solution(coarse, mu, load)
+        assert np.abs(displacement - full).max() < 1e-8 * np.abs(full).max()
+
+
+def test_many_loads_in_one_state_are_each_of_them_alone(coarse: Wing) -> None:
+    loads = np.random.default_rng(3).normal(size=(coarse.lift.size, 2))
+    moved = coarse.structure.solve_loads(STATES[3], loads)
+    for load, displacement in zip(loads.T, moved.T, strict=True):
+        alone = coarse.structure.solve(STATES[3:], load)[0]
+        assert np.abs(displacement - alone).max() < 1e-8 * np.abs(alone).max()
+
+
+def test_regions_that_touch_are_solved_without_a_spectrum(coarse: Wing) -> None:
+    first = coarse.structure.components[0].elements
+    half = np.cumsum(first) <= first.sum() // 2
+    parts = (Component("a", "a", first & half), Component("b", "b", first & ~half))
+    structure = DamagedStructure(coarse.structure.shells, coarse.structure.supports, parts)
+    states = np.random.default_rng(4).uniform(0.0, 0.9, (FEW_STATES + 2, 2))
+    moved = structure.solve(states, coarse.lift)
+    assert not structure.eliminated((0, 1)).ports.is_diagonal
+    supports = structure.supports
+    full = supports.expand(
+        factorise(structure.stiffness(states[-1]), supports.groups).solve(coarse.lift[supports.free])
+    )
+    assert np.abs(moved[-1] - full).max() < 1e-8 * np.abs(full).max()
 
 
 def test_outputs_without_displacements_are_those_of_the_displacements(coarse: Wing) -> None:

@@ -61,9 +61,11 @@ def powers(response: Response, state: Mapping[str, float]) -> tuple[FloatArray, 
     ahead, back = (shells.forces(Deflection.along(sign * first + second)) for sign in (1.0, -1.0))
     third = response.moved_by(state, h * wing.lift - 0.5 * (ahead - back))
 
+    linear = h * response.lift_strains(state)
+
     def change(sign: float) -> FloatArray:
         moved = Deflection.along(sign * first + second + sign * third)
-        return gauge_strains(wing, moved) - sign * h * response.strains(state, wing.lift)
+        return gauge_strains(wing, moved) - sign * linear
 
     up, down = change(1.0), change(-1.0)
     return (up + down) / (2.0 * h**2), (up - down) / (2.0 * h**3)

@@ -38,9 +38,7 @@ class AsManufactured(WingEffect):
         self, twin: Any, state: Mapping[str, float], load_factor: float, variant: str = "", time: float = 0.0
     ) -> FloatArray:
         """Return the change of the gauge strains (n_gauges,) in microstrain per unit of size."""
-        manufactured, designed = self.built(), self.response
-        strains: FloatArray = manufactured.strains(state, load_factor * manufactured.wing.lift)
-        return strains - designed.strains(state, load_factor * designed.wing.lift)
+        return load_factor * (self.built().lift_strains(state) - self.response.lift_strains(state))
 
 
 def effect(response: Response) -> WingEffect:

@@ -86,6 +86,12 @@ class Response:
             self._answers[key] = self._answer(force, active)
         return self._damaged(row, self._answers[key])
 
+    def lift_strains(self, state: Mapping[str, float]) -> FloatArray:
+        """Return the gauge strains (n_gauges,) [microstrain] under the lift at load factor 1."""
+        if not any(state.values()):
+            return np.asarray(MICRO * (self.wing.strain_rows @ self.displacements({})))
+        return self.strains_of_fixed(state, "lift", "", self.wing.lift)
+
     def displacements(self, state: Mapping[str, float]) -> FloatArray:
         """Return the displacements (n_dofs,) [m, rad] under the lift at load factor 1."""
         key = tuple(damage_row(state, self.wing.parameters).tolist())
