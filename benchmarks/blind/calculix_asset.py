@@ -83,7 +83,9 @@ class CalculixAsset(Asset):
 
     def _decks(self):
         wing, cards = self.wing, WingMaterials()
-        thick = uav_wing(refinement=REFINEMENT, materials=replace(cards, skin_young=cards.skin_young * (1 + THICKER)))
+        thick = uav_wing(
+            refinement=self.bent_refinement, materials=replace(cards, skin_young=cards.skin_young * (1 + THICKER))
+        )
         every = dict.fromkeys([*self.states, *(near for state in self.states[1:] for near in neighbours(state))])
         decks = [Deck(_key("lift", state), wing, state, {}) for state in every]
         decks += [Deck(_key("stiffer skin", state), thick, state, {}) for state in self.states]

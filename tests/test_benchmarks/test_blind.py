@@ -7,16 +7,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.blind import calculix_asset
 from benchmarks.blind import run as blind
 from benchmarks.blind.answers import Task
 from benchmarks.blind.asset import FemlibAsset
-from benchmarks.blind.cases import Case, mean_readings, moments
+from benchmarks.blind.cases import Case, draw_cases, mean_readings, moments
 from benchmarks.blind.changes import Moment
 from benchmarks.blind.figure import Figure, calibration, share
 from benchmarks.blind.guards import chance, shuffled
 from benchmarks.blind.score import CLEAR, d_prime, figures, is_right, open_keys, size_held, top
 from benchmarks.blind.sealing import distance
 from benchmarks.blind.truths import Truth
+from femlib.assembly import thermal_load
+from femlib.wing.bent import stiffness_factor
 
 ROOT = Path(__file__).parents[2] / "benchmarks" / "blind"
 CASE_MAKER = ("forces", "asset", "calculix_asset", "truths", "changes", "cases", "sealing")
@@ -120,6 +123,67 @@ def test_the_case_maker_knows_nothing_of_the_diagnosis(name):
     own = {m.rsplit(".", 1)[1] for m in imported if m.startswith("benchmarks.blind.")}
     assert own <= set(CASE_MAKER)
     assert not any(m.startswith(("octmip", "femlib.wing.effects", "femlib.wing.twin")) for m in imported)
+
+
+@pytest.fixture(scope="module")
+def families(tmp_path_factory):
+    """Return both assets on one mesh, femlib solving the decks of CalculiX's, and the file that keeps their strains."""
+    store = tmp_path_factory.mktemp("calculix") / "strains.json"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(calculix_asset, "run_deck", solved_by_femlib)
+        other = calculix_asset.CalculixAsset(5, refinement=0.3, store=store, jobs=1)
+    asset = FemlibAsset(5, refinement=0.3)
+    asset.own = np.ones(len(asset.gauges))
+    return asset, other, store
+
+
+def solved_by_femlib(deck):
+    wing, state = deck.wing, dict(zip(("mu1", "mu2"), deck.state, strict=True))
+    strains = wing.strain_microstrain(state, 1.0, deck.settings.get("lift"))
+    if "warming" not in deck.settings:
+        return strains
+    elements = wing.structure.shells.mesh.n_elements
+    left = stiffness_factor(wing, state) * np.broadcast_to(deck.settings["warming"], elements)
+    return strains + wing.strain_microstrain(state, 1.0, thermal_load(wing.structure.shells, left, np.zeros(elements)))
+
+
+def test_decks_ask_calculix_for_what_the_other_asset_solves(families):
+    asset, other, _ = families
+    for state in other.states:
+        assert other.strain(state) == pytest.approx(asset.strain(state), rel=1e-6)
+        assert other.softness(state) == pytest.approx(asset.softness(state), rel=1e-6)
+        for name in (*other.lifts, "torsion", "temperature_uniform", "temperature_gradient", *other.hot_spots):
+            wanted = (
+                asset.field(name, state)
+                if name not in other.hot_spots
+                else asset._field(name)[asset.every.index(state)]
+            )
+            assert other.field(name, state) == pytest.approx(wanted, rel=1e-5, abs=1e-6), name
+
+
+def test_a_foreign_patch_changes_both_assets_alike(families):
+    asset, other, _ = families
+    for flaw in other.flaws:
+        assert other.flaw(flaw) == pytest.approx(asset.flaw(flaw), rel=1e-4, abs=1e-4)
+
+
+def test_decks_that_were_run_are_not_run_again(families, monkeypatch):
+    _, other, store = families
+
+    def run(deck):
+        raise AssertionError(f"{deck.key} was run again")
+
+    monkeypatch.setattr(calculix_asset, "run_deck", run)
+    again = calculix_asset.CalculixAsset(5, refinement=0.3, store=store, jobs=1)
+    assert again.strain((0.6, 0.2)) == pytest.approx(other.strain((0.6, 0.2)))
+
+
+def test_a_case_of_the_other_family_draws_what_its_decks_can_show(families):
+    _, other, _ = families
+    cases = draw_cases(3, 200, [other], [1.0])
+    names = {truth.name for case in cases for truth in case.truths}
+    assert "spar_skin_debond" not in names and "damage_outside_library" in names
+    assert {case.states[-1] for case in cases} == set(other.states)
 
 
 class Line(FemlibAsset):
