@@ -168,6 +168,8 @@ def _refuse_divided(sheet: Sheet) -> None:
 def _refuse_column_units(sheet: Sheet) -> None:
     rows = np.ones(len(sheet.tests), dtype=bool)
     for k, name in enumerate(sheet.gauges):
+        if len(np.unique(sheet.readings[:, k])) < DISTINCT:
+            continue  # stuck: told with the noise
         slope, correlation = sheet.slope(rows, [k])
         if correlation > 0.9 and not UNIT_FACTOR**-1 < slope < UNIT_FACTOR:
             first = int(np.flatnonzero(np.isfinite(sheet.readings[:, k]))[0])

@@ -18,6 +18,7 @@ from octmip.gap.library import SCALES
 from octmip.gap.posterior import Judged, Posterior
 from octmip.gap.shape_error import allowing, judge, neighbours
 from octmip.gap.shrinkage import Shrinkage, chance_of_rest
+from octmip.gap.sizes import Parameter, parameters
 
 UNKNOWN = "unknown"
 """Name of the cause that no effect of the library describes."""
@@ -32,28 +33,6 @@ IDLE = 1e-4
 """Probability below which a hypothesis is not searched for idle members."""
 TOLD = 3
 """Rivals whose separation is told."""
-WIDTH = 1.645
-"""Standard deviations of a 90 % interval."""
-
-
-@dataclass(frozen=True, slots=True)
-class Parameter:
-    """The size of one effect.
-
-    Attributes:
-        effect, variant: name and place.
-        size, low, high: mean and 90 % interval, in `unit`.
-        unit: unit.
-        words: what the size measures.
-    """
-
-    effect: str
-    variant: str
-    size: float
-    low: float
-    high: float
-    unit: str
-    words: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,7 +90,7 @@ def tell_causes(posterior: Posterior) -> tuple[Cause, ...]:
         own = head.fit
         parts = [] if head.has_unknown else _parts(head)
         same = [h for h in left if h is head or _is_same(head, parts, h)]
-        cause = _cause(head, own, float(sum(h.probability for h in same)), found)
+        cause = _cause(head, own, same)
         found.append(cause)
         told += cause.probability
         taken = {id(h) for h in same}
@@ -215,25 +194,16 @@ def _is_same(head: Judged, parts: Sequence[set[int]], other: Judged) -> bool:
     return any(all(g <= p for g, p in zip(order, parts, strict=True)) for order in permutations(grouped.values()))
 
 
-def _cause(head: Judged, own: Fit, probability: float, before: Sequence[Cause]) -> Cause:
+def _cause(head: Judged, own: Fit, same: Sequence[Judged]) -> Cause:
     columns = head.scene.setting.columns
-    if head.has_unknown:
-        extra = tuple(dict.fromkeys(columns[j].name for j in head.members))
-        return Cause((*extra, UNKNOWN), probability, _parameters(head, own), (), True, False, head)
     effects = tuple(dict.fromkeys(columns[j].name for j in head.members))
+    probability = float(sum(h.probability for h in same))
+    told = parameters(head, same)
+    if head.has_unknown:
+        return Cause((*effects, UNKNOWN), probability, told, (), True, False, head)
     clear = all(visibility(head.allowed, own, j) >= SEPARABLE for j in head.members)
     ties = [_tie(head, j, rivals(head.allowed, own, j)) for j in head.members] if clear else []
-    return Cause(effects, probability, _parameters(head, own), tuple(t for t in ties if t), clear, False, head)
-
-
-def _parameters(head: Judged, own: Fit) -> tuple[Parameter, ...]:
-    found = []
-    for k, j in enumerate(own.members):
-        effect, variant = head.scene.setting.columns[j].effect, head.scene.setting.columns[j].variant
-        size, spread = float(own.size[k]), WIDTH * float(np.sqrt(max(0.0, own.covariance[k, k])))
-        low = max(0.0, size - spread) if effect.is_one_sided else size - spread
-        found.append(Parameter(effect.name, variant, size, low, size + spread, effect.unit, effect.parameter))
-    return tuple(found)
+    return Cause(effects, probability, told, tuple(t for t in ties if t), clear, False, head)
 
 
 def _tie(head: Judged, member: int, found: Sequence[Rival]) -> Tie | None:

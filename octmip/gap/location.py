@@ -82,37 +82,47 @@ class Flip:
 
 
 def localise(scene: Scene, nodes: tuple[Flip, ...] = ()) -> Where:
-    """Return where readings and twin differ in a scene."""
+    """Return where readings and twin differ in a scene, the halves of a test's readings taken together."""
     setting = scene.setting
-    cells = [setting.cell_of(b) for b in setting.blocks]
-    sd = np.sqrt(np.diag(scene.covariance))
-    z = scene.residual / sd
-    excess = scene.residual**2 - noise_variance(scene)
+    cell, gauge, mix = _entries(scene)
+    residual, covariance = mix @ scene.residual, mix @ scene.covariance @ mix.T
+    z = residual / np.sqrt(np.diag(covariance))
+    excess = residual**2 - mix**2 @ noise_variance(scene)
     total = max(float(excess.sum()), 1e-12)
     p = 2.0 * norm.sf(np.abs(z))
     significant = discoveries(p)
-    gauge_names = [setting.campaign.gauges[g] for g in scene.gauge]
-    load_names = [f"load factor {cells[b].load_factor:g}" for b in scene.block]
-    test_names = [cells[b].test for b in scene.block]
-    labels = [f"{g}, {cells[b].name}" for g, b in zip(gauge_names, scene.block, strict=True)]
+    cells = [setting.campaign.cells[c] for c in cell]
+    gauge_names = [setting.campaign.gauges[g] for g in gauge]
     entries = [
         Place(
-            labels[k],
+            f"{gauge_names[k]}, {cells[k].name}",
             float(z[k]),
             float(p[k]),
             bool(significant[k]),
             float(excess[k]) / total,
-            float(scene.residual[k]),
+            float(residual[k]),
         )
         for k in np.argsort(p, kind="stable")
     ]
     whole = float(chi2.sf(float(scene.white_residual @ scene.white_residual), scene.n))
 
     def groups(names: Sequence[str]) -> tuple[Place, ...]:
-        return _groups(scene, np.array(names), excess / total)
+        return _groups(residual, covariance, np.array(names), excess / total)
 
+    loads = groups([f"load factor {c.load_factor:g}" for c in cells])
     rms = float(np.sqrt(max(0.0, float(excess.mean()))))
-    return Where(tuple(entries), groups(gauge_names), groups(load_names), groups(test_names), nodes, rms, whole)
+    return Where(tuple(entries), groups(gauge_names), loads, groups([c.test for c in cells]), nodes, rms, whole)
+
+
+def _entries(scene: Scene) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats]:
+    """Return cell and gauge (n_entries,) of every mean reading, and the weights (n_entries, n) of its blocks."""
+    blocks = scene.setting.blocks
+    cell = np.array([b.cell for b in blocks])[scene.block]
+    count = np.array([b.count for b in blocks])[scene.block, scene.gauge]
+    places, entry = np.unique(np.stack([cell, scene.gauge]), axis=1, return_inverse=True)
+    mix = np.zeros((places.shape[1], scene.n))
+    mix[entry.ravel(), np.arange(scene.n)] = count
+    return places[0], places[1], mix / mix.sum(axis=1, keepdims=True)
 
 
 def noise_variance(scene: Scene) -> Floats:
@@ -133,16 +143,15 @@ def discoveries(p: Floats, rate: float = RATE) -> NDArray[np.bool_]:
     return found
 
 
-def _groups(scene: Scene, names: NDArray[np.str_], share: Floats) -> tuple[Place, ...]:
+def _groups(residual: Floats, covariance: Floats, names: NDArray[np.str_], share: Floats) -> tuple[Place, ...]:
     distinct = list(dict.fromkeys(names.tolist()))
     places = []
     for name in distinct:
         rows = np.flatnonzero(names == name)
-        residual = scene.residual[rows]
-        squared = float(residual @ np.linalg.solve(scene.covariance[np.ix_(rows, rows)], residual))
+        squared = float(residual[rows] @ np.linalg.solve(covariance[np.ix_(rows, rows)], residual[rows]))
         p = float(chi2.sf(squared, len(rows)))
         significant = p < RATE / len(distinct)
         z = float(np.sqrt(squared / len(rows)))
-        places.append(Place(name, z, p, significant, float(share[rows].sum()), float(residual.mean())))
+        places.append(Place(name, z, p, significant, float(share[rows].sum()), float(residual[rows].mean())))
     key: Callable[[Place], float] = lambda place: -place.share  # noqa: E731
     return tuple(sorted(places, key=key))

@@ -4,10 +4,11 @@ import math
 import textwrap
 from collections.abc import Sequence
 
-from octmip.gap.causes import MISFIT, UNKNOWN, Cause, Parameter
+from octmip.gap.causes import MISFIT, UNKNOWN, Cause
 from octmip.gap.diagnosis import Diagnosis
 from octmip.gap.location import Flip, Place
 from octmip.gap.shrinkage import Shrinkage
+from octmip.gap.sizes import Parameter
 
 FEW = 5
 """Places of one kind that a page lists."""

@@ -1,0 +1,107 @@
+"""The size of an effect as it is told: with its interval, in its unit.
+
+The fit gives a normal size under the hypothesis that leads. Three things make the interval wider or move it:
+
+* other places of the same effect explain the readings too: mean and variance of the mixture over them,
+  m = sum w_k m_k,  v = sum w_k (v_k + m_k^2) - m^2;
+* where an effect may lie between places, size and place trade: a trace S_j (1 - x) + x S_k fitted by S_j alone has a
+  size wrong by the factor 1 + x (1 / c_k - 1), c_k the best scale of the neighbour k, x ~ N(0, BETWEEN^2);
+* an effect with an exact forward map is not linear in its size: the size told is the one whose map moves the readings
+  as far along the signature as the linear fit does.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from octmip.gap.posterior import Judged
+from octmip.gap.scene import Scene, named_state
+from octmip.gap.shape_error import BETWEEN, neighbours
+from octmip.twin import Effect
+
+WIDTH = 1.645
+"""Standard deviations of a 90 % interval."""
+STEPS = 6
+"""Secant steps toward the size of an exact forward map."""
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """The size of one effect.
+
+    Attributes:
+        effect, variant: name and place.
+        size, low, high: mean and 90 % interval, in `unit`.
+        unit: unit.
+        words: what the size measures.
+    """
+
+    effect: str
+    variant: str
+    size: float
+    low: float
+    high: float
+    unit: str
+    words: str
+
+
+def parameters(head: Judged, same: Sequence[Judged]) -> tuple[Parameter, ...]:
+    """Return the sizes of a hypothesis; `same` are the hypotheses that are the same cause, itself among them."""
+    own = head.fit
+    return tuple(_parameter(head, j, float(own.size[k]), same) for k, j in enumerate(own.members))
+
+
+def _parameter(head: Judged, member: int, size: float, same: Sequence[Judged]) -> Parameter:
+    effect, variant = head.scene.setting.columns[member].effect, head.scene.setting.columns[member].variant
+    mean, variance = _mixture(head, member, same)
+    spread = WIDTH * float(np.sqrt(variance + (mean * _place_error(head.scene, member)) ** 2))
+    low, high = min(size, mean - spread), max(size, mean + spread)
+    if effect.is_one_sided:
+        low = max(0.0, low)
+    size, low, high = (_exact(head.scene, effect, variant, value) for value in (size, low, high))
+    return Parameter(effect.name, variant, size, low, high, effect.unit, effect.parameter)
+
+
+def _mixture(head: Judged, member: int, same: Sequence[Judged]) -> tuple[float, float]:
+    """Return mean and variance of the size over the hypotheses that hold the member's effect once."""
+    name = head.scene.setting.priors.name
+    weights, means, variances = [], [], []
+    for h in same:
+        of_effect = [k for k, j in enumerate(h.members) if name[j] == name[member]]
+        if h is head or (len(of_effect) == 1 and not h.has_unknown):
+            k = h.members.index(member) if h is head else of_effect[0]
+            own = h.fit
+            weights.append(h.probability)
+            means.append(float(own.size[k]))
+            variances.append(float(own.covariance[k, k]))
+    w, m, v = np.array(weights) / max(sum(weights), 1e-300), np.array(means), np.array(variances)
+    mean = float(w @ m)
+    return mean, max(0.0, float(w @ (v + m**2)) - mean**2)
+
+
+def _place_error(scene: Scene, member: int) -> float:
+    """Return the relative sd of a size whose place is known no better than its neighbours lie apart."""
+    near = neighbours(scene, member) if scene.setting.columns[member].n_between else []
+    if not near:
+        return 0.0
+    scale = scene.white[:, near].T @ scene.white[:, member] / scene.lengths[near]
+    return float(BETWEEN * np.sqrt(np.mean((1.0 / scale - 1.0) ** 2)))
+
+
+def _exact(scene: Scene, effect: Effect, variant: str, size: float) -> float:
+    """Return the size whose exact forward map moves the readings as the linear fit does."""
+    forward = getattr(effect, "predict", None)
+    if forward is None or size == 0.0:
+        return size
+    memory, load = scene.setting.memory, scene.setting.reference
+    state, time = named_state(scene.setting, scene.states[0]), max(b.time for b in scene.setting.blocks)
+    line = effect.signature(memory, state, load, variant=variant, time=time)
+    start = memory.predict(state, load)
+    found = size
+    for _ in range(STEPS):
+        moved = float((forward(memory, state, load, found, variant, time) - start) @ line / (line @ line))
+        if moved * size <= 0.0:
+            return size
+        found *= size / moved
+    return found
