@@ -58,6 +58,7 @@ FAMILIES = {
     "fem_calibration": "benchmarks.cases.fem_calibration",
     "fem_dataset": "benchmarks.cases.fem_dataset",
     "fem_rom": "benchmarks.cases.fem_rom",
+    "gap_detect": "benchmarks.cases.gap_detect",
 }
 
 
