@@ -16,7 +16,7 @@ from octmip.gap.ambiguity import SEPARABLE, Rival, rivals, tied_columns, visibil
 from octmip.gap.evidence import Fit, Members
 from octmip.gap.library import SCALES
 from octmip.gap.posterior import Judged, Posterior
-from octmip.gap.shape_error import allowing, judge, neighbours
+from octmip.gap.shape_error import clearness, judge, neighbours
 from octmip.gap.shrinkage import Shrinkage, chance_of_rest
 from octmip.gap.sizes import Parameter, parameters
 
@@ -109,6 +109,9 @@ def cleared(judged: Sequence[Judged]) -> list[Judged]:
     hold less than `IDLE` are left as they are.
     """
     exact = {h.members: h for h in judged if not h.has_unknown}
+    weighed = [h for h in judged if not h.has_unknown and h.members and h.probability > IDLE]
+    for scene in {id(h.scene): h.scene for h in weighed}.values():  # one by one costs several times as much
+        judge(scene, [h.members for h in weighed if h.scene is scene])
     added: dict[tuple[int, ...], float] = {}
     kept = []
     for h in judged:
@@ -127,8 +130,7 @@ def clear_members(judged: Judged) -> Members:
     """Return the members of a hypothesis that stand d' = 3 clear of the noise, the faintest taken out one at a time."""
     scene, members = judged.scene, judged.members
     while members:
-        own, allowed = judge(scene, [members])[0].fit, allowing(scene, members)
-        clear = [visibility(allowed, own, j) for j in members]
+        clear = clearness(scene, members)
         faintest = int(np.argmin(clear))
         if clear[faintest] >= SEPARABLE:
             break

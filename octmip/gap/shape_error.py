@@ -74,6 +74,20 @@ def judge(scene: Scene, sets: Sequence[Members]) -> list[Shaped]:
     return [scene.shaped[members] for members in sets]
 
 
+def clearness(scene: Scene, members: Members) -> Floats:
+    """Return d' (n_members,) of each member from its own absence, the others refitted: `visibility` in `allowing`."""
+    shaped = judge(scene, [members])[0]
+    gram = _reduced(white_of(scene, members), scene.white_residual, shaped.root)[0]
+    precision = np.diag((3.0 * scene.setting.priors.sd[list(members)]) ** -2)
+    left = []
+    for k in range(len(members)):
+        others = np.arange(len(members)) != k
+        cross = gram[others, k]
+        within = (gram + precision)[np.ix_(others, others)]
+        left.append(gram[k, k] - cross @ np.linalg.solve(within, cross))
+    return np.asarray(np.abs(shaped.fit.size) * np.sqrt(np.maximum(left, 0.0)))
+
+
 def allowing(scene: Scene, members: Members) -> Scene:
     """Return the scene under the errors of the shapes of `members`, their columns carried through its facts."""
     if members not in scene.allowed:
