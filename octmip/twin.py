@@ -53,7 +53,8 @@ class Effect(Protocol):
     """One thing that the twin lacks.
 
     Optional: ``predict(twin, state, load_factor, size, variant, time) -> (n_gauges,)``, the exact forward map where the
-    reading is not linear in the size.
+    reading is not linear in the size; ``acts_on_readings``, True where the signature is a map of what `twin.predict`
+    returns and of nothing else (two wires swapped, a gauge dead), so that it also acts on what other effects add.
     """
 
     @property

@@ -4,18 +4,23 @@ The wing with skin was loaded by masses at its tip, at mid-chord (bending) and a
 The twin is linear: the deflection that an aeroelastic code (SHARPy) computes for small masses, continued in
 proportion. The library holds scale effects, an offset, and large deflection: what the same code computes beyond
 proportion. Heavy masses are held out.
+
+`python -m benchmarks.real.pazy [--picture FILE]` prints the tables of docs/gap-pazy.md.
 """
 
+import argparse
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
 
+from benchmarks.data import SHARED
+from benchmarks.real.telling import show_causes
 from octmip.gap import CHAIN, Campaign, diagnose
-from octmip.gap.words import page_of_words
+from octmip.gap.words import size_words
 
-DATA = Path(__file__).resolve().parents[2].parent / "shared" / "pazy"
+DATA = SHARED / "pazy"
 SETUPS = ("bending", "torsion")
 SMALL = 0.3
 """Masses [kg] over which the model's curve is taken as straight."""
@@ -123,12 +128,18 @@ def diagnosis():
     return diagnose(measured(), twin, {name: CHAIN[name] for name in LIBRARY} | dict(twin.effects))
 
 
+def fitted_to(limit: float):
+    """Return the diagnosis of the masses up to `limit` [kg]."""
+    twin, campaign = pazy_twin(), measured()
+    heavy = {k for k, cell in enumerate(campaign.cells) if cell.load_factor > limit}
+    return diagnose(campaign.without(heavy), twin, {name: CHAIN[name] for name in LIBRARY} | dict(twin.effects))
+
+
 def held_out(limit: float = HELD_OUT) -> tuple[float, float, float]:
     """Fit on masses up to `limit`; return rms before and after [mm], and the share of the squared gap closed beyond."""
     twin, campaign = pazy_twin(), measured()
     heavy = {k for k, cell in enumerate(campaign.cells) if cell.load_factor > limit}
-    found = diagnose(campaign.without(heavy), twin, {name: CHAIN[name] for name in LIBRARY} | dict(twin.effects))
-    augmented = found.augmented(twin)
+    augmented = fitted_to(limit).augmented(twin)
     before, after = [], []
     for k in sorted(heavy):
         cell = campaign.cells[k]
@@ -139,10 +150,44 @@ def held_out(limit: float = HELD_OUT) -> tuple[float, float, float]:
     return np.sqrt(first), np.sqrt(second), 1.0 - second / first
 
 
-if __name__ == "__main__":
+def picture(path: str) -> None:
+    """Draw measured, linear and corrected deflections of both set-ups, fitted to masses up to HELD_OUT."""
+    twin, campaign = pazy_twin(), measured()
+    augmented = fitted_to(HELD_OUT).augmented(twin)
+    mass = np.linspace(0.0, 3.2, 65)
+    linear = np.array([twin.predict({}, m) for m in mass])
+    corrected = np.array([augmented.predict({}, m) for m in mass])
+    figure, axes = plt.subplots(1, 2, figsize=(10, 3.8), layout="constrained", sharey=True)
+    for k, (axis, setup) in enumerate(zip(axes, SETUPS, strict=True)):
+        told = np.isfinite(campaign.readings[:, k])
+        axis.plot(campaign.load_factor[told], campaign.readings[told, k], ".", color="#1b1f24", label="measured")
+        axis.plot(mass, linear[:, k], "--", color="#b3261e", label="linear twin")
+        axis.plot(mass, corrected[:, k], color="#2f6db3", label=f"corrected, fitted up to {HELD_OUT:g} kg")
+        axis.axvspan(HELD_OUT, mass[-1], color="#f3f6fa", zorder=0)
+        axis.set(title=setup, xlabel="mass at the tip [kg]")
+    axes[0].set_ylabel("tip deflection [mm]")
+    axes[0].legend(frameon=False, loc="upper left")
+    axes[1].text(2.4, 40.0, "held out", ha="center", color="#57606a")
+    figure.savefig(path, dpi=110)
+    plt.close(figure)
+
+
+def main() -> None:
+    """Print the causes and the held-out gaps, and draw."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--picture", metavar="FILE.png")
+    path = parser.parse_args().picture
     found = diagnosis()
-    print(page_of_words(found).replace("microstrain", "mm"))
-    print(found.inclusion)
+    show_causes(found, "mm")
+    for size in found.which[0].parameters:
+        print(f"  {size_words(size)}")
+    print("| fitted up to | rms gap beyond | closed |\n|---|---|---|")
     for limit in (1.2, 1.6, 2.0, 2.4):
         before, after, closed = held_out(limit)
-        print(f"fitted up to {limit} kg, predicted above: {before:.1f} -> {after:.1f} mm, closed {closed:.3f}")
+        print(f"| {limit} kg | {before:.0f} -> {after:.1f} mm | {closed:.3f} |")
+    if path:
+        picture(path)
+
+
+if __name__ == "__main__":
+    main()

@@ -42,6 +42,11 @@ class Column:
         return self.effect.prior_mean != 0.0
 
     @property
+    def acts_on_readings(self) -> bool:
+        """Whether its signature is a map of the twin's readings alone: then it also acts on what other effects add."""
+        return bool(getattr(self.effect, "acts_on_readings", False))
+
+    @property
     def signature_error(self) -> float:
         """Relative sd of the signature at each gauge: how well the model knows what the effect does."""
         return float(getattr(self.effect, "signature_error", 0.0))

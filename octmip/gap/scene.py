@@ -298,7 +298,7 @@ def _signatures(setting: Setting, states: Floats, expected: Floats) -> Floats:
     for effect, variants in setting.places():
         rows: list[Floats] = []
         for k, (part, place) in enumerate(zip(setting.blocks, places, strict=True)):
-            if effect.prior_mean != 0.0:
+            if getattr(effect, "acts_on_readings", False):
                 same = k > 0 and setting.blocks[k - 1].cell == part.cell
                 rows.append(rows[-1] if same else _facts(setting, effect, variants, expected[k]))
                 continue

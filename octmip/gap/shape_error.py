@@ -123,7 +123,7 @@ def under(scene: Scene, root: Floats) -> Scene:
 def white_of(scene: Scene, members: Members) -> Floats:
     """Return the members' whitened columns (n, n_members), carried through the facts among them."""
     white = scene.white[:, list(members)]
-    facts = [j for j in members if scene.setting.columns[j].is_fact]
+    facts = [j for j in members if scene.setting.columns[j].acts_on_readings]
     if not facts or len(members) == len(facts):
         return white
     moved = white.copy()
@@ -148,7 +148,7 @@ def _root(scene: Scene, members: Members, size: Floats) -> Floats | None:
     """Return whitened Q (n, r), None where it is negligible."""
     parts = [theta * _errors(scene, j) for j, theta in zip(members, size.tolist(), strict=True)]
     kept = [part for part in parts if float(np.sum(part**2)) > NEGLIGIBLE]
-    carries = any(scene.setting.columns[j].is_fact for j in members) and len(members) > 1
+    carries = any(scene.setting.columns[j].acts_on_readings for j in members) and len(members) > 1
     return np.hstack([*kept, np.zeros((scene.n, 0))]) if kept or carries else None
 
 

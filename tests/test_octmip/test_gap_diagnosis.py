@@ -210,3 +210,12 @@ def test_an_effect_without_any_trace_is_refused_and_not_named(known):
     diagnosis = diagnose(campaign, twin, commissioning=COMMISSIONING)
     assert diagnosis.refused["root_flexibility"] == "leaves no trace in any gauge: invisible in strain"
     assert all("root_flexibility" not in names for cause in diagnosis.which for names in cause.names)
+
+
+def test_an_effect_of_expected_size_keeps_its_own_course_over_the_loads():
+    """Its size is expected to be 1 and its trace grows with the square of the load: no map of the readings."""
+    expected = Field("large_deflection", -3 * np.linspace(0.2, 1.0, 20), 2, 0.2, "-", prior_mean=1.0)
+    asset = measured(9, change=effect("large_deflection", 1.0))
+    diagnosis = diagnose(asset, TWIN, {**CHAIN, **TWIN.effects, expected.name: expected}, commissioning=COMMISSIONING)
+    assert diagnosis.which[0].effects == ("large_deflection",)
+    assert diagnosis.which[0].parameters[0].size == pytest.approx(1.0, abs=0.2)

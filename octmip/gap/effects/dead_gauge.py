@@ -21,6 +21,7 @@ class DeadGauge:
     is_one_sided: bool = True
     separated_by: str = "the reading does not move with the load"
     load_power: int | None = None
+    acts_on_readings: bool = True
 
     def variants(self, twin: Twin) -> tuple[str, ...]:
         """Return the gauges."""
