@@ -59,6 +59,7 @@ FAMILIES = {
     "fem_dataset": "benchmarks.cases.fem_dataset",
     "fem_rom": "benchmarks.cases.fem_rom",
     "gap_detect": "benchmarks.cases.gap_detect",
+    "gap_speed": "benchmarks.cases.gap_speed",
 }
 
 

@@ -5,5 +5,17 @@ from octmip.gap.campaign import Campaign, Cell
 from octmip.gap.campaign_file import read_campaign
 from octmip.gap.diagnosis import Diagnosis, diagnose, rounds
 from octmip.gap.effects import CHAIN
+from octmip.gap.memory import Memory
 
-__all__ = ["CHAIN", "Addition", "AugmentedTwin", "Campaign", "Cell", "Diagnosis", "diagnose", "read_campaign", "rounds"]
+__all__ = [
+    "CHAIN",
+    "Addition",
+    "AugmentedTwin",
+    "Campaign",
+    "Cell",
+    "Diagnosis",
+    "Memory",
+    "diagnose",
+    "read_campaign",
+    "rounds",
+]

@@ -15,8 +15,8 @@ import numpy as np
 from octmip.gap.ambiguity import SEPARABLE, Rival, rivals, tied_columns, visibility
 from octmip.gap.evidence import Fit, Members
 from octmip.gap.library import SCALES
-from octmip.gap.posterior import Judged, Posterior
-from octmip.gap.shape_error import clearness, judge, neighbours
+from octmip.gap.posterior import Judged, Posterior, fit_together
+from octmip.gap.shape_error import clearness, neighbours
 from octmip.gap.shrinkage import Shrinkage, chance_of_rest
 from octmip.gap.sizes import Parameter, parameters
 
@@ -109,9 +109,7 @@ def cleared(judged: Sequence[Judged]) -> list[Judged]:
     hold less than `IDLE` are left as they are.
     """
     exact = {h.members: h for h in judged if not h.has_unknown}
-    weighed = [h for h in judged if not h.has_unknown and h.members and h.probability > IDLE]
-    for scene in {id(h.scene): h.scene for h in weighed}.values():  # one by one costs several times as much
-        judge(scene, [h.members for h in weighed if h.scene is scene])
+    fit_together([h for h in judged if not h.has_unknown and h.members and h.probability > IDLE])
     added: dict[tuple[int, ...], float] = {}
     kept = []
     for h in judged:
@@ -129,12 +127,15 @@ def cleared(judged: Sequence[Judged]) -> list[Judged]:
 def clear_members(judged: Judged) -> Members:
     """Return the members of a hypothesis that stand d' = 3 clear of the noise, the faintest taken out one at a time."""
     scene, members = judged.scene, judged.members
+    if members in scene.clear:
+        return scene.clear[members]
     while members:
         clear = clearness(scene, members)
         faintest = int(np.argmin(clear))
         if clear[faintest] >= SEPARABLE:
             break
         members = (*members[:faintest], *members[faintest + 1 :])
+    scene.clear[judged.members] = members
     return members
 
 

@@ -6,6 +6,7 @@ other beyond what these readings can tell apart (d' < 3) are one explanation, re
 probable member.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -81,6 +82,12 @@ class Posterior:
             for name in {columns[j].name for j in h.members}:
                 found[name] += h.probability
         return dict(sorted(found.items(), key=lambda item: -item[1]))
+
+
+def fit_together(hypotheses: Sequence[Judged]) -> None:
+    """Make the fits of hypotheses, which their scenes keep: one by one they cost several times as much."""
+    for scene in {id(h.scene): h.scene for h in hypotheses}.values():
+        judge(scene, [h.members for h in hypotheses if h.scene is scene])
 
 
 def attribute(setting: Setting) -> Posterior:

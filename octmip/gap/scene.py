@@ -119,6 +119,7 @@ class Scene:
         open_covariance: (n_open, n_open) of the open states when no column acts.
         fitted: what `evidence.fit` has found here, by members.
         errors, shaped, allowed: what `shape_error` has found here, by column and by members.
+        clear: the members that `causes` has left of a set.
     """
 
     setting: Setting
@@ -143,6 +144,7 @@ class Scene:
     errors: dict[int, Floats] = field(init=False, repr=False, default_factory=dict)
     shaped: dict[tuple[int, ...], Any] = field(init=False, repr=False, default_factory=dict)
     allowed: dict[tuple[int, ...], "Scene"] = field(init=False, repr=False, default_factory=dict)
+    clear: dict[tuple[int, ...], tuple[int, ...]] = field(init=False, repr=False, default_factory=dict)
 
     @property
     def n(self) -> int:

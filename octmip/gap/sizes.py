@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from octmip.gap.posterior import Judged
+from octmip.gap.posterior import Judged, fit_together
 from octmip.gap.scene import Scene, named_state
 from octmip.gap.shape_error import BETWEEN, neighbours
 from octmip.twin import Effect
@@ -49,6 +49,7 @@ class Parameter:
 def parameters(head: Judged, same: Sequence[Judged]) -> tuple[Parameter, ...]:
     """Return the sizes of a hypothesis; `same` are the hypotheses that are the same cause, itself among them."""
     own = head.fit
+    fit_together(same)
     return tuple(_parameter(head, j, float(own.size[k]), same) for k, j in enumerate(own.members))
 
 
