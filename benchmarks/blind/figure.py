@@ -84,16 +84,19 @@ def area(name, positive, negative, must=None):
     return Figure(name, above(a, b), *np.quantile(draws, [0.025, 0.975]).tolist(), len(a), must)
 
 
-def calibration(name, stated, hits, must=None, bins=5):
-    """Return the expected calibration error of stated probabilities, in bins of equal numbers of cases."""
+def calibration(name, stated, hits, weights=None, must=None, bins=5):
+    """Return the expected calibration error of stated probabilities, in bins of about equal weight."""
     stated, hits = np.asarray(stated, dtype=float), np.asarray(hits, dtype=float)
     if not len(stated):
         return none(name, must)
+    weights = np.ones(len(stated)) if weights is None else np.asarray(weights, dtype=float)
 
     def error(index):
         order = index[np.argsort(stated[index], kind="stable")]
-        gaps = [len(p) * abs(stated[p].mean() - hits[p].mean()) for p in np.array_split(order, bins) if len(p)]
-        return float(sum(gaps) / len(order))
+        weight = weights[order] / weights[order].sum()
+        place = np.minimum((bins * (np.cumsum(weight) - 0.5 * weight)).astype(int), bins - 1)
+        gaps = np.bincount(place, weight * (stated[order] - hits[order]), bins)
+        return float(np.abs(gaps).sum())
 
     rng = np.random.default_rng(0)
     draws = [error(rng.integers(len(stated), size=len(stated))) for _ in range(300)]

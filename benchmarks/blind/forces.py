@@ -109,17 +109,13 @@ def foreign_patch(wing, place):
     return near & (mesh.patch_of_element == mesh.patches.index("top"))
 
 
-def bond_row(wing, place):
-    """Return the web elements (n_elements,) next to the upper or lower skin over a length."""
-    mesh = wing.structure.shells.mesh
+def bond(wing, place):
+    """Return the web elements (n_elements,) along a flange and the nodes at which the web slides on the skin."""
     flange, inner, outer = place.split(":")
-    centre = mesh.centroids()
-    web = mesh.patch_of_element == mesh.patches.index("web")
-    station = np.round(centre[:, 1], 6)
-    middle = np.zeros(mesh.n_elements)
-    for y in np.unique(station[web]):
-        here = web & (station == y)
-        middle[here] = centre[here, 2].mean()
-    side = centre[:, 2] > middle if flange == "upper" else centre[:, 2] < middle
-    eta = centre[:, 1] / wing.span
-    return web & side & (eta > float(inner)) & (eta < float(outer))
+    mesh, grid = wing.structure.shells.mesh, wing.grid
+    edge = (grid.upper if flange == "upper" else grid.lower)[:, grid.spar_column]
+    web = np.flatnonzero(mesh.patch_of_element == mesh.patches.index("web"))
+    row = np.zeros(mesh.n_elements, dtype=bool)
+    row[web] = np.isin(mesh.quads[web], edge).any(axis=1)
+    eta = mesh.nodes[edge, 1] / wing.span
+    return row, edge[(eta > float(inner)) & (eta < float(outer))]

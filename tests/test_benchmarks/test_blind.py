@@ -251,3 +251,8 @@ def test_a_figure_says_whether_it_is_what_is_owed():
 
 def test_calibration_is_exact_for_one_stated_probability():
     assert calibration("x", [0.8] * 10, [True] * 6 + [False] * 4, bins=1).value == pytest.approx(0.2)
+
+
+def test_calibration_weighs_cases():
+    weights = [3.0, 1.0]  # right about the heavy one alone: 0.75 in truth
+    assert calibration("x", [0.8, 0.8], [True, False], weights, bins=1).value == pytest.approx(0.05)
