@@ -6,20 +6,25 @@ A split `w . x <= b` parts the samples of its node into left L and right R. Any 
 
 parts them alike, with an offset between the two. So every leaf keeps its samples, and the objective cannot change but
 for a penalty on features, which falls with them. Looked for in turn: v without one of the features, the one that
-weighs least first; v rounded to few digits; and of v's offsets the middle, which is the widest margin along v (the
-widest over all v is not looked for).
+weighs least first; of the features left, the v of widest margin (`margin.py`), each feature in units of its spread over
+the node's samples; v rounded to the fewest digits that keep nine tenths of that margin; and of its offsets the middle.
+Integer normals stay as they are but for features that go.
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from octmip.margin import widened, width
 from octmip.problem import Problem
 from octmip.tree import HyperplaneSplit, Leaf, Node, goes_left
 
 MOST_DIGITS = 6
+KEPT = 0.9
+"""Share of the widest margin that rounding must keep."""
 Floats = NDArray[np.float64]
 
 
@@ -43,7 +48,7 @@ def _polished(problem: Problem, tree: Node, rows: NDArray[np.intp]) -> Node:
 
 
 def _simpler(problem: Problem, split: HyperplaneSplit, samples: Floats, left: NDArray[np.bool_]) -> HyperplaneSplit:
-    """Return the split with fewer features and digits."""
+    """Return the split with fewer features, a wider margin and fewer digits."""
     features, normal = list(split.features), np.array(split.coefficients, dtype=np.float64)
     spread = samples[:, features].std(axis=0)
     for k in np.argsort(np.abs(normal) * spread, kind="stable"):
@@ -52,16 +57,31 @@ def _simpler(problem: Problem, split: HyperplaneSplit, samples: Floats, left: ND
         if trial.any() and _gap(samples[:, features] @ trial, left) is not None:
             normal = trial
     if problem.integer_normals is None:
-        normal = _short(samples[:, features], normal, left)
+        normal = _wide_and_short(samples[:, features], normal, left)
     return _split_of(split, features, normal, samples, left)
 
 
-def _short(samples: Floats, normal: Floats, left: NDArray[np.bool_]) -> Floats:
-    """Return the normal, its largest coefficient 1, in as few digits as part the samples alike."""
+def _wide_and_short(samples: Floats, normal: Floats, left: NDArray[np.bool_]) -> Floats:
+    """Return the normal of widest margin over the features of `normal`, in few digits, where that parts alike."""
+    kept = np.flatnonzero(normal)
+    spread = samples[:, kept].std(axis=0)
+    spread[spread == 0.0] = 1.0
+    points = (samples[:, kept] - samples[:, kept].mean(axis=0)) / spread
+    wide = widened(points, normal[kept] * spread, left) / spread if len(kept) > 1 else normal[kept]
+    found = normal.copy()
+    found[kept] = wide
+    if _gap(samples @ found, left) is None:
+        found = normal
+    least = KEPT * width(points, found[kept] * spread, left)
+    return _short(samples, found, left, lambda trial: width(points, trial[kept] * spread, left) >= least)
+
+
+def _short(samples: Floats, normal: Floats, left: NDArray[np.bool_], is_wide: Callable[[Floats], bool]) -> Floats:
+    """Return the normal, its largest coefficient 1, in as few digits as part the samples alike and widely."""
     scaled = normal / np.abs(normal).max()
     for digits in range(1, MOST_DIGITS + 1):
         rounded = np.array([float(f"{c:.{digits}g}") for c in scaled])
-        if _gap(samples @ rounded, left) is not None:
+        if _gap(samples @ rounded, left) is not None and is_wide(rounded):
             return rounded
     return normal
 

@@ -17,6 +17,7 @@ LEVELS = {
         "errors": 0,
         "_native": 0,
         "files": 1,
+        "margin": 1,
         "tree": 1,
         "twin": 1,
         "problem": 2,

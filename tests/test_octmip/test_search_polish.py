@@ -7,6 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from octmip import HyperplaneSplit, Leaf, Problem, Split, certify
+from octmip.margin import widened, width
 from octmip.polish import polished
 from octmip.search import local_search
 from octmip.tree import Node, leaf_index, predict, splits
@@ -58,6 +59,31 @@ def test_needless_features_go_and_numbers_become_short_and_offsets_lie_in_mid_ga
     low, high = features[:50, 0].max(), features[50:, 0].min()
     assert low + (high - low) / 3 <= simple.offset <= high - (high - low) / 3
     assert len(repr(simple.offset)) <= 4
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.integers(0, 2**32))
+def test_the_margin_is_nine_tenths_of_the_widest_over_all_angles(seed):
+    rng = np.random.default_rng(seed)
+    features = rng.normal(size=(rng.integers(2, 60), 2)) * [1.0, 30.0]
+    heights = features @ [1.0, 0.02]
+    left = heights <= np.sort(heights)[rng.integers(0, len(heights) - 1)]
+    features[~left] += [0.1, 3.0]
+    problem = Problem(features, ~left, depth=1, split="hyperplane")
+    offset = float((features @ [1.0, 0.02])[left].max())
+    simple = polished(problem, HyperplaneSplit((0, 1), (1.0, 0.02), offset, Leaf(0), Leaf(1)))
+    if len(simple.features) == 1:  # fewer features come before margins
+        return
+    points, spread = features / features.std(axis=0), features.std(axis=0)
+    angles = np.linspace(0.0, 2 * np.pi, 2000)
+    widest = max(width(points, np.array([np.cos(angle), np.sin(angle)]), left) for angle in angles)
+    assert width(points, np.array(simple.coefficients) * spread, left) >= 0.89 * widest > 0
+
+
+def test_the_plane_between_two_points_stands_upright_on_their_line():
+    problem = Problem(np.array([[0.0, 0.0], [3.0, 4.0]]), [0, 1], depth=1, split="hyperplane")
+    normal = widened(problem.features, np.array([1.0, 0.1]), np.array([True, False]))
+    assert np.allclose(normal / np.linalg.norm(normal), [0.6, 0.8])
 
 
 def test_axis_aligned_splits_and_planes_with_an_empty_side_are_left_alone():

@@ -12,7 +12,7 @@ const NEAR: i64 = 50;
 const RANDOM_SHARE: f64 = 0.4;
 /// Share of the kicks to a hyperplane tree that grow a subtree anew, and that melt one; the others shake one plane.
 const GROWN_ANEW: f64 = 0.2;
-const MELTED: f64 = 0.4;
+const MELTED: f64 = 0.05;
 /// Share of the kicks to an axis-aligned tree that plant a subtree below another cut.
 const PLANTED: f64 = 0.6;
 /// Gradient steps of a kick, and the range of its first sharpness.

@@ -1,5 +1,6 @@
 //! The best hyperplane of one node, the rest of the tree fixed: many lines of hyperplanes, one after the other.
 
+mod anew;
 mod exact;
 mod lean;
 mod pair;
@@ -33,9 +34,8 @@ pub struct PlaneAtWork<'a> {
 const RANDOM_DIRECTIONS: usize = 4;
 /// Features that one visit tries one by one.
 const MOST_FEATURES: usize = 24;
-/// Swaps of a feature, and pairs of features, that one visit tries.
-const MOST_SWAPS: usize = 6;
-const MOST_PAIRS: usize = 3;
+/// Pairs of features that one visit tries.
+const MOST_PAIRS: usize = 6;
 /// Share of the gain that a line may lose before it is given up, and how seldom it may lose all.
 const PATIENCE: f64 = 0.03;
 const PATIENT_ONE_IN: u32 = 8;
@@ -135,8 +135,8 @@ impl<'a> PlaneAtWork<'a> {
             let direction = self.random_direction(room, rng);
             self.turn(view, &direction, rng);
         }
-        if self.support().len() >= self.ground.split_size() {
-            features.iter().take(MOST_SWAPS).for_each(|&f| self.swap(view, room, f, rng));
+        if features.iter().any(|&f| !room.admits(&self.support_with(f))) {
+            self.read_anew(view, room, rng);
         }
         if self.ground.split_size() == 2 {
             (0..MOST_PAIRS).for_each(|_| self.try_pair(view, room, rng));
@@ -241,35 +241,5 @@ impl<'a> PlaneAtWork<'a> {
         features.extend((0..self.ground.problem.p as u32).filter(|&f| self.plane.normal[f as usize] == 0.0));
         rng.shuffle(&mut features[first..]);
         room.first_admitted(&features, self.ground.split_size())
-    }
-
-    /// Read `f` in the place of one of the features read now.
-    fn swap(&mut self, view: &View, room: &Room, f: u32, rng: &mut fastrand::Rng) {
-        let mut terms = self.terms();
-        if terms.is_empty() || terms.iter().any(|term| term.0 == f) {
-            return;
-        }
-        let (dropped, weight) = terms.swap_remove(rng.usize(..terms.len()));
-        let mut support: Vec<u32> = terms.iter().map(|term| term.0).chain([f]).collect();
-        support.sort_unstable();
-        if !room.admits(&support) {
-            return;
-        }
-        let (scale, deviations) = (weight.abs(), &self.ground.deviations);
-        let other = normal(rng) * scale * deviations[dropped as usize] / deviations[f as usize];
-        let anchor = self.ground.problem.row(view.samples[rng.usize(..view.samples.len())]);
-        let offset = self.plane.offset - weight * anchor[dropped as usize] + other * anchor[f as usize];
-        terms.push((f, other));
-        terms.sort_unstable_by_key(|term| term.0);
-        let (floor, before) = (self.gain(), (self.plane.clone(), self.tally.clone()));
-        self.set(&terms, offset);
-        self.place(view);
-        if self.tally.is_large_enough() {
-            self.turn(view, &[(f, 1.0)], rng);
-            self.shift(view, rng);
-        }
-        if !self.tally.is_large_enough() || self.gain() < floor {
-            (self.plane, self.tally) = before;
-        }
     }
 }

@@ -13,11 +13,13 @@ use crate::tree::Tree;
 /// Share of the features that a randomised start may look at in one node.
 const RANDOM_SHARE: f64 = 0.4;
 /// Melting a whole tree from its start.
-const WHOLE: Heat = Heat { n_steps: 1600, first_sharpness: 2.0, opening: Opening::All };
+const WHOLE: Heat = Heat { n_steps: 800, first_sharpness: 2.0, opening: Opening::All };
 /// Samples x features that an exact block of the first tree may look at.
 const FIRST_WORK: f64 = 1e9;
-/// Kicks of the axis-aligned tree that a hyperplane tree must not be worse than.
+/// Kicks of the axis-aligned tree that a hyperplane tree must not be worse than, where this share of its objective is
+/// below that of the hyperplanes: they would hardly bring it down to them otherwise.
 const AXIS_KICKS: usize = 10;
+const NEAR: f64 = 0.75;
 
 /// What the restarts of one round do.
 #[derive(Debug, Clone, Copy)]
@@ -112,14 +114,28 @@ impl<'a> Restart<'a> {
             self.state = self.begin_axis(round.known);
             return;
         }
-        let floor = (self.number == 0 || (self.number == 1 && round.known.is_some())).then(|| {
-            self.climber.has_planes = false;
-            let mut floor = self.begin_axis(round.known);
+        let has_floor = self.number == 0 || (self.number == 1 && round.known.is_some());
+        self.state = self.begin_planes(has_floor, round.n_kicks == 0);
+        if has_floor {
+            self.objective = self.state.objective(&self.ground.prices);
+            // Told before the axis-aligned trees, which take far longer where samples are many.
+            self.climber.report(self.objective);
+            let floor = self.floor(round);
+            if floor.objective(&self.ground.prices) < self.objective {
+                self.state = floor;
+            }
+        }
+    }
+
+    /// An axis-aligned tree that a hyperplane tree must not be worse than; kicked where it is not far above it.
+    fn floor(&mut self, round: &Round) -> State {
+        self.climber.has_planes = false;
+        let mut floor = self.begin_axis(round.known);
+        if NEAR * (floor.objective(&self.ground.prices) as f64) < self.objective as f64 {
             self.climber.kick_until_stale(&mut floor, AXIS_KICKS.min(round.n_kicks));
-            self.climber.has_planes = true;
-            floor
-        });
-        self.state = self.begin_planes(floor, round.n_kicks == 0);
+        }
+        self.climber.has_planes = true;
+        floor
     }
 
     /// The known tree, the greedy one, then one for each promising root, then greedy ones with chance.
@@ -166,10 +182,10 @@ impl<'a> Restart<'a> {
         state
     }
 
-    /// A tree of logistic splits, melted; never above `floor`. A quick one visits every node once.
-    fn begin_planes(&mut self, floor: Option<State>, is_quick: bool) -> State {
+    /// A tree of logistic splits, melted. A quick one visits every node once.
+    fn begin_planes(&mut self, is_first: bool, is_quick: bool) -> State {
         let (ground, climber) = (self.ground, &mut self.climber);
-        let share = if floor.is_some() { 1.0 } else { 0.5 + 0.5 * climber.rng.f64() };
+        let share = if is_first { 1.0 } else { 0.5 + 0.5 * climber.rng.f64() };
         let soil = Soil { share, has_planes: ground.has_real_planes() };
         let mut state = State::leaf(ground.problem);
         climber.grow(&mut state, 0, ground.problem.depth, soil);
@@ -181,9 +197,6 @@ impl<'a> Restart<'a> {
         } else {
             climber.descend(&mut state);
         }
-        match floor {
-            Some(floor) if floor.objective(&ground.prices) < state.objective(&ground.prices) => floor,
-            _ => state,
-        }
+        state
     }
 }

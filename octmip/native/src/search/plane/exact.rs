@@ -10,7 +10,7 @@ use crate::search::view::View;
 const MOST_SAMPLES: usize = 6000;
 const MOST_PAIRS: usize = 4;
 /// How seldom it is done where nothing else helped.
-const EXACT_ONE_IN: u32 = 4;
+const EXACT_ONE_IN: u32 = 2;
 
 impl PlaneAtWork<'_> {
     /// Try the best lines over a few random pairs of features; the gain never falls.

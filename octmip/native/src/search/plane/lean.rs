@@ -7,8 +7,8 @@ use crate::search::view::View;
 
 /// Samples that a logistic fit looks at.
 const MOST_PULLS: usize = 600;
-/// Weight of the ridge, in units of the mean loss.
-const RIDGES: [f64; 3] = [1e-2, 1e-3, 1e-4];
+/// Weight of the ridge, in units of the mean loss; the least ones part few samples without an error.
+pub(super) const RIDGES: [f64; 5] = [1e-2, 1e-3, 1e-4, 1e-6, 1e-8];
 
 impl PlaneAtWork<'_> {
     /// Fit a logistic regression to what every sample would rather do, and search between it and the present plane.
@@ -26,7 +26,7 @@ impl PlaneAtWork<'_> {
     }
 
     /// The samples that exactly one side serves best, with the leaves' present classes.
-    fn pulls(&self, view: &View, rng: &mut fastrand::Rng) -> Vec<Pull> {
+    pub(super) fn pulls(&self, view: &View, rng: &mut fastrand::Rng) -> Vec<Pull> {
         let labels: Vec<u32> = (0..view.n_slots() as u32).map(|slot| self.tally.label(slot)).collect();
         let class = |side: usize, j: usize| labels[view.members[j].slots[side] as usize] as usize;
         let prices = &self.ground.prices;
