@@ -16,10 +16,11 @@ from functools import cache
 import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
+from scipy.linalg import eigh
 
 from benchmarks.data import SHARED
 from benchmarks.real.telling import show_causes
-from femlib.assembly import natural_modes, point_masses
+from femlib.assembly import Mode, natural_modes, point_masses
 from femlib.wing import Wing, uav_wing
 from femlib.wing.effects.planform import manufactured_wing
 from femlib.wing.effects.root_flexibility import rolled
@@ -36,6 +37,8 @@ RINGING_LOAD = 1.0
 """Load factor in whose row the periods stand; they do not depend on it."""
 FREQUENCY_SD = 0.002
 """Relative sd of a measured frequency. Assumed: it was published to four decimals without repeats."""
+TYPICAL_MASS = 0.3
+"""Point mass [kg] up to which the periods are taken as straight lines."""
 STATIONS = tuple(float(eta) for eta in np.linspace(0.3, 1.0, 15).round(2))
 """Span fractions at which a point mass may sit."""
 
@@ -57,6 +60,21 @@ def answer(wing: Wing, masses: Mapping[float, float] | None = None) -> Answer:
     flapping = [mode for mode in modes if _flaps(wing, mode.shape)][:2]
     squares = np.array([mode.frequency**-2 for mode in flapping])
     return Answer(1e3 * GRAVITY / wing.tip_stiffness(), SCALES[1:] * squares)
+
+
+def carrying(wing: Wing, modes: list[Mode], eta: float, mass: float) -> np.ndarray:
+    """Return the periods squared [SCALES] with a point mass, from modes of the bare wing: m adds m R' R to the masses.
+
+    R holds the three displacements of the mass's node in each mode. Against a solution of the whole structure the
+    periods differ by less than a tenth of a per cent (the table of `main`).
+    """
+    shapes = np.stack([mode.shape for mode in modes], axis=1)
+    start = 6 * _cap(wing, eta)
+    rows = shapes[start : start + 3]
+    stiffness = np.diag([(2.0 * np.pi * mode.frequency) ** 2 for mode in modes])
+    squares, mixed = eigh(stiffness, np.eye(len(modes)) + mass * rows.T @ rows)
+    flapping = [k for k in range(len(modes)) if _flaps(wing, shapes @ mixed[:, k])][:2]
+    return SCALES[1:] * (2.0 * np.pi) ** 2 / squares[flapping]
 
 
 def _cap(wing: Wing, eta: float) -> int:
@@ -131,18 +149,26 @@ def library(wing: Wing, own: Answer) -> dict:
               "the published measurement of the built wing is 1", "a tape measure",
               {"": _apart(answer(manufactured_wing(wing)), own)}),
         Shift("root_flexibility", "turn of the mount per bending moment at the root", "rad/(kN m)", 0.1,
-              "a stiff mount has some hundredths", "the second period hardly feels it",
+              "a stiff mount has some hundredths", "as a modulus, but the tip feels three quarters of it",
               {"": _mount(wing, own)}, is_one_sided=True),
         Shift("structural_mass", "mass of the structure above the model's", "%", 5.0,
               "the wing's weight was never published; 2.3 kg is assumed", "the deflection does not feel it",
               {"": _apart(answer(_with(heavier)), own) / 10.0}),
         Shift("payload_inertia", "mass in the wing that the model does not have", "kg", 0.3,
               "by the published fit servos and pitot weigh 0.47 kg together", "the deflection does not feel it",
-              {f"eta {eta:g}": _apart(answer(wing, {eta: 0.3}), own) / 0.3 for eta in STATIONS}, is_one_sided=True),
+              _masses(wing, own), is_one_sided=True),
         DialZero("dial_zero", "zero of the dial gauge", "mm", 0.5, "a hung mass seats the mount by some tenths",
                  "it is the same at every load", {"": np.array([1.0, 0.0, 0.0])}),
     ]  # fmt: skip
     return {effect.name: effect for effect in found} | {"load_factor_error": CHAIN["load_factor_error"]}
+
+
+def _masses(wing: Wing, own: Answer) -> dict[str, np.ndarray]:
+    """Return what a kilogram at each station changes, as the secant to TYPICAL_MASS."""
+    shells = wing.structure.shells
+    modes = natural_modes(shells.stiffness(), shells.mass(), wing.structure.supports, 12)
+    loaded = {eta: Answer(own.tip, carrying(wing, modes, eta, TYPICAL_MASS)) for eta in STATIONS}
+    return {f"eta {eta:g}": _apart(other, own) / TYPICAL_MASS for eta, other in loaded.items()}
 
 
 def _with(materials: WingMaterials) -> Wing:
@@ -166,7 +192,7 @@ def _mount(wing: Wing, own: Answer) -> np.ndarray:
 
 @cache
 def measured_twin() -> MeasuredTwin:
-    """Return the twin with its effects: some thirty eigenvalue problems."""
+    """Return the twin with its effects: a handful of eigenvalue problems."""
     wing = uav_wing(refinement=REFINEMENT)
     own = answer(wing)
     return MeasuredTwin(own, effects=library(wing, own))

@@ -27,6 +27,8 @@ REPEATS, VARIANCE = 50, 1000.0
 WEAK = ("g18", "g24")
 """Inside the damage regions, and known not to fit (docs/wing.md)."""
 INSIDE = ("g17", "g18", "g23", "g24")
+GLOBAL = ("modulus", "skin_thickness", "lift_distribution", "torsion", "planform")
+"""Effects of the wing that another model of it may contain."""
 MOST_ROUNDS = 4
 
 
@@ -74,8 +76,11 @@ def held_out_gap(twin, gauges: tuple[str, ...]) -> float:
 
 
 def best_of_library(found: Diagnosis) -> tuple[Addition, ...]:
-    """Return the effects of the library's best hypothesis, even where the diagnosis says unexplained."""
-    best = next((h for h in found.posterior.judged if not h.has_unknown), None)
+    """Return the effects of the library's best hypothesis, even where the diagnosis says unexplained.
+
+    By evidence: beside the unknown its probability may be too small for a float.
+    """
+    best = max((h for h in found.posterior.judged if not h.has_unknown), key=lambda h: h.fit.log_factor, default=None)
     if best is None:
         return ()
     columns = best.scene.setting.columns
@@ -129,13 +134,12 @@ def picture(twin, corrected, path: str) -> None:
 
 
 def libraries(twin: WingTwin) -> dict[str, Mapping]:
-    """Return the library as it is, and the wing's part of it widened by places: a table has no measuring chain."""
-    return {"the whole library": {**CHAIN, **twin.effects}, "the wing and its places": placed(twin)}
-
-
-def placed(twin: WingTwin) -> Mapping:
-    """Return the wing's own effects and those of misplaced regions and gauge rows."""
-    return {**twin.effects, **placing_effects(twin.wing)}
+    """Return the library as it is, and what two models of one wing may differ by: no measuring chain, no damage."""
+    shared = {name: twin.effects[name] for name in GLOBAL}
+    return {
+        "the whole library": {**CHAIN, **twin.effects},
+        "what models differ by": shared | placing_effects(twin.wing),
+    }
 
 
 def main() -> None:

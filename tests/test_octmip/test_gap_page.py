@@ -1,0 +1,102 @@
+"""What a test engineer reads: the page of words, and the report in a browser."""
+
+import shutil
+
+import numpy as np
+import pytest
+
+from octmip.gap import diagnose
+from octmip.gap.as_json import as_object
+from octmip.gap.page import report_page
+from octmip.gap.words import page_of_words
+from octmip.tree import Leaf, Split
+from tests.test_octmip.beam_twin import Beam, measured
+
+TWIN = Beam()
+COMMISSIONING = measured(1000)
+TREE = Split(
+    feature=0, threshold=640.0, left=Leaf(0), right=Split(feature=1, threshold=9e9, left=Leaf(1), right=Leaf(2))
+)
+
+
+def warm(state, load, time):
+    return np.full(20, -25.0)
+
+
+def diagnosed(**settings):
+    return diagnose(measured(3, change=warm, **settings), TWIN, None, COMMISSIONING, TREE, TWIN.gauges)
+
+
+@pytest.fixture(scope="module")
+def diagnoses():
+    return {
+        "known": diagnosed(),
+        "one load": diagnosed(loads=(2.0,)),
+        "unknown state": diagnosed(states=((0.4, 0.2), (0.0, 0.5)), loads=(1.0, 2.0), known=False),
+        "sound": diagnose(measured(4), TWIN, None, COMMISSIONING, TREE, TWIN.gauges),
+    }
+
+
+CASES = ["known", "one load", "unknown state", "sound"]
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_the_page_of_words_fits_a_terminal_and_says_no_nan(diagnoses, case):
+    first, *lines = page_of_words(diagnoses[case]).splitlines()
+    assert first.startswith("Sound" if case == "sound" else "The twin lacks temperature_uniform")
+    assert max(len(line) for line in lines) <= 118
+    assert "nan" not in page_of_words(diagnoses[case])
+
+
+def test_the_page_says_what_an_effect_means_and_what_closed(diagnoses):
+    page = page_of_words(diagnoses["known"])
+    assert "temperature_uniform: size of the field" in page
+    assert "gap closed" in page and "load factor 3 held out" in page
+    assert "Nothing can be held out of one load and one test" in page_of_words(diagnoses["one load"])
+    assert "T1: mu1 0.0" in page_of_words(diagnoses["unknown state"])
+    assert "These readings would have shown" in page_of_words(diagnoses["sound"])
+
+
+def test_certainty_is_never_claimed(diagnoses):
+    for diagnosis in diagnoses.values():
+        assert "probability 100" not in page_of_words(diagnosis)
+        assert "100.0 %  " not in page_of_words(diagnosis)
+
+
+def test_machines_find_the_effect_under_its_name(diagnoses):
+    found = as_object(diagnoses["known"])
+    assert found["which"][0]["effects"] == ["temperature_uniform"]
+    assert found["noise"]["clipped"] == {} and found["noise"]["findings"] == []
+    assert found["shrinkage"]["p_after"] > 0.001
+    assert as_object(diagnoses["one load"])["shrinkage"]["closed"] is None
+
+
+@pytest.fixture(scope="module")
+def browser():
+    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+    program = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    if program is None:
+        pytest.skip("no Chromium on this machine: apt-get install chromium")
+    with playwright.sync_playwright() as running:
+        opened = running.chromium.launch(executable_path=program, args=["--no-sandbox"])
+        yield opened
+        opened.close()
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_the_report_opens_by_itself_and_fits_the_window(browser, diagnoses, tmp_path, case):
+    path = tmp_path / "report.html"
+    path.write_text(report_page(diagnoses[case]))
+    page = browser.new_page(viewport={"width": 1100, "height": 900})
+    said: list[str] = []
+    page.on("console", lambda message: said.append(message.text))
+    page.on("pageerror", lambda error: said.append(str(error)))
+    page.on("request", lambda request: said.append(request.url) if "file:" not in request.url else None)
+    page.goto(path.as_uri())
+    assert said == []  # nothing fetched, nothing wrong
+    assert page.evaluate("document.documentElement.scrollWidth") <= 1100
+    maps = page.locator("svg:has(circle)")
+    assert maps.count() == 2 and maps.first.locator("circle").count() == 20
+    heads = page.locator("h2").all_inner_texts()
+    assert heads == ["Where", "Which", "How far", "Tree nodes that flip", "Next test", "All in words"]
+    page.close()
