@@ -296,6 +296,7 @@ def _signatures(setting: Setting, states: Floats, expected: Floats) -> Floats:
     """Return the signatures (n_columns, n_blocks * n_gauges); `expected` (n_blocks, n_gauges) is what is read."""
     places = [np.round(np.clip(states[b.cell], 0.0, None) / LATTICE) * LATTICE for b in setting.blocks]
     open_cells = {cell for group in setting.groups for cell in group}
+    history = load_steps(setting.campaign)
     columns = [np.zeros((0, expected.size))]
     for effect, variants in setting.places():
         rows: list[Floats] = []
@@ -306,9 +307,30 @@ def _signatures(setting: Setting, states: Floats, expected: Floats) -> Floats:
                 continue
             state = named_state(setting, place if part.cell in open_cells else states[part.cell])
             load = setting.cell_of(part).load_factor
-            rows.append(setting.memory.signatures(effect, variants, state, load, part.time)[:, list(setting.order)])
+            steps = [(change, part.time - start) for change, start in history if start <= part.time]
+            if not getattr(effect, "superposes", False) or not steps:
+                steps = [(load, part.time)]
+            rows.append(_summed(setting, effect, variants, state, steps))
         columns.append(np.array(rows).transpose(1, 0, 2).reshape(len(variants), -1))
     return np.concatenate(columns)
+
+
+def _summed(
+    setting: Setting, effect: Effect, places: tuple[str, ...], state: dict[str, float], steps: list[tuple[float, float]]
+) -> Floats:
+    """Return the sum (n_places, n_gauges) of the signatures for loads and times."""
+    parts = [setting.memory.signatures(effect, places, state, load, time) for load, time in steps]
+    return np.asarray(np.sum(parts, axis=0)[:, list(setting.order)])
+
+
+def load_steps(campaign: Campaign) -> list[tuple[float, float]]:
+    """Return each change of the load factor with its time [s] since the first reading; empty without times."""
+    if not campaign.has_time:
+        return []
+    start = float(np.nanmin(campaign.time))
+    begun = sorted((float(campaign.time[cell.rows].min()) - start, cell.load_factor) for cell in campaign.cells)
+    loads = [0.0, *(load for _, load in begun)]
+    return [(after - before, time) for (time, after), before in zip(begun, loads, strict=False)]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,11 +1,12 @@
 """The size of an effect as it is told: with its interval, in its unit.
 
-The fit gives a normal size under the hypothesis that leads. Three things make the interval wider or move it:
+The fit gives a normal size under the hypothesis that leads. Four things make the interval wider or move it:
 
 * other places of the same effect explain the readings too: mean and variance of the mixture over them,
   m = sum w_k m_k,  v = sum w_k (v_k + m_k^2) - m^2;
 * where an effect may lie between places, size and place trade: a trace S_j (1 - x) + x S_k fitted by S_j alone has a
   size wrong by the factor 1 + x (1 / c_k - 1), c_k the best scale of the neighbour k, x ~ N(0, BETWEEN^2);
+* two models of one effect differ in its whole trace about as much as gauge by gauge: the size is no surer than that;
 * an effect with an exact forward map is not linear in its size: the size told is the one whose map moves the readings
   as far along the signature as the linear fit does.
 """
@@ -56,7 +57,8 @@ def parameters(head: Judged, same: Sequence[Judged]) -> tuple[Parameter, ...]:
 def _parameter(head: Judged, member: int, size: float, same: Sequence[Judged]) -> Parameter:
     effect, variant = head.scene.setting.columns[member].effect, head.scene.setting.columns[member].variant
     mean, variance = _mixture(head, member, same)
-    spread = WIDTH * float(np.sqrt(variance + (mean * _place_error(head.scene, member)) ** 2))
+    relative = np.hypot(_place_error(head.scene, member), head.scene.setting.columns[member].signature_error)
+    spread = WIDTH * float(np.sqrt(variance + (mean * relative) ** 2))
     low, high = min(size, mean - spread), max(size, mean + spread)
     if effect.is_one_sided:
         low = max(0.0, low)

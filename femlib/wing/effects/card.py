@@ -49,6 +49,8 @@ class WingEffect:
         Expected size, in `unit`.
     uses_time : bool
         Whether the signature depends on the time since the start of the campaign.
+    superposes : bool
+        Whether the answers to steps of the load add up, each from its own time on (Boltzmann's principle).
     signature_error : float
         Relative sd of the signature at each gauge: two meshes or codes differ by some parts in a hundred.
     n_between : int
@@ -69,7 +71,8 @@ class WingEffect:
     is_one_sided: bool = False
     prior_mean: float = 0.0
     uses_time: bool = False
-    signature_error: float = 0.02
+    superposes: bool = False
+    signature_error: float = 0.03
     n_between: int = 0
 
     def variants(self, twin: Any) -> tuple[str, ...]:

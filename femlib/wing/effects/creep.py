@@ -1,8 +1,9 @@
 """Creep: the resin of the skins yields slowly, so under a load the strain grows with time while the load stays.
 
-The skins' compliance grows by size * (time / 1 h)^0.2 per cent, as if loaded since the start of the campaign; at every
-moment the wing is an elastic one with softer skins (quasi-elastic), f = +0.01 (t / 1 h)^0.2 K_skin(mu) u to first
-order. Price: a load that came later has crept for less time, and nothing is told of the recovery after it is gone.
+Under a load that stays, the skins' compliance grows by size * (time / 1 h)^0.2 per cent; at every moment the wing is an
+elastic one with softer skins (quasi-elastic), f = +0.01 (t / 1 h)^0.2 K_skin(mu) u to first order. The answers to
+several steps of the load add up, each from its own time on (Boltzmann); what was loaded before the first reading is not
+known. Price: the recovery after a load has gone follows the same law.
 Source: W. N. Findley, J. S. Lai, K. Onaran, Creep and Relaxation of Nonlinear Viscoelastic Materials (1976), chapter 8
 (power law of time); R. A. Schapery, in Mechanics of Composite Materials 2 (1974), section 4 (quasi-elastic method).
 """
@@ -36,7 +37,7 @@ class Creep(SkinEffect):
     def signature(
         self, twin: Any, state: Mapping[str, float], load_factor: float, variant: str = "", time: float = 0.0
     ) -> FloatArray:
-        """Return the change of the gauge strains (n_gauges,) in microstrain per unit of size at `time` [s]."""
+        """Return the change of the gauge strains (n_gauges,) in microstrain per unit of size, `time` [s] after the load."""
         one_hour = super().signature(twin, state, load_factor, variant)
         return np.asarray(course(time) * one_hour)
 
@@ -60,6 +61,7 @@ def effect(response: Response) -> WingEffect:
         force=force,
         is_one_sided=True,
         uses_time=True,
+        superposes=True,
         skins=skins,
         factor=0.01,
     )

@@ -21,6 +21,8 @@ SPAN_CENTRES = np.linspace(0.15, 0.84, 24)
 """Centres of the zones along the span: a local trace needs zones as fine as the gauges lie, and overlapping."""
 SPAN_WIDTHS = (0.06, 0.12)
 """Widths of the zones, span fractions."""
+UPPER_WIDTHS = (0.06, 0.09, 0.12)
+"""Widths on the upper skin: which gauges lie inside decides the trace, so they grow by one gauge at a time."""
 CHORD_WINDOWS = ((0.0, 0.3), (0.15, 0.45), (0.3, 0.6), (0.45, 0.75), (0.6, 1.0))
 """Parts of the chord on the upper skin, overlapping by half like the zones along the span."""
 
@@ -51,7 +53,7 @@ def effect(response: Response) -> WingEffect:
         force=force,
         places=tuple(zones),
         n_between=8,
-        signature_error=0.1,
+        signature_error=0.2,
         is_one_sided=True,
         traces=traces,
     )
@@ -90,15 +92,15 @@ def damage_zones(wing: Wing) -> dict[str, BoolArray]:
     chord = _chord_fractions(wing, centre)
     patches = {name: mesh.patch_of_element == mesh.patches.index(name) for name in ("top", "bottom", "web")}
     zones = {}
-    for centre_eta, width in product(SPAN_CENTRES.tolist(), SPAN_WIDTHS):
+    for centre_eta, width in product(SPAN_CENTRES.tolist(), UPPER_WIDTHS):
         inner, outer = centre_eta - 0.5 * width, centre_eta + 0.5 * width
         along = (eta >= inner) & (eta < outer)
-        where = f"eta {inner:.2f}-{outer:.2f}"
-        zones[f"web {where}"] = patches["web"] & along
+        where = f"eta {inner:.3f}-{outer:.3f}"
         for fore, aft in CHORD_WINDOWS:
-            across = along & (chord >= fore) & (chord < aft)
-            zones[f"top {where} x/c {fore:g}-{aft:g}"] = patches["top"] & across
-        zones[f"bottom {where}"] = patches["bottom"] & along
+            zones[f"top {where} x/c {fore:g}-{aft:g}"] = patches["top"] & along & (chord >= fore) & (chord < aft)
+        if width in SPAN_WIDTHS:
+            zones[f"web {where}"] = patches["web"] & along
+            zones[f"bottom {where}"] = patches["bottom"] & along
     return {name: elements for name, elements in zones.items() if elements.any()}
 
 

@@ -88,4 +88,5 @@ def effect(response: Response) -> WingEffect:
         response=response,
         force=force,
         is_one_sided=True,
+        signature_error=0.15,
     )

@@ -1,8 +1,10 @@
 """Lift distribution: the same total lift, carried further outboard than the ellipse.
 
-Four shapes, all without change of the total: a shift linear, quadratic or cubic along the span, and the third harmonic
-of the lifting line; others lie between. The size is the change of the bending moment at the root. Source: H.
-Glauert, The Elements of Aerofoil and Airscrew Theory (1926), chapter 11 (the lift's Fourier series).
+letter = word: theta with cos theta = y / span, A_n coefficients of the lifting line's circulation sum A_n sin(n theta)
+over odd n. A_1 alone is the ellipse and holds the total lift; the next two, A_3 and A_5, change where it acts. A place
+is the fifth harmonic's share of the change of the bending moment at the root; the size is that change. Price: the
+seventh harmonic and beyond.
+Source: H. Glauert, The Elements of Aerofoil and Airscrew Theory (1926), chapter 11.
 """
 
 from collections.abc import Mapping
@@ -10,29 +12,22 @@ from collections.abc import Mapping
 import numpy as np
 
 from femlib.arrays import FloatArray
-from femlib.wing.effects.card import FixedForce, WingEffect
+from femlib.wing.effects.card import WingEffect
 from femlib.wing.effects.lift_shift import moment, moved_lift
 from femlib.wing.effects.response import Response
+
+FIFTH_SHARES = (-0.6, -0.4, -0.2, 0.0, 0.2, 0.4)
 
 
 def effect(response: Response) -> WingEffect:
     """Return the effect."""
-    wing = response.wing
-    eta = wing.structure.shells.mesh.nodes[:, 1] / wing.span
-    theta = np.arccos(np.clip(eta, 0.0, 1.0))
-    shapes = {
-        "linear": moved_lift(wing, eta),
-        "quadratic": moved_lift(wing, eta**2),
-        "toward the tip": moved_lift(wing, eta**3),
-        "third harmonic": moved_lift(wing, np.sin(3.0 * theta) / np.maximum(np.sin(theta), 1e-6)),
-    }
-    root = moment(wing, wing.lift, eta)
-    shapes = {name: shape * (0.01 * root / moment(wing, shape, eta)) for name, shape in shapes.items()}
+    third, fifth = (_harmonic(response, order) for order in (3, 5))
+    shapes = {f"fifth harmonic's share {share:g}": (1.0 - share) * third + share * fifth for share in FIFTH_SHARES}
 
     def force(state: Mapping[str, float], load_factor: float, place: str) -> FloatArray:
         return load_factor * shapes[place]
 
-    return FixedForce(
+    return WingEffect(
         name="lift_distribution",
         parameter="change of the root bending moment at the same total lift",
         unit="%",
@@ -45,3 +40,12 @@ def effect(response: Response) -> WingEffect:
         places=tuple(shapes),
         n_between=2,
     )
+
+
+def _harmonic(response: Response, order: int) -> FloatArray:
+    """Return nodal forces (n_dofs,) [N] of a harmonic that changes the root's bending moment by one per cent."""
+    wing = response.wing
+    eta = wing.structure.shells.mesh.nodes[:, 1] / wing.span
+    theta = np.arccos(np.clip(eta, 0.0, 1.0))
+    shape = moved_lift(wing, np.sin(order * theta) / np.maximum(np.sin(theta), 1e-6))
+    return np.asarray(shape * (0.01 * moment(wing, wing.lift, eta) / moment(wing, shape, eta)))

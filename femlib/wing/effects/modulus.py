@@ -38,4 +38,5 @@ def effect(response: Response) -> WingEffect:
         load_power=1,
         response=response,
         force=force,
+        signature_error=0.0,  # exact: strain goes with the modulus whatever the model
     )

@@ -134,6 +134,6 @@ def effect(response: Response) -> WingEffect:
         force=force,
         places=tuple(f"{flange} eta {inner:.3f}-{outer:.3f}" for flange in FLANGES for inner, outer in inside),
         n_between=4,
-        signature_error=0.1,
+        signature_error=0.2,
         is_one_sided=True,
     )
