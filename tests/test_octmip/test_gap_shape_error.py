@@ -88,3 +88,24 @@ def test_what_a_swapped_pair_shows_of_another_effect_is_exchanged_too():
     first = diagnose(measured(3, change), twin, commissioning=COMMISSIONING).which[0]
     assert set(first.effects) == {"soak", "swapped_pair"}
     assert {p.variant for p in first.parameters} == {"", "g03/g16"}
+
+
+class Lagging(Field):
+    """A field that comes with the square root of the time under load."""
+
+    uses_time = True
+    superposes = True
+
+    def signature(self, twin, state, load_factor, variant="", time=0.0):
+        return load_factor * (max(time, 0.0) / 3600.0) ** 0.5 * self.shape
+
+
+def test_an_effect_that_superposes_answers_each_step_of_the_load_from_its_own_time_on():
+    twin = twin_with(Lagging("lag", SHAPE, 1, 10.0))
+    scene = scene_of(twin, measured(3, loads=(2.0, 0.0, 3.0)))
+    trace = scene.signatures[:, column(scene, "lag")]
+    last = scene.block == len(scene.setting.blocks) - 1
+    time = scene.setting.blocks[-1].time
+    lags = [(2.0, time), (-2.0, time - 300.0), (3.0, time - 600.0)]  # 50 readings a load, 6 s each
+    expected = sum(step * (lag / 3600.0) ** 0.5 for step, lag in lags) * SHAPE
+    assert np.allclose(trace[last], expected)

@@ -37,7 +37,7 @@ class Creep(SkinEffect):
     def signature(
         self, twin: Any, state: Mapping[str, float], load_factor: float, variant: str = "", time: float = 0.0
     ) -> FloatArray:
-        """Return the change of the gauge strains (n_gauges,) in microstrain per unit of size, `time` [s] after the load."""
+        """Return the change of the gauge strains (n_gauges,) [microstrain] per unit, `time` [s] after the load."""
         one_hour = super().signature(twin, state, load_factor, variant)
         return np.asarray(course(time) * one_hour)
 
