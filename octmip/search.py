@@ -29,8 +29,11 @@ from octmip.problem import Problem
 from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop
 from octmip.tree import Leaf, Node, centred, goes_left, predict, simplify, without_empty_sides
 
-# Restarts, and kicks in a row without a better tree that end one: hyperplanes profit from longer restarts.
-EFFORT = {"axis": (18, 16), "hyperplane": (6, 60)}
+# Restarts, and kicks in a row without a better tree that end one: hyperplanes profit from longer restarts, and small
+# problems from more of them, for which there is time.
+EFFORT = {"axis": (9, 16), "hyperplane": (6, 60)}
+MOST_RESTARTS = 36
+SMALL = 300_000  # samples x features x restarts up to which there are more restarts, axis-aligned
 
 
 def local_search(
@@ -53,10 +56,10 @@ def local_search(
         seed: of the restarts' random streams.
         n_jobs: threads.
         progress: called every few hundredths of a second.
-        restarts: independent starts; by default those of `EFFORT`.
-        kicks: a restart ends after so many kicks in a row without a better tree (a quarter of that before the better
-            restarts are chosen, twice that for the last). With `restarts=1, kicks=0` the answer is quick: one descent
-            and exact blocks of two levels.
+        restarts: independent starts; by default those of `EFFORT`, more for a small axis-aligned problem.
+        kicks: a restart ends after so many kicks in a row without a better tree (before the better restarts are chosen
+            a quarter of that with hyperplanes, none without; twice that for the last). With `restarts=1, kicks=0` the
+            answer is quick: one descent and exact blocks of two levels.
 
     Returns:
         The solution; its bound is -inf, or the objective where no cost at all is left (`Stop.OPTIMAL`).
@@ -64,8 +67,9 @@ def local_search(
     Raises:
         ProblemError: `restarts` or `n_jobs` is below 1, or `kicks` below 0.
     """
-    restarts = EFFORT[problem.split][0] if restarts is None else restarts
-    kicks = EFFORT[problem.split][1] if kicks is None else kicks
+    effort = _effort(problem)
+    restarts = effort[0] if restarts is None else restarts
+    kicks = effort[1] if kicks is None else kicks
     for name, value, least in (("restarts", restarts, 1), ("n_jobs", n_jobs, 1), ("kicks", kicks, 0)):
         if value < least:
             raise ProblemError(f"{name} is {value}; expected {least} or more")
@@ -99,6 +103,14 @@ def local_search(
         version=_native.__version__,
         seed=seed,
     )
+
+
+def _effort(problem: Problem) -> tuple[int, int]:
+    """Return restarts and kicks where the caller names none."""
+    restarts, kicks = EFFORT[problem.split]
+    if problem.split == "axis":
+        restarts = max(restarts, min(MOST_RESTARTS, SMALL // problem.features.size))
+    return restarts, kicks
 
 
 def _stop(name: str, objective: float) -> Stop:

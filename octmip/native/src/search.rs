@@ -55,7 +55,7 @@ pub struct Options {
 }
 
 /// Restarts that begin together, and how many of them there are for one that goes on.
-const GROUP: usize = 6;
+const GROUP: usize = 9;
 const GOES_ON_ONE_IN: usize = 3;
 
 /// How often the calling thread looks whether to go on.
@@ -75,7 +75,7 @@ pub fn search(
     let samples = Samples::new(problem);
     let watch = Watch::new(limits);
     let new = |k| Restart::new(&ground, &samples, &watch, options.seed, k);
-    let rounds = Round::all(options, start);
+    let rounds = Round::all(options, start, problem);
     let mut turn = |restarts, round| run(restarts, round, options.n_threads, &watch, &mut *keep_going);
     let mut restarts: Vec<Restart> = Vec::new();
     for first in (0..options.n_restarts.max(1)).step_by(GROUP) {

@@ -32,9 +32,10 @@ impl Search<'_> {
                 break;
             }
             self.depth_two_feature(&mut *finder, view, f, stump.lower, current, &mut best);
+            self.report_effort();
         }
-        self.return_finder(view, finder);
         self.report_effort();
+        self.return_finder(view, finder);
         best.closed(upper)
     }
 

@@ -31,6 +31,8 @@ pub type Mask<'m> = Option<&'m [bool]>;
 
 /// Samples x features^2 up to which a block of two levels is worth its time.
 const WORTH_TWO: f64 = 3e7;
+/// What evaluating a cut costs however few the samples are, in samples x features.
+const CUT_ALONE: f64 = 2e4;
 
 impl<'a> Blocks<'a> {
     /// Blocks of a problem, given up as soon as `control` says stop.
@@ -96,7 +98,8 @@ impl<'a> Blocks<'a> {
         if is_known || is_vain || work == 0.0 {
             return None;
         }
-        let most = 1 + (work / (samples.len() * self.ground.problem.p) as f64) as u64;
+        let of_a_cut = CUT_ALONE + (samples.len() * self.ground.problem.p) as f64;
+        let most = ((work / of_a_cut) as u64).saturating_add(1);
         let control = self.control;
         let encoded = match mask {
             None => self.samples,

@@ -13,7 +13,8 @@ const RANDOM_SHARE: f64 = 0.4;
 /// Share of the kicks to a hyperplane tree that grow a subtree anew, and that melt one; the others shake one plane.
 const GROWN_ANEW: f64 = 0.2;
 const MELTED: f64 = 0.05;
-/// Share of the kicks to an axis-aligned tree that plant a subtree below another cut.
+/// Share of the kicks to an axis-aligned tree that shift a cut, and of the others that plant a subtree below another cut.
+const SHIFTED: f64 = 0.25;
 const PLANTED: f64 = 0.6;
 /// Gradient steps of a kick, and the range of its first sharpness.
 const MELT_STEPS: usize = 150;
@@ -66,6 +67,9 @@ impl Climber<'_> {
     fn disturb_cuts(&mut self, state: &mut State) {
         let nodes = state.below(0);
         let v = nodes[self.rng.usize(..nodes.len())];
+        if self.ground.problem.depth > 2 && self.rng.f64() < SHIFTED {
+            return self.shift_at(state);
+        }
         if self.ground.problem.depth > 2 && self.rng.f64() < PLANTED {
             return self.plant_at(state);
         }

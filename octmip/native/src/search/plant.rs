@@ -9,6 +9,8 @@ use crate::search::tally::Worth;
 /// Share of plantings that move the cut along its own feature, and how far, as a share of the samples, at most.
 const MOVED: f64 = 0.5;
 const FURTHEST: f64 = 0.2;
+/// The same where the subtree stays.
+const SHIFTED_FURTHEST: f64 = 0.05;
 /// Share of plantings elsewhere that take the feature's purest cut; the others take a random one.
 const PUREST: f64 = 0.5;
 
@@ -35,17 +37,37 @@ impl Climber<'_> {
 
     /// Plant anew one of the subtrees of three levels or more.
     pub(super) fn plant_at(&mut self, state: &mut State) {
-        let depth = self.ground.problem.depth;
-        let is_deep = |&v: &u32| !state.is_leaf(v) && state.path(v).is_some_and(|path| path.len() + 2 <= depth);
-        let nodes: Vec<u32> = state.below(0).into_iter().filter(is_deep).collect();
-        if nodes.is_empty() {
-            return;
-        }
-        let v = nodes[self.rng.usize(..nodes.len())];
-        if let Some(root) = self.other_cut(state, v) {
+        if let Some(v) = self.deep_split(state)
+            && let Some(root) = self.other_cut(state, v)
+        {
             state.collapse(v);
             self.plant_below(state, v, root, 2);
         }
+    }
+
+    /// Move the cut of one of the subtrees of three levels or more along its feature; what hangs below stays.
+    pub(super) fn shift_at(&mut self, state: &mut State) {
+        let problem = self.ground.problem;
+        let Some(v) = self.deep_split(state) else {
+            return;
+        };
+        let Some(Root { feature, cut }) = self.moved_cut(state, v, SHIFTED_FURTHEST) else {
+            return;
+        };
+        let rule = Rule::Axis { feature, cut };
+        self.view.look(problem, &self.ground.prices, state, v);
+        self.view.fill(&mut self.tally, |j| rule.goes_left(problem, self.view.samples[j]));
+        if self.tally.is_large_enough() {
+            self.view.apply(problem, state, rule);
+        }
+    }
+
+    /// A split that two levels at least may hang below.
+    fn deep_split(&mut self, state: &State) -> Option<u32> {
+        let depth = self.ground.problem.depth;
+        let is_deep = |&v: &u32| !state.is_leaf(v) && state.path(v).is_some_and(|path| path.len() + 2 <= depth);
+        let nodes: Vec<u32> = state.below(0).into_iter().filter(is_deep).collect();
+        (!nodes.is_empty()).then(|| nodes[self.rng.usize(..nodes.len())])
     }
 
     /// Split leaf `v` and look ahead below; whether both sides are large enough.
@@ -68,25 +90,30 @@ impl Climber<'_> {
     /// A cut near the present one, or one of another feature.
     fn other_cut(&mut self, state: &State, v: u32) -> Option<Root> {
         let problem = self.ground.problem;
+        if self.rng.f64() < MOVED {
+            return self.moved_cut(state, v, FURTHEST);
+        }
+        let features = crate::search::sensors::Room::at(problem, state, v).axis_features();
+        let feature = features[self.rng.usize(..features.len())];
+        if self.rng.f64() < PUREST {
+            return self.purest_cut(state, v, feature);
+        }
+        let samples = state.samples(v);
+        let sample = samples[self.rng.usize(..samples.len())];
+        Some(Root { feature, cut: problem.feature(feature as usize)[sample as usize] })
+    }
+
+    /// A cut of the same feature, few samples away more often than many, `furthest` of them (a share) at most.
+    fn moved_cut(&mut self, state: &State, v: u32, furthest: f64) -> Option<Root> {
         let Rule::Axis { feature, cut } = state.nodes[v as usize].rule else {
             return None;
         };
+        let ranks = self.ground.problem.feature(feature as usize);
         let mut samples = state.samples(v);
-        let is_moved = self.rng.f64() < MOVED;
-        let features = crate::search::sensors::Room::at(problem, state, v).axis_features();
-        let feature = if is_moved { feature } else { features[self.rng.usize(..features.len())] };
-        let ranks = problem.feature(feature as usize);
-        if !is_moved && self.rng.f64() < PUREST {
-            return self.purest_cut(state, v, feature);
-        }
         samples.sort_unstable_by_key(|&i| (ranks[i as usize], i));
-        let n = samples.len();
-        if !is_moved {
-            return Some(Root { feature, cut: ranks[samples[self.rng.usize(..n)] as usize] });
-        }
         let here = samples.partition_point(|&i| ranks[i as usize] <= cut);
         let first = samples.partition_point(|&i| ranks[i as usize] < cut);
-        let step = ((FURTHEST * n as f64).max(1.0)).powf(self.rng.f64()) as usize;
+        let step = ((furthest * samples.len() as f64).max(1.0)).powf(self.rng.f64()) as usize;
         let position = if self.rng.bool() { here + step - 1 } else { first.checked_sub(step)? };
         let sample = *samples.get(position)?;
         Some(Root { feature, cut: ranks[sample as usize] })

@@ -1,6 +1,7 @@
 //! One restart: how it begins, and what it does in each round.
 
 use crate::exact::samples::Samples;
+use crate::problem::Problem;
 use crate::search::Options;
 use crate::search::climb::Climber;
 use crate::search::ground::Ground;
@@ -15,7 +16,7 @@ const RANDOM_SHARE: f64 = 0.4;
 /// Melting a whole tree from its start.
 const WHOLE: Heat = Heat { n_steps: 800, first_sharpness: 2.0, opening: Opening::All };
 /// Samples x features that an exact block of the first tree may look at.
-const FIRST_WORK: f64 = 1e9;
+const FIRST_WORK: f64 = 2e8;
 /// Kicks of the axis-aligned tree that a hyperplane tree must not be worse than, where this share of its objective is
 /// below that of the hyperplanes: they would hardly bring it down to them otherwise.
 const AXIS_KICKS: usize = 10;
@@ -30,19 +31,29 @@ pub struct Round<'t> {
     work: f64,
     /// Levels of the deepest exact block.
     deepest: usize,
+    /// The same for the blocks of three and of four levels that the round begins and ends with.
+    deep: Option<[f64; 2]>,
     /// A tree that is known.
     known: Option<&'t Tree>,
 }
 
 impl<'t> Round<'t> {
     /// Beginning, going on, and the last one. Without kicks the search is to be quick: blocks of two levels alone.
-    pub fn all(options: Options, known: Option<&'t Tree>) -> [Self; 3] {
-        let round = |n_kicks, work, deepest| Self { n_kicks, work, deepest, known };
+    ///
+    /// An axis-aligned restart is known by its beginning, which exact blocks of three levels bring near its best; one
+    /// of hyperplanes has to be kicked first.
+    pub fn all(options: Options, known: Option<&'t Tree>, problem: &Problem) -> [Self; 3] {
         let n = options.n_kicks;
-        if n == 0 {
-            return [round(0, 0.0, 2); 3];
+        let round = |n_kicks, work| Self { n_kicks, work, deepest: 3, deep: None, known };
+        // Deeper trees have more blocks.
+        let share = 0.5_f64.powi(problem.depth.saturating_sub(4) as i32);
+        match (n, problem.planes.is_some()) {
+            (0, _) => [Self { deepest: 2, ..round(0, 0.0) }; 3],
+            (_, true) => [round(n / 4, 2e7), round(n, 2e7), Self { deepest: 4, ..round(2 * n, 4e7) }],
+            (_, false) => {
+                [round(0, 5e7), round(n, 5e7), Self { deep: Some([share * 2e9, share * 5e8]), ..round(2 * n, 5e7) }]
+            }
         }
-        [round(n / 4, 1e7, 3), round(n, 1e7, 3), round(2 * n, 2e7, 4)]
     }
 }
 
@@ -98,14 +109,26 @@ impl<'a> Restart<'a> {
             self.has_begun = true;
             self.begin(round);
         }
+        self.settle_deep(round.deep.iter().map(|works| (3, works[0])));
         self.climber.kick_until_stale(&mut self.state, round.n_kicks);
         if !self.ground.has_planes() {
             self.climber.settle(&mut self.state, round.deepest);
         }
+        self.settle_deep(round.deep.iter().flat_map(|works| [(3, works[0]), (4, works[1])]));
         self.objective = self.state.objective(&self.ground.prices);
         self.climber.report(self.objective);
         if self.climber.is_best(&self.state, self.objective) {
             self.watch.is_best(self.place);
+        }
+    }
+
+    /// Settle with blocks of so many levels and so much work, one after the other.
+    fn settle_deep(&mut self, blocks: impl Iterator<Item = (usize, f64)>) {
+        for (levels, work) in blocks {
+            let usual = std::mem::replace(&mut self.climber.blocks.work, work);
+            self.climber.settle(&mut self.state, levels);
+            self.climber.blocks.work = usual;
+            self.climber.report(self.state.objective(&self.ground.prices));
         }
     }
 

@@ -14,14 +14,16 @@ pub struct Root {
     pub cut: u32,
 }
 
-/// Samples that the cuts are judged by.
-const MOST_SAMPLES: usize = 600;
-/// Samples x features that judging one cut may look at, cuts of the same feature, and features judged.
-const WORK_OF_A_SIDE: f64 = 2e6;
-const CUTS: usize = 3;
+/// Samples that the cuts are judged by, and features that are judged.
+const MOST_SAMPLES: usize = 2000;
 const MOST_FEATURES: usize = 40;
+/// Samples x features that judging one side of a cut may look at.
+const WORK_OF_A_SIDE: f64 = 2e6;
+/// Cuts judged in all, and of one feature at least and at most.
+const CUTS: usize = 100;
+const CUTS_OF_A_FEATURE: [usize; 2] = [3, 12];
 
-/// The best cut of each feature, the most promising feature first; all with a look at no more than `MOST_SAMPLES`.
+/// The cuts judged: the best one of each feature, then the others, the most promising first in both.
 pub fn promising(ground: &Ground, samples: &Samples, control: &Control, seed: u64) -> Vec<Root> {
     let mut rng = fastrand::Rng::with_seed(seed ^ 0x5EED_0F00);
     let mut chosen: Vec<u32> = (0..ground.problem.n as u32).collect();
@@ -30,29 +32,43 @@ pub fn promising(ground: &Ground, samples: &Samples, control: &Control, seed: u6
     let mut features: Vec<u32> = (0..ground.problem.p as u32).filter(|&f| ground.problem.allowed[f as usize]).collect();
     rng.shuffle(&mut features);
     features.truncate(MOST_FEATURES);
-    let levels = (ground.problem.depth - 1).min(2);
-    let mut found: Vec<(i64, Root)> = Vec::new();
+    let [fewest, most] = CUTS_OF_A_FEATURE;
+    let n_cuts = (CUTS / features.len().max(1)).clamp(fewest, most);
+    let mut found: Vec<(bool, i64, Root)> = Vec::new();
     for feature in features {
-        let ranks = ground.problem.feature(feature as usize);
-        chosen.sort_by_key(|&i| (ranks[i as usize], i));
-        let best = (1..=CUTS)
-            .filter_map(|k| {
-                let cut = ranks[chosen[chosen.len() * k / (CUTS + 1)] as usize];
-                let n_left = chosen.partition_point(|&i| ranks[i as usize] <= cut);
-                let sides = [&chosen[..n_left], &chosen[n_left..]];
-                if sides.iter().any(|side| side.is_empty()) {
-                    return None;
-                }
-                let costs = sides.map(|side| {
-                    let most = WORK_OF_A_SIDE / (side.len() * ground.problem.p) as f64;
-                    let found = best_subtree(samples, control, side, levels, i64::MAX, 1 + most as u64);
-                    found.tree.map_or(i64::MAX / 4, |(cost, _)| cost)
-                });
-                Some((costs[0] + costs[1], Root { feature, cut }))
-            })
-            .min_by_key(|(cost, root)| (*cost, root.cut));
-        found.extend(best);
+        let mut judged = cuts_of(ground, &mut chosen, feature, n_cuts, |side| cost(ground, samples, control, side));
+        judged.sort_by_key(|(cost, root)| (*cost, root.cut));
+        found.extend(judged.into_iter().enumerate().map(|(k, (cost, root))| (k > 0, cost, root)));
     }
-    found.sort_by_key(|(cost, root)| (*cost, root.feature));
-    found.into_iter().map(|(_, root)| root).collect()
+    found.sort_by_key(|(is_second, cost, root)| (*is_second, *cost, root.feature, root.cut));
+    found.into_iter().map(|(_, _, root)| root).collect()
+}
+
+/// Cuts of a feature that part the samples evenly, with the cost of both sides.
+fn cuts_of(
+    ground: &Ground,
+    chosen: &mut [u32],
+    feature: u32,
+    n_cuts: usize,
+    cost: impl Fn(&[u32]) -> i64,
+) -> Vec<(i64, Root)> {
+    let ranks = ground.problem.feature(feature as usize);
+    chosen.sort_by_key(|&i| (ranks[i as usize], i));
+    let rank_at = |k: usize| ranks[chosen[chosen.len() * k / (n_cuts + 1)] as usize];
+    let mut cuts: Vec<u32> = (1..=n_cuts).map(rank_at).collect();
+    cuts.dedup();
+    let judge = |cut: u32| {
+        let (left, right) = chosen.split_at(chosen.partition_point(|&i| ranks[i as usize] <= cut));
+        let has_sides = !left.is_empty() && !right.is_empty();
+        has_sides.then(|| (cost(left) + cost(right), Root { feature, cut }))
+    };
+    cuts.into_iter().filter_map(judge).collect()
+}
+
+/// What the best tree of two levels found in a limited search costs on these samples.
+fn cost(ground: &Ground, samples: &Samples, control: &Control, side: &[u32]) -> i64 {
+    let levels = (ground.problem.depth - 1).min(2);
+    let most = WORK_OF_A_SIDE / (side.len() * ground.problem.p) as f64;
+    let found = best_subtree(samples, control, side, levels, i64::MAX, 1 + most as u64);
+    found.tree.map_or(i64::MAX / 4, |(cost, _)| cost)
 }
