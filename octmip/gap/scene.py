@@ -141,7 +141,7 @@ class Scene:
     lean_residual: Floats
     open_covariance: Floats
     fitted: dict[tuple[int, ...], Any] = field(init=False, repr=False, default_factory=dict)
-    errors: dict[int, Floats] = field(init=False, repr=False, default_factory=dict)
+    errors: dict[int, tuple[Floats, float]] = field(init=False, repr=False, default_factory=dict)
     shaped: dict[tuple[int, ...], Any] = field(init=False, repr=False, default_factory=dict)
     allowed: dict[tuple[int, ...], "Scene"] = field(init=False, repr=False, default_factory=dict)
     clear: dict[tuple[int, ...], tuple[int, ...]] = field(init=False, repr=False, default_factory=dict)

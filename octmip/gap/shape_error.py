@@ -146,14 +146,14 @@ def _carried_scene(scene: Scene, members: Members) -> Scene:
 
 def _root(scene: Scene, members: Members, size: Floats) -> Floats | None:
     """Return whitened Q (n, r), None where it is negligible."""
-    parts = [theta * _errors(scene, j) for j, theta in zip(members, size.tolist(), strict=True)]
-    kept = [part for part in parts if float(np.sum(part**2)) > NEGLIGIBLE]
+    found = [(theta, *_errors(scene, j)) for j, theta in zip(members, size.tolist(), strict=True)]
+    kept = [theta * errors for theta, errors, squared in found if theta**2 * squared > NEGLIGIBLE]
     carries = any(scene.setting.columns[j].acts_on_readings for j in members) and len(members) > 1
     return np.hstack([*kept, np.zeros((scene.n, 0))]) if kept or carries else None
 
 
-def _errors(scene: Scene, column: int) -> Floats:
-    """Return whitened E (n, r) of a column; the scene keeps it."""
+def _errors(scene: Scene, column: int) -> tuple[Floats, float]:
+    """Return whitened E (n, r) of a column and the sum of its squares; the scene keeps them."""
     if column not in scene.errors:
         chosen = scene.setting.columns[column]
         parts = [np.zeros((scene.n, 0))]
@@ -162,7 +162,8 @@ def _errors(scene: Scene, column: int) -> Floats:
             parts.append(chosen.signature_error * scene.whitened(own[:, np.abs(own).max(axis=0) > 0.0]))
         if chosen.n_between:
             parts.append(BETWEEN * _differences(scene, column))
-        scene.errors[column] = np.hstack(parts)
+        joined = np.hstack(parts)
+        scene.errors[column] = joined, float(np.sum(joined**2))
     return scene.errors[column]
 
 
