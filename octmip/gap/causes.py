@@ -184,8 +184,8 @@ def _parts(head: Judged) -> list[set[int]]:
 
 
 def _is_same(head: Judged, parts: Sequence[set[int]], other: Judged) -> bool:
-    if head.has_unknown or other.has_unknown:  # an effect that the unknown makes no more probable is idle beside it
-        return head.has_unknown and other.has_unknown and not head.members
+    if head.has_unknown or other.has_unknown:  # whatever acts beside it, the library does not hold the cause
+        return head.has_unknown and other.has_unknown
     if not parts or not other.members:
         return False
     columns = head.scene.setting.columns
@@ -201,6 +201,8 @@ def _cause(head: Judged, own: Fit, same: Sequence[Judged]) -> Cause:
     columns = head.scene.setting.columns
     effects = tuple(dict.fromkeys(columns[j].name for j in head.members))
     probability = float(sum(h.probability for h in same))
+    if head.has_unknown and head.probability < 0.5 * probability:  # no effect beside the unknown stands out
+        return Cause((UNKNOWN,), probability, (), (), True, False, head)
     told = parameters(head, same)
     if head.has_unknown:
         return Cause((*effects, UNKNOWN), probability, told, (), True, False, head)

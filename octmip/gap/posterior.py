@@ -8,6 +8,7 @@ probable member.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +25,8 @@ Floats = NDArray[np.float64]
 
 EXACT = 100
 """Hypotheses whose evidence is computed exactly and, with open states, in their own scene."""
+WHOLE = 30
+"""Best sets whose subsets are judged as well: an idle member must be able to leave."""
 POLISHED = 8
 """Distinct hypotheses about whose own states the scene is linearised again."""
 
@@ -130,21 +133,29 @@ def _polished(scenes: list[Scene], members: list[Members]) -> list[Scene]:
 
 def _normalised(scenes: list[Scene], found: dict[Members, Hypothesis]) -> Posterior:
     ordered = sorted(found.values(), key=lambda h: -h.log_weight)
+    exact = _with_parts([h.members for h in ordered[:EXACT]])
     judged: list[tuple[Hypothesis, float, Scene]] = []
     for scene in scenes:  # all at once: one by one costs ten times as much
-        judge(scene, [h.members for h in ordered[:EXACT]])
-    for k, h in enumerate(ordered):
-        if k < EXACT:
-            value, scene = _exact(scenes, h.members)
-            judged.append((h, value, scene))
-        elif len(scenes) == 1:
-            judged.append((h, h.log_weight + scenes[0].log_none, scenes[0]))
+        judge(scene, exact)
+    for members in exact:
+        value, nearest = _exact(scenes, members)
+        judged.append((Hypothesis(members, False, value), value, nearest))
+    if len(scenes) == 1:
+        done = set(exact)
+        others = [h for h in ordered if h.members not in done]
+        judged += [(h, h.log_weight + scenes[0].log_none, scenes[0]) for h in others]
     best = max(judged, key=lambda item: item[1])[2]
     strange = weigh_unknown(best)
     judged += _with_unknown(best, strange)
     total = float(logsumexp([value for _, value, _ in judged]))
     result = [Judged(h.members, h.has_unknown, float(np.exp(v - total)), s) for h, v, s in judged]
     return Posterior(tuple(sorted(result, key=lambda h: -h.probability)), strange, best)
+
+
+def _with_parts(sets: list[Members]) -> list[Members]:
+    """Return the sets, and what is left of the first `WHOLE` of them when members are taken out: never unjudged."""
+    parts = {part for members in sets[:WHOLE] for k in range(len(members)) for part in combinations(members, k)}
+    return [*sets, *sorted(parts - set(sets))]
 
 
 def _exact(scenes: list[Scene], members: Members) -> tuple[float, Scene]:

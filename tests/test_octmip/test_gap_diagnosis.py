@@ -219,3 +219,12 @@ def test_an_effect_of_expected_size_keeps_its_own_course_over_the_loads():
     diagnosis = diagnose(asset, TWIN, {**CHAIN, **TWIN.effects, expected.name: expected}, commissioning=COMMISSIONING)
     assert diagnosis.which[0].effects == ("large_deflection",)
     assert diagnosis.which[0].parameters[0].size == pytest.approx(1.0, abs=0.2)
+
+
+@pytest.mark.parametrize("known", [True, False], ids=["known state", "unknown state"])
+def test_every_part_of_a_likely_set_is_judged_so_that_an_idle_member_can_leave(known):
+    campaign = measured(7, effect("dead_gauge", 1.0, "g11"), states=((0.2, 0.4),), known=known)
+    judged = diagnose(campaign, TWIN, commissioning=COMMISSIONING).posterior.judged
+    sets = {h.members for h in judged if not h.has_unknown}
+    for members in [h.members for h in judged if not h.has_unknown][:10]:
+        assert all(members[:k] + members[k + 1 :] in sets for k in range(len(members)))

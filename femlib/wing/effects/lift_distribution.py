@@ -39,6 +39,7 @@ def effect(response: Response) -> WingEffect:
         force=force,
         places=tuple(shapes),
         n_between=2,
+        signature_error=0.05,
     )
 
 
