@@ -9,7 +9,7 @@ E = B C B', B orthonormal and block by block. With D = 1 / (1 - mu h), by Woodbu
 
     xi = D (g - B C eta),   (1 + B' D B C) eta = B' D g,   g = X' l,
 
-a small system for each state. Directions below `CUT` of the largest coupling are dropped.
+a small system for each state. Directions whose coupling is below `CUT` are dropped.
 Source: M. A. Woodbury, Inverting modified matrices, Princeton (1950).
 """
 

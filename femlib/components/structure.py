@@ -163,10 +163,11 @@ class DamagedStructure:
         Raises
         ------
         InputError
-            If a damage is outside [0, 1).
+            If a damage is outside [0, 1) or a load is not finite or of the wrong size.
         """
         row = checked_damage(damage[None, :], self.parameters)
-        force, active = loads[self.supports.free], self.active(row)
+        force = frozen_floats(loads, "loads", (self.supports.n_dofs, *loads.shape[1:]))[self.supports.free]
+        active = self.active(row)
         if self.n_ports(active) > MOST_PORTS:
             return self._solve_directly(row[0], force)
         eliminated = self.eliminated(active)

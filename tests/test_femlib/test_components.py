@@ -50,6 +50,15 @@ def test_many_loads_in_one_state_are_each_of_them_alone(coarse: Wing) -> None:
         assert np.abs(displacement - alone).max() < 1e-8 * np.abs(alone).max()
 
 
+def test_many_states_of_a_single_region_are_those_of_new_factorisations(coarse: Wing) -> None:
+    shells, supports = coarse.structure.shells, coarse.structure.supports
+    alone = DamagedStructure(shells, supports, coarse.structure.components[:1])
+    moved = alone.solve(np.linspace(0.1, 0.9, FEW_STATES + 1)[:, None], coarse.lift)
+    assert alone.eliminated((0,)).ports.is_diagonal
+    full = full_solution(coarse, np.array([0.9, 0.0]), coarse.lift)
+    assert np.abs(moved[-1] - full).max() < 1e-8 * np.abs(full).max()
+
+
 def test_regions_that_touch_are_solved_without_a_spectrum(coarse: Wing) -> None:
     first = coarse.structure.components[0].elements
     half = np.cumsum(first) <= first.sum() // 2
