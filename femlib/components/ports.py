@@ -1,8 +1,9 @@
 """The ports of damage components: from damages to the forces that stand for them.
 
 In the words of the package's docstring, a condensed load l gives the forces sum_i mu_i T_i u_b with S(mu) u_b = l.
-A few states are solved one by one (a Cholesky factorisation each); for many the spectrum of the ports is made once,
-which costs as much as some six states and makes each of them a product.
+The spectrum of the ports is made at the first damaged state, for the price of some six states solved one by one.
+Always: whether a state came first or last, alone or among many, must not change its last digit. Regions that share
+ports have no spectrum; their states are solved one by one, a Cholesky factorisation each.
 """
 
 from collections.abc import Sequence
@@ -13,9 +14,6 @@ import scipy.linalg as linalg
 
 from femlib.arrays import FloatArray, IntArray
 from femlib.components.spectrum import PortSpectrum
-
-FEW_STATES = 4
-"""States solved one by one before the spectrum is made."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,7 +31,6 @@ class Ports:
     schur: FloatArray
     losses: tuple[tuple[IntArray, FloatArray], ...]
     _spectrum: list[PortSpectrum] = field(init=False, repr=False, default_factory=list)  # at most one: a cache
-    _solved: list[int] = field(init=False, repr=False, default_factory=lambda: [0])  # states solved one by one so far
 
     @property
     def is_diagonal(self) -> bool:
@@ -52,8 +49,7 @@ class Ports:
         return forces
 
     def _of_damaged(self, damage: FloatArray, load: FloatArray) -> FloatArray:
-        self._solved[0] += len(damage)
-        if not self._spectrum and self._solved[0] > FEW_STATES and are_apart([place for place, _ in self.losses]):
+        if not self._spectrum and are_apart([place for place, _ in self.losses]):
             self._spectrum.append(PortSpectrum.of(self.schur, self.losses))
         if self._spectrum:
             return self._spectrum[0].forces(damage, load)
