@@ -205,14 +205,17 @@ impl<'a> Restart<'a> {
         state
     }
 
-    /// A tree of logistic splits, melted. A quick one visits every node once.
+    /// A tree of logistic splits, melted or not. A quick one visits every node once.
     fn begin_planes(&mut self, is_first: bool, is_quick: bool) -> State {
         let (ground, climber) = (self.ground, &mut self.climber);
         let share = if is_first { 1.0 } else { 0.5 + 0.5 * climber.rng.f64() };
         let soil = Soil { share, has_planes: ground.has_real_planes() };
         let mut state = State::leaf(ground.problem);
         climber.grow(&mut state, 0, ground.problem.depth, soil);
-        climber.melt(&mut state, 0, WHOLE);
+        // Planes of two features that melt together end alike: restarts are more different, and end better, without it.
+        if ground.split_size() > 2 || ground.split_size() == ground.problem.p {
+            climber.melt(&mut state, 0, WHOLE);
+        }
         if is_quick {
             let nodes = state.below(0);
             climber.visit_each(&mut state, &nodes);
