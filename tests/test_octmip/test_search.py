@@ -43,6 +43,31 @@ def test_larger_random_problems_get_feasible_trees_no_worse_than_cart_that_they_
         assert solution.objective <= cart.objective
 
 
+def test_kicks_of_deep_trees_keep_every_constraint_and_the_objective_of_the_certificate():
+    rng = np.random.default_rng(5)
+    seen = set()
+    for seed in range(60):
+        problem = random_problem(rng, max_samples=80, max_features=5, max_depth=5)
+        if problem.depth < 3:
+            continue  # cuts are shifted and planted from three levels on
+        solution = local_search(problem, seed=seed, restarts=3, kicks=12)
+        certificate = certify(problem, solution)
+        assert certificate.objective == pytest.approx(solution.objective)
+        seen |= {name for name, is_on in _complications(problem).items() if is_on}
+    assert seen == set(_complications(LARGE))
+
+
+def _complications(problem):
+    return {
+        "weights": len(set(problem.weights)) > 1,
+        "costs": not np.array_equal(problem.costs, 1 - np.eye(len(problem.costs))),
+        "leaf_size": problem.leaf_size > 1,
+        "leaf_penalty": problem.leaf_penalty > 0,
+        "sensor_budget": problem.sensor_budget is not None,
+        "allowed_splits": problem.allowed_splits is not None,
+    }
+
+
 def test_one_seed_is_one_tree_for_any_number_of_threads():
     alone = local_search(LARGE, seed=7, restarts=6, kicks=3)
     together = local_search(LARGE, seed=7, restarts=6, kicks=3, n_jobs=4)
