@@ -201,14 +201,13 @@ def _cause(head: Judged, own: Fit, same: Sequence[Judged]) -> Cause:
     columns = head.scene.setting.columns
     effects = tuple(dict.fromkeys(columns[j].name for j in head.members))
     probability = float(sum(h.probability for h in same))
-    if head.has_unknown and head.probability < 0.5 * probability:  # no effect beside the unknown stands out
+    seen = [j for j in head.members if visibility(head.allowed, own, j) >= SEPARABLE]
+    clear = len(seen) == len(head.members)
+    if head.has_unknown and (not clear or head.probability < 0.5 * probability):  # nothing beside it stands out
         return Cause((UNKNOWN,), probability, (), (), True, False, head)
-    told = parameters(head, same)
-    if head.has_unknown:
-        return Cause((*effects, UNKNOWN), probability, told, (), True, False, head)
-    clear = all(visibility(head.allowed, own, j) >= SEPARABLE for j in head.members)
-    ties = [_tie(head, j, rivals(head.allowed, own, j)) for j in head.members] if clear else []
-    return Cause(effects, probability, told, tuple(t for t in ties if t), clear, False, head)
+    ties = tuple(tie for j in seen if (tie := _tie(head, j, rivals(head.allowed, own, j))))
+    named = (*effects, UNKNOWN) if head.has_unknown else effects
+    return Cause(named, probability, parameters(head, same), ties, clear, False, head)
 
 
 def _tie(head: Judged, member: int, found: Sequence[Rival]) -> Tie | None:

@@ -98,6 +98,18 @@ def test_exact_ties_are_named_together_and_no_strain_test_is_said_to_help(name):
     assert {"load_cell", "shunt_calibration"} & {test.name for test in diagnosis.next_test}
 
 
+@pytest.mark.parametrize("loads", [(0.0, 1.0, 2.0, 3.0), (1.0, 2.0), (3.0,)], ids=["4 loads", "2 loads", "1 load"])
+@pytest.mark.parametrize("calibrated", [True, False], ids=["with a run", "without"])
+@pytest.mark.parametrize("size", [-12.0, -2.0, 0.7, 4.0, 20.0])
+def test_exact_ties_are_named_together_whatever_size_and_loads(size, calibrated, loads):
+    campaign = measured(int(10 + abs(size)), effect("modulus", size), loads=loads)
+    diagnosis = diagnose(campaign, TWIN, commissioning=COMMISSIONING if calibrated else None)
+    clear = [cause for cause in diagnosis.which if cause.is_clear]
+    assert all(names >= TIED for cause in clear for names in cause.names if names & TIED)
+    if abs(size) >= (4.0 if calibrated else 12.0):
+        assert diagnosis.which[0].effects and any(set(names) >= TIED for names in diagnosis.which[0].names)
+
+
 def test_an_effect_outside_the_library_is_called_unknown():
     odd = 12 * np.sin(9 * np.arange(20))
     diagnosis = diagnose(measured(2, lambda state, load, time: load * odd), TWIN, commissioning=COMMISSIONING)
