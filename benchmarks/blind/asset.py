@@ -59,7 +59,8 @@ class Asset:
         family: name of the code and mesh.
         gauges, eta, row: of the gauges that lie in no region: name, span fraction, chordwise row.
         states: damage states of the tests.
-        places: names of the fields and flaws that were drawn for this set.
+        payloads, hot_spots, lifts: names of the fields that were drawn for this set.
+        flaws: local faults that were drawn for it.
     """
 
     family = ""
@@ -67,6 +68,7 @@ class Asset:
     n_places = {"payload_inertia": 8, "hot_spot": 4, "damage_outside_library": 10, "spar_skin_debond": 8}  # noqa: RUF012
 
     def __init__(self, seed, refinement):
+        self.refinement = refinement
         self.wing = uav_wing(refinement=refinement)
         gauges = self.wing.gauges
         self.columns = np.flatnonzero(gauges.is_usable)
@@ -124,7 +126,7 @@ class Asset:
 
     def bending(self):
         """Return the relative changes (n_gauges,) of strain by large deflection per L and per L^2."""
-        return self.kept("bending", lambda: _bending(min(BENT_REFINEMENT, self.bent_refinement), self.columns))
+        return self.kept("bending", lambda: _bending(min(BENT_REFINEMENT, self.refinement), self.columns))
 
 
 class FemlibAsset(Asset):
@@ -134,7 +136,6 @@ class FemlibAsset(Asset):
 
     def __init__(self, seed, refinement=REFINEMENT):
         super().__init__(seed, refinement)
-        self.bent_refinement = refinement
         every = [*STATES, *TREE_STATES, *(near for state in STATES for near in neighbours(state))]
         self.every = tuple(dict.fromkeys(every))
 
@@ -172,7 +173,7 @@ class FemlibAsset(Asset):
     def _softness(self):
         cards = WingMaterials()
         wing = uav_wing(
-            refinement=self.bent_refinement, materials=replace(cards, skin_young=cards.skin_young * (1 + THICKER))
+            refinement=self.refinement, materials=replace(cards, skin_young=cards.skin_young * (1 + THICKER))
         )
         return (self._answers(self.wing, self.wing.lift) / self._answers(wing, wing.lift) - 1.0) / THICKER
 

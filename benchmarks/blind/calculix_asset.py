@@ -54,8 +54,6 @@ class CalculixAsset(Asset):
 
     def __init__(self, seed, refinement=REFINEMENT, store=None, jobs=2):
         super().__init__(seed, refinement)
-        self.bent_refinement = refinement
-        self.names = self.field_names
         self._strains = self._run(store, jobs)
 
     def strain(self, state):
@@ -84,14 +82,16 @@ class CalculixAsset(Asset):
     def _decks(self):
         wing, cards = self.wing, WingMaterials()
         thick = uav_wing(
-            refinement=self.bent_refinement, materials=replace(cards, skin_young=cards.skin_young * (1 + THICKER))
+            refinement=self.refinement, materials=replace(cards, skin_young=cards.skin_young * (1 + THICKER))
         )
         every = dict.fromkeys([*self.states, *(near for state in self.states[1:] for near in neighbours(state))])
         decks = [Deck(_key("lift", state), wing, state, {}) for state in every]
         decks += [Deck(_key("stiffer skin", state), thick, state, {}) for state in self.states]
         decks += [Deck(_key(f.place, STATES[0]), _patched(wing, f), STATES[0], {}) for f in self.flaws]
         return decks + [
-            Deck(_key(name, state), wing, state, self._settings(name)) for state in self.states for name in self.names
+            Deck(_key(name, state), wing, state, self._settings(name))
+            for state in self.states
+            for name in self.field_names
         ]
 
     def _settings(self, name):
