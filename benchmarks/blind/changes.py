@@ -9,6 +9,8 @@ from benchmarks.blind.asset import Flaw
 
 HOUR = 3600.0
 CREEP_POWER = 0.22
+SUNSHINE = 1200.0
+"""Half a period of the sun [s]: four loads of 50 readings."""
 TRANSVERSE = 1.33
 """One and the gauge's contraction across its direction, which a turned gauge feels."""
 CHORDS = ((435.61, 433.0), (261.112, 260.0))
@@ -187,13 +189,14 @@ def _hysteresis(truth, asset, moment, before):
     return truth.size * 15.0 * np.sqrt(np.abs(moment.load) / 3.0) * signs
 
 
-def _warming_up(truth, asset, moment, before):
-    """A hangar whose sun grows on one part of the wing during the campaign."""
-    course = moment.times[:, None] / 1200.0
+def _passing_sun(truth, asset, moment, before):
+    """A sun that comes and goes on one part of the wing; growing with time alone it would look like a damage, as
+    the loads are measured in ascending order."""
+    course = np.sin(np.pi * moment.times[:, None] / SUNSHINE)
     return 15.0 * truth.size * course * asset.field(truth.extra["spot"], moment.state)
 
 
 _OUTSIDE = {
     "hot_spot": _hot_spot, "quadratic_gauges": _quadratic_gauges, "rib_field": _rib_field,
-    "patchy_gain": _patchy_gain, "hysteresis": _hysteresis, "warming_up": _warming_up,
+    "patchy_gain": _patchy_gain, "hysteresis": _hysteresis, "passing_sun": _passing_sun,
 }  # fmt: skip

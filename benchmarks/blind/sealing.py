@@ -70,12 +70,15 @@ def facts(case, asset):
     cells = moments(case)
     moved = _moved(case.truths, asset, cells)
     parts = [_moved((truth,), asset, cells) for truth in case.truths]
+    beside = parts[::-1] if len(parts) == 2 else [None] * len(parts)
     last = cells[-1].times[-1]
     held = Moment(case.states[0], HELD_LOAD, np.array([last]), (*cells[-1].history, (HELD_LOAD, last - 300.0)))
     names = [f"T{number} at load factor {load:g}" for number, _, load in case.cells]
     return {
         "d_prime": {key: distance(moved, case, asset, key == "calibrated") for key in ("calibrated", "bare")},
-        "d_prime_of_parts": [distance(part, case, asset, True) for part in parts],
+        "d_prime_of_parts": [
+            distance(part, case, asset, True, other) for part, other in zip(parts, beside, strict=True)
+        ],
         "held_change": _moved(case.truths, asset, [held])[0].tolist(),
         "entries": {name: row.tolist() for name, row in zip(names, moved, strict=True)},
         "strain": asset.strain(case.states[0]).tolist(),
@@ -88,8 +91,23 @@ def _moved(truths, asset, cells):
     return np.array([(mean_readings(truths, asset, m) - m.load * asset.strain(m.state)).mean(axis=0) for m in cells])
 
 
-def distance(moved, case, asset, is_calibrated):
-    """Return d': how many standard deviations a change (n_cells, n_gauges) stands from noise, model and damage."""
+def distance(moved, case, asset, is_calibrated, beside=None):
+    """Return d': how many standard deviations a change (n_cells, n_gauges) stands from noise, model and damage.
+
+    With `beside`, a change of the same shape, what the best multiple of that leaves of it.
+    """
+    flat = moved.ravel()
+    weighed = np.linalg.solve(_covariance(case, asset, is_calibrated), flat)
+    squared = float(flat @ weighed)
+    if beside is not None:
+        other = beside.ravel()
+        own = float(other @ np.linalg.solve(_covariance(case, asset, is_calibrated), other))
+        squared -= float(other @ weighed) ** 2 / own if own > 0.0 else 0.0
+    return float(np.sqrt(max(0.0, squared)))
+
+
+def _covariance(case, asset, is_calibrated):
+    """Return the covariance (n_cells n_gauges, same) of mean readings about what the twin says."""
     loads = np.array([load for _, _, load in case.cells])
     n, noise = len(asset.gauges), VARIANCE / REPEATS
     strain = 3.0 * asset.strain(asset.states[0])
@@ -98,15 +116,15 @@ def distance(moved, case, asset, is_calibrated):
     else:
         own = (OWN * strain) ** 2 + (LEAST * np.sqrt(np.mean(strain**2))) ** 2
         model = COMMON**2 * np.outer(strain, strain) + np.diag(own)
-    covariance = np.eye(moved.size) * noise + np.kron(np.outer(loads / 3.0, loads / 3.0), model)
-    if not case.is_known:
-        state = case.states[0]
-        for near in neighbours(state):
-            step = max(abs(a - b) for a, b in zip(near, state, strict=True))
-            tangent = np.kron(loads, (asset.strain(near) - asset.strain(state)) / step)
-            covariance += DAMAGE**2 * np.outer(tangent, tangent)
-    flat = moved.ravel()
-    return float(np.sqrt(flat @ np.linalg.solve(covariance, flat)))
+    covariance = np.eye(len(loads) * n) * noise + np.kron(np.outer(loads / 3.0, loads / 3.0), model)
+    if case.is_known:
+        return covariance
+    state = case.states[0]
+    for near in neighbours(state):
+        step = max(abs(a - b) for a, b in zip(near, state, strict=True))
+        tangent = np.kron(loads, (asset.strain(near) - asset.strain(state)) / step)
+        covariance += DAMAGE**2 * np.outer(tangent, tangent)
+    return covariance
 
 
 def _is_for_tree(case):

@@ -33,7 +33,7 @@ ONE_SIDED = {"payload_inertia", "large_deflection", "creep", "misalignment"}
 FLAWS = ("damage_outside_library", "spar_skin_debond")
 FACTS = ("swapped_pair", "dead_gauge")
 TRACELESS = "root_flexibility"
-OUTSIDE = ("hot_spot", "quadratic_gauges", "rib_field", "patchy_gain", "hysteresis", "warming_up")
+OUTSIDE = ("hot_spot", "quadratic_gauges", "rib_field", "patchy_gain", "hysteresis", "passing_sun")
 SINGLES = (*SCALES, *FLAWS, *FACTS)
 CHANNEL = ("stuck_gauge", "clipping")
 """Faults of a channel that the noise tells, not an effect with a size."""

@@ -220,6 +220,14 @@ def test_without_a_commissioning_run_a_scale_is_hard_to_see():
     assert distance(moved, case, Line(), False) < 1.0 < distance(moved, case, Line(), True)
 
 
+def test_a_part_of_a_pair_counts_as_far_as_the_other_cannot_imitate_it():
+    case = Case("x", "pair", (), ((0.0, 0.0),), True, (0.0,), "white", "line")
+    first, second = np.array([[30.0, 0.0]]), np.array([[30.0, 40.0]])
+    alone = distance(first, case, Line(), True)
+    assert distance(first, case, Line(), True, beside=second) == pytest.approx(0.8 * alone)
+    assert distance(first, case, Line(), True, beside=2.0 * first) == pytest.approx(0.0, abs=1e-6)
+
+
 def test_a_set_is_right_when_each_group_holds_one_truth():
     assert is_right([["a", "b"], ["c"]], ["c", "b"])
     assert not is_right([["a", "b"], ["c"]], ["a", "b"])
