@@ -79,6 +79,11 @@ def d_prime(found, answer):
     return answer["d_prime"]["calibrated" if found["calibrated"] else "bare"]
 
 
+def least_part(found, answer):
+    """Return how far the weaker effect stands from what the other can imitate."""
+    return min(answer["d_prime_of_parts"]["calibrated" if found["calibrated"] else "bare"])
+
+
 def is_standard(answer):
     """Return whether a case has the conditions of the table of figures: known healthy state, loads 0 to 3."""
     case = answer["case"]
@@ -105,10 +110,8 @@ def figures(cases):
 
 
 def _naming(by, clear):
-    both = [(f, a) for f, a in by["pair"] if min(a["d_prime_of_parts"]) >= CLEAR]
-    covered = [
-        (f, a) for f, a in [*by["single"], *by["pair"], *by["none"]] if d_prime(f, a) >= CLEAR or not names_of(a)
-    ]
+    both = [(f, a) for f, a in by["pair"] if least_part(f, a) >= CLEAR]
+    covered = [*by["none"], *clear, *both]
     return [
         share("top-1 by ambiguity group, d' >= 5", [top(f, a) for f, a in clear], (0.95, INFINITY)),
         share("top-1 by ambiguity group, all", [top(f, a) for f, a in by["single"]], (0.85, INFINITY)),

@@ -76,9 +76,10 @@ def facts(case, asset):
     names = [f"T{number} at load factor {load:g}" for number, _, load in case.cells]
     return {
         "d_prime": {key: distance(moved, case, asset, key == "calibrated") for key in ("calibrated", "bare")},
-        "d_prime_of_parts": [
-            distance(part, case, asset, True, other) for part, other in zip(parts, beside, strict=True)
-        ],
+        "d_prime_of_parts": {
+            key: [distance(p, case, asset, key == "calibrated", q) for p, q in zip(parts, beside, strict=True)]
+            for key in ("calibrated", "bare")
+        },
         "held_change": _moved(case.truths, asset, [held])[0].tolist(),
         "entries": {name: row.tolist() for name, row in zip(names, moved, strict=True)},
         "strain": asset.strain(case.states[0]).tolist(),

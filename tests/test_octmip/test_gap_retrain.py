@@ -38,6 +38,13 @@ def test_the_means_are_the_twins_at_the_load_of_the_lesson():
     assert means(augmented(10.0), lesson()).ravel() == pytest.approx([2200.0, 2640.0, 3080.0])
 
 
+def test_a_calibrated_gauge_differs_in_the_change_that_damage_makes_by_the_share_of_its_healthy_strain():
+    twin = AugmentedTwin(Bar(), (), calibration=np.array([50.0, 200.0]))
+    assert twin.predict({}, 2.0) == pytest.approx([2100.0, 1400.0])
+    # 5 % of a change of 800; 200 of 500 is no factor on a gauge's strain
+    assert twin.predict({"mu": 0.4}, 2.0) == pytest.approx([2800.0 + 100.0 + 40.0, 1400.0 + 400.0])
+
+
 def test_features_are_readings_over_the_load_with_the_noise_of_one_reading():
     features, labels = samples(lesson(), means(Bar(), lesson()), 4000, seed=3)
     healthy = features[labels == 0.0]
