@@ -59,6 +59,17 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
+def _made(name: str, maker: Any) -> Any:
+    """Return what a twin's class or function makes, called without arguments."""
+    try:
+        return maker()
+    except TypeError as error:
+        raise DataError(
+            f"--twin {name!r} cannot be called without arguments ({error}); expected a twin, its class, or a function "
+            "that makes one; write such a function"
+        ) from error
+
+
 def load_twin(name: str) -> Twin:
     """Return the twin that ``module:attribute`` names, called first when it is no twin itself.
 
@@ -76,7 +87,7 @@ def load_twin(name: str) -> Twin:
         raise DataError(f"--twin {name!r}: module {module!r} cannot be imported ({error}); check the name") from error
     except AttributeError as error:
         raise DataError(f"--twin {name!r}: {module!r} has no {attribute!r}; check the name") from error
-    twin = found if hasattr(found, "predict") and not isinstance(found, type) else found()
+    twin = found if hasattr(found, "predict") and not isinstance(found, type) else _made(name, found)
     if not all(hasattr(twin, part) for part in ("gauges", "predict", "effects")):
         raise DataError(
             f"--twin {name!r} gives a {type(twin).__name__}; expected gauges, effects and predict(state, load)"

@@ -150,9 +150,7 @@ def _side_notes(table: Table, time: NDArray[np.float64], temperature: NDArray[np
         notes.append(f"Row {table.numbers[missing[0]]}, column time is empty: the course of time is not used.")
     back = np.flatnonzero(np.diff(time) < 0.0)
     if back.size:
-        notes.append(
-            f"Row {table.numbers[back[0] + 1]}, column time: earlier than the row before; rows need their order."
-        )
+        notes.append(f"Row {table.numbers[back[0] + 1]}, column time: earlier than the row before; order rows by time.")
     hot = np.flatnonzero(temperature > HOTTEST)
     if hot.size:
         notes.append(

@@ -223,12 +223,13 @@ def _noise(
     campaign: Campaign, run: Campaign | None, noise_sd: float | Mapping[str, float] | None
 ) -> tuple[Noise, list[str]]:
     """Return the noise and where it is from: the repeats, else the commissioning run's, else what is given."""
+    given = None if noise_sd is None else given_noise(campaign.gauges, noise_sd)
     if campaign.has_repeats:
         unused = "The noise is estimated from the repeats; the given standard deviation is not used."
-        return estimate_noise(campaign, run), [] if noise_sd is None else [unused]
+        return estimate_noise(campaign, run), [] if given is None else [unused]
     few = "Every test holds too few repeats to tell the noise; "
-    if noise_sd is not None:
-        return given_noise(campaign.gauges, noise_sd), [few + "the given standard deviation is taken as known."]
+    if given is not None:
+        return given, [few + "the given standard deviation is taken as known."]
     return estimate_noise(campaign, run).of_gauges(campaign.gauges), [few + "the commissioning run's noise is used."]
 
 

@@ -58,7 +58,8 @@ def cause_words(cause: Cause) -> str:
     if not cause.effects:
         return "nothing: no effect"
     if UNKNOWN in cause.effects:
-        return "something outside the library"
+        known = " and ".join(size_words(parameter) for parameter in cause.parameters)
+        return f"something outside the library{f' beside {known}' if known else ''}"
     if not cause.is_clear:
         return f"some effect too small to name in these readings ({' + '.join(cause.effects)} or another)"
     told = []
@@ -149,7 +150,7 @@ def _which(diagnosis: Diagnosis) -> list[str]:
         if cause is not first and (cause.probability < 0.005 or UNKNOWN in cause.effects):
             continue  # the unknown has a line of its own below
         lines.append(f"{likely(cause.probability):>12}  {cause_words(cause)}")
-        if cause is first:
+        if cause is first and UNKNOWN not in cause.effects:
             lines += _explained(cause)
     if first.is_prior_sensitive:
         lines.append(

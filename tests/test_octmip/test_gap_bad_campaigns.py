@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from octmip.cli.diagnose import load_twin
 from octmip.errors import DataError
 from octmip.gap import diagnose, read_campaign
 from octmip.gap.clipping import unclipped
@@ -216,3 +217,20 @@ def test_no_rail_is_seen_where_there_is_none():
         np.round(plain.readings / 80.0) * 80.0, plain.time, plain.temperature,
     )  # fmt: skip
     assert unclipped(coarse)[1] == {}
+
+
+def test_a_known_noise_stands_in_for_repeats(tmp_path):
+    once = measured(1, repeats=1)
+    diagnosis = diagnose(once, TWIN, commissioning=None, noise_sd=31.6)
+    assert diagnosis.is_sound and diagnosis.noise.sd_microstrain == pytest.approx(31.6)
+    assert any("given standard deviation is taken as known" in note for note in diagnosis.notes)
+    by_gauge = diagnose(once, TWIN, noise_sd=dict.fromkeys(TWIN.gauges, 31.6))
+    assert by_gauge.which[0].probability == pytest.approx(diagnosis.which[0].probability)
+    with pytest.raises(DataError, match=r"noise_sd of gauge g01 is -3.*positive"):
+        diagnose(measured(1), TWIN, noise_sd=-3.0)
+    assert any("is not used" in note for note in diagnose(measured(1), TWIN, noise_sd=31.6).notes)
+
+
+def test_a_twin_that_cannot_be_made_is_refused_by_name():
+    with pytest.raises(DataError, match=r"'json:dumps' cannot be called without arguments.*function"):
+        load_twin("json:dumps")
