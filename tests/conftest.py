@@ -1,6 +1,9 @@
 """What every test may rely on."""
 
+import shutil
 import signal
+from collections.abc import Iterator
+from typing import Any
 
 import pytest
 
@@ -9,3 +12,16 @@ import pytest
 def _ctrl_c_is_heard() -> None:
     """A shell starts background jobs with SIGINT ignored; Python then raises no KeyboardInterrupt, nor do children."""
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    """A headless Chromium; the test is skipped where there is none."""
+    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+    program = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    if program is None:
+        pytest.skip("no Chromium on this machine: apt-get install chromium")
+    with playwright.sync_playwright() as running:
+        opened = running.chromium.launch(executable_path=program, args=["--no-sandbox"])
+        yield opened
+        opened.close()

@@ -121,19 +121,19 @@ def picture(twin, corrected, path: str) -> None:
     figure, axes = plt.subplots(2, 2, figsize=(11, 5.2), layout="constrained", sharex=True, sharey=True)
     drawn = None
     for column, state in enumerate(((0, 0), (60, 20))):
-        for row, (title, one) in enumerate((("femlib's wing", twin), ("with the effects found", corrected))):
+        for row, (title, one) in enumerate(
+            (("femlib's wing", twin), ("calibrated, with the effects found", corrected))
+        ):
             apart = table[(*state, 3.0)] - one.predict({"mu1": state[0] / 100, "mu2": state[1] / 100}, 3.0)
             axis = axes[row, column]
             axis.plot(outline[:, 1], outline[:, 0], color="#8c959f")
             drawn = axis.scatter(
                 places[:, 1], places[:, 0], c=apart, cmap="RdBu_r", vmin=-200, vmax=200, s=90, edgecolor="black"
             )
-            for k, value in enumerate(apart):
-                axis.annotate(f"{value:+.0f}", places[k], (places[k][1], places[k][0] - 0.032), fontsize=7, ha="center")
             used = [k for k, name in enumerate(twin.gauges) if name not in INSIDE]
             rms = np.sqrt(np.mean(apart[used] ** 2))
-            axis.set_title(f"{title}, mu1 = {state[0]} %, mu2 = {state[1]} %: {rms:.0f} rms of 20", fontsize=10)
-            axis.invert_yaxis()
+            axis.set_title(f"{title}, mu1 = {state[0]} %, mu2 = {state[1]} %: {rms:.0f} rms of 20", fontsize=9)
+    axes[0, 0].invert_yaxis()
     for axis in axes[-1]:
         axis.set_xlabel("span [m]")
     figure.colorbar(drawn, ax=axes, label="table - twin at load factor 3 [microstrain]", shrink=0.8)

@@ -2,7 +2,6 @@
 
 import json
 import re
-import shutil
 from pathlib import Path
 
 import numpy as np
@@ -143,18 +142,6 @@ def test_the_page_is_whole_in_itself_and_says_what_the_flight_says(flight: dict)
 def test_names_in_the_data_cannot_end_the_script(flight: dict):
     page = mission_page({**flight, "source": "</script><script>alert(1)</script>"})
     assert page.count("</script>") == 2
-
-
-@pytest.fixture(scope="module")
-def browser():
-    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-    program = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-    if program is None:
-        pytest.skip("no Chromium on this machine: apt-get install chromium")
-    with playwright.sync_playwright() as running:
-        opened = running.chromium.launch(executable_path=program, args=["--no-sandbox"])
-        yield opened
-        opened.close()
 
 
 @pytest.fixture

@@ -1,7 +1,5 @@
 """What a test engineer reads: the page of words, and the report in a browser."""
 
-import shutil
-
 import numpy as np
 import pytest
 
@@ -69,18 +67,6 @@ def test_machines_find_the_effect_under_its_name(diagnoses):
     assert found["noise"]["clipped"] == {} and found["noise"]["findings"] == []
     assert found["shrinkage"]["p_after"] > 0.001
     assert as_object(diagnoses["one load"])["shrinkage"]["closed"] is None
-
-
-@pytest.fixture(scope="module")
-def browser():
-    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-    program = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-    if program is None:
-        pytest.skip("no Chromium on this machine: apt-get install chromium")
-    with playwright.sync_playwright() as running:
-        opened = running.chromium.launch(executable_path=program, args=["--no-sandbox"])
-        yield opened
-        opened.close()
 
 
 @pytest.mark.parametrize("case", CASES)
