@@ -212,8 +212,9 @@ impl<'a> Restart<'a> {
         let soil = Soil { share, has_planes: ground.has_real_planes() };
         let mut state = State::leaf(ground.problem);
         climber.grow(&mut state, 0, ground.problem.depth, soil);
-        // Planes of two features that melt together end alike: restarts are more different, and end better, without it.
-        if ground.split_size() > 2 || ground.split_size() == ground.problem.p {
+        // Planes of two features that melt together end alike; every other restart is more different without it.
+        let is_narrow = ground.split_size() == 2 && ground.problem.p > 2;
+        if !is_narrow || self.number.is_multiple_of(2) {
             climber.melt(&mut state, 0, WHOLE);
         }
         if is_quick {
