@@ -24,8 +24,10 @@ SEPARABLE = 3.0
 """d' below which two effects are one group."""
 ABSURD = 9.0
 """Sizes beyond this many prior sd are no explanation (three times the widest of the scale mixture)."""
+IMPOSSIBLE = 30.0
+"""The same limit where the traces are one: a gain of 20 % is told beside a modulus, one of -100 % not for a dead gauge."""
 EXACT = 0.5
-"""d' below which two traces are the same for any size."""
+"""d' below which two traces are one."""
 POWER = 3.3 + 1.645
 """d' that a size needs to be seen with 95 % power past a threshold corrected for some hundred places."""
 
@@ -95,8 +97,8 @@ def _distances(scene: Scene, gram: tuple[Floats, Floats], member: int, size: flo
     safe = np.maximum(diagonal, 1e-300)
     needed = np.where(fact, mean, size * cross / safe)
     needed = np.where(one_sided, np.maximum(needed, 0.0), needed)
-    same_trace = size**2 * (diagonal[member] - cross**2 / safe) < EXACT**2  # tied at any size, absurd or not
-    limit = np.where(fact, np.abs(mean), np.where(same_trace, np.inf, ABSURD * sd))
+    same_trace = size**2 * (diagonal[member] - cross**2 / safe) < EXACT**2
+    limit = np.where(fact, np.abs(mean), np.where(same_trace, IMPOSSIBLE, ABSURD) * sd)
     needed = np.clip(needed, -limit, limit)
     squared = size**2 * diagonal[member] - 2 * size * needed * cross + needed**2 * diagonal
     return np.sqrt(np.maximum(squared, 0.0)), needed
