@@ -25,7 +25,7 @@ SEPARABLE = 3.0
 ABSURD = 9.0
 """Sizes beyond this many prior sd are no explanation (three times the widest of the scale mixture)."""
 IMPOSSIBLE = 30.0
-"""The same limit where the traces are one: a gain of 20 % is told beside a modulus, one of -100 % not for a dead gauge."""
+"""The same limit where the traces are one: a gain of 20 % is told beside a modulus, -100 % not beside a dead gauge."""
 EXACT = 0.5
 """d' below which two traces are one."""
 POWER = 3.3 + 1.645

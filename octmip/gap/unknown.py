@@ -24,7 +24,7 @@ from octmip.gap.shape_error import under
 Floats = NDArray[np.float64]
 
 POWERS = (0, 1, 2)
-SIZES = (0.01, 0.03, 0.1)
+SIZES = (0.003, 0.01, 0.03, 0.1)
 """Sd of the field over the root mean square strain at the greatest load."""
 SMOOTH = 0.3
 """Length over which a smooth field varies, as a share of the structure's extent."""

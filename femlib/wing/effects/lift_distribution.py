@@ -1,13 +1,14 @@
 """Lift distribution: the same total lift, carried further outboard than the ellipse.
 
 letter = word: theta with cos theta = y / span, A_n coefficients of the lifting line's circulation sum A_n sin(n theta)
-over odd n. A_1 alone is the ellipse and holds the total lift; the next two, A_3 and A_5, change where it acts. A place
-is the fifth harmonic's share of the change of the bending moment at the root; the size is that change. Price: the
-seventh harmonic and beyond.
+over odd n. A_1 alone is the ellipse and holds the total lift; A_3, A_5 and A_7 change where it acts. The size is the
+change of the bending moment at the root, a place the shares of the fifth and the seventh harmonic in it.
+Price: the ninth harmonic and beyond.
 Source: H. Glauert, The Elements of Aerofoil and Airscrew Theory (1926), chapter 11.
 """
 
 from collections.abc import Mapping
+from itertools import product
 
 import numpy as np
 
@@ -17,12 +18,16 @@ from femlib.wing.effects.lift_shift import moment, moved_lift
 from femlib.wing.effects.response import Response
 
 FIFTH_SHARES = (-0.6, -0.4, -0.2, 0.0, 0.2, 0.4)
+SEVENTH_SHARES = (-0.06, 0.0, 0.06)
 
 
 def effect(response: Response) -> WingEffect:
     """Return the effect."""
-    third, fifth = (_harmonic(response, order) for order in (3, 5))
-    shapes = {f"fifth harmonic's share {share:g}": (1.0 - share) * third + share * fifth for share in FIFTH_SHARES}
+    third, fifth, seventh = (_harmonic(response, order) for order in (3, 5, 7))
+    shapes = {
+        f"shares of harmonics 5 and 7: {a:g} and {b:g}": (1.0 - a - b) * third + a * fifth + b * seventh
+        for a, b in product(FIFTH_SHARES, SEVENTH_SHARES)
+    }
 
     def force(state: Mapping[str, float], load_factor: float, place: str) -> FloatArray:
         return load_factor * shapes[place]
@@ -38,8 +43,7 @@ def effect(response: Response) -> WingEffect:
         response=response,
         force=force,
         places=tuple(shapes),
-        n_between=2,
-        signature_error=0.05,
+        n_between=4,
     )
 
 
