@@ -36,7 +36,12 @@ def page_of_words(diagnosis: Diagnosis) -> str:
 
 
 def verdict(diagnosis: Diagnosis) -> str:
-    """Return one sentence that answers the question."""
+    """Return the answer in a sentence, and one more where gauges are clipped."""
+    clipped = ", ".join(diagnosis.noise.clipped)
+    return _answer(diagnosis) + (f" Clipped: {clipped}." if clipped else "")
+
+
+def _answer(diagnosis: Diagnosis) -> str:
     first = diagnosis.which[0]
     chance = likely(first.probability)
     if diagnosis.is_sound:

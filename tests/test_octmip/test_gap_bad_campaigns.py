@@ -7,6 +7,7 @@ from octmip.cli.diagnose import load_twin
 from octmip.errors import DataError
 from octmip.gap import diagnose, read_campaign
 from octmip.gap.clipping import unclipped
+from octmip.gap.words import verdict
 from tests.test_octmip.beam_twin import Beam, measured
 from tests.test_octmip.test_gap_campaign import lines_of, with_cell
 
@@ -194,6 +195,7 @@ def test_clipped_gauges_are_named_and_left_out_where_they_clip():
     assert diagnosis.noise.clipped == {"g02": 1500.0, "g17": 1500.0}
     assert "clipping" in diagnosis.noise.findings
     assert diagnosis.is_sound
+    assert verdict(diagnosis).endswith("Clipped: g02, g17.")
     assert any("column g02 stops at 1500 microstrain" in note for note in diagnosis.notes)
 
 
