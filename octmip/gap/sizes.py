@@ -6,7 +6,7 @@ The fit gives a normal size under the hypothesis that leads. Four things make th
   m = sum w_k m_k,  v = sum w_k (v_k + m_k^2) - m^2;
 * where an effect may lie between places, size and place trade: a trace S_j (1 - x) + x S_k fitted by S_j alone has a
   size wrong by the factor 1 + x (1 / c_k - 1), c_k the best scale of the neighbour k, x ~ N(0, BETWEEN^2);
-* two models of one effect differ in its whole trace about as much as gauge by gauge: the size is no surer than that;
+* two models of one effect differ in its whole trace somewhat less than gauge by gauge: the size is no surer than that;
 * an effect with an exact forward map is not linear in its size: the size told is the one whose map moves the readings
   as far along the signature as the linear fit does.
 """
@@ -23,6 +23,8 @@ from octmip.twin import Effect
 
 WIDTH = 1.645
 """Standard deviations of a 90 % interval."""
+COMMON_PART = 0.6
+"""Sd of the error of a whole trace over that at one gauge: two models of one effect share most of their constants."""
 STEPS = 6
 """Secant steps toward the size of an exact forward map."""
 
@@ -57,7 +59,8 @@ def parameters(head: Judged, same: Sequence[Judged]) -> tuple[Parameter, ...]:
 def _parameter(head: Judged, member: int, size: float, same: Sequence[Judged]) -> Parameter:
     effect, variant = head.scene.setting.columns[member].effect, head.scene.setting.columns[member].variant
     mean, variance = _mixture(head, member, same)
-    relative = np.hypot(_place_error(head.scene, member), head.scene.setting.columns[member].signature_error)
+    common = COMMON_PART * head.scene.setting.columns[member].signature_error
+    relative = np.hypot(_place_error(head.scene, member), common)
     spread = WIDTH * float(np.sqrt(variance + (mean * relative) ** 2))
     low, high = min(size, mean - spread), max(size, mean + spread)
     if effect.is_one_sided:
