@@ -33,6 +33,8 @@ pub type Mask<'m> = Option<&'m [bool]>;
 const WORTH_TWO: f64 = 3e7;
 /// What evaluating a cut costs however few the samples are, in samples x features.
 const CUT_ALONE: f64 = 2e4;
+/// How much more a cut costs where a sample gains in several columns of the cost matrix.
+const MANY_COLUMNS: f64 = 8.0;
 
 impl<'a> Blocks<'a> {
     /// Blocks of a problem, given up as soon as `control` says stop.
@@ -98,7 +100,8 @@ impl<'a> Blocks<'a> {
         if is_known || is_vain || work == 0.0 {
             return None;
         }
-        let of_a_cut = CUT_ALONE + (samples.len() * self.ground.problem.p) as f64;
+        let columns = if self.samples.is_single { 1.0 } else { MANY_COLUMNS };
+        let of_a_cut = columns * (CUT_ALONE + (samples.len() * self.ground.problem.p) as f64);
         let most = ((work / of_a_cut) as u64).saturating_add(1);
         let control = self.control;
         let encoded = match mask {
