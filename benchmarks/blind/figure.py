@@ -41,6 +41,8 @@ class Figure:
         if self.must is None:
             return text
         least, most = self.must
+        if self.value > most and np.isfinite(least):  # a coverage: too wide is not the same as wrong
+            return f"{text}: **above**"
         return f"{text}: {'met' if least <= self.value <= most else '**missed**'}"
 
 

@@ -254,6 +254,7 @@ def test_a_share_has_its_exact_interval():
 def test_a_figure_says_whether_it_is_what_is_owed():
     assert Figure("x", 0.96, 0.9, 1.0, 5, (0.95, np.inf)).words().endswith("met")
     assert Figure("x", 0.94, 0.9, 1.0, 5, (0.95, np.inf)).words().endswith("**missed**")
+    assert Figure("x", 1.0, 0.9, 1.0, 5, (0.93, 0.99)).words().endswith("**above**")
     assert Figure("x", 0.94, 0.9, 1.0, 5, (-np.inf, 0.05)).owed() == "<= 0.05"
 
 
