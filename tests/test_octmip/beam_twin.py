@@ -40,6 +40,23 @@ class Field:
         return self.shape * load_factor**self.load_power
 
 
+class Bumps(Field):
+    """A bump anywhere along the span, told at six places, as tall as eta**power."""
+
+    n_between = 2
+    power = 0
+
+    def variants(self, twin):
+        return tuple(f"{eta:.2f}" for eta in np.linspace(0.25, 0.75, 6))
+
+    def signature(self, twin, state, load_factor, variant="", time=0.0):
+        return self.at(float(variant), load_factor)
+
+    @classmethod
+    def at(cls, eta, load_factor):
+        return load_factor * eta**cls.power * np.exp(-(((ETA - eta) / 0.15) ** 2))
+
+
 def own_effects():
     found = [
         Field("modulus", np.full(20, -0.01), None, 2.0),

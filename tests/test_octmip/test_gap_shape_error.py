@@ -8,7 +8,7 @@ from octmip.gap import CHAIN, diagnose
 from octmip.gap.diagnosis import prepare
 from octmip.gap.scene import build_scene
 from octmip.gap.shape_error import allowing, judge
-from tests.test_octmip.beam_twin import ETA, Asset, Beam, Field, measured
+from tests.test_octmip.beam_twin import ETA, Asset, Beam, Bumps, Field, measured
 
 COMMISSIONING = measured(1000)
 SHAPE = -2.5 - 4.0 * np.linspace(-1, 1, 20) ** 2
@@ -18,22 +18,6 @@ class Uncertain(Field):
     """A field that the model knows to 3 % at each gauge."""
 
     signature_error = 0.03
-
-
-class Bumps(Field):
-    """A bump anywhere along the span, told at six places."""
-
-    n_between = 2
-
-    def variants(self, twin):
-        return tuple(f"{eta:.2f}" for eta in np.linspace(0.25, 0.75, 6))
-
-    def signature(self, twin, state, load_factor, variant="", time=0.0):
-        return bump(float(variant), load_factor)
-
-
-def bump(eta, load_factor):
-    return load_factor * np.exp(-(((ETA - eta) / 0.15) ** 2))
 
 
 def twin_with(effect):
@@ -73,7 +57,7 @@ def test_a_shape_that_is_three_per_cent_off_drags_no_partner_in_when_its_error_i
 
 def test_an_effect_between_two_of_its_places_is_one_effect():
     twin = twin_with(Bumps("bump", ETA, 1, 40.0))
-    campaign = measured(3, lambda state, load, time: 60.0 * bump(0.4, load))
+    campaign = measured(3, lambda state, load, time: 60.0 * Bumps.at(0.4, load))
     first = diagnose(campaign, twin, commissioning=COMMISSIONING).which[0]
     assert first.effects == ("bump",) and first.probability > 0.9
 

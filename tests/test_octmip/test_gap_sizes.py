@@ -3,7 +3,7 @@
 import numpy as np
 
 from octmip.gap import diagnose
-from tests.test_octmip.beam_twin import ETA, Beam, Field, measured
+from tests.test_octmip.beam_twin import ETA, Beam, Bumps, Field, measured
 
 COMMISSIONING = measured(1000)
 
@@ -15,20 +15,10 @@ class Softer(Field):
         return twin.predict(state, load_factor) / (1.0 + 0.01 * size)
 
 
-class Bumps(Field):
-    """A bump anywhere along the span, told at six places, narrow ones inboard."""
+class Taller(Bumps):
+    """The taller, the further outboard."""
 
-    n_between = 2
-
-    def variants(self, twin):
-        return tuple(f"{eta:.2f}" for eta in np.linspace(0.25, 0.75, 6))
-
-    def signature(self, twin, state, load_factor, variant="", time=0.0):
-        return bump(float(variant), load_factor)
-
-
-def bump(eta, load_factor):
-    return load_factor * eta**3 * np.exp(-(((ETA - eta) / 0.15) ** 2))
+    power = 3
 
 
 def first_parameter(effect, change):
@@ -52,7 +42,7 @@ def test_a_size_goes_through_the_exact_forward_map():
 
 def test_the_interval_of_a_size_reckons_with_the_place_between_two_places():
     size = first_parameter(
-        Bumps("bump", ETA, 1, 400.0), lambda state, load, time: 900.0 * bump(0.40, load)
+        Taller("bump", ETA, 1, 400.0), lambda state, load, time: 900.0 * Taller.at(0.40, load)
     )  # places at 0.35 and 0.45
     assert size.low < 900.0 < size.high
 
