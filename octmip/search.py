@@ -30,10 +30,10 @@ from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop
 from octmip.tree import Leaf, Node, centred, goes_left, predict, simplify, without_empty_sides
 
 # Restarts, and kicks in a row without a better tree that end one: hyperplanes profit from longer restarts, and small
-# problems from more of them, for which there is time.
+# axis-aligned problems from both more and longer ones, for which there is time.
 EFFORT = {"axis": (9, 16), "hyperplane": (6, 60)}
-MOST_RESTARTS = 36
-SMALL = 300_000  # samples x features x restarts up to which there are more restarts, axis-aligned
+MOST_EFFORT = (36, 48)
+SMALL = (300_000, 200_000)  # samples x features x restarts, and x kicks, up to which there are more of them
 
 
 def local_search(
@@ -56,7 +56,7 @@ def local_search(
         seed: of the restarts' random streams.
         n_jobs: threads.
         progress: called every few hundredths of a second.
-        restarts: independent starts; by default those of `EFFORT`, more for a small axis-aligned problem.
+        restarts: independent starts; by default those of `EFFORT`, more for a small axis-aligned problem, as of kicks.
         kicks: a restart ends after so many kicks in a row without a better tree (before the better restarts are chosen
             a quarter of that with hyperplanes, none without; twice that for the last). With `restarts=1, kicks=0` the
             answer is quick: one descent and exact blocks of two levels.
@@ -107,9 +107,13 @@ def local_search(
 
 def _effort(problem: Problem) -> tuple[int, int]:
     """Return restarts and kicks where the caller names none."""
-    restarts, kicks = EFFORT[problem.split]
-    if problem.split == "axis":
-        restarts = max(restarts, min(MOST_RESTARTS, SMALL // problem.features.size))
+    least = EFFORT[problem.split]
+    if problem.split != "axis":
+        return least
+    restarts, kicks = (
+        max(few, min(many, small // problem.features.size))
+        for few, many, small in zip(least, MOST_EFFORT, SMALL, strict=True)
+    )
     return restarts, kicks
 
 
