@@ -39,6 +39,8 @@ def main() -> None:
     module = family(options.name)
     threads = [int(count) for count in options.threads.split(",")]
     if hasattr(module, "results"):
+        if options.only or options.solvers:
+            raise SystemExit(f"{options.name} measures all its cases itself: --only and --solvers mean nothing to it")
         lines = module.results(options.limit, threads)
     else:
         lines = _race(module.cases(), options, threads)
