@@ -25,7 +25,7 @@ def main():
     parser.add_argument("--out", type=Path, default=None, help="folder for campaigns, diagnoses and tables")
     parser.add_argument("--without", type=float, default=1.0, help="share diagnosed without commissioning run too")
     parser.add_argument("--lasso", type=int, default=60, help="cases for the group lasso")
-    parser.add_argument("--trees", type=int, default=60, help="cases whose tree is retrained")
+    parser.add_argument("--trees", type=int, default=20, help="cases whose tree is retrained")
     parser.add_argument("--calculix", type=float, default=0.25, help="share of the cases on CalculiX's asset")
     parser.add_argument("--asset-mesh", type=float, default=1.3, help="refinement of femlib's asset")
     parser.add_argument("--twin-mesh", type=float, default=1.0, help="refinement of the twin")
