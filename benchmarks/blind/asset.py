@@ -4,6 +4,7 @@ Everything about effects is this package's own: forces, constants, the order in 
 act. It imports the wing's geometry and solver, never a signature of the diagnosis or of `femlib.wing.effects`.
 """
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -52,7 +53,7 @@ def neighbours(state):
     return tuple(tuple(round(v + STEP * (k == p), 9) for k, v in enumerate(state)) for p in range(len(state)))
 
 
-class Asset:
+class Asset(ABC):
     """What cases ask of an asset, whatever code computes its strains.
 
     Attributes:
@@ -108,21 +109,21 @@ class Asset:
             self._kept[key] = make()
         return self._kept[key]
 
+    @abstractmethod
     def strain(self, state):
         """Return the strains (n_gauges,) at load factor 1 [microstrain, compressive positive]."""
-        raise NotImplementedError
 
+    @abstractmethod
     def field(self, name, state):
         """Return the change of the strains (n_gauges,) per unit of a field, at load factor 1 or whatever the load."""
-        raise NotImplementedError
 
+    @abstractmethod
     def softness(self, state):
         """Return b (n_gauges,) where skins stiffer by the share s have strain / (1 + b s)."""
-        raise NotImplementedError
 
+    @abstractmethod
     def flaw(self, flaw):
         """Return the change of the healthy wing's strains (n_gauges,) by a flaw at load factor 1."""
-        raise NotImplementedError
 
     def bending(self):
         """Return the relative changes (n_gauges,) of strain by large deflection per L and per L^2."""
