@@ -219,6 +219,20 @@ class Problem:
         )
 
     @property
+    def least_saving(self) -> float:
+        """Least amount by which one sample's other label, or one split fewer, changes the objective; +inf if none does.
+
+        A proof whose tolerance is not below it cannot tell two trees apart that differ in a single sample.
+        """
+        differences = np.abs(self.costs[:, :, None] - self.costs[:, None, :]).reshape(self.n_classes, -1)
+        by_class = np.where(differences > 0, differences, np.inf).min(axis=1)
+        lightest = np.full(self.n_classes, np.inf)
+        positive = self.weights > 0
+        np.minimum.at(lightest, self.codes[positive], self.weights[positive])
+        savings = [w * c for w, c in zip(lightest.tolist(), by_class.tolist(), strict=True) if math.isfinite(w)]
+        return min([*savings, self.leaf_penalty or math.inf])
+
+    @property
     def baseline(self) -> float:
         """Objective of the best tree without a split: B&D's baseline error, by which they normalise."""
         return float(self.class_costs().min())

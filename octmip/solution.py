@@ -18,6 +18,7 @@ class Stop(enum.StrEnum):
     TIME = "time"
     NODES = "nodes"
     MEMORY = "memory"
+    NUMERICS = "numerics"  # all that arithmetic allows is done; the bound holds but does not prove the tree optimal
     INTERRUPTED = "interrupted"
 
 
@@ -79,7 +80,8 @@ class Solution:
         n_nodes: search nodes (0 where the notion has none).
         solver, version: what computed it.
         seed: of its random choices.
-        tolerance: how far `bound` may stand from `objective` and still meet it: 0 where weights and costs are integers.
+        tolerance: how far `bound` may stand from `objective` and still meet it: 0 where weights and costs are integers,
+            always below `Problem.least_saving` (a solver that cannot keep that says `Stop.NUMERICS`, not optimal).
         details: what else the solver has to say (ties broken, strictness, model size); JSON values only.
     """
 

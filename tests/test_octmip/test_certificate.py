@@ -61,7 +61,7 @@ def test_weights_costs_and_penalty_are_paid():
         ({"bound": 0.5}, r"no tree is below 0\.5"),
         ({"bound": -1.0}, "says optimal but its bound"),
         ({"bound": -math.inf}, "says optimal but its bound"),
-        ({"tolerance": 0.5}, "too wide"),
+        ({"tolerance": 1.0}, "too wide"),
         ({"tolerance": -1.0}, "too wide|no tree is below"),
         ({"tolerance": math.nan}, "too wide|says optimal"),
     ],

@@ -1,5 +1,7 @@
 """Problems: what is asked is checked once, here, and every wrong question is refused with a cure."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -125,3 +127,18 @@ def test_a_wrong_question_is_refused(name):
     changes, sentence = WRONG[name]
     with pytest.raises(ProblemError, match=sentence):
         problem(**changes)
+
+
+@pytest.mark.parametrize(
+    ("settings", "least"),
+    [
+        ({}, 1.0),
+        ({"weights": [3, 1e-9, 0, 2]}, 1e-9),
+        ({"weights": [3, 5, 4, 2], "costs": [[0, 10], [7, 0]]}, 14.0),
+        ({"weights": [3, 5, 4, 2], "leaf_penalty": 0.5}, 0.5),
+        ({"weights": [1, 0, 1, 0], "costs": [[2, 2], [0, 3]]}, math.inf),
+    ],
+)
+def test_the_least_saving_is_that_of_one_sample_or_one_split(settings, least):
+    problem = Problem(np.arange(4.0)[:, None], [0, 1, 0, 1], depth=1, **settings)
+    assert problem.least_saving == least
