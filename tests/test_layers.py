@@ -175,6 +175,12 @@ def test_siblings_under_benchmarks_do_not_import_each_other():
                 assert not is_case or name.startswith(allowed_case), f"a case imports another: {name}"
 
 
+def test_nothing_imports_the_tests_but_tests():
+    for package in ("octmip", "femlib", "benchmarks"):
+        for file in sources(package):
+            assert not [name for name in imports(file.read_text()) if name.split(".")[0] == "tests"], file
+
+
 @pytest.mark.parametrize("folder", ["octmip", "femlib", "benchmarks", "tests"])
 def test_files_are_short_and_bear_nouns_of_the_field(folder):
     for file in sources(folder):

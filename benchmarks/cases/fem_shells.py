@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from tests.test_femlib.shell_problems import BEAM_SHAPES, CONVERGING, curved_beam, straight_beam
+from benchmarks.oracles.shell_problems import BEAM_SHAPES, CONVERGING, curved_beam, straight_beam
 
 SIZES = (4, 8, 16, 32)
 DIRECTIONS = {"u": "extension", "v": "in plane", "w": "out of plane", "x": "twist"}

@@ -1,4 +1,4 @@
-"""The exact solver against exhaustive enumeration on random problems full of what breaks solvers (tests/strategies.py).
+"""The exact solver against exhaustive enumeration on random problems full of what breaks solvers (`oracles.strategies`).
 
 `python -m benchmarks.run fuzz_exact --limit 300 --threads 2`: so many seconds in so many processes, a line a chunk.
 """
@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.oracles.enumeration import optimum
+from benchmarks.oracles.strategies import random_problem
 from octmip.certificate import certify
 from octmip.errors import OctmipError
 from octmip.exact import branch_and_bound
 from octmip.problem import Problem
 from octmip.tree import Leaf
-from tests.oracles.enumeration import optimum
-from tests.strategies import random_problem
 
 CHUNK = 250
 FEWEST = 10_000

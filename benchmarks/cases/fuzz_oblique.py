@@ -5,12 +5,12 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.oracles.two_feature import best_objective
+from benchmarks.oracles.two_feature_problems import random_two_feature_problem
 from octmip.certificate import certify
 from octmip.errors import OctmipError
 from octmip.oblique import two_feature_branch_and_bound
 from octmip.problem import Problem
-from tests.oracles.two_feature import best_objective
-from tests.two_feature_problems import random_two_feature_problem
 
 CHUNK = 250
 STREAM = 60  # of seeds: problem i is random_two_feature_problem(default_rng([STREAM, i]))

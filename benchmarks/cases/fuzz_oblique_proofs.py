@@ -13,6 +13,8 @@ from typing import Any
 import numpy as np
 
 from benchmarks.corruptions import HEADER, LINE_CHANGES, changed_data, summary
+from benchmarks.oracles.two_feature import best_objective
+from benchmarks.oracles.two_feature_problems import random_two_feature_problem
 from octmip.certificate import certify
 from octmip.errors import OctmipError
 from octmip.oblique import two_feature_branch_and_bound
@@ -20,8 +22,6 @@ from octmip.problem import Problem
 from octmip.proof import check_proof
 from octmip.solution import Solution
 from octmip.tree import HyperplaneSplit, Leaf, Node, Split
-from tests.oracles.two_feature import best_objective
-from tests.two_feature_problems import random_two_feature_problem
 
 __all__ = ["corrupted", "results", "summary"]
 N_CORRUPTIONS, CHUNK = 1000, 100

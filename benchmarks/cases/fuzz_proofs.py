@@ -15,6 +15,8 @@ from typing import Any
 import numpy as np
 
 from benchmarks.corruptions import HEADER, LINE_CHANGES, changed_data, summary
+from benchmarks.oracles.enumeration import optimum
+from benchmarks.oracles.strategies import random_problem
 from octmip.certificate import certify
 from octmip.errors import OctmipError
 from octmip.exact import branch_and_bound
@@ -22,8 +24,6 @@ from octmip.problem import Problem
 from octmip.proof import check_proof
 from octmip.solution import Solution
 from octmip.tree import Leaf, Node, Split
-from tests.oracles.enumeration import optimum
-from tests.strategies import random_problem
 
 __all__ = ["corrupted", "results", "summary"]
 N_CORRUPTIONS, CHUNK = 1000, 100

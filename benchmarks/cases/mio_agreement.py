@@ -14,6 +14,8 @@ import numpy as np
 
 from benchmarks.cpu import cpu_limit
 from benchmarks.data import Table, first_rows, published, uci
+from benchmarks.oracles.enumeration import optimum
+from benchmarks.oracles.strategies import random_problem
 from octmip.certificate import certify
 from octmip.exact import branch_and_bound
 from octmip.mip.flow import solve_flow
@@ -21,8 +23,6 @@ from octmip.problem import Problem
 from octmip.search import local_search
 from octmip.solution import Limits, Solution, Stop
 from octmip.tree import Leaf
-from tests.oracles.enumeration import optimum
-from tests.strategies import random_problem
 
 Line = dict[str, Any]
 RANDOM = 50  # small random problems of every kind, depth 1 to 3

@@ -13,6 +13,8 @@ import numpy as np
 
 from benchmarks.cpu import cpu_limit
 from benchmarks.data import Table, first_rows, uci
+from benchmarks.oracles.two_feature import best_objective
+from benchmarks.oracles.two_feature_problems import random_two_feature_problem
 from benchmarks.two_feature import strains
 from octmip.certificate import certify
 from octmip.mip.flow import solve_flow
@@ -21,8 +23,6 @@ from octmip.oblique import two_feature_branch_and_bound
 from octmip.problem import Problem
 from octmip.search import local_search
 from octmip.solution import Limits, Solution
-from tests.oracles.two_feature import best_objective
-from tests.two_feature_problems import random_two_feature_problem
 
 Line = dict[str, Any]
 RANDOM = 60  # small random problems of every kind, half of depth 1 and half of depth 2

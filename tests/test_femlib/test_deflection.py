@@ -5,6 +5,7 @@ import pytest
 from scipy.integrate import solve_bvp
 from scipy.optimize import brentq
 
+from benchmarks.oracles.shell_problems import hold, mapped
 from femlib.arrays import FloatArray, IntArray
 from femlib.assembly import Shells, Supports, deflect, factorise, line_load, surface_load, thermal_forces, thermal_load
 from femlib.elements import corotational
@@ -12,7 +13,6 @@ from femlib.elements.rotations import exp_rotation, log_rotation, moment_variati
 from femlib.errors import InputError, SolveError
 from femlib.material import isotropic_plate
 from tests.test_femlib.plates import patch
-from tests.test_femlib.shell_problems import hold, mapped
 
 PUBLISHED = {0.25: (0.563, 3.015), 0.5: (1.604, 4.933), 0.75: (2.541, 6.031), 1.0: (3.286, 6.698)}
 """Shortening and deflection of the cantilever's tip by load fraction. Source: K. Y. Sze, X. H. Liu, S. H. Lo, Finite

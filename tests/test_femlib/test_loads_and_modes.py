@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from benchmarks.oracles.shell_problems import hold, mapped
 from femlib.assembly import (
     Supports,
     factorise,
@@ -16,7 +17,6 @@ from femlib.errors import InputError
 from femlib.material import Ply, isotropic_plate, laminate
 from femlib.mesh import dofs_of_nodes
 from tests.test_femlib.plates import patch, rotation
-from tests.test_femlib.shell_problems import hold, mapped
 
 STEEL = isotropic_plate(210e9, 0.3, 4e-3, density=7850.0, expansion=12e-6)
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from benchmarks.oracles.shell_problems import CONVERGING, curved_beam, mapped, straight_beam
 from femlib.errors import MeshError
 from femlib.material import isotropic_plate
 from femlib.mesh import Mesh
-from tests.test_femlib.shell_problems import CONVERGING, curved_beam, mapped, straight_beam
 
 # the largest error of the ratio at 8 and 16 elements a side: measured, plus a margin of a tenth of it
 ERROR = {

@@ -8,12 +8,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from benchmarks.oracles.proof_log import proof_log
 from octmip import Problem, Solution, Stop, solver
 from octmip.cli import COMMANDS, main
 from octmip.cli.answer import ProgressLine
 from octmip.solution import Progress
 from octmip.tree_file import read_tree_file
-from tests.oracles.proof_log import proof_log
 
 
 @pytest.fixture

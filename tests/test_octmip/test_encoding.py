@@ -5,10 +5,10 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from benchmarks.oracles.strategies import problems, random_tree
 from octmip import HyperplaneSplit, Leaf, Problem, Split, predict
 from octmip.encoding import integer_costs, rank_features, rows_from_tree, tree_from_rows
 from octmip.tree import complexity, midpoint, without_empty_sides
-from tests.strategies import problems, random_tree
 
 
 def with_costs(**settings):

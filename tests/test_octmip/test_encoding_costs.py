@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
+from benchmarks.oracles.strategies import random_problem
 from octmip import Problem
 from octmip.encoding import integer_costs
-from tests.strategies import random_problem
 
 X, Y = np.arange(6.0)[:, None], [0, 1, 0, 1, 1, 0]
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from benchmarks.oracles.enumeration import optimum
 from octmip import certify
 from octmip.exact import branch_and_bound
 from octmip.problem import Problem
-from tests.oracles.enumeration import optimum
 
 BLOCK = 50
 COST_BOUNDS = ("mixed_labels", "buckets", "swing", "vectors")

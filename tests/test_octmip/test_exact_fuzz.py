@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from benchmarks.cases.fuzz_exact import complaint
-from tests.strategies import random_problem
+from benchmarks.oracles.strategies import random_problem
 
 N_PROBLEMS, BLOCK = 400, 20
 

@@ -5,9 +5,9 @@ import dataclasses
 import numpy as np
 import pytest
 
+from benchmarks.oracles.strategies import random_problem
 from octmip import Problem, predict
 from octmip.exact import branch_and_bound
-from tests.strategies import random_problem
 
 SEEDS = range(12)
 

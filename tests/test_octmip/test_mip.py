@@ -7,14 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.oracles.enumeration import optimum
+from benchmarks.oracles.strategies import random_problem
 from octmip import Leaf, Limits, Problem, Split, Stop, certify
 from octmip.errors import ProblemError, SolverError
 from octmip.mip import engine, highs
 from octmip.mip.flow import solve_flow
 from octmip.mip.oct import encode, solve_oct
 from octmip.search import local_search
-from tests.oracles.enumeration import optimum
-from tests.strategies import random_problem
 
 SHARED = Path(__file__).resolve().parents[2].parent / "shared"
 SOLVERS = {"oct": solve_oct, "flow": solve_flow}

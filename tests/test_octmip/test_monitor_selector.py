@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from benchmarks.oracles.strategies import random_tree, trees
 from octmip.errors import DataError, ProblemError, TreeError
 from octmip.monitor import (
     REFUSED,
@@ -25,7 +26,6 @@ from octmip.monitor import (
 )
 from octmip.monitor.export import c_source, onnx_model, sql_expression
 from octmip.tree import HyperplaneSplit, Leaf, Split, leaf_index, leaves, n_splits, nodes, predict
-from tests.strategies import random_tree, trees
 from tests.test_octmip.beam_twin import Beam
 
 N_READINGS = 100_000

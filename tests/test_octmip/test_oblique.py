@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+from benchmarks.oracles.two_feature import best_objective
+from benchmarks.oracles.two_feature_problems import random_two_feature_problem
 from octmip import Limits, Problem, Stop, certify
 from octmip.errors import ProblemError
 from octmip.oblique import two_feature_branch_and_bound
 from octmip.problem import Problem as AnyProblem
 from octmip.solver import solve
 from octmip.tree import HyperplaneSplit, splits
-from tests.oracles.two_feature import best_objective
-from tests.two_feature_problems import random_two_feature_problem
 
 
 def solve_and_certify(problem: AnyProblem, **options: object) -> float:

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from benchmarks.cases.fuzz_oblique_proofs import corrupted
+from benchmarks.oracles.two_feature import best_objective
+from benchmarks.oracles.two_feature_problems import clouds, random_two_feature_problem
 from octmip import Problem
 from octmip.errors import CertificateError, ProblemError
 from octmip.oblique import two_feature_branch_and_bound
 from octmip.proof import check_proof
-from tests.oracles.two_feature import best_objective
-from tests.two_feature_problems import clouds, random_two_feature_problem
 
 
 @pytest.mark.parametrize(("depth", "first"), [(1, 0), (2, 0), (2, 75)])

@@ -5,9 +5,9 @@ import dataclasses
 import numpy as np
 import pytest
 
+from benchmarks.oracles.two_feature_problems import clouds
 from octmip import Problem, _native, certify
 from octmip.oblique import two_feature_branch_and_bound
-from tests.two_feature_problems import clouds
 
 PRUNES = _native.two_feature_prunes()
 

@@ -5,12 +5,12 @@ import itertools
 import numpy as np
 import pytest
 
+from benchmarks.oracles.enumeration import optimum
+from benchmarks.oracles.strategies import random_problem, random_tree
 from octmip import Leaf, Problem, Split, predict
 from octmip.certificate import checked_leaf_index
 from octmip.errors import CertificateError
 from octmip.tree import n_splits
-from tests.oracles.enumeration import optimum
-from tests.strategies import random_problem, random_tree
 
 
 def every_tree(problem, depth):

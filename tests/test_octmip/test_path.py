@@ -7,13 +7,13 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from benchmarks.oracles.enumeration import optimum
+from benchmarks.oracles.strategies import random_problem
 from octmip import Limits, Problem, Solution, Stop, certify, solve
 from octmip.errors import ProblemError
 from octmip.tradeoff import path as paths
 from octmip.tradeoff import trace_path
 from octmip.tree import complexity, depth, predict
-from tests.oracles.enumeration import optimum
-from tests.strategies import random_problem
 from tests.test_octmip.test_mip import blobs
 
 WEIGHTED = blobs(depth=2, weights=[1, 9, 2, 1, 1, 5, 9, 1, 3, 1, 2, 6])

@@ -7,6 +7,8 @@ from itertools import combinations
 import numpy as np
 import pytest
 
+from benchmarks.oracles.enumeration import optimum
+from benchmarks.oracles.strategies import random_problem
 from octmip import Limits, Problem, certify, solve
 from octmip.errors import ProblemError
 from octmip.sensing import (
@@ -21,8 +23,6 @@ from octmip.sensing import (
     problem_on,
     sample_bound,
 )
-from tests.oracles.enumeration import optimum
-from tests.strategies import random_problem
 
 
 def readings(n: int = 120, p: int = 8) -> Problem:

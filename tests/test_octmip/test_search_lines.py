@@ -5,10 +5,10 @@ import dataclasses
 import numpy as np
 import pytest
 
+from benchmarks.oracles.two_feature_problems import clouds, random_two_feature_problem
 from octmip import Problem, certify
 from octmip.oblique import two_feature_branch_and_bound
 from octmip.search import local_search
-from tests.two_feature_problems import clouds, random_two_feature_problem
 
 
 def variants(problem: Problem, rng: np.random.Generator) -> list[Problem]:

@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
+from benchmarks.oracles.strategies import hyperplane_problem
 from octmip import HyperplaneSplit, Problem, certify
 from octmip.search import local_search
 from octmip.tree import splits
-from tests.strategies import hyperplane_problem
 
 
 def test_random_problems_get_feasible_hyperplane_trees_with_true_objectives():

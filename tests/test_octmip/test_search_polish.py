@@ -6,12 +6,12 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from benchmarks.oracles.strategies import hyperplane_problem
 from octmip import HyperplaneSplit, Leaf, Problem, Split, certify
 from octmip.margin import widened, width
 from octmip.polish import polished
 from octmip.search import local_search
 from octmip.tree import Node, leaf_index, predict, splits
-from tests.strategies import hyperplane_problem
 
 
 def random_hyperplanes(rng, problem: Problem, depth: int) -> Node:

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from benchmarks.oracles.failure import losses
 from octmip import Limits, Problem, solve
 from octmip.errors import CertificateError, DataError, ProblemError
 from octmip.sensing import (
@@ -22,7 +23,6 @@ from octmip.sensing import (
     with_surrogates,
 )
 from octmip.tree import HyperplaneSplit, Leaf, Split, predict
-from tests.oracles.failure import losses
 
 
 def random_failures(seed: int) -> FailureProblem:

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from benchmarks.oracles.acquisition import front
 from octmip import Limits, Problem, solve
 from octmip.errors import CertificateError, ProblemError
 from octmip.sensing import Group, Inspection, certify_inspection, solve_inspection
 from octmip.solution import Stop
 from octmip.tree import Leaf, Split, leaf_index
-from tests.oracles.acquisition import front
 
 TOLERANCE = 1e-7
 
