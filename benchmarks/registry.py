@@ -40,6 +40,7 @@ FAMILIES = {
     "search_planes": "benchmarks.cases.search_planes",
     "search_lines": "benchmarks.cases.search_lines",
     "search_growth": "benchmarks.cases.search_growth",
+    "fuzz_everything": "benchmarks.cases.fuzz_everything",
     "fuzz_exact": "benchmarks.cases.fuzz_exact",
     "fuzz_proofs": "benchmarks.cases.fuzz_proofs",
     "mio_forms": "benchmarks.cases.mio_forms",

@@ -1,4 +1,4 @@
-"""The exact solver against exhaustive enumeration on random problems full of what breaks solvers (`oracles.strategies`).
+"""The exact solver against exhaustive enumeration on random problems full of what breaks solvers.
 
 `python -m benchmarks.run fuzz_exact --limit 300 --threads 2`: so many seconds in so many processes, a line a chunk.
 """

@@ -1,1 +1,1 @@
-"""Independent answers that solvers and proofs are held against: short, slow and exact; imported by benchmarks and tests."""
+"""Independent answers that solvers and proofs are held against, short, slow and exact; for benchmarks and tests."""

@@ -1,0 +1,115 @@
+"""Random small problems over the whole range of float64, full of what breaks scaling, grids of costs and tolerances.
+
+Features from denormals to the largest number, neighbours one last place apart, both zeros, ties and constants; weights,
+costs and penalties from 1e-12 to 1e12 within one problem; rare classes; all settings of a Problem.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.problem import Problem
+
+Generator = np.random.Generator
+Floats = NDArray[np.float64]
+LARGEST = float(np.finfo(np.float64).max)
+TINY = (5e-324, -5e-324, 2.2250738585072014e-308, 1e-300, -1e-300)
+EXTREMES = np.array([0.0, -0.0, *TINY, np.nextafter(1.0, 0.0), 1.0, 1e300, -1e300, LARGEST, -LARGEST])
+
+
+def wide_problem(rng: Generator, *, split: str, max_samples: int = 7) -> Problem:
+    """Return a random problem of the kind "axis" or "hyperplane" that exact enumeration can answer.
+
+    Hyperplanes have at most two features a split and depth 2 at most, axis-aligned trees depth 3 at most.
+    """
+    n, p = int(rng.integers(2, max_samples + 1)), int(rng.integers(1, 4))
+    is_axis = split == "axis"
+    labels, n_classes = _labels(rng, n)
+    options: dict[str, Any] = {"class_names": tuple(range(n_classes)), "split": split}
+    options["depth"] = int(rng.integers(1, 4 if is_axis and n <= 6 else 3))
+    if not is_axis:
+        options["split_size"] = int(rng.integers(1, 3))
+        if p <= 2 and rng.random() < 0.15:
+            options["integer_normals"] = int(rng.integers(1, 4))
+    if rng.random() < 0.5:
+        options["weights"] = numbers(rng, n)
+        options["weights"][int(rng.integers(n))] = 10.0 ** rng.uniform(-12, 12)
+    if rng.random() < 0.35:
+        options["costs"] = _costs(rng, n_classes)
+    if rng.random() < 0.3:
+        options["leaf_size"] = int(rng.integers(1, max(2, n // 2) + 1))
+    if rng.random() < 0.3:
+        options["leaf_penalty"] = float(numbers(rng, 1)[0])
+    if rng.random() < 0.3:
+        options |= _sensors(rng, p)
+    if rng.random() < 0.1:
+        options["allowed_splits"] = [[int(j) for j in np.flatnonzero(rng.random(p) < 0.7)] or [0]]
+    return Problem(_features(rng, n, p), labels, **options)
+
+
+def numbers(rng: Generator, n: int) -> Floats:
+    """Return n numbers of 0 or more: whole or real, alike or spread over up to 24 orders of magnitude."""
+    kind = rng.integers(6)
+    if kind == 0:
+        return rng.integers(0, 4, n).astype(float)
+    if kind == 1:
+        return np.floor(10.0 ** rng.uniform(0, 12, n))
+    if kind == 2:
+        return np.round(10.0 ** rng.uniform(11.9, 12.1, n))
+    if kind == 3:
+        return 10.0 ** rng.uniform(-12, 12) * rng.random(n)
+    if kind == 4:
+        return np.asarray(rng.choice([0.1, 0.2, 0.3, 0.7], n))
+    return 10.0 ** rng.uniform(-12, 12, n)
+
+
+def _labels(rng: Generator, n: int) -> tuple[NDArray[np.int64], int]:
+    n_classes = int(rng.integers(2, 5))
+    labels = rng.integers(0, n_classes, n) if rng.random() < 0.7 else np.zeros(n, dtype=np.int64)
+    labels[rng.permutation(n)[:2]] = [0, 1]  # two classes at least; in the other case one is rare
+    return labels, n_classes
+
+
+def _costs(rng: Generator, k: int) -> Floats:
+    costs = numbers(rng, k * k).reshape(k, k)
+    if rng.random() < 0.7:
+        np.fill_diagonal(costs, 0.0)
+    return costs
+
+
+def _sensors(rng: Generator, p: int) -> dict[str, Any]:
+    names = [f"s{int(rng.integers(p))}" for _ in range(p)] if rng.random() < 0.5 else [f"s{j}" for j in range(p)]
+    sensors = list(dict.fromkeys(names))
+    prices = numbers(rng, len(sensors)).tolist() if rng.random() < 0.3 else [1.0] * len(sensors)
+    return {"sensor_of_feature": names, "sensor_cost": prices, "sensor_budget": float(rng.choice([0.0, 1.0, 2.0]))}
+
+
+def _features(rng: Generator, n: int, p: int) -> Floats:
+    columns = [_column(rng, n) for _ in range(p)]
+    features = np.column_stack(columns)
+    if rng.random() < 0.25:  # equal samples, their labels as they come
+        features[rng.integers(n, size=n // 2)] = features[rng.integers(n, size=n // 2)]
+    return features
+
+
+def _column(rng: Generator, n: int) -> Floats:
+    kind = rng.integers(9)
+    if kind == 0:
+        return rng.normal(size=n)
+    if kind == 1:
+        return np.full(n, rng.choice(EXTREMES))
+    if kind == 2:
+        return rng.integers(0, 4, n).astype(float)
+    if kind == 3:  # neighbours one last place apart
+        start = float(rng.choice([1.0, 900.1, 1e-310, -1e300, 0.1]))
+        return start + np.spacing(start) * rng.integers(0, 4, n)
+    if kind == 4:
+        return np.asarray(rng.choice(EXTREMES, n))
+    if kind == 5:
+        return np.asarray(rng.choice([-1.0, 1.0], n)) * 10.0 ** rng.uniform(-320, 308, n)
+    if kind == 6:  # all of one sign at the end of the range
+        return LARGEST * rng.uniform(0.4, 1.0, n)
+    if kind == 7:
+        return 5e-324 * rng.integers(-4, 5, n)
+    return 900 + 1e-6 * rng.integers(0, n, n)
