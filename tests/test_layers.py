@@ -24,6 +24,7 @@ LEVELS = {
         "solution": 2,
         "table": 2,
         "encoding": 3,
+        "problem_file": 3,
         "risk": 3,
         "uncertainty": 3,
         "polish": 3,

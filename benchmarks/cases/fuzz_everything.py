@@ -213,11 +213,11 @@ def complaint(problem: Problem, solution: Solution, least: Fraction) -> str:
     if cost < least:
         return f"answer: a tree of {float(cost)} below the least cost {float(least)}: the oracle is wrong"
     is_restricted = not str(solution.details.get("scope", "all")).startswith("all")
-    if math.isfinite(solution.bound) and not is_restricted and Fraction(solution.bound) > least * (1 + ROUNDING):
-        return f"bound: {solution.bound} above the least cost {float(least)} (objective {float(cost)})"
     says_optimal = solution.is_optimal or solution.stop is Stop.OPTIMAL
     if says_optimal and not is_restricted and cost - least > Fraction(solution.tolerance) + ROUNDING * least:
         return f"optimal: says so at {float(cost)}, tolerance {solution.tolerance}; the least cost is {float(least)}"
+    if math.isfinite(solution.bound) and not is_restricted and Fraction(solution.bound) > least * (1 + ROUNDING):
+        return f"bound: {solution.bound} above the least cost {float(least)} (objective {float(cost)})"
     return ""
 
 
