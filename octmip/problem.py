@@ -220,12 +220,12 @@ class Problem:
 
     @property
     def least_saving(self) -> float:
-        """Least amount by which one sample's other label, or one split fewer, changes the objective; +inf if none does.
+        """Least amount that one sample's best label instead of another, or one split fewer, saves; +inf if none does.
 
-        A proof whose tolerance is not below it cannot tell two trees apart that differ in a single sample.
+        A proof whose tolerance is not below it cannot tell a tree from one that answers a sample better.
         """
-        differences = np.abs(self.costs[:, :, None] - self.costs[:, None, :]).reshape(self.n_classes, -1)
-        by_class = np.where(differences > 0, differences, np.inf).min(axis=1)
+        excess = self.costs - self.costs.min(axis=1, keepdims=True)
+        by_class = np.where(excess > 0, excess, np.inf).min(axis=1)
         lightest = np.full(self.n_classes, np.inf)
         positive = self.weights > 0
         np.minimum.at(lightest, self.codes[positive], self.weights[positive])

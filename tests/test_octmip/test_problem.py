@@ -136,6 +136,7 @@ def test_a_wrong_question_is_refused(name):
         ({"weights": [3, 1e-9, 0, 2]}, 1e-9),
         ({"weights": [3, 5, 4, 2], "costs": [[0, 10], [7, 0]]}, 14.0),
         ({"weights": [3, 5, 4, 2], "leaf_penalty": 0.5}, 0.5),
+        ({"costs": [[0, 0.3], [0.1 + 0.2, 0]]}, 0.3),
         ({"weights": [1, 0, 1, 0], "costs": [[2, 2], [0, 3]]}, math.inf),
     ],
 )
