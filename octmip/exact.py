@@ -7,11 +7,12 @@ docs/theory/exact.md. Categorical features: one column of 0/1 for each category,
 
 import math
 import time
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from octmip import _native
 from octmip.encoding import (
@@ -19,6 +20,7 @@ from octmip.encoding import (
     IntegerCosts,
     NodeRow,
     Ranks,
+    closing_tolerance,
     integer_costs,
     native_problem,
     rank_features,
@@ -27,13 +29,15 @@ from octmip.encoding import (
 )
 from octmip.errors import ProblemError, SolverError
 from octmip.problem import Problem
-from octmip.proof import proof_header
+from octmip.proof import log_header
 from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop
 from octmip.tree import (
     HyperplaneSplit,
+    Leaf,
     Node,
     centred,
     depth,
+    goes_left,
     leaf_index,
     leaves,
     n_splits,
@@ -43,6 +47,7 @@ from octmip.tree import (
 )
 
 SOLVER = "exact"
+MOST_WHOLE = 2**62  # a worse tree is no start for the core
 UNBROKEN = {"splits": "not broken", "sensors": "not broken", "margin": "thresholds centred in their nodes"}
 
 
@@ -78,39 +83,135 @@ def branch_and_bound(
     """
     started = time.perf_counter()
     _check(problem, n_jobs)
-    ranks, costs = rank_features(problem), integer_costs(problem)
-
-    def report(seconds: float, objective: int, bound: int, n_nodes: int) -> None:
-        assert progress is not None
-        progress(Progress(seconds, objective * costs.unit, bound * costs.unit, n_nodes))
-
     start = None if incumbent is None else _feasible(problem, incumbent)
-    values = (limits.seconds, limits.gap, limits.nodes, limits.memory)
-    native = native_problem(problem, ranks, costs)
-    first = None if start is None else (_integer_objective(problem, start, costs), rows_from_tree(start, ranks))
-    notify = None if progress is None else report
-    rows, _, bound, stop, n_nodes = _native.branch_and_bound(native, values, n_jobs, first, list(_off), notify)
+    run = _Run(problem, limits, n_jobs, progress, _off, started)
+    run.search(start)
     ties = dict(UNBROKEN)
-    if break_ties and stop == Stop.OPTIMAL:
-        rows, ties = _break_ties(problem, ranks, costs, rows, _Effort(started + limits.seconds, limits, n_jobs))
+    if break_ties and run.stop is Stop.OPTIMAL:
+        ties = run.break_ties()
     if proof is not None:
-        _write_proof(problem, native, costs, bound, Path(proof))
-    tree, objective = _better(problem, tree_from_rows(rows, ranks), start)
-    if tree is start:
-        ties = dict(UNBROKEN)
+        _write_proof(problem, *run.proven, Path(proof))
+    assert run.tree is not None
     return Solution(
-        tree=tree,
-        objective=objective,
-        bound=bound * costs.unit,
-        stop=Stop(stop),
+        tree=run.tree,
+        objective=run.objective,
+        bound=run.bound,
+        stop=run.stop,
         seconds=time.perf_counter() - started,
-        n_nodes=n_nodes,
+        n_nodes=run.n_nodes,
         solver=SOLVER,
         version=_native.__version__,
         seed=seed,
-        tolerance=costs.tolerance,
+        tolerance=run.tolerance,
         details={"ties_broken": ties},
     )
+
+
+@dataclass(slots=True)
+class _Run:
+    """A search, and again on a finer grid while rounding alone keeps the bound from the tree."""
+
+    problem: Problem
+    limits: Limits
+    n_jobs: int
+    progress: ProgressCallback | None
+    off: Sequence[str]
+    started: float
+    ranks: Ranks = field(init=False)
+    tree: Node | None = None
+    objective: float = math.inf
+    bound: float = -math.inf
+    stop: Stop = Stop.INTERRUPTED
+    tolerance: float = 0.0
+    n_nodes: int = 0
+    proven: tuple[_native.Problem, IntegerCosts, int] = field(init=False)  # of the best bound
+
+    def __post_init__(self) -> None:
+        self.ranks = rank_features(self.problem)
+
+    def search(self, start: Node | None) -> None:
+        """Search until the bound meets the tree, or no grid of whole numbers is finer."""
+        costs: IntegerCosts | None = None
+        self._keep(start)
+        while True:
+            finer = integer_costs(self.problem, self.tree)
+            if costs is not None and finer.exponent <= costs.exponent:
+                self.stop = Stop.NUMERICS
+                return
+            costs = finer
+            self.stop = self._search_grid(costs)
+            if self.stop is not Stop.OPTIMAL or self._is_proven(costs):
+                return
+
+    def _search_grid(self, costs: IntegerCosts) -> Stop:
+        native = native_problem(self.problem, self.ranks, costs)
+        spent = time.perf_counter() - self.started if self.n_nodes else 0.0
+        limits = (self.limits.seconds - spent, self.limits.gap, self.limits.nodes - self.n_nodes, self.limits.memory)
+        first = None if self.tree is None else (self._known(costs), rows_from_tree(self.tree, self.ranks))
+        notify = None if self.progress is None else self._notify(costs)
+        rows, _, bound, stop, n_nodes = _native.branch_and_bound(
+            native, limits, self.n_jobs, first, list(self.off), notify
+        )
+        self.n_nodes += n_nodes
+        lower = costs.value(bound)
+        if lower > self.bound:
+            self.bound, self.proven = lower, (native, costs, bound)
+        found = centred(tree_from_rows(rows, self.ranks), self.problem.features)
+        self._keep(found)
+        if costs.is_rounded:
+            # Samples too light for the grid still have labels; equal in float64, the grid's own are the better ones.
+            self._keep(_relabelled(self.problem, found), least=math.ulp(0.0))
+        return Stop(stop)
+
+    def _keep(self, tree: Node | None, least: float = 0.0) -> None:
+        """Take up a tree that is better by so much, by the true costs: rounded ones can rank two the wrong way."""
+        if tree is None:
+            return
+        objective = self.problem.objective_of(tree, predict(tree, self.problem.features))
+        if math.isinf(self.objective) or self.objective - objective >= least:
+            self.tree, self.objective = tree, objective
+
+    def _known(self, costs: IntegerCosts) -> int:
+        assert self.tree is not None
+        return min(costs.whole_objective(self.problem, self.tree), MOST_WHOLE)
+
+    def _is_proven(self, costs: IntegerCosts) -> bool:
+        """Whether a search to its end proves the tree optimal: what rounding may hide is less than a sample's worth."""
+        if not costs.is_rounded:
+            return True
+        tolerance = closing_tolerance(self.problem, self.objective, self.bound)
+        self.tolerance = max(0.0, tolerance)
+        return tolerance >= 0
+
+    def _notify(self, costs: IntegerCosts) -> Callable[[float, int, int, int], None]:
+        before, callback = time.perf_counter() - self.started if self.n_nodes else 0.0, self.progress
+        assert callback is not None
+
+        def report(seconds: float, objective: int, bound: int, n_nodes: int) -> None:
+            found, lower = min(self.objective, costs.value(objective)), max(self.bound, costs.value(bound))
+            callback(Progress(before + seconds, found, lower, self.n_nodes + n_nodes))
+
+        return report
+
+    def break_ties(self) -> dict[str, str]:
+        """Replace the tree by a smaller one that costs the same, and return what is proven of it."""
+        assert self.tree is not None
+        _, costs, _ = self.proven
+        effort = _Effort(self.started + self.limits.seconds, self.limits, self.n_jobs)
+        rows, ties = _break_ties(self.problem, self.ranks, costs, rows_from_tree(self.tree, self.ranks), effort)
+        smaller = centred(tree_from_rows(rows, self.ranks), self.problem.features)
+        self._keep(smaller)
+        return ties if self.tree is smaller else dict(UNBROKEN)
+
+
+def _relabelled(problem: Problem, tree: Node, rows: NDArray[np.int64] | None = None) -> Node:
+    """Return the tree with leaves labelled by the true costs: on the grid some may have none."""
+    rows = np.arange(problem.n_samples) if rows is None else rows
+    if isinstance(tree, Leaf):
+        return Leaf(int(problem.class_costs(rows).argmin()))
+    left = goes_left(tree, problem.features[rows])
+    sides = [_relabelled(problem, side, rows[part]) for side, part in ((tree.left, left), (tree.right, ~left))]
+    return replace(tree, left=sides[0], right=sides[1])
 
 
 def _check(problem: Problem, n_jobs: int) -> None:
@@ -176,7 +277,7 @@ def _break_ties(
     largest = float(finer.weights.sum()) * float(finer.costs.max()) + finer.penalty * factor
     if largest >= CAPACITY:
         return rows, UNBROKEN | {"splits": "not broken: the costs are too fine to count splits beside them"}
-    cost = _integer_objective(problem, tree_from_rows(rows, ranks), finer)
+    cost = finer.whole_objective(problem, tree_from_rows(rows, ranks))
     rows, cost, is_proven = effort.search(native_problem(problem, ranks, finer), (cost, rows))
     if not is_proven:
         return rows, UNBROKEN | {"splits": "fewer looked for, not proven"}
@@ -213,23 +314,6 @@ def _fewest_sensors(
 def _write_proof(problem: Problem, native: _native.Problem, costs: IntegerCosts, claim: int, path: Path) -> None:
     body = _native.prove(native, claim)
     if body is None:
-        raise SolverError(f"the proof of the bound {claim * costs.unit} was interrupted; {path} is not written")
-    header = proof_header(problem, costs.weight_unit, costs.unit / costs.weight_unit, claim)
+        raise SolverError(f"the proof of the bound {costs.value(claim)} was interrupted; {path} is not written")
+    header = log_header(problem, costs, claim)
     path.write_text(header + body + "end\n", encoding="ascii")
-
-
-def _integer_objective(problem: Problem, tree: Node, costs: IntegerCosts) -> int:
-    predicted = predict(tree, problem.features)
-    paid = costs.weights * costs.costs[problem.codes, predicted]
-    return int(paid.sum()) + costs.penalty * n_splits(tree)
-
-
-def _better(problem: Problem, found: Node, start: Node | None) -> tuple[Node, float]:
-    """Return the cheaper of two trees by the true costs: rounded ones can rank two trees the wrong way round."""
-    tree = centred(found, problem.features)
-    objective = problem.objective_of(tree, predict(tree, problem.features))
-    if start is not None:
-        known = problem.objective_of(start, predict(start, problem.features))
-        if known < objective:
-            return start, known
-    return tree, objective

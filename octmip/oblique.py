@@ -18,12 +18,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip import _native
-from octmip.encoding import IntegerCosts, integer_costs, native_problem, rank_features, tree_from_rows
+from octmip.encoding import (
+    IntegerCosts,
+    closing_tolerance,
+    integer_costs,
+    native_problem,
+    rank_features,
+    tree_from_rows,
+)
 from octmip.errors import ProblemError, SolverError
 from octmip.problem import Problem
-from octmip.proof import proof_header
+from octmip.proof import log_header
 from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop
-from octmip.tree import HyperplaneSplit, Leaf, Node, Split, complexity, goes_left, midpoint, predict
+from octmip.tree import HyperplaneSplit, Leaf, Node, Split, goes_left, midpoint, predict
 
 MOST_DEPTH = 2
 MOST_FEATURES = 2
@@ -61,18 +68,18 @@ def two_feature_branch_and_bound(
     """
     _check(problem, n_jobs)
     start = time.perf_counter()
-    ranks, costs = rank_features(problem), integer_costs(problem)
+    ranks, costs = rank_features(problem), integer_costs(problem, incumbent)
     native = native_problem(problem, ranks, costs)
     rows, _, bound, stop, n_nodes = _native.two_feature_branch_and_bound(
         native,
         n_jobs,
         # What was spent on ranks counts, too.
         (limits.seconds - (time.perf_counter() - start), limits.gap, limits.nodes, limits.memory),
-        None if incumbent is None else _whole_objective(problem, costs, incumbent),
+        None if incumbent is None else min(2**62, costs.whole_objective(problem, incumbent)),
         seed % 2**64,
         list(_off),
         whole_coefficients,
-        _native_progress(progress, costs.unit),
+        _native_progress(progress, costs),
     )
     if proof is not None:
         _write_proof(problem, native, costs, bound, n_jobs, Path(proof))
@@ -81,19 +88,22 @@ def two_feature_branch_and_bound(
     if incumbent is not None:
         known = problem.objective_of(incumbent, predict(incumbent, problem.features))
         tree, objective = (incumbent, known) if known < objective else (tree, objective)
-    lower = bound * costs.unit
-    met = lower >= objective - costs.tolerance
+    lower = costs.value(bound)
+    # Unless a limit ended the search, only rounding is left between bound and tree: a proof where it hides no sample.
+    is_closed = stop == Stop.OPTIMAL
+    tolerance = max(0.0, closing_tolerance(problem, objective, lower)) if is_closed else 0.0
+    met = lower >= objective - tolerance
     return Solution(
         tree=tree,
         objective=objective,
         bound=lower,
-        stop=Stop.OPTIMAL if met else Stop(stop),
+        stop=Stop.OPTIMAL if met else Stop.NUMERICS if is_closed else Stop(stop),
         seconds=time.perf_counter() - start,
         n_nodes=n_nodes,
         solver="two-feature exact",
         version=_native.__version__,
         seed=seed,
-        tolerance=costs.tolerance,
+        tolerance=tolerance,
         details=_details(problem, is_open=not met and stop == "finished"),
     )
 
@@ -125,25 +135,21 @@ def _write_proof(
     body = _native.prove_lines(native, claim, n_jobs)
     if body is None:
         raise SolverError(
-            f"no log of the bound {claim * costs.unit} came about: it was interrupted, the budget allows too many sets "
+            f"no log of the bound {costs.value(claim)} came about: it was interrupted, the budget allows too many sets "
             f"of sensors, or samples within 1e-12 of a line decide; {path} is not written"
         )
-    header = proof_header(problem, costs.weight_unit, costs.unit / costs.weight_unit, claim)
+    header = log_header(problem, costs, claim)
     path.write_text(header + body + "end\n", encoding="ascii")
 
 
-def _whole_objective(problem: Problem, costs: IntegerCosts, tree: Node) -> int:
-    """Return the objective of a tree in the core's whole-numbered costs."""
-    predicted = predict(tree, problem.features)
-    return int((costs.weights * costs.costs[problem.codes, predicted]).sum()) + costs.penalty * complexity(tree)
-
-
-def _native_progress(progress: ProgressCallback | None, unit: float) -> Callable[[float, int, int, int], None] | None:
+def _native_progress(
+    progress: ProgressCallback | None, costs: IntegerCosts
+) -> Callable[[float, int, int, int], None] | None:
     if progress is None:
         return None
 
     def report(seconds: float, objective: int, bound: int, n_nodes: int) -> None:
-        progress(Progress(seconds, objective * unit, bound * unit, n_nodes))
+        progress(Progress(seconds, costs.value(objective), costs.value(bound), n_nodes))
 
     return report
 

@@ -79,6 +79,7 @@ class Problem:
         self._set_sensors()
         self._check_tree_limits()
         self._set_allowed_splits()
+        self._check_range()
 
     def _set(self, name: str, value: object) -> None:
         if isinstance(value, np.ndarray):
@@ -174,6 +175,17 @@ class Problem:
         if self.integer_normals is not None:
             self._set("integer_normals", _whole(self.integer_normals, "integer_normals", 1, None))
 
+    def _check_range(self) -> None:
+        """Every objective is a float64: none overflows."""
+        with np.errstate(over="ignore"):
+            paid = float(self.weights.sum()) * float(self.costs.max())
+        prices = self.leaf_penalty * min(2**self.depth - 1, self.n_samples) * self.max_split_size
+        if not math.isfinite(paid + prices):
+            raise ProblemError(
+                f"weights up to {self.weights.max()}, costs up to {self.costs.max()} and leaf_penalty "
+                f"{self.leaf_penalty} add up to more than float64 holds (1.8e308); divide them all by one number"
+            )
+
     def _set_allowed_splits(self) -> None:
         if self.allowed_splits is None:
             return
@@ -229,8 +241,10 @@ class Problem:
         lightest = np.full(self.n_classes, np.inf)
         positive = self.weights > 0
         np.minimum.at(lightest, self.codes[positive], self.weights[positive])
-        savings = [w * c for w, c in zip(lightest.tolist(), by_class.tolist(), strict=True) if math.isfinite(w)]
-        return min([*savings, self.leaf_penalty or math.inf])
+        pairs = zip(lightest.tolist(), by_class.tolist(), strict=True)
+        # A product below the least float64 is something all the same.
+        savings = [max(w * c, math.ulp(0.0)) for w, c in pairs if math.isfinite(w)]
+        return float(min([*savings, self.leaf_penalty or math.inf]))
 
     @property
     def baseline(self) -> float:

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip import _native
-from octmip.encoding import integer_costs, native_problem, rank_features, rows_from_tree, tree_from_rows
+from octmip.encoding import IntegerCosts, integer_costs, native_problem, rank_features, rows_from_tree, tree_from_rows
 from octmip.errors import ProblemError
 from octmip.polish import polished
 from octmip.problem import Problem
@@ -84,7 +84,7 @@ def local_search(
         n_jobs,
         (limits.seconds, limits.gap, limits.nodes, limits.memory),
         first,
-        _native_progress(progress, costs.unit),
+        _native_progress(progress, costs),
     )
     tree = _finished(problem, tree_from_rows(rows, ranks))
     objective = problem.objective_of(tree, predict(tree, problem.features))
@@ -125,13 +125,15 @@ def _stop(name: str, objective: float) -> Stop:
     return Stop.FINISHED if stop is Stop.OPTIMAL else stop
 
 
-def _native_progress(progress: ProgressCallback | None, unit: float) -> Callable[[float, int, int, int], None] | None:
+def _native_progress(
+    progress: ProgressCallback | None, costs: IntegerCosts
+) -> Callable[[float, int, int, int], None] | None:
     if progress is None:
         return None
 
     def report(seconds: float, objective: int, bound: int, n_nodes: int) -> None:
-        found = math.inf if objective == 2**63 - 1 else objective * unit
-        progress(Progress(seconds, found, bound * unit, n_nodes))
+        found = math.inf if objective == 2**63 - 1 else costs.value(objective)
+        progress(Progress(seconds, found, costs.value(bound), n_nodes))
 
     return report
 

@@ -256,7 +256,13 @@ def certify_inspection(inspection: Inspection, solution: Solution) -> Inspection
     if solution.tree is None:
         raise CertificateError(f"{solution.solver} found no tree (stop: {solution.stop}); there is nothing to certify")
     found = recount(inspection, solution.tree, solution.bound, solution.gap)
-    slack = 1e-9 * max(1.0, abs(found.objective))
+    slack = 1e-9 * abs(found.objective)
+    least = inspection.problem.least_saving
+    if not 0 <= solution.tolerance < least:
+        raise CertificateError(
+            f"{solution.solver} claims the tolerance {solution.tolerance}; expected 0 or more and less than {least}, "
+            "what one sample or split alone can save"
+        )
     if abs(solution.objective - found.objective) > slack:
         raise CertificateError(f"{solution.solver} claims objective {solution.objective}; recounted {found.objective}")
     if solution.bound > found.objective + slack + solution.tolerance:

@@ -52,7 +52,14 @@ def certify_joint(joint: JointSolution) -> JointCertificate:
 
 
 def _check_claims(joint: JointSolution, objective: float) -> None:
-    slack = joint.tolerance + 1e-12 * max(1.0, abs(objective))
+    pairs = zip(joint.weights, joint.problems, strict=True)
+    saving = min(max(weight * problem.least_saving, math.ulp(0.0)) for weight, problem in pairs if weight > 0)
+    if not 0 <= joint.tolerance < saving:
+        raise CertificateError(
+            f"the joint solution claims the tolerance {joint.tolerance}; expected 0 or more and less than {saving}, "
+            "what one sample or split of one label alone can save"
+        )
+    slack = joint.tolerance + 1e-12 * abs(objective)
     least = weighted_sum(joint.weights, (problem.baseline for problem in joint.problems))
     if joint.bound > min(objective, least) + slack:
         raise CertificateError(

@@ -207,8 +207,8 @@ def label_bound(problem: Problem) -> float:
         return 0.0
     sets = combinations(range(n_classes), size)
     least = min(float(paid @ problem.costs[:, list(chosen)].min(axis=1)) for chosen in sets)
-    # Whole numbers are exact; other sums may be rounded up, and a bound must not be.
-    return least if problem.has_integer_costs else least * (1 - 1e-12)
+    # Whole numbers are exact; each term of another sum may be rounded up, and a bound must not be.
+    return least if problem.has_integer_costs else least * (1 - (problem.n_samples + n_classes + 2) * 2.0**-52)
 
 
 def sample_bound(
@@ -252,4 +252,5 @@ def sample_bound(
                 leaf_penalty=0.0,
             )
             total.append(max(0.0, solve(part, method, limits, None, seed, n_jobs).bound))
-    return math.fsum(total)
+    total_cost = math.fsum(total)
+    return total_cost if problem.has_integer_costs else math.nextafter(total_cost, -math.inf)

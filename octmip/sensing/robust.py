@@ -48,13 +48,17 @@ def solve_expected(
     """
     stacked, scale = asked.stacked(asked.probabilities)
     found = solve(stacked, method, limits, seed=seed, n_jobs=n_jobs)
-    return replace(
-        found,
-        objective=found.objective / scale,
-        bound=found.bound / scale,
-        tolerance=max(found.tolerance / scale, 0.0 if scale > 1 else 1e-9 * found.objective),
-        details={**found.details, "over": "expected"},
-    )
+    objective, bound = found.objective / scale, math.nextafter(found.bound / scale, -math.inf)
+    tolerance = 0.0
+    if found.bound == found.objective:
+        bound = objective
+    elif found.is_optimal:
+        # Of the shares' own rounding, too: a trillionth.
+        tolerance = max(found.tolerance / scale, objective - bound, 1e-12 * objective)
+        tolerance = tolerance if tolerance < asked.least_saving(over_worst=False) else 0.0
+    stop = Stop.NUMERICS if found.stop is Stop.OPTIMAL and bound < objective - tolerance else found.stop
+    details = {**found.details, "over": "expected"}
+    return replace(found, objective=objective, bound=bound, stop=stop, tolerance=tolerance, details=details)
 
 
 def solve_worst(
@@ -123,20 +127,23 @@ class _Game:
         self.seen |= is_new
         # A scenario that is new begins with the mean share of those known.
         shares = np.where(is_new, self.shares[self.shares > 0].mean(), self.shares)
-        spread = max(float(np.ptp(objectives)), 1e-12)
+        spread = float(np.ptp(objectives)) or 1.0
         regret = (objectives - objectives.max()) / spread
         shares = np.where(self.seen, shares * np.exp(2.0 / np.sqrt(self.n_rounds) * regret), 0.0)
         self.shares = on_grid(shares / shares.sum())
 
     def is_closed(self, gap: float) -> bool:
-        return self.bound >= self.worst * (1.0 - gap) - 1e-9
+        return self.bound >= self.worst * (1.0 - max(gap, 1e-9))
 
     def solution(self, seconds: float, seed: int) -> Solution:
         details = {"over": "worst", "rounds": self.n_rounds}
-        tolerance = 1e-9 * self.worst
+        near = 1e-9 * self.worst
+        tolerance = near if near < self.asked.least_saving(over_worst=True) else 0.0
         # Above the objective by rounding only: more is a wrong claim, which `certify_failures` has to see.
-        bound = min(self.bound, self.worst) if self.bound <= self.worst + tolerance else self.bound
+        bound = min(self.bound, self.worst) if self.bound <= self.worst + near else self.bound
         stop = Stop.OPTIMAL if bound >= self.worst - tolerance else self.stop
+        if stop is not Stop.OPTIMAL and bound >= self.worst - near and self.stop is Stop.FINISHED:
+            stop = Stop.NUMERICS
         return Solution(
             self.tree, self.worst, bound, stop, seconds, self.n_nodes, "robust", "1", seed, tolerance, details
         )

@@ -173,6 +173,11 @@ class FailureProblem:
             leaf_penalty=problem.leaf_penalty * scale,
         ), scale
 
+    def least_saving(self, *, over_worst: bool) -> float:
+        """Return what one sample or split alone can save, of the worst objective or of the mean over the scenarios."""
+        shares = self.probabilities[self.probabilities > 0]
+        return self.problem.least_saving * (1.0 if over_worst else float(shares.min()))
+
     def objectives(self, tree: Node) -> Floats:
         """Return the problem's objective in each scenario, (n_scenarios + 1,)."""
         whole = self.problem.objective_of(tree, predict(tree, self.problem.features))
@@ -224,7 +229,13 @@ def certify_failures(asked: FailureProblem, solution: Solution) -> FailureCertif
         float(objectives[0]), float(asked.probabilities @ objectives), float(objectives[worst]), sensors
     )
     own = found.worst if solution.details.get("over") == "worst" else found.expected
-    slack = 1e-9 * max(1.0, abs(own))
+    slack = 1e-9 * abs(own)
+    least = asked.least_saving(over_worst=solution.details.get("over") == "worst")
+    if not 0 <= solution.tolerance < least:
+        raise CertificateError(
+            f"{solution.solver} claims the tolerance {solution.tolerance}; expected 0 or more and less than {least}, "
+            "what one sample or split alone can save"
+        )
     if abs(solution.objective - own) > slack or solution.bound > own + slack + solution.tolerance:
         raise CertificateError(
             f"{solution.solver} claims objective {solution.objective} and bound {solution.bound}; recounted {own}"

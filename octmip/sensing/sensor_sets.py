@@ -52,6 +52,12 @@ class Proof:
     tolerance: float
 
 
+def least_saving(labels: LabelTrees) -> float:
+    """Return what one sample or split of one label alone can save of the weighted sum."""
+    pairs = zip(labels.weights, labels.problems, strict=True)
+    return min(weight * problem.least_saving for weight, problem in pairs if weight > 0)
+
+
 @dataclass(slots=True)
 class SetSearch:
     """The search over sets; the incumbent is `labels.best`."""
@@ -73,8 +79,10 @@ class SetSearch:
             self._branch(heapq.heappop(self.open))
         best = self.labels.best.objective
         bound = min(self.closed, best, *(node.bound for node in self.open))
-        stop = self._early_stop() if bound < best - self.tolerance or self.labels.is_interrupted else Stop.OPTIMAL
-        return Proof(bound, stop, self.n_nodes, tuple(answer.bound for answer in root), self.tolerance)
+        # What rounding hides in one label must be less than a sample of any label is worth in the sum.
+        tolerance = self.tolerance if self.tolerance < least_saving(self.labels) else 0.0
+        stop = self._early_stop() if bound < best - tolerance or self.labels.is_interrupted else Stop.OPTIMAL
+        return Proof(bound, stop, self.n_nodes, tuple(answer.bound for answer in root), tolerance)
 
     def _is_done(self) -> bool:
         best, least = self.labels.best.objective, self.open[0].bound
@@ -88,7 +96,9 @@ class SetSearch:
             return Stop.TIME
         if self.open:
             return Stop.NODES if self.n_nodes >= self.labels.limits.nodes else Stop.GAP
-        return Stop.MEMORY  # some answer came back without its proof, and not for lack of time
+        # Some answer came back without its proof, and not for lack of time.
+        stops = {answer.stop for answer in self.labels.known.values()}
+        return Stop.MEMORY if Stop.MEMORY in stops else Stop.NUMERICS
 
     def _branch(self, node: _Set) -> None:
         """Decide on one sensor: first the child in which it is banned, then the one in which it is held."""

@@ -24,6 +24,7 @@ from octmip.solver import solve
 from octmip.tree import Leaf, Node
 
 TOLERANCE = 1e-9
+ROUNDING = 2.0**-46  # of the largest sum: what some hundred additions in float64 lose, and far more than they do
 
 
 def solve_inspection(
@@ -63,7 +64,7 @@ def solve_inspection(
         call.prove() if is_exact else call.search()
     except KeyboardInterrupt:
         call.stop = Stop.INTERRUPTED
-    return call.solution("inspection" if is_exact else "inspection search")
+    return call.solution("inspection" if is_exact else "inspection search", is_proof=is_exact)
 
 
 @dataclass(slots=True)
@@ -80,6 +81,7 @@ class _Call:
     stop: Stop = Stop.FINISHED
     n_nodes: int = 0
     is_cheapest: bool = False
+    highest_price: float = 0.0
     core: Core = field(init=False)
 
     def __post_init__(self) -> None:
@@ -102,8 +104,11 @@ class _Call:
         self.add(Leaf(int(self.problem.class_costs().argmin())))
         first = solve(self.problem, limits=self.left(0.3), seed=self.seed, n_jobs=self.n_jobs)
         # A tree without a split pays for nothing; every other one makes all samples read the root's sensor.
-        first_reading = self.inspection.price * self.n_counts * self.core.least_reading + self.inspection.haste.sum()
+        price = self.inspection.price
+        first_reading = price * self.n_counts * self.core.least_reading + self.inspection.haste.sum()
         self.bound = min(self.trees[0][0], first.bound + float(first_reading))
+        if first_reading > 0:
+            self.bound -= self.rounding(price)
         if first.tree is not None:
             self.add(first.tree)
         if first.stop is Stop.INTERRUPTED:
@@ -122,6 +127,7 @@ class _Call:
 
     def ask(self, price: float, cap: float | None = None, room: float | None = None) -> Answer:
         """Ask the core for a tree better than all known; what it finds is known from then on."""
+        self.highest_price = max(self.highest_price, price)
         error, cost, _ = self.best(price)
         answer = self.core.search(price, error + price * cost if room is None else room, self.left(), cap=cap)
         self.n_nodes += answer.n_cuts
@@ -142,14 +148,16 @@ class _Call:
         price = self.inspection.price
         if price > 0:
             answer = self.ask(price)
-            self.bound, self.is_cheapest = max(self.bound, answer.bound), answer.stop == "optimal"
+            self.bound = max(self.bound, answer.bound - self.rounding(price))
+            self.is_cheapest = answer.stop == "optimal"
             return
         dearest = self.core.dearest_sum
-        small = 2.0 ** math.floor(math.log2(self.unit / (2.0 * dearest))) if dearest > 0 else 0.0
+        tells_costs = self.unit > 4 * self.rounding(0.0)
+        small = 2.0 ** math.floor(math.log2(self.unit / (2.0 * dearest))) if dearest > 0 and tells_costs else 0.0
         answer = self.ask(small)
         # No path costs more than the dearest, so small * cost is below one unit of error.
-        self.bound = max(self.bound, self.rounded(answer.bound - small * dearest))
-        self.is_cheapest = answer.stop == "optimal"
+        self.bound = max(self.bound, self.rounded(answer.bound - small * dearest, small))
+        self.is_cheapest = answer.stop == "optimal" and (tells_costs or dearest == 0)
 
     def prove_budget(self, budget: float) -> None:
         cap = budget * self.n_counts * (1 + TOLERANCE) + TOLERANCE
@@ -157,7 +165,7 @@ class _Call:
         best = self.best_within(cap)
         if self.bound < best[0] and self.stop is Stop.FINISHED:
             answer = self.ask(price, cap, best[0])
-            self.bound = max(self.bound, answer.bound)
+            self.bound = max(self.bound, self.rounded(answer.bound, price))
 
     def raise_bound(self, cap: float) -> float:
         """Return the multiplier of the best bound: the edge of the lower hull of (cost, error) that crosses the cap."""
@@ -167,11 +175,11 @@ class _Call:
             price = (within[0] - over[0]) / (over[1] - within[1])
             answer = self.ask(price)
             # For a tree within the cap: error >= error + price * (cost - cap) >= bound - price * cap.
-            bound = self.rounded(answer.bound - price * cap)
+            bound = self.rounded(answer.bound - price * cap, price)
             if bound > self.bound or best_price == 0.0:
                 self.bound, best_price = max(bound, self.bound), price
             found, line = self.best(price), within[0] + price * within[1]
-            if found[0] + price * found[1] >= line - TOLERANCE * max(1.0, abs(line)):
+            if found[0] + price * found[1] >= line - max(TOLERANCE * abs(line), self.rounding(price)):
                 break  # nothing below the line between the two: they are neighbours on the hull
             within, over = (found, over) if found[1] <= cap else (within, found)
         return best_price
@@ -191,20 +199,34 @@ class _Call:
                 return
 
     def _multipliers(self) -> list[float]:
-        scale = max(self.problem.baseline, 1e-12) / max(self.core.dearest_sum, 1e-12)
+        scale = (self.problem.baseline or 1.0) / (self.core.dearest_sum or 1.0)
         return [0.0, *(scale * 2.0**k for k in range(-6, 4))]
 
     @property
     def unit(self) -> float:
-        """The least difference between two objectives without a price: 1 for whole numbers, else the tolerance."""
+        """The least difference between two objectives without a price: 1 for whole numbers, else a quarter of what one
+        sample can save, or a tenth of a millionth of the baseline."""
+        return 1.0 if self.is_whole else min(1e-7 * self.problem.baseline, 0.25 * self.problem.least_saving) or 1.0
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether objectives without a price are whole, and sums of them far from losing that."""
         is_whole = self.problem.has_integer_costs and (self.inspection.haste % 1 == 0).all()
-        return 1.0 if is_whole else 1e-7 * max(1.0, self.problem.baseline)
+        return bool(is_whole) and self.rounding(0.0) < 1e-3
 
-    def rounded(self, bound: float) -> float:
-        """Return a bound of the objective without a price, rounded up where objectives are whole."""
-        return math.ceil(bound - 1e-6) if self.unit == 1.0 else bound
+    def rounding(self, price: float) -> float:
+        """Return what sums in float64 lose at most: the core adds and takes away costs of samples and readings."""
+        budget = self.inspection.budget or 0.0
+        cost = price * max(self.core.dearest_sum, budget * self.n_counts)
+        haste = self.problem.depth * float(self.inspection.haste.sum())
+        return ROUNDING * (float(self.core.paid.max(axis=1).sum()) + haste + cost)
 
-    def solution(self, solver: str) -> Solution:
+    def rounded(self, bound: float, price: float) -> float:
+        """Return a bound of the objective without a price, rounded up where objectives are whole, else down."""
+        down = bound - max(self.rounding(price), 1e-6 if self.is_whole else 0.0)
+        return math.ceil(down) if self.is_whole else down
+
+    def solution(self, solver: str, *, is_proof: bool) -> Solution:
         inspection = self.inspection
         if inspection.budget is None:
             tree = self.best(inspection.price)[2] if inspection.price > 0 else min(self.trees, key=lambda e: e[:2])[2]
@@ -215,6 +237,8 @@ class _Call:
         bound = min(self.bound, found.objective)
         if bound >= found.objective - tolerance and self.stop is not Stop.INTERRUPTED:
             self.stop = Stop.OPTIMAL
+        elif self.stop is Stop.FINISHED and is_proof:
+            self.stop = Stop.NUMERICS
         details = {
             "cheapest": "proven" if self.is_cheapest else "not proven",
             "expected_cost": found.expected_cost,
@@ -226,8 +250,11 @@ class _Call:
         )
 
     def tolerance(self, found: InspectionCertificate) -> float:
-        if self.inspection.price == 0 and self.unit == 1.0:
+        """Return what rounding and the price that breaks ties may hide; 0 where a sample is worth no more."""
+        price = self.inspection.price
+        if price == 0 and self.is_whole:
             return 0.0
-        if self.inspection.price == 0:
-            return 1e-6 * max(1.0, self.problem.baseline)
-        return TOLERANCE * max(1.0, found.objective)
+        wide = 4 * self.rounding(self.highest_price) + (self.unit if price == 0 else 0.0)
+        tolerance = max(wide, TOLERANCE * found.objective)
+        least = self.problem.least_saving
+        return next((width for width in (tolerance, wide) if width < least), 0.0)

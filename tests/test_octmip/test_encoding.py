@@ -2,24 +2,17 @@
 
 import numpy as np
 import pytest
-from hypothesis import assume, given
+from hypothesis import given
 from hypothesis import strategies as st
 
 from benchmarks.oracles.strategies import problems, random_tree
 from octmip import HyperplaneSplit, Leaf, Problem, Split, predict
 from octmip.encoding import integer_costs, rank_features, rows_from_tree, tree_from_rows
-from octmip.tree import complexity, midpoint, without_empty_sides
+from octmip.tree import midpoint, without_empty_sides
 
 
 def with_costs(**settings):
     return Problem([[0.0], [1.0], [2.0]], [0, 1, 0], depth=2, **settings)
-
-
-def integer_objective(problem, tree):
-    costs = integer_costs(problem)
-    told = predict(tree, problem.features)
-    paid = [int(w) * int(costs.costs[i, k]) for w, i, k in zip(costs.weights, problem.codes, told, strict=True)]
-    return sum(paid) + costs.penalty * complexity(tree)
 
 
 def test_ranks_point_to_the_values():
@@ -55,12 +48,12 @@ def test_a_tree_passes_the_border_and_back_with_the_same_predictions(problem, se
 def test_an_integer_objective_is_below_the_true_one_by_at_most_the_tolerance(problem, seed):
     tree = random_tree(np.random.default_rng(seed), problem.n_features, problem.n_classes, problem.depth)
     tree = without_empty_sides(tree, problem.features)
-    # A penalty above all other costs is cut to just above them: with it no tree that has a split is optimal either way.
-    assume(complexity(tree) == 0 or problem.leaf_penalty <= problem.weights.sum() * problem.costs.max())
-    costs = integer_costs(problem)
     true = problem.objective_of(tree, predict(tree, problem.features))
-    held = integer_objective(problem, tree) * costs.unit
-    assert held <= true * (1 + 1e-15) and true - held <= costs.tolerance
+    for costs in (integer_costs(problem), integer_costs(problem, tree)):
+        held = costs.value(costs.whole_objective(problem, tree))
+        assert held <= true * (1 + 1e-15)
+    # Costs above the cheapest tree known, which is this one or a leaf, may be cut to just above it.
+    assert true > problem.baseline or true - held <= costs.tolerance + 1e-15 * true
 
 
 @pytest.mark.parametrize(
@@ -96,11 +89,11 @@ def test_whole_and_dyadic_numbers_lose_nothing(settings, unit):
 def test_no_objective_overflows_whatever_the_numbers(settings):
     problem = with_costs(**settings)
     costs = integer_costs(problem)
-    most = int(costs.weights.sum()) * int(costs.costs.max()) + 3 * costs.penalty
-    assert 0 < most < 2**61
-    true = problem.objective_of(Leaf(0), np.zeros(3, dtype=np.int64))
-    held = integer_objective(problem, Leaf(0)) * costs.unit
-    assert 0 <= true - held <= costs.tolerance
+    most = sum(int(w) * int(costs.costs[row].max()) for w, row in zip(costs.weights, costs.rows, strict=True))
+    assert 0 < most + costs.penalty < 2**61
+    best = int(problem.class_costs().argmin())
+    held = costs.value(costs.whole_objective(problem, Leaf(best)))
+    assert 0 <= problem.baseline - held <= costs.tolerance + 1e-15 * problem.baseline
 
 
 def test_a_threshold_between_neighbouring_floats_sends_the_upper_one_right():

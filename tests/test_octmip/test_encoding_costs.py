@@ -1,13 +1,15 @@
 """Weights and costs as whole numbers: exact where they can be, rounded down and said so elsewhere."""
 
 import math
+from fractions import Fraction
+from operator import le
 
 import numpy as np
 import pytest
 
-from benchmarks.oracles.strategies import random_problem
-from octmip import Problem
-from octmip.encoding import integer_costs
+from benchmarks.oracles.strategies import random_problem, wide_problem
+from octmip import Leaf, Problem, Split, predict
+from octmip.encoding import grid, integer_costs
 
 X, Y = np.arange(6.0)[:, None], [0, 1, 0, 1, 1, 0]
 
@@ -27,15 +29,24 @@ def test_dyadic_numbers_are_whole_in_the_largest_unit(options, unit):
     assert (costs.unit, costs.tolerance) == (unit, 0.0)
 
 
-@pytest.mark.parametrize("seed", range(150))
-def test_rounding_goes_down_and_stays_within_the_tolerance(seed):
-    problem = random_problem(np.random.default_rng([3, seed]))
-    costs = integer_costs(problem)
-    held = (costs.weights * costs.unit)[:, None] * costs.costs[problem.codes]
-    true = problem.weights[:, None] * problem.costs[problem.codes]
-    assert (held <= true * (1 + 1e-15)).all()
-    assert (true - held).sum() <= costs.tolerance * problem.n_classes
-    assert costs.tolerance <= 1e-6 * true.max(axis=1).sum()
+@pytest.mark.parametrize("first", range(0, 300, 50))
+@pytest.mark.parametrize("most_own_rows", [0, 64])
+def test_no_cost_on_the_grid_is_above_the_true_one_in_exact_arithmetic(first, most_own_rows, monkeypatch):
+    monkeypatch.setattr(grid, "MOST_OWN_ROWS", most_own_rows)
+    for seed in range(first, first + 50):
+        for problem in (
+            random_problem(np.random.default_rng([3, seed])),
+            wide_problem(np.random.default_rng([4, seed])),
+        ):
+            costs = integer_costs(problem)
+            unit = Fraction(2) ** -costs.exponent
+            for row, weight, label, true in zip(costs.rows, costs.weights, problem.codes, problem.weights, strict=True):
+                prices = [Fraction(price) for price in problem.costs[label].tolist()]
+                base = min(prices) if costs.is_rounded else 0
+                held = [int(weight) * int(costs.costs[row, k]) * unit for k in range(problem.n_classes)]
+                exact = [Fraction(float(true)) * (price - base) for price in prices]
+                assert all(map(le, held, exact)), f"seed {seed}"
+                assert costs.is_rounded or held == exact, f"seed {seed}"
 
 
 def test_many_real_weights_and_real_costs_are_told_apart_to_a_millionth_of_the_worst():
@@ -54,3 +65,27 @@ def test_a_penalty_above_every_cost_is_cut_to_just_above_without_loss():
 def test_a_large_penalty_does_not_coarsen_the_costs():
     problem = Problem(X, Y, depth=2, leaf_penalty=math.pi * 1e6, weights=np.full(6, 1e-3))
     assert integer_costs(problem).tolerance < 1e-12
+
+
+def test_a_sample_that_no_tree_gives_up_takes_no_digits_from_the_others():
+    """Weights over 24 orders: the heavy sample is cut to just above the best leaf, and nothing is lost."""
+    problem = Problem(X, Y, depth=1, weights=[1e12, 1.0, 1.5, 1e-6, 1e-12, 2e-12])
+    costs = integer_costs(problem)
+    assert costs.tolerance < 1e-15
+
+
+def test_the_cheaper_the_tree_known_the_finer_the_grid():
+    problem = Problem(X, Y, depth=2, weights=10.0 ** np.linspace(-9, 9, 6))
+    tree = Split(0, 4.5, Leaf(1), Leaf(0))
+    known = integer_costs(problem, tree)
+    assert problem.objective_of(tree, predict(tree, problem.features)) < 1e-3 * problem.baseline
+    assert known.exponent > integer_costs(problem).exponent + 9
+
+
+def test_what_no_prediction_avoids_is_counted_apart():
+    problem = Problem(X, Y, depth=1, costs=[[1e15, 1e15 + 1], [0.1, 1e12]], weights=[1, 1, 1, 1, 1, 0.1])
+    costs = integer_costs(problem)
+    cheapest = problem.costs.min(axis=1)[problem.codes]
+    exact = sum(Fraction(w) * Fraction(c) for w, c in zip(problem.weights, cheapest, strict=True))
+    assert costs.base == exact
+    assert costs.value(0) <= exact

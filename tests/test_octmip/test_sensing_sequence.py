@@ -67,6 +67,25 @@ def test_every_question_has_the_answer_of_enumeration(block):
             assert certify_inspection(asked, solution).objective == pytest.approx(least, abs=TOLERANCE), (seed, budget)
 
 
+@pytest.mark.parametrize("scale", [1e-12, 0.1, 1e12])
+def test_weights_of_any_size_have_the_answer_of_enumeration(scale):
+    """A price that breaks ties, or a tolerance, of a fixed size would be more than all the samples together."""
+    for seed in range(300, 330):
+        inspection = random_inspection(seed)
+        problem = replace(inspection.problem, weights=inspection.problem.weights * scale, leaf_penalty=0.0)
+        asked = replace(inspection, problem=problem, urgency={})
+        pairs = [(float(error), float(cost)) for error, cost in front(asked)]
+        n = problem.n_samples
+        for question in (asked, replace(asked, price=0.3 * scale), replace(asked, budget=0.7 * pairs[0][1] / n)):
+            solution = solve_inspection(question)
+            found = certify_inspection(question, solution)
+            cap = np.inf if question.budget is None else question.budget * n + TOLERANCE
+            least = min(error + question.price * cost for error, cost in pairs if cost <= cap)
+            assert found.objective == pytest.approx(least, rel=1e-9, abs=1e-9 * scale), (seed, question.price)
+            assert solution.bound <= least * (1 + 1e-12)
+            assert solution.stop in (Stop.OPTIMAL, Stop.NUMERICS)
+
+
 @pytest.mark.parametrize("method", ["search", "exact"])
 def test_no_search_undercuts_enumeration_and_its_bound_holds(method):
     for seed in range(30):

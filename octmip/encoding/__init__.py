@@ -1,0 +1,26 @@
+"""The way to the native core and back: a Problem as ranks and whole numbers, a table of nodes as a tree.
+
+ranks     features as dense ranks, and the core's own problem
+rows      a tree as a table of nodes and back
+numbers   float64 in exact arithmetic
+costs     weights, costs and penalty as whole numbers
+grid      the same where they are not whole
+"""
+
+from octmip.encoding.costs import CAPACITY, IntegerCosts, closing_tolerance
+from octmip.encoding.grid import integer_costs
+from octmip.encoding.ranks import Ranks, native_problem, rank_features
+from octmip.encoding.rows import NodeRow, rows_from_tree, tree_from_rows
+
+__all__ = [
+    "CAPACITY",
+    "IntegerCosts",
+    "NodeRow",
+    "Ranks",
+    "closing_tolerance",
+    "integer_costs",
+    "native_problem",
+    "rank_features",
+    "rows_from_tree",
+    "tree_from_rows",
+]

@@ -1,0 +1,43 @@
+"""Numbers of float64 in exact arithmetic: every one is a whole number times a power of two."""
+
+import math
+from fractions import Fraction
+
+import numpy as np
+from numpy.typing import NDArray
+
+MOST = 2**62  # larger whole numbers do not enter the native core
+
+
+def power_of_two(exponent: int) -> Fraction:
+    """Return 2**exponent."""
+    return Fraction(2) ** int(exponent)
+
+
+def whole_exponent(numbers: NDArray[np.float64]) -> int:
+    """Return the least power of two that makes all of them whole; below 0 where they are multiples of one."""
+    mantissas, exponents = np.frexp(numbers[numbers > 0])
+    digits = np.ldexp(mantissas, 53).astype(np.int64)
+    lowest = np.frexp((digits & -digits).astype(np.float64))[1] - 1  # place of the last binary digit that is not 0
+    return int((53 - exponents - lowest).max(initial=-2000))
+
+
+def floors(values: NDArray[np.float64], factor: Fraction, most: int) -> NDArray[np.int64]:
+    """Return the values times a factor, rounded down, `most` at most: in exact arithmetic."""
+    distinct, places = np.unique(values, return_inverse=True)
+    ratios = (value.as_integer_ratio() for value in distinct.tolist())
+    floors = [min(most, above * factor.numerator // (below * factor.denominator)) for above, below in ratios]
+    return np.array(floors, dtype=np.int64)[places]
+
+
+def exact_sum(values: NDArray[np.float64]) -> Fraction:
+    """Return the sum of numbers, none of its digits lost."""
+    ratios = [value.as_integer_ratio() for value in values.tolist()]
+    denominator = max((below for _, below in ratios), default=1)
+    return Fraction(sum(above * (denominator // below) for above, below in ratios), denominator)
+
+
+def rounded_down(exact: Fraction) -> float:
+    """Return the largest float64 that is not above a number."""
+    nearest = float(exact)
+    return nearest if Fraction(nearest) <= exact else math.nextafter(nearest, -math.inf)

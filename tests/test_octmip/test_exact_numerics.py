@@ -1,0 +1,129 @@
+"""Weights and costs that span many orders of magnitude: the optimum, or a bound that holds."""
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from benchmarks.oracles.enumeration import optimum
+from benchmarks.oracles.strategies import wide_problem
+from octmip import Limits, Problem, certify, predict
+from octmip.encoding import closing_tolerance, grid
+from octmip.errors import CertificateError, ProblemError
+from octmip.exact import branch_and_bound
+from octmip.proof import check_proof
+from octmip.solution import Stop
+from octmip.tree import n_splits
+
+BLOCK = 60
+
+
+def exact_objective(problem, tree):
+    """Return the objective of a tree as the rational number that it is."""
+    answers = zip(problem.weights.tolist(), problem.codes, predict(tree, problem.features), strict=True)
+    paid = (Fraction(weight) * Fraction(float(problem.costs[code, k])) for weight, code, k in answers)
+    return sum(paid, n_splits(tree) * Fraction(problem.leaf_penalty))
+
+
+def check(problem, solution, best):
+    """Assert that a solution is the optimum within its tolerance, or leaves only what float64 cannot hold."""
+    certify(problem, solution)
+    assert Fraction(solution.bound) <= best
+    if solution.stop is Stop.OPTIMAL:
+        rounding = best / 2**52
+        assert exact_objective(problem, solution.tree) - best <= Fraction(solution.tolerance) + rounding
+    else:
+        assert solution.stop is Stop.NUMERICS
+        assert solution.tolerance == 0
+        assert not solution.is_optimal
+
+
+@pytest.mark.parametrize("first", range(0, 300, BLOCK))
+def test_the_optimum_is_proven_unless_float64_cannot_tell_two_trees_apart(first):
+    for seed in range(first, first + BLOCK):
+        problem = wide_problem(np.random.default_rng([51, seed]))
+        solution = branch_and_bound(problem)
+        check(problem, solution, exact_objective(problem, optimum(problem).tree))
+        if solution.stop is Stop.NUMERICS:
+            assert np.spacing(solution.objective) >= problem.least_saving, f"seed {seed}"
+
+
+def test_with_weights_and_costs_rounded_each_for_itself_every_bound_still_holds(monkeypatch):
+    monkeypatch.setattr(grid, "MOST_OWN_ROWS", 0)
+    for seed in range(BLOCK):
+        problem = wide_problem(np.random.default_rng([52, seed]))
+        check(problem, branch_and_bound(problem), exact_objective(problem, optimum(problem).tree))
+
+
+def test_a_search_that_is_cut_off_leaves_a_bound_that_holds():
+    for seed in range(BLOCK):
+        rng = np.random.default_rng([53, seed])
+        problem = wide_problem(rng)
+        solution = branch_and_bound(problem, limits=Limits(nodes=float(rng.integers(0, 6))))
+        certify(problem, solution)
+        assert Fraction(solution.bound) <= exact_objective(problem, optimum(problem).tree)
+
+
+def test_a_log_of_costs_that_were_cut_off_proves_its_bound(tmp_path):
+    for seed in range(BLOCK):
+        problem = wide_problem(np.random.default_rng([54, seed]))
+        solution = branch_and_bound(problem, proof=tmp_path / "proof.log")
+        report = check_proof(problem, tmp_path / "proof.log", bound=solution.bound)
+        assert Fraction(report.bound) <= exact_objective(problem, optimum(problem).tree), f"seed {seed}"
+
+
+REAL = Problem([[0.0], [1.0], [2.0], [3.0]], [0, 1, 2, 1], depth=1, weights=[0.1, 0.7, 1e-9, 3e5])
+
+
+@pytest.mark.parametrize(
+    ("change", "complaint"),
+    [
+        (("grid", lambda numbers: [numbers[0] - 1]), "line 7: sample 0, class 1: .* is above the true cost"),
+        (("grid", lambda numbers: [9999]), "line 4: got 'grid 9999', expected 'grid'"),
+        (("grid", lambda numbers: numbers * 2), "line 4: got"),
+        (("costs", lambda numbers: [2 * n for n in numbers]), "line 7: sample 0, class 1"),
+        (("costs", lambda numbers: numbers[1:]), "line 5: expected 3 or more rows of 3 costs"),
+        (("rows", lambda numbers: numbers[1:]), "line 5: expected 3 or more rows"),
+        (("rows", lambda numbers: [n + 9 for n in numbers]), "line 5: expected 3 or more rows"),
+        (("weights", lambda numbers: [n + 1 for n in numbers]), "line 7: sample 0, class 1"),
+        (("weights", lambda numbers: [10**30 for n in numbers]), "line 7: got 'weights 1000"),
+        (("penalty", lambda numbers: [1]), "line 8: the penalty 1 is above the problem's"),
+        (("claim", lambda numbers: [numbers[0] + 1]), "line 10: this proves"),
+        (("claim", lambda numbers: [2**70]), "line 9: got 'claim 118"),
+    ],
+)
+def test_numbers_above_the_true_ones_are_refused(tmp_path, change, complaint):
+    path = tmp_path / "proof.log"
+    branch_and_bound(REAL, proof=path)
+    name, edit = change
+    lines = path.read_text().splitlines()
+    place = next(i for i, line in enumerate(lines) if line.startswith(name + " "))
+    lines[place] = " ".join(map(str, [name, *edit([int(word) for word in lines[place].split()[1:]])]))
+    path.write_text("\n".join(lines) + "\n")
+    with pytest.raises(CertificateError, match=complaint):
+        check_proof(REAL, path)
+
+
+@pytest.mark.parametrize("scale", [1e-310, 5e-324, 1e-200, 1e200, 1e300])
+def test_the_ends_of_float64_give_a_tree_and_a_bound_that_holds(scale):
+    for seed in range(12):
+        rng = np.random.default_rng([55, seed])
+        n = int(rng.integers(3, 9))
+        features, labels = rng.integers(0, 4, (n, 2)).astype(float), rng.integers(0, 3, n)
+        labels[:2] = [0, 1]
+        costs = None if seed % 2 else rng.random((3, 3)) * (1e-200 if scale < 1 and seed % 4 else 1.0)
+        weights = rng.integers(1, 1000, n) * scale
+        problem = Problem(features, labels, depth=2, weights=weights, costs=costs, class_names=(0, 1, 2))
+        check(problem, branch_and_bound(problem), exact_objective(problem, optimum(problem).tree))
+
+
+def test_costs_beyond_float64_are_refused_with_a_way_out():
+    with pytest.raises(ProblemError, match=r"add up to more than float64 holds .*; divide them all by one number"):
+        Problem([[0.0], [1.0]], [0, 1], depth=1, weights=[1e300, 1e300], costs=[[0, 1e12], [1, 0]])
+
+
+def test_a_tolerance_is_as_wide_as_the_bound_is_away_and_no_sample_is_lighter():
+    problem = Problem([[0.0], [1.0]], [0, 1], depth=1, weights=[0.1, 5.0])
+    assert closing_tolerance(problem, 1.0, 1.5) == 0
+    assert 1.0 - closing_tolerance(problem, 1.0, 0.95) <= 0.95
+    assert closing_tolerance(problem, 1.0, 0.89) == -1
