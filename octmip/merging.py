@@ -23,8 +23,8 @@ FAR = 1024.0
 MOST_KEY = 2**62
 
 
-def merged(problem: Problem) -> Problem:
-    """Return a problem whose trees are those of `problem` at the same cost, in rows that are as few as can be.
+def merged(problem: Problem) -> tuple[Problem, Ranks]:
+    """Return a problem whose trees are those of `problem` at the same cost, in rows that are as few as can be; its ranks.
 
     Rows without weight are left out where leaves may be of any size. The order of the rows is that of their values, then
     of their classes.
@@ -33,12 +33,15 @@ def merged(problem: Problem) -> Problem:
         problem = replace(problem, integer_normals=min(problem.integer_normals, MOST_INTEGER))
     if problem.leaf_size == 1:
         problem = _taken(problem, _weighted(problem), problem.weights)
-    group, first = _groups(rank_features(problem), problem.codes)
+    ranks = rank_features(problem)
+    group, first = _groups(ranks, problem.codes)
     if problem.leaf_size > 1 or len(first) == problem.n_samples:
-        return _taken(problem, np.argsort(group, kind="stable"), problem.weights)
-    weights = np.zeros(problem.n_samples)
-    weights[first] = np.bincount(group, problem.weights)
-    return _taken(problem, first, weights)
+        rows, weights = np.argsort(group, kind="stable"), problem.weights
+    else:
+        rows, weights = first, np.zeros(problem.n_samples)
+        weights[first] = np.bincount(group, problem.weights)
+    # Every distinct value is still there, so the ranks stay.
+    return _taken(problem, rows, weights), Ranks(np.ascontiguousarray(ranks.ranks[:, rows]), ranks.values)
 
 
 def _weighted(problem: Problem) -> NDArray[np.intp]:

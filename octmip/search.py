@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip import _native
-from octmip.encoding import integer_costs, native_problem, rank_features, rows_from_tree, tree_from_rows
+from octmip.encoding import integer_costs, native_problem, rows_from_tree, tree_from_rows
 from octmip.errors import ProblemError
 from octmip.merging import merged
 from octmip.polish import polished
@@ -35,9 +35,9 @@ from octmip.tree import Leaf, Node, centred, goes_left, predict, simplify, witho
 # axis-aligned problems from both more and longer ones, for which there is time.
 EFFORT = {"axis": (9, 16), "hyperplane": (6, 60)}
 MOST_EFFORT = (36, 48)
+SMALL = (300_000, 200_000)  # samples x features x restarts, and x kicks, up to which there are more of them
 GRACE = 0.3
 """Seconds beyond the limit within which planes are still polished."""
-SMALL = (300_000, 200_000)  # samples x features x restarts, and x kicks, up to which there are more of them
 
 
 def local_search(
@@ -75,9 +75,8 @@ def local_search(
         if value is not None and value < least:
             raise ProblemError(f"{name} is {value}; expected {least} or more")
     start = time.perf_counter()
-    searched = merged(problem)
-    effort = _effort(searched)
-    ranks, costs = rank_features(searched), integer_costs(searched)
+    searched, ranks = merged(problem)
+    effort, costs = _effort(searched), integer_costs(searched)
     first = None if incumbent is None else rows_from_tree(without_empty_sides(incumbent, searched.features), ranks)
     rows, _, _, stop, n_nodes = _native.search(
         native_problem(searched, ranks, costs),
