@@ -3,9 +3,9 @@
     rows      x = (1, 2), class a, weight 1      x = (0, 5), class b, weight 2      x = (1, 2), class a, weight 3
     merged    x = (0, 5), class b, weight 2      x = (1, 2), class a, weight 4
 
-No split tells equal samples apart, so both problems have the same trees at the same cost; and a search that draws samples
-at random draws the same ones whether a sample comes three times or once with three times the weight. A leaf size of 2
-and more counts samples: then they stay apart, and only their order is made one.
+No split tells equal samples apart, so both problems have the same trees at the same cost; and a search that draws
+samples at random draws the same ones whether a sample comes three times or once with three times the weight. A leaf
+size of 2 and more counts samples: then they stay apart, and only their order is made one.
 """
 
 from dataclasses import replace
@@ -24,10 +24,10 @@ MOST_KEY = 2**62
 
 
 def merged(problem: Problem) -> tuple[Problem, Ranks]:
-    """Return a problem whose trees are those of `problem` at the same cost, in rows that are as few as can be; its ranks.
+    """Return a problem whose trees are those of `problem` at the same cost, in as few rows as can be, and its ranks.
 
-    Rows without weight are left out where leaves may be of any size. The order of the rows is that of their values, then
-    of their classes.
+    Rows without weight are left out where leaves may be of any size. The order of the rows is that of their values,
+    then of their classes.
     """
     if problem.integer_normals is not None:
         problem = replace(problem, integer_normals=min(problem.integer_normals, MOST_INTEGER))
@@ -61,7 +61,7 @@ def _taken(problem: Problem, rows: NDArray[np.intp], weights: NDArray[np.float64
 
 
 def _groups(ranks: Ranks, codes: NDArray[np.int64]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Return the group of equal samples that each belongs to, numbered in the order of the values, and a row of each."""
+    """Return the group of equal samples that each row belongs to, in the order of the values, and a row of each."""
     key, size = np.zeros(len(codes), dtype=np.int64), 1
     columns = [(column, len(values)) for column, values in zip(ranks.ranks, ranks.values, strict=True)]
     for column, n_values in [*columns, (codes, int(codes.max()) + 1)]:

@@ -1,4 +1,4 @@
-"""Local search over the whole range of float64: it ends, raises nothing, warns of nothing, and its trees are certified."""
+"""Local search over the whole range of float64: it ends, raises and warns of nothing, and its trees are certified."""
 
 import time
 
