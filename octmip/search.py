@@ -10,6 +10,7 @@
 Every restart draws from its own random stream, told by the seed and the restart's number, so one seed gives one tree
 for any number of threads unless time runs out. The first restart begins at the greedy tree without chance, looks ahead
 with exact subtrees, and is what a hyperplane tree starts from too, so that it is never worse than the axis-aligned one.
+What is searched is the problem of `merging.py`, so rows repeated and rows weighed give one tree, whatever their order.
 Source: Bertsimas & Dunn (2019), Machine Learning Under a Modern Optimization Lens, ch. 8, for the moves at one node.
 """
 
@@ -22,8 +23,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip import _native
-from octmip.encoding import IntegerCosts, integer_costs, native_problem, rank_features, rows_from_tree, tree_from_rows
+from octmip.encoding import IntegerCosts, integer_costs, native_problem, rows_from_tree, tree_from_rows
 from octmip.errors import ProblemError
+from octmip.merging import merged
 from octmip.polish import polished
 from octmip.problem import Problem
 from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop
@@ -34,6 +36,8 @@ from octmip.tree import Leaf, Node, centred, goes_left, predict, simplify, witho
 EFFORT = {"axis": (9, 16), "hyperplane": (6, 60)}
 MOST_EFFORT = (36, 48)
 SMALL = (300_000, 200_000)  # samples x features x restarts, and x kicks, up to which there are more of them
+GRACE = 0.3
+"""Seconds beyond the limit within which planes are still polished."""
 
 
 def local_search(
@@ -67,26 +71,26 @@ def local_search(
     Raises:
         ProblemError: `restarts` or `n_jobs` is below 1, or `kicks` below 0.
     """
-    effort = _effort(problem)
-    restarts = effort[0] if restarts is None else restarts
-    kicks = effort[1] if kicks is None else kicks
     for name, value, least in (("restarts", restarts, 1), ("n_jobs", n_jobs, 1), ("kicks", kicks, 0)):
-        if value < least:
+        if value is not None and value < least:
             raise ProblemError(f"{name} is {value}; expected {least} or more")
     start = time.perf_counter()
-    ranks, costs = rank_features(problem), integer_costs(problem)
-    first = None if incumbent is None else rows_from_tree(without_empty_sides(incumbent, problem.features), ranks)
+    searched, ranks = merged(problem)
+    effort, costs = _effort(searched), integer_costs(searched)
+    first = None if incumbent is None else rows_from_tree(without_empty_sides(incumbent, searched.features), ranks)
     rows, _, _, stop, n_nodes = _native.search(
-        native_problem(problem, ranks, costs),
-        restarts,
-        kicks,
+        native_problem(searched, ranks, costs),
+        effort[0] if restarts is None else restarts,
+        effort[1] if kicks is None else kicks,
         seed % 2**64,
         n_jobs,
-        (limits.seconds, limits.gap, limits.nodes, limits.memory),
+        # What was spent on ranks counts, too.
+        (limits.seconds - (time.perf_counter() - start), limits.gap, limits.nodes, limits.memory),
         first,
         _native_progress(progress, costs),
     )
-    tree = _finished(problem, tree_from_rows(rows, ranks))
+    latest = start + limits.seconds + GRACE
+    tree = _finished(searched, tree_from_rows(rows, ranks), lambda: time.perf_counter() < latest)
     objective = problem.objective_of(tree, predict(tree, problem.features))
     if incumbent is not None:
         known = problem.objective_of(incumbent, predict(incumbent, problem.features))
@@ -138,10 +142,10 @@ def _native_progress(
     return report
 
 
-def _finished(problem: Problem, tree: Node) -> Node:
+def _finished(problem: Problem, tree: Node, goes_on: Callable[[], bool]) -> Node:
     """Return the tree with leaves labelled by the true costs, no idle splits, thresholds in mid-gap, simple planes."""
     simple = simplify(_labelled(problem, tree, np.arange(problem.n_samples)))
-    return polished(problem, centred(simple, problem.features))
+    return polished(problem, centred(simple, problem.features), goes_on)
 
 
 def _labelled(problem: Problem, tree: Node, rows: NDArray[np.int64]) -> Node:

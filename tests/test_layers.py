@@ -29,6 +29,7 @@ LEVELS = {
         "uncertainty": 3,
         "polish": 3,
         "certificate": 4,
+        "merging": 4,
         "tree_file": 4,
         "proof": 4,
         "mip": 5,

@@ -19,23 +19,14 @@ from octmip.estimator import OptimalTreeClassifier
 IRIS = load_iris(return_X_y=True)
 
 
-def _expected_failures(estimator):
-    """Return the checks that a method cannot pass, with the reason."""
-    if estimator.split == "axis":
-        return {}
-    # Local search among hyperplanes draws samples by their row, so a sample twice is not a sample of weight 2 there.
-    reason = "the search's random choices depend on the rows: an equally good tree, not the same one"
-    return {"check_sample_weight_equivalence_on_dense_data": reason}
-
-
 @parametrize_with_checks(
     [
         OptimalTreeClassifier(depth=2),
         OptimalTreeClassifier(depth=3, method="search"),
         OptimalTreeClassifier(depth=2, method="cart"),
         OptimalTreeClassifier(depth=2, split="hyperplane", split_size=2),
+        OptimalTreeClassifier(depth=2, split="hyperplane"),
     ],
-    expected_failed_checks=_expected_failures,
 )
 def test_it_passes_scikit_learns_own_checks(estimator, check):
     check(estimator)

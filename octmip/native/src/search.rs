@@ -23,6 +23,7 @@ mod sensors;
 mod start;
 mod state;
 mod tally;
+mod values;
 mod view;
 mod watch;
 

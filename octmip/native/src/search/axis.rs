@@ -27,6 +27,7 @@ pub fn best_cut(
     aim: Aim,
     floor: Worth,
     scratch: (&mut Tally, &mut NodeOrder),
+    go_on: &dyn Fn() -> bool,
 ) -> Option<(Rule, Worth)> {
     let (tally, node_order) = scratch;
     let penalty = problem.penalty;
@@ -36,6 +37,9 @@ pub fn best_cut(
     let lanes = tally.lanes(&view.members);
     let (mut best, mut found) = (floor, None);
     for &f in features {
+        if !go_on() {
+            break;
+        }
         node_order.sort(problem, orders, &view.samples, f);
         tally.copy_from(&all_right);
         let ranks = problem.feature(f as usize);

@@ -10,11 +10,15 @@ use crate::oblique::single::best_of_charts;
 use crate::oblique::switches::Switches;
 use crate::oblique::view::{Line, View};
 use crate::problem::Problem;
+use crate::ranks::Ranker;
+use crate::search::values::{Values, exponent_of, times_power};
 
 /// Strips of a chart.
 const STRIPS: usize = 8;
 /// Regions of one pair that are split at most: what is left out is nearly always what could not win.
 const MOST_TRIED: usize = 24;
+/// Values closer than this share of their feature's range count as equal in the tables: cells are not split much further.
+const GRID: f64 = 1.0 / (1_u64 << 32) as f64;
 /// Tables of more bytes than this are not made at all.
 const MOST_BYTES: usize = 200_000_000;
 
@@ -28,7 +32,6 @@ pub struct PairCharts {
     pub weights: Vec<i64>,
     /// Right and wrong sides, where the leaves keep their labels.
     pub sides: Loss,
-    never: AtomicBool,
 }
 
 /// What is asked of a pair of features.
@@ -45,25 +48,24 @@ pub struct Asked<'a> {
 
 impl PairCharts {
     /// No tables yet; None where they would be too large.
-    pub fn new(problem: &Problem) -> Option<Self> {
+    pub fn new(problem: &Problem, own: &Values) -> Option<Self> {
         let n_charts = problem.p * (problem.p - 1);
-        if n_charts * problem.n * (STRIPS + 1) > MOST_BYTES {
+        if n_charts.saturating_mul(problem.n * (STRIPS + 1)) > MOST_BYTES {
             return None;
         }
-        let values = problem.values_by_feature()?;
+        problem.planes.as_ref()?;
         let (loss, unit) = Loss::of(problem);
         Some(Self {
-            plane: Plane::new(problem.n, problem.p, &values, &problem.ranks),
+            plane: plane_of(problem, own),
             charts: (0..n_charts).map(|_| OnceLock::new()).collect(),
             loss,
             weights: problem.weights.iter().map(|weight| weight * unit).collect(),
             sides: Loss::two_sides(),
-            never: AtomicBool::new(false),
         })
     }
 
     /// The best line over two features that costs less than the cutoff, as far as a few regions tell.
-    pub fn best_line(&self, pair: (usize, usize), asked: Asked) -> Option<Line> {
+    pub fn best_line(&self, pair: (usize, usize), asked: Asked, stop: &AtomicBool) -> Option<Line> {
         let view = View {
             plane: &self.plane,
             labels: asked.labels,
@@ -72,7 +74,7 @@ impl PairCharts {
             switches: Switches::default(),
         };
         let charts = [pair, (pair.1, pair.0)].map(|features| self.chart(features));
-        let answer = best_of_charts(view, charts, asked.ids, asked.need, asked.cutoff, MOST_TRIED, &self.never);
+        let answer = best_of_charts(view, charts, asked.ids, asked.need, asked.cutoff, MOST_TRIED, stop);
         answer.line.filter(|_| answer.attained < asked.cutoff)
     }
 
@@ -92,4 +94,31 @@ impl PairCharts {
         let (f, g) = line.features;
         [1.0, line.t * (self.plane.half_spans[f] / self.plane.half_spans[g])]
     }
+}
+
+/// The values in units of their own, on a grid where they lie so close that the splitting of cells would not end.
+fn plane_of(problem: &Problem, own: &Values) -> Plane {
+    let mut ranker = Ranker::default();
+    let (mut values, mut ranks) = (Vec::with_capacity(problem.n * problem.p), problem.ranks.clone());
+    for (f, ranks) in ranks.chunks_mut(problem.n).enumerate() {
+        let column: Vec<f64> = own.rows().map(|row| row[f]).collect();
+        match on_grid(&column) {
+            None => values.extend(column),
+            Some(column) => {
+                ranker.rank(column.iter().copied(), ranks);
+                values.extend(column);
+            }
+        }
+    }
+    Plane::new(problem.n, problem.p, &values, &ranks)
+}
+
+/// The values rounded to `GRID` of their range, where two of them lie closer than that.
+fn on_grid(column: &[f64]) -> Option<Vec<f64>> {
+    let mut sorted = column.to_vec();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let (low, high) = (sorted[0], sorted[sorted.len() - 1]);
+    let step = times_power(1.0, exponent_of(GRID * (high - low)));
+    let is_close = sorted.windows(2).any(|pair| pair[0] < pair[1] && pair[1] - pair[0] < step);
+    is_close.then(|| column.iter().map(|value| (value / step).round() * step).collect())
 }

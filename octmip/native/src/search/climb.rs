@@ -11,7 +11,7 @@ use crate::search::start::{Grower, Soil};
 use crate::search::state::State;
 use crate::search::tally::{Tally, Worth};
 use crate::search::view::View;
-use crate::search::watch::{TRIVIAL_BOUND, Watch};
+use crate::search::watch::{Supervisor, TRIVIAL_BOUND, Watch};
 
 /// A restart at work.
 pub struct Climber<'a> {
@@ -25,8 +25,6 @@ pub struct Climber<'a> {
     pub(super) blocks: Blocks<'a>,
     pub(super) samples: &'a Samples,
     pub(super) watch: &'a Watch,
-    /// Place in the present round.
-    pub place: usize,
     /// Levels of the deepest exact block.
     pub deepest: usize,
     /// How often deep blocks have helped after a kick, and were tried.
@@ -50,11 +48,10 @@ impl<'a> Climber<'a> {
             view: View::default(),
             tally: Tally::new(&ground.prices),
             node_order: NodeOrder::default(),
-            plane: PlaneAtWork::new(ground),
+            plane: PlaneAtWork::new(ground, Supervisor { watch, place: 0 }),
             blocks: Blocks::new(ground, samples, &watch.control),
             samples,
             watch,
-            place: 0,
             deepest: 2,
             deep_luck: [0, 0],
             has_planes: ground.has_planes(),
@@ -64,7 +61,12 @@ impl<'a> Climber<'a> {
 
     /// Whether to go on.
     pub fn goes_on(&self) -> bool {
-        self.watch.goes_on(self.place)
+        self.plane.supervisor.goes_on()
+    }
+
+    /// Take a place in the next round.
+    pub fn take_place(&mut self, place: usize) {
+        self.plane.supervisor = Supervisor { watch: self.watch, place };
     }
 
     /// Whether nothing can cost less.
@@ -79,8 +81,8 @@ impl<'a> Climber<'a> {
 
     /// Grow leaf `v` greedily.
     pub fn grow(&mut self, state: &mut State, v: u32, levels: usize, soil: Soil) {
-        let (watch, place) = (self.watch, self.place);
-        self.grower.grow(state, v, levels, soil, &mut self.rng, &|| watch.goes_on(place));
+        let supervisor = self.plane.supervisor;
+        self.grower.grow(state, v, levels, soil, &mut self.rng, &|| supervisor.goes_on());
     }
 
     /// Visit all nodes in random order, again and again, until no visit helps.
@@ -175,12 +177,14 @@ impl<'a> Climber<'a> {
 
     /// Give `v` its best axis-aligned cut where that is better.
     fn cut(&mut self, state: &mut State, v: u32) -> bool {
-        let price = self.ground.prices.penalty * state.nodes[v as usize].rule.size() as i64;
+        let price = self.ground.prices.price(state.nodes[v as usize].rule.size() as i64);
         let present = self.view.present(&mut self.tally, price);
         let features = Room::at(self.ground.problem, state, v).axis_features();
         let scratch = (&mut self.tally, &mut self.node_order);
         let (problem, orders) = (self.ground.problem, &self.ground.orders);
-        let found = best_cut(problem, orders, &self.view, &features, Aim::Gain, present, scratch);
+        let supervisor = self.plane.supervisor;
+        let go_on = &|| supervisor.goes_on();
+        let found = best_cut(problem, orders, &self.view, &features, Aim::Gain, present, scratch, go_on);
         let helped = found.is_some();
         if let Some((rule, _)) = found {
             self.view.apply(self.ground.problem, state, rule);
@@ -192,8 +196,10 @@ impl<'a> Climber<'a> {
     fn tilt(&mut self, state: &mut State, v: u32) -> bool {
         let problem = self.ground.problem;
         let room = Room::at(problem, state, v);
-        self.plane.load(&self.view, &state.nodes[v as usize].rule);
-        let price = self.ground.prices.penalty * state.nodes[v as usize].rule.size() as i64;
+        if !self.plane.load(&self.view, &state.nodes[v as usize].rule) {
+            return self.cut(state, v);
+        }
+        let price = self.ground.prices.price(state.nodes[v as usize].rule.size() as i64);
         let present = self.view.present(&mut self.tally, price);
         loop {
             let before = self.plane.gain();
@@ -208,11 +214,11 @@ impl<'a> Climber<'a> {
         if !self.plane.round(&self.view, &mut self.rng) || self.plane.gain() < present.gain {
             return false;
         }
-        // Heights were summed up along the way: the plane counts as what its rounded terms do.
-        let rule = self.plane.rule();
-        self.view.fill(&mut self.tally, |j| rule.goes_left(problem, self.view.samples[j]));
-        let gain = self.tally.total - self.ground.prices.penalty * rule.size() as i64;
-        if gain >= present.gain && self.tally.is_large_enough() && rule.size() > 0 {
+        let Some(rule) = self.plane.rule(&self.view) else {
+            return false;
+        };
+        let gain = self.plane.tally.total - self.ground.prices.price(rule.size() as i64);
+        if gain >= present.gain {
             self.view.apply(problem, state, rule);
         }
         gain > present.gain
@@ -223,12 +229,12 @@ impl<'a> Climber<'a> {
         if state.is_leaf(v) {
             return false;
         }
-        let penalty = self.ground.prices.penalty;
-        let present = self.view.present(&mut self.tally, penalty * state.complexity(v));
+        let prices = &self.ground.prices;
+        let present = self.view.present(&mut self.tally, prices.price(state.complexity(v)));
         for side in [0, 1] {
             self.view.fill(&mut self.tally, |_| side == 0);
             let child = state.nodes[v as usize].children[side];
-            let gain = self.tally.total - penalty * state.complexity(child);
+            let gain = self.tally.total - prices.price(state.complexity(child));
             let worth = Worth { gain, purity: self.tally.purity() };
             if self.tally.is_large_enough() && worth.beats(&present) {
                 self.view.replace_by_child(state, side);

@@ -8,6 +8,7 @@ use crate::search::orders::Orders;
 use crate::search::roots::Root;
 use crate::search::state::Rule;
 use crate::search::tally::Prices;
+use crate::search::values::{Terms, Values};
 
 /// A problem prepared for searching.
 #[derive(Debug)]
@@ -18,6 +19,8 @@ pub struct Ground<'a> {
     pub prices: Prices,
     /// Its samples in every feature's order.
     pub orders: Orders,
+    /// The values of the features in units of their own, those of all that follows; empty without planes.
+    pub values: Values,
     /// Mean of each feature; empty without planes.
     pub means: Vec<f64>,
     /// Standard deviation of each feature, 1 where it is constant; empty without planes.
@@ -32,13 +35,15 @@ pub struct Ground<'a> {
 impl<'a> Ground<'a> {
     /// Prepare a problem.
     pub fn new(problem: &'a Problem) -> Self {
-        let (means, deviations) = moments(problem);
-        let standardised = standardise(problem, &means, &deviations);
+        let values = Values::new(problem);
+        let (means, deviations) = moments(&values, problem.n, problem.p);
+        let standardised = standardise(&values, &means, &deviations);
         let (prices, orders) = (Prices::new(problem), Orders::new(problem));
         Self {
             problem,
             prices,
             orders,
+            values,
             means,
             deviations,
             standardised,
@@ -49,7 +54,7 @@ impl<'a> Ground<'a> {
 
     /// Tables of the lines over pairs of features, where they are not too large.
     pub fn charts(&self) -> Option<&PairCharts> {
-        self.charts.get_or_init(|| PairCharts::new(self.problem)).as_ref()
+        self.charts.get_or_init(|| PairCharts::new(self.problem, &self.values)).as_ref()
     }
 
     /// The standardised values of a sample.
@@ -58,12 +63,15 @@ impl<'a> Ground<'a> {
         &self.standardised[sample as usize * self.problem.p..][..self.problem.p]
     }
 
-    /// A rule's terms and offset; a cut's offset is the largest value of its rank.
-    pub fn plane_of(&self, rule: &Rule) -> (Vec<(u32, f64)>, f64) {
+    /// A rule's terms and offset; a cut's offset is the largest value of its rank. None where it is a leaf, or too far
+    /// away to be held.
+    pub fn plane_of(&self, rule: &Rule) -> Option<(Terms, f64)> {
         match rule {
-            Rule::Leaf => (Vec::new(), 0.0),
-            Rule::Axis { feature, cut } => (vec![(*feature, 1.0)], self.value_at(*feature, *cut)),
-            Rule::Plane { terms, offset } => (terms.clone(), *offset),
+            Rule::Leaf => None,
+            Rule::Axis { feature, cut } => Some((vec![(*feature, 1.0)], self.value_at(*feature, *cut))),
+            Rule::Plane { terms, offset } => {
+                self.values.scaled_plane(terms, *offset).map(|(terms, offset, _)| (terms, offset))
+            }
         }
     }
 
@@ -71,7 +79,7 @@ impl<'a> Ground<'a> {
         let ranks = self.problem.feature(feature as usize);
         let order = self.orders.of(feature);
         let at_rank = order.partition_point(|&i| ranks[i as usize] < rank);
-        self.problem.row(order[at_rank])[feature as usize]
+        self.values.row(order[at_rank])[feature as usize]
     }
 
     /// Whether splits may be hyperplanes.
@@ -90,32 +98,24 @@ impl<'a> Ground<'a> {
     }
 }
 
-fn moments(problem: &Problem) -> (Vec<f64>, Vec<f64>) {
-    if problem.planes.is_none() {
-        return (Vec::new(), Vec::new());
+fn moments(values: &Values, n: usize, p: usize) -> (Vec<f64>, Vec<f64>) {
+    let (mut means, mut squares) = (vec![0.0; p], vec![0.0; p]);
+    let n = n as f64;
+    for row in values.rows() {
+        means.iter_mut().zip(row).for_each(|(mean, x)| *mean += x / n);
     }
-    let n = problem.n as f64;
-    let (mut means, mut squares) = (vec![0.0; problem.p], vec![0.0; problem.p]);
-    for i in 0..problem.n as u32 {
-        means.iter_mut().zip(problem.row(i)).for_each(|(mean, x)| *mean += x / n);
-    }
-    for i in 0..problem.n as u32 {
-        let deviations = problem.row(i).iter().zip(&means).map(|(x, mean)| x - mean);
+    for row in values.rows() {
+        let deviations = row.iter().zip(&means).map(|(x, mean)| x - mean);
         squares.iter_mut().zip(deviations).for_each(|(square, d)| *square += d * d / n);
     }
-    let deviation = |square: f64| {
-        if square > 0.0 && square.is_finite() { square.sqrt() } else { 1.0 }
-    };
+    let deviation = |square: f64| if square > 0.0 { square.sqrt() } else { 1.0 };
     (means, squares.into_iter().map(deviation).collect())
 }
 
-fn standardise(problem: &Problem, means: &[f64], deviations: &[f64]) -> Vec<f32> {
-    if problem.planes.is_none() {
-        return Vec::new();
-    }
-    let of_sample = |i: u32| {
-        let terms = problem.row(i).iter().zip(means).zip(deviations);
-        terms.map(|((x, mean), deviation)| ((x - mean) / deviation) as f32)
+fn standardise(values: &Values, means: &[f64], deviations: &[f64]) -> Vec<f32> {
+    let of_row = |row: &[f64]| {
+        let terms = row.iter().zip(means).zip(deviations);
+        terms.map(|((x, mean), deviation)| ((x - mean) / deviation) as f32).collect::<Vec<f32>>()
     };
-    (0..problem.n as u32).flat_map(of_sample).collect()
+    values.rows().flat_map(of_row).collect()
 }

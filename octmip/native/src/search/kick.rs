@@ -138,9 +138,11 @@ impl Climber<'_> {
 
     fn jitter(&mut self, state: &mut State, v: u32) {
         self.view.look(self.ground.problem, &self.ground.prices, state, v);
-        self.plane.load(&self.view, &state.nodes[v as usize].rule);
-        if self.plane.jitter(&self.view, &mut self.rng) && self.plane.round(&self.view, &mut self.rng) {
-            self.view.apply(self.ground.problem, state, self.plane.rule());
+        let is_shaken = self.plane.load(&self.view, &state.nodes[v as usize].rule)
+            && self.plane.jitter(&self.view, &mut self.rng)
+            && self.plane.round(&self.view, &mut self.rng);
+        if is_shaken && let Some(rule) = self.plane.rule(&self.view) {
+            self.view.apply(self.ground.problem, state, rule);
         }
     }
 
@@ -158,7 +160,7 @@ impl Climber<'_> {
             return;
         }
         let mut trial = state.clone();
-        if melt(self.ground, &mut trial, v, heat, &mut self.rng) {
+        if melt((self.ground, self.plane.supervisor), &mut trial, v, heat, &mut self.rng) {
             *state = trial;
         }
     }

@@ -14,6 +14,8 @@ pub struct Plane {
     pub normal: Vec<f64>,
     /// Largest projection that goes left.
     pub offset: f64,
+    /// What the plane is shifted by over the values as given (see `values`).
+    pub shift: i32,
     /// `normal . x - offset` of each sample; left where at most 0.
     pub heights: Vec<f64>,
     /// Whether each sample goes left.
@@ -33,6 +35,10 @@ impl<'a> LineScratch<'a> {
         Self { outwards: [Vec::new(), Vec::new()], saved: tally.clone() }
     }
 }
+
+/// Longer steps are none: they are about samples that a hyperplane cannot tell apart, and sums of shorter ones stay far
+/// from the end of the float64 range.
+const LONGEST_STEP: f64 = 1e100;
 
 /// The best place found: which way, how many samples change sides, the step.
 struct Place {
@@ -60,7 +66,7 @@ pub fn take_best_step<'a>(
         search.sweep(view, plane, slopes, tally, (way, &mut scratch.outwards[way], index_mask), rng);
         tally.copy_from(&scratch.saved);
     }
-    let place = search.place.filter(|place| place.step.is_finite())?;
+    let place = search.place?;
     for key in &scratch.outwards[place.way][..place.n_flips] {
         let j = (key & index_mask) as usize;
         view.members[j].cross(tally, plane.is_left[j]);
@@ -113,12 +119,16 @@ impl Search {
             if keys[k - 1] & !index_mask == keys[k] & !index_mask || !tally.is_large_enough() {
                 continue;
             }
+            let next = (keys[k] & index_mask) as usize;
+            let (near, far) = (-plane.heights[j] / slopes[j], -plane.heights[next] / slopes[next]);
+            let step = near / 2.0 + far / 2.0;
+            if step.abs() > LONGEST_STEP {
+                return;
+            }
             self.n_equal = if tally.total > self.best { 1 } else { self.n_equal + 1 };
             self.best = tally.total;
             if self.n_equal == 1 || rng.u32(..self.n_equal) == 0 {
-                let next = (keys[k] & index_mask) as usize;
-                let (near, far) = (-plane.heights[j] / slopes[j], -plane.heights[next] / slopes[next]);
-                self.place = Some(Place { way, n_flips: k, step: near / 2.0 + far / 2.0 });
+                self.place = Some(Place { way, n_flips: k, step });
             }
         }
     }

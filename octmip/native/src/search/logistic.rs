@@ -6,7 +6,7 @@
 
 mod ranking;
 
-use crate::problem::Problem;
+use crate::search::values::{Values, exponent_of, times_power};
 
 pub use ranking::leading;
 
@@ -28,14 +28,25 @@ const STEPS: usize = 6;
 const CURVED_STEPS: usize = 2;
 const FEW: usize = 250;
 
-/// Normal over `features` and offset, in the units of the values, or none where nothing can be fitted.
-pub fn fit(problem: &Problem, pulls: &[Pull], features: &[u32], ridge: f64) -> Option<(Vec<f64>, f64)> {
-    let fitted = Fitted::new(problem, pulls, features, ridge)?;
+/// More features are not fitted at once: the Hessian would take more memory than all else.
+pub const MOST_FITTED: usize = 1000;
+/// Multiplications between two questions whether to go on.
+const WORK_OF_A_LOOK: usize = 1 << 20;
+
+/// Whether to go on.
+type GoOn<'a> = &'a dyn Fn() -> bool;
+
+/// Normal over `features`, its largest coefficient between a half and 1, and offset; none where nothing can be fitted or
+/// the caller says stop.
+pub fn fit(values: &Values, pulls: &[Pull], features: &[u32], ridge: f64, go_on: GoOn) -> Option<(Vec<f64>, f64)> {
+    let fitted = Fitted::new(values, pulls, features, ridge, go_on)?;
     let q = features.len();
     let normal: Vec<f64> = fitted.beta[..q].iter().zip(&fitted.deviations).map(|(b, s)| b / s).collect();
     let offset = normal.iter().zip(&fitted.means).map(|(w, m)| w * m).sum::<f64>() - fitted.beta[q];
     let is_usable = normal.iter().all(|w| w.is_finite()) && offset.is_finite() && normal.iter().any(|&w| w != 0.0);
-    is_usable.then_some((normal, offset))
+    let top = normal.iter().map(|&w| exponent_of(w)).max()?;
+    let normalised = |value: f64| times_power(value, -top);
+    is_usable.then(|| (normal.into_iter().map(normalised).collect(), normalised(offset)))
 }
 
 /// A regression over standardised features, the intercept last.
@@ -48,20 +59,21 @@ struct Fitted {
 }
 
 impl Fitted {
-    fn new(problem: &Problem, pulls: &[Pull], features: &[u32], ridge: f64) -> Option<Self> {
+    fn new(values: &Values, pulls: &[Pull], features: &[u32], ridge: f64, go_on: GoOn) -> Option<Self> {
         let total: f64 = pulls.iter().map(|pull| pull.weight).sum();
-        if total <= 0.0 || features.is_empty() {
+        if total <= 0.0 || features.is_empty() || features.len() > MOST_FITTED || !go_on() {
             return None;
         }
-        let (means, deviations) = moments(problem, pulls, features, total);
+        let (means, deviations) = moments(values, pulls, features, total);
         let m = features.len() + 1;
-        let scaled = standardise(problem, pulls, features, &means, &deviations);
+        let scaled = standardise(values, pulls, features, &means, &deviations);
         let (mut beta, mut hessian, mut factor) = (vec![0.0; m], vec![0.0; m * m], Vec::new());
         for step in 0..STEPS {
             let is_curved = step < CURVED_STEPS || pulls.len() <= FEW;
-            let gradient = derivatives(pulls, &scaled, &beta, (total, ridge), is_curved.then_some(&mut hessian));
+            let curved = is_curved.then_some(&mut hessian);
+            let gradient = derivatives(pulls, &scaled, &beta, (total, ridge), curved, go_on)?;
             if is_curved {
-                factor = cholesky(hessian.clone(), m)?;
+                factor = cholesky(hessian.clone(), m, go_on)?;
             }
             let moves = solve(&factor, gradient, m);
             beta.iter_mut().zip(&moves).for_each(|(b, s)| *b -= s);
@@ -72,15 +84,16 @@ impl Fitted {
         Some(Self { means, deviations, beta, hessian })
     }
 }
-fn moments(problem: &Problem, pulls: &[Pull], features: &[u32], total: f64) -> (Vec<f64>, Vec<f64>) {
+
+fn moments(values: &Values, pulls: &[Pull], features: &[u32], total: f64) -> (Vec<f64>, Vec<f64>) {
     let mut means = vec![0.0; features.len()];
     let mut squares = vec![0.0; features.len()];
     for pull in pulls {
-        let row = problem.row(pull.sample);
+        let row = values.row(pull.sample);
         means.iter_mut().zip(features).for_each(|(m, &f)| *m += pull.weight * row[f as usize] / total);
     }
     for pull in pulls {
-        let row = problem.row(pull.sample);
+        let row = values.row(pull.sample);
         for ((square, mean), &f) in squares.iter_mut().zip(&means).zip(features) {
             *square += pull.weight * (row[f as usize] - mean).powi(2) / total;
         }
@@ -89,10 +102,10 @@ fn moments(problem: &Problem, pulls: &[Pull], features: &[u32], total: f64) -> (
     (means, squares.into_iter().map(deviation).collect())
 }
 
-fn standardise(problem: &Problem, pulls: &[Pull], features: &[u32], means: &[f64], deviations: &[f64]) -> Vec<f64> {
+fn standardise(values: &Values, pulls: &[Pull], features: &[u32], means: &[f64], deviations: &[f64]) -> Vec<f64> {
     let mut scaled = Vec::with_capacity(pulls.len() * (features.len() + 1));
     for pull in pulls {
-        let row = problem.row(pull.sample);
+        let row = values.row(pull.sample);
         let terms = features.iter().zip(means).zip(deviations);
         scaled.extend(terms.map(|((&f, mean), deviation)| (row[f as usize] - mean) / deviation));
         scaled.push(1.0);
@@ -107,7 +120,8 @@ fn derivatives(
     beta: &[f64],
     (total, ridge): (f64, f64),
     hessian: Option<&mut Vec<f64>>,
-) -> Vec<f64> {
+    go_on: GoOn,
+) -> Option<Vec<f64>> {
     let q = beta.len();
     let (mut gradient, mut curvatures) = (vec![0.0; q], Vec::with_capacity(pulls.len()));
     for (pull, z) in pulls.iter().zip(scaled.chunks_exact(q)) {
@@ -122,26 +136,36 @@ fn derivatives(
     let own = |a: usize| if a + 1 < q { ridge } else { 1e-6 };
     (0..q).for_each(|a| gradient[a] += own(a) * beta[a]);
     if let Some(hessian) = hessian {
-        fill_curvatures(hessian, &curvatures, scaled, q);
+        fill_curvatures(hessian, &curvatures, scaled, q, go_on)?;
         (0..q).for_each(|a| hessian[a * q + a] += own(a));
     }
-    gradient
+    Some(gradient)
 }
 
-/// The Hessian of the samples alone, lower triangle.
-fn fill_curvatures(hessian: &mut [f64], curvatures: &[f64], scaled: &[f64], q: usize) {
+/// The Hessian of the samples alone, lower triangle; none where the caller says stop.
+fn fill_curvatures(hessian: &mut [f64], curvatures: &[f64], scaled: &[f64], q: usize, go_on: GoOn) -> Option<()> {
     hessian.fill(0.0);
-    for (curvature, z) in curvatures.iter().zip(scaled.chunks_exact(q)) {
+    let stride = WORK_OF_A_LOOK / (q * q) + 1;
+    for (row, (curvature, z)) in curvatures.iter().zip(scaled.chunks_exact(q)).enumerate() {
+        if row % stride == stride - 1 && !go_on() {
+            return None;
+        }
         for (a, &za) in z.iter().enumerate() {
             let scaled_a = curvature * za;
             hessian[a * q..=a * q + a].iter_mut().zip(&z[..=a]).for_each(|(h, zb)| *h += scaled_a * zb);
         }
     }
+    Some(())
 }
 
-/// The Cholesky factor (lower triangle) of a symmetric matrix; none where it is not positive definite.
-fn cholesky(mut matrix: Vec<f64>, q: usize) -> Option<Vec<f64>> {
+/// The Cholesky factor (lower triangle) of a symmetric matrix; none where it is not positive definite or the caller says
+/// stop.
+fn cholesky(mut matrix: Vec<f64>, q: usize, go_on: GoOn) -> Option<Vec<f64>> {
+    let stride = WORK_OF_A_LOOK / (q * q) + 1;
     for a in 0..q {
+        if a % stride == stride - 1 && !go_on() {
+            return None;
+        }
         for b in 0..=a {
             let dot: f64 = (0..b).map(|c| matrix[a * q + c] * matrix[b * q + c]).sum();
             let rest = matrix[a * q + b] - dot;

@@ -13,6 +13,8 @@ mod soft;
 
 use crate::search::ground::Ground;
 use crate::search::state::State;
+use crate::search::values::{exponent_of, times_power};
+use crate::search::watch::Supervisor;
 
 use soft::Soft;
 
@@ -46,6 +48,8 @@ const BATCH: usize = 200;
 const STEP: f32 = 0.1;
 /// Samples that come to a node with less than this chance move it no more.
 const LEAST_REACH: f32 = 1e-3;
+/// Planes x features of a subtree from which on every sample of a batch is work enough to look at the watch again.
+const LARGE: usize = 1 << 16;
 /// Steps between two looks at which class each leaf predicts.
 const RELABEL: usize = 10;
 
@@ -57,6 +61,9 @@ struct Molten<'a> {
     shape: Vec<Place>,
     labels: Vec<usize>,
     merits: Vec<f64>,
+    supervisor: Supervisor<'a>,
+    /// Brings what a sample costs at worst to about 1 on average, a power of two.
+    unit: f64,
 }
 
 enum Place {
@@ -64,11 +71,22 @@ enum Place {
     Split { plane: usize, children: [usize; 2] },
 }
 
-/// Melt the subtree at `v` and freeze it again; whether what came out keeps the limits of leaves and sensors.
-pub fn melt(ground: &Ground, state: &mut State, v: u32, heat: Heat, rng: &mut fastrand::Rng) -> bool {
+/// Melt the subtree at `v` and freeze it again; whether what came out keeps the limits of leaves and sensors. A state that
+/// it does not is of no use any more.
+pub fn melt(
+    (ground, supervisor): (&Ground, Supervisor),
+    state: &mut State,
+    v: u32,
+    heat: Heat,
+    rng: &mut fastrand::Rng,
+) -> bool {
     let samples = state.samples(v);
-    let mut molten = Molten::new(ground, state, v, &samples, heat, rng);
-    molten.run(&samples, heat, state, rng);
+    let Some(mut molten) = Molten::new((ground, supervisor), state, v, &samples, heat, rng) else {
+        return false;
+    };
+    if !molten.run(&samples, heat, state, rng) {
+        return false;
+    }
     for soft in &molten.planes {
         match soft.rule(ground) {
             Some(rule) => state.nodes[soft.v as usize].rule = rule,
@@ -82,19 +100,22 @@ pub fn melt(ground: &Ground, state: &mut State, v: u32, heat: Heat, rng: &mut fa
 
 impl<'a> Molten<'a> {
     fn new(
-        ground: &'a Ground<'a>,
+        (ground, supervisor): (&'a Ground<'a>, Supervisor<'a>),
         state: &State,
         v: u32,
         samples: &[u32],
         heat: Heat,
         rng: &mut fastrand::Rng,
-    ) -> Self {
+    ) -> Option<Self> {
         let order = state.below(v);
         let mut position = vec![0; state.nodes.len()];
         order.iter().enumerate().for_each(|(k, &node)| position[node as usize] = k);
         let (mut planes, mut n_leaves) = (Vec::new(), 0);
         let mut shape = Vec::new();
         for &node in &order {
+            if !supervisor.goes_on() {
+                return None;
+            }
             if state.is_leaf(node) {
                 shape.push(Place::Leaf(n_leaves));
                 n_leaves += 1;
@@ -106,16 +127,21 @@ impl<'a> Molten<'a> {
         }
         let n_classes = ground.problem.n_classes;
         let merits = vec![0.0; n_leaves * n_classes];
-        let mut molten = Self { ground, planes, shape, labels: vec![0; n_leaves], merits };
+        let unit = times_power(1.0, -exponent_of(ground.prices.mean_cost() / std::f64::consts::SQRT_2));
+        let mut molten = Self { ground, planes, shape, labels: vec![0; n_leaves], merits, supervisor, unit };
         molten.run_batch(samples, heat.first_sharpness);
         molten.relabel();
-        molten
+        Some(molten)
     }
 
-    fn run(&mut self, samples: &[u32], heat: Heat, state: &State, rng: &mut fastrand::Rng) {
+    /// Take all steps; false where the watch says stop before.
+    fn run(&mut self, samples: &[u32], heat: Heat, state: &State, rng: &mut fastrand::Rng) -> bool {
         let growth = (LAST_SHARPNESS / heat.first_sharpness).max(1.0);
         let mut batch = Vec::with_capacity(BATCH);
         for step in 0..heat.n_steps {
+            if !self.supervisor.goes_on() {
+                return false;
+            }
             let share = step as f32 / heat.n_steps as f32;
             batch.clear();
             if samples.len() <= BATCH {
@@ -134,6 +160,7 @@ impl<'a> Molten<'a> {
                 self.planes.iter_mut().for_each(|soft| soft.close(self.ground, state, size));
             }
         }
+        true
     }
 
     /// Add the gradients and the merits of the leaves' classes over a batch.
@@ -141,13 +168,17 @@ impl<'a> Molten<'a> {
         let n = self.shape.len();
         let (mut reach, mut chance, mut expected) = (vec![0.0_f32; n], vec![0.0_f32; n], vec![0.0_f32; n]);
         let n_classes = self.ground.problem.n_classes;
+        let is_large = n * self.ground.problem.p > LARGE;
         for &i in batch {
+            if is_large && !self.supervisor.goes_on() {
+                return;
+            }
             let z = self.ground.standardised(i);
             reach[0] = 1.0;
             for (k, place) in self.shape.iter().enumerate() {
                 match place {
                     Place::Leaf(leaf) => {
-                        expected[k] = self.ground.prices.gain_of(i, self.labels[*leaf]) as f32;
+                        expected[k] = (self.unit * self.ground.prices.gain_of(i, self.labels[*leaf]) as f64) as f32;
                         if reach[k] >= LEAST_REACH {
                             let merits = &mut self.merits[leaf * n_classes..(leaf + 1) * n_classes];
                             self.ground.prices.add_gains(i, f64::from(reach[k]), merits);

@@ -9,15 +9,19 @@ mod shake;
 use crate::search::ground::Ground;
 use crate::search::line::{LineScratch, Plane, take_best_step};
 use crate::search::sensors::Room;
-use crate::search::state::{Rule, project};
+use crate::search::state::Rule;
 use crate::search::tally::Tally;
+use crate::search::values::{Terms, normalise};
 use crate::search::view::View;
+use crate::search::watch::Supervisor;
 
 use shake::normal;
 
 /// A node's plane at work: its view's samples on both sides of it, counted in the tally.
 pub struct PlaneAtWork<'a> {
     ground: &'a Ground<'a>,
+    /// Asked between two lines.
+    pub supervisor: Supervisor<'a>,
     plane: Plane,
     /// Sides counted by slot.
     pub tally: Tally<'a>,
@@ -42,11 +46,12 @@ const PATIENT_ONE_IN: u32 = 8;
 
 impl<'a> PlaneAtWork<'a> {
     /// Nothing at work yet.
-    pub fn new(ground: &'a Ground<'a>) -> Self {
+    pub fn new(ground: &'a Ground<'a>, supervisor: Supervisor<'a>) -> Self {
         let tally = Tally::new(&ground.prices);
         let (line, kept) = (LineScratch::new(&tally), (Plane::default(), tally.clone()));
         Self {
             ground,
+            supervisor,
             plane: Plane::default(),
             slopes: Vec::new(),
             line,
@@ -57,27 +62,30 @@ impl<'a> PlaneAtWork<'a> {
         }
     }
 
-    /// Take up the rule of a node that is no leaf.
-    pub fn load(&mut self, view: &View, rule: &Rule) {
+    /// Take up the rule of a node that is no leaf; whether it can be held here.
+    pub fn load(&mut self, view: &View, rule: &Rule) -> bool {
+        let values = &self.ground.values;
+        let plane = match rule {
+            Rule::Leaf => None,
+            Rule::Axis { feature, .. } => {
+                Some((vec![(*feature, 1.0)], self.middle_of_gap(view, *feature), values.exponent(*feature)))
+            }
+            Rule::Plane { terms, offset } => values.scaled_plane(terms, *offset),
+        };
+        let Some((terms, offset, shift)) = plane else {
+            return false;
+        };
         self.plane.normal.clear();
         self.plane.normal.resize(self.ground.problem.p, 0.0);
-        match rule {
-            Rule::Leaf => {}
-            Rule::Axis { feature, .. } => {
-                self.plane.normal[*feature as usize] = 1.0;
-                self.plane.offset = self.middle_of_gap(view, *feature as usize);
-            }
-            Rule::Plane { terms, offset } => {
-                terms.iter().for_each(|&(f, c)| self.plane.normal[f as usize] = c);
-                self.plane.offset = *offset;
-            }
-        }
+        self.set(&terms, offset);
+        self.plane.shift += shift;
         self.place(view);
         self.patience = (PATIENCE * self.tally.total as f64) as i64;
+        true
     }
 
-    fn middle_of_gap(&self, view: &View, f: usize) -> f64 {
-        let values = view.samples.iter().map(|&i| self.ground.problem.row(i)[f]);
+    fn middle_of_gap(&self, view: &View, f: u32) -> f64 {
+        let values = view.samples.iter().map(|&i| self.ground.values.row(i)[f as usize]);
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
         for (value, &is_left) in values.zip(&view.is_left) {
             if is_left { low = low.max(value) } else { high = high.min(value) }
@@ -89,7 +97,7 @@ impl<'a> PlaneAtWork<'a> {
     /// Put all samples where normal and offset send them.
     fn place(&mut self, view: &View) {
         let (terms, offset) = (self.terms(), self.plane.offset);
-        let height = |&i: &u32| project(self.ground.problem, &terms, i) - offset;
+        let height = |&i: &u32| self.ground.values.project(&terms, i) - offset;
         self.plane.heights.clear();
         self.plane.heights.extend(view.samples.iter().map(height));
         self.plane.is_left.clear();
@@ -97,7 +105,7 @@ impl<'a> PlaneAtWork<'a> {
         view.fill(&mut self.tally, |j| self.plane.is_left[j]);
     }
 
-    fn terms(&self) -> Vec<(u32, f64)> {
+    fn terms(&self) -> Terms {
         let all = self.plane.normal.iter().enumerate();
         all.filter(|(_, c)| **c != 0.0).map(|(f, &c)| (f as u32, c)).collect()
     }
@@ -106,15 +114,20 @@ impl<'a> PlaneAtWork<'a> {
         self.terms().into_iter().map(|(f, _)| f).collect()
     }
 
-    /// The rule as it stands.
-    pub fn rule(&self) -> Rule {
-        Rule::Plane { terms: self.terms(), offset: self.plane.offset }
+    /// The rule as it stands, none where float64 cannot hold it or where it would leave too few samples in some leaf.
+    ///
+    /// Heights were summed up along the way, and in units of their own: what counts is what the rule itself says of the
+    /// samples, which the tally is left with.
+    pub fn rule(&mut self, view: &View) -> Option<Rule> {
+        let rule = self.ground.values.rule(&self.terms(), self.plane.offset, self.plane.shift)?;
+        view.fill(&mut self.tally, |j| rule.goes_left(self.ground.problem, view.samples[j]));
+        self.tally.is_large_enough().then_some(rule)
     }
 
     /// Gain of the sides as they stand, less the price of the features.
     pub fn gain(&self) -> i64 {
         let size = self.plane.normal.iter().filter(|c| **c != 0.0).count();
-        self.tally.total - self.ground.prices.penalty * size as i64
+        self.tally.total - self.ground.prices.price(size as i64)
     }
 
     /// Try lines of many kinds in turn; the gain never falls.
@@ -127,18 +140,24 @@ impl<'a> PlaneAtWork<'a> {
         rng.shuffle(&mut features);
         features.truncate(MOST_FEATURES);
         for &f in &features {
+            if !self.supervisor.goes_on() {
+                return;
+            }
             if room.admits(&self.support_with(f)) {
                 self.turn(view, &[(f, 1.0)], rng);
             }
         }
         for _ in 0..RANDOM_DIRECTIONS {
+            if !self.supervisor.goes_on() {
+                return;
+            }
             let direction = self.random_direction(room, rng);
             self.turn(view, &direction, rng);
         }
         if features.iter().any(|&f| !room.admits(&self.support_with(f))) {
             self.read_anew(view, room, rng);
         }
-        if self.ground.split_size() == 2 {
+        if self.ground.split_size() == 2 && self.supervisor.goes_on() {
             (0..MOST_PAIRS).for_each(|_| self.try_pair(view, room, rng));
         }
     }
@@ -162,22 +181,22 @@ impl<'a> PlaneAtWork<'a> {
 
     /// Turn about the points of the plane where `direction . x` is that of a random sample or of the mean.
     fn turn(&mut self, view: &View, direction: &[(u32, f64)], rng: &mut fastrand::Rng) {
-        let problem = self.ground.problem;
         let anchor = if rng.u32(..4) == 0 {
             direction.iter().map(|&(f, c)| c * self.ground.means[f as usize]).sum()
         } else {
-            project(problem, direction, view.samples[rng.usize(..view.samples.len())])
+            self.ground.values.project(direction, view.samples[rng.usize(..view.samples.len())])
         };
         self.turn_about(view, direction, anchor, rng);
     }
 
     fn turn_about(&mut self, view: &View, direction: &[(u32, f64)], anchor: f64, rng: &mut fastrand::Rng) {
-        let problem = self.ground.problem;
+        let values = &self.ground.values;
         self.slopes.clear();
-        self.slopes.extend(view.samples.iter().map(|&i| project(problem, direction, i) - anchor));
+        self.slopes.extend(view.samples.iter().map(|&i| values.project(direction, i) - anchor));
         let grows = direction.iter().any(|&(f, _)| self.plane.normal[f as usize] == 0.0);
         let floor = self.gain();
-        if grows && problem.penalty > 0 {
+        let is_priced = grows && self.ground.prices.has_penalty();
+        if is_priced {
             self.keep();
         }
         let step = self.step(view, rng);
@@ -185,7 +204,7 @@ impl<'a> PlaneAtWork<'a> {
             direction.iter().for_each(|&(f, c)| self.plane.normal[f as usize] += step * c);
             self.plane.offset += step * anchor;
         }
-        if grows && problem.penalty > 0 && self.gain() < floor {
+        if is_priced && self.gain() < floor {
             self.go_back();
         }
     }
@@ -221,15 +240,17 @@ impl<'a> PlaneAtWork<'a> {
         }
     }
 
-    /// Set normal and offset; `place` must follow.
+    /// Set normal and offset, the largest coefficient brought to between a half and 1; `place` must follow.
     fn set(&mut self, terms: &[(u32, f64)], offset: f64) {
+        let (mut terms, mut offset) = (terms.to_vec(), offset);
+        self.plane.shift = normalise(&mut terms, &mut offset);
         self.plane.normal.iter_mut().for_each(|c| *c = 0.0);
         terms.iter().for_each(|&(f, c)| self.plane.normal[f as usize] = c);
         self.plane.offset = offset;
     }
 
     /// A random direction over as many features as may be read.
-    fn random_direction(&self, room: &Room, rng: &mut fastrand::Rng) -> Vec<(u32, f64)> {
+    fn random_direction(&self, room: &Room, rng: &mut fastrand::Rng) -> Terms {
         let features = self.some_features(room, rng);
         features.into_iter().map(|f| (f, normal(rng) / self.ground.deviations[f as usize])).collect()
     }

@@ -99,7 +99,7 @@ impl<'a> Restart<'a> {
 
     /// Take a turn; nothing once the restarts before it are out of reach, or a limit is.
     pub fn run(&mut self, round: &Round) {
-        self.climber.place = self.place;
+        self.climber.take_place(self.place);
         if !self.climber.goes_on() {
             return;
         }

@@ -2,7 +2,7 @@
 
 use crate::search::axis::{Aim, best_cut};
 use crate::search::ground::Ground;
-use crate::search::logistic::{Pull, fit};
+use crate::search::logistic::{MOST_FITTED, Pull, fit};
 use crate::search::orders::NodeOrder;
 use crate::search::sensors::Room;
 use crate::search::state::{Rule, State};
@@ -54,27 +54,34 @@ impl<'a> Grower<'a> {
             if levels == 0 || !keep_going() {
                 continue;
             }
-            if let Some(rule) = self.purest(state, v, soil, rng) {
+            if let Some(rule) = self.purest(state, v, soil, rng, keep_going) {
                 let [left, right] = state.split(self.ground.problem, v, rule);
                 stack.extend([(right, levels - 1), (left, levels - 1)]);
             }
         }
     }
 
-    fn purest(&mut self, state: &State, v: u32, soil: Soil, rng: &mut fastrand::Rng) -> Option<Rule> {
+    fn purest(
+        &mut self,
+        state: &State,
+        v: u32,
+        soil: Soil,
+        rng: &mut fastrand::Rng,
+        go_on: &dyn Fn() -> bool,
+    ) -> Option<Rule> {
         let problem = self.ground.problem;
         let room = Room::at(problem, state, v);
         let features = some(room.axis_features(), soil.share, rng);
         self.view.look(problem, &self.ground.prices, state, v);
         let present = self.view.present(&mut self.tally, 0);
         let scratch = (&mut self.tally, &mut self.node_order);
-        let cut = best_cut(problem, &self.ground.orders, &self.view, &features, Aim::Purity, present, scratch);
+        let cut = best_cut(problem, &self.ground.orders, &self.view, &features, Aim::Purity, present, scratch, go_on);
         if !soil.has_planes {
             return cut.map(|found| found.0);
         }
         let (mut rule, mut best) = cut.map_or((None, present), |(rule, worth)| (Some(rule), worth));
         for group in self.groupings(rng) {
-            if let Some((plane, worth)) = self.parting(&group, &room, soil, rng)
+            if let Some((plane, worth)) = self.parting(&group, &room, soil, rng, go_on)
                 && worth.purity > best.purity
             {
                 (rule, best) = (Some(plane), worth);
@@ -102,14 +109,22 @@ impl<'a> Grower<'a> {
     }
 
     /// The hyperplane that parts a group of classes from the others, and its worth.
-    fn parting(&mut self, group: &[bool], room: &Room, soil: Soil, rng: &mut fastrand::Rng) -> Option<(Rule, Worth)> {
+    fn parting(
+        &mut self,
+        group: &[bool],
+        room: &Room,
+        soil: Soil,
+        rng: &mut fastrand::Rng,
+        go_on: &dyn Fn() -> bool,
+    ) -> Option<(Rule, Worth)> {
         let problem = self.ground.problem;
         let pulls = self.pulls(group, rng);
-        let all = some((0..problem.p as u32).collect(), soil.share, rng);
-        let features = self.leading(&pulls, all, room)?;
-        let (normal, offset) = fit(problem, &pulls, &features, RIDGE)?;
-        let terms = features.into_iter().zip(normal).filter(|term| term.1 != 0.0).collect();
-        let rule = Rule::Plane { terms, offset };
+        let share = soil.share.min(MOST_FITTED as f64 / problem.p as f64);
+        let all = some((0..problem.p as u32).collect(), share, rng);
+        let features = self.leading(&pulls, all, room, go_on)?;
+        let (normal, offset) = fit(&self.ground.values, &pulls, &features, RIDGE, go_on)?;
+        let terms: Vec<(u32, f64)> = features.into_iter().zip(normal).filter(|term| term.1 != 0.0).collect();
+        let rule = self.ground.values.rule(&terms, offset, 0)?;
         self.view.fill(&mut self.tally, |j| rule.goes_left(problem, self.view.samples[j]));
         let is_split = self.tally.is_large_enough() && self.tally.has_two_sides();
         is_split.then(|| (rule, Worth { gain: self.tally.total, purity: self.tally.purity() }))
@@ -130,13 +145,13 @@ impl<'a> Grower<'a> {
     }
 
     /// The features that weigh most in a fit over all of them, as many as one split may read.
-    fn leading(&self, pulls: &[Pull], all: Vec<u32>, room: &Room) -> Option<Vec<u32>> {
+    fn leading(&self, pulls: &[Pull], all: Vec<u32>, room: &Room, go_on: &dyn Fn() -> bool) -> Option<Vec<u32>> {
         let size = self.ground.split_size();
         let admitted = room.first_admitted(&all, size);
         if admitted.len() == all.len() {
             return Some(admitted);
         }
-        let (normal, _) = fit(self.ground.problem, pulls, &all, RIDGE)?;
+        let (normal, _) = fit(&self.ground.values, pulls, &all, RIDGE, go_on)?;
         let weight = |position: &usize| normal[*position].abs() * self.ground.deviations[all[*position] as usize];
         let mut order: Vec<usize> = (0..all.len()).collect();
         order.sort_by(|a, b| weight(b).total_cmp(&weight(a)));

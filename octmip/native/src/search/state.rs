@@ -266,7 +266,7 @@ impl State {
     /// What the samples at and below `v` cost with the splits there.
     pub fn cost_below(&self, prices: &Prices, v: u32) -> i64 {
         let mut tally = Tally::new(prices);
-        let mut cost = prices.penalty * self.complexity(v);
+        let mut cost = prices.price(self.complexity(v));
         for leaf in self.leaves(v) {
             tally.clear(1);
             for &i in &self.nodes[leaf as usize].samples {

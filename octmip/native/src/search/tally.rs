@@ -22,7 +22,9 @@ pub struct Prices {
     /// Dearest cost of each class of sample.
     dearest: Vec<i64>,
     /// Price of one feature in one split.
-    pub penalty: i64,
+    penalty: i64,
+    /// More than any tree of one leaf costs.
+    above_all: i64,
 }
 
 impl Prices {
@@ -33,6 +35,9 @@ impl Prices {
         let dearest: Vec<i64> = rows.iter().map(|row| row.iter().copied().max().unwrap_or(0)).collect();
         let gains: Vec<i64> = rows.iter().zip(&dearest).flat_map(|(row, d)| row.iter().map(move |c| d - c)).collect();
         let single = gains.chunks(k).map(only_gain).collect();
+        let costs =
+            problem.weights.iter().zip(&problem.labels).map(|(w, &label)| w.saturating_mul(dearest[label as usize]));
+        let above_all = costs.fold(1_i64, i64::saturating_add).min(i64::MAX / 4);
         Self {
             n_classes: k,
             gains,
@@ -42,7 +47,23 @@ impl Prices {
             leaf_size: problem.leaf_size as u32,
             dearest,
             penalty: problem.penalty,
+            above_all,
         }
+    }
+
+    /// Price of so many features in splits; no more than makes a tree worse than one leaf, so that no sum overflows.
+    pub fn price(&self, n_features: i64) -> i64 {
+        self.penalty.saturating_mul(n_features).min(self.above_all)
+    }
+
+    /// Whether features in splits have a price.
+    pub fn has_penalty(&self) -> bool {
+        self.penalty > 0
+    }
+
+    /// What a sample costs at worst on average over the samples.
+    pub fn mean_cost(&self) -> f64 {
+        (self.above_all - 1) as f64 / self.labels.len() as f64
     }
 
     /// What a sample costs at worst.

@@ -22,6 +22,24 @@ pub struct Watch {
     is_out_of_time: AtomicBool,
     /// Tells the exact blocks to give up.
     pub control: Control,
+    /// The same for the lines over pairs of features.
+    pub is_stopped: AtomicBool,
+}
+
+/// A watch as one restart asks it: its place in the present round decides whether it goes on.
+#[derive(Debug, Clone, Copy)]
+pub struct Supervisor<'a> {
+    /// The watch.
+    pub watch: &'a Watch,
+    /// The place.
+    pub place: usize,
+}
+
+impl Supervisor<'_> {
+    /// Whether to go on. Every loop whose work grows with the problem asks this often enough.
+    pub fn goes_on(&self) -> bool {
+        self.watch.goes_on(self.place)
+    }
 }
 
 impl Watch {
@@ -36,6 +54,7 @@ impl Watch {
             is_interrupted: AtomicBool::new(false),
             is_out_of_time: AtomicBool::new(false),
             control: Control::new(),
+            is_stopped: AtomicBool::new(false),
         }
     }
 
@@ -80,6 +99,7 @@ impl Watch {
         // Exact blocks look at the control alone.
         if !self.goes_on(0) {
             self.control.stop();
+            self.is_stopped.store(true, Ordering::Relaxed);
         }
     }
 

@@ -1,7 +1,7 @@
 //! Which features a logistic regression can spare.
 
-use crate::problem::Problem;
-use crate::search::logistic::{Fitted, Pull, cholesky, solve};
+use crate::search::logistic::{Fitted, GoOn, Pull, WORK_OF_A_LOOK, cholesky, solve};
+use crate::search::values::Values;
 
 /// A removal's price is multiplied by up to this power of e at random.
 const NOISE: f64 = 1.0;
@@ -13,19 +13,24 @@ const NOISE: f64 = 1.0;
 /// that fits to the same samples do not always give the same features. Source: Hassibi & Stork (1993), Second order
 /// derivatives for network pruning: Optimal Brain Surgeon.
 pub fn leading(
-    problem: &Problem,
+    values: &Values,
     pulls: &[Pull],
     features: &[u32],
     ridge: f64,
     rng: &mut fastrand::Rng,
+    go_on: GoOn,
 ) -> Option<Vec<u32>> {
-    let fitted = Fitted::new(problem, pulls, features, ridge)?;
+    let fitted = Fitted::new(values, pulls, features, ridge, go_on)?;
     let m = features.len() + 1;
-    let mut inverse = inverse_of(fitted.hessian, m)?;
+    let mut inverse = inverse_of(fitted.hessian, m, go_on)?;
     let mut beta = fitted.beta;
     let mut left: Vec<usize> = (0..features.len()).collect();
     let mut order = Vec::with_capacity(features.len());
+    let stride = WORK_OF_A_LOOK / (m * m) + 1;
     while !left.is_empty() {
+        if left.len() % stride == stride - 1 && !go_on() {
+            return None;
+        }
         let rise = |&j: &usize| beta[j] * beta[j] / inverse[j * m + j];
         let rises: Vec<f64> = left.iter().map(|j| rise(j) * (NOISE * rng.f64()).exp()).collect();
         let position = (0..left.len()).min_by(|&a, &b| rises[a].total_cmp(&rises[b]))?;
@@ -49,13 +54,19 @@ fn remove(j: usize, beta: &mut [f64], inverse: &mut [f64]) {
     }
 }
 
-/// The inverse of a symmetric matrix given by its lower triangle; none where it is not positive definite.
-fn inverse_of(matrix: Vec<f64>, m: usize) -> Option<Vec<f64>> {
-    let factor = cholesky(matrix, m)?;
-    let column = |a: usize| {
+/// The inverse of a symmetric matrix given by its lower triangle; none where it is not positive definite or the caller says
+/// stop.
+fn inverse_of(matrix: Vec<f64>, m: usize, go_on: GoOn) -> Option<Vec<f64>> {
+    let factor = cholesky(matrix, m, go_on)?;
+    let stride = WORK_OF_A_LOOK / (m * m) + 1;
+    let mut inverse = Vec::with_capacity(m * m);
+    for a in 0..m {
+        if a % stride == stride - 1 && !go_on() {
+            return None;
+        }
         let mut unit = vec![0.0; m];
         unit[a] = 1.0;
-        solve(&factor, unit, m)
-    };
-    Some((0..m).flat_map(column).collect())
+        inverse.extend(solve(&factor, unit, m));
+    }
+    Some(inverse)
 }

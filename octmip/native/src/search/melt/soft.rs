@@ -27,7 +27,7 @@ impl Soft {
         let p = ground.problem.p;
         let is_opened = heat.opening == Opening::All || heat.opening == Opening::One(v);
         let (mut plane, mut is_open) = (vec![0.0; p + 1], vec![is_opened; p + 1]);
-        let (terms, offset) = ground.plane_of(&state.nodes[v as usize].rule);
+        let (terms, offset) = ground.plane_of(&state.nodes[v as usize].rule).unwrap_or_default();
         let mut intercept = -offset;
         for &(f, c) in &terms {
             let f = f as usize;
@@ -117,7 +117,7 @@ impl Soft {
         self.rescale();
     }
 
-    /// The plane in the units of the values.
+    /// The plane over the values as given.
     pub fn rule(&self, ground: &Ground) -> Option<Rule> {
         let last = self.plane.len() - 1;
         let raw = |f: usize| f64::from(self.plane[f]) / ground.deviations[f];
@@ -125,7 +125,7 @@ impl Soft {
         let shift: f64 = terms.iter().map(|&(f, c)| c * ground.means[f as usize]).sum();
         let offset = shift - f64::from(self.plane[last]);
         let is_finite = offset.is_finite() && terms.iter().all(|term| term.1.is_finite());
-        (is_finite && !terms.is_empty()).then_some(Rule::Plane { terms, offset })
+        if is_finite { ground.values.rule(&terms, offset, 0) } else { None }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Other features for a plane that may read no more: proposals, each refined before it is judged.
 
 use crate::search::line::Plane;
-use crate::search::logistic::{fit, leading};
+use crate::search::logistic::{MOST_FITTED, fit, leading};
 use crate::search::plane::PlaneAtWork;
 use crate::search::plane::lean::RIDGES;
 use crate::search::plane::shake::normal;
@@ -22,6 +22,9 @@ impl PlaneAtWork<'_> {
     /// Propose other features a few times, refine each plane over its own features, keep what gains no less.
     pub(super) fn read_anew(&mut self, view: &View, room: &Room, rng: &mut fastrand::Rng) {
         for _ in 0..PROPOSALS {
+            if !self.supervisor.goes_on() {
+                return;
+            }
             let (floor, before) = (self.gain(), (self.plane.clone(), self.tally.clone()));
             let slack = (SLACK * self.tally.total as f64) as i64;
             let is_new = match rng.u32(..3) {
@@ -44,6 +47,9 @@ impl PlaneAtWork<'_> {
         rng.shuffle(&mut features);
         self.shift(view, rng);
         for &f in &features {
+            if !self.supervisor.goes_on() {
+                return;
+            }
             self.turn(view, &[(f, 1.0)], rng);
         }
         features.sort_unstable();
@@ -57,16 +63,17 @@ impl PlaneAtWork<'_> {
 
     /// The features that lead in a logistic regression over many of them to what every sample would rather do.
     fn lead_by_logistic(&mut self, view: &View, room: &Room, rng: &mut fastrand::Rng) -> bool {
-        let problem = self.ground.problem;
+        let (values, supervisor) = (&self.ground.values, self.supervisor);
+        let go_on = &|| supervisor.goes_on();
         let pulls = self.pulls(view, rng);
-        let mut features: Vec<u32> = (0..problem.p as u32).filter(|&f| room.admits(&[f])).collect();
+        let mut features: Vec<u32> = (0..self.ground.problem.p as u32).filter(|&f| room.admits(&[f])).collect();
         rng.shuffle(&mut features);
         let share = LEAST_SHARE + (1.0 - LEAST_SHARE) * rng.f64();
-        features.truncate(((features.len() as f64 * share) as usize).max(self.ground.split_size()));
+        features.truncate(((features.len() as f64 * share) as usize).max(self.ground.split_size()).min(MOST_FITTED));
         let ridge = RIDGES[rng.usize(..RIDGES.len())];
-        let leading = leading(problem, &pulls, &features, ridge, rng);
+        let leading = leading(values, &pulls, &features, ridge, rng, go_on);
         let chosen = leading.map(|order| room.first_admitted(&order, self.ground.split_size())).unwrap_or_default();
-        let Some((normal, offset)) = fit(problem, &pulls, &chosen, ridge) else {
+        let Some((normal, offset)) = fit(values, &pulls, &chosen, ridge, go_on) else {
             return false;
         };
         let terms: Vec<(u32, f64)> = chosen.into_iter().zip(normal).filter(|term| term.1 != 0.0).collect();
@@ -90,7 +97,7 @@ impl PlaneAtWork<'_> {
             return false;
         }
         let patience = std::mem::replace(&mut self.patience, i64::MAX / 2);
-        self.turn_about(view, &[(f, 1.0)], self.ground.problem.row(anchor)[f as usize], rng);
+        self.turn_about(view, &[(f, 1.0)], self.ground.values.row(anchor)[f as usize], rng);
         self.patience = patience;
         true
     }
@@ -98,7 +105,7 @@ impl PlaneAtWork<'_> {
     /// Leave out one feature, the plane held where that feature is as it is in one sample.
     fn drop_feature(&mut self, view: &View, f: u32, anchor: u32) {
         let weight = std::mem::take(&mut self.plane.normal[f as usize]);
-        self.plane.offset -= weight * self.ground.problem.row(anchor)[f as usize];
+        self.plane.offset -= weight * self.ground.values.row(anchor)[f as usize];
         self.place(view);
     }
 
@@ -116,6 +123,9 @@ impl PlaneAtWork<'_> {
         let added = (self.plane.clone(), self.tally.clone());
         let mut best: Option<(i64, Plane, Tally)> = None;
         for dropped in candidates {
+            if !self.supervisor.goes_on() {
+                break;
+            }
             self.drop_feature(view, dropped, view.samples[rng.usize(..view.samples.len())]);
             if room.admits(&self.support()) {
                 self.shift(view, rng);

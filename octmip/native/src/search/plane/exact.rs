@@ -23,6 +23,9 @@ impl PlaneAtWork<'_> {
         };
         let n_pairs = (MOST_SAMPLES / view.samples.len().max(1)).clamp(1, MOST_PAIRS);
         for _ in 0..n_pairs {
+            if !self.supervisor.goes_on() {
+                return;
+            }
             let Some([f, g]) = self.random_pair(room, rng) else {
                 continue;
             };
@@ -49,7 +52,7 @@ impl PlaneAtWork<'_> {
             need: problem.leaf_size as i64,
             cutoff: dearest - self.gain(),
         };
-        charts.best_line(pair, asked)
+        charts.best_line(pair, asked, &self.supervisor.watch.is_stopped)
     }
 
     /// More leaves, which keep their labels: which side serves each sample better, and by how much.
@@ -68,7 +71,7 @@ impl PlaneAtWork<'_> {
             cutoff += if *is_left == goes_right { weights[i as usize] } else { 0 };
         }
         let asked = Asked { ids: &view.samples, labels, weights, loss: &charts.sides, need: 1, cutoff };
-        charts.best_line(pair, asked)
+        charts.best_line(pair, asked, &self.supervisor.watch.is_stopped)
     }
 
     /// A line as terms and offset in mid-gap, its sides as the children want them.
@@ -81,7 +84,7 @@ impl PlaneAtWork<'_> {
         terms.sort_unstable_by_key(|term| term.0);
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
         for &i in &view.samples {
-            let height = crate::search::state::project(self.ground.problem, &terms, i);
+            let height = self.ground.values.project(&terms, i);
             if charts.sends_left(line, i) == (sign > 0.0) { low = low.max(height) } else { high = high.min(height) }
         }
         (low < high).then_some((terms, low / 2.0 + high / 2.0)).filter(|plane| plane.1.is_finite())

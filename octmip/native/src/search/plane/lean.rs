@@ -16,7 +16,9 @@ impl PlaneAtWork<'_> {
         let pulls = self.pulls(view, rng);
         let features = self.some_features(room, rng);
         let ridge = RIDGES[rng.usize(..RIDGES.len())];
-        let Some((normal, offset)) = fit(self.ground.problem, &pulls, &features, ridge) else {
+        let supervisor = self.supervisor;
+        let fitted = fit(&self.ground.values, &pulls, &features, ridge, &|| supervisor.goes_on());
+        let Some((normal, offset)) = fitted else {
             return;
         };
         let terms: Vec<(u32, f64)> = features.iter().copied().zip(normal).filter(|term| term.1 != 0.0).collect();

@@ -15,9 +15,8 @@ impl PlaneAtWork<'_> {
         let Some([f, g]) = self.random_pair(room, rng) else {
             return;
         };
-        let problem = self.ground.problem;
         let scale = [f, g].map(|f| 1.0 / self.ground.deviations[f]);
-        let anchor = problem.row(view.samples[rng.usize(..view.samples.len())]);
+        let anchor = self.ground.values.row(view.samples[rng.usize(..view.samples.len())]);
         let (floor, before) = (self.gain(), (self.plane.clone(), self.tally.clone()));
         self.set(&[(f as u32, scale[0])], scale[0] * anchor[f]);
         self.place(view);

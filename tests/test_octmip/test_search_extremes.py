@@ -1,0 +1,153 @@
+"""Local search over the whole range of float64: it ends, raises and warns of nothing, and its trees are certified."""
+
+import time
+
+import numpy as np
+import pytest
+
+from octmip import HyperplaneSplit, Leaf, Limits, Problem, certify
+from octmip.cart import greedy_tree
+from octmip.polish import polished
+from octmip.search import local_search
+from octmip.tree import leaf_index, predict
+
+LARGEST, TINIEST, NORMAL = np.finfo(np.float64).max, 5e-324, np.finfo(np.float64).tiny
+BELOW_ONE, ABOVE_ONE = np.nextafter(1.0, 0.0), np.nextafter(1.0, 2.0)
+# Values that no unit serves together: products overflow at one end and vanish at the other.
+TEN_POINTS = [
+    [TINIEST, -TINIEST],
+    [1e-300, TINIEST],
+    [0.0, -TINIEST],
+    [NORMAL, BELOW_ONE],
+    [1e300, 1.0],
+    [TINIEST, BELOW_ONE],
+    [0.0, -0.0],
+    [BELOW_ONE, BELOW_ONE],
+    [-LARGEST, 1e300],
+    [-1e300, -0.0],
+]
+TEN_LABELS = [0, 1, 1, 0, 0, 0, 0, 1, 0, 0]
+VALUES = [
+    TINIEST,
+    -TINIEST,
+    NORMAL,
+    1e-300,
+    1e300,
+    -1e300,
+    LARGEST,
+    -LARGEST,
+    0.0,
+    -0.0,
+    1.0,
+    ABOVE_ONE,
+    BELOW_ONE,
+    3.0,
+]
+
+
+@pytest.mark.parametrize("split_size", [1, 2, None])
+@pytest.mark.parametrize("depth", [1, 2, 3, 4])
+def test_ten_points_over_the_whole_range_are_searched_to_the_end(depth, split_size):
+    problem = Problem(TEN_POINTS, TEN_LABELS, depth=depth, split="hyperplane", split_size=split_size)
+    solution = local_search(problem, limits=Limits(seconds=1))
+    assert certify(problem, solution).errors == [2, 1, 0, 0][depth - 1]
+
+
+def extreme_problem(rng):
+    """Return a small problem of values at the ends of float64, neighbours, ties and constants."""
+    n, p = int(rng.integers(2, 14)), int(rng.integers(1, 4))
+    columns = [
+        lambda: rng.choice(VALUES, n),
+        lambda: np.full(n, rng.choice(VALUES)),
+        lambda: 1.0 + np.spacing(1.0) * rng.integers(0, 4, n),
+        lambda: rng.normal(size=n) * 10.0 ** rng.integers(-320, 307),
+        lambda: rng.choice([-1.0, 1.0], n) * 10.0 ** rng.uniform(-323, 308, n),
+        lambda: rng.integers(0, 3, n).astype(float),
+    ]
+    features = np.stack([columns[rng.integers(len(columns))]() for _ in range(p)], axis=1)
+    labels = rng.integers(0, 2, n)
+    labels[:2] = [0, 1]
+    options = {
+        "depth": int(rng.integers(1, 4)),
+        "weights": [None, rng.integers(0, 3, n) + np.eye(1, n)[0], 10.0 ** rng.uniform(-12, 12, n)][rng.integers(3)],
+        "leaf_penalty": float(rng.choice([0.0, 0.5, 1e-9, 1e300])),
+        "leaf_size": int(rng.integers(1, max(2, n // 3))),
+    }
+    if rng.random() < 0.25:
+        options["allowed_splits"] = [[0], sorted({0, p - 1})]
+    if rng.random() < 0.25:
+        options["sensor_budget"] = 1.0
+    if rng.random() < 0.75:
+        options |= {"split": "hyperplane", "split_size": [None, 1, 2, 3][rng.integers(4)]}
+        options["integer_normals"] = [None, None, 1, 7, 10**30][rng.integers(5)]
+    return Problem(features, labels, **options)
+
+
+def test_problems_at_the_ends_of_float64_get_certified_trees_without_a_warning():
+    rng = np.random.default_rng(21)
+    for seed in range(300):
+        problem = extreme_problem(rng)
+        solution = local_search(problem, seed=seed, restarts=2, kicks=4)
+        certify(problem, solution)
+
+
+def test_features_in_other_units_by_powers_of_two_get_the_same_tree():
+    rng = np.random.default_rng(22)
+    features, labels = rng.normal(size=(60, 3)), rng.integers(0, 2, 60)
+    units = 2.0 ** np.array([700.0, -900.0, 3.0])
+    options = {"depth": 2, "split": "hyperplane", "split_size": 2}
+    plain, scaled = (
+        local_search(Problem(values, labels, **options), restarts=2, kicks=6) for values in (features, features * units)
+    )
+    assert np.array_equal(predict(plain.tree, features), predict(scaled.tree, features * units))
+
+
+def test_mixed_weights_of_24_orders_are_never_worse_than_the_incumbent():
+    rng = np.random.default_rng(23)
+    for seed in range(40):
+        n = int(rng.integers(5, 25))
+        weights, labels = 10.0 ** rng.uniform(-12, 12, n), rng.integers(0, 3, n)
+        labels[:2] = [0, 1]
+        costs = 10.0 ** rng.uniform(-12, 12, (3, 3)) * (1 - np.eye(3))
+        options = {"depth": 2, "weights": weights, "costs": costs, "class_names": (0, 1, 2)}
+        problem = Problem(rng.normal(size=(n, 2)), labels, split="hyperplane", **options)
+        known = greedy_tree(problem)
+        solution = local_search(problem, seed=seed, incumbent=known.tree, restarts=1, kicks=2)
+        certify(problem, solution)
+        assert solution.objective <= known.objective
+
+
+def test_a_penalty_beyond_all_costs_leaves_one_leaf():
+    rng = np.random.default_rng(24)
+    for penalty in (1e9, 1e18, 1e300):
+        problem = Problem(
+            rng.normal(size=(40, 4)), rng.integers(0, 2, 40), depth=8, split="hyperplane", leaf_penalty=penalty
+        )
+        assert isinstance(local_search(problem, restarts=1, kicks=3).tree, Leaf)
+
+
+@pytest.mark.parametrize("seconds", [0.0, 0.05])
+def test_a_large_hyperplane_problem_ends_with_its_limit(seconds):
+    rng = np.random.default_rng(25)
+    problem = Problem(rng.normal(size=(4000, 40)), rng.integers(0, 4, 4000), depth=8, split="hyperplane")
+    start = time.process_time()
+    certify(problem, local_search(problem, limits=Limits(seconds=seconds)))
+    assert time.process_time() - start < 5.0
+
+
+def test_polishing_stops_when_it_is_told_to_and_keeps_the_planes():
+    rng = np.random.default_rng(26)
+    problem = Problem(rng.normal(size=(30, 3)), rng.integers(0, 2, 30), depth=1, split="hyperplane")
+    plane = HyperplaneSplit((0, 1), (0.123456789, 1.0), 0.0, Leaf(0), Leaf(1))
+    assert polished(problem, plane, lambda: False) == plane
+    assert polished(problem, plane) != plane
+
+
+def test_polishing_keeps_every_sample_of_extreme_values_in_its_leaf():
+    rng = np.random.default_rng(27)
+    points = np.array(TEN_POINTS)
+    problem = Problem(points, TEN_LABELS, depth=1, split="hyperplane")
+    for _ in range(60):
+        row = points[rng.integers(10)]
+        plane = HyperplaneSplit((0,), (float(rng.choice([-1.0, 0.5])),), float(row[0] / 2), Leaf(0), Leaf(1))
+        assert np.array_equal(leaf_index(polished(problem, plane), points), leaf_index(plane, points))
