@@ -76,9 +76,6 @@ impl Field<'_> {
         if root.key >= target {
             return;
         }
-        if root.key >= target {
-            return;
-        }
         let price = self.price(root);
         let relaxed = self.need() - sorted.open.len() as i64;
         let mut attained = |s: usize, ids: &[Vec<u32>; 2], tallies: &[Vec<i64>; 2], need: i64| {

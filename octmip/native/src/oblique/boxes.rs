@@ -175,9 +175,13 @@ impl Field<'_> {
         let open = cell.sort(x, y, &self.all, |i, goes_left| {
             if goes_left { &mut left } else { &mut right }.push(i);
         });
+        self.counted([left, right], open)
+    }
+
+    /// The samples of a box that are settled on either side, and those that are open, with their weights.
+    pub(super) fn counted(&self, sides: [Vec<u32>; 2], open: Vec<u32>) -> Sorted {
         let view = self.ground.view();
         let open_tally = view.tally(&open);
-        let sides = [left, right];
         let tallies = [0, 1].map(|s| view.tally(&sides[s]));
         Sorted {
             wide: [0, 1].map(|s| [&sides[s][..], &open].concat()),

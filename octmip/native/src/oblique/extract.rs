@@ -109,7 +109,7 @@ fn parting_cone(
 ) -> Option<[f64; 2]> {
     let plane = &ground.plane;
     let (x, y) = (plane.column(f), plane.column(g));
-    let (from, to) = (hull(plane, (f, g), left)?, hull(plane, (f, g), right)?);
+    let (from, to) = (hull(plane, (f, g), left), hull(plane, (f, g), right));
     let mut cone = [f64::NEG_INFINITY, f64::INFINITY];
     for (&i, &j) in from.iter().flat_map(|i| to.iter().map(move |j| (i, j))) {
         let (i, j) = (i as usize, j as usize);

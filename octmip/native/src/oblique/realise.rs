@@ -48,12 +48,11 @@ pub(super) fn realise(
     for (point, goes_left) in points.iter().zip(way) {
         if *goes_left { &mut left } else { &mut right }.extend(point);
     }
-    match can_part(plane, features, &left, &right) {
-        Some(false) => Realised::Never,
-        None => Realised::Thin,
-        Some(true) => match widest_line(plane, features, &left, &right) {
-            Some((line, margin)) if margin > THICK => Realised::Line(line),
-            _ => Realised::Thin,
-        },
+    if !can_part(plane, features, &left, &right) {
+        return Realised::Never;
+    }
+    match widest_line(plane, features, &left, &right) {
+        Some((line, margin)) if margin > THICK => Realised::Line(line),
+        _ => Realised::Thin,
     }
 }
