@@ -5,13 +5,15 @@
 
 The bound holds for every tree whose lines are taken in exact arithmetic over the float64 values as given: nothing is
 rounded to a grid. Coordinates scaled to [0, 1] settle all samples that keep 2^-42 clear of a line; the few others are
-parted in whole numbers of up to 240 bits. A way of parting that no float64 line does with that much room counts for the
-bound but is not returned: `Solution.details["thin"]` then says so. See docs/theory/oblique.md.
+parted in whole numbers of as many bits as it takes. A way of parting that no float64 line does with that much room counts
+for the bound but is not returned: `Stop.NUMERICS` and `Solution.details["thin"]` then say so. See docs/theory/oblique.md.
 """
 
+import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -19,10 +21,10 @@ from numpy.typing import NDArray
 
 from octmip import _native
 from octmip.encoding import IntegerCosts, integer_costs, native_problem, rank_features, tree_from_rows
-from octmip.errors import ProblemError, SolverError
+from octmip.errors import CertificateError, ProblemError
 from octmip.problem import Problem
-from octmip.proof import proof_header
-from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop
+from octmip.proof import check_proof, proof_header
+from octmip.solution import Limits, Progress, ProgressCallback, ProofError, Solution, Stop
 from octmip.tree import HyperplaneSplit, Leaf, Node, Split, complexity, goes_left, midpoint, predict
 
 MOST_DEPTH = 2
@@ -38,6 +40,7 @@ def two_feature_branch_and_bound(
     n_jobs: int = 1,
     progress: ProgressCallback | None = None,
     proof: str | Path | None = None,
+    check_log: bool = True,
     whole_coefficients: int | None = None,
     _off: Sequence[str] = (),
 ) -> Solution:
@@ -51,13 +54,16 @@ def two_feature_branch_and_bound(
         n_jobs: threads; the result does not depend on them.
         progress: called every few hundredths of a second.
         proof: file for a log that `octmip.proof.check_proof` verifies; it takes a second search, about as long.
+        check_log: the log is written once that check accepts it, which takes up to ten times as long; without it, it is
+            written unchecked.
         whole_coefficients: lines get whole-numbered coefficients of at most this size wherever some part the node's
             samples alike. A wish; `Problem.integer_normals` is a condition.
         _off: names of prunes and bounds to do without (`_native.two_feature_prunes()`), for tests.
 
     Raises:
         ProblemError: the problem is deeper, or allows more features in a split.
-        SolverError: the proof was interrupted, or rounding leaves no room for it: no log is written.
+        ProofError: the proof was interrupted, or rounding leaves no room for it: no log is written; the error holds the
+            solution.
     """
     _check(problem, n_jobs)
     start = time.perf_counter()
@@ -74,28 +80,45 @@ def two_feature_branch_and_bound(
         whole_coefficients,
         _native_progress(progress, costs.unit),
     )
-    if proof is not None:
-        _write_proof(problem, native, costs, bound, n_jobs, Path(proof))
     tree = _finished(problem, tree_from_rows(rows, ranks), np.arange(problem.n_samples))
     objective = problem.objective_of(tree, predict(tree, problem.features))
     if incumbent is not None:
         known = problem.objective_of(incumbent, predict(incumbent, problem.features))
         tree, objective = (incumbent, known) if known < objective else (tree, objective)
-    lower = bound * costs.unit
-    met = lower >= objective - costs.tolerance
-    return Solution(
+    lower = _rounded_down(bound, costs.unit)
+    # What a single sample could hide in proves nothing: then only a bound that meets the objective outright does.
+    tolerance = costs.tolerance if costs.tolerance < problem.least_saving else 0.0
+    met = lower >= objective - tolerance
+    solution = Solution(
         tree=tree,
         objective=objective,
         bound=lower,
-        stop=Stop.OPTIMAL if met else Stop(stop),
+        stop=Stop.OPTIMAL if met else _open_stop(problem, stop),
         seconds=time.perf_counter() - start,
         n_nodes=n_nodes,
         solver="two-feature exact",
         version=_native.__version__,
         seed=seed,
-        tolerance=costs.tolerance,
+        tolerance=tolerance,
         details=_details(problem, is_open=not met and stop == "finished"),
     )
+    if proof is not None:
+        _write_proof(problem, native, costs, bound, (solution, n_jobs, check_log), Path(proof))
+        return replace(solution, seconds=time.perf_counter() - start)
+    return solution
+
+
+def _rounded_down(whole: int, unit: float) -> float:
+    """Return ``whole * unit`` as the float64 value next below it, or the number itself: a bound must not be rounded up."""
+    value = whole * unit
+    return value if Fraction(value) <= whole * Fraction(unit) else math.nextafter(value, -math.inf)
+
+
+def _open_stop(problem: Problem, stop: str) -> Stop:
+    """Return why a search that did not meet its bound ended: a limit, or all boxes done and rounding in the way."""
+    if stop not in ("optimal", "finished"):
+        return Stop(stop)
+    return Stop.NUMERICS if problem.integer_normals is None else Stop.FINISHED
 
 
 def _details(problem: Problem, *, is_open: bool) -> dict[str, object]:
@@ -120,16 +143,39 @@ def _check(problem: Problem, n_jobs: int) -> None:
 
 
 def _write_proof(
-    problem: Problem, native: _native.Problem, costs: IntegerCosts, claim: int, n_jobs: int, path: Path
+    problem: Problem,
+    native: _native.Problem,
+    costs: IntegerCosts,
+    claim: int,
+    given: tuple[Solution, int, bool],
+    path: Path,
 ) -> None:
+    """Write the log of a claim, if the checker accepts it (or is not asked); else raise a `ProofError`."""
+    solution, n_jobs, check_log = given
     body = _native.prove_lines(native, claim, n_jobs)
     if body is None:
-        raise SolverError(
-            f"no log of the bound {claim * costs.unit} came about: it was interrupted, the budget allows too many sets "
-            f"of sensors, or samples within 1e-12 of a line decide; {path} is not written"
+        raise _no_log(
+            path, "it was interrupted, the budget allows too many sets of sensors, or rounding decides", solution
         )
     header = proof_header(problem, costs.weight_unit, costs.unit / costs.weight_unit, claim)
-    path.write_text(header + body + "end\n", encoding="ascii")
+    draft = path.with_name(path.name + ".part")
+    draft.write_text(header + body + "end\n", encoding="ascii")
+    try:
+        if check_log:
+            check_proof(problem, draft, bound=solution.bound, n_jobs=n_jobs)
+        draft.replace(path)
+    except CertificateError as error:
+        raise _no_log(path, f"the checker refuses it ({error})", solution) from error
+    finally:
+        draft.unlink(missing_ok=True)
+
+
+def _no_log(path: Path, reason: str, solution: Solution) -> ProofError:
+    return ProofError(
+        f"{path} is not written: expected a log of the bound {solution.bound}, but {reason}; tree and bound stand without "
+        "it: leave the proof out, or round values that differ by less than 1e-12 of their range",
+        solution,
+    )
 
 
 def _whole_objective(problem: Problem, costs: IntegerCosts, tree: Node) -> int:

@@ -39,6 +39,9 @@ const TINY: f64 = 1.0 / (1u64 << 39) as f64;
 const FEW: usize = 6;
 pub(crate) const MOST: usize = 48;
 const BINS: usize = 64;
+/// Boxes in boxes; a search needs some 300 at most: t is halved 35 times, heights lose an eighth at least.
+const MOST_CUTS: usize = 1000;
+const STACK_BYTES: usize = 1 << 26;
 const NO_TREE: i64 = i64::MAX / 4;
 
 /// Class weights of some samples, and last their number.
@@ -75,6 +78,7 @@ struct Checker<'a> {
 pub fn check(q: &Problem, log: &str, skip: usize, claim: i64, threads: usize) -> Result<(), Refusal> {
     let checker = Checker { q, points: Points::new(q), cheaper: cheaper(q), claim, lines: log.lines().collect() };
     let (mut line, mut tasks) = (skip, Vec::new());
+    ensure!((0..=NO_TREE).contains(&claim), skip, "expected a claim from 0 to {NO_TREE}, got {claim}");
     ensure!(checker.leaf(&checker.tally(&checker.all())) >= claim, skip, "one leaf costs less than {claim}");
     checker.sensors(&mut line, &mut vec![None; q.sensor_cost.len()], &mut tasks)?;
     let end = checker.lines.get(line).copied();
@@ -82,14 +86,18 @@ pub fn check(q: &Problem, log: &str, skip: usize, claim: i64, threads: usize) ->
     let (next, refusals) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
     std::thread::scope(|scope| {
         for _ in 0..threads.clamp(1, tasks.len().max(1)) {
-            scope.spawn(|| {
+            let work = || {
                 while let Some(task) = tasks.get(next.fetch_add(1, Ordering::Relaxed)) {
                     if let (Err(refusal), Ok(mut found)) = (checker.section(task), refusals.lock()) {
                         found.push((refusal.0, refusal));
                         next.store(tasks.len(), Ordering::Relaxed);
                     }
                 }
-            });
+            };
+            let thread = std::thread::Builder::new().stack_size(STACK_BYTES).spawn_scoped(scope, work);
+            if let (Err(error), Ok(mut found)) = (thread, refusals.lock()) {
+                found.push((skip, Refusal(skip, format!("no thread to check on ({error})"))));
+            }
         }
     });
     let found = refusals.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner());
@@ -119,7 +127,7 @@ impl Checker<'_> {
         if let Some(chart) = section.chart {
             let whole = Cell::whole(chart.1 == self.q.p);
             let child = Child { floor: 0, strips: section.strips.clone() };
-            self.root(chart, whole, [child.clone(), child], &mut line, section.lines.end)?;
+            self.root(chart, whole, [child.clone(), child], &mut line, (section.lines.end, MOST_CUTS))?;
         } else {
             let is_so = self.child_costs(&all, need, &section.strips, self.claim);
             ensure!(is_so, line, "a single split is not proven to cost {}", self.claim);
@@ -135,7 +143,7 @@ impl Checker<'_> {
         cell: Cell,
         mut children: [Child; 2],
         at: &mut usize,
-        end: usize,
+        (end, n_cuts): (usize, usize),
     ) -> Result<(), Refusal> {
         let (q, need) = (self.q, self.q.leaf_size as i64);
         let [left, open, right] = self.points.sorted(chart, &cell);
@@ -199,8 +207,9 @@ impl Checker<'_> {
                         ensure!(edge.iter().all(|r| r.abs() < 8.0), line, "the edge {edge:?} is beyond all values");
                         cell.split(edge)
                     };
+                    ensure!(n_cuts > 0, line, "expected {MOST_CUTS} boxes in one another at most, got more");
                     for half in halves {
-                        self.root(chart, half, children.clone(), at, end)?;
+                        self.root(chart, half, children.clone(), at, (end, n_cuts - 1))?;
                     }
                     return Ok(());
                 }

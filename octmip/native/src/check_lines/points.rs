@@ -252,16 +252,18 @@ fn sign_of(number: f64) -> Ordering {
 
 /// The largest power of two up to the size of a number (1 for 0).
 fn binade(number: f64) -> f64 {
-    match number.abs() {
-        0.0 => 1.0,
-        small if small < f64::MIN_POSITIVE => f64::MIN_POSITIVE,
-        size => f64::from_bits(size.to_bits() & (0x7ff << 52)),
+    let bits = number.abs().to_bits();
+    match bits {
+        0 => 1.0,
+        denormal if denormal < 1 << 52 => f64::from_bits(1 << denormal.ilog2()),
+        _ => f64::from_bits(bits & (0x7ff << 52)),
     }
 }
 
-/// The exponent of a power of two that is no denormal number.
+/// The exponent of a power of two.
 fn exponent_of(power: f64) -> i32 {
-    (power.to_bits() >> 52 & 0x7ff) as i32 - 1023
+    let bits = power.to_bits();
+    if bits < 1 << 52 { bits.ilog2() as i32 - 1074 } else { (bits >> 52) as i32 - 1023 }
 }
 
 #[cfg(test)]
@@ -294,6 +296,14 @@ mod tests {
         assert_eq!(plane.order_at(0.0, 4, 1), Ordering::Less);
         // The second feature in its unit of 2^997 is much smaller than the first in the same unit.
         assert_eq!(plane.order_at(-1.0, 2, 3), Ordering::Less);
+    }
+
+    #[test]
+    fn the_least_numbers_have_coordinates_like_all_others() {
+        let tiny = points(&[5e-324, 1e-323, 1.5e-323], &[-5e-324, 0.0, 0.0]);
+        assert_eq!(tiny.coordinates(0), [0.0, 0.25, 0.5]);
+        assert_eq!(tiny.coordinates(1), [-0.5, 0.0, 0.0]);
+        assert_eq!((tiny.features[0].exponent, tiny.features[1].exponent), (-1072, -1073));
     }
 
     #[test]

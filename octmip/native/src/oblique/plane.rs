@@ -129,12 +129,13 @@ fn frame(column: &[f64]) -> (f64, f64) {
     (origin, power_of_two(high.max(low)))
 }
 
-/// The largest power of two that is no larger in size than a number; 1 for 0.
+/// The largest power of two up to the size of a number (1 for 0).
 fn power_of_two(number: f64) -> f64 {
-    match number.abs() {
-        0.0 => 1.0,
-        small if small < f64::MIN_POSITIVE => f64::MIN_POSITIVE,
-        size => f64::from_bits(size.to_bits() & (0x7ff << 52)),
+    let bits = number.abs().to_bits();
+    match bits {
+        0 => 1.0,
+        denormal if denormal < 1 << 52 => f64::from_bits(1 << denormal.ilog2()),
+        _ => f64::from_bits(bits & (0x7ff << 52)),
     }
 }
 

@@ -14,15 +14,14 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use crate::check_lines::{self, MOST, Points};
 use crate::problem::Problem;
 
-use super::bounds::Goal;
-use super::boxes::{Child, Field, RootBox, Sorted};
+use super::boxes::{Child, Field, Goal, RootBox, Sorted};
 use super::chart::Chart;
 use super::ends::{End, end_of};
 use super::ground::Ground;
 use super::known::{Known, Notes};
 use super::pair::strips_of;
 use super::refine::split;
-use super::scan::Strip;
+use super::strips::Strip;
 
 /// Strips of a chart.
 const STRIPS: usize = 64;
