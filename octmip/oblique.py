@@ -5,8 +5,8 @@
 
 The bound holds for every tree whose lines are taken in exact arithmetic over the float64 values as given: nothing is
 rounded to a grid. Coordinates scaled to [0, 1] settle all samples that keep 2^-42 clear of a line; the few others are
-parted in whole numbers of up to 240 bits. A way of parting that no float64 line does with that much room counts for the
-bound but is not returned: `Solution.details["thin"]` then says so. See docs/theory/oblique.md.
+parted in whole numbers of as many bits as it takes. A way of parting that no float64 line does with that much room counts
+for the bound but is not returned: `Stop.NUMERICS` and `Solution.details["thin"]` then say so. See docs/theory/oblique.md.
 """
 
 import time
@@ -26,10 +26,10 @@ from octmip.encoding import (
     rank_features,
     tree_from_rows,
 )
-from octmip.errors import ProblemError, SolverError
+from octmip.errors import CertificateError, ProblemError
 from octmip.problem import Problem
-from octmip.proof import log_header
-from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop
+from octmip.proof import check_proof, log_header
+from octmip.solution import Limits, Progress, ProgressCallback, ProofError, Solution, Stop
 from octmip.tree import HyperplaneSplit, Leaf, Node, Split, goes_left, midpoint, predict
 
 MOST_DEPTH = 2
@@ -45,6 +45,7 @@ def two_feature_branch_and_bound(
     n_jobs: int = 1,
     progress: ProgressCallback | None = None,
     proof: str | Path | None = None,
+    check_log: bool = True,
     whole_coefficients: int | None = None,
     _off: Sequence[str] = (),
 ) -> Solution:
@@ -58,13 +59,16 @@ def two_feature_branch_and_bound(
         n_jobs: threads; the result does not depend on them.
         progress: called every few hundredths of a second.
         proof: file for a log that `octmip.proof.check_proof` verifies; it takes a second search, about as long.
+        check_log: the log is written once that check accepts it, which takes up to ten times as long; without it, it is
+            written unchecked.
         whole_coefficients: lines get whole-numbered coefficients of at most this size wherever some part the node's
             samples alike. A wish; `Problem.integer_normals` is a condition.
         _off: names of prunes and bounds to do without (`_native.two_feature_prunes()`), for tests.
 
     Raises:
         ProblemError: the problem is deeper, or allows more features in a split.
-        SolverError: the proof was interrupted, or rounding leaves no room for it: no log is written.
+        ProofError: the proof was interrupted, or rounding leaves no room for it: no log is written; the error holds the
+            solution.
     """
     _check(problem, n_jobs)
     start = time.perf_counter()
@@ -81,8 +85,6 @@ def two_feature_branch_and_bound(
         whole_coefficients,
         _native_progress(progress, costs),
     )
-    if proof is not None:
-        _write_proof(problem, native, costs, bound, n_jobs, Path(proof))
     tree = _finished(problem, tree_from_rows(rows, ranks), np.arange(problem.n_samples))
     objective = problem.objective_of(tree, predict(tree, problem.features))
     if incumbent is not None:
@@ -90,14 +92,13 @@ def two_feature_branch_and_bound(
         tree, objective = (incumbent, known) if known < objective else (tree, objective)
     lower = costs.value(bound)
     # Unless a limit ended the search, only rounding is left between bound and tree: a proof where it hides no sample.
-    is_closed = stop == Stop.OPTIMAL
-    tolerance = max(0.0, closing_tolerance(problem, objective, lower)) if is_closed else 0.0
+    tolerance = max(0.0, closing_tolerance(problem, objective, lower)) if stop == Stop.OPTIMAL else 0.0
     met = lower >= objective - tolerance
-    return Solution(
+    solution = Solution(
         tree=tree,
         objective=objective,
         bound=lower,
-        stop=Stop.OPTIMAL if met else Stop.NUMERICS if is_closed else Stop(stop),
+        stop=Stop.OPTIMAL if met else _open_stop(problem, stop),
         seconds=time.perf_counter() - start,
         n_nodes=n_nodes,
         solver="two-feature exact",
@@ -106,6 +107,17 @@ def two_feature_branch_and_bound(
         tolerance=tolerance,
         details=_details(problem, is_open=not met and stop == "finished"),
     )
+    if proof is not None:
+        _write_proof(problem, native, costs, bound, (solution, n_jobs, check_log), Path(proof))
+        return replace(solution, seconds=time.perf_counter() - start)
+    return solution
+
+
+def _open_stop(problem: Problem, stop: str) -> Stop:
+    """Return why a search that did not meet its bound ended: a limit, or all boxes done and rounding in the way."""
+    if stop not in ("optimal", "finished"):
+        return Stop(stop)
+    return Stop.NUMERICS if problem.integer_normals is None else Stop.FINISHED
 
 
 def _details(problem: Problem, *, is_open: bool) -> dict[str, object]:
@@ -130,16 +142,39 @@ def _check(problem: Problem, n_jobs: int) -> None:
 
 
 def _write_proof(
-    problem: Problem, native: _native.Problem, costs: IntegerCosts, claim: int, n_jobs: int, path: Path
+    problem: Problem,
+    native: _native.Problem,
+    costs: IntegerCosts,
+    claim: int,
+    given: tuple[Solution, int, bool],
+    path: Path,
 ) -> None:
+    """Write the log of a claim, if the checker accepts it (or is not asked); else raise a `ProofError`."""
+    solution, n_jobs, check_log = given
     body = _native.prove_lines(native, claim, n_jobs)
     if body is None:
-        raise SolverError(
-            f"no log of the bound {costs.value(claim)} came about: it was interrupted, the budget allows too many sets "
-            f"of sensors, or samples within 1e-12 of a line decide; {path} is not written"
+        raise _no_log(
+            path, "it was interrupted, the budget allows too many sets of sensors, or rounding decides", solution
         )
     header = log_header(problem, costs, claim)
-    path.write_text(header + body + "end\n", encoding="ascii")
+    draft = path.with_name(path.name + ".part")
+    draft.write_text(header + body + "end\n", encoding="ascii")
+    try:
+        if check_log:
+            check_proof(problem, draft, bound=solution.bound, n_jobs=n_jobs)
+        draft.replace(path)
+    except CertificateError as error:
+        raise _no_log(path, f"the checker refuses it ({error})", solution) from error
+    finally:
+        draft.unlink(missing_ok=True)
+
+
+def _no_log(path: Path, reason: str, solution: Solution) -> ProofError:
+    return ProofError(
+        f"{path} is not written: expected a log of the bound {solution.bound}, but {reason}; tree and bound stand without "
+        "it: leave the proof out, or round values that differ by less than 1e-12 of their range",
+        solution,
+    )
 
 
 def _native_progress(

@@ -116,3 +116,11 @@ class Solution:
     def is_optimal(self) -> bool:
         """Whether the bound proves that no tree of the problem is better (by more than `tolerance`)."""
         return self.tree is not None and self.bound >= self.objective - self.tolerance
+
+
+class ProofError(SolverError):
+    """The proof log that was asked for cannot be written; the solution without it is `solution`."""
+
+    def __init__(self, message: str, solution: Solution) -> None:
+        super().__init__(message)
+        self.solution = solution

@@ -14,7 +14,7 @@ from octmip.cli.question import Question, ask
 from octmip.errors import DataError, SolverError
 from octmip.files import check_writable
 from octmip.report.text import solution_text, tree_text
-from octmip.solution import Solution
+from octmip.solution import ProofError, Solution
 from octmip.solver import ASSISTANTS, solve
 from octmip.tree_file import leaf_counts, read_tree_file, record_tree, tree_for, write_tree_file
 
@@ -44,18 +44,24 @@ def run(arguments: argparse.Namespace) -> int:
     options = _options(arguments)
     question = ask(arguments)
     incumbent = tree_for(question.problem, read_tree_file(arguments.incumbent)) if arguments.incumbent else None
+    unproven: ProofError | None = None
     with ProgressLine() as progress:
-        solution = solve(
-            question.problem,
-            arguments.method,
-            limits,
-            incumbent,
-            seed=arguments.seed,
-            n_jobs=arguments.threads,
-            progress=progress,
-            options=options,
-        )
+        try:
+            solution = solve(
+                question.problem,
+                arguments.method,
+                limits,
+                incumbent,
+                seed=arguments.seed,
+                n_jobs=arguments.threads,
+                progress=progress,
+                options=options,
+            )
+        except ProofError as error:
+            solution, unproven = error.solution, error
     _show(arguments, question, solution)
+    if unproven is not None:
+        raise unproven  # said last: the tree is shown and written all the same
     return 0
 
 

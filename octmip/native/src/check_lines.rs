@@ -1,9 +1,10 @@
 //! The checker of proof logs of two-feature trees: does a log prove that no tree costs less than it claims?
 //!
 //! It knows no solver. Format and proofs: docs/theory/oblique.md. A line `x + t y = r` over two features is a point (t, r);
-//! a sample is the straight line r = x + t y and goes left where that runs below the point. Coordinates are exact and
-//! within -1 and 1, t within -1 and 1 (the features exchanged give the steeper lines), so a value x + t y is rounded by
-//! less than 2^-50: what is 2^-46 clear of an edge at both ends of a range of t is clear of it.
+//! a sample is the straight line r = x + t y and goes left where that runs below the point. Coordinates are wrong by 2^-53
+//! at most and within -1 and 1, t within -1 and 1 (the features exchanged give the steeper lines), so a value x + t y is
+//! wrong by less than 2^-50: what is 2^-46 clear of an edge at both ends of a range of t is clear of it. Where that does
+//! not settle a sample, signs of sums of products of the values as given do, exactly.
 
 macro_rules! ensure {
     ($is_so:expr, $line:expr, $($reason:tt)*) => {
@@ -12,28 +13,35 @@ macro_rules! ensure {
 }
 
 mod counts;
+mod parting;
 mod points;
 mod sections;
+mod signs;
 mod stumps;
 
+use std::collections::HashMap;
 use std::str::FromStr;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 
 use crate::check::Refusal;
 use crate::problem::Problem;
-use points::coordinates;
-pub(crate) use points::ways;
+pub(crate) use points::Points;
 use sections::Section;
+pub(crate) use signs::exact_sign;
 
 /// Room for rounding.
 const EPS: f64 = 1.0 / (1u64 << 46) as f64;
 /// Bands narrower than this are not split.
 const TINY: f64 = 1.0 / (1u64 << 39) as f64;
-/// So many different points are tried in every way before a cell is split, and in a tiny cell at the end.
+/// So many different points are tried in every way before a cell is split, and at the end of splitting (any number there
+/// if they are all on one line).
 const FEW: usize = 6;
-const MOST: usize = 48;
+pub(crate) const MOST: usize = 48;
 const BINS: usize = 64;
+/// Boxes in boxes; a search needs some 300 at most: t is halved 35 times, heights lose an eighth at least.
+const MOST_CUTS: usize = 1000;
+const STACK_BYTES: usize = 1 << 26;
 const NO_TREE: i64 = i64::MAX / 4;
 
 /// Class weights of some samples, and last their number.
@@ -43,8 +51,8 @@ type Strip = ((usize, usize), f64, f64);
 
 /// Lines between two straight edges over a range of t, each edge given by its ends.
 #[derive(Clone, Copy)]
-struct Cell {
-    t: [f64; 2],
+pub(crate) struct Cell {
+    pub(crate) t: [f64; 2],
     low: [f64; 2],
     high: [f64; 2],
 }
@@ -59,7 +67,7 @@ struct Child {
 
 struct Checker<'a> {
     q: &'a Problem,
-    columns: Vec<Vec<f64>>,
+    points: Points,
     /// For two answers and a class, what the cheaper answer costs.
     cheaper: Vec<i64>,
     claim: i64,
@@ -68,9 +76,9 @@ struct Checker<'a> {
 
 /// Check that a log proves, after `skip` lines, that every tree costs `claim` or more.
 pub fn check(q: &Problem, log: &str, skip: usize, claim: i64, threads: usize) -> Result<(), Refusal> {
-    let (columns, lines) = (coordinates(q)?, log.lines().collect());
-    let checker = Checker { q, columns, cheaper: cheaper(q), claim, lines };
+    let checker = Checker { q, points: Points::new(q), cheaper: cheaper(q), claim, lines: log.lines().collect() };
     let (mut line, mut tasks) = (skip, Vec::new());
+    ensure!((0..=NO_TREE).contains(&claim), skip, "expected a claim from 0 to {NO_TREE}, got {claim}");
     ensure!(checker.leaf(&checker.tally(&checker.all())) >= claim, skip, "one leaf costs less than {claim}");
     checker.sensors(&mut line, &mut vec![None; q.sensor_cost.len()], &mut tasks)?;
     let end = checker.lines.get(line).copied();
@@ -78,14 +86,18 @@ pub fn check(q: &Problem, log: &str, skip: usize, claim: i64, threads: usize) ->
     let (next, refusals) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
     std::thread::scope(|scope| {
         for _ in 0..threads.clamp(1, tasks.len().max(1)) {
-            scope.spawn(|| {
+            let work = || {
                 while let Some(task) = tasks.get(next.fetch_add(1, Ordering::Relaxed)) {
                     if let (Err(refusal), Ok(mut found)) = (checker.section(task), refusals.lock()) {
                         found.push((refusal.0, refusal));
                         next.store(tasks.len(), Ordering::Relaxed);
                     }
                 }
-            });
+            };
+            let thread = std::thread::Builder::new().stack_size(STACK_BYTES).spawn_scoped(scope, work);
+            if let (Err(error), Ok(mut found)) = (thread, refusals.lock()) {
+                found.push((skip, Refusal(skip, format!("no thread to check on ({error})"))));
+            }
         }
     });
     let found = refusals.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner());
@@ -113,11 +125,9 @@ impl Checker<'_> {
     fn section(&self, section: &Section) -> Result<(), Refusal> {
         let (mut line, all, need) = (section.lines.start, self.all(), self.q.leaf_size as i64);
         if let Some(chart) = section.chart {
-            let t = if chart.1 == self.q.p { [0.0; 2] } else { [-1.0, 1.0] };
-            // No sample's value is beyond 2: lines outside part none.
-            let whole = Cell { t, low: [-2.25; 2], high: [2.25; 2] };
+            let whole = Cell::whole(chart.1 == self.q.p);
             let child = Child { floor: 0, strips: section.strips.clone() };
-            self.root(chart, whole, [child.clone(), child], &mut line, section.lines.end)?;
+            self.root(chart, whole, [child.clone(), child], &mut line, (section.lines.end, MOST_CUTS))?;
         } else {
             let is_so = self.child_costs(&all, need, &section.strips, self.claim);
             ensure!(is_so, line, "a single split is not proven to cost {}", self.claim);
@@ -133,10 +143,10 @@ impl Checker<'_> {
         cell: Cell,
         mut children: [Child; 2],
         at: &mut usize,
-        end: usize,
+        (end, n_cuts): (usize, usize),
     ) -> Result<(), Refusal> {
         let (q, need) = (self.q, self.q.leaf_size as i64);
-        let [left, open, right] = self.sorted(chart, &cell);
+        let [left, open, right] = self.points.sorted(chart, &cell);
         let (sides, tallies) = ([&left, &right], [self.tally(&left), self.tally(&right)]);
         let spare = self.tally(&open);
         let owed = self.claim - self.price(chart);
@@ -182,29 +192,8 @@ impl Checker<'_> {
                     }
                     return Ok(());
                 }
-                // Every way of parting the open points, with the left child's cost.
-                "E" => {
-                    let points = self.distinct(chart, &open, MOST);
-                    ensure!(points.len() <= MOST, line, "{} open points are too many to part", points.len());
-                    let (x, y) = (&self.columns[chart.0], &self.columns[chart.1]);
-                    for way in ways(x, y, &points, cell.t[0], cell.t[1]) {
-                        let goes = |i: &u32| way[points.iter().position(|&p| self.is_same(chart, p, *i)).unwrap_or(0)];
-                        let part: [Vec<u32>; 2] = [true, false].map(|is_left| {
-                            let joined = open.iter().copied().filter(|i| goes(i) == is_left);
-                            sides[usize::from(!is_left)].iter().copied().chain(joined).collect()
-                        });
-                        if part.iter().any(|ids| (ids.len() as i64) < need) {
-                            continue;
-                        }
-                        let name: String = way.iter().map(|&is_left| if is_left { '1' } else { '0' }).collect();
-                        let given = rest.split(' ').find_map(|word| word.strip_prefix(&name)?.strip_prefix(':'));
-                        let cost: i64 = given.and_then(|cost| cost.parse().ok()).unwrap_or(0).clamp(0, NO_TREE);
-                        let is_so = self.child_costs(&part[0], need, &children[0].strips, cost)
-                            && self.child_costs(&part[1], need, &children[1].strips, owed - cost);
-                        ensure!(is_so, line, "the way {name} is not proven to cost {}", self.claim);
-                    }
-                    return Ok(());
-                }
+                // Every way of parting the open points that a line can go, with the left child's cost.
+                "E" => return self.ways_closed(chart, &cell, [&left, &open, &right], &children, (line, rest)),
                 // Halves: at a value of t, or at an edge between two values of r.
                 "T" | "R" => {
                     let halves = if tag == "T" {
@@ -216,15 +205,56 @@ impl Checker<'_> {
                     } else {
                         let edge: [f64; 2] = parse(rest, line)?;
                         ensure!(edge.iter().all(|r| r.abs() < 8.0), line, "the edge {edge:?} is beyond all values");
-                        [Cell { high: edge, ..cell }, Cell { low: edge, ..cell }]
+                        cell.split(edge)
                     };
+                    ensure!(n_cuts > 0, line, "expected {MOST_CUTS} boxes in one another at most, got more");
                     for half in halves {
-                        self.root(chart, half, children.clone(), at, end)?;
+                        self.root(chart, half, children.clone(), at, (end, n_cuts - 1))?;
                     }
                     return Ok(());
                 }
                 _ => return Err(Refusal(line, format!("cannot read {text:?} here"))),
             }
         }
+    }
+
+    /// Check that every way in which a line parts the open samples of a cell costs the claim.
+    ///
+    /// A way that the log leaves out has to be one that no line goes, with the settled samples on their sides.
+    fn ways_closed(
+        &self,
+        chart: (usize, usize),
+        cell: &Cell,
+        [left, open, right]: [&[u32]; 3],
+        children: &[Child; 2],
+        (line, given): (usize, &str),
+    ) -> Result<(), Refusal> {
+        let (plane, need) = (self.points.plane(chart), self.q.leaf_size as i64);
+        let costs: HashMap<&str, &str> = given.split(' ').filter_map(|word| word.split_once(':')).collect();
+        let points = plane.end_points(open, MOST);
+        let points =
+            points.ok_or_else(|| Refusal(line, format!("{} open samples are too many to part", open.len())))?;
+        let places = plane.places(&points, open);
+        for way in plane.ways(&points, cell.t[0], cell.t[1]) {
+            let part = [true, false].map(|wanted| {
+                let chosen = open.iter().zip(&places).filter(|(_, place)| way[**place] == wanted);
+                let settled = if wanted { left } else { right };
+                settled.iter().chain(chosen.map(|(i, _)| i)).copied().collect::<Vec<u32>>()
+            });
+            if part.iter().any(|ids| (ids.len() as i64) < need) {
+                continue;
+            }
+            let name: String = way.iter().map(|&is_left| if is_left { '1' } else { '0' }).collect();
+            let Some(cost) = costs.get(name.as_str()) else {
+                ensure!(!plane.can_part(&part[0], &part[1]), line, "the way {name} is left out, but a line goes it");
+                continue;
+            };
+            let cost = cost.parse::<i64>().unwrap_or(0).clamp(0, NO_TREE);
+            let owed = self.claim - self.price(chart);
+            let is_so = self.child_costs(&part[0], need, &children[0].strips, cost)
+                && self.child_costs(&part[1], need, &children[1].strips, owed - cost);
+            ensure!(is_so, line, "the way {name} is not proven to cost {}", self.claim);
+        }
+        Ok(())
     }
 }

@@ -21,6 +21,7 @@ pub mod refine;
 pub mod scan;
 pub mod single;
 pub mod start;
+pub mod strips;
 pub mod stump;
 pub mod sweep;
 pub mod switches;

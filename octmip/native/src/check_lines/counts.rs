@@ -1,10 +1,21 @@
-//! Where samples lie, and what leaves cost them.
+//! Cells of lines, and what leaves cost samples.
 
 use super::{Cell, Checker, EPS, NO_TREE, Tally};
 
 impl Cell {
+    /// All lines over two features that part the samples at all: no sample's value is beyond 2. On an axis t is 0.
+    pub(crate) fn whole(is_axis: bool) -> Self {
+        let t = if is_axis { [0.0; 2] } else { [-1.0, 1.0] };
+        Self { t, low: [-2.25; 2], high: [2.25; 2] }
+    }
+
+    /// The lines below and above an edge.
+    pub(crate) fn split(&self, edge: [f64; 2]) -> [Self; 2] {
+        [Self { high: edge, ..*self }, Self { low: edge, ..*self }]
+    }
+
     /// The two halves to both sides of t; what the new ends are rounded by is added outside.
-    pub(super) fn cut(&self, t: f64) -> [Self; 2] {
+    pub(crate) fn cut(&self, t: f64) -> [Self; 2] {
         let part = (t - self.t[0]) / (self.t[1] - self.t[0]);
         let low = self.low[0] + part * (self.low[1] - self.low[0]) - EPS / 4.0;
         let high = self.high[0] + part * (self.high[1] - self.high[0]) + EPS / 4.0;
@@ -18,18 +29,6 @@ impl Cell {
 }
 
 impl Checker<'_> {
-    /// The samples left of all lines of a cell, those between, and those right of all of them.
-    pub(super) fn sorted(&self, (f, g): (usize, usize), cell: &Cell) -> [Vec<u32>; 3] {
-        let mut sorted = [const { Vec::new() }; 3];
-        for (i, (x, y)) in self.columns[f].iter().zip(&self.columns[g]).enumerate() {
-            let value = cell.t.map(|t| x + t * y);
-            let is_left = (0..2).all(|e| value[e] <= cell.low[e] - EPS);
-            let is_right = (0..2).all(|e| value[e] >= cell.high[e] + EPS);
-            sorted[if is_left { 0 } else { 1 + usize::from(is_right) }].push(i as u32);
-        }
-        sorted
-    }
-
     pub(super) fn tally(&self, ids: &[u32]) -> Tally {
         let mut tally = vec![0; self.q.n_classes + 1];
         ids.iter().for_each(|&i| self.join(&mut tally, i));
@@ -85,24 +84,5 @@ impl Checker<'_> {
             }
         }
         best
-    }
-
-    pub(super) fn is_same(&self, (f, g): (usize, usize), i: u32, j: u32) -> bool {
-        let at = |f: usize, i: u32| self.columns[f][i as usize];
-        at(f, i) == at(f, j) && at(g, i) == at(g, j)
-    }
-
-    /// One sample of each different point, the first; no more than `MOST` + 1.
-    pub(super) fn distinct(&self, chart: (usize, usize), ids: &[u32], most: usize) -> Vec<u32> {
-        let mut points: Vec<u32> = Vec::new();
-        for &i in ids {
-            if points.len() > most {
-                break;
-            }
-            if !points.iter().any(|&p| self.is_same(chart, p, i)) {
-                points.push(i);
-            }
-        }
-        points
     }
 }

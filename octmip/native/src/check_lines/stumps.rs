@@ -1,6 +1,5 @@
 //! What trees of one split cost at least on some samples, counted for sets of lines.
 
-use super::points::ways;
 use super::{BINS, Checker, EPS, FEW, MOST, Strip, TINY, Tally};
 
 /// Strips narrower than this in t are not sifted any finer.
@@ -12,6 +11,25 @@ struct Band {
     t: [f64; 2],
     slope: f64,
     c: [f64; 2],
+}
+
+/// Samples that a band was cut out of: those of `open` with a last bin before `begin` go left of it.
+struct Cut<'a> {
+    open: &'a [u32],
+    places: &'a [[usize; 2]],
+    begin: usize,
+    chart: (usize, usize),
+    around: Option<&'a Cut<'a>>,
+}
+
+impl Cut<'_> {
+    /// The samples left of the band.
+    fn left(&self) -> Vec<u32> {
+        let mut left = self.around.map_or_else(Vec::new, Cut::left);
+        let own = self.open.iter().zip(self.places).filter(|(_, place)| place[1] < self.begin);
+        left.extend(own.map(|(&i, _)| i));
+        left
+    }
 }
 
 /// Samples, and the fewest that each of two leaves is to hold of them.
@@ -35,7 +53,7 @@ impl Checker<'_> {
         is_leaf_dear
             && strips.iter().all(|strip| {
                 let band = self.around(&samples, strip);
-                self.is_closed(&samples, &band, ids, &vec![0; k + 1], claim)
+                self.is_closed(&samples, &band, ids, (&vec![0; k + 1], None), claim)
             })
     }
 
@@ -77,13 +95,14 @@ impl Checker<'_> {
     }
 
     fn slope(&self, (_, g): (usize, usize), ids: &[u32]) -> f64 {
-        let sum: f64 = ids.iter().map(|&i| self.columns[g][i as usize]).sum();
+        let y = self.points.coordinates(g);
+        let sum: f64 = ids.iter().map(|&i| y[i as usize]).sum();
         sum / ids.len().max(1) as f64
     }
 
     /// Between which values of c the line of a sample runs, rounding included.
     fn reach(&self, band: &Band, i: u32) -> [f64; 2] {
-        let (x, y) = (self.columns[band.chart.0][i as usize], self.columns[band.chart.1][i as usize]);
+        let [x, y] = [band.chart.0, band.chart.1].map(|f| self.points.coordinates(f)[i as usize]);
         let middle = (band.t[0] + band.t[1]) / 2.0;
         let [a, b] = band.t.map(|t| x + t * y - band.slope * (t - middle));
         [a.min(b) - EPS, a.max(b) + EPS]
@@ -158,7 +177,14 @@ impl Checker<'_> {
     }
 
     /// Whether every split by a line of the band costs `claim` or more; only the lines of `open` samples run in it.
-    fn is_closed(&self, samples: &Samples<'_>, band: &Band, open: &[u32], left: &Tally, claim: i64) -> bool {
+    fn is_closed(
+        &self,
+        samples: &Samples<'_>,
+        band: &Band,
+        open: &[u32],
+        (left, around): (&Tally, Option<&Cut<'_>>),
+        claim: i64,
+    ) -> bool {
         let (places, alive) = self.scan(samples, band, open, left, claim);
         let (is_thin, width) = (band.t[1] - band.t[0] <= TINY, band.c[1] - band.c[0]);
         let (n_bins, mut begin) = (alive.len(), 0);
@@ -180,17 +206,12 @@ impl Checker<'_> {
                 }
             }
             let is_end = is_thin && width <= TINY;
-            let few = if is_end { MOST } else { FEW };
             let edge = |bin: usize| band.c[0] + bin as f64 * (width.max(EPS) / n_bins as f64);
             let part = [edge(begin) - EPS, edge(end) + EPS];
-            let is_parted = self.is_parted(samples, band, &inside, &below, claim, few);
-            if !is_parted
-                && (is_end
-                    || !self
-                        .halves(band, part, &inside)
-                        .iter()
-                        .all(|half| self.is_closed(samples, half, &inside, &below, claim)))
-            {
+            let cut = Cut { open, places: &places, begin, chart: band.chart, around };
+            let is_parted = self.is_parted(samples, band, &inside, (&below, &cut), claim, is_end);
+            let is_half_closed = |half: &Band| self.is_closed(samples, half, &inside, (&below, Some(&cut)), claim);
+            if !is_parted && (is_end || !self.halves(band, part, &inside).iter().all(is_half_closed)) {
                 return false;
             }
             begin = end;
@@ -214,31 +235,42 @@ impl Checker<'_> {
         vec![half([t0, middle]), half([middle, t1])]
     }
 
-    /// Whether every way of parting a few different points in a band costs `claim` or more; false if they are not few.
+    /// Whether every way of parting the different points in a band costs `claim` or more; false if they are not few.
+    ///
+    /// At the end of splitting, ways that no line goes with the samples below and above on their sides do not count.
     fn is_parted(
         &self,
         samples: &Samples<'_>,
         band: &Band,
         inside: &[u32],
-        below: &Tally,
+        (below, cut): (&Tally, &Cut<'_>),
         claim: i64,
-        few: usize,
+        is_end: bool,
     ) -> bool {
-        let points = self.distinct(band.chart, inside, few);
-        if points.len() > few {
+        let plane = self.points.plane(band.chart);
+        let points = if is_end { plane.end_points(inside, MOST) } else { plane.few_points(inside, FEW) };
+        let Some(points) = points else {
             return false;
-        }
-        let place = |i: &u32| points.iter().position(|&p| self.is_same(band.chart, p, *i)).unwrap_or(0);
-        let places: Vec<usize> = inside.iter().map(place).collect();
-        let (x, y) = (&self.columns[band.chart.0], &self.columns[band.chart.1]);
-        ways(x, y, &points, band.t[0], band.t[1]).iter().all(|way| {
+        };
+        let places = plane.places(&points, inside);
+        plane.ways(&points, band.t[0], band.t[1]).iter().all(|way| {
             let mut left = below.clone();
-            let joined = inside.iter().zip(&places).filter(|(_, place)| way[**place]);
-            joined.for_each(|(&i, _)| self.join(&mut left, i));
+            let joined = || inside.iter().zip(&places).filter(|(_, place)| way[**place]).map(|(&i, _)| i);
+            joined().for_each(|i| self.join(&mut left, i));
             let right: Tally = samples.total.iter().zip(&left).map(|(a, b)| a - b).collect();
             let k = self.q.n_classes;
             let is_small = left[k].min(right[k]) < samples.need;
-            is_small || self.leaf(&left) + self.leaf(&right) + self.price(band.chart) >= claim
+            let costs = |left: &Tally, right: &Tally| self.leaf(left) + self.leaf(right) + self.price(band.chart);
+            is_small || costs(&left, &right) >= claim || (is_end && !self.is_line_between(samples, cut, joined()))
         })
+    }
+
+    /// Whether a line has those below a band and some inside it on one side, all other samples on the other.
+    fn is_line_between(&self, samples: &Samples<'_>, cut: &Cut<'_>, joined: impl Iterator<Item = u32>) -> bool {
+        let mut left = cut.left();
+        left.extend(joined);
+        left.sort_unstable();
+        let right: Vec<u32> = samples.ids.iter().copied().filter(|i| left.binary_search(i).is_err()).collect();
+        self.points.plane(cut.chart).can_part(&left, &right)
     }
 }

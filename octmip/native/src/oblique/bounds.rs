@@ -2,22 +2,13 @@
 
 use std::sync::atomic::Ordering;
 
-use super::boxes::{Child, Field, RootBox, Sorted};
+use super::boxes::{Child, Field, Goal, RootBox, Sorted};
 use super::known::Notes;
 use super::labels::{two_labels_at_least, with_labels};
 use super::loss::INFEASIBLE;
-use super::scan::Strip;
+use super::strips::Strip;
 use super::stump::{Answer, Question, best_split};
 use super::view::Line;
-
-/// What a bound is computed for.
-#[derive(Clone, Copy)]
-pub(super) struct Goal {
-    /// A bound of this much is enough for now.
-    pub(super) target: i64,
-    /// Trees of this much and more are of no interest.
-    pub(super) upper: i64,
-}
 
 impl Field<'_> {
     /// Best cost of a child over some samples by a leaf or one of these lines.
@@ -73,9 +64,6 @@ impl Field<'_> {
             return;
         }
         self.recall(root, sorted, notes);
-        if root.key >= target {
-            return;
-        }
         if root.key >= target {
             return;
         }

@@ -10,11 +10,10 @@
 //! Bounds of a child's strips hold for all sets that contain the child's samples, so boxes inside the box inherit them.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::problem::Problem;
 
-use super::bounds::Goal;
 use super::cell::Cell;
 use super::chart::Chart;
 use super::ends::{End, end_of};
@@ -22,9 +21,9 @@ use super::extract::Sketch;
 use super::ground::Ground;
 use super::known::{Known, Lessons, Notes};
 use super::loss::INFEASIBLE;
-use super::realise::{Realised, THICK, realise};
+use super::realise::{Asked, Realised, THICK, realise};
 use super::refine::split;
-use super::scan::Strip;
+use super::strips::Strip;
 use super::stump::{Answer, Question};
 use super::switches::Switches;
 use super::view::Line;
@@ -104,6 +103,15 @@ pub struct RootBox {
     pub children: [Child; 2],
 }
 
+/// What a bound is computed for.
+#[derive(Clone, Copy)]
+pub(super) struct Goal {
+    /// A bound of this much is enough for now.
+    pub(super) target: i64,
+    /// Trees of this much and more are of no interest.
+    pub(super) upper: i64,
+}
+
 /// What became of a box.
 #[derive(Debug, Default)]
 pub struct Processed {
@@ -175,9 +183,13 @@ impl Field<'_> {
         let open = cell.sort(x, y, &self.all, |i, goes_left| {
             if goes_left { &mut left } else { &mut right }.push(i);
         });
+        self.counted([left, right], open)
+    }
+
+    /// The samples of a box that are settled on either side, and those that are open, with their weights.
+    pub(super) fn counted(&self, sides: [Vec<u32>; 2], open: Vec<u32>) -> Sorted {
         let view = self.ground.view();
         let open_tally = view.tally(&open);
-        let sides = [left, right];
         let tallies = [0, 1].map(|s| view.tally(&sides[s]));
         Sorted {
             wide: [0, 1].map(|s| [&sides[s][..], &open].concat()),
@@ -241,6 +253,9 @@ impl Field<'_> {
         let features = self.charts[root.chart as usize].features;
         let plane = &self.ground.plane;
         for way in ways {
+            if self.stop.load(Ordering::Relaxed) {
+                return;
+            }
             let chosen = |wanted: bool| points.iter().zip(way).filter(move |(_, w)| **w == wanted);
             let first = |wanted| chosen(wanted).map(|(p, _)| p[0]).collect::<Vec<u32>>();
             let (distance, ..) = root.cell.clearest(plane, features, &first(true), &first(false));
@@ -257,7 +272,7 @@ impl Field<'_> {
                 continue;
             };
             let attained = answers[0].attained + answers[1].attained + self.price(root);
-            match realise(plane, features, &root.cell, &self.all, points, way) {
+            match realise(plane, features, &root.cell, &self.all, (points, way), &mut Asked::new()) {
                 Realised::Never => continue,
                 Realised::Line(line) if attained < upper => {
                     let children = answers.map(|answer| Sketch::stump(answer.line));

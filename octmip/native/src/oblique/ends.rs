@@ -80,10 +80,7 @@ fn ways_to_part(plane: &Plane, (f, g): (usize, usize), points: &[Vec<u32>]) -> O
     }
     let mut collinear = true;
     for k in 1..m - 1 {
-        match plane.turn(f, g, at(0), at(m - 1), at(k)) {
-            Some(turn) => collinear &= turn == Ordering::Equal,
-            None => return (m <= 8).then(|| all_ways(m)),
-        }
+        collinear &= plane.turn(f, g, at(0), at(m - 1), at(k)) == Ordering::Equal;
     }
     let mut ways: Vec<Vec<bool>> = Vec::new();
     if collinear {
@@ -98,7 +95,7 @@ fn ways_to_part(plane: &Plane, (f, g): (usize, usize), points: &[Vec<u32>]) -> O
     }
     for a in 0..m {
         for b in a + 1..m {
-            add_turned_line(plane, (f, g), points, (a, b), &mut ways)?;
+            add_turned_line(plane, (f, g), points, (a, b), &mut ways);
         }
     }
     ways.sort_unstable();
@@ -117,11 +114,9 @@ fn add_turned_line(
     points: &[Vec<u32>],
     (a, b): (usize, usize),
     ways: &mut Vec<Vec<bool>>,
-) -> Option<()> {
+) {
     let m = points.len();
-    let turns: Option<Vec<Ordering>> =
-        (0..m).map(|k| plane.turn(f, g, points[a][0], points[b][0], points[k][0])).collect();
-    let turns = turns?;
+    let turns: Vec<Ordering> = (0..m).map(|k| plane.turn(f, g, points[a][0], points[b][0], points[k][0])).collect();
     let on: Vec<usize> = (0..m).filter(|&k| turns[k] == Ordering::Equal).collect();
     for cut in 0..=on.len() {
         for first_goes_left in [false, true] {
@@ -133,91 +128,66 @@ fn add_turned_line(
             ways.push(way);
         }
     }
-    Some(())
 }
 
-/// Whether a line can part these samples strictly, in exact arithmetic; None where rounding could decide.
+/// Whether a line can part these samples strictly, in exact arithmetic.
 ///
 /// Two disjoint convex polygons lie strictly to both sides of a line along an edge of one of them; where all points lie
 /// on one line, their order on it decides.
-pub fn can_part(plane: &Plane, (f, g): (usize, usize), left: &[u32], right: &[u32]) -> Option<bool> {
-    let (a, b) = (hull(plane, (f, g), left)?, hull(plane, (f, g), right)?);
+pub fn can_part(plane: &Plane, (f, g): (usize, usize), left: &[u32], right: &[u32]) -> bool {
+    let (a, b) = (hull(plane, (f, g), left), hull(plane, (f, g), right));
     if a.is_empty() || b.is_empty() {
-        return Some(true);
+        return true;
     }
-    if all_on_one_line(plane, (f, g), &a, &b)? {
+    if all_on_one_line(plane, (f, g), &a, &b) {
         let range = |hull: &[u32]| {
             let points = || hull.iter().map(|&i| plane.point(f, g, i));
             (points().min(), points().max())
         };
         let ((a_low, a_high), (b_low, b_high)) = (range(&a), range(&b));
-        return Some(a_high < b_low || b_high < a_low);
+        return a_high < b_low || b_high < a_low;
     }
-    Some(has_edge_clear_of(plane, (f, g), &a, &b)? || has_edge_clear_of(plane, (f, g), &b, &a)?)
+    has_edge_clear_of(plane, (f, g), &a, &b) || has_edge_clear_of(plane, (f, g), &b, &a)
 }
 
-fn all_on_one_line(plane: &Plane, (f, g): (usize, usize), a: &[u32], b: &[u32]) -> Option<bool> {
-    let all: Vec<u32> = a.iter().chain(b).copied().collect();
-    let Some(&other) = all.iter().find(|&&i| plane.point(f, g, i) != plane.point(f, g, all[0])) else {
-        return Some(true);
-    };
-    for &i in &all {
-        if plane.turn(f, g, all[0], other, i)? != Ordering::Equal {
-            return Some(false);
-        }
-    }
-    Some(true)
+fn all_on_one_line(plane: &Plane, (f, g): (usize, usize), a: &[u32], b: &[u32]) -> bool {
+    let all = || a.iter().chain(b).copied();
+    let other = all().find(|&i| plane.point(f, g, i) != plane.point(f, g, a[0]));
+    other.is_none_or(|other| all().all(|i| plane.turn(f, g, a[0], other, i) == Ordering::Equal))
 }
 
 /// Whether some edge of the polygon `a` (a segment has two) has all of `b` strictly on its outer side.
-fn has_edge_clear_of(plane: &Plane, (f, g): (usize, usize), a: &[u32], b: &[u32]) -> Option<bool> {
-    if a.len() == 1 {
-        return Some(false);
-    }
-    for (position, &from) in a.iter().enumerate() {
-        let to = a[(position + 1) % a.len()];
-        let mut clear = true;
-        for &i in b {
-            clear &= plane.turn(f, g, from, to, i)? == Ordering::Less;
-            if !clear {
-                break;
-            }
-        }
-        if clear {
-            return Some(true);
-        }
-    }
-    Some(false)
+fn has_edge_clear_of(plane: &Plane, (f, g): (usize, usize), a: &[u32], b: &[u32]) -> bool {
+    let mut edges = a.iter().zip(a.iter().cycle().skip(1));
+    a.len() > 1 && edges.any(|(&from, &to)| b.iter().all(|&i| plane.turn(f, g, from, to, i) == Ordering::Less))
 }
 
 /// The corners of the convex hull, counter-clockwise, in exact arithmetic.
-pub fn hull(plane: &Plane, (f, g): (usize, usize), ids: &[u32]) -> Option<Vec<u32>> {
+pub fn hull(plane: &Plane, (f, g): (usize, usize), ids: &[u32]) -> Vec<u32> {
     let mut sorted = ids.to_vec();
     sorted.sort_by_key(|&i| (plane.point(f, g, i), i));
     sorted.dedup_by_key(|i| plane.point(f, g, *i));
     if sorted.len() < 3 {
-        return Some(sorted);
+        return sorted;
     }
-    let mut corners = half_hull(plane, (f, g), sorted.iter().copied())?;
-    let upper = half_hull(plane, (f, g), sorted.iter().rev().copied())?;
+    let mut corners = half_hull(plane, (f, g), sorted.iter().copied());
+    let upper = half_hull(plane, (f, g), sorted.iter().rev().copied());
     corners.pop();
     corners.extend(&upper[..upper.len() - 1]);
-    Some(corners)
+    corners
 }
 
-fn half_hull(plane: &Plane, (f, g): (usize, usize), ids: impl Iterator<Item = u32>) -> Option<Vec<u32>> {
+fn half_hull(plane: &Plane, (f, g): (usize, usize), ids: impl Iterator<Item = u32>) -> Vec<u32> {
     let mut chain: Vec<u32> = Vec::new();
     for i in ids {
-        while chain.len() > 1 {
-            let (a, b) = (chain[chain.len() - 2], chain[chain.len() - 1]);
-            if plane.turn(f, g, a, b, i)? == Ordering::Greater {
-                break;
-            }
+        while let [.., a, b] = chain[..]
+            && plane.turn(f, g, a, b, i) != Ordering::Greater
+        {
             chain.pop();
         }
         chain.push(i);
     }
-    Some(chain)
+    chain
 }
 
 #[cfg(test)]
@@ -261,10 +231,10 @@ mod tests {
     #[test]
     fn a_line_cannot_part_crossing_diagonals_nor_the_middle_from_both_ends() {
         let plane = plane(&[(0.0, 0.0), (1.0, 1.0), (0.0, 1.0), (1.0, 0.0), (0.5, 0.5)]);
-        assert_eq!(can_part(&plane, (0, 1), &[0, 1], &[2, 3]), Some(false));
-        assert_eq!(can_part(&plane, (0, 1), &[0, 2], &[1, 3]), Some(true));
-        assert_eq!(can_part(&plane, (0, 1), &[0, 1], &[4]), Some(false));
-        assert_eq!(can_part(&plane, (0, 1), &[0, 4], &[1]), Some(true));
-        assert_eq!(can_part(&plane, (0, 1), &[0], &[1, 2, 3, 4]), Some(true));
+        assert!(!can_part(&plane, (0, 1), &[0, 1], &[2, 3]));
+        assert!(can_part(&plane, (0, 1), &[0, 2], &[1, 3]));
+        assert!(!can_part(&plane, (0, 1), &[0, 1], &[4]));
+        assert!(can_part(&plane, (0, 1), &[0, 4], &[1]));
+        assert!(can_part(&plane, (0, 1), &[0], &[1, 2, 3, 4]));
     }
 }

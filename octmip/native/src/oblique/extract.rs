@@ -73,7 +73,9 @@ fn split_node(problem: &Problem, ground: &Ground, (f, g): (usize, usize), left: 
     }
     let (f, g) = (f.min(g), f.max(g));
     let (normal, _) = widest_gap(&ground.plane, (f, g), left, right)?;
-    let coefficients = [normal.0 / ground.plane.half_spans[f], normal.1 / ground.plane.half_spans[g]];
+    let spans = [ground.plane.half_spans[f], ground.plane.half_spans[g]];
+    let least = spans[0].min(spans[1]);
+    let coefficients = [normal.0 * (least / spans[0]), normal.1 * (least / spans[1])];
     let largest = coefficients[0].abs().max(coefficients[1].abs());
     let real = [coefficients[0] / largest, coefficients[1] / largest];
     let planes = problem.planes.as_ref();
@@ -109,7 +111,7 @@ fn parting_cone(
 ) -> Option<[f64; 2]> {
     let plane = &ground.plane;
     let (x, y) = (plane.column(f), plane.column(g));
-    let (from, to) = (hull(plane, (f, g), left)?, hull(plane, (f, g), right)?);
+    let (from, to) = (hull(plane, (f, g), left), hull(plane, (f, g), right));
     let mut cone = [f64::NEG_INFINITY, f64::INFINITY];
     for (&i, &j) in from.iter().flat_map(|i| to.iter().map(move |j| (i, j))) {
         let (i, j) = (i as usize, j as usize);

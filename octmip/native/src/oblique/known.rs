@@ -150,8 +150,11 @@ impl<'a> Notes<'a> {
     }
 
     /// Note what a set costs at least, and its best split.
+    ///
+    /// Nothing is learnt of no samples: no tree has an empty side, which is not what a set costs that lost its samples.
     pub fn add(&mut self, parts: [&[u32]; 2], bound: i64, line: Option<Line>) {
-        if self.keeps_sets() && bound > 0 {
+        let is_empty = parts.iter().all(|part| part.is_empty());
+        if self.keeps_sets() && bound > 0 && !is_empty {
             self.lessons.sets.push((self.known.bits(parts), bound));
         }
         self.lessons.lines.extend(line);

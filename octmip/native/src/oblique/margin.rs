@@ -21,13 +21,13 @@ pub fn widest_gap(plane: &Plane, (f, g): (usize, usize), left: &[u32], right: &[
 ///
 /// The shortest way between two disjoint convex polygons starts or ends in a corner, so corners against edges suffice.
 fn shortest_way(plane: &Plane, (f, g): (usize, usize), left: &[u32], right: &[u32]) -> Option<(Point, Point)> {
-    let corners = |ids: &[u32]| -> Option<Vec<Point>> {
+    let corners = |ids: &[u32]| -> Vec<Point> {
         let (x, y) = (plane.column(f), plane.column(g));
         let (a, b) = (plane.stretches[f], plane.stretches[g]);
         let stretched = |&i: &u32| (x[i as usize] * a, y[i as usize] * b);
-        Some(hull(plane, (f, g), ids)?.iter().map(stretched).collect())
+        hull(plane, (f, g), ids).iter().map(stretched).collect()
     };
-    let (a, b) = (corners(left)?, corners(right)?);
+    let (a, b) = (corners(left), corners(right));
     if a.is_empty() || b.is_empty() {
         return None;
     }

@@ -16,8 +16,8 @@ use super::known::Known;
 use super::labels::with_labels;
 use super::loss::INFEASIBLE;
 use super::queue::Queue;
-use super::scan::{GROUP, Strip};
 use super::start::first_tree;
+use super::strips::{GROUP, Strip};
 use super::watch::Watch;
 
 /// Strips of a chart where memory allows.

@@ -7,6 +7,7 @@
 use std::cmp::Ordering;
 
 use super::wide::compare_products;
+use crate::check_lines::exact_sign;
 
 /// Most bits of a feature's whole-number coordinates: the product of two differences then fits 256 bits.
 const MOST_BITS: i32 = 120;
@@ -25,7 +26,7 @@ pub struct Plane {
     scaled: Vec<f64>,
     values: Vec<f64>,
     ranks: Vec<u32>,
-    /// Exponent of the unit of each feature's whole-number coordinates; none: too wide a range for them.
+    /// Exponent of the unit of each feature's whole-number coordinates; none: they would have too many bits.
     unit: Vec<Option<i32>>,
     /// Half the unit of each feature's coordinates, a power of two.
     pub half_spans: Vec<f64>,
@@ -74,19 +75,26 @@ impl Plane {
     }
 
     /// On which side of the line from `a` to `b` the point `c` lies, exactly: `Greater` is the left hand, `Equal` on it.
-    ///
-    /// None where a feature's values range too widely (beyond 120 bits) and rounding could decide.
-    pub fn turn(&self, f: usize, g: usize, a: u32, b: u32, c: u32) -> Option<Ordering> {
+    pub fn turn(&self, f: usize, g: usize, a: u32, b: u32, c: u32) -> Ordering {
         let (x, y) = (self.column(f), self.column(g));
         let (ia, ib, ic) = (a as usize, b as usize, c as usize);
         let cross = (x[ib] - x[ia]) * (y[ic] - y[ia]) - (y[ib] - y[ia]) * (x[ic] - x[ia]);
         if cross.abs() > CERTAIN {
-            return cross.partial_cmp(&0.0);
+            return if cross > 0.0 { Ordering::Greater } else { Ordering::Less };
         }
-        let at = |feature: usize, i: u32| self.whole(feature, i);
-        let (ax, ay) = (at(f, a)?, at(g, a)?);
-        let (bx, by) = (at(f, b)? - ax, at(g, b)? - ay);
-        let (cx, cy) = (at(f, c)? - ax, at(g, c)? - ay);
+        self.whole_turn((f, g), [a, b, c]).unwrap_or_else(|| {
+            let (x, y) = (self.values(f), self.values(g));
+            let products =
+                [(x[ib], y[ic]), (-x[ib], y[ia]), (-x[ia], y[ic]), (-y[ib], x[ic]), (y[ib], x[ia]), (y[ia], x[ic])];
+            exact_sign(&products.map(|(a, b)| (a, b, 0)))
+        })
+    }
+
+    /// The turn in whole-number coordinates, where both features have them.
+    fn whole_turn(&self, (f, g): (usize, usize), [a, b, c]: [u32; 3]) -> Option<Ordering> {
+        let (ax, ay) = (self.whole(f, a)?, self.whole(g, a)?);
+        let (bx, by) = (self.whole(f, b)? - ax, self.whole(g, b)? - ay);
+        let (cx, cy) = (self.whole(f, c)? - ax, self.whole(g, c)? - ay);
         Some(compare_products(bx, cy, by, cx))
     }
 
@@ -121,12 +129,13 @@ fn frame(column: &[f64]) -> (f64, f64) {
     (origin, power_of_two(high.max(low)))
 }
 
-/// The largest power of two that is no larger in size than a number; 1 for 0.
+/// The largest power of two up to the size of a number (1 for 0).
 fn power_of_two(number: f64) -> f64 {
-    match number.abs() {
-        0.0 => 1.0,
-        small if small < f64::MIN_POSITIVE => f64::MIN_POSITIVE,
-        size => f64::from_bits(size.to_bits() & (0x7ff << 52)),
+    let bits = number.abs().to_bits();
+    match bits {
+        0 => 1.0,
+        denormal if denormal < 1 << 52 => f64::from_bits(1 << denormal.ilog2()),
+        _ => f64::from_bits(bits & (0x7ff << 52)),
     }
 }
 
@@ -168,9 +177,9 @@ mod tests {
         let next = f64::from_bits(1.0f64.to_bits() + 1);
         let values = [0.0, 1.0, 2.0, 1.0, 0.0, next, 2.0, 1.0];
         let plane = Plane::new(4, 2, &values, &[0, 1, 2, 1, 0, 2, 3, 1]);
-        assert_eq!(plane.turn(0, 1, 0, 2, 1), Some(Ordering::Greater));
-        assert_eq!(plane.turn(0, 1, 2, 0, 1), Some(Ordering::Less));
-        assert_eq!(plane.turn(0, 1, 0, 2, 3), Some(Ordering::Equal));
+        assert_eq!(plane.turn(0, 1, 0, 2, 1), Ordering::Greater);
+        assert_eq!(plane.turn(0, 1, 2, 0, 1), Ordering::Less);
+        assert_eq!(plane.turn(0, 1, 0, 2, 3), Ordering::Equal);
     }
 
     #[test]
@@ -191,9 +200,13 @@ mod tests {
     }
 
     #[test]
-    fn a_range_beyond_the_whole_numbers_is_owned_up_to() {
-        let values = [1e-30, 1e30, 0.0, 1e-30, 1e30, 0.0];
-        let plane = Plane::new(3, 2, &values, &[1, 2, 0, 1, 2, 0]);
-        assert_eq!(plane.turn(0, 1, 0, 1, 2), None);
+    fn a_range_beyond_the_whole_numbers_is_exact_too() {
+        let values = [1e-30, 1e30, 0.0, 2e-30, 1e-30, 1e30, 0.0, 2e-30];
+        let plane = Plane::new(4, 2, &values, &[1, 3, 0, 2, 1, 3, 0, 2]);
+        assert_eq!(plane.turn(0, 1, 0, 1, 2), Ordering::Equal);
+        let values = [1e-30, 1e30, 0.0, 2e-30, 1e-30, 1e30, -5e-324, 2e-30];
+        let plane = Plane::new(4, 2, &values, &[1, 3, 0, 2, 1, 3, 0, 2]);
+        assert_eq!(plane.turn(0, 1, 0, 1, 2), Ordering::Greater);
+        assert_eq!(plane.turn(0, 1, 0, 1, 3), Ordering::Equal);
     }
 }

@@ -3,30 +3,30 @@
 //! The format is docs/theory/oblique.md's; `crate::check_lines` reads it and knows nothing of what stands here. What is
 //! written are true statements about all lines: no strip is struck off on this side (`dead_strips` off), the checker
 //! strikes off by itself. It counts all stumps again; only boxes, bounds and ways of parting are handed over.
+//!
+//! A statement is about a set of samples, so both sides must mean the same one: samples are settled here by the checker's
+//! own cells and coordinates, and the ways to part the open ones are those that it will go through.
 
 use std::fmt::Write;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use crate::check_lines::ways;
+use crate::check_lines::{self, MOST, Points};
 use crate::problem::Problem;
 
-use super::bounds::Goal;
-use super::boxes::{Child, Field, RootBox, Sorted};
+use super::boxes::{Child, Field, Goal, RootBox, Sorted};
 use super::chart::Chart;
-use super::ends::{End, distinct_points, end_of};
+use super::ends::{End, end_of};
 use super::ground::Ground;
 use super::known::{Known, Notes};
 use super::pair::strips_of;
 use super::refine::split;
-use super::scan::Strip;
+use super::strips::Strip;
 
 /// Strips of a chart.
 const STRIPS: usize = 64;
 /// Sets of sensors that are proven one by one.
 const MOST_SETS: usize = 20_000;
-/// More open points than this are not parted in all ways; the checker parts up to 48.
-const MOST_POINTS: usize = 24;
 
 /// A proof that every tree of a problem costs `claim` or more: None if stopped, or if rounding leaves it open.
 struct Writer<'a> {
@@ -35,12 +35,13 @@ struct Writer<'a> {
     n_threads: usize,
     stop: &'a AtomicBool,
     n_sets: usize,
+    points: Points,
 }
 
 /// The body of a log that proves `claim`, None if it was stopped, there are too many sets of sensors, or the claim cannot
 /// be shown with room for rounding.
 pub fn write(problem: &Problem, claim: i64, n_threads: usize, stop: &AtomicBool) -> Option<String> {
-    let mut writer = Writer { problem, claim, n_threads, stop, n_sets: 0 };
+    let mut writer = Writer { problem, claim, n_threads, stop, n_sets: 0, points: Points::new(problem) };
     let mut body = String::new();
     writer.sensors(&mut vec![None; problem.sensor_cost.len()], &mut body)?;
     Some(body)
@@ -120,9 +121,11 @@ impl Writer<'_> {
                 };
                 let (f, g) = field.charts[chart].features;
                 let known = Known::new(ground, 1);
-                let mut page = Page { claim: self.claim, known, body: format!("C {f} {g}\n") };
+                let (claim, points) = (self.claim, &self.points);
+                let mut page = Page { claim, points, known, body: format!("C {f} {g}\n") };
+                let whole = check_lines::Cell::whole(g == self.problem.p);
                 let told = Told { floors: [0; 2], alive: [n_strips(strips.iter()); 2] };
-                if field.prove(root, told, &mut page).is_none() {
+                if field.prove(root, whole, told, &mut page).is_none() {
                     next.store(sections.len(), Ordering::Relaxed);
                 } else if let Ok(mut slot) = sections[chart].lock() {
                     *slot = Some(page.body);
@@ -148,8 +151,9 @@ struct Told {
 }
 
 /// The proof of one chart as it is written.
-struct Page {
+struct Page<'a> {
     claim: i64,
+    points: &'a Points,
     known: Known,
     body: String,
 }
@@ -160,10 +164,13 @@ fn n_strips<'a>(strips: impl Iterator<Item = &'a Strip>) -> usize {
 
 impl Field<'_> {
     /// Write the proof that every tree with a root in a box costs `claim` or more.
-    fn prove(&self, mut root: RootBox, mut told: Told, page: &mut Page) -> Option<()> {
+    ///
+    /// `place` is the box's cell as the checker cuts it.
+    fn prove(&self, mut root: RootBox, place: check_lines::Cell, mut told: Told, page: &mut Page<'_>) -> Option<()> {
         let claim = page.claim;
         let features = self.charts[root.chart as usize].features;
-        let sorted = self.sort(features, &root.cell);
+        let [left, open, right] = page.points.sorted(features, &place);
+        let sorted = self.counted([left, right], open);
         if self.is_infeasible(&sorted) {
             page.body.push_str("F\n");
             return Some(());
@@ -181,7 +188,7 @@ impl Field<'_> {
         let (plane, cell) = (&self.ground.plane, root.cell);
         let end = end_of(plane, features, &cell, &sorted.open);
         if end != End::Split
-            && let Some(line) = self.ways_closed(&mut root, &sorted, owed, &page.known)
+            && let Some(line) = self.ways_closed(&mut root, &place, &sorted, owed, page)
         {
             page.body.push_str(&line);
             return Some(());
@@ -192,14 +199,16 @@ impl Field<'_> {
         self.tell(&root, &sorted, owed, &mut told, &mut page.body);
         let at = self.charts[root.chart as usize].middle_boundary(cell.t0, cell.t1);
         let halves = split(plane, features, &cell, &sorted.open, at);
-        let _ = if halves[0].t1 < cell.t1 {
-            writeln!(page.body, "T {}", halves[0].t1)
+        let places = if halves[0].t1 < cell.t1 {
+            let _ = writeln!(page.body, "T {}", halves[0].t1);
+            place.cut(halves[0].t1)
         } else {
-            writeln!(page.body, "R {} {}", halves[0].u0, halves[0].u1)
+            let _ = writeln!(page.body, "R {} {}", halves[0].u0, halves[0].u1);
+            place.split([halves[0].u0, halves[0].u1])
         };
-        for cell in halves {
+        for (cell, place) in halves.into_iter().zip(places) {
             let half = RootBox { cell, ..root.clone() };
-            self.prove(half, told, page)?;
+            self.prove(half, place, told, page)?;
         }
         Some(())
     }
@@ -247,24 +256,26 @@ impl Field<'_> {
 
     /// The line that closes a box by all ways of parting its open points, if they all cost enough.
     ///
-    /// The ways are those that the checker will go through: all lines of the cell's range of t.
-    fn ways_closed(&self, root: &mut RootBox, sorted: &Sorted, owed: i64, known: &Known) -> Option<String> {
-        let mut notes = Notes::new(known);
-        let plane = &self.ground.plane;
-        let features = self.charts[root.chart as usize].features;
-        let mut points = distinct_points(plane, features, &sorted.open);
-        points.sort_unstable_by_key(|point| point[0]);
-        let first: Vec<u32> = points.iter().map(|point| point[0]).collect();
-        if points.len() > MOST_POINTS {
-            return None;
-        }
-        let (x, y) = (plane.column(features.0), plane.column(features.1));
+    /// The ways are those that the checker will go through: all lines of the cell's range of t. One that costs less is left
+    /// out where no line goes it.
+    fn ways_closed(
+        &self,
+        root: &mut RootBox,
+        place: &check_lines::Cell,
+        sorted: &Sorted,
+        owed: i64,
+        page: &Page<'_>,
+    ) -> Option<String> {
+        let mut notes = Notes::new(&page.known);
+        let plane = page.points.plane(self.charts[root.chart as usize].features);
+        let points = plane.end_points(&sorted.open, MOST)?;
+        let places = plane.places(&points, &sorted.open);
         let mut line = "E".to_string();
-        for way in ways(x, y, &first, root.cell.t0, root.cell.t1) {
+        for way in plane.ways(&points, place.t[0], place.t[1]) {
             let sides = [true, false].map(|wanted| {
                 let mut side = sorted.sides[usize::from(!wanted)].clone();
-                let chosen = points.iter().zip(&way).filter(|(_, w)| **w == wanted);
-                chosen.for_each(|(point, _)| side.extend(point));
+                let chosen = sorted.open.iter().zip(&places).filter(|(_, place)| way[**place] == wanted);
+                side.extend(chosen.map(|(i, _)| i));
                 side
             });
             if sides.iter().any(|side| (side.len() as i64) < self.need()) {
@@ -272,7 +283,10 @@ impl Field<'_> {
             }
             let costs = self.side_bounds(root, &sides, owed + self.price(root), &mut notes).0;
             if costs[0] + costs[1] < owed {
-                return None;
+                if plane.can_part(&sides[0], &sides[1]) {
+                    return None;
+                }
+                continue;
             }
             line.push(' ');
             line.extend(way.iter().map(|&left| if left { '1' } else { '0' }));

@@ -1,5 +1,7 @@
 //! Whether a line parts samples in a given way, in floating point where there is room, in exact arithmetic elsewhere.
 
+use std::collections::HashMap;
+
 use super::cell::{Cell, EPS};
 use super::ends::can_part;
 use super::margin::widest_line;
@@ -9,7 +11,11 @@ use super::view::Line;
 /// Lines that keep this clear of all samples part them in floating point as they do in exact arithmetic.
 pub const THICK: f64 = 2.0 * EPS;
 
+/// What exact arithmetic said of sets of samples that are to go left of a line over two features.
+pub(super) type Asked = HashMap<((usize, usize), Vec<u32>), Realised>;
+
 /// Whether a line parts the samples in a given way.
+#[derive(Clone, Copy)]
 pub(super) enum Realised {
     /// This one does, with room for rounding.
     Line(Line),
@@ -25,8 +31,8 @@ pub(super) fn realise(
     features: (usize, usize),
     cell: &Cell,
     ids: &[u32],
-    points: &[Vec<u32>],
-    way: &[bool],
+    (points, way): (&[Vec<u32>], &[bool]),
+    asked: &mut Asked,
 ) -> Realised {
     let side = |wanted: bool| -> Vec<u32> {
         let chosen = points.iter().zip(way).filter(|(_, w)| **w == wanted);
@@ -48,12 +54,16 @@ pub(super) fn realise(
     for (point, goes_left) in points.iter().zip(way) {
         if *goes_left { &mut left } else { &mut right }.extend(point);
     }
-    match can_part(plane, features, &left, &right) {
-        Some(false) => Realised::Never,
-        None => Realised::Thin,
-        Some(true) => match widest_line(plane, features, &left, &right) {
-            Some((line, margin)) if margin > THICK => Realised::Line(line),
-            _ => Realised::Thin,
-        },
+    left.sort_unstable();
+    *asked.entry((features, left)).or_insert_with_key(|(_, left)| part(plane, features, left, &right))
+}
+
+fn part(plane: &Plane, features: (usize, usize), left: &[u32], right: &[u32]) -> Realised {
+    if !can_part(plane, features, left, right) {
+        return Realised::Never;
+    }
+    match widest_line(plane, features, left, right) {
+        Some((line, margin)) if margin > THICK => Realised::Line(line),
+        _ => Realised::Thin,
     }
 }

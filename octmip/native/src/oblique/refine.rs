@@ -82,7 +82,10 @@ impl Search<'_> {
             if cost >= self.current {
                 continue;
             }
-            match realise(self.view.plane, features, &part.cell, self.ids, points, way) {
+            if self.is_stopped() {
+                return;
+            }
+            match realise(self.view.plane, features, &part.cell, self.ids, (points, way), &mut self.asked) {
                 Realised::Line(line) => self.offer(cost, line),
                 Realised::Thin => self.thin = self.thin.min(cost),
                 Realised::Never => {}

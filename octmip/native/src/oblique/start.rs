@@ -7,7 +7,7 @@ use super::boxes::Field;
 use super::chart::REGIONS;
 use super::extract::Sketch;
 use super::loss::{INFEASIBLE, Loss};
-use super::scan::Strip;
+use super::strips::Strip;
 use super::stump::{Question, best_split};
 use super::view::{Line, View};
 

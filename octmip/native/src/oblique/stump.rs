@@ -8,7 +8,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::cell::Cell;
 use super::chart::Chart;
 use super::loss::INFEASIBLE;
-use super::scan::{Histograms, Limits, Strip};
+use super::realise::Asked;
+use super::strips::{Histograms, Limits, Strip};
 use super::view::{Line, View};
 
 /// What is asked of a search for the best split.
@@ -68,6 +69,7 @@ pub struct Search<'a> {
     /// So many regions are split at most: all of them for an exact answer.
     pub(super) most_tried: usize,
     pub(super) histograms: Histograms,
+    pub(super) asked: Asked,
 }
 
 impl<'a> Search<'a> {
@@ -89,6 +91,7 @@ impl<'a> Search<'a> {
             chart_start: 0,
             most_tried: usize::MAX,
             histograms: Histograms::new(&view, ids),
+            asked: Asked::new(),
         }
     }
 
