@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.encoding import Ranks
+from octmip.mip.prices import Prices
 from octmip.problem import Problem
 
 MOST_LABEL_SETS = 500  # beyond it every class is taken to be earned: still a bound, a weaker one
@@ -28,32 +29,33 @@ class ClassCount:
 
     problem: Problem
     ranks: Ranks
+    prices: Prices
 
     @property
     def worst(self) -> float:
         """Cost when every sample has its dearest label."""
-        return float((self.problem.weights * self.problem.costs[self.problem.codes].max(axis=1)).sum())
+        return self.prices.worst
 
     @property
     def gain(self) -> NDArray[np.float64]:
-        """(n_classes, n_classes) what predicting column k for a unit of class row i earns over the dearest label."""
-        costs = self.problem.costs
+        """(n_profiles, n_classes) what predicting k for a unit of a profile earns over its most expensive label."""
+        costs = self.prices.costs
         return np.asarray(costs.max(axis=1, keepdims=True) - costs)
 
     def total(self) -> NDArray[np.float64]:
-        """Return the class weights of all samples, shape (n_classes,)."""
-        counted = np.bincount(self.problem.codes, self.problem.weights, self.problem.n_classes)
+        """Return the class weights of all samples, shape (n_profiles,)."""
+        counted = np.bincount(self.prices.profile, self.prices.weights, self.prices.n_profiles)
         return counted.astype(np.float64)
 
     def left_of_cuts(self, j: int) -> NDArray[np.float64]:
-        """Return the class weights left of each cut of feature j, shape (n_cuts, n_classes)."""
-        shape = (len(self.ranks.values[j]), self.problem.n_classes)
-        flat = self.ranks.ranks[j].astype(np.int64) * shape[1] + self.problem.codes
-        weights = np.bincount(flat, self.problem.weights, shape[0] * shape[1]).reshape(shape)
+        """Return the class weights left of each cut of feature j, shape (n_cuts, n_profiles)."""
+        shape = (len(self.ranks.values[j]), self.prices.n_profiles)
+        flat = self.ranks.ranks[j].astype(np.int64) * shape[1] + self.prices.profile
+        weights = np.bincount(flat, self.prices.weights, shape[0] * shape[1]).reshape(shape)
         return np.asarray(weights.cumsum(axis=0)[:-1])
 
     def earned(self, weights: NDArray[np.float64], n_leaves: int) -> NDArray[np.float64]:
-        """Return G_q for each row of `weights` (n, n_classes) with q = `n_leaves`, shape (n,)."""
+        """Return G_q for each row of `weights` (n, n_profiles) with q = `n_leaves`, shape (n,)."""
         n_classes = self.problem.n_classes
         if n_leaves >= n_classes or math.comb(n_classes, n_leaves) > MOST_LABEL_SETS:
             return np.asarray(weights @ self.gain.max(axis=1))
@@ -68,4 +70,4 @@ class ClassCount:
     def bound_by_cut(self, j: int) -> NDArray[np.float64]:
         """Return the class-count bound of every tree whose root makes each cut of feature j, shape (n_cuts,)."""
         left, right = self.earned_by_side(j, 2 ** (self.problem.depth - 1))
-        return self.worst - left - right + self.problem.leaf_penalty
+        return self.worst - left - right + self.prices.penalty

@@ -1,9 +1,11 @@
-"""Engine: from a formulation to a Solution: start, run, decode, re-route every sample, refuse what disagrees.
+"""Engine: from a formulation to a Solution: price, build, start, run, decode, re-route every sample, believe or not.
 
-HiGHS works in floating point with tolerances, so a "solution" of its model need not be one of the problem. Nothing of
-it is believed: its splits become a tree, every sample is routed through that tree, and the objective is counted anew.
-If the count is worse than HiGHS claims, or better than HiGHS says any tree can be, the run is repeated with tighter
-tolerances, and at last refused with both numbers.
+HiGHS works in floating point with tolerances, so a "solution" of its model need not be one of the problem, and a bound
+need not hold. The objective that it is given is made of whole numbers of moderate size (`octmip.mip.prices`); its bound
+is lowered by what its tolerances allow (`octmip.mip.claims`); its splits become a tree, every sample is routed through
+that tree, and the objective is counted anew. If the count is worse than HiGHS claims, or better than HiGHS says any tree
+can be, the run is repeated with tighter tolerances. What is contradicted even then is not believed: the best tree known
+comes back with a bound that holds, and `Stop.NUMERICS`.
 """
 
 import math
@@ -16,20 +18,25 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.cart import greedy_tree
-from octmip.errors import ProblemError, SolverError
-from octmip.mip import highs
+from octmip.certificate import checked_leaf_index
+from octmip.errors import CertificateError, ProblemError, SolverError
+from octmip.mip import highs, process
+from octmip.mip.answer import Answer, Known, solution_of
+from octmip.mip.claims import Accuracy, accuracy
 from octmip.mip.heap import Heap, Placed, lift, place
+from octmip.mip.incumbent import objective_of, starting_tree, tidy
+from octmip.mip.prices import Prices, whole_prices
 from octmip.mip.rows import Rows
 from octmip.problem import Problem
 from octmip.solution import Limits, ProgressCallback, Solution, Stop
-from octmip.tree import HyperplaneSplit, Node, Split, depth, leaf_index, leaves, predict, simplify, without_empty_sides
+from octmip.tree import HyperplaneSplit, Node, Split, depth
 
 FINEST = 1e-9  # HiGHS's feasibility tolerance that a refuted solution is tried again with
 # Above it interior points solve the first relaxation: measured on 175 x 20 thresholds, 6828 columns, 1.6 s against the
 # simplex method's 14.9 CPU s.
 MOST_SIMPLEX_COLUMNS = 5000
 START_SLACK = 1e-7  # rows may be broken by so much in a start: rounding of x and eps
+SECONDS_OF_ENTRY = 2.5e-7  # that a coefficient takes on its way from `Rows.add` to HiGHS, measured
 
 
 class Formulation(Protocol):
@@ -38,6 +45,10 @@ class Formulation(Protocol):
     @property
     def rows(self) -> Rows:
         """The model."""
+
+    @property
+    def prices(self) -> Prices:
+        """What it minimises: whole numbers."""
 
     @property
     def heap(self) -> Heap:
@@ -93,82 +104,105 @@ class Request:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Decoded:
-    """A tree read from a solution of the model: as the model means it, and tidied (never worse)."""
+    """A tree read from a solution of the model: its price as the model means it, and the tree tidied (never worse)."""
 
-    raw_objective: float
+    price: float
     tree: Node
-    objective: float
 
 
-def drive(problem: Problem, encode: Callable[[Node], Formulation], request: Request) -> Solution:
+class LimitReachedError(SolverError):
+    """A limit was reached while the model was built; caught by `drive`."""
+
+    def __init__(self, stop: Stop) -> None:
+        """Note which limit."""
+        super().__init__(f"limit of {stop} reached while the model was built")
+        self.stop = stop
+
+
+@dataclass(frozen=True, slots=True)
+class _Clock:
+    """Time and memory that a run has had since it began."""
+
+    limits: Limits
+    began: float
+
+    @property
+    def seconds(self) -> float:
+        return time.perf_counter() - self.began
+
+    @property
+    def left(self) -> Limits:
+        return replace(self.limits, seconds=max(self.limits.seconds - self.seconds, 0.0))
+
+    def look(self, size: float = 0.0, seconds: float = 0.0) -> None:
+        """Raise when the time, or that for `seconds` more, is up, or a model of `size` bytes is too large."""
+        if self.seconds + seconds > self.limits.seconds:
+            raise LimitReachedError(Stop.TIME)
+        if size > self.limits.memory:
+            raise LimitReachedError(Stop.MEMORY)
+
+
+def drive(problem: Problem, encode: Callable[[Known], Formulation], request: Request) -> Solution:
     """Solve a formulation of a problem and return the Solution.
 
     Args:
-        encode: builds the formulation; is given the best tree known, by which it may leave out what cannot be better.
+        encode: builds the formulation.
 
     Raises:
         ProblemError: the incumbent is deeper than the problem allows, or the lower bound is none.
-        SolverError: HiGHS failed, or its solution is refuted at the tightest tolerance.
+        SolverError: HiGHS cannot be run, or refuses the model.
     """
-    began = time.perf_counter()
-    best = _starting_tree(problem, request)
-    if request.lower_bound > objective_of(problem, best) * (1 + 1e-9):
+    clock = _Clock(request.limits, time.perf_counter())
+    process.warm()
+    known = _known(problem, request, clock)
+    answer = Answer(known, known.tree, Stop.TIME, {})
+    try:
+        # Nothing is smaller than this, and ranges over the nodes of a deep heap alone can fill the memory.
+        known.rows.look(columns=2**problem.depth * problem.n_features)
+        formulation = encode(known)
+        clock.look(seconds=formulation.rows.n_entries * SECONDS_OF_ENTRY)
+        _run(problem, formulation, request, clock, answer)
+    except LimitReachedError as reached:
+        answer.stop = reached.stop
+        answer.details["numerics"] = str(reached)
+    return solution_of(
+        problem,
+        answer,
+        method=request.method,
+        seed=request.seed,
+        seconds=clock.seconds,
+        given_bound=request.lower_bound,
+        gap=request.limits.gap,
+    )
+
+
+def _known(problem: Problem, request: Request, clock: _Clock) -> Known:
+    tree = starting_tree(problem, request.incumbent, request.seed)
+    objective = objective_of(problem, tree)
+    if request.lower_bound > objective * (1 + 1e-9):
         raise ProblemError(
-            f"lower_bound is {request.lower_bound} but a tree of objective {objective_of(problem, best)} is known; "
+            f"lower_bound is {request.lower_bound} but a tree of objective {objective} is known; "
             "it is no bound of this problem"
         )
-    formulation = encode(best)
+    return Known(tree, objective, whole_prices(problem, objective), Rows(watch=clock.look))
+
+
+def _run(problem: Problem, formulation: Formulation, request: Request, clock: _Clock, answer: Answer) -> None:
+    """Start HiGHS on a formulation, as often as it takes, and note in `answer` what came of it."""
+    rows, prices = formulation.rows, formulation.prices
     if not math.isinf(request.lower_bound):
-        formulation.rows.bound_objective(request.lower_bound)
+        rows.bound_objective(min(prices.priced_bound(request.lower_bound), prices.of_tree(problem, answer.known.tree)))
     if request.write is not None:
-        highs.write(formulation.rows, Path(request.write))
-    details = _describe(problem, formulation, request)
-    details["build_seconds"] = time.perf_counter() - began
-    start, details["start"] = _start_values(problem, formulation, best)
-    outcome, decoded = _run_until_sound(problem, formulation, request, start, began, details)
-    if decoded is not None and decoded.objective < objective_of(problem, best):
-        best = decoded.tree
-    return _solution(problem, best, outcome, request, time.perf_counter() - began, details)
-
-
-def objective_of(problem: Problem, tree: Node) -> float:
-    """Return the objective of a tree, every sample routed."""
-    return problem.objective_of(tree, predict(tree, problem.features))
-
-
-def _starting_tree(problem: Problem, request: Request) -> Node:
-    tree = request.incumbent
-    if tree is None:
-        tree = greedy_tree(problem, seed=request.seed).tree
-    assert tree is not None
-    tree = tidy(problem, tree)
-    if depth(tree) > problem.depth:
-        raise ProblemError(f"the incumbent has depth {depth(tree)} but the problem allows {problem.depth}")
-    return tree
-
-
-def tidy(problem: Problem, tree: Node) -> Node:
-    """Return the tree without empty sides, with the best label at every leaf, and equal leaves merged: never worse."""
-    return simplify(relabelled(problem, without_empty_sides(tree, problem.features)))
-
-
-def relabelled(problem: Problem, tree: Node) -> Node:
-    """Return the tree with the label of least cost at every leaf that a sample reaches (the first of equals)."""
-    index = leaf_index(tree, problem.features)
-    labels = [leaf.label for leaf in leaves(tree)]
-    for i in range(len(labels)):
-        rows = np.flatnonzero(index == i)
-        if len(rows):
-            labels[i] = int(problem.class_costs(rows).argmin())
-    remaining = iter(labels)
-
-    def build(node: Node) -> Node:
-        if isinstance(node, Split | HyperplaneSplit):
-            left = build(node.left)
-            return replace(node, left=left, right=build(node.right))
-        return replace(node, label=next(remaining))
-
-    return build(tree)
+        highs.write(rows, Path(request.write))
+    answer.details |= _describe(formulation, request, clock)
+    answer.details["build_seconds"] = clock.seconds
+    start, answer.details["start"] = _start_values(problem, formulation, answer.known.tree)
+    exact = accuracy(rows, prices, formulation.tolerance)
+    for tolerance in dict.fromkeys((exact.tolerance, FINEST)):
+        exact = replace(exact, tolerance=tolerance)
+        answer.doubt = _run_once(problem, formulation, request, clock, answer, exact, start)
+        if not answer.doubt:
+            return
 
 
 def _start_values(
@@ -186,86 +220,101 @@ def _start_values(
     return values, said
 
 
-def _run_until_sound(
+def _run_once(
     problem: Problem,
     formulation: Formulation,
     request: Request,
+    clock: _Clock,
+    answer: Answer,
+    exact: Accuracy,
     start: NDArray[np.float64] | None,
-    began: float,
-    details: dict[str, object],
-) -> tuple[highs.Outcome, Decoded | None]:
-    refuted = ""
-    for tolerance in dict.fromkeys((formulation.tolerance, FINEST)):
-        left = max(request.limits.seconds - (time.perf_counter() - began), 0.0)
-        options = highs.Options(
-            limits=replace(request.limits, seconds=left),
-            seed=request.seed,
-            threads=request.n_jobs,
-            tolerance=tolerance,
-            absolute_gap=0.999 if problem.has_integer_costs else 1e-7,
-            lp_solver="ipm" if formulation.rows.n_columns > MOST_SIMPLEX_COLUMNS else "choose",
-        )
-        inject = None if request.inject is None else _injector(problem, formulation, request.inject)
-        outcome = highs.run(formulation.rows, options, start=start, progress=request.progress, inject=inject)
-        _note_run(details, outcome, start, formulation.rows, tolerance)
-        if outcome.values is None:
-            return outcome, None
-        decoded = decode(problem, formulation, outcome.values)
-        refuted = refutation(problem, outcome.objective, outcome.bound, decoded)
-        if not refuted:
-            return outcome, decoded
-    raise SolverError(
-        f"{request.method}: {refuted}, even at feasibility tolerance {FINEST}; the numbers of this problem are "
-        "too close for HiGHS; solve it by method='exact' or round the features"
+) -> str:
+    """Run HiGHS once, note in `answer` what is believed of its outcome, and return why the rest is not, if so."""
+    rows, prices = formulation.rows, formulation.prices
+    options = highs.Options(
+        limits=clock.left,
+        seed=request.seed,
+        threads=request.n_jobs,
+        tolerance=exact.tolerance,
+        dual_tolerance=exact.dual_tolerance,
+        absolute_gap=exact.absolute_gap,
+        lp_solver="ipm" if rows.n_columns > MOST_SIMPLEX_COLUMNS else "choose",
     )
+    inject = None if request.inject is None else _injector(problem, formulation, request.inject, answer)
+    progress = None if request.progress is None else _in_true_units(prices, request.progress)
+    outcome = highs.run(rows, options, start=start, progress=progress, inject=inject)
+    _note_run(answer, outcome, start, formulation, exact)
+    answer.stop, answer.n_nodes, answer.price_bound = outcome.stop, outcome.n_nodes, exact.bound(outcome)
+    if outcome.stop is Stop.NUMERICS:
+        return f"HiGHS ended with {outcome.status}"
+    if outcome.values is None:
+        return ""
+    decoded = decode(problem, formulation, outcome.values)
+    doubt = refutation(problem, outcome.objective, answer.price_bound, decoded)
+    try:
+        checked_leaf_index(problem, decoded.tree)
+    except CertificateError as error:
+        return doubt or f"HiGHS's tree is none of the problem: {error}"
+    answer.better(problem, decoded.tree)
+    return doubt
 
 
 def _note_run(
-    details: dict[str, object],
+    answer: Answer,
     outcome: highs.Outcome,
     start: NDArray[np.float64] | None,
-    rows: Rows,
-    tolerance: float,
+    formulation: Formulation,
+    exact: Accuracy,
 ) -> None:
-    details["tolerance"] = tolerance
-    details["root_bound"] = outcome.root_bound if math.isfinite(outcome.root_bound) else None
+    answer.details["tolerance"] = exact.tolerance
+    answer.details["status"] = outcome.status
+    shown = formulation.prices.true(outcome.root_bound)
+    answer.details["root_bound"] = shown if math.isfinite(shown) else None
     if start is not None:
         first = min(outcome.first_incumbent, outcome.objective)
-        said = details["start"]
+        said = answer.details["start"]
         assert isinstance(said, dict)
-        said["accepted"] = bool(first <= rows.objective(start) + 1e-6)
+        said["accepted"] = bool(first <= formulation.rows.objective(start) + 0.5)
+
+
+def _in_true_units(prices: Prices, progress: ProgressCallback) -> ProgressCallback:
+    return lambda state: progress(
+        replace(state, objective=prices.true(state.objective), bound=prices.true(state.bound))
+    )
 
 
 def decode(problem: Problem, formulation: Formulation, values: NDArray[np.float64]) -> Decoded:
     """Return the tree that a solution stands for, every sample re-routed through it."""
     raw = lift(formulation.heap, formulation.splits(values), formulation.labels(values))
-    tree = tidy(problem, raw)
-    return Decoded(objective_of(problem, raw), tree, objective_of(problem, tree))
+    return Decoded(formulation.prices.of_tree(problem, raw), tidy(problem, raw))
 
 
 def refutation(problem: Problem, claimed: float, bound: float, decoded: Decoded) -> str:
-    """Return a sentence when HiGHS's objective or bound cannot be true of the decoded tree, '' when they can."""
-    slack = 1e-5 * max(1.0, abs(claimed)) if not problem.has_integer_costs else 0.5
-    if decoded.raw_objective > claimed + slack:
+    """Return a sentence when HiGHS's price or bound cannot be true of the decoded tree, '' when they can."""
+    if decoded.price > claimed + 0.5:
         return (
-            f"HiGHS claims objective {claimed} but its tree costs {decoded.raw_objective} "
+            f"HiGHS claims objective {claimed} but its tree costs {decoded.price} "
             f"when all {problem.n_samples} samples are routed through it"
         )
-    if decoded.raw_objective < bound - slack:
-        return f"HiGHS claims that no tree is below {bound} but its own costs {decoded.raw_objective}"
+    if decoded.price < bound - 0.5:
+        return f"HiGHS claims that no tree is below {bound} but its own costs {decoded.price}"
     return ""
 
 
 def _injector(
-    problem: Problem, formulation: Formulation, source: Callable[[float], Node | None]
+    problem: Problem, formulation: Formulation, source: Callable[[float], Node | None], answer: Answer
 ) -> Callable[[float], NDArray[np.float64] | None]:
+    """Return what hands the trees of a source to HiGHS, and to `answer` whatever HiGHS makes of them."""
+
     def give(best: float) -> NDArray[np.float64] | None:
-        tree = source(best)
+        tree = source(formulation.prices.true(best))
         if tree is None:
             return None
         tree = tidy(problem, tree)
-        if depth(tree) > formulation.heap.depth or objective_of(problem, tree) >= best:
+        if depth(tree) > formulation.heap.depth or formulation.prices.of_tree(problem, tree) > best - 0.5:
             return None
+        checked_leaf_index(problem, tree)
+        answer.better(problem, tree)
         values = formulation.start(place(tree, formulation.heap, problem.features))
         if values is None:
             return None
@@ -275,8 +324,8 @@ def _injector(
     return give
 
 
-def _describe(problem: Problem, formulation: Formulation, request: Request) -> dict[str, object]:
-    rows = formulation.rows
+def _describe(formulation: Formulation, request: Request, clock: _Clock) -> dict[str, object]:
+    rows, prices = formulation.rows, formulation.prices
     details: dict[str, object] = {
         "scope": formulation.scope,
         **formulation.notes,
@@ -286,53 +335,11 @@ def _describe(problem: Problem, formulation: Formulation, request: Request) -> d
             "integers": int(rows.is_integer.sum()),
             "nonzeros": int(rows.matrix().nnz),
         },
+        "prices": {"unit": float(prices.unit), "rounding": float(prices.above + prices.below)},
     }
     if not math.isinf(request.lower_bound):
         details["lower_bound_given"] = request.lower_bound
     if request.relaxation:
-        bound = highs.relax(rows, request.limits.seconds)
+        bound = prices.true(highs.relax(rows, clock.left))
         details["relaxation_bound"] = bound if math.isfinite(bound) else None
     return details
-
-
-def _solution(
-    problem: Problem, tree: Node, outcome: highs.Outcome, request: Request, seconds: float, details: dict[str, object]
-) -> Solution:
-    objective = objective_of(problem, tree)
-    tolerance = 0.0 if problem.has_integer_costs else 1e-6 * max(1.0, objective)
-    bound = max(outcome.bound, request.lower_bound)
-    if problem.has_integer_costs and math.isfinite(bound):
-        bound = math.ceil(bound - 1e-5)
-    # Weights, costs and penalty are never negative. The bound may lie above a tree that the model leaves out (OCT-H's
-    # narrow bands); above the model's own tree it is refused before (`refutation`).
-    bound = min(max(bound, 0.0), objective)
-    if bound >= objective - tolerance:
-        stop = Stop.OPTIMAL
-    else:
-        stop = Stop.GAP if outcome.stop is Stop.OPTIMAL else outcome.stop
-    details |= normalised(problem, objective)
-    return Solution(
-        tree=tree,
-        objective=objective,
-        bound=float(bound),
-        stop=stop,
-        seconds=seconds,
-        n_nodes=outcome.n_nodes,
-        solver=request.method,
-        version=f"HiGHS {highs.VERSION}",
-        seed=request.seed,
-        tolerance=tolerance,
-        details=details,
-    )
-
-
-def normalised(problem: Problem, objective: float) -> dict[str, object]:
-    """Return Bertsimas & Dunn's form of an objective: divided by the baseline, with alpha = leaf_penalty / baseline."""
-    baseline = problem.baseline
-    if baseline == 0:
-        return {"baseline": 0.0, "alpha": None, "normalised_objective": None}
-    return {
-        "baseline": baseline,
-        "alpha": problem.leaf_penalty / baseline,
-        "normalised_objective": objective / baseline,
-    }

@@ -24,7 +24,13 @@ def add_sensor_rows(rows: Rows, problem: Problem, uses: Sequence[Mapping[int, in
     pairs = np.array([(u[problem.sensor_index[j]], column) for node in uses for j, column in node.items()])
     if len(pairs):
         rows.add("sensor_read", 0, np.inf, (pairs[:, [0]], 1.0), (pairs[:, [1]], -1.0))
-    rows.add("sensor_budget", -np.inf, problem.sensor_limit, (u, problem.sensor_costs))
+    rows.add("sensor_budget", -np.inf, 1.0, (u, budget_shares(problem)))
+
+
+def budget_shares(problem: Problem) -> NDArray[np.float64]:
+    """Return what each sensor takes of the budget, 2 where it alone exceeds it: numbers near 1 in any unit of cost."""
+    limit = problem.sensor_limit
+    return np.asarray(np.minimum(problem.sensor_costs, 2 * limit) / limit)
 
 
 def set_sensors(values: NDArray[np.float64], rows: Rows, problem: Problem, placed: Placed) -> None:
@@ -40,7 +46,7 @@ def state_extras(M: Any, problem: Problem, uses: Any, splits: tuple[Any, int] | 
     if splits is not None:
         M.max_splits = pyo.Constraint(expr=splits[0] <= splits[1])
     if problem.sensor_budget is not None:
-        owner, price = problem.sensor_index, problem.sensor_costs
+        owner, share = problem.sensor_index, budget_shares(problem)
         M.u = pyo.Var(range(len(problem.sensors)), domain=pyo.Binary)
         M.sensor_read = pyo.Constraint(uses.index_set(), rule=lambda M, j, t: M.u[owner[j]] >= uses[j, t])
-        M.sensor_budget = pyo.Constraint(expr=sum(c * M.u[s] for s, c in enumerate(price)) <= problem.sensor_limit)
+        M.sensor_budget = pyo.Constraint(expr=sum(c * M.u[s] for s, c in enumerate(share)) <= 1)

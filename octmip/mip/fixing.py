@@ -26,6 +26,7 @@ from octmip.encoding import Ranks
 from octmip.mip import axis
 from octmip.mip.classcount import ClassCount
 from octmip.mip.heap import Heap, Placed
+from octmip.mip.rows import Watch
 from octmip.mip.thresholds import Cuts
 from octmip.problem import Problem
 from octmip.tree import Split
@@ -34,27 +35,28 @@ MOST_WORK = 3e8  # root cuts x cuts x classes: some seconds
 
 
 def admissible_cuts(
-    problem: Problem, ranks: Ranks, heap: Heap, best: Placed, objective: float, *, level: int
+    problem: Problem, counts: ClassCount, heap: Heap, best: Placed, price: float, *, level: int, watch: Watch
 ) -> dict[int, Cuts]:
     """Return the cuts of each branch node that a better tree than `best` may need, and those of `best` itself.
 
     Args:
-        objective: that of `best`.
+        price: that of `best`.
         level: 0 leaves every cut in; 1 boundary and class counts at the root; 2 class counts in pairs too.
+        watch: called now and then; may raise when a limit is reached.
     """
+    ranks = counts.ranks
     usable = axis.usable_features(problem, ranks)
     everything = {j: np.arange(axis.n_cuts(ranks)[j]) for j in usable}
     admissible = {m: dict(everything) for m in heap.branches}
     if level >= 1:
-        counts = ClassCount(problem, ranks)
-        better = objective - 1e-9 * max(1.0, objective)
+        better = price - 1e-9 * max(1.0, price)
         admissible[1] = {j: cuts[counts.bound_by_cut(j)[cuts] < better] for j, cuts in everything.items()}
         if problem.leaf_size == 1:
             boundaries = {j: _boundaries(problem, ranks, j) for j in usable}
             for m in filter(heap.is_last_level, heap.branches):
                 admissible[m] = {j: np.intersect1d(admissible[m][j], boundaries[j]) for j in usable}
         if level >= 2 and heap.depth >= 2 and usable:
-            _fix_pairs(admissible, _Pairs(problem, ranks, counts, usable), better)
+            _fix_pairs(admissible, _Pairs(problem, ranks, counts, usable), better, watch)
     for m, split in best.splits.items():
         if isinstance(split, Split):
             own = admissible[m].get(split.feature, np.zeros(0, dtype=np.int64))
@@ -70,20 +72,21 @@ def _boundaries(problem: Problem, ranks: Ranks, j: int) -> NDArray[np.int64]:
     return np.flatnonzero((only[:-1] != only[1:]) | (only[:-1] < 0))
 
 
-def _fix_pairs(admissible: dict[int, Cuts], pairs: "_Pairs", better: float) -> None:
+def _fix_pairs(admissible: dict[int, Cuts], pairs: "_Pairs", better: float, watch: Watch) -> None:
     """Fix the cuts of the root and of its children, in place."""
     roots = admissible[1]
-    if sum(map(len, roots.values())) * pairs.n_values * pairs.problem.n_classes > MOST_WORK:
+    if sum(map(len, roots.values())) * pairs.n_values * pairs.counts.prices.n_profiles > MOST_WORK:
         return
     stays = {2: np.zeros(pairs.n_values, dtype=bool), 3: np.zeros(pairs.n_values, dtype=bool)}
     for j, cuts in roots.items():
         kept = []
         payable = pairs.payable_with(j)
         for cut in cuts:
+            watch()
             is_left = pairs.ranks.ranks[j] <= cut
             left, most_left = pairs.earned(is_left, payable)
             right, most_right = pairs.earned(~is_left, payable)
-            room = pairs.counts.worst + pairs.problem.leaf_penalty - better  # what a better tree must earn more than
+            room = pairs.counts.worst + pairs.counts.prices.penalty - better  # what a better tree must earn more than
             if most_left + most_right > room:
                 kept.append(cut)
                 stays[2] |= left + most_right > room
@@ -126,16 +129,17 @@ class _Pairs:
 
     def earned(self, rows: NDArray[np.bool_], payable: NDArray[np.bool_]) -> tuple[NDArray[np.float64], float]:
         """Return what a child with the samples `rows` earns by each payable cut, shape (n_values,), and its most."""
-        n_classes, n_leaves = self.problem.n_classes, 2 ** (self.problem.depth - 2)
+        prices, n_leaves = self.counts.prices, 2 ** (self.problem.depth - 2)
+        n_profiles = prices.n_profiles
         first = np.array(list(self.first.values()))[:, None]
-        place = (self.ranks.ranks[self.usable][:, rows].astype(np.int64) + first) * n_classes + self.problem.codes[rows]
-        weights = np.tile(self.problem.weights[rows], len(self.usable))
-        flat = np.bincount(place.ravel(), weights, self.n_values * n_classes).reshape(-1, n_classes)
-        total = np.bincount(self.problem.codes[rows], self.problem.weights[rows], n_classes)
+        place = (self.ranks.ranks[self.usable][:, rows].astype(np.int64) + first) * n_profiles + prices.profile[rows]
+        weights = np.tile(prices.weights[rows], len(self.usable))
+        flat = np.bincount(place.ravel(), weights, self.n_values * n_profiles).reshape(-1, n_profiles)
+        total = np.bincount(prices.profile[rows], prices.weights[rows], n_profiles)
         feature = np.repeat(np.arange(len(self.usable)), self.sizes)[:, None]
         left = flat.cumsum(axis=0) - feature * total  # every feature before has added the total once
         counts = self.counts
-        by_cut = counts.earned(left, n_leaves) + counts.earned(total - left, n_leaves) - self.problem.leaf_penalty
+        by_cut = counts.earned(left, n_leaves) + counts.earned(total - left, n_leaves) - prices.penalty
         by_cut[np.cumsum(self.sizes) - 1] = -np.inf  # the last value of a feature is no cut
         by_cut[~payable] = -np.inf
         unsplit = float(counts.earned(total[None, :].astype(np.float64), 1)[0])

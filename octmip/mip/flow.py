@@ -36,12 +36,14 @@ from numpy.typing import NDArray
 
 from octmip.encoding import rank_features
 from octmip.mip import extras
+from octmip.mip.answer import Known
 from octmip.mip.classcount import ClassCount
-from octmip.mip.engine import Request, drive, objective_of
+from octmip.mip.engine import Request, drive
 from octmip.mip.fixing import admissible_cuts
 from octmip.mip.groups import Groups, group_samples
 from octmip.mip.heap import Heap, Placed, place
 from octmip.mip.hyperplanes import Hyperplanes, add_hyperplanes, all_samples_band, choose_mu, space_of
+from octmip.mip.prices import Prices, own_prices
 from octmip.mip.rows import Columns, Rows
 from octmip.mip.thresholds import Thresholds, add_thresholds
 from octmip.problem import Problem
@@ -62,6 +64,7 @@ class Flow:
     f: Columns  # (n_pairs, n_leaves)
     z: Columns | None  # (n_groups, n_leaves), only where leaf sizes are to be counted
     l: Columns | None  # noqa: E741  (n_leaves,)
+    prices: Prices
 
     @property
     def scope(self) -> str:
@@ -120,6 +123,8 @@ def encode(
     class_count: bool = True,
     max_splits: int | None = None,
     mu: float | None = None,
+    prices: Prices | None = None,
+    rows: Rows | None = None,
 ) -> Flow:
     """Return the flow formulation of a problem as rows.
 
@@ -129,27 +134,30 @@ def encode(
         class_count: False leaves the class-count rows out.
         max_splits: at most so many splits (features summed over the splits); None: no limit.
         mu: strictness of hyperplanes; None: chosen from the data.
+        prices: what is minimised; None: the problem's own weights, costs and penalty.
+        rows: an empty model to build in, watched for limits; None: a new one.
     """
-    ranks, heap, rows = rank_features(problem), Heap(problem.depth), Rows()
-    counts, groups = ClassCount(problem, ranks), group_samples(problem, ranks)
+    prices, rows = prices or own_prices(problem), rows or Rows()
+    ranks, heap = rank_features(problem), Heap(problem.depth)
+    counts, groups = ClassCount(problem, ranks, prices), group_samples(problem, ranks, prices)
     laid = place(best, heap, problem.features)
     splits: Thresholds | Hyperplanes
     if problem.max_split_size == 1:
-        cuts = admissible_cuts(problem, ranks, heap, laid, objective_of(problem, best), level=fix)
-        splits = add_thresholds(rows, problem, ranks, heap, cuts, max_splits)
+        price = prices.of_tree(problem, best)
+        cuts = admissible_cuts(problem, counts, heap, laid, price, level=fix, watch=rows.look)
+        splits = add_thresholds(rows, ranks, heap, cuts, max_splits, penalty=prices.penalty)
     else:
         space = space_of(problem)
-        splits = add_hyperplanes(
-            rows, problem, heap, space, choose_mu(space, laid, heap) if mu is None else mu, max_splits
-        )
+        strictness = choose_mu(space, laid, heap) if mu is None else mu
+        splits = add_hyperplanes(rows, problem, heap, space, strictness, max_splits, penalty=prices.penalty)
     c, f, z, l = _add_leaves(rows, problem, heap, groups, may_turn=isinstance(splits, Hyperplanes))  # noqa: E741
     _add_routing(rows, heap, groups, splits, f if z is None else z, groups.pair_group if z is None else None)
     _add_symmetry(rows, heap, splits, c)
     if class_count and isinstance(splits, Thresholds):
-        _add_class_counts(rows, problem, heap, groups, splits, counts, f)
+        _add_class_counts(rows, heap, groups, splits, counts, f)
     extras.add_sensor_rows(rows, problem, [splits.feature_columns(m) for m in heap.branches])
     rows.offset = counts.worst
-    return Flow(problem, groups, heap, rows, splits, c, f, z, l)
+    return Flow(problem, groups, heap, rows, splits, c, f, z, l, prices)
 
 
 def _add_leaves(
@@ -217,7 +225,7 @@ def _add_symmetry(rows: Rows, heap: Heap, splits: Thresholds | Hyperplanes, c: C
 
 
 def _add_class_counts(
-    rows: Rows, problem: Problem, heap: Heap, groups: Groups, splits: Thresholds, counts: ClassCount, f: Columns
+    rows: Rows, heap: Heap, groups: Groups, splits: Thresholds, counts: ClassCount, f: Columns
 ) -> None:
     """Add what the leaves below each side of each branch node earn at most, by the cut that the node makes."""
     one_leaf = float(counts.earned(counts.total()[None, :], 1)[0])
@@ -259,4 +267,8 @@ def solve_flow(
         SolverError: HiGHS failed, or its solution does not survive decoding.
     """
     settings = Request("flow", limits, incumbent, seed, n_jobs, progress, **request)
-    return drive(problem, lambda best: encode(problem, best, max_splits=max_splits, mu=mu, fix=fix), settings)
+
+    def build(known: Known) -> Flow:
+        return encode(problem, known.tree, max_splits=max_splits, mu=mu, fix=fix, prices=known.prices, rows=known.rows)
+
+    return drive(problem, build, settings)

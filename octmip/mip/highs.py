@@ -1,38 +1,41 @@
 """HiGHS: one run of the solver on a model, with limits, Ctrl-C, progress, a start and injected incumbents.
 
-HiGHS runs in a thread of its own while this one waits: so Ctrl-C reaches Python, the run ends at its next callback, and
-incumbent and bound survive (`Highs.run` in the calling thread loses them). The waiting thread also keeps the time,
-which HiGHS looks at too rarely within a relaxation, and the memory, for which HiGHS has no limit.
+HiGHS runs in a process of its own (`octmip.mip.worker`) while this one waits and keeps time and memory, which HiGHS looks
+at too rarely within a relaxation, in presolve, or not at all. At a limit, or at Ctrl-C, it is asked to end; if it has
+not after `GRACE` it is killed, and the last incumbent and bound that it reported stand.
 """
 
 import math
-import os
-import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import highspy
 import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import SolverError
+from octmip.mip import worker
+from octmip.mip.process import START, Worker, lent_worker, resident_bytes
 from octmip.mip.rows import Rows
 from octmip.solution import Limits, Progress, ProgressCallback, Stop
 
 VERSION: str = highspy.Highs().version()  # type: ignore[no-untyped-call]
 POLL = 0.02  # seconds between two looks at Ctrl-C and progress
+GRACE = 0.5  # seconds that HiGHS has to end by itself once it is asked to
 
 _STOPS = {
-    highspy.HighsModelStatus.kOptimal: Stop.OPTIMAL,
-    highspy.HighsModelStatus.kTimeLimit: Stop.TIME,
-    highspy.HighsModelStatus.kSolutionLimit: Stop.NODES,
-    highspy.HighsModelStatus.kIterationLimit: Stop.NODES,
-    highspy.HighsModelStatus.kInterrupt: Stop.INTERRUPTED,
-    highspy.HighsModelStatus.kMemoryLimit: Stop.MEMORY,
-    highspy.HighsModelStatus.kInfeasible: Stop.OPTIMAL,
+    "kOptimal": Stop.OPTIMAL,
+    "kTimeLimit": Stop.TIME,
+    "kSolutionLimit": Stop.NODES,
+    "kIterationLimit": Stop.NODES,
+    "kInterrupt": Stop.INTERRUPTED,
+    "kMemoryLimit": Stop.MEMORY,
 }
+"""What HiGHS ended with, by its name. Every model holds a tree without a split, so "infeasible" is an error of
+arithmetic like all that is not named: `Stop.NUMERICS`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,10 +43,11 @@ class Options:
     """How HiGHS is run.
 
     Attributes:
-        limits: at which to stop; memory counts what the process has grown by since the run began.
+        limits: at which to stop; memory counts what HiGHS's process has grown by since the run began.
         seed: of its random choices.
         threads: that it may use.
         tolerance: feasibility tolerance of integer solutions, integrality included.
+        dual_tolerance: of the reduced costs of a relaxation.
         absolute_gap: the proof may stop when incumbent and bound are this close.
         lp_solver: of the relaxations that have nothing to start from: "simplex", "ipm", "choose".
     """
@@ -52,6 +56,7 @@ class Options:
     seed: int = 0
     threads: int = 1
     tolerance: float = 1e-6
+    dual_tolerance: float = 1e-7
     absolute_gap: float = 1e-6
     lp_solver: str = "choose"
 
@@ -63,8 +68,9 @@ class Outcome:
     Attributes:
         values: (n_columns,) the best solution, None without one.
         objective: its objective; +inf without one.
-        bound: dual bound; -inf without one, +inf when the model is proven infeasible.
-        stop: why it ended.
+        bound: dual bound; -inf without one.
+        stop: why it ended; `Stop.NUMERICS` when it failed.
+        status: what HiGHS itself said, or what happened to its process.
         n_nodes: nodes of its tree.
         seconds: wall time [s].
         first_incumbent: objective of the first solution it had, the start's when that was accepted.
@@ -75,23 +81,11 @@ class Outcome:
     objective: float
     bound: float
     stop: Stop
+    status: str
     n_nodes: int
     seconds: float
     first_incumbent: float
     root_bound: float
-
-
-@dataclass(slots=True)
-class _State:
-    """What the callbacks, in HiGHS's threads, and the waiting thread tell each other."""
-
-    objective: float = math.inf
-    bound: float = -math.inf
-    n_nodes: int = 0
-    first_incumbent: float = math.inf
-    root_bound: float = -math.inf
-    stop: Stop | None = None  # why the waiting thread wants an end
-    error: BaseException | None = None
 
 
 def run(
@@ -107,47 +101,29 @@ def run(
     Args:
         start: (n_columns,) a full solution to start from.
         progress: called in this thread while HiGHS runs; what it raises stops the run and is raised again.
-        inject: called in HiGHS's thread with its best objective; may return a better solution (n_columns,).
+        inject: called in this thread with HiGHS's best objective; may return a better solution (n_columns,).
 
     Raises:
-        SolverError: HiGHS refused the model or failed.
+        SolverError: HiGHS refused the model or an option, or its process cannot be started.
     """
-    began = time.perf_counter()
-    highs = load(rows)
-    _set_options(highs, options)
-    state = _State()
-    _subscribe(highs, state, inject)
-    if start is not None:
-        solution = highspy.HighsSolution()
-        solution.col_value = start.tolist()
-        highs.setSolution(solution)
-    _wait(highs, state, options.limits, progress, began)
-    return _outcome(highs, state, time.perf_counter() - began)
+    with lent_worker() as lent:
+        return _Watch(lent, options.limits, progress, inject).over(_job(rows, _settings(options), start, inject))
 
 
-def load(rows: Rows, *, named: bool = False) -> highspy.Highs:
-    """Return a silent HiGHS that holds a model, with the names of columns and rows if `named`.
-
-    Raises:
-        SolverError: HiGHS refused the model.
-    """
+def arrays(rows: Rows, *, named: bool = False) -> dict[str, Any]:
+    """Return a model as `octmip.mip.worker.load` takes it, with the names of columns and rows if `named`."""
     matrix = rows.matrix()
-    lp = highspy.HighsLp()
-    lp.num_col_, lp.num_row_ = rows.n_columns, rows.n_rows
-    lp.col_cost_, lp.offset_ = rows.cost, rows.offset
-    lp.col_lower_, lp.col_upper_ = rows.lower, rows.upper
-    lp.row_lower_, lp.row_upper_ = rows.row_bounds
-    lp.a_matrix_.format_ = highspy.MatrixFormat.kRowwise
-    lp.a_matrix_.start_, lp.a_matrix_.index_, lp.a_matrix_.value_ = matrix.indptr, matrix.indices, matrix.data
-    kinds = (highspy.HighsVarType.kContinuous, highspy.HighsVarType.kInteger)
-    lp.integrality_ = [kinds[i] for i in rows.is_integer.tolist()]
-    if named:
-        lp.col_names_, lp.row_names_ = rows.column_names(), rows.row_names()
-    highs = highspy.Highs()  # type: ignore[no-untyped-call]
-    highs.setOptionValue("output_flag", False)
-    if highs.passModel(lp) == highspy.HighsStatus.kError:
-        raise SolverError(f"HiGHS {VERSION} refused a model of {rows.n_rows} rows and {rows.n_columns} columns")
-    return highs
+    model = {
+        "cost": rows.cost,
+        "offset": rows.offset,
+        "lower": rows.lower,
+        "upper": rows.upper,
+        "row_lower": rows.row_bounds[0],
+        "row_upper": rows.row_bounds[1],
+        "matrix": (matrix.indptr, matrix.indices, matrix.data),
+        "is_integer": rows.is_integer,
+    }
+    return model | {"names": (rows.column_names(), rows.row_names())} if named else model
 
 
 def write(rows: Rows, path: Path) -> None:
@@ -158,134 +134,174 @@ def write(rows: Rows, path: Path) -> None:
     """
     if path.suffix not in (".mps", ".lp"):
         raise SolverError(f"model file {path} ends in {path.suffix!r}; expected .mps or .lp")
-    if load(rows, named=True).writeModel(str(path)) == highspy.HighsStatus.kError:
+    highs = worker.load(arrays(rows, named=True))
+    if highs is None or highs.writeModel(str(path)) == highspy.HighsStatus.kError:
         raise SolverError(f"HiGHS {VERSION} could not write the model to {path}; is the folder there and writable?")
 
 
-def relax(rows: Rows, seconds: float = math.inf) -> float:
-    """Return the bound of the linear relaxation of a model; -inf when `seconds` do not suffice."""
-    highs = load(rows)
-    highs.setOptionValue("solve_relaxation", True)
-    highs.setOptionValue("time_limit", seconds)
-    highs.run()
-    is_solved = highs.getModelStatus() == highspy.HighsModelStatus.kOptimal
-    return float(highs.getInfo().objective_function_value) if is_solved else -math.inf
+def relax(rows: Rows, limits: Limits = Limits()) -> float:  # noqa: B008  (frozen)
+    """Return the bound of the linear relaxation of a model; -inf when the limits do not suffice."""
+    with lent_worker() as lent:
+        settings: dict[str, Any] = {"solve_relaxation": True}
+        outcome = _Watch(lent, limits, None, None).over(_job(rows, settings, None, None))
+    return outcome.objective if outcome.status == "kOptimal" else -math.inf
 
 
-def _set_options(highs: highspy.Highs, options: Options) -> None:
+def _job(
+    rows: Rows, settings: dict[str, Any], start: NDArray[np.float64] | None, inject: Callable[..., Any] | None
+) -> dict[str, Any]:
+    return {"model": arrays(rows), "options": settings, "start": start, "takes_trees": inject is not None}
+
+
+def _settings(options: Options) -> dict[str, Any]:
     limits = options.limits
-    values: dict[str, float | str] = {
+    settings: dict[str, Any] = {
         "time_limit": limits.seconds,
         "mip_rel_gap": limits.gap,
         "mip_abs_gap": options.absolute_gap,
         "mip_lp_solver": options.lp_solver,
         "mip_feasibility_tolerance": options.tolerance,
         "primal_feasibility_tolerance": min(options.tolerance, 1e-7),
+        "dual_feasibility_tolerance": options.dual_tolerance,
         "random_seed": options.seed % 2**31,
         "threads": options.threads,
         "parallel": "on" if options.threads > 1 else "off",
     }
-    if math.isfinite(limits.nodes):
-        values["mip_max_nodes"] = int(limits.nodes)
-    for name, value in values.items():
-        if highs.setOptionValue(name, value) == highspy.HighsStatus.kError:
-            raise SolverError(f"HiGHS {VERSION} refused option {name} = {value!r}")
+    return settings | ({"mip_max_nodes": int(limits.nodes)} if math.isfinite(limits.nodes) else {})
 
 
-def _subscribe(
-    highs: highspy.Highs, state: _State, inject: Callable[[float], NDArray[np.float64] | None] | None
-) -> None:
-    def look(event: highspy.HighsCallbackEvent) -> None:
-        out = event.data_out
-        state.objective, state.bound, state.n_nodes = out.mip_primal_bound, out.mip_dual_bound, out.mip_node_count
-        if state.n_nodes <= 1:
-            state.root_bound = max(state.root_bound, state.bound)
-        if state.stop is not None:
-            event.interrupt()
+class _Watch:
+    """Waits for a worker; keeps the limits, hands over trees, and notes what it reports."""
 
-    def obey(event: highspy.HighsCallbackEvent) -> None:
-        if state.stop is not None:
-            event.interrupt()
+    def __init__(
+        self,
+        lent: Worker,
+        limits: Limits,
+        progress: ProgressCallback | None,
+        inject: Callable[[float], NDArray[np.float64] | None] | None,
+    ) -> None:
+        self.worker, self.limits, self.progress, self.inject = lent, limits, progress, inject
+        self.began = time.perf_counter()
+        self.state = worker.State()
+        self.values: NDArray[np.float64] | None = None
+        self.objective = math.inf
+        self.stop: Stop | None = None  # why this side wants an end
+        self.patience = math.inf  # when the worker is killed [s since the beginning]
+        self.most_memory = math.inf
+        self.error: BaseException | None = None
 
-    def note_incumbent(event: highspy.HighsCallbackEvent) -> None:
-        if math.isinf(state.first_incumbent):
-            state.first_incumbent = event.data_out.objective_function_value
+    @property
+    def seconds(self) -> float:
+        return time.perf_counter() - self.began
 
-    def give(event: highspy.HighsCallbackEvent) -> None:
-        assert inject is not None
-        try:
-            values = inject(event.data_out.mip_primal_bound)
-        except BaseException as error:  # raised again in the waiting thread: HiGHS would swallow it here
-            state.error, state.stop = error, Stop.INTERRUPTED
+    def over(self, job: dict[str, Any]) -> Outcome:
+        """Hand over a job and return its outcome."""
+        self.worker.send("run", job)
+        outcome = None
+        while outcome is None:
+            try:
+                outcome = self._note(self.worker.receive(POLL))
+                if outcome is None:
+                    self._look()
+            except KeyboardInterrupt:
+                self._end(Stop.INTERRUPTED)
+            except SolverError:
+                raise
+            except BaseException as error:
+                self.error = error
+                self._end(Stop.INTERRUPTED)
+        if self.error is not None:
+            raise self.error
+        return outcome
+
+    def _note(self, frame: tuple[Any, ...] | None) -> Outcome | None:
+        """Take in what the worker reports; return the outcome when that is the last of it."""
+        if self.seconds > self.patience:
+            self.worker.close()
+            return self._left(f"killed {GRACE} s after it was asked to end")
+        if frame is None:
+            return None
+        kind, *what = frame
+        if kind == "started":
+            self.most_memory = resident_bytes(self.worker.process.pid) + self.limits.memory
+        elif kind == "state":
+            self.state = worker.State(**what[0])
+        elif kind == "incumbent" and what[0] < self.objective:
+            self.objective, self.values = what
+        elif kind == "done":
+            return self._done(what[0])
+        elif kind == "failed":
+            raise SolverError(f"HiGHS {VERSION} {what[0]}")
+        elif kind == "closed":
+            return self._closed()
+        return None
+
+    def _closed(self) -> Outcome:
+        code = self.worker.process.wait()
+        self.worker.close()
+        if math.isinf(self.most_memory):
+            raise SolverError(f"the process that runs HiGHS ended with code {code} before it began; is highspy whole?")
+        self.stop = self.stop or Stop.NUMERICS
+        return self._left(f"its process ended by itself with code {code}")
+
+    def _look(self) -> None:
+        """Keep the limits, then ask for better trees and report progress."""
+        if self.stop is not None:
             return
-        if values is not None and event.data_in is not None:
-            event.data_in.setSolution(values)
+        reached = self._reached()
+        if reached is not None:
+            self._end(reached)
+            return
+        best = min(self.state.objective, self.objective)
+        if self.inject is not None:
+            values = self.inject(best)
+            if values is not None:
+                self.worker.send("inject", values)
+        if self.progress is not None:
+            self.progress(Progress(self.seconds, best, self.state.bound, self.state.n_nodes))
 
-    highs.cbMipInterrupt.subscribe(look)
-    highs.cbSimplexInterrupt.subscribe(obey)
-    highs.cbIpmInterrupt.subscribe(obey)
-    highs.cbMipImprovingSolution.subscribe(note_incumbent)
-    if inject is not None:
-        highs.cbMipUserSolution.subscribe(give)
+    def _reached(self) -> Stop | None:
+        """Return the limit that is reached, None while there is none."""
+        if self.seconds > self.limits.seconds:
+            return Stop.TIME
+        if math.isinf(self.most_memory) and self.seconds > START:
+            raise SolverError(
+                f"the process that runs HiGHS has not begun within {START:.0f} s; is the machine at rest?"
+            )
+        return Stop.MEMORY if resident_bytes(self.worker.process.pid) > self.most_memory else None
 
+    def _end(self, reason: Stop) -> None:
+        if self.stop is None:
+            self.stop, self.patience = reason, self.seconds + GRACE
+            self.worker.send("stop")
 
-def _wait(highs: highspy.Highs, state: _State, limits: Limits, progress: ProgressCallback | None, began: float) -> None:
-    """Run HiGHS in its own thread and wait; limits, Ctrl-C and errors of `progress` stop it."""
+    def _done(self, end: dict[str, Any]) -> Outcome:
+        self.state = worker.State(**end["state"])
+        if end["values"] is not None and math.isfinite(end["objective"]):
+            self.objective, self.values = end["objective"], end["values"]
+        self.state.n_nodes = end["n_nodes"]
+        known = _STOPS.get(end["status"], Stop.NUMERICS)
+        stop = self.stop if known is Stop.INTERRUPTED and self.stop is not None else known
+        return self._outcome(stop, end["status"], end["bound"])
 
-    def work() -> None:
-        highs.run()
-        # Threads are HiGHS's global state: the next run may ask for another number of them.
-        highspy.Highs.resetGlobalScheduler(False)
+    def _left(self, status: str) -> Outcome:
+        """Return what a worker leaves that ended without an answer: its last reports.
 
-    most_memory = resident_bytes() + limits.memory
-    thread = threading.Thread(target=work, daemon=True)
-    thread.start()
-    while thread.is_alive():
-        try:
-            thread.join(POLL)
-            if state.stop is None:
-                seconds = time.perf_counter() - began
-                state.stop = _reached(limits, seconds, most_memory)
-                if progress is not None and thread.is_alive():
-                    progress(Progress(seconds, state.objective, state.bound, state.n_nodes))
-        except KeyboardInterrupt:
-            state.stop = Stop.INTERRUPTED
-        except BaseException as error:
-            state.error, state.stop = error, Stop.INTERRUPTED
-    if state.error is not None:
-        raise state.error
+        The bound may rest on an incumbent whose values did not arrive.
+        """
+        assert self.stop is not None
+        return self._outcome(self.stop, status, min(self.state.bound, self.state.objective))
 
-
-def _reached(limits: Limits, seconds: float, most_memory: float) -> Stop | None:
-    """Return the limit that is reached, None while there is none."""
-    if seconds > limits.seconds:
-        return Stop.TIME
-    return Stop.MEMORY if resident_bytes() > most_memory else None
-
-
-def resident_bytes() -> float:
-    """Return the memory that this process holds, 0 where the system does not tell (no limit is kept there)."""
-    try:
-        return float(int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE"))
-    except OSError:
-        return 0.0
-
-
-def _outcome(highs: highspy.Highs, state: _State, seconds: float) -> Outcome:
-    status, info = highs.getModelStatus(), highs.getInfo()
-    if status not in _STOPS:
-        raise SolverError(f"HiGHS {VERSION} ended with {status.name} after {seconds:.1f} s; expected a solution")
-    has_solution = info.primal_solution_status == int(highspy.SolutionStatus.kSolutionStatusFeasible)
-    is_infeasible = status == highspy.HighsModelStatus.kInfeasible
-    is_interrupted = status == highspy.HighsModelStatus.kInterrupt
-    bound = math.inf if is_infeasible else float(info.mip_dual_bound)
-    return Outcome(
-        values=np.array(highs.getSolution().col_value) if has_solution and not is_infeasible else None,
-        objective=float(info.objective_function_value) if has_solution and not is_infeasible else math.inf,
-        bound=bound if math.isfinite(bound) or is_infeasible else -math.inf,
-        stop=state.stop if is_interrupted and state.stop is not None else _STOPS[status],
-        n_nodes=max(int(info.mip_node_count), 0),
-        seconds=seconds,
-        first_incumbent=state.first_incumbent,
-        root_bound=bound if state.n_nodes <= 1 else state.root_bound,
-    )
+    def _outcome(self, stop: Stop, status: str, bound: float) -> Outcome:
+        bound = bound if math.isfinite(bound) and stop is not Stop.NUMERICS else -math.inf
+        return Outcome(
+            values=self.values,
+            objective=self.objective,
+            bound=bound,
+            stop=stop,
+            status=status,
+            n_nodes=self.state.n_nodes,
+            seconds=self.seconds,
+            first_incumbent=self.state.first_incumbent,
+            root_bound=bound if self.state.n_nodes <= 1 else self.state.root_bound,
+        )

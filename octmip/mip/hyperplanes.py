@@ -8,6 +8,8 @@ Real normals: each feature is scaled to a range of 1, sum_j |a_jm| <= 1, and mu 
 model with mu > 0 does not hold every tree: its bound speaks about the mu-separated ones. The rule for mu:
     the widest band that the starting tree still fits into, but at most 0.005 (Bertsimas & Dunn's value) and at least
     1e-4, which is a hundred times what HiGHS may be off (feasibility + 2 integrality) at tolerance 1e-7 and finer.
+Features of extreme size are first multiplied by a power of two, which is exact, so that no range overflows; a split
+whose coefficients on the problem's own features are beyond float64 cannot be made into a tree and is not read.
 Integer normals (`Problem.integer_normals` = M): a_jm whole, |a_jm| <= M. When all features are decimal numbers of few
 digits, scaling by a power of ten makes a'x whole; then mu = 1 loses nothing and the bound speaks about every tree.
 """
@@ -26,6 +28,8 @@ from octmip.tree import HyperplaneSplit, Leaf, Split, midpoint
 
 MU_LARGEST, MU_SMALLEST = 5e-3, 1e-4
 MOST_DIGITS = 6  # of decimal features that are made whole
+MODERATE = 300  # powers of two of feature values that need no scaling: sums and products of them stay in float64
+MOST_COMMON = 900  # power of two that coefficients may be multiplied by without products beyond float64
 LARGEST_REACH = 1e6  # whole a'x beyond it would drown mu = 1 in HiGHS's tolerances
 
 Band = tuple[NDArray[np.bool_], NDArray[np.bool_]]
@@ -37,7 +41,8 @@ class Space:
 
     Attributes:
         x: (n_samples, n_features) transformed features, |x| <= half their range.
-        shift, scale: (n_features,) ``x = (feature - shift) * scale``.
+        shift, scale: (n_features,) ``x = (feature * 2^-exponent - shift) * scale``.
+        exponent: (n_features,) 0 unless a feature is of extreme size; the same for all where coefficients are whole.
         coefficient: largest |a|; 1 for real normals.
         is_integer: whether coefficients are whole.
         reach: largest |a'x|.
@@ -47,6 +52,7 @@ class Space:
     x: NDArray[np.float64]
     shift: NDArray[np.float64]
     scale: NDArray[np.float64]
+    exponent: NDArray[np.int64]
     coefficient: float
     is_integer: bool
     reach: float
@@ -59,8 +65,22 @@ class Space:
         normal[list(split.features)] = coefficients
         if self.is_integer:
             return normal
-        normal = np.divide(normal, self.scale, out=np.zeros_like(normal), where=self.scale > 0)
+        # Mantissas and powers of two apart: coefficients of features of extreme size differ by any power.
+        normal, power = np.frexp(np.divide(normal, self.scale, out=np.zeros_like(normal), where=self.scale > 0))
+        power = np.where(normal != 0, power + self.exponent, np.iinfo(np.int32).min)
+        normal = np.ldexp(normal, np.maximum(power - power.max(), -2000))
         return np.asarray(normal / max(float(np.abs(normal).sum()), 1e-300))
+
+    def coefficients_of(self, normal: NDArray[np.float64]) -> NDArray[np.float64] | None:
+        """Return the coefficients (n_features,) on the problem's own features; None where float64 does not hold them."""
+        if self.is_integer:
+            return normal
+        most, least = int(self.exponent.max()), int(self.exponent.min())
+        common = max(min((most + least) // 2, MOST_COMMON), -MOST_COMMON)
+        with np.errstate(over="ignore", under="ignore"):
+            coefficients = np.ldexp(normal * self.scale, common - self.exponent)
+        is_lost = (normal != 0) & ((np.abs(coefficients) < np.finfo(float).tiny) | ~np.isfinite(coefficients))
+        return None if is_lost.any() else np.asarray(coefficients)
 
 
 def space_of(problem: Problem, *, centred: bool = True) -> Space:
@@ -69,25 +89,37 @@ def space_of(problem: Problem, *, centred: bool = True) -> Space:
     Args:
         centred: real normals: features in [-1/2, 1/2], which halves the big M; False: in [0, 1], as printed.
     """
-    low, high = problem.features.min(axis=0), problem.features.max(axis=0)
+    exponent = _extreme_exponents(problem.features)
+    if problem.integer_normals is not None:
+        exponent = np.full_like(exponent, exponent.max())
+    features = np.ldexp(problem.features, -exponent)
+    low, high = features.min(axis=0), features.max(axis=0)
     if problem.integer_normals is None:
         scale = np.divide(1.0, high - low, out=np.zeros_like(low), where=high > low)
         shift = low / 2 + high / 2 if centred else low
         reach = 0.5 if centred else 1.0
-        return Space((problem.features - shift) * scale, shift, scale, 1.0, False, reach, False)
+        return Space((features - shift) * scale, shift, scale, exponent, 1.0, False, reach, False)
     largest = float(problem.integer_normals)
-    digits = _decimal_digits(problem.features)
+    digits = None if exponent.any() else _decimal_digits(features)
     widest = np.sort(high - low)[::-1][: problem.max_split_size].sum()
     if digits is not None and largest * widest * 10.0**digits <= LARGEST_REACH:
-        whole = np.round(problem.features * 10.0**digits)
+        whole = np.round(features * 10.0**digits)
         shift = np.floor((whole.min(axis=0) + whole.max(axis=0)) / 2)
         x = whole - shift
         reach = largest * float(np.sort(np.abs(x).max(axis=0))[::-1][: problem.max_split_size].sum())
-        return Space(x, shift / 10.0**digits, np.full(len(low), 10.0**digits), largest, True, max(reach, 1.0), True)
+        return Space(
+            x, shift / 10.0**digits, np.full(len(low), 10.0**digits), exponent, largest, True, max(reach, 1.0), True
+        )
     scale = np.full(len(low), 1.0 / max(float((high - low).max()), 1e-300))
     shift = low / 2 + high / 2
     reach = largest * widest * float(scale[0]) / 2
-    return Space((problem.features - shift) * scale, shift, scale, largest, True, max(reach, 1e-3), False)
+    return Space((features - shift) * scale, shift, scale, exponent, largest, True, max(reach, 1e-3), False)
+
+
+def _extreme_exponents(features: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Return the power of two (n_features,) of each feature's largest size, 0 where that is moderate."""
+    exponent = np.frexp(np.abs(features).max(axis=0))[1].astype(np.int64)
+    return np.where(np.abs(exponent) > MODERATE, exponent, 0)
 
 
 def _decimal_digits(features: NDArray[np.float64]) -> int | None:
@@ -175,22 +207,35 @@ class Hyperplanes:
             normal = np.round(normal) if self.space.is_integer else normal * (np.abs(normal) >= 1e-9)
             middle = float(values[self.b[t]]) - self.mu / 2
             if values[self.d[t]] > 0.5 and normal.any():
-                found[t + 1] = self._split(normal, middle)
+                split = self._split(normal, middle)
+                if split is not None:
+                    found[t + 1] = split
             elif values[self.d[t]] > 0.5 and middle > 0:  # 0'x < b: a split that sends everything left
                 j = int(values[self.s[:, t]].argmax())
                 found[t + 1] = HyperplaneSplit((j,), (1.0,), float(self.problem.features[:, j].max()), Leaf(0), Leaf(0))
         return found
 
-    def _split(self, normal: NDArray[np.float64], middle: float) -> HyperplaneSplit:
-        """Return a split of the problem's own features, its offset midway between the nearest samples."""
+    def _split(self, normal: NDArray[np.float64], middle: float) -> HyperplaneSplit | None:
+        """Return a split of the problem's own features, its offset midway between the nearest samples.
+
+        None where float64 does not hold it.
+        """
         features = np.flatnonzero(normal)
-        coefficients = normal[features] * (1.0 if self.space.is_integer else self.space.scale[features])
+        on_own = self.space.coefficients_of(normal)
+        if on_own is None:
+            return None
+        coefficients = on_own[features]
         totals = np.zeros(self.problem.n_samples)
-        for j, coefficient in zip(features, coefficients, strict=True):  # in the order of `tree.goes_left`
-            totals += coefficient * self.problem.features[:, j]
+        with np.errstate(over="ignore", invalid="ignore"):
+            for j, coefficient in zip(features, coefficients, strict=True):  # in the order of `tree.goes_left`
+                totals += coefficient * self.problem.features[:, j]
+        if not np.isfinite(totals).all():
+            return None
         is_left = self.space.x @ normal < middle
         if is_left.all() or not is_left.any():
             offset = float(totals.max()) if is_left.all() else float(np.nextafter(totals.min(), -np.inf))
+            if not math.isfinite(offset):
+                return None
         else:
             offset = midpoint(float(totals[is_left].max()), float(totals[~is_left].min()))
         return HyperplaneSplit(tuple(map(int, features)), tuple(map(float, coefficients)), offset, Leaf(0), Leaf(0))
@@ -209,14 +254,21 @@ def fit(normal: NDArray[np.float64], x: NDArray[np.float64], band: Band) -> tupl
 
 
 def add_hyperplanes(
-    rows: Rows, problem: Problem, heap: Heap, space: Space, mu: float, max_splits: int | None = None
+    rows: Rows,
+    problem: Problem,
+    heap: Heap,
+    space: Space,
+    mu: float,
+    max_splits: int | None = None,
+    *,
+    penalty: float,
 ) -> Hyperplanes:
     """Add the columns of hyperplane splits and all rows on them but the samples'."""
     features, branches = range(problem.n_features), heap.branches
     usable = np.array(usable_features(problem))[:, None]
     largest = usable * space.coefficient
     a = rows.columns("a", (features, branches), -largest, largest, integer=space.is_integer)
-    s = rows.columns("s", (features, branches), 0.0, usable, cost=problem.leaf_penalty, integer=True)
+    s = rows.columns("s", (features, branches), 0.0, usable, cost=penalty, integer=True)
     b = rows.columns("b", (branches,), -space.reach, space.reach)
     d = rows.columns("d", (branches,), integer=True)
     flat_a, flat_s, flat_d = a.reshape(-1, 1), s.reshape(-1, 1), np.tile(d, len(features))[:, None]

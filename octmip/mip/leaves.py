@@ -8,6 +8,7 @@ import pyomo.environ as pyo
 from numpy.typing import NDArray
 
 from octmip.mip.heap import Heap, Placed
+from octmip.mip.prices import Prices, own_prices
 from octmip.mip.rows import Columns, Rows, Term
 from octmip.problem import Problem
 
@@ -19,21 +20,21 @@ class Leaves:
     z: Columns  # (n_samples, n_leaves)
     l: Columns  # noqa: E741  (n_leaves,) the paper's letter
     c: Columns  # (n_classes, n_leaves)
-    N_kt: Columns  # (n_classes, n_leaves)
+    N_kt: Columns  # (n_profiles, n_leaves); a profile is a class, unless `Prices` parts its samples
     N_t: Columns  # (n_leaves,)
     L: Columns  # (n_leaves,)
 
-    def set(self, values: NDArray[np.float64], problem: Problem, heap: Heap, placed: Placed) -> None:
+    def set(self, values: NDArray[np.float64], prices: Prices, heap: Heap, placed: Placed) -> None:
         """Write a tree laid into the heap into `values` (n_columns,)."""
-        values[self.z[np.arange(problem.n_samples), placed.position]] = 1
+        values[self.z[np.arange(len(self.z)), placed.position]] = 1
         for t, leaf in enumerate(heap.leaves):
             rows = np.flatnonzero(placed.position == t)
             if len(rows):
                 label = placed.labels[leaf]
                 values[self.l[t]] = values[self.c[label, t]] = 1
-                values[self.N_kt[:, t]] = np.bincount(problem.codes[rows], problem.weights[rows], problem.n_classes)
-                values[self.N_t[t]] = problem.weights[rows].sum()
-                values[self.L[t]] = problem.class_costs(rows)[label]
+                values[self.N_kt[:, t]] = np.bincount(prices.profile[rows], prices.weights[rows], prices.n_profiles)
+                values[self.N_t[t]] = prices.weights[rows].sum()
+                values[self.L[t]] = prices.of_labels(rows)[label]
 
     def labels(self, values: NDArray[np.float64], heap: Heap) -> dict[int, int]:
         """Return the label of every leaf that has one."""
@@ -41,49 +42,37 @@ class Leaves:
         return {leaf: int(chosen[t]) for t, leaf in enumerate(heap.leaves) if values[self.l[t]] > 0.5}
 
 
-def is_zero_one(problem: Problem) -> bool:
-    """Whether the costs are 0/1, so that the printed N_t - N_kt is the cost of predicting k."""
-    return np.array_equal(problem.costs, 1 - np.eye(problem.n_classes))
-
-
-def largest_cost(problem: Problem) -> float:
-    """Return W: no leaf can cost more (the printed n when weights are 1 and costs 0/1)."""
-    return (
-        float(problem.weights.sum())
-        if is_zero_one(problem)
-        else float((problem.weights * problem.costs[problem.codes].max(axis=1)).sum())
-    )
-
-
-def add_leaves(rows: Rows, problem: Problem, heap: Heap) -> Leaves:
+def add_leaves(rows: Rows, problem: Problem, heap: Heap, prices: Prices) -> Leaves:
     """Add the leaves' columns and rows, eq. 6-8, 15-16, 18, 20-22, and return the columns."""
     samples, leaves, classes = range(problem.n_samples), heap.leaves, range(problem.n_classes)
     z = rows.columns("z", (samples, leaves), integer=True)
     l = rows.columns("l", (leaves,), integer=True)  # noqa: E741
     c = rows.columns("c", (classes, leaves), integer=True)
-    N_kt = rows.columns("N_kt", (classes, leaves), upper=np.inf)
+    profiles = range(prices.n_profiles)
+    N_kt = rows.columns("N_kt", (profiles, leaves), upper=np.inf)
     N_t = rows.columns("N_t", (leaves,), upper=np.inf)
     L = rows.columns("L", (leaves,), upper=np.inf, cost=1.0)
-    of_class = (problem.codes[None, :] == np.arange(problem.n_classes)[:, None]) * problem.weights
     rows.add("one_leaf", 1, 1, (z, 1.0))
     rows.add("leaf_used", -np.inf, 0, (z.reshape(-1, 1), 1.0), (np.tile(l, len(z))[:, None], -1.0))
     rows.add("leaf_size", 0, np.inf, (z.T, 1.0), (l[:, None], -float(problem.leaf_size)))
     rows.add("one_class", 0, 0, (c.T, 1.0), (l[:, None], -1.0))
-    rows.add("leaf_weight", 0, 0, (N_t[:, None], 1.0), (z.T, -problem.weights))
+    rows.add("leaf_weight", 0, 0, (N_t[:, None], 1.0), (z.T, -prices.weights))
+    for r in profiles:
+        own = np.flatnonzero(prices.profile == r)
+        rows.add("class_weight", 0, 0, (N_kt[r][:, None], 1.0), (z[own].T, -prices.weights[own]))
     for k in classes:
-        rows.add("class_weight", 0, 0, (N_kt[k][:, None], 1.0), (z.T, -of_class[k]))
-        _add_cost_rows(rows, problem, k, Leaves(z, l, c, N_kt, N_t, L))
+        _add_cost_rows(rows, prices, k, Leaves(z, l, c, N_kt, N_t, L))
     return Leaves(z, l, c, N_kt, N_t, L)
 
 
-def _add_cost_rows(rows: Rows, problem: Problem, k: int, leaves: Leaves) -> None:
+def _add_cost_rows(rows: Rows, prices: Prices, k: int, leaves: Leaves) -> None:
     """Add eq. 20 and 21 for class k: L_t - (cost of predicting k in t) - W c_kt >= -W, and L_t - cost - W c_kt <= 0."""
-    W = largest_cost(problem)
+    W = prices.worst
     cost: list[Term]
-    if is_zero_one(problem):
+    if prices.is_zero_one:
         cost = [(leaves.N_t[:, None], -1.0), (leaves.N_kt[k][:, None], 1.0)]
     else:
-        cost = [(leaves.N_kt.T, -problem.costs[:, k])]
+        cost = [(leaves.N_kt.T, -prices.costs[:, k])]
     L, c = leaves.L[:, None], leaves.c[k][:, None]
     rows.add("cost_if_chosen", -W, np.inf, (L, 1.0), *cost, (c, -W))
     rows.add("cost_at_most", -np.inf, 0, (L, 1.0), *cost, (c, -W))
@@ -91,11 +80,12 @@ def _add_cost_rows(rows: Rows, problem: Problem, k: int, leaves: Leaves) -> None
 
 def state_leaves(M: Any, problem: Problem, heap: Heap) -> Any:
     """Add the same to a Pyomo model, as on paper, and return sum_t L_t."""
-    w, y, costs, W, N_min = problem.weights, problem.codes, problem.costs, largest_cost(problem), problem.leaf_size
+    own = own_prices(problem)
+    w, y, costs, W, N_min = problem.weights, problem.codes, problem.costs, own.worst, problem.leaf_size
     T_L, samples, K = heap.leaves, range(problem.n_samples), range(problem.n_classes)
 
     def cost_of(k: int, t: int) -> Any:
-        return M.N_t[t] - M.N_kt[k, t] if is_zero_one(problem) else sum(costs[i, k] * M.N_kt[i, t] for i in K)
+        return M.N_t[t] - M.N_kt[k, t] if own.is_zero_one else sum(costs[i, k] * M.N_kt[i, t] for i in K)
 
     def weight_of(k: int, t: int) -> Any:
         return sum(w[i] * M.z[i, t] for i in samples if y[i] == k)

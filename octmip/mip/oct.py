@@ -49,9 +49,11 @@ from numpy.typing import NDArray
 
 from octmip.encoding import Ranks, rank_features
 from octmip.mip import axis, extras, flow
+from octmip.mip.answer import Known
 from octmip.mip.engine import Request, drive
 from octmip.mip.heap import Heap, Placed
 from octmip.mip.leaves import Leaves, add_leaves, state_leaves
+from octmip.mip.prices import Prices, own_prices
 from octmip.mip.rows import Columns, Rows
 from octmip.problem import Problem
 from octmip.solution import Limits, ProgressCallback, Solution
@@ -70,6 +72,7 @@ class Oct:
     b: Columns  # (n_branches,)
     d: Columns  # (n_branches,)
     leaves: Leaves
+    prices: Prices
     scope: str = "all axis-aligned trees"
     tolerance: float = 1e-6
     notes: Mapping[str, object] = field(default_factory=dict)
@@ -82,7 +85,7 @@ class Oct:
             # The smallest value on the right: the midpoint would break the left row, which asks for a whole eps.
             values[self.b[m - 1]] = (axis.cut_of(split, self.ranks) + 1) / axis.n_cuts(self.ranks)[feature]
             values[self.a[feature, m - 1]] = values[self.d[m - 1]] = 1
-        self.leaves.set(values, self.problem, self.heap, placed)
+        self.leaves.set(values, self.prices, self.heap, placed)
         extras.set_sensors(values, self.rows, self.problem, placed)
         return values
 
@@ -93,6 +96,8 @@ class Oct:
             if values[self.d[m - 1]] > 0.5:
                 feature = int(values[self.a[:, m - 1]].argmax())
                 cut = int(np.ceil(values[self.b[m - 1]] * axis.n_cuts(self.ranks)[feature] - 0.5)) - 1
+                if cut < 0:  # everything goes right, as at a node without a split
+                    continue
                 found[m] = Split(feature, axis.threshold_at(feature, cut, self.ranks), Leaf(0), Leaf(0))
         return found
 
@@ -101,20 +106,30 @@ class Oct:
         return self.leaves.labels(values, self.heap)
 
 
-def encode(problem: Problem, *, closed: bool = True, max_splits: int | None = None) -> Oct:
+def encode(
+    problem: Problem,
+    *,
+    closed: bool = True,
+    max_splits: int | None = None,
+    prices: Prices | None = None,
+    rows: Rows | None = None,
+) -> Oct:
     """Return OCT as rows, built a family at a time: the same model as `statement`, forty times faster.
 
     Args:
         closed: whether unsplit nodes are kept from leaking (see the module).
         max_splits: at most so many splits, the C of Bertsimas & Dunn's tuning; None: no limit.
+        prices: what is minimised; None: the problem's own weights, costs and penalty, as `statement` has them.
+        rows: an empty model to build in, watched for limits; None: a new one.
     """
-    ranks, heap, rows = rank_features(problem), Heap(problem.depth), Rows()
+    prices, rows = prices or own_prices(problem), rows or Rows()
+    ranks, heap = rank_features(problem), Heap(problem.depth)
     x, eps = scaled_features(ranks)
     usable = np.isin(np.arange(problem.n_features), axis.usable_features(problem, ranks))
     features, branches = range(problem.n_features), heap.branches
     a = rows.columns("a", (features, branches), upper=np.repeat(usable[:, None], len(branches), 1), integer=True)
     b = rows.columns("b", (branches,))
-    d = rows.columns("d", (branches,), cost=problem.leaf_penalty, integer=True)
+    d = rows.columns("d", (branches,), cost=prices.penalty, integer=True)
     rows.add("one_feature", 0, 0, (a.T, 1.0), (d[:, None], -1.0))
     rows.add("threshold", -np.inf, 0, (b[:, None], 1.0), (d[:, None], -1.0))
     if len(branches) > 1:
@@ -122,7 +137,7 @@ def encode(problem: Problem, *, closed: bool = True, max_splits: int | None = No
         rows.add("parent_splits", -np.inf, 0, (d[1:, None], 1.0), (d[parent][:, None], -1.0))
     if max_splits is not None:
         rows.add("max_splits", -np.inf, max_splits, (d, 1.0))
-    leaves = add_leaves(rows, problem, heap)
+    leaves = add_leaves(rows, problem, heap, prices)
     shift, room = (eps.min(), 1 + eps.max()) if closed else (0.0, 1 + eps.max())
     for t, leaf in enumerate(heap.leaves):
         z = leaves.z[:, [t]]
@@ -133,7 +148,7 @@ def encode(problem: Problem, *, closed: bool = True, max_splits: int | None = No
                 "left", -np.inf, room - shift, (a[:, m - 1][None, :], x + eps - shift), (b[[m - 1]], -1.0), (z, room)
             )
     extras.add_sensor_rows(rows, problem, [dict(enumerate(a[:, m - 1])) for m in branches])
-    return Oct(problem, ranks, heap, rows, a, b, d, leaves)
+    return Oct(problem, ranks, heap, rows, a, b, d, leaves, prices)
 
 
 def scaled_features(ranks: Ranks) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -200,6 +215,10 @@ def solve_oct(
     """
     axis.require_axis(problem, "oct")
     settings = Request("oct", limits, incumbent, seed, n_jobs, progress, **request)
-    if strengthen:
-        return drive(problem, lambda best: flow.encode(problem, best, max_splits=max_splits), settings)
-    return drive(problem, lambda _: encode(problem, max_splits=max_splits), settings)
+
+    def build(known: Known) -> Oct | flow.Flow:
+        if strengthen:
+            return flow.encode(problem, known.tree, max_splits=max_splits, prices=known.prices, rows=known.rows)
+        return encode(problem, max_splits=max_splits, prices=known.prices, rows=known.rows)
+
+    return drive(problem, build, settings)

@@ -37,6 +37,7 @@ from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
 from octmip.mip import extras, flow
+from octmip.mip.answer import Known
 from octmip.mip.engine import Request, drive
 from octmip.mip.heap import Heap, Placed, place
 from octmip.mip.hyperplanes import (
@@ -48,6 +49,7 @@ from octmip.mip.hyperplanes import (
     usable_features,
 )
 from octmip.mip.leaves import Leaves, add_leaves, state_leaves
+from octmip.mip.prices import Prices, own_prices
 from octmip.mip.rows import Rows
 from octmip.problem import Problem
 from octmip.solution import Limits, ProgressCallback, Solution
@@ -63,6 +65,7 @@ class OctH:
     rows: Rows
     hyperplanes: Hyperplanes
     leaves: Leaves
+    prices: Prices
 
     @property
     def scope(self) -> str:
@@ -85,7 +88,7 @@ class OctH:
         bands = {m: all_samples_band(placed, self.heap, m) for m in placed.splits}
         if not self.hyperplanes.set(values, placed, bands):
             return None
-        self.leaves.set(values, self.problem, self.heap, placed)
+        self.leaves.set(values, self.prices, self.heap, placed)
         extras.set_sensors(values, self.rows, self.problem, placed)
         return values
 
@@ -98,16 +101,26 @@ class OctH:
         return self.leaves.labels(values, self.heap)
 
 
-def encode(problem: Problem, mu: float, *, max_splits: int | None = None) -> OctH:
+def encode(
+    problem: Problem,
+    mu: float,
+    *,
+    max_splits: int | None = None,
+    prices: Prices | None = None,
+    rows: Rows | None = None,
+) -> OctH:
     """Return OCT-H as rows, built a family at a time: the same model as `statement`.
 
     Args:
         mu: strictness.
         max_splits: at most so many features summed over the splits, the C of Bertsimas & Dunn's tuning.
+        prices: what is minimised; None: the problem's own weights, costs and penalty, as `statement` has them.
+        rows: an empty model to build in, watched for limits; None: a new one.
     """
-    heap, rows, space = Heap(problem.depth), Rows(), space_of(problem, centred=False)
-    hyperplanes = add_hyperplanes(rows, problem, heap, space, mu, max_splits)
-    leaves = add_leaves(rows, problem, heap)
+    prices, rows = prices or own_prices(problem), rows or Rows()
+    heap, space = Heap(problem.depth), space_of(problem, centred=False)
+    hyperplanes = add_hyperplanes(rows, problem, heap, space, mu, max_splits, penalty=prices.penalty)
+    leaves = add_leaves(rows, problem, heap, prices)
     a, b, wide = hyperplanes.a, hyperplanes.b, 2 * space.reach
     for t, leaf in enumerate(heap.leaves):
         z = leaves.z[:, [t]]
@@ -118,7 +131,7 @@ def encode(problem: Problem, mu: float, *, max_splits: int | None = None) -> Oct
             normal = (a[:, m - 1][None, :], space.x)
             rows.add("right", -wide, np.inf, normal, (b[[m - 1]], -1.0), (z, -wide))
     extras.add_sensor_rows(rows, problem, [hyperplanes.feature_columns(m) for m in heap.branches])
-    return OctH(problem, heap, rows, hyperplanes, leaves)
+    return OctH(problem, heap, rows, hyperplanes, leaves, prices)
 
 
 def statement(problem: Problem, mu: float, *, max_splits: int | None = None) -> Any:
@@ -208,13 +221,13 @@ def solve_oct_h(
     if problem.split != "hyperplane":
         raise ProblemError(f"method 'oct_h' finds hyperplane trees but split is {problem.split!r}; say method='oct'")
     settings = Request("oct_h", limits, incumbent, seed, n_jobs, progress, **request)
-    if strengthen:
-        return drive(problem, lambda best: flow.encode(problem, best, max_splits=max_splits, mu=mu), settings)
 
-    def build(best: Node) -> OctH:
+    def build(known: Known) -> OctH | flow.Flow:
+        if strengthen:
+            return flow.encode(problem, known.tree, max_splits=max_splits, mu=mu, prices=known.prices, rows=known.rows)
         heap = Heap(problem.depth)
-        placed = place(best, heap, problem.features)
+        placed = place(known.tree, heap, problem.features)
         strictness = choose_mu(space_of(problem, centred=False), placed, heap) if mu is None else mu
-        return encode(problem, strictness, max_splits=max_splits)
+        return encode(problem, strictness, max_splits=max_splits, prices=known.prices, rows=known.rows)
 
     return drive(problem, build, settings)

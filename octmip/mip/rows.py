@@ -8,7 +8,8 @@ A family of rows is given by its terms, each an array of columns (n_rows, n_term
     rows.add("one leaf", 1, 1, (z, 1.0))          # sum_t z[i, t] = 1 for every i
 """
 
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from itertools import product
 from typing import Any
@@ -19,12 +20,21 @@ from numpy.typing import ArrayLike, NDArray
 
 Columns = NDArray[np.int64]
 Term = tuple[Columns, NDArray[Any] | float]
+Watch = Callable[[], None]
+
+BYTES_OF_ENTRY = 40  # row, column, value, and the passes that make a matrix of them
+BYTES_OF_COLUMN = 80
 
 
 @dataclass(slots=True, eq=False)
 class Rows:
-    """A mixed-integer model under construction."""
+    """A mixed-integer model under construction.
 
+    Attributes:
+        watch: called before every family with the bytes that the model takes with it; may raise when a limit is reached.
+    """
+
+    watch: Callable[[float], None] | None = None
     offset: float = 0.0
     n_columns: int = 0
     n_rows: int = 0
@@ -34,6 +44,14 @@ class Rows:
     _entries: list[tuple[Columns, Columns, NDArray[np.float64]]] = field(default_factory=list)
     _bounds: list[tuple[NDArray[np.float64], NDArray[np.float64]]] = field(default_factory=list)
     _priced: NDArray[np.float64] | None = None  # the costs, once they are in a row of their own
+    _n_entries: int = 0
+    _matrix: sp.csr_array | None = None  # what `matrix` made of the entries so far
+
+    def look(self, columns: int = 0, entries: int = 0) -> None:
+        """Ask `watch` whether so many more columns and entries are within the limits."""
+        if self.watch is not None:
+            size = (self.n_columns + columns) * BYTES_OF_COLUMN + (self._n_entries + entries) * BYTES_OF_ENTRY
+            self.watch(float(size))
 
     def columns(
         self,
@@ -47,7 +65,8 @@ class Rows:
     ) -> Columns:
         """Add a family of columns with the given subscripts and return their indices, one axis for each."""
         shape = tuple(len(axis) for axis in axes)
-        size = int(np.prod(shape))
+        size = math.prod(shape)
+        self.look(columns=size)
         index = np.arange(self.n_columns, self.n_columns + size, dtype=np.int64).reshape(shape)
         values = (lower, upper, cost, float(integer))
         self._columns.append(tuple(np.broadcast_to(np.asarray(v, dtype=float), shape).ravel() for v in values))
@@ -58,6 +77,8 @@ class Rows:
     def add(self, name: str, lower: ArrayLike, upper: ArrayLike, *terms: Term) -> None:
         """Add a family of rows: ``lower <= sum of coefficients * columns <= upper``, one row for each term row."""
         count = max(len(np.atleast_2d(columns)) for columns, _ in terms)
+        self.look(entries=count * sum(np.atleast_2d(columns).shape[1] for columns, _ in terms))
+        self._matrix = None
         for columns, coefficients in terms:
             wide = np.atleast_2d(columns)
             full = np.broadcast_to(wide, (count, wide.shape[1]))
@@ -65,6 +86,7 @@ class Rows:
             row = np.repeat(np.arange(self.n_rows, self.n_rows + count), full.shape[1])
             keep = numbers != 0
             self._entries.append((row[keep], full.ravel()[keep], numbers[keep]))
+            self._n_entries += len(self._entries[-1][0])
         bounds = (np.broadcast_to(np.asarray(v, dtype=float), (count,)) for v in (lower, upper))
         self._bounds.append((next(bounds), next(bounds)))
         self.row_families.append((name, count))
@@ -115,10 +137,16 @@ class Rows:
 
     def matrix(self) -> sp.csr_array:
         """Return A (n_rows, n_columns); coefficients given twice are added."""
-        row, column, value = (np.concatenate(part) for part in zip(*self._entries, strict=True))
-        matrix = sp.coo_array((value, (row, column)), shape=(self.n_rows, self.n_columns)).tocsr()
-        matrix.eliminate_zeros()
-        return matrix
+        if self._matrix is None or self._matrix.shape[1] != self.n_columns:
+            row, column, value = (np.concatenate(part) for part in zip(*self._entries, strict=True))
+            self._matrix = sp.coo_array((value, (row, column)), shape=(self.n_rows, self.n_columns)).tocsr()
+            self._matrix.eliminate_zeros()
+        return self._matrix
+
+    @property
+    def n_entries(self) -> int:
+        """Number of coefficients given so far."""
+        return self._n_entries
 
     def objective(self, values: NDArray[np.float64]) -> float:
         """Return the objective at `values` (n_columns,)."""

@@ -20,7 +20,6 @@ from octmip.mip import axis
 from octmip.mip.heap import Heap, Placed
 from octmip.mip.hyperplanes import Band
 from octmip.mip.rows import Columns, Rows, Term
-from octmip.problem import Problem
 from octmip.tree import Leaf, Split
 
 Cuts = dict[int, NDArray[np.int64]]  # by feature: the admissible cuts, ascending
@@ -100,17 +99,18 @@ class Thresholds:
 
 def add_thresholds(
     rows: Rows,
-    problem: Problem,
     ranks: Ranks,
     heap: Heap,
     cuts: Mapping[int, Cuts],
     max_splits: int | None = None,
+    *,
+    penalty: float,
 ) -> Thresholds:
     """Add S, its monotony, at most one feature a node, no split below an unsplit node, at most `max_splits`."""
     lengths = [len(of_feature) for at_node in cuts.values() for of_feature in at_node.values()]
     count = sum(lengths)
     price = np.zeros(count)  # the penalty is paid by S_mj0, the first column of each feature
-    price[np.cumsum([0, *lengths[:-1]])[: len(lengths)]] = problem.leaf_penalty
+    price[np.cumsum([0, *lengths[:-1]])[: len(lengths)]] = penalty
     flat = rows.columns("S", (range(count),), cost=price, integer=True)
     S: dict[int, dict[int, Columns]] = {}
     taken = 0

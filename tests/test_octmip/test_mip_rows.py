@@ -10,8 +10,8 @@ from pyomo.repn import generate_standard_repn
 from benchmarks.oracles.strategies import random_problem, random_tree
 from octmip.encoding import rank_features, rows_from_tree, tree_from_rows
 from octmip.mip import flow, oct
-from octmip.mip.engine import objective_of, tidy
 from octmip.mip.heap import Heap, lift, place
+from octmip.mip.incumbent import objective_of, tidy
 from octmip.mip.rows import Rows
 from octmip.tree import Leaf, Split
 from tests.test_octmip.test_mip import CASES
