@@ -3,11 +3,11 @@
 import math
 from typing import Any
 
+from octmip.gap.campaign.noise import Noise
 from octmip.gap.causes import Cause, Tie
 from octmip.gap.diagnosis import Diagnosis
 from octmip.gap.location import Place, Where
 from octmip.gap.next_test import Proposal
-from octmip.gap.noise import Noise
 from octmip.gap.shrinkage import Shrinkage
 from octmip.gap.sizes import Parameter
 from octmip.gap.words import verdict

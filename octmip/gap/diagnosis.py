@@ -10,16 +10,16 @@ from threadpoolctl import threadpool_limits
 from octmip.errors import DataError
 from octmip.gap.ambiguity import ABSURD, detectable
 from octmip.gap.augment import Addition, AugmentedTwin
-from octmip.gap.campaign import Campaign
+from octmip.gap.campaign.campaign import Campaign
+from octmip.gap.campaign.clipping import unclipped
+from octmip.gap.campaign.noise import Noise, estimate_noise, given_noise
 from octmip.gap.causes import UNKNOWN, Cause, Tie, cleared, credible_set, tell_causes, with_misfit
-from octmip.gap.clipping import unclipped
 from octmip.gap.discrepancy import Discrepancy, calibrated, uncalibrated
 from octmip.gap.effects import CHAIN
 from octmip.gap.library import library_columns, priors
 from octmip.gap.location import Where, localise
 from octmip.gap.memory import Memory
 from octmip.gap.next_test import Proposal, next_tests
-from octmip.gap.noise import Noise, estimate_noise, given_noise
 from octmip.gap.posterior import Posterior, attribute
 from octmip.gap.scene import Scene, Setting, blocks_of
 from octmip.gap.shrinkage import Shrinkage, measure_shrinkage

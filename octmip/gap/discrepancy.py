@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
-from octmip.gap.campaign import Campaign, Cell
+from octmip.gap.campaign.campaign import Campaign, Cell
+from octmip.gap.campaign.noise import Noise, estimate_noise
 from octmip.gap.memory import Memory
-from octmip.gap.noise import Noise, estimate_noise
 
 COMMON = 0.010
 """Relative sd of the part common to all gauges. Measured between two codes on one wing: 0.6 to 0.9 %."""

@@ -21,11 +21,11 @@ import numpy as np
 import scipy.linalg as linalg
 from numpy.typing import NDArray
 
-from octmip.gap.campaign import Campaign, Cell
+from octmip.gap.campaign.campaign import Campaign, Cell
+from octmip.gap.campaign.noise import Noise
 from octmip.gap.discrepancy import Discrepancy
 from octmip.gap.library import Column, Priors
 from octmip.gap.memory import Memory
-from octmip.gap.noise import Noise
 from octmip.twin import Effect, State
 
 Floats = NDArray[np.float64]

@@ -22,7 +22,7 @@ from scipy.special import digamma, polygamma
 from sklearn.covariance import ledoit_wolf
 
 from octmip.errors import DataError
-from octmip.gap.campaign import FEWEST_REPEATS, Campaign, Cell
+from octmip.gap.campaign.campaign import FEWEST_REPEATS, Campaign, Cell
 
 SIGNIFICANT = 4.0
 """Standard deviations beyond which a property of the noise is reported and used."""
