@@ -12,8 +12,8 @@ import octmip
 from femlib.wing import WingTwin, uav_wing
 from femlib.wing.effects import wing_effects
 from octmip.gap import AugmentedTwin, diagnose, read_campaign
-from octmip.gap.as_json import as_object
-from octmip.gap.memory import Memory
+from octmip.gap.twins.cached import Memory
+from octmip.report.diagnosis.as_json import as_object
 
 HELD_LOAD = 2.5
 MOST_PROBABLE = 6

@@ -14,10 +14,10 @@ from benchmarks.cpu import Stopwatch
 from femlib.wing import WingTwin, uav_wing
 from femlib.wing.effects import wing_effects
 from octmip.gap import CHAIN, Campaign
-from octmip.gap.ambiguity import separations
 from octmip.gap.diagnosis import prepare
-from octmip.gap.memory import Memory
-from octmip.gap.scene import Scene, build_scene
+from octmip.gap.inference.confounding import separations
+from octmip.gap.inference.linear_model import Scene, build_scene
+from octmip.gap.twins.cached import Memory
 
 LOADS = (0.0, 1.0, 2.0, 3.0)
 SOUND, DAMAGED = (0.0, 0.0), (0.25, 0.45)

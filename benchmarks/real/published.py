@@ -19,8 +19,8 @@ from benchmarks.real.geometry import placing_effects
 from benchmarks.real.telling import show_causes
 from femlib.wing import WingTwin, uav_twin
 from octmip.gap import CHAIN, Addition, AugmentedTwin, Campaign, Diagnosis, diagnose
-from octmip.gap.discrepancy import Discrepancy
-from octmip.gap.memory import Memory
+from octmip.gap.inference.discrepancy import Discrepancy
+from octmip.gap.twins.cached import Memory
 from octmip.twin import Twin
 
 TABLE = SHARED / "uav" / "strains.csv"

@@ -1,11 +1,11 @@
 """Why the real asset does not behave like its twin: where, which effect, how far the gap closes, what to test next."""
 
-from octmip.gap.augment import Addition, AugmentedTwin
 from octmip.gap.campaign.campaign import Campaign, Cell
 from octmip.gap.campaign.reader import read_campaign
 from octmip.gap.diagnosis import Diagnosis, diagnose, rounds
 from octmip.gap.effects import CHAIN
-from octmip.gap.memory import Memory
+from octmip.gap.twins.augmented import Addition, AugmentedTwin
+from octmip.gap.twins.cached import Memory
 
 __all__ = [
     "CHAIN",

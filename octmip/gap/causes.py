@@ -12,11 +12,11 @@ from itertools import permutations
 
 import numpy as np
 
-from octmip.gap.ambiguity import SEPARABLE, Rival, rivals, tied_columns, visibility
-from octmip.gap.evidence import Fit, Members
-from octmip.gap.library import SCALES
-from octmip.gap.posterior import Judged, Posterior, fit_together
-from octmip.gap.shape_error import clearness, neighbours
+from octmip.gap.inference.candidates import SCALES
+from octmip.gap.inference.confounding import SEPARABLE, Rival, rivals, tied_columns, visibility
+from octmip.gap.inference.evidence import Fit, Members
+from octmip.gap.inference.posterior import Judged, Posterior, fit_together
+from octmip.gap.inference.signature_error import clearness, neighbours
 from octmip.gap.shrinkage import Shrinkage, chance_of_rest
 from octmip.gap.sizes import Parameter, parameters
 

@@ -8,23 +8,23 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from octmip.errors import DataError
-from octmip.gap.ambiguity import ABSURD, detectable
-from octmip.gap.augment import Addition, AugmentedTwin
 from octmip.gap.campaign.campaign import Campaign
 from octmip.gap.campaign.clipping import unclipped
 from octmip.gap.campaign.noise import Noise, estimate_noise, given_noise
 from octmip.gap.causes import UNKNOWN, Cause, Tie, cleared, credible_set, tell_causes, with_misfit
-from octmip.gap.discrepancy import Discrepancy, calibrated, uncalibrated
 from octmip.gap.effects import CHAIN
-from octmip.gap.library import library_columns, priors
+from octmip.gap.inference.candidates import library_columns, priors
+from octmip.gap.inference.confounding import ABSURD, detectable
+from octmip.gap.inference.discrepancy import Discrepancy, calibrated, uncalibrated
+from octmip.gap.inference.linear_model import Scene, Setting, blocks_of
+from octmip.gap.inference.posterior import Posterior, attribute
+from octmip.gap.inference.states import joint_covariance, state_posterior
 from octmip.gap.location import Where, localise
-from octmip.gap.memory import Memory
 from octmip.gap.next_test import Proposal, next_tests
-from octmip.gap.posterior import Posterior, attribute
-from octmip.gap.scene import Scene, Setting, blocks_of
 from octmip.gap.shrinkage import Shrinkage, measure_shrinkage
-from octmip.gap.states import joint_covariance, state_posterior
 from octmip.gap.tree_nodes import flips
+from octmip.gap.twins.augmented import Addition, AugmentedTwin
+from octmip.gap.twins.cached import Memory
 from octmip.tree import Node
 from octmip.twin import Effect, Twin
 

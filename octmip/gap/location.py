@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2, norm
 
-from octmip.gap.scene import Scene
+from octmip.gap.inference.linear_model import Scene
 
 Floats = NDArray[np.float64]
 

@@ -17,9 +17,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.gap.evidence import Fit
-from octmip.gap.posterior import Judged
-from octmip.gap.scene import Scene, named_state
+from octmip.gap.inference.evidence import Fit
+from octmip.gap.inference.linear_model import Scene, named_state
+from octmip.gap.inference.posterior import Judged
 
 Floats = NDArray[np.float64]
 

@@ -17,10 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
-from octmip.gap.evidence import Fit
+from octmip.gap.inference.evidence import Fit
+from octmip.gap.inference.linear_model import OPEN_STATE, Scene
+from octmip.gap.inference.signature_error import allowing, judge
 from octmip.gap.location import noise_variance
-from octmip.gap.scene import OPEN_STATE, Scene
-from octmip.gap.shape_error import allowing, judge
 
 Floats = NDArray[np.float64]
 

@@ -16,9 +16,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from octmip.gap.posterior import Judged, fit_together
-from octmip.gap.scene import Scene, named_state
-from octmip.gap.shape_error import BETWEEN, neighbours
+from octmip.gap.inference.linear_model import Scene, named_state
+from octmip.gap.inference.posterior import Judged, fit_together
+from octmip.gap.inference.signature_error import BETWEEN, neighbours
 from octmip.twin import Effect
 
 WIDTH = 1.645

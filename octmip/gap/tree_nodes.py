@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
+from octmip.gap.inference.linear_model import Scene
 from octmip.gap.location import Flip
-from octmip.gap.scene import Scene
 from octmip.tree import HyperplaneSplit, Leaf, Node, Split, goes_left
 
 Floats = NDArray[np.float64]

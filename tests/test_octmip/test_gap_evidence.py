@@ -8,9 +8,9 @@ from scipy.stats import multivariate_normal
 
 from octmip.gap import CHAIN
 from octmip.gap.diagnosis import prepare
-from octmip.gap.evidence import extensions, fit
-from octmip.gap.library import SCALES
-from octmip.gap.scene import build_scene
+from octmip.gap.inference.candidates import SCALES
+from octmip.gap.inference.evidence import extensions, fit
+from octmip.gap.inference.linear_model import build_scene
 from tests.test_octmip.beam_twin import Beam, measured
 
 TWIN = Beam()

@@ -6,8 +6,8 @@ from scipy.stats import multivariate_normal
 
 from octmip.gap import CHAIN, diagnose
 from octmip.gap.diagnosis import prepare
-from octmip.gap.scene import build_scene
-from octmip.gap.shape_error import allowing, judge
+from octmip.gap.inference.linear_model import build_scene
+from octmip.gap.inference.signature_error import allowing, judge
 from tests.test_octmip.beam_twin import ETA, Asset, Beam, Bumps, Field, measured
 
 COMMISSIONING = measured(1000)

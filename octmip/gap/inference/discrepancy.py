@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from octmip.errors import DataError
 from octmip.gap.campaign.campaign import Campaign, Cell
 from octmip.gap.campaign.noise import Noise, estimate_noise
-from octmip.gap.memory import Memory
+from octmip.gap.twins.cached import Memory
 
 COMMON = 0.010
 """Relative sd of the part common to all gauges. Measured between two codes on one wing: 0.6 to 0.9 %."""

@@ -18,8 +18,8 @@ import scipy.linalg as linalg
 from numpy.typing import NDArray
 from scipy.special import logsumexp
 
-from octmip.gap.scene import Scene
-from octmip.gap.shape_error import under
+from octmip.gap.inference.linear_model import Scene
+from octmip.gap.inference.signature_error import under
 
 Floats = NDArray[np.float64]
 

@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp
 
-from octmip.gap.evidence import Fit, Members, extensions, fit
-from octmip.gap.hypotheses import UNKNOWN_PRIOR, Hypothesis, candidates, log_prior
-from octmip.gap.scene import Scene, Setting, build_scene
-from octmip.gap.shape_error import allowing, judge
-from octmip.gap.states import NEAR, distance, log_box, moved_states, starting_states
-from octmip.gap.unknown import Unknown, weigh_unknown
+from octmip.gap.inference.evidence import Fit, Members, extensions, fit
+from octmip.gap.inference.hypotheses import UNKNOWN_PRIOR, Hypothesis, candidates, log_prior
+from octmip.gap.inference.linear_model import Scene, Setting, build_scene
+from octmip.gap.inference.signature_error import allowing, judge
+from octmip.gap.inference.states import NEAR, distance, log_box, moved_states, starting_states
+from octmip.gap.inference.unknown import Unknown, weigh_unknown
 
 Floats = NDArray[np.float64]
 

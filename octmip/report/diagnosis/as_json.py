@@ -10,7 +10,7 @@ from octmip.gap.location import Place, Where
 from octmip.gap.next_test import Proposal
 from octmip.gap.shrinkage import Shrinkage
 from octmip.gap.sizes import Parameter
-from octmip.gap.words import verdict
+from octmip.report.diagnosis.words import verdict
 
 
 def as_object(diagnosis: Diagnosis) -> dict[str, Any]:

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.gap.evidence import Fit, Members
-from octmip.gap.scene import Scene
+from octmip.gap.inference.evidence import Fit, Members
+from octmip.gap.inference.linear_model import Scene
 
 Floats = NDArray[np.float64]
 

@@ -11,9 +11,9 @@ from math import comb, log
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.gap.evidence import Members, extensions
-from octmip.gap.scene import Scene
-from octmip.gap.shape_error import allowing, judge
+from octmip.gap.inference.evidence import Members, extensions
+from octmip.gap.inference.linear_model import Scene
+from octmip.gap.inference.signature_error import allowing, judge
 
 COUNT_PRIOR = (0.48, 0.34, 0.12, 0.02)
 """Prior probability of no, one, two, three effects; what is missing to 1 belongs to the unknown."""

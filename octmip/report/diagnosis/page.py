@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from octmip.gap.causes import UNKNOWN
 from octmip.gap.diagnosis import Diagnosis
-from octmip.gap.pictures import bars, gauge_map
-from octmip.gap.words import (
+from octmip.report.diagnosis.pictures import bars, gauge_map
+from octmip.report.diagnosis.words import (
     cause_words,
     closed_words,
     flipping_nodes,

@@ -14,8 +14,8 @@ import scipy.linalg as linalg
 from numpy.typing import NDArray
 from scipy.special import ndtr
 
-from octmip.gap.evidence import Fit
-from octmip.gap.scene import OPEN_STATE, Scene, Setting, build_scene, named_state
+from octmip.gap.inference.evidence import Fit
+from octmip.gap.inference.linear_model import OPEN_STATE, Scene, Setting, build_scene, named_state
 
 Floats = NDArray[np.float64]
 

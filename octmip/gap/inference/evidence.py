@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import log_ndtr, logsumexp
 
-from octmip.gap.library import SCALES, Priors
-from octmip.gap.scene import Scene
+from octmip.gap.inference.candidates import SCALES, Priors
+from octmip.gap.inference.linear_model import Scene
 
 Floats = NDArray[np.float64]
 Members = tuple[int, ...]

@@ -23,8 +23,8 @@ import numpy as np
 import scipy.linalg as linalg
 from numpy.typing import NDArray
 
-from octmip.gap.evidence import Fit, Members, alike, fits, fits_of
-from octmip.gap.scene import OPEN_STATE, Scene, carried
+from octmip.gap.inference.evidence import Fit, Members, alike, fits, fits_of
+from octmip.gap.inference.linear_model import OPEN_STATE, Scene, carried
 
 Floats = NDArray[np.float64]
 

@@ -23,9 +23,9 @@ from numpy.typing import NDArray
 
 from octmip.gap.campaign.campaign import Campaign, Cell
 from octmip.gap.campaign.noise import Noise
-from octmip.gap.discrepancy import Discrepancy
-from octmip.gap.library import Column, Priors
-from octmip.gap.memory import Memory
+from octmip.gap.inference.candidates import Column, Priors
+from octmip.gap.inference.discrepancy import Discrepancy
+from octmip.gap.twins.cached import Memory
 from octmip.twin import Effect, State
 
 Floats = NDArray[np.float64]
