@@ -5,16 +5,16 @@ from octmip.gap.campaign.reader import read_campaign
 from octmip.gap.diagnosis import Diagnosis, diagnose, rounds
 from octmip.gap.effects import CHAIN
 from octmip.gap.twins.augmented import Addition, AugmentedTwin
-from octmip.gap.twins.cached import Memory
+from octmip.gap.twins.cached import CachedTwin
 
 __all__ = [
     "CHAIN",
     "Addition",
     "AugmentedTwin",
+    "CachedTwin",
     "Campaign",
     "Cell",
     "Diagnosis",
-    "Memory",
     "diagnose",
     "read_campaign",
     "rounds",

@@ -1,9 +1,8 @@
-"""Unknown damage states: a grid of nodes to find where a state may lie, local Gaussians about those places to
-integrate.
+"""Unknown damage states: a grid of nodes to find where one may lie, local Gaussians about them to integrate.
 
 Every group of cells with one unknown state is screened over a grid, under a covariance that allows for every effect
-at its prior scale, so that no effect can hide the right node. The scene is then linearised about the best nodes; each
-hypothesis is judged in the scene closest to its own posterior state. A state must lie between 0 and `MOST`: the share
+at its prior scale, so that no effect can hide the right node. The model is then linearised about the best nodes; each
+hypothesis is judged in the model closest to its own posterior state. A state must lie between 0 and `MOST`: the share
 of a hypothesis's Gaussian within the box multiplies its evidence.
 """
 
@@ -15,7 +14,8 @@ from numpy.typing import NDArray
 from scipy.special import ndtr
 
 from octmip.gap.inference.evidence import Fit
-from octmip.gap.inference.linear_model import OPEN_STATE, Scene, Setting, build_scene, named_state
+from octmip.gap.inference.inputs import Inputs
+from octmip.gap.inference.linear_model import OPEN_STATE, LinearModel, linearise
 
 Floats = NDArray[np.float64]
 
@@ -26,9 +26,11 @@ LINES = {1: 37, 2: 17}
 NEAR = 0.05
 """States closer than this are one place."""
 MODES = 3
-"""Places per group that are looked at."""
+"""Nodes per group that are looked at."""
+NODE_ERROR = 0.02
+"""Relative sd of a node's change: the state lies up to half a grid line from it."""
 PLAUSIBLE = 12.0
-"""Log units below the best node within which another node is still a place to look at."""
+"""Log units below the best node within which another node is still looked at."""
 
 
 def grid(n_parameters: int) -> Floats:
@@ -45,27 +47,27 @@ def grid(n_parameters: int) -> Floats:
     return np.array(nodes)
 
 
-def starting_states(setting: Setting) -> list[Floats]:
-    """Return assignments (n_cells, n_parameters): all best nodes first, then one group at a time at another place."""
-    states = np.array([cell.state for cell in setting.campaign.cells])
+def starting_states(inputs: Inputs) -> list[Floats]:
+    """Return assignments (n_cells, n_parameters): all best nodes first, then one group at a time at another node."""
+    states = np.array([cell.state for cell in inputs.campaign.cells])
     best = states.copy()
-    places = [_places(setting, group) for group in setting.groups]
-    for group, found in zip(setting.groups, places, strict=True):
+    nodes = [_likely_nodes(inputs, group) for group in inputs.groups]
+    for group, found in zip(inputs.groups, nodes, strict=True):
         best[list(group)] = found[0]
     others = []
-    for group, found in zip(setting.groups, places, strict=True):
-        for place in found[1:]:
+    for group, found in zip(inputs.groups, nodes, strict=True):
+        for node in found[1:]:
             moved = best.copy()
-            moved[list(group)] = place
+            moved[list(group)] = node
             others.append(moved)
     return [best, *others]
 
 
-def moved_states(scene: Scene, fit: Fit) -> Floats:
+def moved_states(model: LinearModel, fit: Fit) -> Floats:
     """Return the assignment that a hypothesis itself prefers, inside the box."""
-    states = scene.states.copy()
-    shift = scene.shift(fit.members, fit.size).reshape(len(scene.setting.groups), -1)
-    for group, step in zip(scene.setting.groups, shift, strict=True):
+    states = model.states.copy()
+    moved = model.open_states.moved_by(fit.members, fit.size).reshape(len(model.inputs.groups), -1)
+    for group, step in zip(model.inputs.groups, moved, strict=True):
         states[list(group)] = np.clip(states[list(group)] + step, 0.0, MOST)
     return states
 
@@ -75,78 +77,83 @@ def distance(a: Floats, b: Floats) -> float:
     return float(np.abs(a - b).max(initial=0.0))
 
 
-def log_box(scene: Scene, fit: Fit) -> float:
+def log_box(model: LinearModel, fit: Fit) -> float:
     """Return the log of the share of the open states' posterior that lies between 0 and `MOST` (marginals only)."""
-    if not scene.setting.groups:
+    if not model.inputs.groups:
         return 0.0
-    mean, covariance = state_posterior(scene, fit)
+    mean, covariance = state_posterior(model, fit)
     sd = np.sqrt(np.maximum(np.diag(covariance), 1e-18))
     inside = ndtr((MOST - mean) / sd) - ndtr(-mean / sd)
     return float(np.log(np.maximum(inside, 1e-300)).sum())
 
 
-def state_posterior(scene: Scene, fit: Fit) -> tuple[Floats, Floats]:
+def state_posterior(model: LinearModel, fit: Fit) -> tuple[Floats, Floats]:
     """Return mean (n_open,) and covariance (n_open, n_open) of the open states under a hypothesis."""
-    centre = np.array([scene.states[group[0]] for group in scene.setting.groups]).ravel()
-    mean = centre + scene.shift(fit.members, fit.size)
-    covariance = joint_covariance(scene, fit)[: len(centre), : len(centre)]
+    centre = np.array([model.states[group[0]] for group in model.inputs.groups]).ravel()
+    mean = centre + model.open_states.moved_by(fit.members, fit.size)
+    covariance = joint_covariance(model, fit)[: len(centre), : len(centre)]
     return mean, covariance
 
 
-def joint_covariance(scene: Scene, fit: Fit) -> Floats:
+def joint_covariance(model: LinearModel, fit: Fit) -> Floats:
     """Return the posterior covariance of (open states, sizes): what damage and effects share."""
-    own, cross = scene.open_covariance, scene.lean[:, list(fit.members)]
+    own, cross = model.open_states.covariance, model.open_states.sensitivity[:, list(fit.members)]
     return np.block(
         [[own + cross @ fit.covariance @ cross.T, -cross @ fit.covariance], [-fit.covariance @ cross.T, fit.covariance]]
     )
 
 
-def _places(setting: Setting, group: tuple[int, ...]) -> list[Floats]:
+def _likely_nodes(inputs: Inputs, group: tuple[int, ...]) -> list[Floats]:
     """Return the nodes where the group's state may lie, best first, none near a better one."""
-    nodes = grid(len(setting.names))
-    logs = np.array(_node_logs(setting, group, nodes))
+    nodes = grid(len(inputs.names))
+    logs = _node_logs(inputs, group, nodes)
     found: list[Floats] = []
     for k in np.argsort(-logs, kind="stable"):
         if logs[k] < logs.max() - PLAUSIBLE or len(found) == MODES:
             break
-        if all(np.abs(nodes[k] - place).max() > 3 * NEAR for place in found):
+        if all(np.abs(nodes[k] - other).max() > 3 * NEAR for other in found):
             found.append(nodes[k])
     return found
 
 
-def _node_logs(setting: Setting, group: tuple[int, ...], nodes: Floats) -> list[float]:
-    """Return the log evidence of every node with all effects allowed for at their prior scale."""
-    states = np.array([cell.state for cell in setting.campaign.cells])
-    states = np.where(np.isfinite(states), states, 0.0)
-    scene = build_scene(setting, states)
-    rows = np.flatnonzero(np.isin([setting.blocks[b].cell for b in scene.block], group))
-    prior = setting.priors
-    spread = scene.signatures[rows] * np.where(prior.is_fact, 0.0, prior.sd * np.exp(0.5 * prior.log_weight))
-    noise = scene.covariance[np.ix_(rows, rows)] + spread @ spread.T
-    noise -= OPEN_STATE**2 * scene.tangents[rows] @ scene.tangents[rows].T
-    block, gauge = scene.block[rows], scene.gauge[rows]
-    healthy = scene.predicted[rows]
-    y = healthy + scene.residual[rows]
-    order = list(setting.order)
-    loads = np.array([setting.cell_of(b).load_factor for b in setting.blocks])
-    strains = {
-        load: setting.memory.predict_states(nodes, load)[:, order] for load in sorted(set(loads[block].tolist()))
-    }
-    start = {
-        load: setting.memory.predict(named_state(setting, np.zeros(len(setting.names))), load)[order]
-        for load in strains
-    }
-    load = loads[block]
-    change = np.zeros((len(nodes), len(rows)))
-    for at, strain in strains.items():
-        change[:, load == at] = (strain - start[at])[:, gauge[load == at]]
-    same = np.where(gauge[:, None] == gauge[None, :], setting.discrepancy.damage**2, 0.0)
+def _node_logs(inputs: Inputs, group: tuple[int, ...], nodes: Floats) -> Floats:
+    """Return the log evidence (n_nodes,) of every node with all effects allowed for at their prior scale."""
+    states = np.array([cell.state for cell in inputs.campaign.cells])
+    model = linearise(inputs, np.where(np.isfinite(states), states, 0.0))
+    rows = np.flatnonzero(np.isin(model.cells, group))
+    noise = _with_all_effects(model, rows)
+    healthy = model.predicted[rows]
+    y = healthy + model.residual[rows]
+    gauge = model.gauge[rows]
+    same = np.where(gauge[:, None] == gauge[None, :], inputs.discrepancy.damage**2, 0.0)
     diagonal = np.diag_indices(len(rows))
     logs = []
-    for row in change:
+    for row in _changes(model, rows, nodes):
         covariance = noise + same * np.outer(row, row)
-        covariance[diagonal] += (0.02 * row) ** 2
+        covariance[diagonal] += (NODE_ERROR * row) ** 2
         factor = linalg.cholesky(covariance, lower=True, overwrite_a=True, check_finite=False)
         left = linalg.solve_triangular(factor, y - healthy - row, lower=True, check_finite=False)
         logs.append(-0.5 * float(left @ left) - float(np.log(factor[diagonal]).sum()))
-    return logs
+    return np.array(logs)
+
+
+def _with_all_effects(model: LinearModel, rows: NDArray[np.int64]) -> Floats:
+    """Return the covariance of some rows with every effect at its prior scale in place of the unknown damage."""
+    prior = model.inputs.priors
+    scale = np.where(prior.is_discrete, 0.0, prior.sd * np.exp(0.5 * prior.log_weight))
+    spread = model.signatures[rows] * scale
+    noise = model.covariance[np.ix_(rows, rows)] + spread @ spread.T
+    noise -= OPEN_STATE**2 * model.tangents[rows] @ model.tangents[rows].T
+    return np.asarray(noise)
+
+
+def _changes(model: LinearModel, rows: NDArray[np.int64], nodes: Floats) -> Floats:
+    """Return what the damage of every node changes in the twin's strains (n_nodes, n_rows)."""
+    inputs, order, gauge = model.inputs, list(model.inputs.order), model.gauge[rows]
+    load = model.load_factors[rows]
+    change = np.zeros((len(nodes), len(rows)))
+    for at in sorted(set(load.tolist())):
+        strain = inputs.twin.predict_states(nodes, at)[:, order]
+        healthy = inputs.twin.predict(inputs.named(np.zeros(len(inputs.names))), at)[order]
+        change[:, load == at] = (strain - healthy)[:, gauge[load == at]]
+    return change
