@@ -19,6 +19,18 @@ State = Mapping[str, float]
 """Values of the twin's state parameters by name, damage as a fraction; what it does not name is 0."""
 
 
+QUANTITIES = {
+    "applied_load": "the load, by a second load cell or a known mass",
+    "shunt_reading": "readings while the bridges are shunted",
+    "channel_order": "which channel answers when one gauge is touched",
+    "gauge_placement": "place and angle of a gauge on the structure",
+    "deflection": "the tip deflection under a known load",
+    "frequency": "the first natural frequencies",
+    "thermal_zero": "readings at zero load and another temperature",
+}
+"""What can be measured beside strain under load; an effect says by `seen_by` which of these show it."""
+
+
 @runtime_checkable
 class Twin(Protocol):
     """A model of the structure with gauges on it.
@@ -57,7 +69,8 @@ class Effect(Protocol):
     returns and of nothing else (two wires swapped, a gauge dead), so that it also acts on what other effects add;
     ``uses_time`` (the signature depends on the time); ``superposes`` (the answers to steps of the load add up, each
     from its own time on); ``signature_error`` (relative sd of the signature at each gauge); ``n_between``
-    (neighbouring places between which it may lie, where places sample a continuum).
+    (neighbouring places between which it may lie, where places sample a continuum); ``seen_by`` (the `QUANTITIES` that
+    show it: the next test is chosen among them).
     """
 
     @property

@@ -12,8 +12,8 @@ import octmip
 from femlib.wing import WingTwin, uav_wing
 from femlib.wing.effects import wing_effects
 from octmip.gap import AugmentedTwin, diagnose, read_campaign
-from octmip.gap.as_json import as_object
-from octmip.gap.memory import Memory
+from octmip.gap.twins.cached import CachedTwin
+from octmip.report.diagnosis.as_json import as_object
 
 HELD_LOAD = 2.5
 MOST_PROBABLE = 6
@@ -41,10 +41,10 @@ class Task:
 
 
 def twin(refinement=1.0):
-    """Return this process's twin, made once; its memory serves all cases."""
+    """Return this process's twin, made once; what it has answered serves all cases."""
     if refinement not in _twins:
         wing = uav_wing(refinement=refinement)
-        _twins[refinement] = Memory(WingTwin(wing, wing_effects(wing)))
+        _twins[refinement] = CachedTwin(WingTwin(wing, wing_effects(wing)))
     return _twins[refinement]
 
 
@@ -94,21 +94,20 @@ def _diagnosed(task, model, campaign, run):
 
 def _correction(diagnosis, model):
     """Return what the first cause adds at the held load in the first test's state (n_gauges,)."""
-    setting = diagnosis.posterior.scene.setting
-    scene = diagnosis.which[0].judged.scene
-    state = dict(zip(setting.names, scene.states[0].tolist(), strict=True))
+    inputs = diagnosis.posterior.model.inputs
+    state = inputs.named(diagnosis.which[0].judged.model.states[0])
     augmented = diagnosis.augmented(model)
     plain = AugmentedTwin(model, (), augmented.calibration, augmented.calibration_load)
-    end = max(block.time for block in setting.blocks)
+    end = max(average.time for average in inputs.averages)
     moved = augmented.predict(state, HELD_LOAD, end) - plain.predict(state, HELD_LOAD)
-    return moved[list(setting.order)].tolist()
+    return moved[list(inputs.order)].tolist()
 
 
 def _augmented(diagnosis, model, campaign):
     """Return what makes the augmented twin, to be put together again once the keys are open."""
     augmented = diagnosis.augmented(model)
     return {
-        "additions": [[a.effect.name, a.variant, a.size] for a in augmented.additions],
+        "additions": [[a.effect.name, a.place, a.size] for a in augmented.additions],
         "calibration": np.asarray(augmented.calibration).tolist(),
         "load": augmented.calibration_load,
         "end": float(np.nanmax(campaign.time) - np.nanmin(campaign.time)),
@@ -116,23 +115,22 @@ def _augmented(diagnosis, model, campaign):
 
 
 def _chi_squared_ranking(diagnosis):
-    """Return the effect whose best column leaves the least chi-squared: no prior, no look-elsewhere correction."""
-    scene = diagnosis.posterior.scene
-    prior = scene.setting.priors
-    gain = np.where(
-        prior.is_fact, 2 * scene.pull - np.diag(scene.gram), scene.pull**2 / np.maximum(np.diag(scene.gram), 1e-12)
-    )
-    return scene.setting.columns[int(np.argmax(gain))].name
+    """Return the effect whose best candidate leaves the least chi-squared: no prior, no look-elsewhere correction."""
+    inputs, white = diagnosis.posterior.model.inputs, diagnosis.posterior.model.whitened
+    length, projection = np.diag(white.gram), white.projection
+    free = projection**2 / np.maximum(length, 1e-12)
+    gain = np.where(inputs.priors.is_discrete, 2 * projection - length, free)
+    return inputs.candidates[int(np.argmax(gain))].name
 
 
 def _features(diagnosis):
     """Return whitened residuals at no load and their slope with the load, for the classifier baseline."""
-    scene = diagnosis.posterior.scene
-    loads = np.array([scene.setting.cell_of(b).load_factor for b in scene.setting.blocks])[scene.block]
-    z = scene.residual / np.sqrt(np.diag(scene.covariance))
-    n = len(scene.setting.order)
-    at_rest = [float(z[(scene.gauge == g) & (loads == 0)].mean()) if (loads == 0).any() else 0.0 for g in range(n)]
-    loaded = [float(z[(scene.gauge == g) & (loads > 0)].mean()) if (loads > 0).any() else 0.0 for g in range(n)]
+    model = diagnosis.posterior.model
+    loads = model.load_factors
+    z = model.residual / np.sqrt(np.diag(model.covariance))
+    n = len(model.inputs.order)
+    at_rest = [float(z[(model.gauge == g) & (loads == 0)].mean()) if (loads == 0).any() else 0.0 for g in range(n)]
+    loaded = [float(z[(model.gauge == g) & (loads > 0)].mean()) if (loads > 0).any() else 0.0 for g in range(n)]
     return np.nan_to_num([*at_rest, *loaded]).tolist()
 
 
@@ -140,18 +138,15 @@ def group_lasso(diagnosis):
     """Return the effect that a group lasso keeps longest (cvxpy, columns in units of the prior sd), or "" for none."""
     import cvxpy as cp
 
-    scene = diagnosis.posterior.scene
-    prior = scene.setting.priors
-    columns = scene.white * np.where(prior.is_fact, 1.0, prior.sd)
-    names = [c.name for c in scene.setting.columns]
+    inputs, white = diagnosis.posterior.model.inputs, diagnosis.posterior.model.whitened
+    columns = white.signatures * np.where(inputs.priors.is_discrete, 1.0, inputs.priors.sd)
+    names = [c.name for c in inputs.candidates]
     groups = {n: [k for k, other in enumerate(names) if other == n] for n in dict.fromkeys(names)}
-    best = {
-        n: float(np.linalg.norm(columns[:, k].T @ scene.white_residual)) / np.sqrt(len(k)) for n, k in groups.items()
-    }
+    best = {n: float(np.linalg.norm(columns[:, k].T @ white.residual)) / np.sqrt(len(k)) for n, k in groups.items()}
     size = cp.Variable(columns.shape[1])
     penalty = sum(np.sqrt(len(k)) * cp.norm(size[k]) for k in groups.values())
     weight = 0.5 * max(best.values())
-    cp.Problem(cp.Minimize(0.5 * cp.sum_squares(scene.white_residual - columns @ size) + weight * penalty)).solve(
+    cp.Problem(cp.Minimize(0.5 * cp.sum_squares(white.residual - columns @ size) + weight * penalty)).solve(
         solver="CLARABEL"
     )
     norms = {n: float(np.linalg.norm(size.value[k])) for n, k in groups.items()}

@@ -14,10 +14,10 @@ from benchmarks.cpu import Stopwatch
 from femlib.wing import WingTwin, uav_wing
 from femlib.wing.effects import wing_effects
 from octmip.gap import CHAIN, Campaign
-from octmip.gap.ambiguity import separations
-from octmip.gap.diagnosis import prepare
-from octmip.gap.memory import Memory
-from octmip.gap.scene import Scene, build_scene
+from octmip.gap.inference.confounding import separations
+from octmip.gap.inference.inputs import prepare
+from octmip.gap.inference.linear_model import LinearModel, linearise
+from octmip.gap.twins.cached import CachedTwin
 
 LOADS = (0.0, 1.0, 2.0, 3.0)
 SOUND, DAMAGED = (0.0, 0.0), (0.25, 0.45)
@@ -37,43 +37,47 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
 def detected(refinement: float) -> Iterator[dict[str, Any]]:
     """Yield d' of every effect, its nearest rival and that rival's d' (name: [d', rival, d']) for a mesh."""
     wing = uav_wing(refinement=refinement)
-    twin = Memory(WingTwin(wing, wing_effects(wing)))
+    twin = CachedTwin(WingTwin(wing, wing_effects(wing)))
     for words, (state, is_known, loads) in SETUPS.items():
         for calibrated in (True, False):
             watch = Stopwatch()
-            scene = scene_of(twin, state, is_known, loads, calibrated)
+            model = model_of(twin, state, is_known, loads, calibrated)
             run = "with" if calibrated else "without"
             yield {
                 "size": f"{words}, {run} commissioning",
                 "seed": 0,
                 "cpu_seconds": watch.read()[0],
-                "effects": distances(scene),
+                "effects": distances(model),
             }
 
 
-def scene_of(twin: Memory, state: tuple[float, ...], is_known: bool, loads: Sequence[float], calibrated: bool) -> Scene:
+def model_of(
+    twin: CachedTwin, state: tuple[float, ...], is_known: bool, loads: Sequence[float], calibrated: bool
+) -> LinearModel:
     """Return the linear problem about a state with the readings that the twin predicts, noise added."""
     campaign = _campaign(twin, state, is_known, loads, 1)
     run = _campaign(twin, SOUND, True, LOADS, 2) if calibrated else None
-    setting, _ = prepare(campaign, twin, {**CHAIN, **twin.effects}, run)
-    return build_scene(setting, np.tile(np.array(state), (len(campaign.cells), 1)))
+    inputs, _ = prepare(campaign, twin, {**CHAIN, **twin.effects}, run)
+    return linearise(inputs, np.tile(np.array(state), (len(campaign.cells), 1)))
 
 
-def distances(scene: Scene) -> dict[str, list[Any]]:
+def distances(model: LinearModel) -> dict[str, list[Any]]:
     """Return d' from no effect, the nearest rival's name and d' from it, by effect."""
-    columns, prior = scene.setting.columns, scene.setting.priors
-    names = tuple(dict.fromkeys(column.name for column in columns))
-    own = np.hypot(prior.mean, np.where(prior.is_fact, 0.0, prior.sd)) * np.sqrt(scene.lengths)
-    table = separations(scene, names)
+    candidates, prior = model.inputs.candidates, model.inputs.priors
+    names = tuple(dict.fromkeys(candidate.name for candidate in candidates))
+    own = np.hypot(prior.mean, np.where(prior.is_discrete, 0.0, prior.sd)) * np.sqrt(model.whitened.lengths)
+    table = separations(model, names)
     found: dict[str, list[Any]] = {}
     for k, name in enumerate(names):
-        of_name = [j for j, column in enumerate(columns) if column.name == name]
+        of_name = [j for j, candidate in enumerate(candidates) if candidate.name == name]
         rival = int(np.argmin(table[k]))
         found[name] = [float(np.median(own[of_name])), names[rival], float(table[k, rival])]
     return found
 
 
-def _campaign(twin: Memory, state: tuple[float, ...], is_known: bool, loads: Sequence[float], seed: int) -> Campaign:
+def _campaign(
+    twin: CachedTwin, state: tuple[float, ...], is_known: bool, loads: Sequence[float], seed: int
+) -> Campaign:
     rng = np.random.default_rng(seed)
     named = dict(zip(twin.parameters, state, strict=True))
     n = REPEATS * len(loads)

@@ -1,4 +1,4 @@
-"""CPU seconds of a diagnosis: the first of a twin, which makes what the twin and its `Memory` keep, and the same again.
+"""CPU seconds of a diagnosis: the first of a twin, which makes what it and its `CachedTwin` keep, and the same again.
 
 Six fixed campaigns (50 readings at load factors 0 to 3, with a commissioning run): three states that the file tells,
 three that it does not. The readings are the twin's own with one effect, an error a gauge and noise: how well a
@@ -17,7 +17,7 @@ from threadpoolctl import threadpool_limits
 
 from femlib.wing import WingTwin, uav_wing
 from femlib.wing.effects import wing_effects
-from octmip.gap import Campaign, Memory, diagnose
+from octmip.gap import CachedTwin, Campaign, diagnose
 
 DEFAULT = 1.0
 """Refinement of the twin's mesh."""
@@ -59,7 +59,7 @@ def measured(refinement: float, asked: Sequence[Asked], again: int = AGAIN) -> I
         begin = time.process_time()
         twin = wing_twin(refinement)
         built = time.process_time() - begin
-        memory = Memory(twin)
+        memory = CachedTwin(twin)
         commissioning = campaign(twin, Asked((0.0, 0.0), True, "torsion", "", 0.0), seed=99)
         for seed, one in enumerate(asked):
             if one.is_known == is_known:
@@ -68,7 +68,7 @@ def measured(refinement: float, asked: Sequence[Asked], again: int = AGAIN) -> I
                 built = 0.0
 
 
-def _line(twin: Memory, one: Asked, readings: Campaign, commissioning: Campaign, again: int) -> dict[str, Any]:
+def _line(twin: CachedTwin, one: Asked, readings: Campaign, commissioning: Campaign, again: int) -> dict[str, Any]:
     """Return the times of the first diagnosis and of the next ones."""
     spent = []
     for _ in range(1 + again):

@@ -248,7 +248,7 @@ def diagnosis(readings: Campaign | None = None):
 def table(found) -> list[tuple[str, float, float, float]]:
     """Return (name, tip stiffness [N/mm], f1 [Hz], f2 [Hz]) of twin, corrected twin, exact solution and measurement."""
     twin = measured_twin()
-    masses = {float(p.variant.removeprefix("eta ")): p.size for p in found.which[0].parameters if p.unit == "kg"}
+    masses = {float(p.place.removeprefix("eta ")): p.size for p in found.which[0].parameters if p.unit == "kg"}
     exact = answer(uav_wing(refinement=REFINEMENT), masses)
     cells = campaign().cells
     tip = np.array([(c.load_factor, c.mean[0]) for c in cells if c.test == "tip load"])

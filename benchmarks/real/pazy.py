@@ -18,7 +18,7 @@ import numpy as np
 from benchmarks.data import SHARED
 from benchmarks.real.telling import show_causes
 from octmip.gap import CHAIN, Campaign, diagnose
-from octmip.gap.words import size_words
+from octmip.report.diagnosis.words import size_words
 
 DATA = SHARED / "pazy"
 SETUPS = ("bending", "torsion")

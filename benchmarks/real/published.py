@@ -19,8 +19,8 @@ from benchmarks.real.geometry import placing_effects
 from benchmarks.real.telling import show_causes
 from femlib.wing import WingTwin, uav_twin
 from octmip.gap import CHAIN, Addition, AugmentedTwin, Campaign, Diagnosis, diagnose
-from octmip.gap.discrepancy import Discrepancy
-from octmip.gap.memory import Memory
+from octmip.gap.inference.discrepancy import Discrepancy
+from octmip.gap.twins.cached import CachedTwin
 from octmip.twin import Twin
 
 TABLE = SHARED / "uav" / "strains.csv"
@@ -86,9 +86,9 @@ def best_of_library(found: Diagnosis) -> tuple[Addition, ...]:
     best = max((h for h in found.posterior.judged if not h.has_unknown), key=lambda h: h.fit.log_factor, default=None)
     if best is None:
         return ()
-    columns = best.scene.setting.columns
+    candidates = best.model.inputs.candidates
     own = zip(best.members, best.fit.size.tolist(), strict=True)
-    parts = [Addition(columns[j].effect, columns[j].variant, size) for j, size in own]
+    parts = [Addition(candidates[j].effect, candidates[j].place, size) for j, size in own]
     return tuple(sorted(parts, key=lambda part: part.effect.name in CHAIN))
 
 
@@ -102,15 +102,15 @@ def rounds_of(
     current: Twin = twin
     known: Campaign | Discrepancy | None = run
     for _ in range(N_ROUNDS):
-        found = diagnose(readings, Memory(current), library, commissioning=known)
+        found = diagnose(readings, CachedTwin(current), library, commissioning=known)
         additions = best_of_library(found)
         if not additions:
             return
-        setting = found.posterior.scene.setting
+        inputs = found.posterior.model.inputs
         calibration = np.zeros(len(twin.gauges))
-        calibration[list(setting.order)] = setting.discrepancy.mean
-        current = AugmentedTwin(current, additions, calibration, setting.reference)
-        known = replace(setting.discrepancy, mean=np.zeros(len(readings.gauges))) if run is not None else None
+        calibration[list(inputs.order)] = inputs.discrepancy.mean
+        current = AugmentedTwin(current, additions, calibration, inputs.reference)
+        known = replace(inputs.discrepancy, mean=np.zeros(len(readings.gauges))) if run is not None else None
         yield found, additions, current
 
 
@@ -156,7 +156,7 @@ def main() -> None:
     parser.add_argument("--picture", metavar="FILE.png")
     path = parser.parse_args().picture
     whole = uav_twin()
-    twin = Memory(whole)
+    twin = CachedTwin(whole)
     for title, without in (("24 gauges", ()), ("22 gauges", WEAK), ("20 gauges", INSIDE)):
         print(f"\n{title}")
         found = diagnose(campaign(without=without), twin)
@@ -186,7 +186,7 @@ def show_rounds(title: str, whole: WingTwin, library: Mapping, readings: Campaig
             alone = AugmentedTwin(whole, (), current.calibration, current.calibration_load)
             corrected.append((held_out_gap(alone, readings.gauges), alone))
             print(f"  calibration alone: {corrected[-1][0]:.1f} microstrain")
-        told = ", ".join(f"{a.effect.name} {a.variant} {a.size:.3g} {a.effect.unit}" for a in additions)
+        told = ", ".join(f"{a.effect.name} {a.place} {a.size:.3g} {a.effect.unit}" for a in additions)
         corrected.append((held_out_gap(current, readings.gauges), current))
         print(f"  {told}: {corrected[-1][0]:.1f} microstrain; chance of the rest {_rest(found):.1g}", flush=True)
     return min(corrected, key=lambda pair: pair[0])[1]

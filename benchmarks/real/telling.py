@@ -3,7 +3,7 @@
 import math
 
 from octmip.gap import Diagnosis
-from octmip.gap.words import cause_words, likely, verdict
+from octmip.report.diagnosis.words import cause_words, likely, verdict
 
 
 def show_causes(found: Diagnosis, unit: str = "") -> None:

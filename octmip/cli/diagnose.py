@@ -35,15 +35,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Diagnose and show."""
     from octmip.gap import diagnose, read_campaign  # scikit-learn's covariance behind it takes half a second
-    from octmip.gap.as_json import as_object
-    from octmip.gap.memory import Memory
-    from octmip.gap.page import report_page
-    from octmip.gap.words import page_of_words
+    from octmip.gap.twins.cached import CachedTwin
+    from octmip.report.diagnosis.as_json import as_object
+    from octmip.report.diagnosis.page import report_page
+    from octmip.report.diagnosis.words import page_of_words
     from octmip.tree_file import read_tree_file
 
     if arguments.out:
         check_writable(arguments.out)
-    twin = Memory(load_twin(arguments.twin))
+    twin = CachedTwin(load_twin(arguments.twin))
     campaign = read_campaign(arguments.campaign, twin)
     commissioning = read_campaign(arguments.commissioning, twin) if arguments.commissioning else None
     file = read_tree_file(arguments.tree) if arguments.tree else None

@@ -1,20 +1,20 @@
 """Why the real asset does not behave like its twin: where, which effect, how far the gap closes, what to test next."""
 
-from octmip.gap.augment import Addition, AugmentedTwin
-from octmip.gap.campaign import Campaign, Cell
-from octmip.gap.campaign_file import read_campaign
+from octmip.gap.campaign.campaign import Campaign, Cell
+from octmip.gap.campaign.reader import read_campaign
 from octmip.gap.diagnosis import Diagnosis, diagnose, rounds
 from octmip.gap.effects import CHAIN
-from octmip.gap.memory import Memory
+from octmip.gap.twins.augmented import Addition, AugmentedTwin
+from octmip.gap.twins.cached import CachedTwin
 
 __all__ = [
     "CHAIN",
     "Addition",
     "AugmentedTwin",
+    "CachedTwin",
     "Campaign",
     "Cell",
     "Diagnosis",
-    "Memory",
     "diagnose",
     "read_campaign",
     "rounds",

@@ -1,22 +1,20 @@
 """Causes: the posterior told so that nobody is misled by effects that these readings cannot tell apart.
 
-Members of a set that do not stand clear of the noise (d' < 3) are taken out of it. The most probable hypothesis then
-gives a cause its name. Hypotheses of the same number of effects whose members are, one
-by one, less than d' = 3 from its members are the same cause seen from elsewhere: their probabilities add up, and
-their names are told beside it. Then the most probable hypothesis that is left gives the next cause.
+Members of a set that are not identifiable (d' < 3 from their own absence) are taken out of it. The most probable
+hypothesis then gives a cause its name. Hypotheses of the same number of effects whose members are, one by one, less
+than d' = 3 from its members are the same cause seen from elsewhere: their probabilities add up, and their names are
+told beside it. Then the most probable hypothesis that is left gives the next cause.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import permutations
 
-import numpy as np
-
-from octmip.gap.ambiguity import SEPARABLE, Rival, rivals, tied_columns, visibility
-from octmip.gap.evidence import Fit, Members
-from octmip.gap.library import SCALES
-from octmip.gap.posterior import Judged, Posterior, fit_together
-from octmip.gap.shape_error import clearness, neighbours
+from octmip.gap.inference.candidates import SCALES
+from octmip.gap.inference.confounding import SEPARABLE, Confounder, confounded_with, confounders, visibility
+from octmip.gap.inference.evidence import Members
+from octmip.gap.inference.posterior import Judged, Posterior, fit_together
+from octmip.gap.inference.signature_error import neighbours
 from octmip.gap.shrinkage import Shrinkage, chance_of_rest
 from octmip.gap.sizes import Parameter, parameters
 
@@ -32,17 +30,19 @@ EXPLAINED = 0.8
 IDLE = 1e-4
 """Probability below which a hypothesis is not searched for idle members."""
 TOLD = 3
-"""Rivals whose separation is told."""
+"""Confounders whose separation is told."""
+SENSITIVE = 12
+"""Most probable hypotheses among which the winner may change with the priors."""
 
 
 @dataclass(frozen=True, slots=True)
-class Tie:
+class ConfoundedEffects:
     """Effects that these readings cannot tell apart.
 
     Attributes:
         effects: names, the one that is reported first.
-        places: their places.
-        d_prime: how far the rivals are, in standard deviations.
+        places: where each acts.
+        d_prime: how far the confounders are, in standard deviations.
         reason: why, and what would separate them.
     """
 
@@ -59,84 +59,68 @@ class Cause:
     Attributes:
         effects: names, each once (two places of one effect are two parameters); empty when no effect is needed,
             ("unknown",) when the library does not hold it.
-        ("unknown",) when the library does not hold it. probability: of this explanation, ties included. parameters:
-        sizes of its effects. ties: for every effect that has rivals. is_clear: whether every effect of it stands d' =
-        3 clear of the noise; else its name means little. is_prior_sensitive: whether another cause would lead with
-        all priors three times narrower or wider. judged: the hypothesis that gives it its name.
+        probability: of this explanation, confounded ones included.
+        parameters: sizes of its effects.
+        confounded: for every effect that has confounders.
+        is_identifiable: whether every effect of it stands d' = 3 clear of the noise; else its name means little.
+        is_prior_sensitive: whether another cause would lead with all priors three times narrower or wider.
+        judged: the hypothesis that gives it its name.
     """
 
     effects: tuple[str, ...]
     probability: float
     parameters: tuple[Parameter, ...]
-    ties: tuple[Tie, ...]
-    is_clear: bool
+    confounded: tuple[ConfoundedEffects, ...]
+    is_identifiable: bool
     is_prior_sensitive: bool
     judged: Judged
 
     @property
     def names(self) -> tuple[frozenset[str], ...]:
         """For every effect the names that cannot be told from it, its own included."""
-        tied = {tie.effects[0]: frozenset(tie.effects) for tie in self.ties}
-        return tuple(tied.get(name, frozenset({name})) for name in self.effects)
+        alike = {found.effects[0]: frozenset(found.effects) for found in self.confounded}
+        return tuple(alike.get(name, frozenset({name})) for name in self.effects)
 
 
 def tell_causes(posterior: Posterior) -> tuple[Cause, ...]:
     """Return the explanations, most probable first, down to `CREDIBLE` together (at least three if there are)."""
-    left = cleared(posterior.judged)
+    left = with_identifiable(posterior.judged)
     found: list[Cause] = []
     told = 0.0
     while left and len(found) < MOST_CAUSES and (told < CREDIBLE or len(found) < 3):
         head = left[0]
-        own = head.fit
         parts = [] if head.has_unknown else _parts(head)
         same = [h for h in left if h is head or _is_same(head, parts, h)]
-        cause = _cause(head, own, same)
-        found.append(cause)
-        told += cause.probability
+        found.append(_cause(head, same))
+        told += found[-1].probability
         taken = {id(h) for h in same}
         left = [h for h in left if id(h) not in taken]
     found.sort(key=lambda cause: -cause.probability)
     if found and _is_sensitive(posterior):
-        first = found[0]
-        found[0] = replace(first, is_prior_sensitive=True)
+        found[0] = replace(found[0], is_prior_sensitive=True)
     return tuple(found)
 
 
-def cleared(judged: Sequence[Judged]) -> list[Judged]:
-    """Return the hypotheses with every member that does not stand clear of the noise taken out.
+def with_identifiable(judged: Sequence[Judged]) -> list[Judged]:
+    """Return the hypotheses with every member that is not identifiable taken out.
 
     A set with an idle member explains what the set without it explains: its probability goes there. Hypotheses that
     hold less than `IDLE` are left as they are.
     """
-    exact = {h.members: h for h in judged if not h.has_unknown}
-    fit_together([h for h in judged if not h.has_unknown and h.members and h.probability > IDLE])
-    added: dict[tuple[int, ...], float] = {}
+    exact = {h.members for h in judged if not h.has_unknown}
+    searched = [h for h in judged if not h.has_unknown and h.members and h.probability > IDLE]
+    fit_together(searched)
+    targets = {id(h): h.inference.identifiable(h.members) for h in searched}
+    added: dict[Members, float] = {}
     kept = []
     for h in judged:
-        target = h.members
-        if not h.has_unknown and h.members and h.probability > IDLE:
-            target = clear_members(h)
+        target = targets.get(id(h), h.members)
         if target != h.members and target in exact:
             added[target] = added.get(target, 0.0) + h.probability
         else:
             kept.append(h)
     kept = [h if h.has_unknown else replace(h, probability=h.probability + added.get(h.members, 0.0)) for h in kept]
     return sorted(kept, key=lambda h: -h.probability)
-
-
-def clear_members(judged: Judged) -> Members:
-    """Return the members of a hypothesis that stand d' = 3 clear of the noise, the faintest taken out one at a time."""
-    scene, members = judged.scene, judged.members
-    if members in scene.clear:
-        return scene.clear[members]
-    while members:
-        clear = clearness(scene, members)
-        faintest = int(np.argmin(clear))
-        if clear[faintest] >= SEPARABLE:
-            break
-        members = (*members[:faintest], *members[faintest + 1 :])
-    scene.clear[judged.members] = members
-    return members
 
 
 def with_misfit(
@@ -150,13 +134,13 @@ def with_misfit(
     """
     if best is None:
         return found, unknown_probability
-    chance = closing.p_after if closing is not None else chance_of_rest(best.judged.scene, best.judged.fit)
+    chance = closing.p_after if closing is not None else chance_of_rest(best.judged.model, best.judged.fit)
     if chance >= MISFIT or (closing is not None and closing.closed > EXPLAINED):
         return found, unknown_probability
     kept = chance / MISFIT
-    strange = 1.0 - (1.0 - unknown_probability) * kept
+    unknown = 1.0 - (1.0 - unknown_probability) * kept
     others = tuple(replace(c, probability=c.probability * kept) for c in found if UNKNOWN not in c.effects)
-    return (Cause((UNKNOWN,), strange, (), (), True, False, best.judged), *others), strange
+    return (Cause((UNKNOWN,), unknown, (), (), True, False, best.judged), *others), unknown
 
 
 def credible_set(found: Sequence[Cause]) -> tuple[Cause, ...]:
@@ -170,17 +154,21 @@ def credible_set(found: Sequence[Cause]) -> tuple[Cause, ...]:
 
 
 def _parts(head: Judged) -> list[set[int]]:
-    """Return for every effect of a hypothesis the columns that are the same cause.
+    """Return for every effect of a hypothesis the candidates that are the same cause.
 
-    Those are tied to it (d' < 3), or, where the effect lies between places, next to it: two such places are one.
+    Those are confounded with it (d' < 3), or, where the effect lies between places, next to it: two such are one.
     """
-    columns = head.scene.setting.columns
     found: dict[object, set[int]] = {}
     for j in head.members:
-        key = columns[j].name if columns[j].n_between else j
-        near = {j, *neighbours(head.scene, j)} if columns[j].n_between else {j}
-        found[key] = found.get(key, set()) | near | tied_columns(head.allowed, head.fit, j)
+        near = {j, *neighbours(head.model, j)} if head.model.inputs.candidates[j].n_between else {j}
+        found.setdefault(_part(head, j), set()).update(near | confounded_with(head.allowing, head.fit, j))
     return list(found.values())
+
+
+def _part(head: Judged, member: int) -> object:
+    """Return what makes members one part of a set: the effect where it lies between places, else the candidate."""
+    candidate = head.model.inputs.candidates[member]
+    return candidate.name if candidate.n_between else member
 
 
 def _is_same(head: Judged, parts: Sequence[set[int]], other: Judged) -> bool:
@@ -188,59 +176,54 @@ def _is_same(head: Judged, parts: Sequence[set[int]], other: Judged) -> bool:
         return head.has_unknown and other.has_unknown
     if not parts or not other.members:
         return False
-    columns = head.scene.setting.columns
     grouped: dict[object, set[int]] = {}
     for j in other.members:
-        grouped.setdefault(columns[j].name if columns[j].n_between else j, set()).add(j)
+        grouped.setdefault(_part(head, j), set()).add(j)
     if len(grouped) != len(parts):
         return False
     return any(all(g <= p for g, p in zip(order, parts, strict=True)) for order in permutations(grouped.values()))
 
 
-def _cause(head: Judged, own: Fit, same: Sequence[Judged]) -> Cause:
-    columns = head.scene.setting.columns
-    effects = tuple(dict.fromkeys(columns[j].name for j in head.members))
+def _cause(head: Judged, same: Sequence[Judged]) -> Cause:
+    own = head.fit
     probability = float(sum(h.probability for h in same))
-    seen = [j for j in head.members if visibility(head.allowed, own, j) >= SEPARABLE]
-    clear = len(seen) == len(head.members)
-    if head.has_unknown and (not clear or head.probability < 0.5 * probability):  # nothing beside it stands out
+    seen = [j for j in head.members if visibility(head.allowing, own, j) >= SEPARABLE]
+    is_identifiable = len(seen) == len(head.members)
+    if head.has_unknown and (not is_identifiable or head.probability < 0.5 * probability):  # nothing else stands out
         return Cause((UNKNOWN,), probability, (), (), True, False, head)
-    ties = tuple(tie for j in seen if (tie := _tie(head, j, rivals(head.allowed, own, j))))
-    named = (*effects, UNKNOWN) if head.has_unknown else effects
-    return Cause(named, probability, parameters(head, same), ties, clear, False, head)
+    confounded = tuple(found for j in seen if (found := _confounded(head, j, confounders(head.allowing, own, j))))
+    named = (*head.effects, UNKNOWN) if head.has_unknown else head.effects
+    return Cause(named, probability, parameters(head, same), confounded, is_identifiable, False, head)
 
 
-def _tie(head: Judged, member: int, found: Sequence[Rival]) -> Tie | None:
+def _confounded(head: Judged, member: int, found: Sequence[Confounder]) -> ConfoundedEffects | None:
     if not found:
         return None
-    columns = head.scene.setting.columns
-    members = [member, *(r.column for r in found)]
-    separations = "; ".join(f"{columns[j].name}: {columns[j].effect.separated_by}" for j in members[:TOLD])
-    exact = all(r.d_prime < 0.5 for r in found)
-    reason = (
-        f"{'they change these readings in the same way' if exact else 'their traces in these readings are too alike'}"
-        f" (d' {', '.join(f'{r.d_prime:.1f}' for r in found)}, 3 is needed). {separations}"
-    )
-    return Tie(
-        tuple(columns[j].name for j in members),
-        tuple(columns[j].variant for j in members),
-        (0.0, *(r.d_prime for r in found)),
-        reason,
+    candidates = head.model.inputs.candidates
+    members = [member, *(c.candidate for c in found)]
+    separations = "; ".join(f"{candidates[j].name}: {candidates[j].effect.separated_by}" for j in members[:TOLD])
+    exact = all(c.d_prime < 0.5 for c in found)
+    alike = "they change these readings in the same way" if exact else "their traces in these readings are too alike"
+    return ConfoundedEffects(
+        effects=tuple(candidates[j].name for j in members),
+        places=tuple(candidates[j].place for j in members),
+        d_prime=(0.0, *(c.d_prime for c in found)),
+        reason=f"{alike} (d' {', '.join(f'{c.d_prime:.1f}' for c in found)}, 3 is needed). {separations}",
     )
 
 
 def _is_sensitive(posterior: Posterior) -> bool:
     """Return whether the winner changes when every prior sd is a third or three times what it is."""
-    best = posterior.judged[:12]
-    if best[0].has_unknown:
-        return False
+    best = posterior.judged[:SENSITIVE]
     head = best[0]
-    named = {h.members: clear_members(h) for h in best if not h.has_unknown}
+    if head.has_unknown:
+        return False
+    library = [h for h in best if not h.has_unknown]
+    named = {h.members: h.inference.identifiable(h.members) for h in library}
     parts = _parts(head)
-    shares = [(h, h.fit.scales if h.members else (1.0,) * 3) for h in best if not h.has_unknown]
+    shares = [(h, h.fit.scales if h.members else (1.0,) * len(SCALES)) for h in library]
     for k in range(len(SCALES)):
         winner = max(shares, key=lambda item: item[0].probability * item[1][k])[0]
-        same = named[winner.members] == named[head.members] or _is_same(head, parts, winner)
-        if not same:
+        if named[winner.members] != named[head.members] and not _is_same(head, parts, winner):
             return True
     return False

@@ -3,17 +3,17 @@
 Residuals are readings less the (calibrated) twin, in standard deviations of noise and of what two good models differ
 by. Entries are significant under the false-discovery rate of 5 %: Benjamini and Hochberg (1995), J. R. Statist. Soc.
 B 57; a gauge, a load or a test under a chi-squared test of all its entries with their full covariance, Bonferroni
-over the groups.
+over the groups. The halves of a test's readings are taken together.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2, norm
 
-from octmip.gap.scene import Scene
+from octmip.gap.inference.linear_model import LinearModel
 
 Floats = NDArray[np.float64]
 
@@ -81,56 +81,76 @@ class Flip:
     share: float
 
 
-def localise(scene: Scene, nodes: tuple[Flip, ...] = ()) -> Where:
-    """Return where readings and twin differ in a scene, the halves of a test's readings taken together."""
-    setting = scene.setting
-    cell, gauge, mix = _entries(scene)
-    residual, covariance = mix @ scene.residual, mix @ scene.covariance @ mix.T
-    z = residual / np.sqrt(np.diag(covariance))
-    excess = residual**2 - mix**2 @ noise_variance(scene)
-    total = max(float(excess.sum()), 1e-12)
+@dataclass(frozen=True, slots=True, eq=False)
+class _Means:
+    """The mean readings of all cells, the halves of each taken together, beside what the twin predicts.
+
+    Attributes:
+        cell, gauge: (n_means,) indices.
+        residual: (n_means,) [microstrain].
+        covariance: (n_means, n_means) of residuals without a gap.
+        noise: (n_means,) variance of noise alone.
+    """
+
+    cell: NDArray[np.int64]
+    gauge: NDArray[np.int64]
+    residual: Floats
+    covariance: Floats
+    noise: Floats
+
+    @property
+    def excess(self) -> Floats:
+        """(n_means,) squared residuals, noise taken off."""
+        return np.asarray(self.residual**2 - self.noise)
+
+
+def localise(model: LinearModel, nodes: tuple[Flip, ...] = ()) -> Where:
+    """Return where readings and twin differ about a model's states."""
+    means = _means(model)
+    excess = means.excess
+    share = excess / max(float(excess.sum()), 1e-12)
+    cells = [model.inputs.campaign.cells[c] for c in means.cell]
+    gauges = [model.inputs.campaign.gauges[g] for g in means.gauge]
+    white = model.whitened.residual
+    return Where(
+        entries=_entries(means, [f"{g}, {c.name}" for g, c in zip(gauges, cells, strict=True)], share),
+        gauges=_groups(means, gauges, share),
+        loads=_groups(means, [f"load factor {c.load_factor:g}" for c in cells], share),
+        tests=_groups(means, [c.test for c in cells], share),
+        nodes=nodes,
+        rms_microstrain=float(np.sqrt(max(0.0, float(excess.mean())))),
+        p_value=float(chi2.sf(float(white @ white), model.n)),
+    )
+
+
+def _means(model: LinearModel) -> _Means:
+    cell = model.cells
+    count = np.array([average.count for average in model.inputs.averages])[model.average, model.gauge]
+    places, entry = np.unique(np.stack([cell, model.gauge]), axis=1, return_inverse=True)
+    mix = np.zeros((places.shape[1], model.n))
+    mix[entry.ravel(), np.arange(model.n)] = count
+    mix = mix / mix.sum(axis=1, keepdims=True)
+    covariance = mix @ model.covariance @ mix.T
+    return _Means(places[0], places[1], mix @ model.residual, covariance, mix**2 @ noise_variance(model))
+
+
+def noise_variance(model: LinearModel) -> Floats:
+    """Return the variance (n,) that noise alone gives each averaged reading [microstrain^2]."""
+    inputs = model.inputs
+    pairs = zip(inputs.averages, inputs.load_factors.tolist(), strict=True)
+    of_average = [np.diag(inputs.noise.of_mean(average.count, load)) for average, load in pairs]
+    return np.array(of_average)[model.average, model.gauge]
+
+
+def _entries(means: _Means, names: Sequence[str], share: Floats) -> tuple[Place, ...]:
+    """Return every mean reading as a place, the least probable without a gap first."""
+    z = means.residual / np.sqrt(np.diag(means.covariance))
     p = 2.0 * norm.sf(np.abs(z))
     significant = discoveries(p)
-    cells = [setting.campaign.cells[c] for c in cell]
-    gauge_names = [setting.campaign.gauges[g] for g in gauge]
-    entries = [
-        Place(
-            f"{gauge_names[k]}, {cells[k].name}",
-            float(z[k]),
-            float(p[k]),
-            bool(significant[k]),
-            float(excess[k]) / total,
-            float(residual[k]),
-        )
+    return tuple(
+        Place(names[k], float(z[k]), float(p[k]), bool(significant[k]), float(share[k]), float(means.residual[k]))
         for k in np.argsort(p, kind="stable")
-    ]
-    whole = float(chi2.sf(float(scene.white_residual @ scene.white_residual), scene.n))
-
-    def groups(names: Sequence[str]) -> tuple[Place, ...]:
-        return _groups(residual, covariance, np.array(names), excess / total)
-
-    loads = groups([f"load factor {c.load_factor:g}" for c in cells])
-    rms = float(np.sqrt(max(0.0, float(excess.mean()))))
-    return Where(tuple(entries), groups(gauge_names), loads, groups([c.test for c in cells]), nodes, rms, whole)
-
-
-def _entries(scene: Scene) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats]:
-    """Return cell and gauge (n_entries,) of every mean reading, and the weights (n_entries, n) of its blocks."""
-    blocks = scene.setting.blocks
-    cell = np.array([b.cell for b in blocks])[scene.block]
-    count = np.array([b.count for b in blocks])[scene.block, scene.gauge]
-    places, entry = np.unique(np.stack([cell, scene.gauge]), axis=1, return_inverse=True)
-    mix = np.zeros((places.shape[1], scene.n))
-    mix[entry.ravel(), np.arange(scene.n)] = count
-    return places[0], places[1], mix / mix.sum(axis=1, keepdims=True)
-
-
-def noise_variance(scene: Scene) -> Floats:
-    """Return the variance (n,) that noise alone gives each averaged reading [microstrain^2]."""
-    setting = scene.setting
-    loads = [setting.cell_of(b).load_factor for b in setting.blocks]
-    of_block = [np.diag(setting.noise.of_mean(b.count, load)) for b, load in zip(setting.blocks, loads, strict=True)]
-    return np.array(of_block)[scene.block, scene.gauge]
+    )
 
 
 def discoveries(p: Floats, rate: float = RATE) -> NDArray[np.bool_]:
@@ -143,15 +163,16 @@ def discoveries(p: Floats, rate: float = RATE) -> NDArray[np.bool_]:
     return found
 
 
-def _groups(residual: Floats, covariance: Floats, names: NDArray[np.str_], share: Floats) -> tuple[Place, ...]:
-    distinct = list(dict.fromkeys(names.tolist()))
-    places = []
-    for name in distinct:
-        rows = np.flatnonzero(names == name)
-        squared = float(residual[rows] @ np.linalg.solve(covariance[np.ix_(rows, rows)], residual[rows]))
-        p = float(chi2.sf(squared, len(rows)))
-        significant = p < RATE / len(distinct)
-        z = float(np.sqrt(squared / len(rows)))
-        places.append(Place(name, z, p, significant, float(share[rows].sum()), float(residual[rows].mean())))
-    key: Callable[[Place], float] = lambda place: -place.share  # noqa: E731
-    return tuple(sorted(places, key=key))
+def _groups(means: _Means, names: Sequence[str], share: Floats) -> tuple[Place, ...]:
+    """Return the groups of one name each as places, the greatest share of the gap first."""
+    distinct, named = list(dict.fromkeys(names)), np.array(names)
+    places = [_group(means, name, np.flatnonzero(named == name), share, RATE / len(distinct)) for name in distinct]
+    return tuple(sorted(places, key=lambda place: -place.share))
+
+
+def _group(means: _Means, name: str, rows: NDArray[np.int64], share: Floats, rate: float) -> Place:
+    residual = means.residual[rows]
+    squared = float(residual @ np.linalg.solve(means.covariance[np.ix_(rows, rows)], residual))
+    p = float(chi2.sf(squared, len(rows)))
+    z = float(np.sqrt(squared / len(rows)))
+    return Place(name, z, p, p < rate, float(share[rows].sum()), float(residual.mean()))

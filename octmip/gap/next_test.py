@@ -17,9 +17,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.gap.evidence import Fit
-from octmip.gap.posterior import Judged
-from octmip.gap.scene import Scene, named_state
+from octmip.gap.inference.evidence import Fit
+from octmip.gap.inference.inputs import Inputs
+from octmip.gap.inference.linear_model import LinearModel
+from octmip.gap.inference.posterior import Judged
 
 Floats = NDArray[np.float64]
 
@@ -34,34 +35,35 @@ SETTLED = 0.15
 WORTH = 0.05
 """Nats below which a test is not proposed."""
 
-OTHER_TESTS: dict[str, tuple[float, str, frozenset[str]]] = {
-    "load_cell": (1.0, "check the load with a second load cell or a known mass", frozenset({"load_factor_error"})),
-    "shunt_calibration": (
-        0.5,
-        "shunt-calibrate the bridges",
-        frozenset({"gauge_gain", "common_gain", "dead_gauge", "crosstalk"}),
+
+@dataclass(frozen=True, slots=True)
+class OtherTest:
+    """A test outside the strain gauges.
+
+    Attributes:
+        name: in snake_case.
+        cost: relative to one strain test at a load that was flown before.
+        words: what to do.
+        quantity: what it measures, of `octmip.twin.QUANTITIES`: it sees the effects whose `seen_by` names it.
+    """
+
+    name: str
+    cost: float
+    words: str
+    quantity: str
+
+
+OTHER_TESTS = (
+    OtherTest("load_cell", 1.0, "check the load with a second load cell or a known mass", "applied_load"),
+    OtherTest("shunt_calibration", 0.5, "shunt-calibrate the bridges", "shunt_reading"),
+    OtherTest(
+        "tap_test", 0.3, "warm or press one gauge after the other and see which channel answers", "channel_order"
     ),
-    "tap_test": (0.3, "warm or press one gauge after the other and see which channel answers",
-                 frozenset({"swapped_pair", "dead_gauge"})),
-    "gauge_survey": (0.5, "measure place and angle of the gauge on the structure",
-                     frozenset({"position_offset", "misalignment"})),
-    "tip_deflection": (
-        1.5,
-        "measure the tip deflection under a known load",
-        frozenset({"modulus", "skin_thickness", "root_flexibility", "large_deflection", "planform"}),
-    ),
-    "frequency": (
-        3.0,
-        "measure the first natural frequencies",
-        frozenset({"modulus", "skin_thickness", "root_flexibility", "payload_inertia", "planform"}),
-    ),
-    "thermal_soak": (
-        5.0,
-        "repeat the zero-load reading at another temperature",
-        frozenset({"temperature_uniform", "temperature_gradient"}),
-    ),
-}  # fmt: skip
-"""Tests outside the strain gauges: relative cost, words, effects that they see."""
+    OtherTest("gauge_survey", 0.5, "measure place and angle of the gauge on the structure", "gauge_placement"),
+    OtherTest("tip_deflection", 1.5, "measure the tip deflection under a known load", "deflection"),
+    OtherTest("frequency", 3.0, "measure the first natural frequencies", "frequency"),
+    OtherTest("thermal_soak", 5.0, "repeat the zero-load reading at another temperature", "thermal_zero"),
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +90,7 @@ class Proposal:
         return self.information / self.cost
 
 
-def next_tests(scene: Scene, judged: Sequence[Judged]) -> tuple[Proposal, ...]:
+def next_tests(model: LinearModel, judged: Sequence[Judged]) -> tuple[Proposal, ...]:
     """Return the tests worth running, best value first; none when little doubt is left."""
     if judged and not judged[0].members and not judged[0].has_unknown:
         return ()  # sound: what competes with it is too small to name
@@ -98,9 +100,14 @@ def next_tests(scene: Scene, judged: Sequence[Judged]) -> tuple[Proposal, ...]:
         return ()
     weight = weight / weight.sum()
     fits = [h.fit for h in open_ones]
-    top = max(abs(load) for load in scene.setting.campaign.loads) or 1.0
-    proposals = [
-        Proposal(f"load_{load:g}", words, _strain_information(scene, fits, weight, load), cost, True)
+    proposals = [*_strain_tests(model, fits, weight), *_other_tests(model.inputs, fits, weight)]
+    return tuple(sorted((p for p in proposals if p.information > WORTH), key=lambda p: -p.value))
+
+
+def _strain_tests(model: LinearModel, fits: Sequence[Fit], weight: Floats) -> list[Proposal]:
+    top = max(abs(load) for load in model.inputs.campaign.loads) or 1.0
+    return [
+        Proposal(f"load_{load:g}", words, _strain_information(model, fits, weight, load), cost, True)
         for load, words, cost in (
             (0.0, "read all gauges at zero load", 0.5),
             (-1.0, "load the structure the other way, load factor -1", 3.0),
@@ -108,12 +115,16 @@ def next_tests(scene: Scene, judged: Sequence[Judged]) -> tuple[Proposal, ...]:
             (1.5 * top, f"go to load factor {1.5 * top:g}, if the structure allows it", 2.0),
         )
     ]
-    columns = scene.setting.columns
-    names = [frozenset(columns[j].name for j in f.members) for f in fits]
-    for name, (cost, words, seen) in OTHER_TESTS.items():
-        information = RELIABLE * _answer_entropy([n & seen for n in names], weight)
-        proposals.append(Proposal(name, words, information, cost, False))
-    return tuple(sorted((p for p in proposals if p.information > WORTH), key=lambda p: -p.value))
+
+
+def _other_tests(inputs: Inputs, fits: Sequence[Fit], weight: Floats) -> list[Proposal]:
+    candidates = inputs.candidates
+    effects = [[candidates[j].effect for j in f.members] for f in fits]
+    found = []
+    for test in OTHER_TESTS:
+        answers = [frozenset(e.name for e in of if test.quantity in getattr(e, "seen_by", ())) for of in effects]
+        found.append(Proposal(test.name, test.words, RELIABLE * _answer_entropy(answers, weight), test.cost, False))
+    return found
 
 
 def _answer_entropy(answers: Sequence[frozenset[str]], weight: Floats) -> float:
@@ -125,23 +136,27 @@ def _entropy(weight: Floats) -> float:
     return float(-np.sum(positive * np.log(positive)))
 
 
-def _strain_information(scene: Scene, fits: Sequence[Fit], weight: Floats, load: float) -> float:
+def _strain_information(model: LinearModel, fits: Sequence[Fit], weight: Floats, load: float) -> float:
     """Return the lower bound on the information of a strain test at a load, in the first cell's state."""
-    setting = scene.setting
-    order = list(setting.order)
-    state = named_state(setting, scene.states[0])
-    time = max(b.time for b in setting.blocks)
-    rows = np.concatenate(
-        [setting.memory.signatures(e, places, state, load, time)[:, order] for e, places in setting.places()]
-    )
-    repeats = np.full(len(order), REPEATS)
-    share = load / setting.reference
-    noise = setting.noise.of_mean(repeats, load) + share**2 * setting.discrepancy.covariance
+    inputs = model.inputs
+    rows = _signatures_at(model, load)
+    repeats = np.full(len(inputs.order), REPEATS)
+    share = load / inputs.reference
+    noise = inputs.noise.of_mean(repeats, load) + share**2 * inputs.discrepancy.covariance
     means = [rows[list(f.members)].T @ f.size for f in fits]
     spreads = [noise + rows[list(f.members)].T @ f.covariance @ rows[list(f.members)] for f in fits]
     logs = [np.linalg.slogdet(s)[1] for s in spreads]
     near = np.array([[_overlap(means, spreads, logs, i, j) for j in range(len(fits))] for i in range(len(fits))])
     return float(-np.sum(weight * np.log(near @ weight)))
+
+
+def _signatures_at(model: LinearModel, load: float) -> Floats:
+    """Return all candidates' signatures (n_candidates, n_gauges) at a load, in the first cell's state, at the end."""
+    inputs = model.inputs
+    state, time = inputs.named(model.states[0]), max(average.time for average in inputs.averages)
+    order = list(inputs.order)
+    asked = inputs.effects()
+    return np.concatenate([inputs.twin.signatures(e, places, state, load, time)[:, order] for e, places in asked])
 
 
 def _overlap(means: list[Floats], spreads: list[Floats], logs: list[float], i: int, j: int) -> float:

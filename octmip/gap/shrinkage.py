@@ -17,10 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
-from octmip.gap.evidence import Fit
+from octmip.gap.inference.evidence import Fit
+from octmip.gap.inference.inference import Inference
+from octmip.gap.inference.linear_model import OPEN_STATE, LinearModel
 from octmip.gap.location import noise_variance
-from octmip.gap.scene import OPEN_STATE, Scene
-from octmip.gap.shape_error import allowing, judge
 
 Floats = NDArray[np.float64]
 
@@ -52,8 +52,7 @@ class Shrinkage:
 
     Attributes:
         before, after, floor: root mean square gap on held-out readings [microstrain], noise taken off; the floor is
-        what
-            twin and asset differ by before any effect.
+            what twin and asset differ by before any effect.
         closed: share of the squared gap closed, NaN when there is no gap to close.
         low, high: its 90 % interval.
         held_out: by load and by test.
@@ -73,104 +72,125 @@ class Shrinkage:
     p_after: float
 
 
-def measure_shrinkage(scene: Scene, members: Sequence[int], seed: int = 0) -> Shrinkage:
-    """Return how far the columns `members` close the gap, the interval by a parametric bootstrap of the noise."""
-    index = list(members)
-    under_shape = allowing(scene, tuple(members))
-    own = judge(scene, [tuple(members)])[0].fit
-    noise = noise_variance(scene)
-    parts = [(name, rows, _left(scene, index, rows)) for name, rows in _folds(scene)]
-    floor = np.diag(scene.covariance) - noise - OPEN_STATE**2 * np.sum(scene.tangents**2, axis=1)
-    held = [_held_out(name, scene.residual[rows], left, noise[rows], floor[rows]) for name, rows, left in parts]
-    rows = np.concatenate([r for _, r, _ in parts]) if parts else np.zeros(0, dtype=np.int64)
-    before = np.concatenate([left[0] for _, _, left in parts]) if parts else np.zeros(0)
-    after = np.concatenate([left[1] for _, _, left in parts]) if parts else np.zeros(0)
-    closed, low, high = _closed(before, after, noise[rows], floor[rows], np.random.default_rng(seed))
-    squared = float(scene.white_residual @ scene.white_residual)
-    remaining = under_shape.white_residual - under_shape.white[:, index] @ own.size
-    left_over = float(remaining @ remaining)
+@dataclass(frozen=True, slots=True, eq=False)
+class _Left:
+    """Held-out rows: residuals without and with the effect, variance of noise alone and of the floor, (n_held,) each.
+
+    Attributes:
+        name: what was held out.
+    """
+
+    name: str
+    before: Floats
+    after: Floats
+    noise: Floats
+    floor: Floats
+
+
+def measure_shrinkage(inference: Inference, members: Sequence[int], seed: int = 0) -> Shrinkage:
+    """Return how far the candidates `members` close the gap, the interval by a parametric bootstrap of the noise."""
+    model, chosen = inference.model, tuple(members)
+    allowing, own = inference.allowing(chosen).model, inference.judge([chosen])[0].fit
+    noise = noise_variance(model)
+    floor = np.diag(model.covariance) - noise - OPEN_STATE**2 * np.sum(model.tangents**2, axis=1)
+    parts = [_left(model, chosen, name, rows, noise, floor) for name, rows in _folds(model)]
+    whole = _together(parts)
+    closed, low, high = _closed(whole, np.random.default_rng(seed))
+    remaining = allowing.rest(chosen, own.size)
     return Shrinkage(
-        _rms(before, noise[rows]),
-        _rms(after, noise[rows]),
-        float(np.sqrt(max(0.0, float(floor[rows].mean())))) if len(rows) else float("nan"),
-        closed,
-        low,
-        high,
-        tuple(held),
-        squared / scene.n,
-        left_over / scene.n,
-        chance_of_rest(under_shape, own),
+        before=_rms(whole.before, whole.noise),
+        after=_rms(whole.after, whole.noise),
+        floor=float(np.sqrt(max(0.0, float(whole.floor.mean())))) if len(whole.floor) else float("nan"),
+        closed=closed,
+        low=low,
+        high=high,
+        held_out=tuple(_held_out(part) for part in parts),
+        chi2_before=float(model.whitened.residual @ model.whitened.residual) / model.n,
+        chi2_after=float(remaining @ remaining) / model.n,
+        p_after=chance_of_rest(allowing, own),
     )
 
 
-def chance_of_rest(scene: Scene, own: Fit) -> float:
-    """Return the chance of a chi-squared as large as what the fitted columns leave of the readings."""
-    left = scene.white_residual - scene.white[:, list(own.members)] @ own.size
-    return float(chi2.sf(float(left @ left), max(1, scene.n - len(own.members))))
+def chance_of_rest(model: LinearModel, own: Fit) -> float:
+    """Return the chance of a chi-squared as large as what the fitted candidates leave of the readings."""
+    left = model.rest(own.members, own.size)
+    return float(chi2.sf(float(left @ left), max(1, model.n - len(own.members))))
 
 
-def _folds(scene: Scene) -> list[tuple[str, NDArray[np.int64]]]:
+def _folds(model: LinearModel) -> list[tuple[str, NDArray[np.int64]]]:
     """Return the rows of every load level and test that can be held out: the rest keeps two loads or another test."""
-    setting = scene.setting
-    cells = [setting.cell_of(b) for b in setting.blocks]
-    loads = np.array([cells[b].load_factor for b in scene.block])
-    tests = np.array([cells[b].test for b in scene.block])
+    cells = model.inputs.campaign.cells
+    loads, tests = model.load_factors, np.array([cells[k].test for k in model.cells])
     folds = []
     if len(set(loads.tolist())) >= 2:
         folds = [(f"load factor {load:g}", np.flatnonzero(loads == load)) for load in np.unique(loads)]
     one_load_each = len(set(zip(tests.tolist(), loads.tolist(), strict=True))) == len(set(tests.tolist()))
-    open_cells = {setting.campaign.cells[k].test for group in setting.groups for k in group}
+    open_tests = {cells[k].test for group in model.inputs.groups for k in group}
     if not one_load_each and len(set(tests.tolist())) >= 2:
-        known = [test for test in dict.fromkeys(tests.tolist()) if test not in open_cells]
+        known = [test for test in dict.fromkeys(tests.tolist()) if test not in open_tests]
         folds += [(f"test {test}", np.flatnonzero(tests == test)) for test in known]
     return folds
 
 
-def _left(scene: Scene, members: list[int], held: NDArray[np.int64]) -> tuple[Floats, Floats]:
-    """Return the held-out residuals without and with the effect, both fitted to the other rows."""
-    rest = np.setdiff1d(np.arange(scene.n), held)
-    covariance = scene.covariance[np.ix_(rest, rest)]
-    columns = scene.signatures[:, members]
-    solved = np.linalg.solve(covariance, np.column_stack([columns[rest], scene.residual[rest]]))
-    effects = [scene.setting.columns[j].effect for j in members]
+def _left(
+    model: LinearModel, members: Sequence[int], name: str, held: NDArray[np.int64], noise: Floats, floor: Floats
+) -> _Left:
+    """Return what is left of the held-out rows without and with the effect, both fitted to the other rows."""
+    rest = np.setdiff1d(np.arange(model.n), held)
+    covariance = model.covariance[np.ix_(rest, rest)]
+    columns = model.signatures[:, list(members)]
+    solved = np.asarray(np.linalg.solve(covariance, np.column_stack([columns[rest], model.residual[rest]])), np.float64)
+    size = _size(model, members, columns[rest], solved)
+    through = OPEN_STATE**2 * model.tangents[held] @ model.tangents[rest].T
+    without = model.residual[held] - through @ solved[:, -1]
+    within = columns[held] @ size + through @ (solved[:, -1] - solved[:, :-1] @ size)
+    return _Left(name, without, model.residual[held] - within, noise[held], floor[held])
+
+
+def _size(model: LinearModel, members: Sequence[int], columns: Floats, solved: Floats) -> Floats:
+    """Return the sizes (n_members,) fitted to some rows; `solved` is C0^-1 (columns, residual) of these."""
+    if not members:
+        return np.zeros(0)
+    effects = [model.inputs.candidates[j].effect for j in members]
     precision = np.diag([(3.0 * e.prior_sd if e.prior_mean == 0.0 else e.prior_sd) ** -2 for e in effects])
     mean = np.array([e.prior_mean for e in effects])
-    gram = columns[rest].T @ solved[:, :-1] + precision
-    size = np.linalg.solve(gram, columns[rest].T @ solved[:, -1] + precision @ mean) if members else np.zeros(0)
-    size = np.where([e.is_one_sided for e in effects], np.maximum(size, 0.0), size) if members else size
-    carried = OPEN_STATE**2 * scene.tangents[held] @ scene.tangents[rest].T
-    without = scene.residual[held] - carried @ solved[:, -1]
-    within = columns[held] @ size + carried @ (solved[:, -1] - solved[:, :-1] @ size)
-    return without, scene.residual[held] - within
+    gram = columns.T @ solved[:, :-1] + precision
+    size = np.linalg.solve(gram, columns.T @ solved[:, -1] + precision @ mean)
+    return np.asarray(np.where([e.is_one_sided for e in effects], np.maximum(size, 0.0), size))
 
 
-def _held_out(name: str, residual: Floats, left: tuple[Floats, Floats], noise: Floats, floor: Floats) -> HeldOut:
-    before, after = left
-    squared = float(np.mean(before**2 - noise)), float(np.mean(after**2 - noise))
-    gap = squared[0] - float(floor.mean())
+def _together(parts: Sequence[_Left]) -> _Left:
+    def joined(name: str) -> Floats:
+        return np.concatenate([np.zeros(0), *(getattr(part, name) for part in parts)])
+
+    return _Left("all", joined("before"), joined("after"), joined("noise"), joined("floor"))
+
+
+def _held_out(part: _Left) -> HeldOut:
+    squared = float(np.mean(part.before**2 - part.noise)), float(np.mean(part.after**2 - part.noise))
+    gap = squared[0] - float(part.floor.mean())
     closed = (squared[0] - squared[1]) / gap if gap > 0.0 else float("nan")
-    return HeldOut(name, _rms(before, noise), _rms(after, noise), closed)
+    return HeldOut(part.name, _rms(part.before, part.noise), _rms(part.after, part.noise), closed)
 
 
 def _rms(left: Floats, noise: Floats) -> float:
     return float(np.sqrt(max(0.0, float(np.mean(left**2 - noise))))) if len(left) else float("nan")
 
 
-def _closed(
-    before: Floats, after: Floats, noise: Floats, floor: Floats, rng: np.random.Generator
-) -> tuple[float, float, float]:
+def _closed(whole: _Left, rng: np.random.Generator) -> tuple[float, float, float]:
     """Return the share closed and its 90 % interval; NaN when the gap is not clear of noise and floor."""
+    before, after, noise = whole.before, whole.after, whole.noise
     nan = float("nan")
     if not len(before):
         return nan, nan, nan
     first, second = float(np.mean(before**2 - noise)), float(np.mean(after**2 - noise))
-    gap = first - float(floor.mean())
+    floor = float(whole.floor.mean())
+    gap = first - floor
     error = float(np.sqrt(np.mean(2 * noise**2 + 4 * noise * before**2) / len(before)))
     if gap < LEAST_GAP * error:
         return nan, nan, nan
     draws = rng.standard_normal((DRAWS, len(before))) * np.sqrt(noise)
     g0 = np.mean((before + draws) ** 2 - 2 * noise, axis=1)
     g1 = np.mean((after + draws) ** 2 - 2 * noise, axis=1)
-    shares = (g0 - g1) / np.maximum(g0 - float(floor.mean()), 0.1 * gap)
-    low, high = np.quantile(shares, [0.05, 0.95])
+    low, high = np.quantile((g0 - g1) / np.maximum(g0 - floor, 0.1 * gap), [0.05, 0.95])
     return (first - second) / gap, float(low), float(high)

@@ -4,9 +4,9 @@ The fit gives a normal size under the hypothesis that leads. Four things make th
 
 * other places of the same effect explain the readings too: mean and variance of the mixture over them,
   m = sum w_k m_k,  v = sum w_k (v_k + m_k^2) - m^2;
-* where an effect may lie between places, size and place trade: a trace S_j (1 - x) + x S_k fitted by S_j alone has a
-  size wrong by the factor 1 + x (1 / c_k - 1), c_k the best scale of the neighbour k, x ~ N(0, BETWEEN^2);
-* two models of one effect differ in its whole trace somewhat less than gauge by gauge: the size is no surer than that;
+* where an effect may lie between places, size and place trade: a signature S_j (1 - x) + x S_k fitted by S_j alone has
+  a size wrong by the factor 1 + x (1 / c_k - 1), c_k the best scale of the neighbour k, x ~ N(0, BETWEEN^2);
+* two models of one effect differ in its whole signature somewhat less than gauge by gauge: the size is no surer;
 * an effect with an exact forward map is not linear in its size: the size told is the one whose map moves the readings
   as far along the signature as the linear fit does.
 """
@@ -16,15 +16,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from octmip.gap.posterior import Judged, fit_together
-from octmip.gap.scene import Scene, named_state
-from octmip.gap.shape_error import BETWEEN, neighbours
+from octmip.gap.inference.linear_model import LinearModel
+from octmip.gap.inference.posterior import Judged, fit_together
+from octmip.gap.inference.signature_error import BETWEEN, neighbours, scales_of
 from octmip.twin import Effect
 
 WIDTH = 1.645
 """Standard deviations of a 90 % interval."""
 COMMON_PART = 0.6
-"""Sd of the error of a whole trace over that at one gauge: two models of one effect share most of their constants."""
+"""Sd of the error of a whole signature over that at one gauge: two models of one effect share most constants."""
 STEPS = 6
 """Secant steps toward the size of an exact forward map."""
 
@@ -34,14 +34,14 @@ class Parameter:
     """The size of one effect.
 
     Attributes:
-        effect, variant: name and place.
+        effect, place: name and where it acts.
         size, low, high: mean and 90 % interval, in `unit`.
         unit: unit.
         words: what the size measures.
     """
 
     effect: str
-    variant: str
+    place: str
     size: float
     low: float
     high: float
@@ -57,21 +57,21 @@ def parameters(head: Judged, same: Sequence[Judged]) -> tuple[Parameter, ...]:
 
 
 def _parameter(head: Judged, member: int, size: float, same: Sequence[Judged]) -> Parameter:
-    effect, variant = head.scene.setting.columns[member].effect, head.scene.setting.columns[member].variant
+    candidate = head.model.inputs.candidates[member]
+    effect, place = candidate.effect, candidate.place
     mean, variance = _mixture(head, member, same)
-    common = COMMON_PART * head.scene.setting.columns[member].signature_error
-    relative = np.hypot(_place_error(head.scene, member), common)
+    relative = np.hypot(_place_error(head.model, member), COMMON_PART * candidate.signature_error)
     spread = WIDTH * float(np.sqrt(variance + (mean * relative) ** 2))
     low, high = min(size, mean - spread), max(size, mean + spread)
     if effect.is_one_sided:
         low = max(0.0, low)
-    size, low, high = (_exact(head.scene, effect, variant, value) for value in (size, low, high))
-    return Parameter(effect.name, variant, size, low, high, effect.unit, effect.parameter)
+    size, low, high = (_exact(head.model, effect, place, value) for value in (size, low, high))
+    return Parameter(effect.name, place, size, low, high, effect.unit, effect.parameter)
 
 
 def _mixture(head: Judged, member: int, same: Sequence[Judged]) -> tuple[float, float]:
     """Return mean and variance of the size over the hypotheses that hold the member's effect once."""
-    name = head.scene.setting.priors.name
+    name = head.model.inputs.priors.name
     weights, means, variances = [], [], []
     for h in same:
         of_effect = [k for k, j in enumerate(h.members) if name[j] == name[member]]
@@ -86,27 +86,26 @@ def _mixture(head: Judged, member: int, same: Sequence[Judged]) -> tuple[float, 
     return mean, max(0.0, float(w @ (v + m**2)) - mean**2)
 
 
-def _place_error(scene: Scene, member: int) -> float:
+def _place_error(model: LinearModel, member: int) -> float:
     """Return the relative sd of a size whose place is known no better than its neighbours lie apart."""
-    near = neighbours(scene, member) if scene.setting.columns[member].n_between else []
+    near = neighbours(model, member) if model.inputs.candidates[member].n_between else []
     if not near:
         return 0.0
-    scale = scene.white[:, near].T @ scene.white[:, member] / scene.lengths[near]
-    return float(BETWEEN * np.sqrt(np.mean((1.0 / scale - 1.0) ** 2)))
+    return float(BETWEEN * np.sqrt(np.mean((1.0 / scales_of(model, near, member) - 1.0) ** 2)))
 
 
-def _exact(scene: Scene, effect: Effect, variant: str, size: float) -> float:
+def _exact(model: LinearModel, effect: Effect, place: str, size: float) -> float:
     """Return the size whose exact forward map moves the readings as the linear fit does."""
     forward = getattr(effect, "predict", None)
     if forward is None or size == 0.0:
         return size
-    memory, load = scene.setting.memory, scene.setting.reference
-    state, time = named_state(scene.setting, scene.states[0]), max(b.time for b in scene.setting.blocks)
-    line = effect.signature(memory, state, load, variant=variant, time=time)
-    start = memory.predict(state, load)
+    inputs, twin, load = model.inputs, model.inputs.twin, model.inputs.reference
+    state, time = inputs.named(model.states[0]), max(average.time for average in inputs.averages)
+    line = effect.signature(twin, state, load, variant=place, time=time)
+    start = twin.predict(state, load)
     found = size
     for _ in range(STEPS):
-        moved = float((forward(memory, state, load, found, variant, time) - start) @ line / (line @ line))
+        moved = float((forward(twin, state, load, found, place, time) - start) @ line / (line @ line))
         if moved * size <= 0.0:
             return size
         found *= size / moved

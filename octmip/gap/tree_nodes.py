@@ -1,9 +1,9 @@
-"""Which nodes of a deployed tree the gap flips: a clear gap can be irrelevant to the decision, and a small one
-decisive.
+"""Which nodes of a deployed tree the gap flips.
 
-The tree reads strain divided by load factor. For every known or estimated state of the campaign the twin says how
-readings would spread about each node's split; the asset's readings say how they do. A node's share is the part of all
-readings that reach it in the asset and pass it otherwise than the twin's would: reach * |P_sim(left) - P_real(left)|.
+A clear gap can be irrelevant to the decision, and a small one decisive. The tree reads strain divided by load factor.
+For every known or estimated state of the campaign the twin says how readings would spread about each node's split; the
+asset's readings say how they do. A node's share is the part of all readings that reach it in the asset and pass it
+otherwise than the twin's would: reach * |P_sim(left) - P_real(left)|.
 """
 
 from collections.abc import Sequence
@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
+from octmip.gap.inference.linear_model import LinearModel
 from octmip.gap.location import Flip
-from octmip.gap.scene import Scene
 from octmip.tree import HyperplaneSplit, Leaf, Node, Split, goes_left
 
 Floats = NDArray[np.float64]
@@ -22,11 +22,11 @@ DRAWS = 200
 """Simulated readings for each real one's cell."""
 
 
-def flips(scene: Scene, tree: Node, feature_names: Sequence[str], seed: int = 0) -> tuple[Flip, ...]:
+def flips(model: LinearModel, tree: Node, feature_names: Sequence[str], seed: int = 0) -> tuple[Flip, ...]:
     """Return the nodes, greatest share of flipped decisions first.
 
     Args:
-        scene: the campaign about its states.
+        model: the campaign about its states.
         tree: a tree whose features are gauges, in microstrain per unit of load factor.
         feature_names: names of the features.
         seed: of the simulated noise.
@@ -34,8 +34,7 @@ def flips(scene: Scene, tree: Node, feature_names: Sequence[str], seed: int = 0)
     Raises:
         DataError: the tree reads a feature that is no gauge of the campaign.
     """
-    setting = scene.setting
-    gauges = setting.campaign.gauges
+    gauges = model.inputs.campaign.gauges
     used = {f for split in _splits(tree, "") for f in split[1].features}
     missing = [feature_names[f] for f in sorted(used) if feature_names[f] not in gauges]
     if missing:
@@ -43,7 +42,7 @@ def flips(scene: Scene, tree: Node, feature_names: Sequence[str], seed: int = 0)
             f"the tree reads {missing[0]!r}, which is no gauge of the campaign; expected gauges {gauges[:3]}..."
         )
     order = [gauges.index(name) if name in gauges else -1 for name in feature_names]
-    real, simulated = _readings(scene, order, np.random.default_rng(seed))
+    real, simulated = _readings(model, order, np.random.default_rng(seed))
     found = []
     for path, split in _splits(tree, ""):
         here, there = _reaching(tree, path, real), _reaching(tree, path, simulated)
@@ -55,20 +54,20 @@ def flips(scene: Scene, tree: Node, feature_names: Sequence[str], seed: int = 0)
     return tuple(sorted(found, key=lambda flip: -flip.share))
 
 
-def _readings(scene: Scene, order: list[int], rng: np.random.Generator) -> tuple[Floats, Floats]:
+def _readings(model: LinearModel, order: list[int], rng: np.random.Generator) -> tuple[Floats, Floats]:
     """Return real readings (n, n_features) and simulated ones, divided by the load; rows with gaps left out."""
-    setting = scene.setting
-    n_gauges = len(setting.campaign.gauges)
-    root = np.linalg.cholesky(setting.noise.covariance)
+    inputs = model.inputs
+    n_gauges = len(inputs.campaign.gauges)
+    root = np.linalg.cholesky(inputs.noise.covariance)
     real, simulated = [], []
-    first = {block.cell: k for k, block in reversed(list(enumerate(setting.blocks)))}
-    for k, cell in enumerate(setting.campaign.cells):
+    first = {average.cell: k for k, average in reversed(list(enumerate(inputs.averages)))}
+    for k, cell in enumerate(inputs.campaign.cells):
         if cell.load_factor == 0.0:
             continue
         mean = np.full(n_gauges, np.nan)
-        here = scene.block == first[k]
-        mean[scene.gauge[here]] = scene.predicted[here]
-        rows = setting.campaign.readings[cell.rows]
+        here = model.average == first[k]
+        mean[model.gauge[here]] = model.predicted[here]
+        rows = inputs.campaign.readings[cell.rows]
         real.append(rows / cell.load_factor)
         simulated.append((mean + rng.standard_normal((DRAWS, n_gauges)) @ root.T) / cell.load_factor)
     kept = [np.concatenate(part)[:, order] if part else np.zeros((0, len(order))) for part in (real, simulated)]

@@ -32,8 +32,8 @@ class CompiledTree:
 
     tree: Node
     feature_names: tuple[str, ...]
-    _steps: list[Step] = field(init=False, repr=False)
-    _labels: list[int] = field(init=False, repr=False)
+    _steps: tuple[Step, ...] = field(init=False, repr=False)
+    _labels: tuple[int, ...] = field(init=False, repr=False)
     _features: NDArray[np.intp] = field(init=False, repr=False)
     _coefficients: NDArray[np.float64] = field(init=False, repr=False)
     _thresholds: NDArray[np.float64] = field(init=False, repr=False)
@@ -65,8 +65,8 @@ class CompiledTree:
             threshold = node.threshold if isinstance(node, Split) else node.offset
             steps.append((node.features, coefficients, threshold, left, right))
             labels.append(REFUSED)
-        object.__setattr__(self, "_steps", steps)
-        object.__setattr__(self, "_labels", labels)
+        object.__setattr__(self, "_steps", tuple(steps))
+        object.__setattr__(self, "_labels", tuple(labels))
 
     def _set_tables(self, n_terms: int) -> None:
         """Lay the steps out as arrays; the last row is where readings without an answer stay."""
@@ -193,7 +193,7 @@ class CompiledTree:
         return total
 
 
-def _levels(steps: list[Step]) -> int:
+def _levels(steps: Sequence[Step]) -> int:
     """Return the number of splits on the longest way."""
     level = [0] * len(steps)
     for k, (terms, _, _, left, right) in enumerate(steps):  # preorder: a node stands before its children

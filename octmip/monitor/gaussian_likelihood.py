@@ -22,9 +22,9 @@ MOST_TABLES = 64
 """Tables kept, one for each load and set of gauges at hand."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(slots=True, eq=False)
 class GaussianLikelihood:
-    """A reading as an observation of the state.
+    """A reading as an observation of the state; keeps its tables, so it is not frozen.
 
     Attributes:
         library: the states.

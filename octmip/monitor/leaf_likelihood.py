@@ -33,9 +33,9 @@ ROWS = 200_000
 """Readings drawn at once: bounds memory."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(slots=True, eq=False)
 class LeafLikelihood:
-    """The leaf of a tree as an observation of the state.
+    """The leaf of a tree as an observation of the state; keeps its tables, so it is not frozen.
 
     Attributes:
         tree: over readings per unit of load factor.
@@ -53,9 +53,9 @@ class LeafLikelihood:
     _tables: dict[int, Floats] = field(init=False, repr=False, default_factory=dict)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "_compiled", CompiledTree(self.tree, self.library.gauges))
+        self._compiled = CompiledTree(self.tree, self.library.gauges)
         is_leaf = np.array([isinstance(node, Leaf) for node in nodes(self.tree)])
-        object.__setattr__(self, "_leaf_of_node", np.where(is_leaf, np.cumsum(is_leaf) - 1, -1))
+        self._leaf_of_node = np.where(is_leaf, np.cumsum(is_leaf) - 1, -1)
 
     @property
     def n_leaves(self) -> int:

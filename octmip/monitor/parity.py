@@ -27,9 +27,11 @@ REMAINDER = 0.1
 """What states may move a residual, in standard deviations of the noise."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(slots=True, eq=False)
 class Parity:
     """The projection that takes the library's states out of readings, for any set of gauges at hand.
+
+    It keeps a projector for each such set, so it is not frozen.
 
     Attributes:
         library: the states.

@@ -74,7 +74,7 @@ class Monitor:
     filter: Filter | None = None
     watch: Watch | None = None
     start_state: int | None = None
-    _index: dict[str, int] = field(init=False, repr=False)
+    _index: Mapping[str, int] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         gauges = self.selector.library.gauges

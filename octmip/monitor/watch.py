@@ -69,9 +69,9 @@ class Vigil:
     is_alarm: NDArray[np.bool_]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(slots=True, eq=False)
 class Watch:
-    """A guard at the edge of a library.
+    """A guard at the edge of a library; keeps its tables, so it is not frozen.
 
     Attributes:
         library: the states.
@@ -96,14 +96,14 @@ class Watch:
             raise ProblemError(
                 f"rate is {self.rate} and horizon {self.horizon}; expected a probability and at least one reading"
             )
-        object.__setattr__(self, "parity", Parity(self.library, self.largest_load))
+        self.parity = Parity(self.library, self.largest_load)
         everything = (*gauge_suspects(self.library), *self.suspects)
         pairs = [(suspect, size) for suspect in everything for size in suspect.sizes if self._can_show(suspect, size)]
-        object.__setattr__(self, "candidates", tuple(pairs))
+        self.candidates = tuple(pairs)
         # a third each for gauges, suspects and the unknown; alike within a third
         is_gauge = np.array([suspect.kind == "gauge" for suspect, _ in pairs])
         share = np.where(is_gauge, 1.0 / is_gauge.sum(), 1.0 / max(1, (~is_gauge).sum()))
-        object.__setattr__(self, "_log_prior", np.log(share / (3.0 if (~is_gauge).any() else 2.0)))
+        self._log_prior = np.log(share / (3.0 if (~is_gauge).any() else 2.0))
 
     def _can_show(self, suspect: Suspect, size: float) -> bool:
         """Return whether a whole horizon at the largest load could show it: others only dilute the rest."""

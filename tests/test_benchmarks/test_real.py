@@ -8,7 +8,7 @@ from benchmarks.real import measured, pazy, published
 from femlib.wing import uav_twin
 from femlib.wing.loads import GRAVITY
 from octmip.gap import diagnose, read_campaign
-from octmip.gap.memory import Memory
+from octmip.gap.twins.cached import CachedTwin
 
 RUN = SHARED / "asset" / "commissioning.csv"
 needs_pazy = pytest.mark.skipif(not pazy.DATA.is_dir(), reason=f"{pazy.DATA} is not there: the Pazy wing's data")
@@ -45,7 +45,7 @@ def test_the_measured_frequencies_ask_for_a_mass_near_the_node_of_the_second_mod
     found = measured.diagnosis()
     assert found.inclusion["payload_inertia"] > 0.9
     mass = next(p for p in found.which[0].parameters if p.effect == "payload_inertia")
-    assert 0.7 <= float(mass.variant.removeprefix("eta ")) <= 0.85
+    assert 0.7 <= float(mass.place.removeprefix("eta ")) <= 0.85
     assert 0.25 < mass.size < 0.55
 
 
@@ -75,7 +75,7 @@ def test_the_published_table_is_read_as_a_campaign():
 
 @pytest.fixture(scope="module")
 def wing():
-    return Memory(uav_twin())
+    return CachedTwin(uav_twin())
 
 
 @needs_asset

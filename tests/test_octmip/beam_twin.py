@@ -30,6 +30,7 @@ class Field:
     prior_source: str = "chosen for the test"
     is_one_sided: bool = False
     separated_by: str = "its shape"
+    seen_by: tuple[str, ...] = ()
 
     def variants(self, twin):
         return ("",)
@@ -59,11 +60,11 @@ class Bumps(Field):
 
 def own_effects():
     found = [
-        Field("modulus", np.full(20, -0.01), None, 2.0),
-        Field("temperature_uniform", np.full(20, -2.5), 0, 10.0, "K"),
-        Field("temperature_gradient", np.linspace(-2, 2, 20), 0, 5.0, "K"),
+        Field("modulus", np.full(20, -0.01), None, 2.0, seen_by=("deflection", "frequency")),
+        Field("temperature_uniform", np.full(20, -2.5), 0, 10.0, "K", seen_by=("thermal_zero",)),
+        Field("temperature_gradient", np.linspace(-2, 2, 20), 0, 5.0, "K", seen_by=("thermal_zero",)),
         Field("lift_distribution", 0.02 * (ETA - 0.3), None, 4.0),
-        Field("large_deflection", -3 * np.linspace(0.2, 1.0, 20), 2, 1.0, "-"),
+        Field("large_deflection", -3 * np.linspace(0.2, 1.0, 20), 2, 1.0, "-", seen_by=("deflection",)),
     ]
     return {effect.name: effect for effect in found}
 

@@ -6,8 +6,8 @@ import pytest
 from octmip.cli.diagnose import load_twin
 from octmip.errors import DataError
 from octmip.gap import diagnose, read_campaign
-from octmip.gap.clipping import unclipped
-from octmip.gap.words import verdict
+from octmip.gap.campaign.clipping import unclipped
+from octmip.report.diagnosis.words import verdict
 from tests.test_octmip.beam_twin import Beam, measured
 from tests.test_octmip.test_gap_campaign import lines_of, with_cell
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from octmip.gap import CHAIN, diagnose, rounds
-from octmip.gap.as_json import as_object
-from octmip.gap.page import report_page
-from octmip.gap.words import page_of_words
+from octmip.report.diagnosis.as_json import as_object
+from octmip.report.diagnosis.page import report_page
+from octmip.report.diagnosis.words import page_of_words
 from octmip.tree import Leaf, Split
 from tests.test_octmip.beam_twin import Asset, Beam, Field, measured
 
@@ -59,7 +59,7 @@ def test_a_single_effect_is_named_with_its_size(name, size, place, known):
     if first.effects == (name,):
         low, high = first.parameters[0].low, first.parameters[0].high
         assert low - (high - low) <= size <= high + (high - low)
-        assert first.parameters[0].variant == place
+        assert first.parameters[0].place == place
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -104,7 +104,7 @@ def test_exact_ties_are_named_together_and_no_strain_test_is_said_to_help(name):
 def test_exact_ties_are_named_together_whatever_size_and_loads(size, calibrated, loads):
     campaign = measured(int(10 + abs(size)), effect("modulus", size), loads=loads)
     diagnosis = diagnose(campaign, TWIN, commissioning=COMMISSIONING if calibrated else None)
-    clear = [cause for cause in diagnosis.which if cause.is_clear]
+    clear = [cause for cause in diagnosis.which if cause.is_identifiable]
     assert all(names >= TIED for cause in clear for names in cause.names if names & TIED)
     if abs(size) >= (4.0 if calibrated else 12.0):
         assert diagnosis.which[0].effects and any(set(names) >= TIED for names in diagnosis.which[0].names)
@@ -129,9 +129,9 @@ def test_a_wrong_effect_does_not_close_the_gap():
     from octmip.gap.shrinkage import measure_shrinkage
 
     diagnosis = diagnose(measured(7, effect("temperature_uniform", -8.0)), TWIN, commissioning=COMMISSIONING)
-    scene = diagnosis.posterior.scene
-    wrong = next(j for j, column in enumerate(scene.setting.columns) if column.name == "modulus")
-    assert measure_shrinkage(scene, [wrong]).closed < 0.5
+    candidates = diagnosis.posterior.model.inputs.candidates
+    wrong = next(j for j, candidate in enumerate(candidates) if candidate.name == "modulus")
+    assert measure_shrinkage(diagnosis.posterior.inference, [wrong]).closed < 0.5
 
 
 def test_many_free_regions_and_no_baseline_are_refused_with_the_test_that_helps():
@@ -210,7 +210,7 @@ def test_columns_in_another_order_give_the_same_answer():
         temperature=campaign.temperature,
     )
     one, other = (diagnose(c, TWIN, commissioning=COMMISSIONING).which[0] for c in (campaign, shuffled))
-    assert one.effects == other.effects and one.parameters[0].variant == other.parameters[0].variant
+    assert one.effects == other.effects and one.parameters[0].place == other.parameters[0].place
     assert one.probability == pytest.approx(other.probability, abs=0.02)
 
 

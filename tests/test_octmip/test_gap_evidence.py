@@ -7,10 +7,11 @@ from scipy.special import ndtr
 from scipy.stats import multivariate_normal
 
 from octmip.gap import CHAIN
-from octmip.gap.diagnosis import prepare
-from octmip.gap.evidence import extensions, fit
-from octmip.gap.library import SCALES
-from octmip.gap.scene import build_scene
+from octmip.gap.inference.candidates import SCALES
+from octmip.gap.inference.evidence import extensions
+from octmip.gap.inference.inference import Inference
+from octmip.gap.inference.inputs import prepare
+from octmip.gap.inference.linear_model import linearise
 from tests.test_octmip.beam_twin import Beam, measured
 
 TWIN = Beam()
@@ -19,19 +20,20 @@ del EFFECTS["swapped_pair"]
 COMMISSIONING = measured(1000)
 
 
-def scene_of(seed, size=2.0, sd=120.0):
+def inference_of(seed, size=2.0, sd=120.0):
     """A noisy campaign with a weak effect: evidences of a few nats, which nested sampling finds exactly and fast."""
 
     def change(state, load, time):
         return size * TWIN.effects["temperature_uniform"].signature(TWIN, state, load)
 
     campaign = measured(seed, change, sd=sd, loads=(0.0, 2.0))
-    setting, _ = prepare(campaign, TWIN, EFFECTS, COMMISSIONING)
-    return build_scene(setting, np.array([cell.state for cell in campaign.cells]))
+    inputs, _ = prepare(campaign, TWIN, EFFECTS, COMMISSIONING)
+    return Inference(linearise(inputs, np.array([cell.state for cell in campaign.cells])))
 
 
-def column(scene, name, place=""):
-    return next(j for j, c in enumerate(scene.setting.columns) if (c.name, c.variant) == (name, place))
+def candidate(inference, name, place=""):
+    candidates = inference.model.inputs.candidates
+    return next(j for j, c in enumerate(candidates) if (c.name, c.place) == (name, place))
 
 
 def mixture_quantiles(is_one_sided):
@@ -57,15 +59,16 @@ SETS = [
 
 @pytest.mark.parametrize("chosen", SETS, ids=["+".join(name for name, _ in chosen) for chosen in SETS])
 def test_evidence_equals_nested_sampling_within_a_tenth(chosen):
-    scene = scene_of(3)
-    members = [column(scene, *one) for one in chosen]
-    effects = [scene.setting.columns[j].effect for j in members]
-    closed = fit(scene, members)
+    inference = inference_of(3)
+    members = [candidate(inference, *one) for one in chosen]
+    effects = [inference.model.inputs.candidates[j].effect for j in members]
+    closed = inference.fit(members)
     tables = [mixture_quantiles(effect.is_one_sided) for effect in effects]
-    gram, pull = scene.gram[np.ix_(members, members)], scene.pull[members]
+    white = inference.model.whitened
+    gram, projection = white.gram[np.ix_(members, members)], white.projection[members]
 
     def log_likelihood(size):
-        return float(pull @ size - 0.5 * size @ gram @ size)
+        return float(projection @ size - 0.5 * size @ gram @ size)
 
     def prior(cube):  # the mixture's own quantiles: one smooth map of the cube
         return np.array(
@@ -81,34 +84,35 @@ def test_evidence_equals_nested_sampling_within_a_tenth(chosen):
 
 @pytest.mark.parametrize("seed", range(3))
 def test_evidence_equals_the_dense_gaussian_density(seed):
-    scene = scene_of(seed)
+    inference = inference_of(seed)
+    model = inference.model
     members = [
-        column(scene, "temperature_uniform"),
-        column(scene, "gauge_bias", "g04"),
-        column(scene, "gauge_gain", "g02"),
+        candidate(inference, "temperature_uniform"),
+        candidate(inference, "gauge_bias", "g04"),
+        candidate(inference, "gauge_gain", "g02"),
     ]
-    columns = scene.signatures[:, members]
-    sd = np.array([scene.setting.columns[j].effect.prior_sd for j in members])
+    columns = model.signatures[:, members]
+    sd = np.array([model.inputs.candidates[j].effect.prior_sd for j in members])
     logs = []
     for a in SCALES:
         for b in SCALES:
             for c in SCALES:
-                covariance = scene.covariance + columns @ np.diag((sd * [a, b, c]) ** 2) @ columns.T
-                logs.append(multivariate_normal.logpdf(scene.residual, cov=covariance))
+                covariance = model.covariance + columns @ np.diag((sd * [a, b, c]) ** 2) @ columns.T
+                logs.append(multivariate_normal.logpdf(model.residual, cov=covariance))
     dense = float(np.logaddexp.reduce(logs)) - np.log(27)
-    assert scene.log_none + fit(scene, members).log_factor == pytest.approx(dense, abs=1e-6)
-    none = multivariate_normal.logpdf(scene.residual, cov=scene.covariance)
-    assert scene.log_none == pytest.approx(none, abs=1e-6)
+    assert model.log_none + inference.fit(members).log_factor == pytest.approx(dense, abs=1e-6)
+    none = multivariate_normal.logpdf(model.residual, cov=model.covariance)
+    assert model.log_none == pytest.approx(none, abs=1e-6)
 
 
-def test_the_quick_extension_of_nothing_is_the_exact_evidence_of_every_single_column():
-    scene = scene_of(1)
-    quick = extensions(scene, ())
-    exact = [fit(scene, [j]).log_factor for j in range(len(quick))]
+def test_the_quick_extension_of_nothing_is_the_exact_evidence_of_every_single_candidate():
+    inference = inference_of(1)
+    quick = extensions(inference.model, ())
+    exact = [inference.fit([j]).log_factor for j in range(len(quick))]
     assert np.allclose(quick, exact, atol=1e-8)
 
 
 def test_the_order_of_a_set_does_not_matter():
-    scene = scene_of(1)
-    one, two = column(scene, "temperature_uniform"), column(scene, "modulus")
-    assert fit(scene, [one, two]).log_factor == pytest.approx(fit(scene, [two, one]).log_factor, abs=1e-10)
+    inference = inference_of(1)
+    one, two = candidate(inference, "temperature_uniform"), candidate(inference, "modulus")
+    assert inference.fit([one, two]).log_factor == pytest.approx(inference.fit([two, one]).log_factor, abs=1e-10)

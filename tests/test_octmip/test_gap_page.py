@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from octmip.gap import diagnose
-from octmip.gap.as_json import as_object
-from octmip.gap.page import report_page
-from octmip.gap.words import page_of_words
+from octmip.report.diagnosis.as_json import as_object
+from octmip.report.diagnosis.page import report_page
+from octmip.report.diagnosis.words import page_of_words
 from octmip.tree import Leaf, Split
 from tests.test_octmip.beam_twin import Beam, measured
 

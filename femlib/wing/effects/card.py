@@ -56,6 +56,8 @@ class WingEffect:
     n_between : int
         Number of places next to one between which the effect may lie, where places sample a continuum (a span, shapes
         of a distribution); 0 where each place is its own.
+    seen_by : tuple of str
+        Quantities beside strain under load that show it, as a diagnosis names them.
     """
 
     name: str
@@ -74,6 +76,7 @@ class WingEffect:
     superposes: bool = False
     signature_error: float = 0.03
     n_between: int = 0
+    seen_by: tuple[str, ...] = ()
 
     def variants(self, twin: Any) -> tuple[str, ...]:
         """Return the places."""

@@ -84,6 +84,7 @@ def effect(response: Response) -> WingEffect:
         prior_sd=1.0,
         prior_source="the theory gives 1; lift that follows the wing or a swept spar changes it by its own size",
         separated_by="it grows with the second and third power of the load, a scale with the first",
+        seen_by=("deflection",),
         load_power=None,
         response=response,
         force=force,

@@ -26,6 +26,7 @@ def effect(response: Response) -> WingEffect:
         prior_sd=0.3,
         prior_source="servos, pitot and fuel of this wing weigh a tenth to half a kilogram each",
         separated_by="strains outboard of the mass do not change",
+        seen_by=("frequency",),
         load_power=1,
         response=response,
         force=force,

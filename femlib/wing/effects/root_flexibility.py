@@ -70,6 +70,7 @@ def effect(response: Response) -> WingEffect:
         prior_sd=0.1,
         prior_source="a mount that raises the tip from 130 to 217 mm at load factor 3 has 0.17",
         separated_by="invisible in strain, as the wing is held at its root alone; deflection or frequency shows it",
+        seen_by=("deflection", "frequency"),
         load_power=1,
         response=response,
         force=force,

@@ -29,6 +29,7 @@ def effect(response: Response) -> WingEffect:
         prior_sd=10.0,
         prior_source="a flight or a day in a hangar changes the temperature by ten to thirty kelvin",
         separated_by="it is there at zero load and does not grow with the load",
+        seen_by=("thermal_zero",),
         load_power=0,
         response=response,
         force=force,

@@ -1,27 +1,29 @@
-"""What a measuring chain does to readings: one effect, one file, one line here."""
+"""What a measuring chain does to readings: one effect, one line here."""
 
 from octmip.gap.effects.common_gain import CommonGain
 from octmip.gap.effects.crosstalk import Crosstalk
-from octmip.gap.effects.dead_gauge import DeadGauge
-from octmip.gap.effects.gauge_bias import GaugeBias
-from octmip.gap.effects.gauge_drift import GaugeDrift
-from octmip.gap.effects.gauge_gain import GaugeGain
 from octmip.gap.effects.load_factor_error import LoadFactorError
-from octmip.gap.effects.misalignment import Misalignment
-from octmip.gap.effects.position_offset import PositionOffset
+from octmip.gap.effects.per_gauge import (
+    DEAD_GAUGE,
+    GAUGE_BIAS,
+    GAUGE_DRIFT,
+    GAUGE_GAIN,
+    MISALIGNMENT,
+    POSITION_OFFSET,
+)
 from octmip.gap.effects.swapped_pair import SwappedPair
 from octmip.twin import Effect
 
 CHAIN: dict[str, Effect] = {
     effect.name: effect
     for effect in (
-        GaugeGain(),
-        GaugeBias(),
-        GaugeDrift(),
-        Misalignment(),
-        PositionOffset(),
+        GAUGE_GAIN,
+        GAUGE_BIAS,
+        GAUGE_DRIFT,
+        MISALIGNMENT,
+        POSITION_OFFSET,
         SwappedPair(),
-        DeadGauge(),
+        DEAD_GAUGE,
         Crosstalk(),
         LoadFactorError(),
         CommonGain(),

@@ -21,6 +21,7 @@ class CommonGain:
     is_one_sided: bool = False
     separated_by: str = "strain alone cannot tell it from the load factor or a modulus: a shunt calibration does"
     load_power: int | None = None
+    seen_by: tuple[str, ...] = ("shunt_reading",)
 
     def variants(self, twin: Twin) -> tuple[str, ...]:
         """Return the whole."""

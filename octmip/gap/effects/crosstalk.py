@@ -24,6 +24,7 @@ class Crosstalk:
         "states that change the neighbour's strain alone, or a shunt on the neighbour, tell"
     )
     load_power: int | None = None
+    seen_by: tuple[str, ...] = ("shunt_reading",)
 
     def variants(self, twin: Twin) -> tuple[str, ...]:
         """Return the ordered pairs of neighbouring channels, reading first."""

@@ -23,6 +23,7 @@ class LoadFactorError:
         "strain alone cannot tell it from a common gain or a modulus: a second load cell or a known mass does"
     )
     load_power: int | None = None
+    seen_by: tuple[str, ...] = ("applied_load",)
 
     def variants(self, twin: Twin) -> tuple[str, ...]:
         """Return the whole."""

@@ -21,6 +21,7 @@ class SwappedPair:
     is_one_sided: bool = True
     separated_by: str = "tapping or heating one gauge shows which channel answers"
     load_power: int | None = None
+    seen_by: tuple[str, ...] = ("channel_order",)
     acts_on_readings: bool = True
 
     def variants(self, twin: Twin) -> tuple[str, ...]:

@@ -1,7 +1,6 @@
-"""A twin that remembers its answers: the diagnosis asks for the same few states and loads over and over."""
+"""A twin that keeps its answers: a diagnosis asks for the same few states and loads over and over."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,19 +10,17 @@ from octmip.twin import Effect, State, Twin, predict_states, state_parameters
 Key = tuple[tuple[tuple[str, float], ...], float]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Memory:
+class CachedTwin:
     """The twin with its predictions and signatures kept; itself a Twin.
 
     Attributes:
         twin: the model that is asked once for each state and load.
     """
 
-    twin: Twin
-    _strains: dict[Key, NDArray[np.float64]] = field(default_factory=dict, repr=False)
-    _signatures: dict[tuple[str, tuple[str, ...], float, Key], NDArray[np.float64]] = field(
-        default_factory=dict, repr=False
-    )
+    def __init__(self, twin: Twin) -> None:
+        self.twin = twin
+        self._strains: dict[Key, NDArray[np.float64]] = {}
+        self._signatures: dict[tuple[str, tuple[str, ...], float, Key], NDArray[np.float64]] = {}
 
     @property
     def gauges(self) -> tuple[str, ...]:

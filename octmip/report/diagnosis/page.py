@@ -7,8 +7,10 @@ from numpy.typing import NDArray
 
 from octmip.gap.causes import UNKNOWN
 from octmip.gap.diagnosis import Diagnosis
-from octmip.gap.pictures import bars, gauge_map
-from octmip.gap.words import (
+from octmip.gap.inference.inputs import Inputs
+from octmip.gap.inference.linear_model import LinearModel
+from octmip.report.diagnosis.pictures import bars, gauge_map
+from octmip.report.diagnosis.words import (
     cause_words,
     closed_words,
     flipping_nodes,
@@ -53,31 +55,47 @@ def report_page(diagnosis: Diagnosis) -> str:
 
 def _maps(diagnosis: Diagnosis) -> str:
     """Return the gauges on the structure, coloured by residual at the greatest load, before and after."""
-    scene = diagnosis.posterior.scene
-    setting = scene.setting
-    first = diagnosis.which[0]
-    after = scene.residual.copy()
-    if first.judged.members and UNKNOWN not in first.effects:
-        scene = first.judged.scene
-        after = scene.residual - scene.signatures[:, list(first.judged.members)] @ first.judged.fit.size
-    loads = np.array([setting.cell_of(b).load_factor for b in setting.blocks])
-    top = loads[scene.block] == max(loads.tolist(), key=abs)
-    names = setting.campaign.gauges
-    places = setting.memory.gauge_positions
-    points = np.stack([np.zeros(len(names)), np.arange(len(names), dtype=np.float64)], axis=1)
-    points = points if places is None else places[list(setting.order), :2]
-    outline = getattr(setting.memory.twin, "outline", None)
+    model, after = _after_first_cause(diagnosis)
+    inputs = model.inputs
+    greatest = max(inputs.load_factors.tolist(), key=abs)
+    top = model.load_factors == greatest
+    limit = float(np.abs(model.residual[top]).max(initial=1.0))
+    outline = getattr(inputs.twin.twin, "outline", None)
     maps = []
-    limit = float(np.abs(scene.residual[top]).max(initial=1.0))
-    for title, residual in (("before", scene.residual), ("after", after)):
-        mean = [float(residual[top & (scene.gauge == g)].mean()) if (top & (scene.gauge == g)).any() else np.nan
-                for g in range(len(names))]  # fmt: skip
-        maps.append(f"<figure>{gauge_map(points, np.array(mean), names, limit, outline)}<figcaption>Residual {title} "
-                    f"the first cause is added, at load factor {max(loads.tolist(), key=abs):g} (microstrain, "
-                    "calibrated twin; red: more compression than "
-                    "the twin; span to the right, aft down, not to scale)</figcaption></figure>")  # fmt: skip
+    for title, residual in (("before", model.residual), ("after", after)):
+        drawn = gauge_map(_points(inputs), _by_gauge(model, residual, top), inputs.campaign.gauges, limit, outline)
+        caption = (
+            f"Residual {title} the first cause is added, at load factor {greatest:g} (microstrain, calibrated twin; "
+            "red: more compression than the twin; span to the right, aft down, not to scale)"
+        )
+        maps.append(f"<figure>{drawn}<figcaption>{caption}</figcaption></figure>")
     lines = "".join(f"<p>{escape(line)}</p>" for line in where_lines(diagnosis) if not line.startswith("Tree node"))
     return f"<h2>Where</h2>{lines}{''.join(maps)}"
+
+
+def _after_first_cause(diagnosis: Diagnosis) -> tuple[LinearModel, Floats]:
+    """Return the model that is drawn, and the residuals (n,) [microstrain] once the first cause is added."""
+    first = diagnosis.which[0]
+    if not first.judged.members or UNKNOWN in first.effects:
+        model = diagnosis.posterior.model
+        return model, model.residual
+    model, own = first.judged.model, first.judged.fit
+    return model, model.residual - model.signatures[:, list(own.members)] @ own.size
+
+
+def _points(inputs: Inputs) -> Floats:
+    """Return the places (n_gauges, 2) [m] of the campaign's gauges; a row of them where the twin does not say."""
+    places = inputs.twin.gauge_positions
+    if places is not None:
+        return places[list(inputs.order), :2]
+    n = len(inputs.order)
+    return np.stack([np.zeros(n), np.arange(n, dtype=np.float64)], axis=1)
+
+
+def _by_gauge(model: LinearModel, residual: Floats, chosen: NDArray[np.bool_]) -> Floats:
+    """Return the mean of the chosen residuals (n,) at each gauge (n_gauges,), NaN where there is none."""
+    rows = [chosen & (model.gauge == g) for g in range(len(model.inputs.order))]
+    return np.array([float(residual[here].mean()) if here.any() else np.nan for here in rows])
 
 
 def _causes(diagnosis: Diagnosis) -> str:
@@ -85,7 +103,7 @@ def _causes(diagnosis: Diagnosis) -> str:
     labels = [" + ".join(cause.effects) or "no effect" for cause in shown]
     rows = "".join(
         f'<tr><td class="n">{escape(likely(c.probability))}</td><td>{escape(cause_words(c))}</td>'
-        f"<td>{escape('; '.join(' / '.join(t.effects) for t in c.ties)) or 'nothing'}</td></tr>"
+        f"<td>{escape('; '.join(' / '.join(t.effects) for t in c.confounded)) or 'nothing'}</td></tr>"
         for c in shown
     )
     reasons = "".join(f"<p>{escape(' / '.join(t.effects))}: {escape(t.reason)}</p>" for t in diagnosis.ambiguity)

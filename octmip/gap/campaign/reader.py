@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
-from octmip.gap.campaign import Campaign
-from octmip.gap.campaign_check import Sheet, doubts, refuse_nonsense
-from octmip.gap.campaign_table import Table, read_table
+from octmip.gap.campaign.campaign import Campaign
+from octmip.gap.campaign.plausibility import Sheet, doubts, refuse_nonsense
+from octmip.gap.campaign.table import Table, read_table
 from octmip.twin import Twin, state_parameters
 
 HOTTEST = 150.0

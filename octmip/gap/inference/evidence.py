@@ -1,6 +1,6 @@
-"""The evidence of a set of columns, in closed form from the Gram matrix of a scene.
+"""The evidence of a set of candidates, in closed form from the Gram matrix of a linear model.
 
-For columns A with sizes ~ N(m, P), P diagonal, and Lambda = P^-1 + G_AA, eta = P^-1 m + b_A:
+For candidates A with sizes ~ N(m, P), P diagonal, and Lambda = P^-1 + G_AA, eta = P^-1 m + b_A:
 
     log p(y | A) - log p(y | none) = (eta' Lambda^-1 eta - m' P^-1 m - log det(P Lambda)) / 2,
     sizes | y, A ~ N(Lambda^-1 eta, Lambda^-1);
@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import log_ndtr, logsumexp
 
-from octmip.gap.library import SCALES, Priors
-from octmip.gap.scene import Scene
+from octmip.gap.inference.candidates import SCALES, Priors
+from octmip.gap.inference.linear_model import LinearModel
 
 Floats = NDArray[np.float64]
 Members = tuple[int, ...]
@@ -27,11 +27,11 @@ Members = tuple[int, ...]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Fit:
-    """What the readings say if exactly the columns `members` act.
+    """What the readings say if exactly the candidates `members` act.
 
     Attributes:
-        members: ascending column indices.
-        log_factor: log evidence over that of no effect, given the scene.
+        members: ascending candidate indices.
+        log_factor: log evidence over that of no effect, given the linear model.
         size: (n_members,) posterior means, in each effect's unit.
         covariance: (n_members, n_members).
         scales: evidence with one factor on the prior sd of all members, over the mixture's, for each of `SCALES`.
@@ -44,57 +44,49 @@ class Fit:
     scales: tuple[float, ...]
 
 
-def fit(scene: Scene, members: Sequence[int]) -> Fit:
-    """Return the exact evidence of a set, summed over the scale mixture, with the moments of the sizes."""
-    return fits(scene, [tuple(members)])[0]
-
-
-def fits(scene: Scene, sets: Sequence[Members]) -> list[Fit]:
-    """Return `fit` of every set, sets of one shape together; the scene keeps what was fitted."""
-    new = [members for members in dict.fromkeys(sets) if members not in scene.fitted]
-    for group in alike(scene.setting.priors, new):
-        white = scene.white[:, np.array(group, dtype=np.int64).reshape(len(group), -1)].transpose(1, 2, 0)
-        found = fits_of(scene.setting.priors, group, white @ white.transpose(0, 2, 1), white @ scene.white_residual)
-        scene.fitted.update(zip(group, found, strict=True))
-    return [scene.fitted[members] for members in sets]
+def group_fits(model: LinearModel, group: Sequence[Members]) -> list[Fit]:
+    """Return the fit of every set of one group (see `alike`), without errors of signatures."""
+    index = np.array(group, dtype=np.int64).reshape(len(group), -1)
+    white = model.whitened.signatures[:, index].transpose(1, 2, 0)
+    return fits_of(model.inputs.priors, group, white @ white.transpose(0, 2, 1), white @ model.whitened.residual)
 
 
 def alike(prior: Priors, sets: Sequence[Members]) -> list[list[Members]]:
-    """Return the sets grouped by where they hold facts: those of one group share the shape of their arrays."""
+    """Return the sets grouped by where they hold discrete effects: those of one group share their arrays' shape."""
     groups: dict[tuple[bool, ...], list[Members]] = {}
     for members in sets:
-        groups.setdefault(tuple(prior.is_fact[list(members)].tolist()), []).append(members)
+        groups.setdefault(tuple(prior.is_discrete[list(members)].tolist()), []).append(members)
     return list(groups.values())
 
 
-def fits_of(prior: Priors, sets: Sequence[Members], gram: Floats, pull: Floats) -> list[Fit]:
+def fits_of(prior: Priors, sets: Sequence[Members], gram: Floats, projection: Floats) -> list[Fit]:
     """Return the fits of sets of one group (see `alike`) from their (n_sets, m, m) Gram matrices and (n_sets, m) b."""
-    facts = prior.is_fact[list(sets[0])]
-    if not len(facts):
+    discrete = prior.is_discrete[list(sets[0])]
+    if not len(discrete):
         return [Fit((), 0.0, np.zeros(0), np.zeros((0, 0)), (1.0,) * len(SCALES)) for _ in sets]
     index = np.array(sets)
-    choices = np.array(list(product(*[(1.0,) if fact else SCALES for fact in facts])))
+    choices = np.array(list(product(*[(1.0,) if is_discrete else SCALES for is_discrete in discrete])))
     sd = prior.sd[index][:, None] * choices
     logs, sizes, covariances = _gaussians(
-        gram[:, None], pull[:, None], prior.mean[index][:, None], sd, prior.one_sided[index][:, None]
+        gram[:, None], projection[:, None], prior.mean[index][:, None], sd, prior.one_sided[index][:, None]
     )
     total = logsumexp(logs, axis=1) - np.log(len(choices))
     share = np.exp(logs - total[:, None]) / len(choices)
     size = np.einsum("sk,ski->si", share, sizes)
     second = np.einsum("sk,skij->sij", share, covariances + sizes[..., :, None] * sizes[..., None, :])
     covariance = second - size[:, :, None] * size[:, None, :]
-    of_scale = [(choices[:, ~facts] == scale).all(axis=1) for scale in SCALES]
+    of_scale = [(choices[:, ~discrete] == scale).all(axis=1) for scale in SCALES]
     scales = len(choices) * np.array([share[:, chosen].sum(axis=1) for chosen in of_scale]).T
     rows = zip(sets, total.tolist(), size, covariance, scales.tolist(), strict=True)
     return [Fit(members, value, mean, spread, tuple(scale)) for members, value, mean, spread, scale in rows]
 
 
 def _gaussians(
-    gram: Floats, pull: Floats, mean: Floats, sd: Floats, one_sided: NDArray[np.bool_]
+    gram: Floats, projection: Floats, mean: Floats, sd: Floats, one_sided: NDArray[np.bool_]
 ) -> tuple[Floats, Floats, Floats]:
     """Return log evidence (...), sizes (..., m) and covariances (..., m, m) for Gram matrices and priors (..., m)."""
     covariance = np.asarray(np.linalg.inv(gram + (sd**-2)[..., None] * np.eye(sd.shape[-1])), dtype=np.float64)
-    eta = mean / sd**2 + pull
+    eta = mean / sd**2 + projection
     size = np.einsum("...ij,...j->...i", covariance, eta)
     log_det = 2.0 * np.log(sd).sum(axis=-1) - np.linalg.slogdet(covariance)[1]
     value = 0.5 * ((eta * size).sum(axis=-1) - (mean**2 / sd**2).sum(axis=-1) - log_det)
@@ -116,32 +108,35 @@ def _positive(size: Floats, spread: Floats, one_sided: NDArray[np.bool_]) -> tup
     return np.where(one_sided, cut_size, size), np.where(one_sided, cut_spread, spread)
 
 
-def extensions(scene: Scene, members: Members) -> Floats:
-    """Return log_factor (n_columns,) of `members` with each column added in turn; -inf for those already in it.
+def extensions(model: LinearModel, members: Members) -> Floats:
+    """Return log_factor (n_candidates,) of `members` with each candidate added in turn; -inf for those already in it.
 
     The sizes of `members` keep the prior of scale 1; the added one sums over the mixture. Good for choosing, not for
-    reporting: `fit` is exact.
+    reporting: `Inference.fit` is exact.
     """
-    prior = scene.setting.priors
+    prior, white = model.inputs.priors, model.whitened
     index = list(members)
-    eta = prior.mean[index] / prior.sd[index] ** 2 + scene.pull[index]
-    start, variance, gain = 0.0, scene.lengths.copy(), scene.pull.copy()
+    start, variance, gain = 0.0, white.lengths.copy(), white.projection.copy()
     if index:
-        cross = scene.products(index)
+        cross = white.gram_rows(index)
+        eta = prior.mean[index] / prior.sd[index] ** 2 + white.projection[index]
         within = cross[:, index] + np.diag(prior.sd[index] ** -2)
         inverse = np.linalg.inv(within)
         variance -= np.einsum("ij,ik,kj->j", cross, inverse, cross)
         gain -= cross.T @ inverse @ eta
         log_det = np.linalg.slogdet(within)[1] + 2.0 * np.log(prior.sd[index]).sum()
         start = 0.5 * float(eta @ inverse @ eta - (prior.mean[index] ** 2 / prior.sd[index] ** 2).sum() - log_det)
-    logs = []
-    for scale in SCALES:
-        sd = np.where(prior.is_fact, prior.sd, prior.sd * scale)
-        precision = np.maximum(variance, 0.0) + sd**-2
-        pulled = prior.mean / sd**2 + gain
-        size, spread = pulled / precision, precision**-0.5
-        value = 0.5 * (pulled**2 / precision - prior.mean**2 / sd**2 - np.log(precision * sd**2))
-        logs.append(value + np.where(prior.one_sided, log_ndtr(size / spread) - log_ndtr(prior.mean / sd), 0.0))
+    logs = [_single_logs(prior, scale, variance, gain) for scale in SCALES]
     total = start + logsumexp(np.array(logs), axis=0) - np.log(len(SCALES))
     total[index] = -np.inf
     return np.asarray(total)
+
+
+def _single_logs(prior: Priors, scale: float, variance: Floats, gain: Floats) -> Floats:
+    """Return the log evidence (n_candidates,) that each adds alone, its prior sd scaled."""
+    sd = np.where(prior.is_discrete, prior.sd, prior.sd * scale)
+    precision = np.maximum(variance, 0.0) + sd**-2
+    pulled = prior.mean / sd**2 + gain
+    size, spread = pulled / precision, precision**-0.5
+    value = 0.5 * (pulled**2 / precision - prior.mean**2 / sd**2 - np.log(precision * sd**2))
+    return np.asarray(value + np.where(prior.one_sided, log_ndtr(size / spread) - log_ndtr(prior.mean / sd), 0.0))

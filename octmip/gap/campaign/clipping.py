@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.gap.campaign import Campaign
+from octmip.gap.campaign.campaign import Campaign
 
 FEWEST = 4
 """Equal extreme readings that make a rail."""

@@ -6,8 +6,7 @@ covariance matrices", J. Multivariate Analysis 88, on readings scaled to unit va
 covariance inflation * scale(L) * V / N, where
 
 * inflation is the variance ratio of batch means, 1 unless the lag-1 correlation is significant (Flegal and Jones
-  (2010),
-  "Batch means and spectral variance estimators in Markov chain Monte Carlo", Annals of Statistics 38);
+  (2010), "Batch means and spectral variance estimators in Markov chain Monte Carlo", Annals of Statistics 38);
 * scale(L) is the ratio of the scatter at load L to the pooled one, 1 unless it differs significantly.
 """
 
@@ -22,7 +21,7 @@ from scipy.special import digamma, polygamma
 from sklearn.covariance import ledoit_wolf
 
 from octmip.errors import DataError
-from octmip.gap.campaign import FEWEST_REPEATS, Campaign, Cell
+from octmip.gap.campaign.campaign import FEWEST_REPEATS, Campaign, Cell
 
 SIGNIFICANT = 4.0
 """Standard deviations beyond which a property of the noise is reported and used."""
@@ -55,7 +54,7 @@ class Noise:
     gauges: tuple[str, ...]
     covariance: NDArray[np.float64]
     inflation: float
-    scale: dict[float, float]
+    scale: Mapping[float, float]
     lag1: float
     kurtosis: float
     step: float
@@ -92,49 +91,75 @@ def estimate_noise(campaign: Campaign, fallback: Campaign | None = None) -> Nois
     if fallback is not None and len(campaign.test) - len(campaign.cells) < FEW_DEGREES:
         source = _together(campaign, fallback)
     if not source.has_repeats:
-        cell = campaign.cells[0]
-        raise DataError(
-            f"row {campaign.row_number(int(cell.rows[0]))} ({cell.name}): every load of every test was read fewer than "
-            f"{FEWEST_REPEATS} times, so the noise cannot be estimated; repeat the readings, or give a commissioning "
-            "run with repeats, or the standard deviation of one reading (noise_sd, --noise)"
-        )
-    residuals = [_centred(source, cell) for cell in source.cells]
-    pooled = np.concatenate(residuals)
-    degrees = np.isfinite(pooled).sum(axis=0) - sum((cell.count > 0).astype(int) for cell in source.cells)
-    variance = np.nansum(pooled**2, axis=0) / np.maximum(degrees, 1)
-    stuck = (variance <= 1e-18) & (degrees > 0)
-    usable = (degrees > 0) & ~stuck
-    if not usable.any():
-        raise DataError("no gauge shows any scatter between repeats; expected noise; the rows are copies of each other")
-    own = variance
-    variance = np.full_like(own, np.median(own[usable]))
-    variance[usable] = _moderated(own[usable], degrees[usable])
-    scaled = pooled / np.sqrt(variance)
-    covariance = _shrunk(scaled, usable) * np.sqrt(np.outer(variance, variance))
-    lag1, inflation = _serial(source, [r / np.sqrt(variance) for r in residuals], usable)
-    scale = _scales(source, [r / np.sqrt(variance) for r in residuals], usable)
+        raise DataError(_no_repeats(campaign))
+    scatter = _scatter(source)
+    usable, residuals, scaled = scatter.usable, scatter.scaled, np.concatenate(scatter.scaled)
+    covariance = _shrunk(scaled, usable) * np.sqrt(np.outer(scatter.variance, scatter.variance))
+    lag1, inflation = _serial(residuals, usable)
+    scale = _scales(source, residuals, usable)
     kurtosis, heavy = _kurtosis(scaled[:, usable])
     step = quantisation_step(source.readings)
-    uneven = any(abs(s - 1.0) > 1e-9 for s in scale.values()) or _gauges_differ(own[usable], degrees[usable], kurtosis)
+    uneven = any(abs(s - 1.0) > 1e-9 for s in scale.values()) or _gauges_differ(scatter, kurtosis)
     found = {
         "heavy_tailed_noise": heavy,
         "heteroscedastic_noise": uneven,
         "correlated_noise": inflation > 1.0 or _gauges_correlate(scaled[:, usable]),
-        "quantisation": step > 0.5 * float(np.sqrt(np.median(variance))),
+        "quantisation": step > 0.5 * float(np.sqrt(np.median(scatter.variance))),
     }
-    names = tuple(name for name, is_stuck in zip(source.gauges, stuck, strict=True) if is_stuck)
     return Noise(
-        source.gauges,
-        covariance,
-        inflation,
-        scale,
-        lag1,
-        kurtosis,
-        step,
-        names,
-        tuple(name for name, is_there in found.items() if is_there),
-        float(degrees[usable].mean()),
+        gauges=source.gauges,
+        covariance=covariance,
+        inflation=inflation,
+        scale=scale,
+        lag1=lag1,
+        kurtosis=kurtosis,
+        step=step,
+        stuck=tuple(name for name, is_stuck in zip(source.gauges, scatter.stuck, strict=True) if is_stuck),
+        findings=tuple(name for name, is_there in found.items() if is_there),
+        degrees=float(scatter.degrees[usable].mean()),
     )
+
+
+def _no_repeats(campaign: Campaign) -> str:
+    cell = campaign.cells[0]
+    return (
+        f"row {campaign.row_number(int(cell.rows[0]))} ({cell.name}): every load of every test was read fewer than "
+        f"{FEWEST_REPEATS} times, so the noise cannot be estimated; repeat the readings, or give a commissioning "
+        "run with repeats, or the standard deviation of one reading (noise_sd, --noise)"
+    )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Scatter:
+    """How the repeats scatter about the means of their cells.
+
+    Attributes:
+        scaled: for each cell (n_repeats, n_gauges) in standard deviations; NaN where nothing was recorded.
+        own, variance: (n_gauges,) variance of one reading, as it scatters and drawn toward all gauges [microstrain^2].
+        degrees: (n_gauges,) repeats less cells.
+        usable, stuck: (n_gauges,) gauges that scatter, and those whose repeats never change.
+    """
+
+    scaled: tuple[NDArray[np.float64], ...]
+    own: NDArray[np.float64]
+    variance: NDArray[np.float64]
+    degrees: NDArray[np.float64]
+    usable: NDArray[np.bool_]
+    stuck: NDArray[np.bool_]
+
+
+def _scatter(campaign: Campaign) -> _Scatter:
+    residuals = [_centred(campaign, cell) for cell in campaign.cells]
+    pooled = np.concatenate(residuals)
+    degrees = np.isfinite(pooled).sum(axis=0) - sum((cell.count > 0).astype(int) for cell in campaign.cells)
+    own = np.nansum(pooled**2, axis=0) / np.maximum(degrees, 1)
+    stuck = (own <= 1e-18) & (degrees > 0)
+    usable = (degrees > 0) & ~stuck
+    if not usable.any():
+        raise DataError("no gauge shows any scatter between repeats; expected noise; the rows are copies of each other")
+    variance = np.full_like(own, np.median(own[usable]))
+    variance[usable] = _moderated(own[usable], degrees[usable])
+    return _Scatter(tuple(r / np.sqrt(variance) for r in residuals), own, variance, degrees, usable, stuck)
 
 
 def given_noise(gauges: tuple[str, ...], sd: float | Mapping[str, float]) -> Noise:
@@ -203,7 +228,7 @@ def _shrunk(scaled: NDArray[np.float64], usable: NDArray[np.bool_]) -> NDArray[n
     return matrix
 
 
-def _serial(campaign: Campaign, residuals: list[NDArray[np.float64]], usable: NDArray[np.bool_]) -> tuple[float, float]:
+def _serial(residuals: Sequence[NDArray[np.float64]], usable: NDArray[np.bool_]) -> tuple[float, float]:
     """Return the lag-1 correlation and the inflation of the variance of means."""
     products, squares, pairs, cells = 0.0, 0.0, 0, 0
     long = [np.nan_to_num(r[:, usable]) for r in residuals if len(r) >= 8]
@@ -232,7 +257,9 @@ def _batch_ratio(residuals: list[NDArray[np.float64]]) -> float:
     return above / below
 
 
-def _scales(campaign: Campaign, residuals: list[NDArray[np.float64]], usable: NDArray[np.bool_]) -> dict[float, float]:
+def _scales(
+    campaign: Campaign, residuals: Sequence[NDArray[np.float64]], usable: NDArray[np.bool_]
+) -> dict[float, float]:
     """Return the variance ratio of each load to the whole where it is significant, else 1."""
     loads = np.array([cell.load_factor for cell in campaign.cells])
     squares: dict[float, tuple[float, float]] = {}
@@ -258,8 +285,9 @@ def _kurtosis(scaled: NDArray[np.float64]) -> tuple[float, bool]:
     return excess, excess > max(0.5, SIGNIFICANT * np.sqrt(24.0 / values.size))
 
 
-def _gauges_differ(variance: NDArray[np.float64], degrees: NDArray[np.float64], kurtosis: float) -> bool:
+def _gauges_differ(scatter: _Scatter, kurtosis: float) -> bool:
     """Return whether some gauge is noisier than the others (maximum of log ratios, corrected for tails and number)."""
+    variance, degrees = scatter.own[scatter.usable], scatter.degrees[scatter.usable]
     spread = np.sqrt((2.0 + max(0.0, kurtosis)) / np.maximum(degrees, 1))
     z = np.abs(np.log(variance / np.median(variance))) / spread
     return bool(z.max() > SIGNIFICANT + 0.5)

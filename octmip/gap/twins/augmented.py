@@ -20,12 +20,12 @@ class Addition:
 
     Attributes:
         effect: the effect.
-        variant: its place.
+        place: where it acts.
         size: in the effect's unit.
     """
 
     effect: Effect
-    variant: str
+    place: str
     size: float
 
 
@@ -74,9 +74,9 @@ class AugmentedTwin:
             before = _Before(self, k)
             forward = getattr(addition.effect, "predict", None)
             if forward is not None:
-                strain = np.asarray(forward(before, state, load_factor, addition.size, addition.variant, time))
+                strain = np.asarray(forward(before, state, load_factor, addition.size, addition.place, time))
             else:
-                change = addition.effect.signature(before, state, load_factor, variant=addition.variant, time=time)
+                change = addition.effect.signature(before, state, load_factor, variant=addition.place, time=time)
                 strain = strain + addition.size * change
         return np.asarray(strain, dtype=np.float64)
 

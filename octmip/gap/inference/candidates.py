@@ -1,7 +1,7 @@
-"""The library as columns: one effect at one place is one column, the unit of all hypotheses.
+"""Candidates: one effect at one place each, the unit of all hypotheses.
 
-A column adds size * signature to the readings with size ~ N(mean, (scale sd)^2), scale 1/3, 1 or 3 with equal weight;
-a size known to be positive keeps the positive half. A size that is a fact (swapped or not) has one scale only.
+A candidate adds size * signature to the readings with size ~ N(mean, (scale sd)^2), scale 1/3, 1 or 3 with equal
+weight; a size known to be positive keeps the positive half. A discrete effect (swapped or not) has one scale only.
 """
 
 from collections.abc import Mapping, Sequence
@@ -18,17 +18,17 @@ SCALES = (1 / 3, 1.0, 3.0)
 
 
 @dataclass(frozen=True, slots=True)
-class Column:
+class Candidate:
     """One effect at one place.
 
     Attributes:
         effect: the effect.
-        variant: its place, "" for the whole.
+        place: where it acts, "" for the whole.
         weight: share of the effect's prior probability, the look-elsewhere correction.
     """
 
     effect: Effect
-    variant: str
+    place: str
     weight: float
 
     @property
@@ -37,7 +37,7 @@ class Column:
         return self.effect.name
 
     @property
-    def is_fact(self) -> bool:
+    def is_discrete(self) -> bool:
         """Whether the size is known once the effect is there."""
         return self.effect.prior_mean != 0.0
 
@@ -59,58 +59,58 @@ class Column:
     @property
     def words(self) -> str:
         """Name and place."""
-        return f"{self.name} ({self.variant})" if self.variant else self.name
+        return f"{self.name} ({self.place})" if self.place else self.name
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Priors:
-    """The priors of all columns as arrays (n_columns,).
+    """The priors of all candidates as arrays (n_candidates,).
 
     Attributes:
         mean, sd: of the size.
-        one_sided, is_fact: as the columns'.
-        log_weight: log of the columns' shares.
-        name: index of each column's effect among the effects.
+        one_sided, is_discrete: as the candidates say.
+        log_weight: log of the candidates' shares.
+        name: index of each candidate's effect among the effects.
         n_effects: number of effects.
     """
 
     mean: NDArray[np.float64]
     sd: NDArray[np.float64]
     one_sided: NDArray[np.bool_]
-    is_fact: NDArray[np.bool_]
+    is_discrete: NDArray[np.bool_]
     log_weight: NDArray[np.float64]
     name: NDArray[np.int64]
     n_effects: int
 
 
-def priors(columns: Sequence[Column]) -> Priors:
-    """Return the priors of these columns."""
-    names = list(dict.fromkeys(column.name for column in columns))
+def priors_of(candidates: Sequence[Candidate]) -> Priors:
+    """Return the priors of these candidates."""
+    names = list(dict.fromkeys(candidate.name for candidate in candidates))
     return Priors(
-        mean=np.array([c.effect.prior_mean for c in columns], dtype=np.float64),
-        sd=np.array([c.effect.prior_sd for c in columns], dtype=np.float64),
-        one_sided=np.array([c.effect.is_one_sided for c in columns], dtype=bool),
-        is_fact=np.array([c.is_fact for c in columns], dtype=bool),
-        log_weight=np.log(np.array([c.weight for c in columns], dtype=np.float64)),
-        name=np.array([names.index(c.name) for c in columns], dtype=np.int64),
+        mean=np.array([c.effect.prior_mean for c in candidates], dtype=np.float64),
+        sd=np.array([c.effect.prior_sd for c in candidates], dtype=np.float64),
+        one_sided=np.array([c.effect.is_one_sided for c in candidates], dtype=bool),
+        is_discrete=np.array([c.is_discrete for c in candidates], dtype=bool),
+        log_weight=np.log(np.array([c.weight for c in candidates], dtype=np.float64)),
+        name=np.array([names.index(c.name) for c in candidates], dtype=np.int64),
         n_effects=len(names),
     )
 
 
-def library_columns(effects: Mapping[str, Effect], twin: Twin, gauges: Sequence[str]) -> tuple[Column, ...]:
-    """Return the columns of all effects, those that act on gauges outside `gauges` left out.
+def candidates_of(effects: Mapping[str, Effect], twin: Twin, gauges: Sequence[str]) -> tuple[Candidate, ...]:
+    """Return the candidates of all effects, those that act on gauges outside `gauges` left out.
 
     Raises:
         DataError: an effect lacks a positive prior sd.
     """
-    columns = []
+    found = []
     absent = set(twin.gauges) - set(gauges)
     for effect in effects.values():
         if not effect.prior_sd > 0.0:
             raise DataError(f"effect {effect.name} has prior_sd {effect.prior_sd}; expected a positive size")
         places = [place for place in effect.variants(twin) if not absent & _gauges_of(place)]
-        columns += [Column(effect, place, 1.0 / len(places)) for place in places]
-    return tuple(columns)
+        found += [Candidate(effect, place, 1.0 / len(places)) for place in places]
+    return tuple(found)
 
 
 def _gauges_of(place: str) -> set[str]:

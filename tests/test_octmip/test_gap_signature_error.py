@@ -1,13 +1,13 @@
-"""A large effect whose trace is not quite the library's: its name is right, and nothing else is dragged in."""
+"""A large effect whose signature is not quite the library's: its name is right, and nothing else is dragged in."""
 
 import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
 from octmip.gap import CHAIN, diagnose
-from octmip.gap.diagnosis import prepare
-from octmip.gap.scene import build_scene
-from octmip.gap.shape_error import allowing, judge
+from octmip.gap.inference.inference import Inference
+from octmip.gap.inference.inputs import prepare
+from octmip.gap.inference.linear_model import linearise
 from tests.test_octmip.beam_twin import ETA, Asset, Beam, Bumps, Field, measured
 
 COMMISSIONING = measured(1000)
@@ -24,26 +24,27 @@ def twin_with(effect):
     return Beam(effects={**Beam().effects, effect.name: effect})
 
 
-def scene_of(twin, campaign):
-    setting, _ = prepare(campaign, twin, {**CHAIN, **twin.effects}, COMMISSIONING)
-    return build_scene(setting, np.array([cell.state for cell in campaign.cells]))
+def inference_of(twin, campaign):
+    inputs, _ = prepare(campaign, twin, {**CHAIN, **twin.effects}, COMMISSIONING)
+    return Inference(linearise(inputs, np.array([cell.state for cell in campaign.cells])))
 
 
-def column(scene, words):
-    return next(k for k, c in enumerate(scene.setting.columns) if c.words == words)
+def candidate(model, words):
+    return next(k for k, c in enumerate(model.inputs.candidates) if c.words == words)
 
 
-def test_the_judgement_under_errors_of_shape_equals_the_dense_gaussian_density():
+def test_the_judgement_under_errors_of_signatures_equals_the_dense_gaussian_density():
     twin = twin_with(Uncertain("soak", SHAPE, 1, 10.0))
-    scene = scene_of(twin, measured(3, lambda state, load, time: 8.0 * load * SHAPE))
-    j = column(scene, "soak")
-    judged = judge(scene, [(j,)])[0]
-    errors = 0.03 * scene.signatures[:, [j]] * (scene.gauge[:, None] == np.arange(20)[None, :])
-    root = scene.factor @ judged.root
+    inference = inference_of(twin, measured(3, lambda state, load, time: 8.0 * load * SHAPE))
+    model = inference.model
+    j = candidate(model, "soak")
+    judged = inference.judge([(j,)])[0]
+    errors = 0.03 * model.signatures[:, [j]] * (model.gauge[:, None] == np.arange(20)[None, :])
+    root = model.factor @ judged.root
     assert np.allclose(root @ root.T, judged.fit.size[0] ** 2 * errors @ errors.T, rtol=2e-3, atol=1e-6)
-    dense = multivariate_normal.logpdf(scene.residual, cov=scene.covariance + root @ root.T)
-    assert scene.log_none + judged.log_shift == pytest.approx(dense, abs=1e-6)
-    assert allowing(scene, (j,)).log_none == pytest.approx(dense, abs=1e-6)
+    dense = multivariate_normal.logpdf(model.residual, cov=model.covariance + root @ root.T)
+    assert model.log_none + judged.log_shift == pytest.approx(dense, abs=1e-6)
+    assert inference.allowing((j,)).model.log_none == pytest.approx(dense, abs=1e-6)
 
 
 @pytest.mark.parametrize("knows", [True, False])
@@ -71,7 +72,7 @@ def test_what_a_swapped_pair_shows_of_another_effect_is_exchanged_too():
     twin = twin_with(Field("soak", SHAPE, 1, 10.0))
     first = diagnose(measured(3, change), twin, commissioning=COMMISSIONING).which[0]
     assert set(first.effects) == {"soak", "swapped_pair"}
-    assert {p.variant for p in first.parameters} == {"", "g03/g16"}
+    assert {p.place for p in first.parameters} == {"", "g03/g16"}
 
 
 class Lagging(Field):
@@ -86,10 +87,10 @@ class Lagging(Field):
 
 def test_an_effect_that_superposes_answers_each_step_of_the_load_from_its_own_time_on():
     twin = twin_with(Lagging("lag", SHAPE, 1, 10.0))
-    scene = scene_of(twin, measured(3, loads=(2.0, 0.0, 3.0)))
-    trace = scene.signatures[:, column(scene, "lag")]
-    last = scene.block == len(scene.setting.blocks) - 1
-    time = scene.setting.blocks[-1].time
+    model = inference_of(twin, measured(3, loads=(2.0, 0.0, 3.0))).model
+    signature = model.signatures[:, candidate(model, "lag")]
+    last = model.average == len(model.inputs.averages) - 1
+    time = model.inputs.averages[-1].time
     lags = [(2.0, time), (-2.0, time - 300.0), (3.0, time - 600.0)]  # 50 readings a load, 6 s each
     expected = sum(step * (lag / 3600.0) ** 0.5 for step, lag in lags) * SHAPE
-    assert np.allclose(trace[last], expected)
+    assert np.allclose(signature[last], expected)

@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
-from octmip.gap.campaign import Campaign, Cell
-from octmip.gap.memory import Memory
-from octmip.gap.noise import Noise, estimate_noise
+from octmip.gap.campaign.campaign import Campaign, Cell
+from octmip.gap.campaign.noise import Noise, estimate_noise
+from octmip.gap.twins.cached import CachedTwin
 
 COMMON = 0.010
 """Relative sd of the part common to all gauges. Measured between two codes on one wing: 0.6 to 0.9 %."""
@@ -62,7 +62,7 @@ def uncalibrated(healthy: NDArray[np.float64]) -> Discrepancy:
     return Discrepancy(np.zeros(len(healthy)), covariance, rms, DAMAGE, is_calibrated=False)
 
 
-def calibrated(run: Campaign, memory: Memory, gauges: tuple[str, ...], load: float) -> Discrepancy:
+def calibrated(run: Campaign, twin: CachedTwin, gauges: tuple[str, ...], load: float) -> Discrepancy:
     """Return the difference that a commissioning run shows for these gauges, at the reference load factor `load`.
 
     Raises:
@@ -75,23 +75,23 @@ def calibrated(run: Campaign, memory: Memory, gauges: tuple[str, ...], load: flo
     if unknown:
         raise DataError(f"the commissioning run holds an unknown state ({unknown[0].name}); give its state columns")
     order = [run.gauges.index(name) for name in gauges]
-    columns = [memory.twin.gauges.index(name) for name in gauges]
+    columns = [twin.gauges.index(name) for name in gauges]
     noise = estimate_noise(run)
-    reference = memory.predict({}, load)[columns]
+    reference = twin.predict({}, load)[columns]
     open_sd = OPEN * np.abs(reference) + 2 * FLOOR * _rms(reference)
-    precision, pull = np.diag(open_sd**-2), np.zeros(len(gauges))
+    precision, projection = np.diag(open_sd**-2), np.zeros(len(gauges))
     for cell in run.cells:
         state = dict(zip(run.parameters, cell.state.tolist(), strict=True))
-        predicted = memory.predict(state, cell.load_factor)[columns]
-        phi = float(memory.predict({}, cell.load_factor)[columns] @ reference / (reference @ reference))
+        predicted = twin.predict(state, cell.load_factor)[columns]
+        phi = float(twin.predict({}, cell.load_factor)[columns] @ reference / (reference @ reference))
         weight = _weight(noise, cell, order)
         gap = np.nan_to_num(cell.mean[order] - predicted)
         precision += phi**2 * weight
-        pull += phi * weight @ gap
+        projection += phi * weight @ gap
     if np.allclose(precision, np.diag(open_sd**-2)):
         raise DataError("the commissioning run holds readings at zero load only; expected two loads or more")
     covariance = np.asarray(np.linalg.inv(precision), dtype=np.float64)
-    return Discrepancy(covariance @ pull, covariance, _rms(reference), DAMAGE, is_calibrated=True)
+    return Discrepancy(covariance @ projection, covariance, _rms(reference), DAMAGE, is_calibrated=True)
 
 
 def _weight(noise: Noise, cell: Cell, order: list[int]) -> NDArray[np.float64]:

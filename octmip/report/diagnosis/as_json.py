@@ -3,14 +3,14 @@
 import math
 from typing import Any
 
-from octmip.gap.causes import Cause, Tie
+from octmip.gap.campaign.noise import Noise
+from octmip.gap.causes import Cause, ConfoundedEffects
 from octmip.gap.diagnosis import Diagnosis
 from octmip.gap.location import Place, Where
 from octmip.gap.next_test import Proposal
-from octmip.gap.noise import Noise
 from octmip.gap.shrinkage import Shrinkage
 from octmip.gap.sizes import Parameter
-from octmip.gap.words import verdict
+from octmip.report.diagnosis.words import verdict
 
 
 def as_object(diagnosis: Diagnosis) -> dict[str, Any]:
@@ -22,7 +22,7 @@ def as_object(diagnosis: Diagnosis) -> dict[str, Any]:
         "which": [_cause(cause) for cause in diagnosis.which],
         "credible_set": [list(cause.effects) for cause in diagnosis.credible],
         "inclusion": diagnosis.inclusion,
-        "ambiguity": [_tie(tie) for tie in diagnosis.ambiguity],
+        "ambiguity": [_confounded(found) for found in diagnosis.ambiguity],
         "parameters": [_parameter(p) for p in diagnosis.which[0].parameters],
         "unknown_probability": diagnosis.unknown_probability,
         "detectable": diagnosis.detectable,
@@ -68,7 +68,7 @@ def _cause(cause: Cause) -> dict[str, Any]:
         "effects": list(cause.effects),
         "probability": cause.probability,
         "parameters": [_parameter(p) for p in cause.parameters],
-        "cannot_be_told_from": [list(t.effects[1:]) for t in cause.ties],
+        "cannot_be_told_from": [list(c.effects[1:]) for c in cause.confounded],
         "is_prior_sensitive": cause.is_prior_sensitive,
     }
 
@@ -76,7 +76,7 @@ def _cause(cause: Cause) -> dict[str, Any]:
 def _parameter(p: Parameter) -> dict[str, Any]:
     return {
         "effect": p.effect,
-        "place": p.variant,
+        "place": p.place,
         "size": p.size,
         "low": p.low,
         "high": p.high,
@@ -85,12 +85,12 @@ def _parameter(p: Parameter) -> dict[str, Any]:
     }
 
 
-def _tie(tie: Tie) -> dict[str, Any]:
+def _confounded(found: ConfoundedEffects) -> dict[str, Any]:
     return {
-        "effects": list(tie.effects),
-        "places": list(tie.places),
-        "d_prime": list(tie.d_prime),
-        "reason": tie.reason,
+        "effects": list(found.effects),
+        "places": list(found.places),
+        "d_prime": list(found.d_prime),
+        "reason": found.reason,
     }
 
 

@@ -65,19 +65,19 @@ def cause_words(cause: Cause) -> str:
     if UNKNOWN in cause.effects:
         known = " and ".join(size_words(parameter) for parameter in cause.parameters)
         return f"something outside the library{f' beside {known}' if known else ''}"
-    if not cause.is_clear:
+    if not cause.is_identifiable:
         return f"some effect too small to name in these readings ({' + '.join(cause.effects)} or another)"
     told = []
     for parameter in cause.parameters:
-        tie = next((t for t in cause.ties if t.effects[0] == parameter.effect), None)
-        told.append(size_words(parameter, tie.effects[1:] if tie else ()))
+        found = next((c for c in cause.confounded if c.effects[0] == parameter.effect), None)
+        told.append(size_words(parameter, found.effects[1:] if found else ()))
     return " and ".join(told)
 
 
 def size_words(parameter: Parameter, others: Sequence[str] = ()) -> str:
     """Return an effect, `others` that cannot be told from it, its place, size and 90 % interval."""
     names = f"{parameter.effect} (or {' or '.join(dict.fromkeys(others))})" if others else parameter.effect
-    place = f" at {parameter.variant}" if parameter.variant else ""
+    place = f" at {parameter.place}" if parameter.place else ""
     interval = f"{parameter.low:.3g} to {parameter.high:.3g}"
     return f"{names}{place}: {with_unit(parameter.size, parameter.unit)} (90 % {interval})"
 
@@ -171,13 +171,14 @@ def _which(diagnosis: Diagnosis) -> list[str]:
 def _explained(cause: Cause) -> list[str]:
     """Return what the effects of a cause mean and what cannot be told from them, a line each."""
     indent = " " * 14
-    told = cause.parameters if cause.is_clear else ()
+    told = cause.parameters if cause.is_identifiable else ()
     meant = [f"{indent}{effect}: {words}" for effect, words in {p.effect: p.words for p in told}.items()]
-    return meant + [f"{indent}cannot be told apart: {' / '.join(t.effects)}: {t.reason}" for t in cause.ties]
+    return meant + [f"{indent}cannot be told apart: {' / '.join(c.effects)}: {c.reason}" for c in cause.confounded]
 
 
 def _limits(diagnosis: Diagnosis) -> str:
-    units = {c.name: c.effect.unit for c in diagnosis.posterior.scene.setting.columns if not c.is_fact}
+    candidates = diagnosis.posterior.model.inputs.candidates
+    units = {c.name: c.effect.unit for c in candidates if not c.is_discrete}
     told = [(n, s) for n, s in diagnosis.detectable.items() if n in units and n not in diagnosis.refused]
     return ", ".join(f"{name} {with_unit(float(f'{size:.2g}'), units[name])}" for name, size in told)
 

@@ -1,0 +1,204 @@
+"""What may be wrong with one gauge, as a formula: the change of its reading per unit of the effect's size.
+
+| effect | reading of gauge g with size s |
+|---|---|
+| gauge_gain | (1 + s / 100) strain |
+| gauge_bias | strain + s |
+| gauge_drift | strain + s time / 3600 s, from the start of the campaign |
+| misalignment | (1 - (1 + nu) s / 100) strain, s / 100 = sin^2(angle), shear left out, nu = 0.3 |
+| position_offset | strain + s d(strain)/dy, the slope from the neighbouring gauges |
+| dead_gauge | (1 - s) strain with s = 1: zero and noise whatever the strain |
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.twin import State, Twin
+
+POISSON = 0.3
+"""Transverse contraction that a turned gauge feels."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Moment:
+    """One gauge at one state, load and time [s]; the twin is asked only for what a formula needs."""
+
+    twin: Twin
+    state: State
+    load_factor: float
+    gauge: int
+    time: float
+
+    @property
+    def strains(self) -> NDArray[np.float64]:
+        """(n_gauges,) of the twin [microstrain]."""
+        return self.twin.predict(self.state, self.load_factor)
+
+    @property
+    def strain(self) -> float:
+        """Of the gauge [microstrain]."""
+        return float(self.strains[self.gauge])
+
+
+@dataclass(frozen=True, slots=True)
+class PerGauge:
+    """An effect on one gauge; it may act on each.
+
+    Attributes:
+        formula: change of the gauge's reading [microstrain] per unit of size.
+        needs_positions: whether the twin must say where its gauges lie.
+
+    The others are those of `octmip.twin.Effect`.
+    """
+
+    name: str
+    parameter: str
+    unit: str
+    prior_sd: float
+    prior_source: str
+    separated_by: str
+    formula: Callable[[Moment], float]
+    prior_mean: float = 0.0
+    is_one_sided: bool = False
+    load_power: int | None = None
+    acts_on_readings: bool = False
+    uses_time: bool = False
+    needs_positions: bool = False
+    seen_by: tuple[str, ...] = ()
+
+    def variants(self, twin: Twin) -> tuple[str, ...]:
+        """Return the gauges; none where their positions are needed and the twin does not say them."""
+        if self.needs_positions and getattr(twin, "gauge_positions", None) is None:
+            return ()
+        return twin.gauges
+
+    def signature(
+        self, twin: Twin, state: State, load_factor: float, variant: str = "", time: float = 0.0
+    ) -> NDArray[np.float64]:
+        """Return the change of the readings (n_gauges,) in microstrain per unit of size."""
+        gauge = twin.gauges.index(variant)
+        change = np.zeros(len(twin.gauges))
+        change[gauge] = self.formula(Moment(twin, state, load_factor, gauge, time))
+        return change
+
+
+def _gain(moment: Moment) -> float:
+    return 0.01 * moment.strain
+
+
+def _bias(moment: Moment) -> float:
+    return 1.0
+
+
+def _drift(moment: Moment) -> float:
+    return moment.time / 3600.0
+
+
+def _misalignment(moment: Moment) -> float:
+    return -0.01 * (1.0 + POISSON) * moment.strain
+
+
+def _offset(moment: Moment) -> float:
+    positions = np.asarray(moment.twin.gauge_positions)  # type: ignore[attr-defined]
+    return 1e-3 * spanwise_slope(positions, moment.strains, moment.gauge)
+
+
+def _dead(moment: Moment) -> float:
+    return -moment.strain
+
+
+def spanwise_slope(positions: NDArray[np.float64], strain: NDArray[np.float64], gauge: int) -> float:
+    """Return d(strain)/dy [microstrain/m] at one gauge: the best plane through it and its four nearest neighbours."""
+    near = np.argsort(np.linalg.norm(positions - positions[gauge], axis=1), kind="stable")[1:5]
+    offset = (positions[near] - positions[gauge])[:, :2]
+    weight = 1.0 / np.linalg.norm(offset, axis=1)
+    slope = np.linalg.lstsq(offset * weight[:, None], (strain[near] - strain[gauge]) * weight, rcond=None)[0]
+    return float(slope[1])
+
+
+GAUGE_GAIN = PerGauge(
+    name="gauge_gain",
+    parameter="error of the gain of one gauge",
+    unit="%",
+    prior_sd=2.0,
+    prior_source="gauge factors are given to 0.5 to 1 %, lead wires and bonding add as much again",
+    separated_by=(
+        "a misalignment or an offset of the same gauge gives the same reading in one state; "
+        "a shunt calibration tells the gain"
+    ),
+    formula=_gain,
+    seen_by=("shunt_reading",),
+)
+"""Gauge factor, lead wires, bridge completion."""
+
+GAUGE_BIAS = PerGauge(
+    name="gauge_bias",
+    parameter="offset of one gauge",
+    unit="microstrain",
+    prior_sd=30.0,
+    prior_source="bridges are balanced to some ten microstrain",
+    separated_by="a reading at zero load shows it alone",
+    formula=_bias,
+    load_power=0,
+)
+"""A bridge that was not balanced, a residual stress under it."""
+
+GAUGE_DRIFT = PerGauge(
+    name="gauge_drift",
+    parameter="drift of one gauge",
+    unit="microstrain/h",
+    prior_sd=60.0,
+    prior_source="unprotected gauges wander by some ten microstrain in an hour",
+    separated_by=(
+        "the same load at the start and at the end of the campaign; "
+        "with loads in ascending order a drift looks like a gain"
+    ),
+    formula=_drift,
+    load_power=0,
+    uses_time=True,
+)
+"""Temperature of the bridge, creep of the adhesive, moisture."""
+
+MISALIGNMENT = PerGauge(
+    name="misalignment",
+    parameter="sin^2 of the angle by which one gauge is turned (1 % is 5.7 degrees)",
+    unit="%",
+    prior_sd=1.0,
+    prior_source="gauges are laid to a few degrees; transverse sensitivity is of the same order",
+    separated_by="it only lowers a reading, a gain goes both ways; a shunt calibration sees a gain and not an angle",
+    formula=_misalignment,
+    is_one_sided=True,
+    seen_by=("gauge_placement",),
+)
+"""The gauge is turned against its direction and feels the transverse contraction."""
+
+POSITION_OFFSET = PerGauge(
+    name="position_offset",
+    parameter="offset of one gauge outboard",
+    unit="mm",
+    prior_sd=3.0,
+    prior_source="gauges are placed to some millimetres",
+    separated_by="in one state it equals a gain of the gauge; measuring its place on the structure tells",
+    formula=_offset,
+    needs_positions=True,
+    seen_by=("gauge_placement",),
+)
+"""The gauge sits beside its place along the span and reads the strain there."""
+
+DEAD_GAUGE = PerGauge(
+    name="dead_gauge",
+    parameter="part of the signal that one gauge has lost",
+    unit="-",
+    prior_mean=1.0,
+    prior_sd=0.02,
+    prior_source="a broken lead leaves nothing",
+    separated_by="the reading does not move with the load",
+    formula=_dead,
+    is_one_sided=True,
+    acts_on_readings=True,
+    seen_by=("shunt_reading", "channel_order"),
+)
+"""A broken lead: nothing but zero and noise."""

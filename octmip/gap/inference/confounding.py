@@ -1,0 +1,145 @@
+"""What these readings cannot tell apart.
+
+Two candidates a and b are d' apart when the best b leaves of a's contribution, in standard deviations of the mean
+readings,
+
+    d'^2 = size_a^2 (G_aa - G_ab^2 / G_bb)      (b's size free, of the right sign and not absurd),
+    d'^2 = |size_a a - b|^2                     (b a discrete effect of size 1),
+
+with G the Gram matrix after whatever else is open (damage tangents, calibration, the other members of the set) has been
+projected out. Below 3 no test on these readings separates them.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.gap.inference.evidence import Fit, Members
+from octmip.gap.inference.linear_model import LinearModel
+
+Floats = NDArray[np.float64]
+
+SEPARABLE = 3.0
+"""d' below which two effects are one group."""
+ABSURD = 9.0
+"""Sizes beyond this many prior sd are no explanation (three times the widest of the scale mixture)."""
+IMPOSSIBLE = 30.0
+"""The limit where the signatures are one: a gain of 20 % is told beside a modulus, -100 % not beside a dead gauge."""
+EXACT = 0.5
+"""d' below which two signatures are one."""
+POWER = 3.3 + 1.645
+"""d' that a size needs to be seen with 95 % power past a threshold corrected for some hundred places."""
+
+
+@dataclass(frozen=True, slots=True)
+class Confounder:
+    """A candidate that imitates another one.
+
+    Attributes:
+        candidate: the confounder.
+        d_prime: what it leaves, in standard deviations.
+        size: the size that it would need, in its unit.
+    """
+
+    candidate: int
+    d_prime: float
+    size: float
+
+
+def confounders(model: LinearModel, own: Fit, member: int) -> list[Confounder]:
+    """Return the best confounder of every other effect with d' below `SEPARABLE` from a fitted member, closest first.
+
+    Args:
+        model: under the errors of the set's signatures.
+        own: the fit of the set.
+        member: one of its candidates.
+    """
+    candidates = model.inputs.candidates
+    d_prime, needed = _from_member(model, own, member)
+    best: dict[str, Confounder] = {}
+    for j in np.argsort(d_prime, kind="stable").tolist():
+        name = candidates[j].name
+        if d_prime[j] < SEPARABLE and name != candidates[member].name and name not in best:
+            best[name] = Confounder(j, float(d_prime[j]), float(needed[j]))
+    return list(best.values())
+
+
+def confounded_with(model: LinearModel, own: Fit, member: int) -> set[int]:
+    """Return all candidates with d' below `SEPARABLE` from a fitted member, other places of its effect included."""
+    d_prime, _ = _from_member(model, own, member)
+    return {int(j) for j in np.flatnonzero(d_prime < SEPARABLE)}
+
+
+def visibility(model: LinearModel, own: Fit, member: int) -> float:
+    """Return d' of a fitted member from its own absence."""
+    size = float(own.size[own.members.index(member)])
+    _, diagonal = conditional_gram(model, tuple(j for j in own.members if j != member), member)
+    return abs(size) * float(np.sqrt(diagonal[member]))
+
+
+def _from_member(model: LinearModel, own: Fit, member: int) -> tuple[Floats, Floats]:
+    """Return d' (n_candidates,) of every candidate from a fitted member, and the size that each needs for it."""
+    size = float(own.size[own.members.index(member)])
+    gram = conditional_gram(model, tuple(j for j in own.members if j != member), member)
+    return _distances(model, gram, member, size)
+
+
+def conditional_gram(model: LinearModel, others: Members, member: int) -> tuple[Floats, Floats]:
+    """Return (G_aj, G_jj) (n_candidates,) each, the free candidates `others` projected out."""
+    white = model.whitened
+    cross, diagonal = white.gram_rows([member])[0], white.lengths.copy()
+    if others:
+        index = list(others)
+        sd = model.inputs.priors.sd[index]
+        with_others = white.gram_rows(index)
+        inverse = np.linalg.inv(with_others[:, index] + np.diag((3.0 * sd) ** -2))
+        cross -= with_others.T @ inverse @ with_others[:, member]
+        diagonal -= np.einsum("ij,ik,kj->j", with_others, inverse, with_others)
+    return cross, np.maximum(diagonal, 0.0)
+
+
+def _distances(model: LinearModel, gram: tuple[Floats, Floats], member: int, size: float) -> tuple[Floats, Floats]:
+    """Return d' (n_candidates,) of every candidate from a member of this size, and the size that each needs for it."""
+    cross, diagonal = gram
+    prior = model.inputs.priors
+    discrete, mean, sd, one_sided = prior.is_discrete, prior.mean, prior.sd, prior.one_sided
+    safe = np.maximum(diagonal, 1e-300)
+    needed = np.where(discrete, mean, size * cross / safe)
+    needed = np.where(one_sided, np.maximum(needed, 0.0), needed)
+    same_signature = size**2 * (diagonal[member] - cross**2 / safe) < EXACT**2
+    limit = np.where(discrete, np.abs(mean), np.where(same_signature, IMPOSSIBLE, ABSURD) * sd)
+    needed = np.clip(needed, -limit, limit)
+    squared = size**2 * diagonal[member] - 2 * size * needed * cross + needed**2 * diagonal
+    return np.sqrt(np.maximum(squared, 0.0)), needed
+
+
+def detectable(model: LinearModel) -> dict[str, float]:
+    """Return for every effect the size that these readings would have shown with 95 % power, at a typical place."""
+    sizes: dict[str, list[float]] = {}
+    for candidate, length in zip(model.inputs.candidates, np.sqrt(model.whitened.lengths), strict=True):
+        sizes.setdefault(candidate.name, []).append(POWER / max(float(length), 1e-12))
+    return {name: float(np.median(found)) for name, found in sizes.items()}
+
+
+def separations(model: LinearModel, names: tuple[str, ...]) -> Floats:
+    """Return (n_names, n_names) the least d' between effects, each at its prior sd, before any reading is looked at.
+
+    Entry (a, b) is the median over a's places of the distance to b's best place.
+    """
+    candidates = model.inputs.candidates
+    places = {name: [j for j, c in enumerate(candidates) if c.name == name] for name in names}
+    table = np.full((len(names), len(names)), np.inf)
+    for i, name in enumerate(names):
+        distances = [_at_prior_sd(model, j) for j in places[name]]
+        for k, other in enumerate(names):
+            if places[name] and places[other] and other != name:
+                table[i, k] = float(np.median([d[places[other]].min() for d in distances]))
+    return table
+
+
+def _at_prior_sd(model: LinearModel, member: int) -> Floats:
+    """Return d' (n_candidates,) of every candidate from one at its prior sd."""
+    effect = model.inputs.candidates[member].effect
+    gram = conditional_gram(model, (), member)
+    return _distances(model, gram, member, effect.prior_mean or effect.prior_sd)[0]

@@ -1,0 +1,103 @@
+"""Signatures of all candidates as columns over the averaged readings: S of the linear model.
+
+A structural effect is asked of the twin at each average's state, load and time. A discrete effect of the measuring
+chain is a map of readings, so it is taken from what the calibrated twin predicts: the whole signal counts. An effect
+that superposes (creep) answers each step of the load from its own time on.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.gap.campaign.campaign import Campaign
+from octmip.gap.inference.inputs import AveragedCell, Inputs
+from octmip.twin import Effect, State
+
+Floats = NDArray[np.float64]
+Steps = list[tuple[float, float]]
+
+LATTICE = 0.2
+"""Signatures of structural effects are taken at the nearest state of this lattice: they change slowly with damage."""
+
+
+def signatures_of(inputs: Inputs, states: Floats, expected: Floats) -> Floats:
+    """Return the signatures (n_candidates, n_averages * n_gauges).
+
+    Args:
+        inputs: campaign, twin and candidates.
+        states: (n_cells, n_parameters).
+        expected: (n_averages, n_gauges) readings that the calibrated twin predicts [microstrain].
+    """
+    at = _states_of(inputs, states)
+    history = load_steps(inputs.campaign)
+    columns = [np.zeros((0, expected.size))]
+    for effect, places in inputs.effects():
+        if getattr(effect, "acts_on_readings", False):
+            rows = _of_readings(inputs, effect, places, expected)
+        else:
+            parts = zip(inputs.averages, at, strict=True)
+            rows = [_of_twin(inputs, effect, places, part, state, history) for part, state in parts]
+        columns.append(np.array(rows).transpose(1, 0, 2).reshape(len(places), -1))
+    return np.concatenate(columns)
+
+
+def load_steps(campaign: Campaign) -> Steps:
+    """Return each change of the load factor with its time [s] since the first reading; empty without times."""
+    if not campaign.has_time:
+        return []
+    start = float(np.nanmin(campaign.time))
+    begun = sorted((float(campaign.time[cell.rows].min()) - start, cell.load_factor) for cell in campaign.cells)
+    loads = [0.0, *(load for _, load in begun)]
+    return [(after - before, time) for (time, after), before in zip(begun, loads, strict=False)]
+
+
+def on_readings(gauges: tuple[str, ...], effect: Effect, places: Sequence[str], readings: Floats) -> Floats:
+    """Return what an effect that acts on readings (n_gauges,) changes in them, by place (n_places, n_gauges)."""
+    seen = _Readings(gauges, readings)
+    return np.array([effect.signature(seen, {}, 1.0, variant=place) for place in places])
+
+
+def _states_of(inputs: Inputs, states: Floats) -> list[dict[str, float]]:
+    """Return the state at which each average's signatures are asked: its own, on the lattice where it is unknown."""
+    near = [np.round(np.clip(states[part.cell], 0.0, None) / LATTICE) * LATTICE for part in inputs.averages]
+    is_open = {cell for group in inputs.groups for cell in group}
+    return [
+        inputs.named(place if part.cell in is_open else states[part.cell])
+        for part, place in zip(inputs.averages, near, strict=True)
+    ]
+
+
+def _of_readings(inputs: Inputs, effect: Effect, places: tuple[str, ...], expected: Floats) -> list[Floats]:
+    """Return the signatures (n_places, n_gauges) by average; halves of one cell have the same."""
+    rows: list[Floats] = []
+    for k, part in enumerate(inputs.averages):
+        same = k > 0 and inputs.averages[k - 1].cell == part.cell
+        rows.append(rows[-1] if same else on_readings(inputs.campaign.gauges, effect, places, expected[k]))
+    return rows
+
+
+def _of_twin(
+    inputs: Inputs, effect: Effect, places: tuple[str, ...], part: AveragedCell, state: State, history: Steps
+) -> Floats:
+    """Return the signatures (n_places, n_gauges) of one average, summed over the steps of the load where they add."""
+    steps = [(change, part.time - start) for change, start in history if start <= part.time]
+    if not getattr(effect, "superposes", False) or not steps:
+        steps = [(inputs.cell_of(part).load_factor, part.time)]
+    parts = [inputs.twin.signatures(effect, places, state, load, time) for load, time in steps]
+    return np.asarray(np.sum(parts, axis=0)[:, list(inputs.order)])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Readings:
+    """A twin that answers with given readings (n_gauges,) of the campaign's gauges."""
+
+    gauges: tuple[str, ...]
+    readings: Floats
+    parameters: tuple[str, ...] = ()
+    effects: Mapping[str, Effect] = field(default_factory=dict)
+
+    def predict(self, state: State, load_factor: float) -> Floats:
+        """Return the readings."""
+        return self.readings
