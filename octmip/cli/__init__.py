@@ -14,6 +14,7 @@ from importlib.metadata import version
 
 from octmip.cli.arguments import Parser
 from octmip.errors import CertificateError, DataError, OctmipError, SolverError
+from octmip.names import visible
 
 COMMANDS = {
     "solve": "find the best tree of a table, and prove it",
@@ -33,7 +34,7 @@ def main(words: Sequence[str] | None = None) -> int:
         return _run(words)
     except OctmipError as error:
         name = f"octmip {words[0]}" if words and words[0] in COMMANDS else "octmip"
-        print(f"{name}: {' '.join(str(error).split())}", file=sys.stderr)
+        print(f"{name}: {visible(' '.join(str(error).split()))}", file=sys.stderr)
         return 1 if isinstance(error, CertificateError | SolverError) else 2
     except KeyboardInterrupt:
         print("octmip: interrupted", file=sys.stderr)

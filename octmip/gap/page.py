@@ -1,7 +1,5 @@
 """The report: one self-contained HTML page, no script, no outside file; figures are inline SVG."""
 
-from html import escape
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,6 +16,8 @@ from octmip.gap.words import (
     verdict,
     where_lines,
 )
+from octmip.names import PAGE_POLICY
+from octmip.names import html_text as escape
 
 Floats = NDArray[np.float64]
 
@@ -45,7 +45,7 @@ def report_page(diagnosis: Diagnosis) -> str:
     ]
     return (
         '<!doctype html><html lang="en"><head><meta charset="utf-8">'
-        '<meta name="viewport" content="width=device-width,initial-scale=1">'
+        f'{PAGE_POLICY}<meta name="viewport" content="width=device-width,initial-scale=1">'
         "<title>Diagnosis of the sim-to-real gap</title>"
         f"<style>{STYLE}</style></head><body><h1>Diagnosis of the sim-to-real gap</h1>{''.join(parts)}</body></html>"
     )

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from typing import Any
 
+from octmip.names import shown
 from octmip.report.text import condition
 from octmip.tree import Leaf, Node
 
@@ -15,7 +16,7 @@ def tree_dot(tree: Node, feature_names: Sequence[str], class_names: Sequence[Any
         index = len(lines)
         lines.append("")
         if isinstance(node, Leaf):
-            lines[index] = f"  n{index} [label={_quoted(str(class_names[node.label]))}, shape=ellipse];"
+            lines[index] = f"  n{index} [label={_quoted(shown(class_names[node.label]))}, shape=ellipse];"
             return index
         left, right = add(node.left), add(node.right)
         lines[index] = (
@@ -30,5 +31,6 @@ def tree_dot(tree: Node, feature_names: Sequence[str], class_names: Sequence[Any
 
 
 def _quoted(text: str) -> str:
-    escaped = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
+    """Return a label that is drawn as it stands: no escape of Graphviz (``\\N``, ``\\l``), no entity (``&lt;``)."""
+    escaped = text.replace("&", "&amp;").replace("\\", "\\\\").replace('"', '\\"')
     return f'"{escaped}"'
