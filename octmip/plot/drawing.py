@@ -131,7 +131,9 @@ def _draw_leaf(axes: Axes, place: _Place, counts: NDArray[np.int64], class_names
     _draw_box(axes, place, text, colours[label], edge=colours[label])
     left = place.x - NODE_WIDTH / 2
     for colour, count in zip(colours, counts.tolist(), strict=True):
-        width = NODE_WIDTH * count / max(total, 1)
+        if not count:
+            continue
+        width = NODE_WIDTH * count / total
         axes.add_patch(
             Rectangle((left, place.y + NODE_HEIGHT / 2 + 0.05), width, BAR_HEIGHT, color=colour, linewidth=0)
         )

@@ -7,6 +7,9 @@ from octmip.names import shown
 from octmip.report.text import condition
 from octmip.tree import Leaf, Node
 
+LONGEST_STRING = 2000
+"""Characters in one string: Graphviz reads no more than 16,384 bytes, so longer labels are sums of strings."""
+
 
 def tree_dot(tree: Node, feature_names: Sequence[str], class_names: Sequence[Any]) -> str:
     """Return a tree as a DOT digraph: boxes for splits, ellipses for leaves, yes to the left."""
@@ -32,5 +35,6 @@ def tree_dot(tree: Node, feature_names: Sequence[str], class_names: Sequence[Any
 
 def _quoted(text: str) -> str:
     """Return a label that is drawn as it stands: no escape of Graphviz (``\\N``, ``\\l``), no entity (``&lt;``)."""
-    escaped = text.replace("&", "&amp;").replace("\\", "\\\\").replace('"', '\\"')
-    return f'"{escaped}"'
+    pieces = [text[k : k + LONGEST_STRING] for k in range(0, len(text), LONGEST_STRING)] or [""]
+    escaped = [p.replace("&", "&amp;").replace("\\", "\\\\").replace('"', '\\"') for p in pieces]
+    return " + ".join(f'"{piece}"' for piece in escaped)

@@ -1,0 +1,1 @@
+"""Independent ways to know what an answer must be; tests and benchmarks both import them."""
