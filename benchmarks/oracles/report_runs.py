@@ -9,7 +9,7 @@ import re
 import subprocess
 import unicodedata
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -79,9 +79,10 @@ def run_dot(names: Sequence[str]) -> list[str]:
     if done.returncode or done.stderr:
         return [f"dot: {done.stderr.decode(errors='replace').splitlines()[:1]}"] * len(names)
     root = ElementTree.fromstring(done.stdout)
-    texts = {(element.text or "").replace("\xa0", " ") for element in root.iter("{http://www.w3.org/2000/svg}text")}
-    n_nodes = sum(element.get("class") == "node" for element in root.iter("{http://www.w3.org/2000/svg}g"))
-    is_whole = n_nodes == 2 * len(names) + 1
+    svg = "{http://www.w3.org/2000/svg}"
+    nodes = [group for group in root.iter(f"{svg}g") if group.get("class") == "node"]
+    labels = ["".join(line.text or "" for line in node.iter(f"{svg}text")).replace("\xa0", " ") for node in nodes]
+    texts, is_whole = set(labels), len(nodes) == 2 * len(names) + 1
     return [
         EXACT if is_whole and {shown(name), f"{shown(name)} <= 0.5"} <= texts else "not to be read" for name in names
     ]
@@ -144,3 +145,12 @@ def run_page(names: Sequence[str], browser: Any, folder: Path) -> list[str]:
         EXACT if f"if {shown(name)} <= 0.5" in lines and f"{shown(name)}    (1 samples)" in lines else "not to be read"
         for name in names
     ]
+
+
+REPORTS: dict[str, Callable[[Sequence[str]], list[str]]] = {
+    "text": run_text,
+    "JSON": run_json,
+    "DOT": run_dot,
+    "Markdown": run_markdown,
+    "PNG": run_picture,
+}

@@ -7,8 +7,8 @@ from octmip.names import shown
 from octmip.report.text import condition
 from octmip.tree import Leaf, Node
 
-LONGEST_STRING = 2000
-"""Characters in one string: Graphviz reads no more than 16,384 bytes, so longer labels are sums of strings."""
+LONGEST_LINE = 100
+"""Characters in one line of a label: Graphviz draws no edge past a node that is 65,535 points wide, so labels wrap."""
 
 
 def tree_dot(tree: Node, feature_names: Sequence[str], class_names: Sequence[Any]) -> str:
@@ -35,6 +35,6 @@ def tree_dot(tree: Node, feature_names: Sequence[str], class_names: Sequence[Any
 
 def _quoted(text: str) -> str:
     """Return a label that is drawn as it stands: no escape of Graphviz (``\\N``, ``\\l``), no entity (``&lt;``)."""
-    pieces = [text[k : k + LONGEST_STRING] for k in range(0, len(text), LONGEST_STRING)] or [""]
-    escaped = [p.replace("&", "&amp;").replace("\\", "\\\\").replace('"', '\\"') for p in pieces]
-    return " + ".join(f'"{piece}"' for piece in escaped)
+    lines = [text[k : k + LONGEST_LINE] for k in range(0, len(text), LONGEST_LINE)]
+    escaped = [p.replace("&", "&amp;").replace("\\", "\\\\").replace('"', '\\"') for p in lines]
+    return '\\n" + "'.join(escaped).join('""')  # a sum of strings: no single one may have more than 16,384 bytes
