@@ -42,6 +42,13 @@ def main(words: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # the reader of our output has seen enough
         sys.stderr.close()
         return 0
+    except UnicodeEncodeError as error:
+        print(
+            f"octmip: standard output is {error.encoding} and cannot show {ascii(error.object[error.start])}; "
+            "set PYTHONIOENCODING=utf-8",
+            file=sys.stderr,
+        )
+        return 1
     except OSError as error:  # files have their own sentences by now, so this is standard output
         print(f"octmip: standard output cannot be written ({error.strerror})", file=sys.stderr)
         return 1
