@@ -53,6 +53,7 @@ FAMILIES = {
     "oblique_agreement": "benchmarks.cases.oblique_agreement",
     "fuzz_oblique": "benchmarks.cases.fuzz_oblique",
     "fuzz_oblique_proofs": "benchmarks.cases.fuzz_oblique_proofs",
+    "exports": "benchmarks.cases.exports",
     "fem_mesh": "benchmarks.cases.fem_mesh",
     "fem_shells": "benchmarks.cases.fem_shells",
     "fem_calculix": "benchmarks.cases.fem_calculix",

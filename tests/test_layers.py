@@ -18,6 +18,7 @@ LEVELS = {
         "_native": 0,
         "files": 1,
         "margin": 1,
+        "names": 1,
         "tree": 1,
         "twin": 1,
         "problem": 2,

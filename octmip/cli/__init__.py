@@ -14,6 +14,7 @@ from importlib.metadata import version
 
 from octmip.cli.arguments import Parser
 from octmip.errors import CertificateError, DataError, OctmipError, SolverError
+from octmip.names import visible
 
 COMMANDS = {
     "solve": "find the best tree of a table, and prove it",
@@ -33,7 +34,7 @@ def main(words: Sequence[str] | None = None) -> int:
         return _run(words)
     except OctmipError as error:
         name = f"octmip {words[0]}" if words and words[0] in COMMANDS else "octmip"
-        print(f"{name}: {' '.join(str(error).split())}", file=sys.stderr)
+        print(f"{name}: {visible(' '.join(str(error).split()))}", file=sys.stderr)
         return 1 if isinstance(error, CertificateError | SolverError) else 2
     except KeyboardInterrupt:
         print("octmip: interrupted", file=sys.stderr)
@@ -41,6 +42,13 @@ def main(words: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # the reader of our output has seen enough
         sys.stderr.close()
         return 0
+    except UnicodeEncodeError as error:
+        print(
+            f"octmip: standard output is {error.encoding} and cannot show {error.object[error.start]!a}; "
+            "set PYTHONIOENCODING=utf-8",
+            file=sys.stderr,
+        )
+        return 1
     except OSError as error:  # files have their own sentences by now, so this is standard output
         print(f"octmip: standard output cannot be written ({error.strerror})", file=sys.stderr)
         return 1

@@ -13,6 +13,7 @@ from octmip.cli.answer import ProgressLine, describe, print_json
 from octmip.cli.arguments import add_problem_arguments, add_run_arguments, limits_of
 from octmip.cli.question import ask
 from octmip.errors import DataError, ProblemError, SolverError
+from octmip.names import visible
 from octmip.problem import Problem
 from octmip.report.markdown import markdown_table
 from octmip.report.text import narrow_scope
@@ -47,7 +48,7 @@ def run(arguments: argparse.Namespace) -> int:
     print(markdown_table([_shown(row) for row in rows], columns))
     for row in rows:
         if "error" in row:
-            print(f"\n{row['method']}: {row['error']}")
+            print(f"\n{row['method']}: {visible(row['error'])}")
         elif row["scope"]:
             print(f"\n{row['method']}: its bound speaks about {row['scope']} only")
     return 0

@@ -14,6 +14,7 @@ from octmip.cli.answer import print_json
 from octmip.cli.arguments import add_json_argument
 from octmip.errors import DataError
 from octmip.files import check_writable, write_bytes
+from octmip.names import visible
 from octmip.twin import Twin
 
 
@@ -51,7 +52,7 @@ def run(arguments: argparse.Namespace) -> int:
     diagnosis = diagnose(campaign, twin, commissioning=commissioning, noise_sd=arguments.noise, **settings)
     if arguments.out:
         write_bytes(arguments.out, report_page(diagnosis).encode())
-        print(f"wrote {arguments.out}", file=sys.stderr)
+        print(f"wrote {visible(arguments.out)}", file=sys.stderr)
     if arguments.json:
         print_json(as_object(diagnosis))
     else:

@@ -18,6 +18,7 @@ from octmip.cli.arguments import add_method_argument, add_problem_arguments, add
 from octmip.cli.question import ask
 from octmip.errors import DataError
 from octmip.files import check_writable, write_bytes
+from octmip.names import shown
 from octmip.plot import frontier_figure
 from octmip.problem import Problem
 from octmip.report.markdown import markdown_table
@@ -91,8 +92,8 @@ def _table(over: str, rows: list[dict[str, Any]]) -> str:
     held = ("held_out",) if "held_out" in rows[0] else ()
     columns = (over, "errors", *held, "objective", "bound", "gap", "n_splits", "sensors", "seconds", "stop")
     rounded = [{name: round(row[name], 4) for name in held} | {"seconds": round(row["seconds"], 3)} for row in rows]
-    shown = [row | more | {"sensors": ", ".join(row["sensors"])} for row, more in zip(rows, rounded, strict=True)]
-    return markdown_table(shown, columns)
+    named = [row | {"sensors": ", ".join(map(shown, row["sensors"]))} for row in rows]
+    return markdown_table([row | more for row, more in zip(named, rounded, strict=True)], columns)
 
 
 def _choice(arguments: argparse.Namespace, problem: Problem, limits: Limits) -> Choice:

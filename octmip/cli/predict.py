@@ -1,6 +1,10 @@
 """Apply a tree file to a table: one prediction for each row, as CSV on standard output or in a file.
 
 With --label the predictions are also compared with the true classes.
+
+Class names are written as they are, so that a program reads back what was trained on; on a terminal, characters that
+act are shown as escapes. A spreadsheet takes a cell that begins with one of = + - @ for a formula: import such a file
+as text.
 """
 
 import argparse
@@ -14,7 +18,9 @@ from numpy.typing import NDArray
 
 from octmip.cli.answer import print_json
 from octmip.cli.arguments import add_json_argument
+from octmip.errors import DataError
 from octmip.files import check_writable, write_bytes
+from octmip.names import visible, visible_lines
 from octmip.table import Table, read_table
 from octmip.tree import leaf_index, leaves
 from octmip.tree_file import TreeFile, columns_read, read_tree_file
@@ -46,13 +52,14 @@ def run(arguments: argparse.Namespace) -> int:
     shares = _shares(file)[reached].tolist() if arguments.probabilities else None
     content = _csv(file, predictions, shares)
     if arguments.out:
-        write_bytes(arguments.out, content.encode())
+        write_bytes(arguments.out, _utf8(content))
     if arguments.json:
         counted = {} if errors is None else {"errors": errors}
         probabilities = {} if shares is None else {"class_names": list(file.class_names), "probabilities": shares}
         print_json({"n_samples": len(predictions), **counted, "predictions": predictions, **probabilities})
     elif not arguments.out:
-        print(content, end="")
+        _utf8(content)  # its sentence about names that no file can hold
+        print(visible_lines(content) if sys.stdout.isatty() else content, end="")
     if errors is not None and not arguments.json:
         print(f"{errors} of {len(predictions)} samples wrong", file=sys.stderr)
     return 0
@@ -72,10 +79,30 @@ def _shares(file: TreeFile) -> NDArray[np.float64]:
 
 
 def _csv(file: TreeFile, predictions: list[Any], shares: list[list[float]] | None) -> str:
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
     names = [f"share of {name}" for name in file.class_names] if shares is not None else []
-    writer.writerow(["prediction", *names])
-    for row, prediction in enumerate(predictions):
-        writer.writerow([prediction, *(shares[row] if shares is not None else ())])
-    return text.getvalue()
+    lines = [_csv_line(["prediction", *names])]
+    lines += [_csv_line([told, *(shares[row] if shares is not None else ())]) for row, told in enumerate(predictions)]
+    return "".join(lines)
+
+
+def _csv_line(cells: list[Any]) -> str:
+    """Return one line, ended by a line feed; with that end alone the csv module would not quote a carriage return."""
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\r\n").writerow(cells)
+    return text.getvalue().removesuffix("\r\n") + "\n"
+
+
+def _utf8(content: str) -> bytes:
+    """Return the bytes of a text.
+
+    Raises:
+        DataError: a class name holds half of a surrogate pair, which no encoding has.
+    """
+    try:
+        return content.encode()
+    except UnicodeEncodeError as error:
+        line = visible(content[: error.start + 1].rpartition("\n")[2])
+        raise DataError(
+            f"the class name in {line} holds half of a surrogate pair, which no file can; expected text that UTF-8 "
+            "holds; use --json, or rename the class"
+        ) from error

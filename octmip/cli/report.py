@@ -9,10 +9,11 @@ from pathlib import Path
 
 from octmip.errors import DataError
 from octmip.files import check_writable, write_bytes
+from octmip.names import visible
 from octmip.plot import counted_tree_figure
 from octmip.report.dot import tree_dot
 from octmip.report.html import tree_page
-from octmip.report.markdown import markdown_table
+from octmip.report.markdown import code_block, markdown_table
 from octmip.report.text import number, percent, tree_text
 from octmip.tree_file import TreeFile, read_tree_file
 
@@ -57,7 +58,7 @@ def _words(file: TreeFile) -> str:
     solution = file.solution
     claim = f"objective {number(solution.objective)}, bound {number(solution.bound)}, gap {percent(solution.gap)}"
     tree = tree_text(file.tree, file.feature_names, file.class_names, file.leaf_counts)
-    return f"{claim} ({solution.solver}, stop: {solution.stop})\n\n{tree}"
+    return f"{claim} ({visible(solution.solver)}, stop: {solution.stop})\n\n{tree}"
 
 
 def _markdown(file: TreeFile) -> str:
@@ -71,4 +72,4 @@ def _markdown(file: TreeFile) -> str:
         "seconds": solution.seconds,
     }
     tree = tree_text(file.tree, file.feature_names, file.class_names, file.leaf_counts)
-    return f"{markdown_table([row])}\n\n```\n{tree}\n```"
+    return f"{markdown_table([row])}\n\n{code_block(tree)}"

@@ -13,6 +13,7 @@ from octmip.cli.arguments import add_method_argument, add_problem_arguments, add
 from octmip.cli.question import Question, ask
 from octmip.errors import DataError, SolverError
 from octmip.files import check_writable
+from octmip.names import visible
 from octmip.report.text import solution_text, tree_text
 from octmip.solution import ProofError, Solution
 from octmip.solver import ASSISTANTS, solve
@@ -101,4 +102,4 @@ def _show(arguments: argparse.Namespace, question: Question, solution: Solution)
     counts = leaf_counts(problem, solution.tree)
     print(tree_text(solution.tree, problem.feature_names, problem.class_names, counts))
     if arguments.out:
-        print(f"\nwritten to {arguments.out}")
+        print(f"\nwritten to {visible(arguments.out)}")

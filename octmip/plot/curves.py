@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from octmip.errors import ProblemError
+from octmip.plot.names import name_entries
 from octmip.plot.style import DISTINCT, INK, quiet_frame
 from octmip.solution import Progress
 from octmip.tradeoff import Choice, Step
@@ -79,16 +80,16 @@ def reliability_figure(curves: Mapping[str, Sequence[ReliabilityBin]], title: st
     figure = Figure(figsize=(4.2, 4.0), layout="tight")
     axes = figure.add_subplot()
     axes.plot([0, 1], [0, 1], color=INK, linewidth=0.8, linestyle="--", label="calibrated")
-    for k, (name, bins) in enumerate(curves.items()):
+    for k, bins in enumerate(curves.values()):
         colour = DISTINCT[k % len(DISTINCT)]
         told, hits = [b.probability for b in bins], [b.hits for b in bins]
-        axes.plot(told, hits, color=colour, linewidth=1.2, label=name)
+        axes.plot(told, hits, color=colour, linewidth=1.2, label="curve")
         axes.scatter(told, hits, [200 * b.weight for b in bins], color=colour, zorder=3, clip_on=False)
     axes.set_xlim(0, 1)
     axes.set_ylim(0, 1)
     axes.set_xlabel("probability told", color=INK)
     axes.set_ylabel("share of hits", color=INK)
-    axes.legend(frameon=False, fontsize=8, loc="upper left")
+    name_entries(axes.legend(frameon=False, fontsize=8, loc="upper left"), ["calibrated", *curves])
     quiet_frame(axes)
     if title:
         axes.set_title(title, fontsize=10, color=INK)

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import FancyBboxPatch, Rectangle
 from numpy.typing import NDArray
 
+from octmip.plot.names import drawn, plain
 from octmip.plot.style import INK, PAPER, QUIET, check_names, class_colours, luminance
 from octmip.problem import Problem
 from octmip.tree import HyperplaneSplit, Leaf, Node, Split, depth, leaf_index, leaves, nodes
@@ -17,17 +18,18 @@ from octmip.tree import HyperplaneSplit, Leaf, Node, Split, depth, leaf_index, l
 MINUS = "\N{MINUS SIGN}"
 NODE_WIDTH, NODE_HEIGHT, BAR_HEIGHT = 0.86, 0.5, 0.09
 LINE_LENGTH = 16  # characters that a node holds at full size of type
+WIDEST = 200.0  # inches: PNG files and their memory end soon after, so nodes of wider trees draw nearer
 
 
 def split_text(split: Split | HyperplaneSplit, feature_names: Sequence[str]) -> str:
     """Return the condition for going left, as ``g01 <= 2.5`` or ``0.5 g01 - 2 g02 <= 1`` over lines."""
     if isinstance(split, Split):
-        return f"{feature_names[split.feature]} ≤ {split.threshold:.5g}"
+        return f"{drawn(feature_names[split.feature])} ≤ {split.threshold:.5g}"
     terms = ""
     for feature, coefficient in zip(split.features, split.coefficients, strict=True):
         sign = MINUS if coefficient < 0 else "+" if terms else ""
         size = "" if abs(coefficient) == 1 else f"{abs(coefficient):.3g} "
-        terms += f"{sign} {size}{feature_names[feature]}\n"
+        terms += f"{sign} {size}{drawn(feature_names[feature])}\n"
     return f"{terms.strip()}\n≤ {split.offset:.4g}"
 
 
@@ -78,7 +80,8 @@ def counted_tree_figure(
     """Return the drawing of a tree whose samples are known as `counts`, (n_leaves, n_classes), leaves from the left."""
     place = _places(tree, 0, 0)
     size = 1.25 + 0.35 * max(_lines(node) - 1 for node in nodes(tree))
-    figure = Figure(figsize=(max(3.0, 1.2 * len(leaves(tree))), max(1.4, size * (depth(tree) + 0.8))), layout="tight")
+    width = min(WIDEST, max(3.0, 1.2 * len(leaves(tree))))
+    figure = Figure(figsize=(width, max(1.4, size * (depth(tree) + 0.8))), layout="tight")
     axes = figure.add_subplot()
     rows = iter(counts)
     for here in place.walk():
@@ -116,18 +119,21 @@ def _draw_box(axes: Axes, place: _Place, text: str, fill: Any, edge: Any = INK) 
     ink = PAPER if luminance(fill) < 0.45 else INK
     longest = max(len(line) for line in text.splitlines())
     font = 8.0 if longest <= LINE_LENGTH else max(4.0, 8.0 * LINE_LENGTH / longest)
-    axes.text(place.x, place.y, text, ha="center", va="center", fontsize=font, color=ink, zorder=3, linespacing=1.25)
+    style = {"ha": "center", "va": "center", "fontsize": font, "color": ink, "zorder": 3, "linespacing": 1.25}
+    plain(axes.text(place.x, place.y, text, **style))
 
 
 def _draw_leaf(axes: Axes, place: _Place, counts: NDArray[np.int64], class_names: Sequence[Any]) -> None:
     assert isinstance(place.node, Leaf)
     colours, label, total = class_colours(class_names), place.node.label, int(counts.sum())
     wrong = total - int(counts[label])
-    text = f"{class_names[label]}\n{total}" + (f", {wrong} wrong" if wrong else "")
+    text = f"{drawn(class_names[label])}\n{total}" + (f", {wrong} wrong" if wrong else "")
     _draw_box(axes, place, text, colours[label], edge=colours[label])
     left = place.x - NODE_WIDTH / 2
     for colour, count in zip(colours, counts.tolist(), strict=True):
-        width = NODE_WIDTH * count / max(total, 1)
+        if not count:
+            continue
+        width = NODE_WIDTH * count / total
         axes.add_patch(
             Rectangle((left, place.y + NODE_HEIGHT / 2 + 0.05), width, BAR_HEIGHT, color=colour, linewidth=0)
         )

@@ -9,6 +9,8 @@ from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
+from octmip.names import shown
+from octmip.plot.names import drawn, name_entries, plain
 from octmip.plot.style import INK, PAPER, check_names, class_colours, quiet_frame
 from octmip.problem import Problem
 from octmip.tree import HyperplaneSplit, Leaf, Node, Split, features_used
@@ -39,13 +41,14 @@ def partition_figure(
     order = np.random.default_rng(0).permutation(problem.n_samples)  # no class lies wholly on top of another
     x, y = points[order].T
     axes.scatter(x, y, c=np.array(colours)[problem.codes[order]], s=9, linewidths=0.25, edgecolors=PAPER, zorder=2)
-    for colour, name in zip(colours, problem.class_names, strict=True):
-        axes.scatter([], [], color=colour, s=22, label=str(name))
-    axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False, fontsize=8, handletextpad=0.2)
+    for colour in colours:
+        axes.scatter([], [], color=colour, s=22, label="class")
+    legend = axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False, fontsize=8, handletextpad=0.2)
+    name_entries(legend, problem.class_names)
     axes.set_xlim(low[0], high[0])
     axes.set_ylim(low[1], high[1])
-    axes.set_xlabel(problem.feature_names[pair[0]], color=INK)
-    axes.set_ylabel(problem.feature_names[pair[1]], color=INK)
+    plain(axes.set_xlabel(drawn(problem.feature_names[pair[0]]), color=INK))
+    plain(axes.set_ylabel(drawn(problem.feature_names[pair[1]]), color=INK))
     quiet_frame(axes)
     if title:
         axes.set_title(title, fontsize=10, color=INK)
@@ -56,7 +59,7 @@ def _plane(problem: Problem, tree: Node, features: tuple[int, int] | None) -> li
     used = features_used(tree)
     pair = list(features or (range(2) if problem.n_features == 2 else used))
     if len(pair) != 2 or not set(used) <= set(pair):
-        names = [problem.feature_names[feature] for feature in used]
+        names = [shown(problem.feature_names[feature]) for feature in used]
         raise ProblemError(
             f"the tree reads {len(used)} features ({', '.join(names)}); a plane shows a tree over two: name two that "
             "hold them, or solve with a sensor budget of 2"

@@ -3,8 +3,12 @@
 from collections.abc import Sequence
 from typing import Any
 
+from octmip.names import shown
 from octmip.report.text import condition
 from octmip.tree import Leaf, Node
+
+LONGEST_LINE = 100
+"""Characters in one line of a label: Graphviz draws no edge past a node that is 65,535 points wide, so labels wrap."""
 
 
 def tree_dot(tree: Node, feature_names: Sequence[str], class_names: Sequence[Any]) -> str:
@@ -15,7 +19,7 @@ def tree_dot(tree: Node, feature_names: Sequence[str], class_names: Sequence[Any
         index = len(lines)
         lines.append("")
         if isinstance(node, Leaf):
-            lines[index] = f"  n{index} [label={_quoted(str(class_names[node.label]))}, shape=ellipse];"
+            lines[index] = f"  n{index} [label={_quoted(shown(class_names[node.label]))}, shape=ellipse];"
             return index
         left, right = add(node.left), add(node.right)
         lines[index] = (
@@ -30,5 +34,7 @@ def tree_dot(tree: Node, feature_names: Sequence[str], class_names: Sequence[Any
 
 
 def _quoted(text: str) -> str:
-    escaped = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
-    return f'"{escaped}"'
+    """Return a label that is drawn as it stands: no escape of Graphviz (``\\N``, ``\\l``), no entity (``&lt;``)."""
+    lines = [text[k : k + LONGEST_LINE] for k in range(0, len(text), LONGEST_LINE)]
+    escaped = [p.replace("&", "&amp;").replace("\\", "\\\\").replace('"', '\\"') for p in lines]
+    return '\\n" + "'.join(escaped).join('""')  # a sum of strings: no single one may have more than 16,384 bytes

@@ -1,6 +1,7 @@
 """A page about one tree, whole in itself: no script, no style sheet, no picture from elsewhere."""
 
 import io
+import shlex
 from collections.abc import Iterable, Sequence
 from html import escape
 from typing import Any
@@ -10,13 +11,15 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from octmip.names import PAGE_POLICY, html_text, shown, visible
 from octmip.plot import counted_tree_figure
 from octmip.report.text import narrow_scope, number, percent, tree_text
 from octmip.tree import leaves
 from octmip.tree_file import TreeFile
 
 STYLE = """
-body { font: 16px/1.5 system-ui, sans-serif; color: #1f2933; max-width: 60rem; margin: 2rem auto; padding: 0 1rem; }
+body { font: 16px/1.5 system-ui, sans-serif; color: #1f2933; max-width: 60rem; margin: 2rem auto; padding: 0 1rem;
+  overflow-wrap: anywhere; }
 h1 { font-size: 1.5rem; } h2 { font-size: 1.15rem; margin-top: 2rem; }
 table { border-collapse: collapse; } th, td { padding: .2rem .8rem .2rem 0; text-align: left; vertical-align: top; }
 td.n, th.n { text-align: right; } tr { border-bottom: 1px solid #e4e7eb; }
@@ -29,7 +32,7 @@ def tree_page(file: TreeFile, source: str) -> str:
     """Return the HTML page of a tree file; `source` is its name, for the heading."""
     figure = counted_tree_figure(file.tree, file.leaf_counts, file.feature_names, file.class_names)
     sections = [
-        f"<h1>Classification tree {escape(source)}</h1>",
+        f"<h1>Classification tree {html_text(source)}</h1>",
         f'<p class="verdict">{escape(_verdict(file))}</p>',
         inline_svg(figure),
         "<h2>In words</h2>",
@@ -40,10 +43,10 @@ def tree_page(file: TreeFile, source: str) -> str:
         _pairs(_settings(file)),
         "<h2>Training samples: true class by predicted class</h2>",
         _confusion(file),
-        f"<footer>Training data: {file.n_samples} samples, sha256 {escape(file.sha256)}. The claims can be recounted "
-        f"with <code>octmip certify {escape(source)} DATA</code>.</footer>",
+        f"<footer>Training data: {file.n_samples} samples, sha256 {html_text(file.sha256)}. The claims can be "
+        f"recounted with <code>octmip certify {html_text(shlex.quote(visible(source)))} DATA</code>.</footer>",
     ]
-    head = f'<meta charset="utf-8"><title>{escape(source)}</title><style>{STYLE}</style>'
+    head = f'<meta charset="utf-8">{PAGE_POLICY}<title>{html_text(source)}</title><style>{STYLE}</style>'
     return f'<!doctype html>\n<html lang="en"><head>{head}</head><body>\n' + "\n".join(sections) + "\n</body></html>\n"
 
 
@@ -107,12 +110,12 @@ def _settings(file: TreeFile) -> Iterable[tuple[str, Any]]:
 
 
 def _pairs(pairs: Iterable[tuple[str, Any]]) -> str:
-    rows = (f"<tr><th>{escape(name)}</th><td>{escape(str(value))}</td></tr>" for name, value in pairs)
+    rows = (f"<tr><th>{html_text(name)}</th><td>{html_text(value)}</td></tr>" for name, value in pairs)
     return f"<table>{''.join(rows)}</table>"
 
 
 def _confusion(file: TreeFile) -> str:
-    names = [escape(str(name)) for name in file.class_names]
+    names = [escape(shown(name)) for name in file.class_names]
     head = "<tr><th></th>" + "".join(f'<th class="n">{name}</th>' for name in names) + "</tr>"
     rows = zip(names, _confusion_counts(file).tolist(), strict=True)
     body = "".join(f"<tr><th>{name}</th>{_numbers(counts)}</tr>" for name, counts in rows)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from octmip.names import shown
 from octmip.report.markdown import markdown_table
 from octmip.report.text import condition, narrow_scope, number, percent
 from octmip.sensing.inspection import Inspection, InspectionCertificate, certify_inspection
@@ -104,7 +105,7 @@ def _reading(inspection: Inspection, node: Split | HyperplaneSplit, read: frozen
     parts = []
     for sensor in sorted(inspection.sensors_of(node.features)):
         cost = inspection.path_cost(read | {sensor}) - inspection.path_cost(read)
-        parts.append(f"{sensor} (already read: free)" if sensor in read else f"{sensor} (cost {number(cost)})")
+        parts.append(f"{shown(sensor)} ({'already read: free' if sensor in read else f'cost {number(cost)}'})")
         read = read | {sensor}
     return "read " + ", ".join(parts)
 
@@ -115,7 +116,7 @@ def _condition(inspection: Inspection, node: Split | HyperplaneSplit, wording: W
 
 def _decision(inspection: Inspection, leaf: Leaf, wording: Wording) -> str:
     name = f"{wording.label} = " if wording.label else ""
-    return f"{name}{inspection.problem.class_names[leaf.label]} {wording.label_unit}".strip()
+    return f"{name}{shown(inspection.problem.class_names[leaf.label])} {wording.label_unit}".strip()
 
 
 def _leaf_notes(inspection: Inspection, tree: Node) -> Sequence[str]:

@@ -7,6 +7,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 from octmip.certificate import Certificate
+from octmip.names import shown, visible
 from octmip.solution import Solution
 from octmip.tree import HyperplaneSplit, Leaf, Node, Split
 
@@ -14,12 +15,12 @@ from octmip.tree import HyperplaneSplit, Leaf, Node, Split
 def condition(split: Split | HyperplaneSplit, feature_names: Sequence[str]) -> str:
     """Return the condition for going left on one line, numbers to six digits."""
     if isinstance(split, Split):
-        return f"{feature_names[split.feature]} <= {split.threshold:.6g}"
+        return f"{shown(feature_names[split.feature])} <= {split.threshold:.6g}"
     terms = ""
     for feature, coefficient in zip(split.features, split.coefficients, strict=True):
         sign = (" - " if coefficient < 0 else " + ") if terms else ("-" if coefficient < 0 else "")
         size = "" if abs(coefficient) == 1 else f"{abs(coefficient):.6g} "
-        terms += f"{sign}{size}{feature_names[feature]}"
+        terms += f"{sign}{size}{shown(feature_names[feature])}"
     return f"{terms} <= {split.offset:.6g}"
 
 
@@ -35,7 +36,7 @@ def tree_text(
 
     def say(node: Node, indent: str) -> None:
         if isinstance(node, Leaf):
-            lines.append(f"{indent}{class_names[node.label]}{_leaf_note(next(rows, None), node.label)}")
+            lines.append(f"{indent}{shown(class_names[node.label])}{_leaf_note(next(rows, None), node.label)}")
             return
         lines.append(f"{indent}if {condition(node, feature_names)}")
         say(node.left, indent + "    ")
@@ -66,7 +67,7 @@ def percent(share: float) -> str:
 def narrow_scope(solution: Solution) -> str:
     """Return over which trees the bound speaks where that is not all trees of the problem, else nothing."""
     scope = str(solution.details.get("scope", "all"))
-    return "" if scope.startswith("all") else scope
+    return "" if scope.startswith("all") else visible(scope)
 
 
 def solution_text(solution: Solution, certificate: Certificate, n_samples: int) -> str:
@@ -78,9 +79,9 @@ def solution_text(solution: Solution, certificate: Certificate, n_samples: int) 
         proof += f" among {scope}"
     share = percent(certificate.errors / n_samples)
     splits = f"{certificate.n_splits} split" + ("" if certificate.n_splits == 1 else "s")
-    sensors = f"sensors {', '.join(certificate.sensors)}" if certificate.sensors else "no sensor"
+    sensors = f"sensors {', '.join(map(shown, certificate.sensors))}" if certificate.sensors else "no sensor"
     return (
         f"objective {number(solution.objective)}, bound {number(solution.bound)}: {proof}\n"
         f"{certificate.errors} of {n_samples} samples wrong ({share}); depth {certificate.depth}, {splits}, {sensors}\n"
-        f"{solution.solver} {solution.version}, {solution.seconds:.3g} s, stop: {solution.stop}"
+        f"{visible(solution.solver)} {visible(solution.version)}, {solution.seconds:.3g} s, stop: {solution.stop}"
     )

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.oracles.hostile_names import hostile_names
 from benchmarks.uav.mission import course
 from benchmarks.uav.mission.aircraft import Aircraft, build_aircraft, capability
 from benchmarks.uav.mission.filter_study import filter_rows
@@ -142,6 +143,26 @@ def test_the_page_is_whole_in_itself_and_says_what_the_flight_says(flight: dict)
 def test_names_in_the_data_cannot_end_the_script(flight: dict):
     page = mission_page({**flight, "source": "</script><script>alert(1)</script>"})
     assert page.count("</script>") == 2
+
+
+def test_names_in_the_data_run_nothing_even_without_the_policy(browser, flight, tmp_path):
+    names = [name for _, name in hostile_names(60) if len(name) < 100]
+    gauges = [{**gauge, "name": name} for gauge, name in zip(flight["gauges"], names, strict=False)]
+    trees = [[{**node, "text": names[k % len(names)]} for k, node in enumerate(nodes)] for nodes in flight["trees"]]
+    steps = [{**step, "words": names[k % len(names)]} for k, step in enumerate(flight["steps"])]
+    changed = {"gauges": gauges, "trees": trees, "steps": steps, "source": "".join(names), "traced": names[:3]}
+    text = mission_page(flight | changed)
+    path = tmp_path / "mission.html"
+    path.write_text(re.sub(r'<meta http-equiv="Content-Security-Policy"[^>]*>', "", text), encoding="utf-8")
+    assert "Content-Security-Policy" in text
+    opened = browser.new_page()
+    said = []
+    opened.on("console", lambda message: said.append(message.text))
+    opened.on("pageerror", lambda error: said.append(str(error)))
+    opened.on("dialog", lambda dialog: (said.append(dialog.message), dialog.dismiss()))
+    opened.goto(path.as_uri())
+    assert said == [] and opened.evaluate("typeof window.__pwned") == "undefined"
+    opened.close()
 
 
 @pytest.fixture

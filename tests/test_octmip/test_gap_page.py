@@ -1,14 +1,18 @@
 """What a test engineer reads: the page of words, and the report in a browser."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
+from benchmarks.oracles.hostile_names import hostile_names
 from octmip.gap import diagnose
+from octmip.names import PAGE_POLICY, visible
 from octmip.report.diagnosis.as_json import as_object
 from octmip.report.diagnosis.page import report_page
 from octmip.report.diagnosis.words import page_of_words
 from octmip.tree import Leaf, Split
-from tests.test_octmip.beam_twin import Beam, measured
+from tests.test_octmip.beam_twin import Beam, measured, own_effects
 
 TWIN = Beam()
 COMMISSIONING = measured(1000)
@@ -85,4 +89,43 @@ def test_the_report_opens_by_itself_and_fits_the_window(browser, diagnoses, tmp_
     assert maps.count() == 2 and maps.first.locator("circle").count() == 20
     heads = page.locator("h2").all_inner_texts()
     assert heads == ["Where", "Which", "How far", "Tree nodes that flip", "Next test", "All in words"]
+    page.close()
+
+
+@pytest.fixture(scope="module")
+def hostile():
+    """A diagnosis in which every gauge, test and effect has a hostile name."""
+    drawn = [name for _, name in hostile_names(120) if len(name) < 100]
+    names = ["\x1b[2J", *(name for name in drawn if not {"/", "<"} & set(name))][:20]  # the signs join two gauges
+    worse = ["<img src=x onerror=window.__pwned=1>", "</pre><script>alert(1)</script>", *drawn[:3]]
+    effects = [dataclasses.replace(e, name=n) for e, n in zip(own_effects().values(), worse, strict=True)]
+    twin = Beam(gauges=tuple(names), effects={effect.name: effect for effect in effects})
+    campaign = measured(3, change=warm)
+    tests = tuple("<script>window.__pwned=1</script>\x1b[2J" for _ in campaign.test)
+    campaign = dataclasses.replace(campaign, gauges=twin.gauges, test=tests)
+    return diagnose(campaign, twin, tree=TREE, feature_names=twin.gauges, noise_sd=5.0), names
+
+
+def test_names_in_the_page_of_words_do_not_act(hostile):
+    diagnosis, _ = hostile
+    page = page_of_words(diagnosis)
+    assert all(line.isprintable() for line in page.split("\n")) and "\\x1b[2J" in page
+
+
+def test_names_in_the_report_run_nothing_even_without_its_policy(browser, hostile, tmp_path):
+    diagnosis, names = hostile
+    text = report_page(diagnosis)
+    assert text.count(PAGE_POLICY) == 1 and all(line.isprintable() for line in text.split("\n") if line.strip())
+    path = tmp_path / "report.html"
+    path.write_text(text.replace(PAGE_POLICY, ""))
+    page = browser.new_page()
+    said: list[str] = []
+    page.on("console", lambda message: said.append(message.text))
+    page.on("pageerror", lambda error: said.append(str(error)))
+    page.on("dialog", lambda dialog: (said.append(dialog.message), dialog.dismiss()))
+    page.on("request", lambda request: said.append(request.url) if request.url != path.as_uri() else None)
+    page.goto(path.as_uri())
+    assert said == [] and page.evaluate("typeof window.__pwned") == "undefined"
+    titles = page.locator("svg title").all_text_contents()
+    assert {title.rpartition(":")[0] for title in titles} == {visible(name) for name in names}
     page.close()

@@ -1,9 +1,12 @@
 """The page that plays a mission: one HTML file with its own style, script and data, nothing from elsewhere."""
 
+import base64
+import hashlib
 import json
-from html import escape
 from pathlib import Path
 from typing import Any
+
+from octmip.names import html_text
 
 FOLDER = Path(__file__).parent
 SECTIONS = (
@@ -31,12 +34,13 @@ def mission_page(flight: dict[str, Any]) -> str:
     # "<" as an escape: no text in the data can then end the element
     data = json.dumps(flight, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
     sections = "\n".join(f'<section id="{name}"><h2>{title}</h2></section>' for name, title in SECTIONS)
+    policy = _policy(script)
     about = f"{kinds[flight['kind']]}; {flight['source']}; policy: {flight['policy']}; seed {flight['seed']}"
     return f"""<!doctype html>
-<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width">
+<html lang="en"><head><meta charset="utf-8">{policy}<meta name="viewport" content="width=device-width">
 <title>A self-aware aircraft</title><link rel="icon" href="data:,"><style>{style}</style></head>
 <body><main>
-<header><h1>A self-aware aircraft</h1><p>{escape(about)}</p></header>
+<header><h1>A self-aware aircraft</h1><p>{html_text(about)}</p></header>
 <section id="controls"><button id="play">Play</button>
 <input id="slider" type="range" min="0" value="0" step="1" aria-label="step"><span id="step"></span></section>
 <section id="words" aria-live="polite">
@@ -47,3 +51,11 @@ def mission_page(flight: dict[str, Any]) -> str:
 <script>{script}</script>
 </body></html>
 """
+
+
+def _policy(script: str) -> str:
+    """Return the element by which a browser runs this one script, by its hash, and fetches nothing."""
+    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+    sources = f"default-src 'none'; script-src 'sha256-{digest}'; style-src 'unsafe-inline'; img-src data:"
+    rest = "base-uri 'none'; form-action 'none'"
+    return f'<meta http-equiv="Content-Security-Policy" content="{sources}; {rest}">'

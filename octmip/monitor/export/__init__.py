@@ -2,10 +2,14 @@
 
 Every export takes `(tree, feature_names, class_names)` and answers the index of the class, or -1 for a reading that has
 no number (NaN, NULL) where a split on its way asks for one. Thresholds go out with all the bits of float64.
+
+Names may be any text: none of them can act in the language of the export. C and SQL hold no name of a class, C none of
+a feature either; `names_json` says what places and codes stand for.
 """
 
 from octmip.monitor.export.c import c_source
+from octmip.monitor.export.fit import names_json
 from octmip.monitor.export.onnx import onnx_model
 from octmip.monitor.export.sql import sql_expression
 
-__all__ = ["c_source", "onnx_model", "sql_expression"]
+__all__ = ["c_source", "names_json", "onnx_model", "sql_expression"]

@@ -2,6 +2,9 @@
 
 Numbers are hexadecimal (C99), so no bit is lost in reading them. Products go through a volatile double, because a
 compiler may otherwise fuse multiplication and addition into one rounding, and the answer could then differ.
+
+No name of a feature or class is part of the source: a comment that held one could be ended by it, or go on after a
+backslash (``names_json`` has the names).
 """
 
 import re
@@ -9,27 +12,39 @@ from collections.abc import Sequence
 from typing import Any
 
 from octmip.errors import TreeError
+from octmip.monitor.export.fit import check_fit
 from octmip.tree import HyperplaneSplit, Leaf, Node, Split, splits
+
+KEYWORDS = frozenset(
+    "auto break case char const continue default do double else enum extern float for goto if inline int long register "
+    "restrict return short signed sizeof static struct switch typedef union unsigned void volatile while "
+    "bool true false nullptr class new delete this template typename namespace using try catch throw operator".split()
+)
+"""Of C, and those of C++ that a header would meet."""
 
 
 def c_source(tree: Node, feature_names: Sequence[str], class_names: Sequence[Any], name: str = "octmip_label") -> str:
     """Return the source of ``int name(const double reading[])``, C99.
 
+    A reading holds the features in the order of `feature_names`; the answer is an index of `class_names`, or -1.
+
     Raises:
-        TreeError: `name` is no C name.
+        TreeError: `name` is no C name, or the names do not cover the tree.
     """
-    if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", name):
-        raise TreeError(f"function name {name!r} is no C name; expected letters, digits and _, no digit first")
-    lines = [f"/* reading: {', '.join(f'[{j}] {_plain(f)}' for j, f in enumerate(feature_names))}"]
-    lines += [f"   answer {k}: {_plain(c)}" for k, c in enumerate(class_names)]
-    lines += ["   answer -1: no number where the tree asks for one */", f"int {name}(const double *reading)", "{"]
+    if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", name) or name in KEYWORDS:
+        raise TreeError(
+            f"function name {name!r} is no C name; expected letters, digits and _, no digit first and no word of the "
+            "language; choose another"
+        )
+    check_fit(tree, feature_names, class_names)
+    features, classes = len(feature_names), len(class_names)
+    lines = [f"/* {features} features, reading[0] to reading[{features - 1}]; answers 0 to {classes - 1},"]
+    lines += ["   or -1: no number where the tree asks for one */", f"int {name}(const double *reading)", "{"]
     if any(isinstance(split, HyperplaneSplit) for split in splits(tree)):
         lines.append("    volatile double product, total;")
+    if isinstance(tree, Leaf):
+        lines.append("    (void)reading;")
     return "\n".join([*lines, *_statements(tree, "    "), "}"]) + "\n"
-
-
-def _plain(name: Any) -> str:
-    return re.sub(r"[^ -~]|\*/|\\", "?", str(name))
 
 
 def _statements(node: Node, indent: str) -> list[str]:
@@ -37,9 +52,9 @@ def _statements(node: Node, indent: str) -> list[str]:
         return [f"{indent}return {node.label};"]
     asked, threshold, before = f"reading[{node.features[0]}]", "", []
     if isinstance(node, Split):
-        threshold = node.threshold.hex()
+        threshold = float(node.threshold).hex()
     else:
-        asked, threshold, before = "total", node.offset.hex(), _total(node, indent)
+        asked, threshold, before = "total", float(node.offset).hex(), _total(node, indent)
     return [
         *before,
         f"{indent}if ({asked} <= {threshold}) {{",
@@ -55,5 +70,6 @@ def _statements(node: Node, indent: str) -> list[str]:
 def _total(split: HyperplaneSplit, indent: str) -> list[str]:
     lines = [f"{indent}total = 0.0;"]
     for feature, coefficient in zip(split.features, split.coefficients, strict=True):
-        lines += [f"{indent}product = {coefficient.hex()} * reading[{feature}];", f"{indent}total = total + product;"]
+        factor = float(coefficient).hex()
+        lines += [f"{indent}product = {factor} * reading[{feature}];", f"{indent}total = total + product;"]
     return lines

@@ -1,15 +1,18 @@
 """A tree as an ONNX graph in double precision.
 
 The operators of ONNX made for trees keep thresholds in single precision in most runtimes; so the graph is written in
-plain comparisons and choices, of which every runtime has the double-precision ones.
+plain comparisons and choices, of which every runtime has the double-precision ones. Names of features and classes are
+metadata alone, as JSON: a line end in a name must not make two of it.
 """
 
+import json
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from octmip.errors import SolverError
+from octmip.monitor.export.fit import check_fit, class_values
 from octmip.tree import Leaf, Node, Split
 
 if TYPE_CHECKING:
@@ -23,9 +26,13 @@ IR_VERSION = 8
 def onnx_model(tree: Node, feature_names: Sequence[str], class_names: Sequence[Any]) -> "onnx.ModelProto":
     """Return a model with input "readings" (n, n_features) double and output "label" (n,) int64, -1 for no answer.
 
+    Its metadata "features" and "classes" are JSON lists, pure ASCII.
+
     Raises:
         SolverError: the package onnx is not installed.
+        TreeError: the names do not cover the tree.
     """
+    check_fit(tree, feature_names, class_names)
     try:
         import onnx
     except ImportError as error:
@@ -42,7 +49,8 @@ def onnx_model(tree: Node, feature_names: Sequence[str], class_names: Sequence[A
     )
     opsets = [helper.make_opsetid("", OPSET)]
     model = helper.make_model(made, opset_imports=opsets, ir_version=IR_VERSION, producer_name="octmip")
-    helper.set_model_props(model, {"features": "\n".join(feature_names), "classes": "\n".join(map(str, class_names))})
+    names = {"features": [str(name) for name in feature_names], "classes": class_values(class_names)}
+    helper.set_model_props(model, {what: json.dumps(listed) for what, listed in names.items()})
     return model
 
 
@@ -65,10 +73,10 @@ class _Graph:
         if isinstance(node, Leaf):
             return self.constant(np.int64(node.label))
         total = self.column(node.features[0]) if isinstance(node, Split) else ""
-        threshold = node.threshold if isinstance(node, Split) else node.offset
+        threshold = float(node.threshold if isinstance(node, Split) else node.offset)
         if not isinstance(node, Split):
             for coefficient, feature in zip(node.coefficients, node.features, strict=True):
-                product = self.add("Mul", self.constant(coefficient), self.column(feature))
+                product = self.add("Mul", self.constant(float(coefficient)), self.column(feature))
                 total = self.add("Add", total, product) if total else product
         limit = self.constant(threshold)
         left, right = self.add("LessOrEqual", total, limit), self.add("Greater", total, limit)

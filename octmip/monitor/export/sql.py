@@ -1,47 +1,110 @@
 """A tree as one SQL expression over columns named like the features.
 
-A decimal literal is not read to the last bit by every database, so a number is written as a whole number over a power
-of two, both exact in float64, and so is their quotient. NULL, which also stands for NaN, is on no side of a split.
+Numbers. A decimal literal is not read to the last bit by every database, so a number is written as a whole number over
+powers of two, all exact in float64, and so is their quotient.
+
+Missing readings. NULL is on no side of a split. SQLite stores NaN as NULL; PostgreSQL and DuckDB keep it and hold it
+for larger than every number, so the right side is asked as ``-x < -threshold``: true for what is larger than the
+threshold, false for NaN in either order.
+
+Names. The only names in the text are column names, always in double quotes with inner ones doubled: nothing that a
+name holds can end it. SQLite takes a quoted name that no column bears for a text, and answers; with `table` every
+column is written ``"table"."column"``, and a missing one is an error in every database.
+
+Depth. Parsers of SQLite before 3.46 hold some 16 nested CASE; deeper trees are written flat, a condition a leaf.
 """
 
-import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
-from octmip.tree import Leaf, Node, Split
+from octmip.errors import TreeError
+from octmip.monitor.export.fit import check_column, check_fit
+from octmip.names import shown
+from octmip.tree import HyperplaneSplit, Leaf, Node, Split, depth, features_used, splits
 
 LARGEST = 62
 """Powers of two up to 2**62 are whole numbers of every database."""
+DEEPEST_NEST = 10
+"""Levels written as CASE within CASE."""
+MOST_TERMS = 900
+"""Features of one hyperplane: a sum of more is deeper than the 1,000 levels of SQLite's and DuckDB's expressions."""
 
 
-def sql_expression(tree: Node, feature_names: Sequence[str], class_names: Sequence[Any] = ()) -> str:
+def sql_expression(
+    tree: Node, feature_names: Sequence[str], class_names: Sequence[Any] | None = None, table: str = ""
+) -> str:
     """Return the expression for ``SELECT <expression> FROM readings``: the index of the class, -1 for no answer.
 
-    With `class_names` the expression ends in a comment that names them.
+    Names of classes are not part of it (`names_json` has them); `class_names` only have to cover the answers.
+    PostgreSQL tells columns apart by their first 63 bytes.
+
+    Raises:
+        TreeError: the names do not cover the tree, or a feature that it reads has a name that no database takes.
     """
-    note = "; ".join(f"{k}: {name}" for k, name in enumerate(class_names)).replace("*/", "").replace("/*", "")
-    return _case(tree, feature_names, "") + (f" /* {note} */" if note else "")
+    check_fit(tree, feature_names, class_names)
+    _check_columns(tree, feature_names)
+    owner = f"{_quoted(check_column(table))}." if table else ""
+    columns = [owner + _quoted(str(name)) for name in feature_names]
+    return _nested(tree, columns, "") if depth(tree) <= DEEPEST_NEST else _flat(tree, columns)
 
 
-def _case(node: Node, names: Sequence[str], indent: str) -> str:
+def _check_columns(tree: Node, names: Sequence[str]) -> None:
+    """Refuse names that no database takes, or that a database which knows no case takes for another feature's."""
+    folded = [str(name).casefold() for name in names]
+    for feature in features_used(tree):
+        check_column(names[feature])
+        if folded.count(folded[feature]) > 1:
+            other = next(j for j, name in enumerate(folded) if name == folded[feature] and j != feature)
+            raise TreeError(
+                f"feature names {shown(names[feature])} and {shown(names[other])} differ in case only; expected names "
+                "that differ otherwise, since SQLite and DuckDB take these for one column; rename one"
+            )
+    widest = max((len(split.features) for split in splits(tree)), default=0)
+    if widest > MOST_TERMS:
+        raise TreeError(
+            f"a split of the tree adds {widest} features; expected at most {MOST_TERMS}, since databases refuse longer "
+            "sums; export to C or ONNX, or limit the problem's split_size"
+        )
+
+
+def _nested(node: Node, columns: Sequence[str], indent: str) -> str:
     if isinstance(node, Leaf):
         return str(node.label)
-    if isinstance(node, Split):
-        asked, threshold = _column(names[node.feature]), node.threshold
-    else:
-        terms = zip(node.coefficients, node.features, strict=True)
-        products = [f"{_exact(c)} * {_column(names[j])}" for c, j in terms]
-        asked, threshold = products[0], node.offset
-        for product in products[1:]:
-            asked = f"({asked} + {product})"
+    left, right = _conditions(node, columns)
     inner = indent + "  "
     return (
-        f"CASE\n{indent}WHEN {asked} <= {_exact(threshold)} THEN {_case(node.left, names, inner)}\n"
-        f"{indent}WHEN {asked} > {_exact(threshold)} THEN {_case(node.right, names, inner)}\n{indent}ELSE -1 END"
+        f"CASE\n{indent}WHEN {left} THEN {_nested(node.left, columns, inner)}\n"
+        f"{indent}WHEN {right} THEN {_nested(node.right, columns, inner)}\n{indent}ELSE -1 END"
     )
 
 
-def _column(name: str) -> str:
+def _flat(tree: Node, columns: Sequence[str]) -> str:
+    lines = [f"WHEN {' AND '.join(path)} THEN {leaf.label}" for path, leaf in _paths(tree, columns, ())]
+    return "\n".join(["CASE", *lines, "ELSE -1 END"])
+
+
+def _paths(node: Node, columns: Sequence[str], path: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], Leaf]]:
+    """Yield every leaf with the conditions on its way."""
+    if isinstance(node, Leaf):
+        yield path, node
+        return
+    left, right = _conditions(node, columns)
+    yield from _paths(node.left, columns, (*path, left))
+    yield from _paths(node.right, columns, (*path, right))
+
+
+def _conditions(split: Split | HyperplaneSplit, columns: Sequence[str]) -> tuple[str, str]:
+    """Return when a reading goes left and when it goes right; neither holds where a number is missing."""
+    if isinstance(split, Split):
+        asked, threshold = columns[split.feature], float(split.threshold)
+    else:  # added from the first to the last, as SQL adds without parentheses, and as `goes_left` does
+        terms = zip(split.coefficients, split.features, strict=True)
+        asked = f"({' + '.join(f'{_exact(float(c))} * {columns[j]}' for c, j in terms)})"
+        threshold = float(split.offset)
+    return f"{asked} <= {_exact(threshold)}", f"-{asked} < {_exact(-threshold)}"
+
+
+def _quoted(name: str) -> str:
     return '"' + name.replace('"', '""') + '"'
 
 
@@ -52,7 +115,7 @@ def _exact(number: float) -> str:
     text = f"CAST({numerator >> shift} AS DOUBLE PRECISION)"
     for power in _powers(shift):
         text = f"{text} * CAST({power} AS DOUBLE PRECISION)"
-    for power in _powers(round(math.log2(denominator))):
+    for power in _powers(denominator.bit_length() - 1):
         text = f"{text} / CAST({power} AS DOUBLE PRECISION)"
     return f"({text})"
 

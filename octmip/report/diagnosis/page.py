@@ -1,7 +1,5 @@
 """The report: one self-contained HTML page, no script, no outside file; figures are inline SVG."""
 
-from html import escape
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,6 +7,8 @@ from octmip.gap.causes import UNKNOWN
 from octmip.gap.diagnosis import Diagnosis
 from octmip.gap.inference.inputs import Inputs
 from octmip.gap.inference.linear_model import LinearModel
+from octmip.names import PAGE_POLICY
+from octmip.names import html_text as escape
 from octmip.report.diagnosis.pictures import bars, gauge_map
 from octmip.report.diagnosis.words import (
     cause_words,
@@ -47,7 +47,7 @@ def report_page(diagnosis: Diagnosis) -> str:
     ]
     return (
         '<!doctype html><html lang="en"><head><meta charset="utf-8">'
-        '<meta name="viewport" content="width=device-width,initial-scale=1">'
+        f'{PAGE_POLICY}<meta name="viewport" content="width=device-width,initial-scale=1">'
         "<title>Diagnosis of the sim-to-real gap</title>"
         f"<style>{STYLE}</style></head><body><h1>Diagnosis of the sim-to-real gap</h1>{''.join(parts)}</body></html>"
     )

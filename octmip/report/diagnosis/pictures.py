@@ -1,10 +1,11 @@
 """Figures of the report as inline SVG."""
 
 from collections.abc import Callable, Sequence
-from html import escape
 
 import numpy as np
 from numpy.typing import NDArray
+
+from octmip.names import html_text as escape
 
 Floats = NDArray[np.float64]
 

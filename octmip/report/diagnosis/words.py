@@ -9,6 +9,7 @@ from octmip.gap.diagnosis import Diagnosis
 from octmip.gap.location import Flip, Place
 from octmip.gap.shrinkage import Shrinkage
 from octmip.gap.sizes import Parameter
+from octmip.names import visible_lines
 
 FEW = 5
 """Places of one kind that a page lists."""
@@ -32,7 +33,7 @@ def page_of_words(diagnosis: Diagnosis) -> str:
         parts.append(_section("Unknown states", _state_lines(diagnosis)))
     if diagnosis.notes:
         parts.append(_section("Notes", list(diagnosis.notes)))
-    return "\n\n".join(parts)
+    return visible_lines("\n\n".join(parts))
 
 
 def verdict(diagnosis: Diagnosis) -> str:

@@ -1,0 +1,79 @@
+"""What every export asks of a tree and its names, and the names themselves for the machine's other half."""
+
+import json
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from octmip.errors import TreeError
+from octmip.names import shown
+from octmip.problem import MAX_DEPTH
+from octmip.tree import Leaf, Node, leaves, splits
+
+
+def names_json(feature_names: Sequence[str], class_names: Sequence[Any]) -> str:
+    """Return ``{"features": [...], "classes": [...]}``, pure ASCII: what the places and codes of an export stand for.
+
+    Classes that are numbers stay numbers, all others are text.
+    """
+    return json.dumps({"features": [str(name) for name in feature_names], "classes": class_values(class_names)})
+
+
+def class_values(class_names: Sequence[Any]) -> list[Any]:
+    """Return class names as JSON has them: numbers and booleans as they are, all others as text."""
+    plain = [name.item() if hasattr(name, "item") else name for name in class_names]
+    return [name if _is_json_number(name) else str(name) for name in plain]
+
+
+def _is_json_number(value: Any) -> bool:
+    return isinstance(value, int) or (isinstance(value, float) and math.isfinite(value))
+
+
+def check_fit(tree: Node, feature_names: Sequence[str], class_names: Sequence[Any] | None = None) -> None:
+    """Refuse a tree that the names do not cover, or deeper than any problem allows.
+
+    Raises:
+        TreeError: it reads a feature or answers a class without a name, or has more than `MAX_DEPTH` levels.
+    """
+    _check_depth(tree)
+    highest = max((split.features[-1] for split in splits(tree)), default=-1)
+    if highest >= len(feature_names):
+        raise TreeError(
+            f"the tree reads feature {highest} but feature_names has {len(feature_names)} entries; expected at least "
+            f"{highest + 1}; name every feature of a reading, in its order"
+        )
+    label = max(leaf.label for leaf in leaves(tree))
+    if class_names is not None and label >= len(class_names):
+        raise TreeError(
+            f"the tree answers class {label} but class_names has {len(class_names)} entries; expected at least "
+            f"{label + 1}; name every class, in the order of the problem's"
+        )
+
+
+def _check_depth(tree: Node) -> None:
+    """Refuse a tree that is too deep, without recursion: it may be deeper than Python's stack."""
+    level = [tree]
+    for _ in range(MAX_DEPTH + 1):
+        level = [side for node in level if not isinstance(node, Leaf) for side in (node.left, node.right)]
+        if not level:
+            return
+    raise TreeError(
+        f"the tree has more than {MAX_DEPTH} levels of splits; expected a depth that a problem can have, which "
+        "compilers and databases hold too; find a tree with Problem(depth=...) of at most that"
+    )
+
+
+def check_column(name: str) -> str:
+    """Return a feature's name, refused where no database takes it for a column.
+
+    Raises:
+        TreeError: it holds a NUL character or half of a surrogate pair.
+    """
+    name = str(name)
+    if "\0" in name or any(0xD800 <= ord(character) < 0xE000 for character in name):
+        what = "a NUL character" if "\0" in name else "half of a surrogate pair, which is no character"
+        raise TreeError(
+            f"feature name {shown(name)} holds {what}; expected text that a database takes for the name of a column; "
+            "rename the feature and the column"
+        )
+    return name

@@ -1,0 +1,72 @@
+"""Names of features, classes, sensors and files as a person may safely see them.
+
+A name is text from outside. Shown as it is, it can move the cursor of a terminal, turn the direction of reading, hide,
+begin a line that the report never wrote, or be text that UTF-8 cannot hold. Here characters that act instead of being
+seen become escapes (``\\x1b``, ``\\u202e``); all others, of any script, stay. What a target reads as its own language
+(SQL, HTML, DOT, Markdown) is escaped where that target is written.
+"""
+
+import re
+import unicodedata
+from html import escape
+from typing import Any
+
+UNSEEN = re.compile("[\u034f\u115f\u1160\u17b4\u17b5\u180b-\u180f\u2800\u3164\ufe00-\ufe0f\uffa0\U000e0100-\U000e01ef]")
+"""Characters that count as printable but leave no mark: fillers, joiners and selectors of the Unicode standard."""
+LIKE_AN_ESCAPE = re.compile(r"\\[xuU]")
+RIGHT_TO_LEFT = {"R", "AL", "AN"}
+ISOLATE, END_ISOLATE = "\u2068", "\u2069"
+PAGE_POLICY = (
+    "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; "
+    "img-src data:; base-uri 'none'; form-action 'none'\"/>"
+)
+"""For the head of a page without scripts: a browser runs and fetches nothing, whatever stands in the page."""
+ISOLATED = re.compile(f"{ISOLATE}([^{ISOLATE}{END_ISOLATE}]*){END_ISOLATE}")
+
+
+def visible(text: Any) -> str:
+    """Return a text on one line with every character that acts, or cannot be seen or encoded, as its escape.
+
+    A name isolated by `shown` stays isolated: its isolate is closed, so it acts on nothing outside.
+    """
+    parts = ISOLATED.split(str(text))  # outside, inside, outside, ...
+    parts = [part if _is_plain(part) else "".join(_seen(character) for character in part) for part in parts]
+    return "".join(f"{ISOLATE}{part}{END_ISOLATE}" if k % 2 else part for k, part in enumerate(parts))
+
+
+def visible_lines(text: str) -> str:
+    """Return a text whose lines are `visible`; only the ends of lines stay what they are."""
+    return "\n".join(visible(line) for line in text.split("\n"))
+
+
+def shown(name: Any) -> str:
+    """Return a name as it stands in a sentence: `visible`, different for different names, and kept apart.
+
+    Backslashes are doubled where the name holds an escape or looks as if it did. A name that is empty, or begins or
+    ends with a blank, stands in quotes. One that is read from right to left is isolated, so that the words, signs and
+    numbers around it stay in order.
+    """
+    name = str(name)
+    if not _is_plain(name) or LIKE_AN_ESCAPE.search(name):
+        name = "".join("\\\\" if character == "\\" else _seen(character) for character in name)
+    if name != name.strip() or not name:
+        name = f'"{name}"'
+    if not name.isascii() and any(unicodedata.bidirectional(character) in RIGHT_TO_LEFT for character in name):
+        return f"{ISOLATE}{name}{END_ISOLATE}"
+    return name
+
+
+def html_text(text: Any) -> str:
+    """Return a text for the inside of an HTML element or quoted attribute: `visible` and escaped."""
+    return escape(visible(text))
+
+
+def _is_plain(text: str) -> bool:
+    return text.isprintable() and (text.isascii() or not UNSEEN.search(text))
+
+
+def _seen(character: str) -> str:
+    if _is_plain(character):
+        return character
+    code = ord(character)
+    return f"\\x{code:02x}" if code < 0x100 else f"\\u{code:04x}" if code < 0x10000 else f"\\U{code:08x}"

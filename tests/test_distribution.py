@@ -1,0 +1,45 @@
+"""What is shipped: the source distribution holds all that a build needs, the wheel no source of the native core."""
+
+import shutil
+import subprocess
+import sys
+import tarfile
+import tomllib
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+MATURIN = Path(sys.executable).with_name("maturin")
+
+
+def tracked(*patterns: str) -> set[str]:
+    """Return the files that git tracks; the test is skipped outside a checkout."""
+    done = subprocess.run(["git", "ls-files", *patterns], capture_output=True, text=True, cwd=ROOT)
+    if done.returncode or not done.stdout:
+        pytest.skip("this is no git checkout")
+    return set(done.stdout.split("\n")) - {""}
+
+
+@pytest.mark.skipif(not MATURIN.exists(), reason="maturin is not installed beside this Python")
+@pytest.mark.skipif(shutil.which("cargo") is None, reason="no cargo: maturin asks it for the crate")
+def test_the_source_distribution_holds_every_source_and_nothing_built(tmp_path):
+    wanted = tracked("octmip", "femlib", "pyproject.toml", "README.md", "LICENSE")
+    done = subprocess.run([MATURIN, "sdist", "-o", tmp_path], capture_output=True, text=True, cwd=ROOT)
+    assert done.returncode == 0, done.stderr
+    with tarfile.open(next(tmp_path.glob("*.tar.gz"))) as archive:
+        held = {name.partition("/")[2] for name in archive.getnames()}
+    assert any(name.endswith(".rs") for name in wanted) and wanted <= held, wanted - held
+    strangers = held - tracked()
+    assert strangers == {"PKG-INFO"}, strangers
+
+
+def test_the_wheel_leaves_the_native_sources_out_and_the_source_distribution_does_not():
+    rules = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["maturin"]["exclude"]
+    by_format = {form: {rule["path"] for rule in rules if rule["format"] == form} for form in ("wheel", "sdist")}
+    assert "octmip/native/**/*" in by_format["wheel"]
+    assert by_format["sdist"] == {"octmip/native/Cargo.lock"}
+
+
+def test_the_packages_say_that_they_are_typed():
+    assert {"octmip/py.typed", "femlib/py.typed"} <= tracked("*.typed")

@@ -1,0 +1,232 @@
+"""Exports answer bit for bit whatever names, numbers and depth a tree has, and execute nothing but the tree."""
+
+import math
+import shutil
+import sqlite3
+import subprocess
+from ctypes import CDLL, POINTER, c_double
+
+import numpy as np
+import pytest
+
+from benchmarks.oracles.export_runs import C_FLAGS, EXACT, REFUSED, run_c, run_onnx, run_sql
+from benchmarks.oracles.hostile_names import hostile_names
+from benchmarks.oracles.report_runs import run_dot, run_json, run_markdown, run_page, run_picture, run_text, tree_over
+from octmip.errors import TreeError
+from octmip.monitor import CompiledTree
+from octmip.monitor.export import c_source, names_json, onnx_model, sql_expression
+from octmip.tree import HyperplaneSplit, Leaf, Split, leaves
+
+NAMES = [name for _, name in hostile_names(60)]
+ATTACK = "**// FROM readings; DROP TABLE secret; --"
+
+
+def test_a_class_name_cannot_end_a_comment_and_drop_a_table():
+    text = sql_expression(Split(0, 0.5, Leaf(0), Leaf(1)), ["a"], ["yes", ATTACK])
+    with sqlite3.connect(":memory:") as base:
+        base.executescript("CREATE TABLE readings (a); CREATE TABLE secret (a); INSERT INTO readings VALUES (0.25)")
+        base.executescript(f"CREATE TABLE answer AS SELECT {text} AS label FROM readings")
+        assert base.execute("SELECT label FROM answer").fetchall() == [(0,)]
+        assert base.execute("SELECT count(*) FROM secret").fetchall() == [(0,)]
+    base.close()
+
+
+# Hostile names: 500 of them go through `python -m benchmarks.run exports`
+
+
+def test_sql_executes_the_tree_alone_for_any_name():
+    assert "DROP TABLE" in "".join(NAMES) and set(run_sql(NAMES)) <= {EXACT, REFUSED}
+    refused = [name for name, outcome in zip(NAMES, run_sql(NAMES), strict=True) if outcome == REFUSED]
+    assert all("\0" in name or any("\ud800" <= c <= "\udfff" for c in name) for name in refused)
+
+
+@pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+def test_c_compiles_without_a_warning_and_answers_for_any_name():
+    assert set(run_c([*NAMES, "*/ #error /*", "a??/\n"])) == {EXACT}
+
+
+def test_onnx_answers_and_keeps_every_name():
+    pytest.importorskip("onnxruntime")
+    assert set(run_onnx(NAMES[:40])) == {EXACT}
+
+
+@pytest.mark.skipif(shutil.which("dot") is None, reason="no Graphviz: apt-get install graphviz")
+def test_graphviz_draws_every_name():
+    assert set(run_dot(NAMES)) == {EXACT}
+
+
+@pytest.mark.parametrize("run", [run_text, run_json, run_markdown])
+def test_every_name_can_be_read_and_none_acts(run):
+    assert set(run(NAMES)) == {EXACT}
+
+
+def test_pictures_have_no_formula_and_no_missing_glyph():
+    assert set(run_picture(NAMES[:40])) == {EXACT}
+
+
+def test_a_page_shows_every_name_and_runs_none(browser, tmp_path):
+    assert set(run_page(NAMES, browser, tmp_path)) == {EXACT}
+
+
+# Names that a target cannot hold, and trees that names do not cover
+
+
+@pytest.mark.parametrize("name", ["a\0b", "\ud800"])
+def test_a_column_that_no_database_takes_is_refused(name):
+    with pytest.raises(TreeError, match="for the name of a column; rename"):
+        sql_expression(Split(0, 0.5, Leaf(0), Leaf(1)), [name])
+    assert sql_expression(Split(0, 0.5, Leaf(0), Leaf(1)), ["a", name])  # it is not read
+
+
+def test_columns_that_differ_in_case_only_are_refused_in_sql():
+    with pytest.raises(TreeError, match="differ in case only"):
+        sql_expression(Split(0, 0.5, Leaf(0), Leaf(1)), ["g", "G"])
+
+
+def test_a_missing_column_is_an_error_in_sqlite_when_the_table_is_named():
+    text = sql_expression(Split(0, 0.5, Leaf(0), Leaf(1)), ["a"], table='re"adings')
+    with sqlite3.connect(":memory:") as base:
+        base.execute('CREATE TABLE "re""adings" (b)')
+        with pytest.raises(sqlite3.OperationalError, match="no such column"):
+            base.execute(f'SELECT {text} FROM "re""adings"')
+    base.close()
+
+
+def test_nan_is_on_no_side_where_a_database_holds_it_for_the_largest_number():
+    text = sql_expression(Split(0, 0.5, Leaf(0), Leaf(1)), ["a"])
+    assert 'WHEN "a" <= ' in text and 'WHEN -"a" < (CAST(-1 AS' in text
+
+
+@pytest.mark.parametrize("export", [c_source, sql_expression, onnx_model])
+def test_names_must_cover_the_tree(export):
+    with pytest.raises(TreeError, match="reads feature 1 but feature_names has 1 entries"):
+        export(Split(1, 0.5, Leaf(0), Leaf(1)), ["a"], ["x", "y"])
+    with pytest.raises(TreeError, match="answers class 1 but class_names has 1 entries"):
+        export(Split(0, 0.5, Leaf(0), Leaf(1)), ["a"], ["x"])
+    tree = Leaf(0)
+    for _ in range(3000):
+        tree = Split(0, 0.5, Leaf(0), tree)
+    with pytest.raises(TreeError, match="more than 30 levels"):
+        export(tree, ["a"], ["x"])
+
+
+def test_names_go_beside_the_code_as_json():
+    assert names_json(["a\n\ud800"], [np.int64(3), 2.5, True, float("nan"), "</x>"]) == (
+        '{"features": ["a\\n\\ud800"], "classes": [3, 2.5, true, "nan", "</x>"]}'
+    )
+
+
+@pytest.mark.parametrize("name", ["int", "while", "class", "2x", "a b", "", "a;"])
+def test_a_function_is_not_called_by_a_word_of_c(name):
+    with pytest.raises(TreeError, match="is no C name"):
+        c_source(Leaf(0), ["a"], ["x"], name)
+
+
+# Depth, breadth and extreme numbers
+
+EXTREMES = [
+    5e-324,
+    2.2250738585072014e-308,
+    1e-300,
+    0.1,
+    2.0**53 + 2,
+    1e22,
+    2.0**63,
+    1e300,
+    1e308,
+    1.7976931348623157e308,
+]
+THRESHOLDS = sorted([*EXTREMES, *(-t for t in EXTREMES)])
+
+
+def chain(thresholds, is_left=False):
+    """Return a tree with one split a level, a label of its own for every interval of feature 0."""
+    tree = Leaf(len(thresholds))
+    if is_left:
+        for k, threshold in enumerate(sorted(thresholds)):
+            tree = Split(0, threshold, tree if k else Leaf(99), Leaf(k))
+        return tree
+    for k, threshold in reversed(list(enumerate(thresholds))):
+        tree = Split(0, threshold, Leaf(k), tree)
+    return tree
+
+
+def extreme_tree():
+    sums = [HyperplaneSplit((0, 1), (1e308, -5e-324), 1e300, Leaf(0), Leaf(1))]
+    sums += [HyperplaneSplit((0, 1), (-1.7976931348623157e308, 2.0**-1074), -0.0, sums[0], Leaf(2))]
+    sums += [HyperplaneSplit((0, 1), (5e-324, 0.1), 5e-324, sums[1], Leaf(3))]
+    return Split(1, -0.0, sums[2], Split(0, 2**53 + 1, sums[1], Leaf(4)))  # the threshold is a whole number of Python
+
+
+def broad_tree():
+    tree = tree_over(1023)
+    rng = np.random.default_rng(0)
+
+    def drawn(node):
+        if isinstance(node, Leaf):
+            return node
+        return Split(node.feature % 2, float(rng.normal()), drawn(node.left), drawn(node.right))
+
+    return drawn(tree)
+
+
+SHAPES = {
+    "chain to the right": chain(sorted([*THRESHOLDS, *np.linspace(-3, 3, 10)])),
+    "chain to the left": chain(sorted([*THRESHOLDS, *np.linspace(-3, 3, 10)]), is_left=True),
+    "extremes": extreme_tree(),
+    "1,024 leaves": broad_tree(),
+}
+
+
+@pytest.fixture(scope="module", params=SHAPES)
+def shape(request):
+    tree = SHAPES[request.param]
+    rng = np.random.default_rng(1)
+    beside = [math.nextafter(t, side) for t in (*THRESHOLDS, 0.0, -0.0) for side in (-math.inf, t, math.inf)]
+    values = np.array([*beside, -0.0, np.inf, -np.inf, 2.0**53, *rng.normal(size=20)])
+    readings = rng.choice(values, (300, 2))
+    with np.errstate(over="ignore", invalid="ignore"):
+        answers = CompiledTree(tree, ("a", "b")).labels(readings)
+    return tree, readings, answers.tolist(), range(max(leaf.label for leaf in leaves(tree)) + 1)
+
+
+def test_sql_holds_any_shape_and_number(shape):
+    tree, readings, answers, classes = shape
+    base = sqlite3.connect(":memory:")
+    base.execute("CREATE TABLE readings (a DOUBLE PRECISION, b DOUBLE PRECISION, n INTEGER)")
+    base.executemany("INSERT INTO readings VALUES (?, ?, ?)", [(*row, k) for k, row in enumerate(readings.tolist())])
+    found = base.execute(f"SELECT {sql_expression(tree, 'ab', classes)} FROM readings ORDER BY n").fetchall()
+    base.close()
+    assert [label for (label,) in found] == answers
+
+
+@pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+def test_c_holds_any_shape_and_number(shape, tmp_path):
+    tree, readings, answers, classes = shape
+    (tmp_path / "tree.c").write_text(c_source(tree, "ab", classes) + c_source(Leaf(2), "ab", classes, "leaf"))
+    command = ["cc", *C_FLAGS, "-O0", "-shared", "-fPIC", "-o", tmp_path / "tree.so", tmp_path / "tree.c"]
+    subprocess.run(command, check=True)
+    label = CDLL(str(tmp_path / "tree.so")).octmip_label
+    label.argtypes = [POINTER(c_double)]
+    assert [label((c_double * 2)(*row)) for row in readings.tolist()] == answers
+
+
+def test_onnx_holds_any_shape_and_number(shape):
+    runtime = pytest.importorskip("onnxruntime")
+    tree, readings, answers, classes = shape
+    options = runtime.SessionOptions()
+    options.graph_optimization_level = runtime.GraphOptimizationLevel.ORT_DISABLE_ALL
+    options.intra_op_num_threads = 1
+    session = runtime.InferenceSession(onnx_model(tree, "ab", classes).SerializeToString(), options)
+    assert session.run(None, {"readings": readings})[0].tolist() == answers
+
+
+def test_a_sum_of_hundreds_of_features_fits_into_sqlite_and_one_too_long_is_refused():
+    tree = HyperplaneSplit(tuple(range(900)), (0.1,) * 900, 1.0, Leaf(0), Leaf(1))
+    names = [f"x{j}" for j in range(901)]
+    with sqlite3.connect(":memory:") as base:
+        base.execute(f"CREATE TABLE readings ({', '.join(names)})")
+        assert base.execute(f"SELECT {sql_expression(tree, names)} FROM readings").fetchall() == []
+    base.close()
+    with pytest.raises(TreeError, match="adds 901 features; expected at most 900"):
+        sql_expression(HyperplaneSplit(tuple(range(901)), (0.1,) * 901, 1.0, Leaf(0), Leaf(1)), names)
