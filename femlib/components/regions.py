@@ -102,12 +102,20 @@ def checked_damage(states: FloatArray, parameters: Sequence[str]) -> FloatArray:
 
 def refuse_overlap(components: Sequence[Component], n_elements: int) -> None:
     """Raise InputError if a region is empty or of another mesh, or two share an element or a parameter."""
+    if not all(isinstance(component, Component) for component in components):
+        raise InputError(f"components are {components!r}; expected a tuple of Component; put them in a tuple")
     for component in components:
         got = np.shape(component.elements)
         if got != (n_elements,):
             raise InputError(
                 f"region {component.name} has elements of shape {got}; expected ({n_elements},), one truth value "
                 "for each element of the mesh; make them from that mesh"
+            )
+        kind = np.asarray(component.elements).dtype
+        if kind != np.bool_:
+            raise InputError(
+                f"region {component.name} has elements of {kind}; expected truth values, one for each element of the "
+                "mesh; write elements == 1 for zeros and ones"
             )
     parameters = [component.parameter for component in components]
     if len(set(parameters)) != len(parameters):
