@@ -199,7 +199,7 @@ def laminate(plies: Sequence[Ply]) -> Laminate:
         If there is no ply.
     """
     if not isinstance(plies, Sequence) or not all(isinstance(ply, Ply) for ply in plies):
-        raise InputError(f"laminate got {plies!r}; expected a list of Ply; put them in a list")
+        raise InputError(f"laminate got a {type(plies).__name__}; expected a list of Ply; put them in a list")
     if not plies:
         raise InputError("laminate got 0 plies; expected at least one; list them from the bottom to the top face")
     heights = np.concatenate([[0.0], np.cumsum([ply.thickness for ply in plies])])

@@ -79,6 +79,10 @@ class Mesh:
     limits: QualityLimits = QualityLimits()
 
     def __post_init__(self) -> None:
+        if not isinstance(self.limits, QualityLimits):
+            raise MeshError(
+                f"mesh limits are {self.limits!r}; expected QualityLimits; leave them out for the usual ones"
+            )
         object.__setattr__(self, "nodes", frozen_floats(self.nodes, "mesh nodes", (-1, 3)))
         object.__setattr__(self, "quads", frozen_ints(self.quads, "mesh quads", (-1, 4)))
         object.__setattr__(self, "trias", frozen_ints(self.trias, "mesh trias", (-1, 3)))

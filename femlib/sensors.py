@@ -105,9 +105,14 @@ def element_rows(mesh: Mesh, thickness: FloatArray, gauges: Sequence[StrainGauge
 
     A gauge's strain is the sum of row @ displacements of the element, or @ its deformation where it moved far.
     """
+    if not isinstance(gauges, Sequence) or not all(isinstance(gauge, StrainGauge) for gauge in gauges):
+        raise InputError(f"gauges are a {type(gauges).__name__}; expected a list of StrainGauge; put them in a list")
     if not gauges:
         raise InputError("no gauges were given; expected at least one; add a StrainGauge")
     thickness = frozen_floats(thickness, "thickness", (mesh.n_elements,))
+    if (thickness <= 0.0).any():
+        bad = int(np.flatnonzero(thickness <= 0.0)[0])
+        raise InputError(f"thickness of element {bad} is {thickness[bad]} m; expected more than 0; correct it")
     rows = []
     for gauge, weights in zip(gauges, element_weights(mesh, gauges), strict=True):
         parts = {}

@@ -104,6 +104,11 @@ def factorise(matrix: sparse.csc_array, groups: IntArray, ports: IntArray | None
         If PARDISO is asked for and not installed.
     """
     last = np.zeros(0, dtype=np.int64) if ports is None else ports
+    if len(groups) != matrix.shape[0]:
+        raise InputError(
+            f"groups name the nodes of {len(groups)} rows but the matrix has {matrix.shape[0]}; expected one for each; "
+            "take those of its Supports"
+        )
     if _SOLVER.get() == "pardiso" and len(last) == 0:
         return _checked(Factors(PardisoFactors.of(matrix), np.arange(matrix.shape[0]), last), matrix)
     rank = _minimum_degree(matrix, groups)[groups]

@@ -90,7 +90,7 @@ class Shells:
 
 def _check_sections(laminates: tuple[Laminate, ...], section: IntArray) -> None:
     if not isinstance(laminates, tuple) or not all(isinstance(laminate, Laminate) for laminate in laminates):
-        raise InputError(f"laminates are {laminates!r}; expected a tuple of Laminate; put them in a tuple")
+        raise InputError(f"laminates are a {type(laminates).__name__}; expected a tuple of Laminate; put them in one")
     bad = np.flatnonzero((section < 0) | (section >= len(laminates)))
     if bad.size:
         raise InputError(

@@ -8,7 +8,7 @@ import scipy.sparse as sparse
 from scipy.sparse.csgraph import connected_components
 
 from femlib.arrays import FloatArray, IntArray
-from femlib.errors import InputError, frozen_ints
+from femlib.errors import InputError, frozen_ints, is_whole
 from femlib.mesh import DOFS_PER_NODE, Mesh, dofs_of_nodes
 
 RIGID = 1e-12
@@ -30,6 +30,17 @@ class Supports:
     n_dofs: int
     free: IntArray
 
+    def __post_init__(self) -> None:
+        free = frozen_ints(self.free, "free degrees of freedom", (-1,))
+        object.__setattr__(self, "free", free)
+        if not is_whole(self.n_dofs) or (free.size and not 0 <= free.min() <= free.max() < self.n_dofs):
+            raise InputError(
+                f"free degrees of freedom are not all in 0 to {self.n_dofs} - 1; expected increasing numbers of the "
+                "mesh's; make them with Supports.holding"
+            )
+        if (np.diff(free) <= 0).any():
+            raise InputError("free degrees of freedom do not increase; expected each once, in order; sort them")
+
     @classmethod
     def holding(cls, mesh: Mesh, held: Sequence[int] | IntArray) -> "Supports":
         """Hold the degrees of freedom `held`.
@@ -43,7 +54,7 @@ class Supports:
         if numbers.size == 0 or numbers[0] < 0 or numbers[-1] >= mesh.n_dofs:
             raise InputError(
                 f"supports name {numbers.size} degrees of freedom, not all in 0 to {mesh.n_dofs - 1}; "
-                "hold at least six in the mesh"
+                "expected at least six in the mesh; correct the numbers"
             )
         _check_held(mesh, numbers)
         return cls(mesh.n_dofs, np.setdiff1d(np.arange(mesh.n_dofs), numbers))

@@ -68,6 +68,7 @@ class ReducedWing:
             If the state names an unknown parameter, a damage is outside [0, 1), or the load factor is not finite.
         """
         row = damage_row(state, self.parameters)[None, :]
+        self.strains_microstrain(row, load_factor)  # refuses what is beyond linear analysis
         moved = checked_load_factor(load_factor) * self.model.displacements(row)[0]
         return np.asarray(moved.reshape(-1, DOFS_PER_NODE))
 

@@ -8,7 +8,7 @@ from femlib.components import Component, DamagedStructure
 from femlib.errors import InputError, MeshError, SolveError
 from femlib.material import isotropic_plate
 from femlib.mesh import QualityLimits
-from femlib.wing import uav_wing
+from femlib.wing import Wing
 from tests.test_femlib import shell_problems
 from tests.test_femlib.plates import patch, rotation
 from tests.test_femlib.shell_problems import SLENDER, cook_membrane, pinched_hemisphere, straight_beam
@@ -126,8 +126,8 @@ def test_constant_strain_and_rigid_motion_cost_nothing(shape: str) -> None:
     assert solution_quality(shells, moved.ravel()).displacement_error < 1e-8
 
 
-def test_the_wing_is_accepted_sound_and_damaged() -> None:
-    wing = uav_wing(refinement=0.3)
+def test_the_wing_is_accepted_sound_and_damaged(tiny: Wing) -> None:
+    wing = tiny
     for state in ({}, {"mu1": 0.8, "mu2": 0.8}):
         factor = np.ones(wing.structure.shells.mesh.n_elements)
         for component in wing.structure.components:
