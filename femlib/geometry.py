@@ -14,6 +14,9 @@ import numpy.typing as npt
 from femlib.arrays import FloatArray
 from femlib.errors import InputError, is_number
 
+SHORTEST, LONGEST = 1e-3, 100.0
+"""Lengths [m] of a half wing: outside them they are in another unit. The longest ever flown is 58."""
+
 
 @dataclass(frozen=True, slots=True)
 class Planform:
@@ -39,6 +42,10 @@ class Planform:
             value = getattr(self, name)
             if not is_number(value) or value <= 0.0:
                 raise InputError(f"planform {name} is {value!r} m; expected a positive length; correct it")
+            if not SHORTEST <= value <= LONGEST:
+                raise InputError(
+                    f"planform {name} is {value!r} m; expected {SHORTEST:g} to {LONGEST:g} m; give lengths in metres"
+                )
         if not is_number(self.spar_fraction) or not 0.0 < self.spar_fraction < 1.0:
             raise InputError(f"planform spar_fraction is {self.spar_fraction}; expected between 0 and 1; correct it")
 

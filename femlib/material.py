@@ -20,6 +20,10 @@ SHEAR_CORRECTION = 5.0 / 6.0
 """Ratio of the shear stiffness of a homogeneous section to a constant shear strain. Price: exact for one ply only."""
 
 
+SAME = 1e-9
+"""Moduli that differ by less than this share are the same but for rounding."""
+
+
 @dataclass(frozen=True, slots=True)
 class Ply:
     """One orthotropic layer in plane stress.
@@ -137,7 +141,7 @@ class Laminate:
     gradient_moment: FloatArray
 
     def __post_init__(self) -> None:
-        if not self.thickness > 0.0:
+        if not is_number(self.thickness) or not self.thickness > 0.0:
             raise InputError(f"laminate thickness is {self.thickness} m; expected a positive number; correct the plies")
         shapes: tuple[tuple[str, tuple[int, ...]], ...] = (
             *((name, (3, 3)) for name in ("membrane", "coupling", "bending")),
@@ -146,6 +150,44 @@ class Laminate:
         )
         for name, shape in shapes:
             object.__setattr__(self, name, frozen_floats(getattr(self, name), f"laminate {name}", shape))
+        for name in ("mass", "mass_moment", "rotary_inertia"):
+            if not is_number(getattr(self, name)):
+                raise InputError(
+                    f"laminate {name} is {getattr(self, name)!r}; expected a finite number; correct the plies"
+                )
+        self._check_positive()
+
+    @property
+    def bending_thickness(self) -> float:
+        """Thickness [m] of a homogeneous plate with the same ratio of bending to membrane stiffness."""
+        return float(np.sqrt(12.0 * np.trace(self.bending) / np.trace(self.membrane)))
+
+    @property
+    def is_isotropic(self) -> bool:
+        """Whether the stiffness is the same in every direction of the surface."""
+        square = (self.membrane, self.coupling, self.bending)
+        sizes = (self.membrane, self.membrane * self.thickness, self.bending)
+        turned = all(_is_isotropic(m, float(np.abs(s).max())) for m, s in zip(square, sizes, strict=True))
+        shear = self.shear - 0.5 * np.trace(self.shear) * np.eye(2)
+        return turned and float(np.abs(shear).max()) <= SAME * float(np.abs(self.shear).max())
+
+    def _check_positive(self) -> None:
+        """Raise InputError if some deformation would cost no energy."""
+        unit = self.thickness  # strains and curvatures times thickness are of one size
+        block = np.block([[self.membrane, self.coupling / unit], [self.coupling / unit, self.bending / unit**2]])
+        for name, matrix in (("membrane, coupling and bending", block), ("shear", self.shear)):
+            if not np.allclose(matrix, matrix.T, rtol=1e-8, atol=1e-10 * np.abs(matrix).max()):
+                raise InputError(f"laminate {name} is not symmetric; expected a stiffness; correct its entries")
+            if not np.linalg.eigvalsh(matrix)[0] > 0.0:
+                raise InputError(
+                    f"laminate {name} is not positive definite; expected a stiffness that every deformation costs "
+                    "energy; correct the plies"
+                )
+
+
+def _is_isotropic(matrix: FloatArray, size: float) -> bool:
+    off = (matrix[0, 0] - matrix[1, 1], matrix[0, 2], matrix[1, 2], matrix[0, 0] - matrix[0, 1] - 2.0 * matrix[2, 2])
+    return all(abs(value) <= SAME * size for value in off)
 
 
 def laminate(plies: Sequence[Ply]) -> Laminate:
@@ -156,6 +198,8 @@ def laminate(plies: Sequence[Ply]) -> Laminate:
     InputError
         If there is no ply.
     """
+    if not isinstance(plies, Sequence) or not all(isinstance(ply, Ply) for ply in plies):
+        raise InputError(f"laminate got a {type(plies).__name__}; expected a list of Ply; put them in a list")
     if not plies:
         raise InputError("laminate got 0 plies; expected at least one; list them from the bottom to the top face")
     heights = np.concatenate([[0.0], np.cumsum([ply.thickness for ply in plies])])

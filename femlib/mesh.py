@@ -6,6 +6,7 @@ whose border strains may jump.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from numbers import Real
 
 import numpy as np
 
@@ -23,17 +24,27 @@ class QualityLimits:
     Attributes
     ----------
     warp : float
-        Distance of a corner from the mean plane over the longest edge. The quadrilateral ignores warp: a twisted beam
-        of warped elements gave .25 to .82 of its reference, so warp is refused and not corrected.
+        Distance of a corner from the mean plane over the longest edge: a limit of geometry.
+    warp_loss : float
+        The quadrilateral stands on its mean plane, so turning a warped one rigidly strains it. Refused by `Shells`, who
+        knows the thickness: the share by which the stiffness of a cantilever as large as the mesh may grow. A closed
+        section loses 1e-5 of that: there set it to infinity, and let `solution_quality` judge each solution.
     aspect : float
         Longest over shortest edge.
     distortion : float
         Least over largest corner area of a quadrilateral must exceed this (0 = a corner of 180 degrees).
     """
 
-    warp: float = 1e-3
+    warp: float = 0.02
+    warp_loss: float = 0.05
     aspect: float = 40.0
     distortion: float = 0.02
+
+    def __post_init__(self) -> None:
+        for name in ("warp", "warp_loss", "aspect", "distortion"):
+            value = getattr(self, name)
+            if not isinstance(value, Real) or isinstance(value, bool) or not value >= 0.0:
+                raise MeshError(f"quality limit {name} is {value!r}; expected a number of 0 or more; correct it")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,6 +79,10 @@ class Mesh:
     limits: QualityLimits = QualityLimits()
 
     def __post_init__(self) -> None:
+        if not isinstance(self.limits, QualityLimits):
+            raise MeshError(
+                f"mesh limits are {self.limits!r}; expected QualityLimits; leave them out for the usual ones"
+            )
         object.__setattr__(self, "nodes", frozen_floats(self.nodes, "mesh nodes", (-1, 3)))
         object.__setattr__(self, "quads", frozen_ints(self.quads, "mesh quads", (-1, 4)))
         object.__setattr__(self, "trias", frozen_ints(self.trias, "mesh trias", (-1, 3)))
@@ -75,6 +90,10 @@ class Mesh:
         object.__setattr__(
             self, "patch_of_element", frozen_ints(self.patch_of_element, "mesh patch_of_element", counts)
         )
+        if isinstance(self.patches, str) or not all(isinstance(name, str) for name in self.patches):
+            raise MeshError(f"mesh patches are {self.patches!r}; expected a tuple of names; put them in a tuple")
+        if len(set(self.patches)) != len(self.patches):
+            raise MeshError(f"mesh patches are {list(self.patches)}; expected each name once; rename one")
         if not self.n_elements:
             raise MeshError("mesh has no element; expected at least one; give quads or trias their corners")
         _check_patches(self.patch_of_element, len(self.patches))
@@ -82,6 +101,7 @@ class Mesh:
             _check_corners(corners, first, len(self.nodes))
             if len(corners):
                 _check_quality(self.nodes[corners], first, self.limits)
+        _check_repeats(self.quads, self.trias)
         _check_orientation(self.quads, self.trias, self.patch_of_element)
 
     @property
@@ -93,6 +113,11 @@ class Mesh:
     def n_dofs(self) -> int:
         """Number of degrees of freedom, supports included."""
         return DOFS_PER_NODE * len(self.nodes)
+
+    @property
+    def size(self) -> float:
+        """Diagonal of the box about the nodes [m]."""
+        return float(np.linalg.norm(np.ptp(self.nodes, axis=0)))
 
     def corners_of(self, element: int) -> IntArray:
         """Return the nodes (4,) or (3,) of an element."""
@@ -123,6 +148,14 @@ def dofs_of_nodes(nodes: IntArray | Sequence[int]) -> IntArray:
     return DOFS_PER_NODE * np.asarray(nodes, dtype=np.int64)[..., None] + np.arange(DOFS_PER_NODE)
 
 
+def warp_heights(points: FloatArray) -> FloatArray:
+    """Return the distance (n,) [m] of the farthest corner from the mean plane of elements (n, 3 or 4, 3)."""
+    forward = np.roll(points, -1, axis=1) - points
+    mean = np.cross(np.roll(forward, 1, axis=1), forward).mean(axis=1)
+    normal = mean / np.linalg.norm(mean, axis=1, keepdims=True)
+    return np.asarray(np.abs(np.einsum("eki,ei->ek", points - points.mean(axis=1, keepdims=True), normal)).max(axis=1))
+
+
 def _check_patches(patch_of_element: IntArray, n_patches: int) -> None:
     bad = np.flatnonzero((patch_of_element < 0) | (patch_of_element >= n_patches))
     if bad.size:
@@ -142,6 +175,19 @@ def _check_corners(corners: IntArray, first: int, n_nodes: int) -> None:
         )
 
 
+def _check_repeats(quads: IntArray, trias: IntArray) -> None:
+    """Refuse the first element that has the same corners as one before it: it would count twice."""
+    for corners, first in ((quads, 0), (trias, len(quads))):
+        _, kept, count = np.unique(np.sort(corners, axis=1), axis=0, return_index=True, return_counts=True)
+        if (count > 1).any():
+            named = np.sort(corners[int(kept[np.flatnonzero(count > 1)[0]])])
+            same = first + np.flatnonzero((np.sort(corners, axis=1) == named).all(axis=1))
+            raise MeshError(
+                f"element {same[1]} has the same corners as element {same[0]}, nodes {named.tolist()}; expected each "
+                "element once; leave one out"
+            )
+
+
 def _check_quality(points: FloatArray, first: int, limits: QualityLimits) -> None:
     """Refuse the first element of `points` (m, 3 or 4, 3) beyond the limits."""
     edges = np.linalg.norm(np.roll(points, -1, axis=1) - points, axis=2)
@@ -159,7 +205,7 @@ def _check_quality(points: FloatArray, first: int, limits: QualityLimits) -> Non
     signed = np.einsum("eki,ei->ek", turns, normal)
     worst = signed.min(axis=1) / signed.max(axis=1)
     _refuse(worst < limits.distortion, first, worst, "a corner ratio of", "", f">= {limits.distortion:g}")
-    height = np.abs(np.einsum("eki,ei->ek", points - points.mean(axis=1, keepdims=True), normal)).max(axis=1)
+    height = warp_heights(points)
     _refuse(height > limits.warp * longest, first, height / longest, "a warp of", "", f"<= {limits.warp:g}")
 
 

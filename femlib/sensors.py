@@ -20,6 +20,9 @@ from femlib.mesh import Mesh, dofs_of_nodes
 
 STEEPEST = 0.1
 """Least share of a gauge's direction that must lie in the surface: 6 degrees from the normal."""
+FARTHEST = 0.2
+"""Largest distance of a gauge from its element over the element's longest edge; a facet leaves its arc of 45 degrees by
+0.1."""
 N_NEAREST = 12
 """Elements, nearest by centroid, among which a gauge's element is looked for."""
 
@@ -102,9 +105,14 @@ def element_rows(mesh: Mesh, thickness: FloatArray, gauges: Sequence[StrainGauge
 
     A gauge's strain is the sum of row @ displacements of the element, or @ its deformation where it moved far.
     """
+    if not isinstance(gauges, Sequence) or not all(isinstance(gauge, StrainGauge) for gauge in gauges):
+        raise InputError(f"gauges are a {type(gauges).__name__}; expected a list of StrainGauge; put them in a list")
     if not gauges:
         raise InputError("no gauges were given; expected at least one; add a StrainGauge")
     thickness = frozen_floats(thickness, "thickness", (mesh.n_elements,))
+    if (thickness <= 0.0).any():
+        bad = int(np.flatnonzero(thickness <= 0.0)[0])
+        raise InputError(f"thickness of element {bad} is {thickness[bad]} m; expected more than 0; correct it")
     rows = []
     for gauge, weights in zip(gauges, element_weights(mesh, gauges), strict=True):
         parts = {}
@@ -135,7 +143,24 @@ def locate(mesh: Mesh, gauge: StrainGauge) -> Spot:
             f"gauge {gauge.name} at {[round(float(p), 4) for p in gauge.position]} m lies outside "
             f"{list(gauge.patches)} (nearest element {element}); expected a point of the patch; move the gauge"
         )
-    return Spot(element, float(np.clip(xi, -1.0, 1.0)), float(np.clip(eta, -1.0, 1.0)))
+    spot = Spot(element, float(np.clip(xi, -1.0, 1.0)), float(np.clip(eta, -1.0, 1.0)))
+    _check_distance(mesh, gauge, spot)
+    return spot
+
+
+def _check_distance(mesh: Mesh, gauge: StrainGauge, spot: Spot) -> None:
+    """Refuse a gauge that lies off the surface."""
+    points = mesh.nodes[mesh.corners_of(spot.element)]
+    is_quad = spot.element < len(mesh.quads)
+    shares = quad4.shape(spot.xi, spot.eta) if is_quad else np.array([1.0 - spot.xi - spot.eta, spot.xi, spot.eta])
+    away = float(np.linalg.norm(gauge.position - shares @ points))
+    longest = float(np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1).max())
+    if away > FARTHEST * longest:
+        raise InputError(
+            f"gauge {gauge.name} at {[round(float(p), 4) for p in gauge.position]} m lies {away:.3g} m off element "
+            f"{spot.element} of {list(gauge.patches)}; expected at most {FARTHEST * longest:.2g} m, {FARTHEST:g} of "
+            "its longest edge; move the gauge onto the surface"
+        )
 
 
 def _places(mesh: Mesh, elements: IntArray, position: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -18,14 +18,18 @@ from femlib.mesh import DOFS_PER_NODE, Mesh, QualityLimits
 Place = Callable[[FloatArray, FloatArray], FloatArray]
 
 
-def mapped(place: Place, n_u: int, n_v: int, laminate: Laminate) -> tuple[Shells, IntArray]:
+SLENDER = QualityLimits(aspect=1e3)
+
+
+def mapped(
+    place: Place, n_u: int, n_v: int, laminate: Laminate, limits: QualityLimits = SLENDER
+) -> tuple[Shells, IntArray]:
     """Return shells on the image of the unit square under `place`, and the nodes (n_u + 1, n_v + 1)."""
     u, v = np.meshgrid(np.linspace(0, 1, n_u + 1), np.linspace(0, 1, n_v + 1), indexing="ij")
     number = np.arange(u.size).reshape(u.shape)
     quads = np.stack([number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]], axis=-1).reshape(-1, 4)
     nodes = place(u, v).reshape(-1, 3)
     zeros = np.zeros(len(quads), dtype=np.int64)
-    limits = QualityLimits(aspect=1e3)
     mesh = Mesh(nodes, quads, np.zeros((0, 3), dtype=np.int64), ("shell",), zeros, limits)
     return Shells(mesh, (laminate,), zeros, np.ones(len(quads)), np.zeros(3)), number
 

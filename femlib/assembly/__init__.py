@@ -4,6 +4,7 @@ from femlib.assembly.deflection import CorotatedShells, Deflection, deflect
 from femlib.assembly.factors import Factors, factored_by, factorise
 from femlib.assembly.loads import line_load, surface_load, thermal_forces, thermal_load
 from femlib.assembly.modes import Mode, natural_modes, point_masses
+from femlib.assembly.quality import Quality, checked_solution, solution_quality
 from femlib.assembly.shells import Shells, assemble
 from femlib.assembly.supports import Supports
 
@@ -12,15 +13,18 @@ __all__ = [
     "Deflection",
     "Factors",
     "Mode",
+    "Quality",
     "Shells",
     "Supports",
     "assemble",
+    "checked_solution",
     "deflect",
     "factored_by",
     "factorise",
     "line_load",
     "natural_modes",
     "point_masses",
+    "solution_quality",
     "surface_load",
     "thermal_forces",
     "thermal_load",

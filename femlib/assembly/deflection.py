@@ -18,7 +18,7 @@ from femlib.assembly.shells import Shells, assemble
 from femlib.assembly.supports import Supports
 from femlib.elements import corotational
 from femlib.elements.rotations import exp_rotation
-from femlib.errors import InputError, SolveError, frozen_floats
+from femlib.errors import InputError, SolveError, frozen_floats, is_number
 from femlib.mesh import DOFS_PER_NODE, Mesh, dofs_of_nodes
 
 MOST_ITERATIONS = 15
@@ -103,7 +103,9 @@ def deflect(
     SolveError
         If Newton does not converge even in small steps, as beyond a limit load.
     """
-    steps = np.asarray(fractions, dtype=np.float64)
+    if not is_number(tolerance) or not 0.0 < tolerance < 1.0:
+        raise InputError(f"tolerance is {tolerance!r}; expected a share of the load between 0 and 1; 1e-8 is usual")
+    steps = frozen_floats(fractions, "load fractions", (-1,))
     if steps.ndim != 1 or not steps.size or not (np.diff(np.concatenate([[0.0], steps])) > 0.0).all():
         raise InputError(f"load fractions are {list(fractions)}; expected increasing numbers above 0; sort them")
     newton = _Newton.of(CorotatedShells.of(shells, stiffness_factor, thermal), supports, load, tolerance)
@@ -151,6 +153,9 @@ class CorotatedShells:
         mesh = shells.mesh
         scale = np.ones(mesh.n_elements) if stiffness_factor is None else stiffness_factor
         scale = frozen_floats(scale, "stiffness factor", (mesh.n_elements,))
+        if (scale <= 0.0).any():
+            bad = int(np.flatnonzero(scale <= 0.0)[0])
+            raise InputError(f"stiffness factor of element {bad} is {scale[bad]}; expected more than 0; correct it")
         parts, first = [], 0
         for k, corners in enumerate((mesh.quads, mesh.trias)):
             part = scale[first : first + len(corners), None]

@@ -45,11 +45,27 @@ def line_load(mesh: Mesh, path: Sequence[int] | IntArray, force: FloatArray) -> 
         raise InputError(
             f"line load path names {len(nodes)} nodes; expected 2 or more from 0 to {len(mesh.nodes) - 1}; correct it"
         )
+    _check_edges(mesh, nodes)
     half = 0.5 * np.linalg.norm(np.diff(mesh.nodes[nodes], axis=0), axis=1)
     loads = np.zeros((len(mesh.nodes), DOFS_PER_NODE))
     for ends in (nodes[:-1], nodes[1:]):
         np.add.at(loads[:, :3], ends, half[:, None] * per_length)
     return loads.ravel()
+
+
+def _check_edges(mesh: Mesh, path: IntArray) -> None:
+    """Refuse a path of nodes whose neighbours are not joined by an element's edge."""
+    ends = [np.stack([c, np.roll(c, -1, axis=1)], axis=-1).reshape(-1, 2) for c in (mesh.quads, mesh.trias)]
+    edges = np.sort(np.concatenate(ends), axis=1) @ np.array([len(mesh.nodes), 1])
+    steps = np.sort(np.stack([path[:-1], path[1:]], axis=1), axis=1) @ np.array([len(mesh.nodes), 1])
+    wrong = np.flatnonzero(~np.isin(steps, edges))
+    if wrong.size:
+        first, second = path[wrong[0]], path[wrong[0] + 1]
+        away = float(np.linalg.norm(mesh.nodes[first] - mesh.nodes[second]))
+        raise InputError(
+            f"line load goes from node {first} to node {second}, {away:.3g} m away, which no element's edge joins; "
+            "expected neighbours along edges; name the nodes between them"
+        )
 
 
 def thermal_load(shells: Shells, warming: FloatArray, gradient: FloatArray) -> FloatArray:

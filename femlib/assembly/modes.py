@@ -67,8 +67,10 @@ def point_masses(mesh: Mesh, masses: Mapping[int, float]) -> sparse.csc_array:
         If a node is missing or a mass is negative.
     """
     diagonal = np.zeros(mesh.n_dofs)
+    if not isinstance(masses, Mapping):
+        raise InputError(f"point masses are {masses!r}; expected masses by node; write {{12: 0.17}}")
     for node, mass in masses.items():
-        if not 0 <= node < len(mesh.nodes) or not is_number(mass) or mass < 0.0:
+        if not is_whole(node) or not 0 <= node < len(mesh.nodes) or not is_number(mass) or mass < 0.0:
             raise InputError(
                 f"point mass {mass!r} kg at node {node}; expected 0 kg or more at a node "
                 f"from 0 to {len(mesh.nodes) - 1}; correct it"

@@ -23,7 +23,7 @@ import scipy.sparse as sparse
 from femlib.arrays import FloatArray, IntArray
 from femlib.assembly import Factors
 from femlib.components.regions import Condensed, checked_damage
-from femlib.components.structure import DamagedStructure
+from femlib.components.structure import DamagedStructure, checked_rows
 from femlib.errors import InputError, SolveError, frozen_floats
 
 MOST_MEASURES = 15_000
@@ -146,6 +146,7 @@ def port_flexibility(
     InputError
         If a load is not finite, names and rows differ in number, or the ports are too many to be held.
     """
+    checked_rows(rows, structure.supports.n_dofs)
     if len(outputs) != rows.shape[0]:
         raise InputError(
             f"{len(outputs)} output names but {rows.shape[0]} rows; expected one name a row; complete them"
@@ -155,6 +156,7 @@ def port_flexibility(
     factors = structure.eliminated(()).factors
     # column 0: the state; then each output's dual
     motions = factors.solve(np.concatenate([force[:, None], free_rows.toarray().T], axis=1))
+    structure.judge(motions[:, 0])
     roots = [_root(condensed) for condensed in structure.condensed]
     first = np.concatenate([[0], np.cumsum([root.shape[1] for root in roots])]).astype(np.int64)
     if first[-1] > MOST_MEASURES:

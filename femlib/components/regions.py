@@ -28,6 +28,9 @@ class Component:
     parameter: str
     elements: BoolArray
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "elements", np.array(self.elements))
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Condensed:
@@ -63,6 +66,11 @@ def condense(shells: Shells, supports: Supports, component: Component) -> Conden
     own = np.flatnonzero(np.diff(stiffness.indptr))
     is_port = np.diff(rest.indptr)[own] > 0
     ports, interior = own[is_port], own[~is_port]
+    if not len(ports):
+        raise InputError(
+            f"region {component.name} shares no moving node with the rest of the structure; expected a part of it that "
+            "the rest holds; where everything is damaged alike, divide the displacements by 1 - mu"
+        )
     block = stiffness[own][:, own].toarray()
     across = block[np.ix_(is_port, ~is_port)]
     carry = linalg.solve(block[np.ix_(~is_port, ~is_port)], across.T, assume_a="pos").T
@@ -78,10 +86,14 @@ def damage_row(state: Mapping[str, float], parameters: Sequence[str]) -> FloatAr
     InputError
         If the state names an unknown parameter.
     """
+    if not isinstance(state, Mapping):
+        raise InputError(
+            f"state is a {type(state).__name__}; expected damages by parameter's name; write {{'mu1': 0.4}}"
+        )
     unknown = sorted(set(state) - set(parameters))
     if unknown:
         raise InputError(f"state names {unknown}; expected among {list(parameters)}; correct the parameter's name")
-    wrong = {name: value for name, value in state.items() if not isinstance(value, Real)}
+    wrong = {name: value for name, value in state.items() if not isinstance(value, Real) or isinstance(value, bool)}
     if wrong:
         raise InputError(f"state has {wrong}; expected fractions of stiffness lost; give numbers, 0.4 for 40 %")
     return np.array([float(state.get(name, 0.0)) for name in parameters])
@@ -102,12 +114,22 @@ def checked_damage(states: FloatArray, parameters: Sequence[str]) -> FloatArray:
 
 def refuse_overlap(components: Sequence[Component], n_elements: int) -> None:
     """Raise InputError if a region is empty or of another mesh, or two share an element or a parameter."""
+    if not isinstance(components, Sequence) or not all(isinstance(c, Component) for c in components):
+        raise InputError(
+            f"components are a {type(components).__name__}; expected a tuple of Component; put them in one"
+        )
     for component in components:
         got = np.shape(component.elements)
         if got != (n_elements,):
             raise InputError(
                 f"region {component.name} has elements of shape {got}; expected ({n_elements},), one truth value "
                 "for each element of the mesh; make them from that mesh"
+            )
+        kind = np.asarray(component.elements).dtype
+        if kind != np.bool_:
+            raise InputError(
+                f"region {component.name} has elements of {kind}; expected truth values, one for each element of the "
+                "mesh; write elements == 1 for zeros and ones"
             )
     parameters = [component.parameter for component in components]
     if len(set(parameters)) != len(parameters):

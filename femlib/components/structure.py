@@ -7,11 +7,12 @@ import numpy as np
 import scipy.sparse as sparse
 
 from femlib.arrays import FloatArray, IntArray
-from femlib.assembly import Factors, Shells, Supports, factorise
+from femlib.assembly import Factors, Shells, Supports, factorise, solution_quality
 from femlib.components.output_map import OutputMap
 from femlib.components.ports import Ports
 from femlib.components.regions import Component, Condensed, checked_damage, condense, refuse_overlap
-from femlib.errors import frozen_floats
+from femlib.errors import InputError, frozen_floats
+from femlib.mesh import QualityLimits
 
 MOST_PORTS = 1500
 """Beyond so many ports a factorisation a state is cheaper: 4,242 ports took 80 s to eliminate last."""
@@ -83,6 +84,11 @@ class DamagedStructure:
     _adjoints: list[Adjoint] = field(init=False, repr=False)  # a cache likewise, the newest last
 
     def __post_init__(self) -> None:
+        if self.supports.n_dofs != self.shells.mesh.n_dofs:
+            raise InputError(
+                f"supports are of {self.supports.n_dofs} degrees of freedom but the mesh has "
+                f"{self.shells.mesh.n_dofs}; expected those of this mesh; make them with Supports.holding"
+            )
         refuse_overlap(self.components, self.shells.mesh.n_elements)
         condensed = tuple(condense(self.shells, self.supports, component) for component in self.components)
         object.__setattr__(self, "_condensed", condensed)
@@ -147,6 +153,7 @@ class DamagedStructure:
             return np.stack([self._solve_directly(mu, force) for mu in damage])
         eliminated = self.eliminated(active)
         pristine = eliminated.factors.solve(force)
+        self.judge(pristine)
         extra = np.zeros((len(force), len(damage)))
         load_at_ports = eliminated.condensed_load(pristine)
         extra[eliminated.factors.ports] = eliminated.ports.forces(damage[:, list(active)], load_at_ports).T
@@ -165,13 +172,17 @@ class DamagedStructure:
         InputError
             If a damage is outside [0, 1) or a load is not finite or of the wrong size.
         """
-        row = checked_damage(damage[None, :], self.parameters)
-        force = frozen_floats(loads, "loads", (self.supports.n_dofs, *loads.shape[1:]))[self.supports.free]
+        row = checked_damage(frozen_floats(damage, "damage", (len(self.parameters),))[None, :], self.parameters)
+        shape = (self.supports.n_dofs, *np.shape(loads)[1:])
+        force = frozen_floats(loads, "loads", shape)[self.supports.free]
+        if pristine is not None:
+            pristine = frozen_floats(pristine, "pristine", shape)
         active = self.active(row)
         if self.n_ports(active) > MOST_PORTS:
             return self._solve_directly(row[0], force)
         eliminated = self.eliminated(active)
         moved = eliminated.factors.solve(force) if pristine is None else pristine[self.supports.free]
+        self.judge(moved)
         if row.any():
             extra = np.zeros_like(force)
             load_at_ports = eliminated.condensed_load(moved)
@@ -187,6 +198,7 @@ class DamagedStructure:
         The work of a state is the dense solve at the ports: one adjoint solve an output tells what forces do to it.
         """
         damage = checked_damage(states, self.parameters)
+        checked_rows(rows, self.supports.n_dofs)
         active = self.active(damage)
         if self.n_ports(active) > MOST_PORTS:
             return np.asarray((rows @ self.solve(states, load).T).T)
@@ -201,9 +213,11 @@ class DamagedStructure:
             If the load is not finite or of the wrong size.
         """
         force = frozen_floats(load, "load", (self.supports.n_dofs,))[self.supports.free]
+        checked_rows(rows, self.supports.n_dofs)
         eliminated = self.eliminated(active)
         ports = eliminated.factors.ports
         pristine = eliminated.factors.solve(force)
+        self.judge(pristine)
         adjoint = self.adjoint(rows, active)
         interior = [self._condensed[k].interior_load(force) @ adjoint for k in active]
         return OutputMap(
@@ -215,6 +229,17 @@ class DamagedStructure:
             adjoint[ports],
             np.array(interior).reshape(len(active), adjoint.shape[1]),
         )
+
+    def judge(self, moved: FloatArray) -> None:
+        """Refuse a solution (n_free, ...) whose elements are so warped that `Shells` would have refused them.
+
+        Of plane elements nothing is asked: the estimate costs a third of a wing's factorisation.
+        """
+        if self.shells.warp_loss <= QualityLimits().warp_loss:
+            return
+        for column in self.supports.expand(moved).reshape(self.supports.n_dofs, -1).T:
+            if column.any():
+                solution_quality(self.shells, column).refuse()
 
     def adjoint(self, rows: sparse.csr_array, active: tuple[int, ...]) -> FloatArray:
         """Return K_0^-1 rows' (n_free, n_outputs): one solve an output, kept while the same rows are asked for."""
@@ -229,7 +254,18 @@ class DamagedStructure:
 
     def _solve_directly(self, mu: FloatArray, force: FloatArray) -> FloatArray:
         """Return the displacements (n_dofs,) of one state from a factorisation of its own."""
-        return self.supports.expand(factorise(self.stiffness(mu), self.supports.groups).solve(force))
+        moved = factorise(self.stiffness(mu), self.supports.groups).solve(force)
+        self.judge(moved)
+        return self.supports.expand(moved)
+
+
+def checked_rows(rows: sparse.csr_array, n_dofs: int) -> None:
+    """Raise InputError if rows are no map from displacements."""
+    if np.ndim(rows) != 2 or rows.shape[1] != n_dofs:
+        raise InputError(
+            f"rows have shape {np.shape(rows)}; expected ('n', {n_dofs}), one column for each degree of freedom; make "
+            "them of this mesh"
+        )
 
 
 def _all_ports(condensed: Sequence[Condensed]) -> IntArray:

@@ -27,6 +27,8 @@ from femlib.wing.planform import N_RIBS, PLANFORM, SECTION
 from femlib.wing.structure import WingGrid, WingMaterials, wing_grid, wing_mesh, wing_shells
 
 MICRO = 1e6
+MOST_STRAIN = 50_000.0
+"""Largest strain [microstrain] that linear analysis answers with: carbon breaks at a third of it."""
 StrainMap = Callable[[FloatArray], FloatArray]
 """From states (n_states, n_parameters) to gauge strains (n_states, n_gauges)."""
 
@@ -117,11 +119,13 @@ class Wing:
         Raises
         ------
         InputError
-            If the state names an unknown parameter, a damage is outside [0, 1), or the load factor is not finite.
+            If the state names an unknown parameter, a damage is outside [0, 1), the load factor is not finite, or the
+            answer is none that linear analysis can give: a motion beyond the wing's size, strain beyond `MOST_STRAIN`.
         """
         row = damage_row(state, self.parameters)[None, :]
         load = self.load(load_factor, lift)
-        return np.asarray(self.structure.solve(row, load)[0].reshape(-1, DOFS_PER_NODE))
+        moved = np.asarray(self.structure.solve(row, load)[0].reshape(-1, DOFS_PER_NODE))
+        return checked_motion(moved, self.structure.shells.mesh.size)
 
     def strain_microstrain(
         self, state: Mapping[str, float], load_factor: float, lift: FloatArray | None = None
@@ -144,11 +148,12 @@ class Wing:
             As `solve`.
         """
         if lift is not None:
-            return MICRO * self.structure.solve_outputs(states, self.load(load_factor, lift), self.strain_rows)
+            forces = self.load(load_factor, lift)
+            return checked_strains(MICRO * self.structure.solve_outputs(states, forces, self.strain_rows))
         factor = checked_load_factor(load_factor)
         if not self._strain_maps:
             self._strain_maps[""] = self.strain_map(1.0)
-        return factor * self._strain_maps[""](states)
+        return checked_strains(factor * self._strain_maps[""](states))
 
     def strain_map(self, load_factor: float, lift: FloatArray | None = None) -> StrainMap:
         """Return the map from states (n_states, n_parameters) to gauge strains (n_states, n_gauges) under one load.
@@ -170,8 +175,8 @@ class Wing:
         load, rows = MICRO * self.load(load_factor, lift), self.strain_rows
         everything = tuple(range(len(self.parameters)))
         if self.structure.n_ports(everything) > MOST_PORTS:
-            return partial(self.structure.solve_outputs, load=load, rows=rows)
-        return self.structure.output_map(load, rows, everything).solve
+            return partial(_checked_map, partial(self.structure.solve_outputs, load=load, rows=rows))
+        return partial(_checked_map, self.structure.output_map(load, rows, everything).solve)
 
     def load(self, load_factor: float, lift: FloatArray | None = None) -> FloatArray:
         """Return load factor times `lift` (n_dofs,), the wing's own if not given, after checking both."""
@@ -265,3 +270,29 @@ def checked_load_factor(load_factor: float) -> float:
     if not is_number(load_factor):
         raise InputError(f"load_factor is {load_factor!r}; expected a finite number; 1 is steady level flight")
     return float(load_factor)
+
+
+def checked_strains(strains: FloatArray) -> FloatArray:
+    """Return gauge strains (..., n_gauges) [microstrain]; InputError if one is beyond what linear analysis answers."""
+    if not float(np.vdot(strains, strains)) <= MOST_STRAIN**2 and not np.abs(strains).max() <= MOST_STRAIN:
+        worst = float(np.abs(strains).max())
+        raise InputError(
+            f"strain would be {worst:.3g} microstrain; expected at most {MOST_STRAIN:g}, beyond which linear analysis "
+            "means nothing; lower the load factor, check the forces"
+        )
+    return strains
+
+
+def checked_motion(moved: FloatArray, size: float) -> FloatArray:
+    """Return displacements (n_nodes, 6); InputError if a node would move by more than the wing's size [m]."""
+    farthest = float(np.abs(moved[:, :3]).max())
+    if not farthest <= size:
+        raise InputError(
+            f"a node would move by {farthest:.3g} m; expected at most {size:.3g} m, the wing's size, beyond which "
+            "linear analysis means nothing; lower the load factor, check the forces"
+        )
+    return moved
+
+
+def _checked_map(strain_map: StrainMap, states: FloatArray) -> FloatArray:
+    return checked_strains(strain_map(states))

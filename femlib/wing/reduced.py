@@ -14,7 +14,7 @@ from femlib.components import damage_row
 from femlib.errors import InputError, frozen_floats
 from femlib.mesh import DOFS_PER_NODE
 from femlib.rom import ReducedModel, ReductionSettings, reduce_structure
-from femlib.wing.model import MICRO, Wing, checked_load_factor
+from femlib.wing.model import MICRO, Wing, checked_load_factor, checked_strains
 
 WORK = "work"
 """Name of the output that stands for the wing's displacement as a whole: load' u, at the largest strain's size."""
@@ -68,6 +68,7 @@ class ReducedWing:
             If the state names an unknown parameter, a damage is outside [0, 1), or the load factor is not finite.
         """
         row = damage_row(state, self.parameters)[None, :]
+        self.strains_microstrain(row, load_factor)  # refuses what is beyond linear analysis
         moved = checked_load_factor(load_factor) * self.model.displacements(row)[0]
         return np.asarray(moved.reshape(-1, DOFS_PER_NODE))
 
@@ -89,7 +90,7 @@ class ReducedWing:
         InputError
             As `solve`.
         """
-        return checked_load_factor(load_factor) * self.model.solve(states)[:, :-1]
+        return checked_strains(checked_load_factor(load_factor) * self.model.solve(states)[:, :-1])
 
     def error_bound_microstrain(self, states: FloatArray, load_factor: float) -> FloatArray:
         """Return what the strains (n_states, n_gauges) of `strains_microstrain` differ from the full model's at most.

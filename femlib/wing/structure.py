@@ -39,6 +39,15 @@ N_WEB_LEVELS = 2
 """Elements over the height of web and ribs."""
 
 
+PLAUSIBLE = {
+    "skin_young": (1e6, 1e13, "Pa"),
+    "wood_young": (1e6, 1e13, "Pa"),
+    "skin_thickness": (1e-6, 0.2, "m"),
+    "wood_thickness": (1e-6, 0.2, "m"),
+}
+"""Outside these a number is in another unit: rubber has 1e6 Pa, diamond 1e12."""
+
+
 @dataclass(frozen=True, slots=True)
 class WingMaterials:
     """Moduli and thicknesses, all fitted or assumed: none was published.
@@ -78,6 +87,13 @@ class WingMaterials:
     wood_expansion: float = 5.0e-6
 
     def __post_init__(self) -> None:
+        for name, (least, most, unit) in PLAUSIBLE.items():
+            value = getattr(self, name)
+            if is_number(value) and value > 0.0 and not least <= value <= most:
+                raise InputError(
+                    f"{name} is {value!r} {unit}; expected {least:g} to {most:g} {unit}; give moduli in Pa, "
+                    "lengths in m"
+                )
         if not is_number(self.skin_taper) or self.skin_taper <= 0.0:
             raise InputError(f"skin_taper is {self.skin_taper!r}; expected tip over root modulus above 0; correct it")
         if not is_number(self.face_height) or not 0.0 <= self.face_height <= 0.5 * self.skin_thickness:

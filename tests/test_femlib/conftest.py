@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from femlib.dataset import MeanStrains, published_strains, simulated_strains
-from femlib.wing import Wing, uav_wing
+from femlib.wing import ReducedWing, Wing, reduce_wing, uav_wing
 
 SHARED = Path(__file__).resolve().parents[3] / "shared"
 PUBLISHED = SHARED / "uav" / "strains.csv"
@@ -21,6 +21,18 @@ def wing() -> Wing:
 def coarse() -> Wing:
     """The wing on a coarse mesh with all 82 gauges, for tests of exactness that hold on any mesh."""
     return uav_wing(candidates=True, refinement=0.5)
+
+
+@pytest.fixture(scope="session")
+def tiny() -> Wing:
+    """The wing on the coarsest mesh that it is used with, for what no mesh changes."""
+    return uav_wing(refinement=0.3)
+
+
+@pytest.fixture(scope="session")
+def tiny_reduced(tiny: Wing) -> ReducedWing:
+    """Its reduced model."""
+    return reduce_wing(tiny)
 
 
 @pytest.fixture(scope="session")

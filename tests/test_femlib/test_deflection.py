@@ -188,7 +188,10 @@ def test_no_load_moves_nothing() -> None:
 
 def test_a_structure_that_can_still_move_is_an_error() -> None:
     shells, _, node = strip(2)
-    loose = Supports.holding(shells.mesh, hold(node[0], "uvw"))
+    held = hold(node[0], "uvw")
+    with pytest.raises(InputError, match="can still move as a rigid body, about y"):
+        Supports.holding(shells.mesh, held)
+    loose = Supports(shells.mesh.n_dofs, np.setdiff1d(np.arange(shells.mesh.n_dofs), held))
     load = line_load(shells.mesh, node[-1], np.array([0.0, 0.0, 4.0]))
     with pytest.raises(SolveError):
         deflect(shells, loose, load)

@@ -42,11 +42,6 @@ SQUARE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=float)
 ALONG = np.array([0.0, 1.0, 0.0])
 
 
-@pytest.fixture(scope="module")
-def tiny() -> Wing:
-    return uav_wing(refinement=0.3)
-
-
 def region(*edges: object, name: str = "R9", parameter: str = "mu9", surface: str = "top") -> DamageRegion:
     return DamageRegion(name, parameter, *edges, surface)  # type: ignore[arg-type]
 
