@@ -1,8 +1,8 @@
 """Answer: what is known at the end of a run, and the Solution that may be made of it.
 
-A tree is optimal only when its objective, recounted in the problem's own units, is met by a bound that holds there: from
-HiGHS's through `octmip.mip.claims` and `octmip.mip.prices`, or given from elsewhere. All arithmetic between the two is in
-fractions. Otherwise the run ends with the limit that was reached, or as `Stop.NUMERICS`.
+A tree is optimal only when its objective, recounted in the problem's own units, is met by a bound that holds there:
+HiGHS's, through `octmip.mip.claims` and `octmip.mip.prices`, or one given from elsewhere. All arithmetic between the two
+is in fractions. Otherwise the run ends with the limit that was reached, or as `Stop.NUMERICS`.
 """
 
 import math
@@ -121,7 +121,7 @@ def _believed_bound(problem: Problem, answer: Answer) -> Fraction:
 
 
 def _tolerance(problem: Problem, prices: Prices, objective: float) -> float:
-    """Return how far the bound may lie below the objective because prices are rounded; 0 if that would prove nothing."""
+    """Return how far the bound may lie below the objective as prices are rounded; 0 if that would prove nothing."""
     if problem.has_integer_costs:
         return 0.0
     tolerance = float(prices.above + prices.below) * (1 + 1e-9) + 4e-16 * objective

@@ -1,22 +1,22 @@
 """Claims: how exactly HiGHS must compute on a model, and what of its bound is believed.
 
-A tree is a point of the model that keeps every row and every integrality exactly, at an objective that is a whole number
-of price units (`octmip.mip.prices`). So HiGHS's bound B is false of a tree priced T < B only if HiGHS cut that point off.
-Kept tolerances leave two ways to do that:
+A tree keeps every row and every integrality of its model exactly, at an objective that is a whole number of price units
+(`octmip.mip.prices`). So HiGHS's bound B is false of a tree priced T < B only if HiGHS cut that tree off. Kept tolerances
+leave two ways to do that:
 
 * A node is left out because its relaxation is no better than the incumbent, less the absolute gap g.
-* The value of a relaxation is too high. HiGHS reports c'x of a basis whose reduced costs may have the wrong sign by up to
-  the dual tolerance t. Let y be its multipliers, and d_j the reduced cost of column or row activity j, moving between
-  l_j and u_j. Weak duality, sum_j min(d_j l_j, d_j u_j) <= the true value, holds for any y; the basis counts d_j at the
-  end that it sits at, which exceeds the minimum by at most t (u_j - l_j) if the sign of d_j is wrong, and by nothing if
-  it is right. So the reported value is too high by  e = t * sum_j (u_j - l_j)  at most, rows of equality left out (their
-  multiplier has no sign). Primal infeasibility of x does not enter: a basic row or column has d_j = 0.
+* The value of a relaxation is too high. HiGHS reports c'x of a basis whose reduced costs may have the wrong sign by up
+  to the dual tolerance t. Let d_j be the reduced cost of column or row activity j between l_j and u_j. Weak duality,
+  sum_j min(d_j l_j, d_j u_j) <= the true value, holds for any multipliers; the basis counts d_j at the end that it sits
+  at, which exceeds the minimum by at most t (u_j - l_j) if the sign of d_j is wrong, and by nothing if it is right. So
+  the reported value is too high by  e = t * sum_j (u_j - l_j)  at most, rows of equality left out (their multiplier has
+  no sign). A primal infeasibility does not enter: a column or row in the basis has d_j = 0.
 
-Hence T >= min(B, incumbent - g) - e, and T is whole, so T >= ceil of that. With g = 1 - 2 e - `ROUNDING` nothing is lost
-to the gap as long as e < 1/2; t is chosen for that, down to HiGHS's finest.
+Hence T >= min(B, incumbent - g) - e, and T is whole, so T >= ceil of that. With g = 1 - 2 e - `ROUNDING` nothing is
+lost to the gap as long as e < 1/2; t is chosen for that, down to HiGHS's finest.
 
-What this takes for granted is that HiGHS keeps its tolerances. Where a tree that is known contradicts the bound, it has
-not, and nothing of the bound is believed.
+What this takes for granted is that HiGHS keeps its tolerances. Where a known tree contradicts the bound, it has not, and
+nothing of the bound is believed.
 """
 
 import math
@@ -76,7 +76,7 @@ def _ranges(rows: Rows, prices: Prices) -> float:
             upper[rows.families[letter][0]] = most
     columns = upper - rows.lower
     low, high = rows.row_bounds
-    activities = np.abs(rows.matrix()) @ columns
+    activities = abs(rows.matrix()) @ columns
     return float(columns.sum() + activities[low < high].sum())
 
 

@@ -3,9 +3,9 @@
 HiGHS works in floating point with tolerances, so a "solution" of its model need not be one of the problem, and a bound
 need not hold. The objective that it is given is made of whole numbers of moderate size (`octmip.mip.prices`); its bound
 is lowered by what its tolerances allow (`octmip.mip.claims`); its splits become a tree, every sample is routed through
-that tree, and the objective is counted anew. If the count is worse than HiGHS claims, or better than HiGHS says any tree
-can be, the run is repeated with tighter tolerances. What is contradicted even then is not believed: the best tree known
-comes back with a bound that holds, and `Stop.NUMERICS`.
+that tree, and the objective is counted anew. If the count is worse than HiGHS claims, or better than HiGHS says any
+tree can be, the run is repeated with tighter tolerances. What is contradicted even then is not believed: the best tree
+known comes back with a bound that holds, and `Stop.NUMERICS` (`octmip.mip.answer`).
 """
 
 import math
@@ -36,6 +36,7 @@ FINEST = 1e-9  # HiGHS's feasibility tolerance that a refuted solution is tried 
 # simplex method's 14.9 CPU s.
 MOST_SIMPLEX_COLUMNS = 5000
 START_SLACK = 1e-7  # rows may be broken by so much in a start: rounding of x and eps
+COLUMNS_OF_NODE = 8  # what lists and dictionaries of a node take, in columns
 SECONDS_OF_ENTRY = 2.5e-7  # that a coefficient takes on its way from `Rows.add` to HiGHS, measured
 
 
@@ -158,7 +159,7 @@ def drive(problem: Problem, encode: Callable[[Known], Formulation], request: Req
     answer = Answer(known, known.tree, Stop.TIME, {})
     try:
         # Nothing is smaller than this, and ranges over the nodes of a deep heap alone can fill the memory.
-        known.rows.look(columns=2**problem.depth * problem.n_features)
+        known.rows.look(columns=2**problem.depth * (problem.n_features + problem.n_samples + COLUMNS_OF_NODE))
         formulation = encode(known)
         clock.look(seconds=formulation.rows.n_entries * SECONDS_OF_ENTRY)
         _run(problem, formulation, request, clock, answer)

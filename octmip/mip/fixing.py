@@ -47,7 +47,10 @@ def admissible_cuts(
     ranks = counts.ranks
     usable = axis.usable_features(problem, ranks)
     everything = {j: np.arange(axis.n_cuts(ranks)[j]) for j in usable}
-    admissible = {m: dict(everything) for m in heap.branches}
+    admissible: dict[int, Cuts] = {}
+    for m in heap.branches:
+        watch()
+        admissible[m] = dict(everything)
     if level >= 1:
         better = price - 1e-9 * max(1.0, price)
         admissible[1] = {j: cuts[counts.bound_by_cut(j)[cuts] < better] for j, cuts in everything.items()}

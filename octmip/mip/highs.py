@@ -1,7 +1,7 @@
 """HiGHS: one run of the solver on a model, with limits, Ctrl-C, progress, a start and injected incumbents.
 
-HiGHS runs in a process of its own (`octmip.mip.worker`) while this one waits and keeps time and memory, which HiGHS looks
-at too rarely within a relaxation, in presolve, or not at all. At a limit, or at Ctrl-C, it is asked to end; if it has
+HiGHS runs in a process of its own (`octmip.mip.worker`) while this one waits and keeps time and memory: HiGHS looks at
+its time too rarely within a relaxation and not at all in presolve, and has no limit of memory. At a limit, or at Ctrl-C, it is asked to end; if it has
 not after `GRACE` it is killed, and the last incumbent and bound that it reported stand.
 """
 
@@ -240,7 +240,7 @@ class _Watch:
         code = self.worker.process.wait()
         self.worker.close()
         if math.isinf(self.most_memory):
-            raise SolverError(f"the process that runs HiGHS ended with code {code} before it began; is highspy whole?")
+            raise SolverError(f"the process that runs HiGHS ended with code {code} before it began; reinstall highspy")
         self.stop = self.stop or Stop.NUMERICS
         return self._left(f"its process ended by itself with code {code}")
 
@@ -266,7 +266,7 @@ class _Watch:
             return Stop.TIME
         if math.isinf(self.most_memory) and self.seconds > START:
             raise SolverError(
-                f"the process that runs HiGHS has not begun within {START:.0f} s; is the machine at rest?"
+                f"HiGHS's process has not begun within {START:.0f} s; expected some tenths; free the machine"
             )
         return Stop.MEMORY if resident_bytes(self.worker.process.pid) > self.most_memory else None
 

@@ -72,7 +72,7 @@ class Space:
         return np.asarray(normal / max(float(np.abs(normal).sum()), 1e-300))
 
     def coefficients_of(self, normal: NDArray[np.float64]) -> NDArray[np.float64] | None:
-        """Return the coefficients (n_features,) on the problem's own features; None where float64 does not hold them."""
+        """Return the coefficients (n_features,) on the problem's own features; None if float64 does not hold them."""
         if self.is_integer:
             return normal
         most, least = int(self.exponent.max()), int(self.exponent.min())

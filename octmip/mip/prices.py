@@ -1,6 +1,6 @@
 """Prices: what a model minimises, in whole numbers of moderate size, and how far that is from the problem's own units.
 
-    price_ik = weights_i * costs[profile_i, k]     of predicting k for sample i;   penalty     of one feature in one split
+    price_ik = weights_i * costs[profile_i, k]   of predicting k for sample i;   penalty   of one feature in one split
 
 A problem whose weights, costs and penalty are whole numbers, `LARGEST` at most in sum, is priced as it stands. HiGHS
 computes in float64 with tolerances between 1e-6 and 1e-10, so numbers of 1e12 beside numbers of 1 are not an objective
@@ -8,8 +8,9 @@ to it. Any other problem is brought to such whole numbers by two steps, each wit
 
 * What exceeds the objective U of a known tree is cut to one price just above U. A tree that pays it costs more than U,
   so it is no better than the known one, whatever else it costs.
-* What remains is divided by a unit and rounded. The unit is the greatest common divisor of all prices, or a power of ten
-  that nearly is one (decimal weights), where the sum then stays below `LARGEST`; else the power of two at which it does.
+* What remains is divided by a unit and rounded. The unit is the greatest common divisor of all prices, or a power of
+  ten that nearly is one (decimal weights), if the sum stays below `LARGEST` with it; else the power of two at which it
+  does.
 
 So for every tree T of the problem      true(T) >= min(U, unit * priced(T) - above)
 and for a tree that pays no cut price   true(T) <= unit * priced(T) + below
@@ -85,7 +86,7 @@ class Prices:
         return self.unit * price - self.above
 
     def priced_bound(self, bound: float) -> int:
-        """Return what every tree is priced at least (or cut) when none costs less than `bound` in the problem's units."""
+        """Return what every tree is priced at least, unless it is cut, when none truly costs less than `bound`."""
         return math.ceil((Fraction(bound) - self.below) / self.unit - NEARLY_WHOLE)
 
 
@@ -137,7 +138,7 @@ def _rounding(problem: Problem, table: list[list[Fraction]], counts: list[int], 
     """Return how the rows of `table`, each with its count of samples, and the penalty are rounded."""
     penalty = Fraction(problem.leaf_penalty)
     kept = sorted({price for row in (*table, [penalty]) for price in row if 0 < price <= limit})
-    total = sum(count * min(max(row), limit) for row, count in zip(table, counts, strict=True))
+    total = sum((count * min(max(row), limit) for row, count in zip(table, counts, strict=True)), Fraction(0))
     unit = _unit(kept, max(total, limit)) if kept else max(limit, Fraction(1))
     most_features = min(2**problem.depth - 1, problem.n_samples) * problem.max_split_size
     above = below = Fraction(0)

@@ -1,9 +1,9 @@
 """Process: the workers (`octmip.mip.worker`), started when they are needed, used again, killed when they do not answer.
 
 A worker is started by the path of its file, never by importing the caller's script again, so this is as safe in
-threads, in notebooks and on every system as a subprocess is. It costs some 0.2 s of CPU, mostly the import of numpy; so
-one that has answered stays for `IDLE` seconds in case there is more to do, and is then closed and waited for. It runs in
-a session of its own: Ctrl-C reaches the caller alone, who decides what becomes of the run.
+threads, in notebooks and on every system as a subprocess is. It costs some 0.2 s of CPU, mostly the import of numpy;
+so one that has answered stays for `IDLE` seconds in case there is more to do, and is then closed and waited for. It
+runs in a session of its own: Ctrl-C reaches the caller alone, who decides what becomes of the run.
 """
 
 import atexit
@@ -39,11 +39,8 @@ class Worker:
             raise SolverError("sys.executable is empty; expected the path of Python, to run HiGHS beside this process")
         script = str(Path(worker.__file__).resolve())
         paths = [os.getcwd() if path == "" else path for path in sys.path]
-        of_system: dict[str, Any] = (
-            {"creationflags": subprocess.CREATE_NO_WINDOW | subprocess.CREATE_NEW_PROCESS_GROUP}
-            if sys.platform == "win32"
-            else {"start_new_session": True}
-        )
+        # A group of its own and no window, in the words of each system.
+        flags = getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0) | getattr(subprocess, "CREATE_NO_WINDOW", 0)
         try:
             self.process = subprocess.Popen(
                 [sys.executable, "-P", "-W", "ignore", script],
@@ -51,7 +48,8 @@ class Worker:
                 stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL,
                 env={**os.environ, "PYTHONPATH": os.pathsep.join(paths)},
-                **of_system,
+                start_new_session=not flags,
+                creationflags=flags,
             )
         except OSError as error:
             raise SolverError(f"{sys.executable} cannot be started to run HiGHS: {error}") from error

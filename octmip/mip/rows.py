@@ -31,7 +31,7 @@ class Rows:
     """A mixed-integer model under construction.
 
     Attributes:
-        watch: called before every family with the bytes that the model takes with it; may raise when a limit is reached.
+        watch: called before every family with the bytes that the model takes with it; may raise at a limit.
     """
 
     watch: Callable[[float], None] | None = None

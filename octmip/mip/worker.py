@@ -1,7 +1,7 @@
 """Worker: the process that HiGHS runs in. A script of its own that imports HiGHS and numpy and nothing of octmip.
 
-HiGHS looks at limits and calls back between two relaxations, and within one now and then; some relaxations, presolve and
-the reading of a model are silent for many seconds. A thread in there cannot be stopped; a process can be killed.
+HiGHS looks at limits and calls back between two relaxations, and within one now and then; some relaxations, presolve
+and the reading of a model are silent for many seconds. A thread in there cannot be stopped; a process can be killed.
 
 Frames of pickled tuples go both ways, each behind its length in eight bytes (see `octmip.mip.process`):
 
