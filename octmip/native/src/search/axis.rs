@@ -15,7 +15,7 @@ pub enum Aim {
     Purity,
 }
 
-/// Scan every cut of the features given and return the best rule that beats `floor`.
+/// Scan every cut of the features given, as far as the caller lets it go on; return the best rule that beats `floor`.
 ///
 /// One pass a feature: all samples start on the right and cross to the left in the feature's order; a cut is judged
 /// wherever the value changes, the last value left out (it would leave the right side empty).
@@ -24,8 +24,7 @@ pub fn best_cut(
     orders: &Orders,
     view: &View,
     features: &[u32],
-    aim: Aim,
-    floor: Worth,
+    (aim, floor): (Aim, Worth),
     scratch: (&mut Tally, &mut NodeOrder),
     go_on: &dyn Fn() -> bool,
 ) -> Option<(Rule, Worth)> {

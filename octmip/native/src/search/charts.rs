@@ -17,7 +17,7 @@ use crate::search::values::{Values, exponent_of, times_power};
 const STRIPS: usize = 8;
 /// Regions of one pair that are split at most: what is left out is nearly always what could not win.
 const MOST_TRIED: usize = 24;
-/// Values closer than this share of their feature's range count as equal in the tables: cells are not split much further.
+/// Values closer than this share of their feature's range count as equal in the tables: cells are split little further.
 const GRID: f64 = 1.0 / (1_u64 << 32) as f64;
 /// Tables of more bytes than this are not made at all.
 const MOST_BYTES: usize = 200_000_000;

@@ -184,7 +184,7 @@ impl<'a> Climber<'a> {
         let (problem, orders) = (self.ground.problem, &self.ground.orders);
         let supervisor = self.plane.supervisor;
         let go_on = &|| supervisor.goes_on();
-        let found = best_cut(problem, orders, &self.view, &features, Aim::Gain, present, scratch, go_on);
+        let found = best_cut(problem, orders, &self.view, &features, (Aim::Gain, present), scratch, go_on);
         let helped = found.is_some();
         if let Some((rule, _)) = found {
             self.view.apply(self.ground.problem, state, rule);

@@ -36,8 +36,8 @@ const WORK_OF_A_LOOK: usize = 1 << 20;
 /// Whether to go on.
 type GoOn<'a> = &'a dyn Fn() -> bool;
 
-/// Normal over `features`, its largest coefficient between a half and 1, and offset; none where nothing can be fitted or
-/// the caller says stop.
+/// Normal over `features`, its largest coefficient between a half and 1, and offset; none where nothing can be fitted
+/// or the caller says stop.
 pub fn fit(values: &Values, pulls: &[Pull], features: &[u32], ridge: f64, go_on: GoOn) -> Option<(Vec<f64>, f64)> {
     let fitted = Fitted::new(values, pulls, features, ridge, go_on)?;
     let q = features.len();
@@ -158,8 +158,8 @@ fn fill_curvatures(hessian: &mut [f64], curvatures: &[f64], scaled: &[f64], q: u
     Some(())
 }
 
-/// The Cholesky factor (lower triangle) of a symmetric matrix; none where it is not positive definite or the caller says
-/// stop.
+/// The Cholesky factor (lower triangle) of a symmetric matrix; none where it is not positive definite or the caller
+/// says stop.
 fn cholesky(mut matrix: Vec<f64>, q: usize, go_on: GoOn) -> Option<Vec<f64>> {
     let stride = WORK_OF_A_LOOK / (q * q) + 1;
     for a in 0..q {

@@ -71,8 +71,8 @@ enum Place {
     Split { plane: usize, children: [usize; 2] },
 }
 
-/// Melt the subtree at `v` and freeze it again; whether what came out keeps the limits of leaves and sensors. A state that
-/// it does not is of no use any more.
+/// Melt the subtree at `v` and freeze it again; whether what came out keeps the limits of leaves and sensors. If not,
+/// the state is of no use any more.
 pub fn melt(
     (ground, supervisor): (&Ground, Supervisor),
     state: &mut State,

@@ -126,7 +126,7 @@ impl Climber<'_> {
         self.view.look(problem, &self.ground.prices, &leaf, v);
         let floor = Worth { gain: i64::MIN / 2, purity: 0.0 };
         let scratch = (&mut self.tally, &mut self.node_order);
-        match best_cut(problem, orders, &self.view, &[feature], Aim::Purity, floor, scratch, &|| true)?.0 {
+        match best_cut(problem, orders, &self.view, &[feature], (Aim::Purity, floor), scratch, &|| true)?.0 {
             Rule::Axis { feature, cut } => Some(Root { feature, cut }),
             _ => None,
         }

@@ -75,7 +75,7 @@ impl<'a> Grower<'a> {
         self.view.look(problem, &self.ground.prices, state, v);
         let present = self.view.present(&mut self.tally, 0);
         let scratch = (&mut self.tally, &mut self.node_order);
-        let cut = best_cut(problem, &self.ground.orders, &self.view, &features, Aim::Purity, present, scratch, go_on);
+        let cut = best_cut(problem, &self.ground.orders, &self.view, &features, (Aim::Purity, present), scratch, go_on);
         if !soil.has_planes {
             return cut.map(|found| found.0);
         }

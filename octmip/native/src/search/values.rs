@@ -80,7 +80,7 @@ impl Values {
         self.exponents[feature as usize]
     }
 
-    /// The plane over the values as given, in the units here, its largest coefficient between a half and 1, and its shift;
+    /// A plane over the values as given in the units here, its largest coefficient between a half and 1, and its shift;
     /// none where its offset is too far away to be held.
     pub fn scaled_plane(&self, terms: &[(u32, f64)], offset: f64) -> Option<(Terms, f64, i32)> {
         let top = terms.iter().map(|&(f, c)| exponent_of(c) + self.exponent(f)).max()?;
@@ -89,7 +89,8 @@ impl Values {
         offset.is_finite().then(|| (terms.filter(|term| term.1 != 0.0).collect(), offset, top))
     }
 
-    /// The rule over the values as given of a plane here, of shift `shift` where that can be; none where none can hold it.
+    /// The rule over the values as given of a plane here, shifted by `shift` where that can be; none where float64
+    /// cannot hold it.
     pub fn rule(&self, terms: &[(u32, f64)], offset: f64, shift: i32) -> Option<Rule> {
         let size = terms.iter().map(|term| exponent_of(term.1)).max()?;
         let of_terms = |terms: &[(u32, f64)]| {
@@ -123,7 +124,7 @@ impl Values {
     }
 }
 
-/// Divide a plane by the power of two that brings its largest coefficient to between a half and 1; returns its exponent.
+/// Divide a plane by the power of two that brings its largest coefficient to between a half and 1; return its exponent.
 pub fn normalise(terms: &mut [(u32, f64)], offset: &mut f64) -> i32 {
     let top = terms.iter().map(|term| exponent_of(term.1)).max().unwrap_or(0);
     if top != 0 {

@@ -54,8 +54,8 @@ fn remove(j: usize, beta: &mut [f64], inverse: &mut [f64]) {
     }
 }
 
-/// The inverse of a symmetric matrix given by its lower triangle; none where it is not positive definite or the caller says
-/// stop.
+/// The inverse of a symmetric matrix given by its lower triangle; none where it is not positive definite or the caller
+/// says stop.
 fn inverse_of(matrix: Vec<f64>, m: usize, go_on: GoOn) -> Option<Vec<f64>> {
     let factor = cholesky(matrix, m, go_on)?;
     let stride = WORK_OF_A_LOOK / (m * m) + 1;
