@@ -24,6 +24,11 @@ def whole_exponent(numbers: NDArray[np.float64]) -> int:
 
 def floors(values: NDArray[np.float64], factor: Fraction, most: int) -> NDArray[np.int64]:
     """Return the values times a factor, rounded down, `most` at most: in exact arithmetic."""
+    shift = factor.numerator.bit_length() - factor.denominator.bit_length()
+    if factor == power_of_two(shift):
+        with np.errstate(over="ignore"):
+            scaled = np.floor(np.ldexp(values, shift))
+        return np.minimum(np.minimum(scaled, float(MOST)).astype(np.int64), most)
     distinct, places = np.unique(values, return_inverse=True)
     ratios = (value.as_integer_ratio() for value in distinct.tolist())
     floors = [min(most, above * factor.numerator // (below * factor.denominator)) for above, below in ratios]
