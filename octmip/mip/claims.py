@@ -22,8 +22,6 @@ nothing of the bound is believed.
 import math
 from dataclasses import dataclass
 
-import numpy as np
-
 from octmip.mip.highs import Outcome
 from octmip.mip.prices import Prices
 from octmip.mip.rows import Rows

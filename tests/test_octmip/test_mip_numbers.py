@@ -7,6 +7,8 @@ from functools import partial
 import numpy as np
 import pytest
 
+from benchmarks.oracles.enumeration import optimum
+from benchmarks.oracles.two_feature import best_objective
 from octmip import Leaf, Limits, Problem, Stop, certify, solve
 from octmip.mip import claims, engine, highs, prices
 from octmip.mip.flow import solve_flow
@@ -15,8 +17,6 @@ from octmip.mip.incumbent import objective_of
 from octmip.mip.oct import solve_oct
 from octmip.mip.oct_h import solve_oct_h
 from octmip.tree import HyperplaneSplit, Split
-from tests.oracles.enumeration import optimum
-from tests.oracles.two_feature import best_objective
 
 SIZES = {
     "large": lambda rng, n: rng.integers(10**11, 10**12, n).astype(float),

@@ -14,7 +14,7 @@ from octmip.errors import ProblemError
 from octmip.oblique import two_feature_branch_and_bound
 from octmip.problem import Problem as AnyProblem
 from octmip.solver import solve
-from octmip.tree import HyperplaneSplit, splits
+from octmip.tree import HyperplaneSplit, Split, splits
 
 
 def solve_and_certify(problem: AnyProblem, **options: object) -> float:
@@ -44,12 +44,16 @@ def test_the_line_is_the_one_with_the_widest_margin() -> None:
     problem = Problem([[0, 0], [0, 2], [4, 0], [4, 2]], [0, 0, 1, 1], depth=1, split="hyperplane")
     tree = two_feature_branch_and_bound(problem).tree
     assert tree is not None
-    assert splits(tree)[0].features == (0,)
+    (split,) = splits(tree)
+    assert isinstance(split, Split) and (split.feature, split.threshold) == (0, 2.0)
+    # Stretched to a range of 1, the classes are a segment from (0, 0) to (0, 1/3) and a triangle beyond x + y = 1. The
+    # widest gap is from (0, 1/3) to that edge: the line is x + y = 2/3 there, x + y/3 = 2/3 here.
     tilted = Problem([[0, 0], [1, 0], [0, 3], [1, 3], [0, 1], [1, 2]], [0, 1, 1, 1, 0, 1], depth=1, split="hyperplane")
     tree = two_feature_branch_and_bound(tilted).tree
     assert tree is not None
     (split,) = splits(tree)
     assert isinstance(split, HyperplaneSplit)
+    assert np.array(split.coefficients) / split.offset == pytest.approx([1.5, 0.5])
     assert solve_and_certify(tilted) == 0
 
 

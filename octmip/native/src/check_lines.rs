@@ -198,8 +198,7 @@ impl Checker<'_> {
                 "T" | "R" => {
                     let halves = if tag == "T" {
                         let [t]: [f64; 1] = parse(rest, line)?;
-                        // Not so small that a product with it underflows.
-                        let is_inside = cell.t[0] < t && t < cell.t[1] && (t == 0.0 || t.abs() > 1e-130);
+                        let is_inside = cell.t[0] < t && t < cell.t[1];
                         ensure!(is_inside, line, "t = {t} is outside the cell");
                         cell.cut(t)
                     } else {

@@ -6,7 +6,7 @@ use super::signs::{exact_sign, quick_sign};
 use super::{Cell, EPS};
 use crate::problem::Problem;
 
-/// Coordinates below this (other than 0) could underflow in a product of two and its rounding.
+/// Numbers below this (other than 0) could underflow in a product of two and its rounding.
 const LEAST: f64 = 1e-135;
 /// A sum of products of coordinates beyond this has the sign that it shows: rounding is below 1e-13.
 const CERTAIN: f64 = 1e-12;
@@ -119,7 +119,7 @@ impl Plane<'_> {
         if rounded.abs() > CERTAIN {
             return sign_of(rounded);
         }
-        if self.has_exact_coordinates() {
+        if self.has_exact_coordinates() && (t == 0.0 || t.abs() >= LEAST) {
             return sign_of(quick_sign([(x[i], 1.0), (-x[j], 1.0), (t, y[i]), (-t, y[j])]));
         }
         // Coordinates are values moved and divided by 2^exponent: times both powers, the constants cancel.
