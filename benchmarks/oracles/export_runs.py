@@ -32,7 +32,7 @@ def readings() -> np.ndarray:
 
 
 def run_sql(names: Sequence[str]) -> list[str]:
-    """Execute the expression as a script in SQLite, beside a table that must survive; once with each name in each place."""
+    """Execute the expression as a script in SQLite, beside a table that must survive."""
     base = sqlite3.connect(":memory:", isolation_level=None)
     base.execute("CREATE TABLE secret (a)")
     base.execute("INSERT INTO secret VALUES (1)")
@@ -116,9 +116,7 @@ def run_onnx(names: Sequence[str]) -> list[str]:
     for name in names:
         model = onnx_model(TREE, (name, PLAIN), (name, "b", "c"))
         onnx.checker.check_model(model)
-        session = onnxruntime.InferenceSession(
-            model.SerializeToString(), options, providers=["CPUExecutionProvider"]
-        )
+        session = onnxruntime.InferenceSession(model.SerializeToString(), options, providers=["CPUExecutionProvider"])
         answers = session.run(None, {"readings": readings()})[0]
         held = {key: json.loads(value) for key, value in session.get_modelmeta().custom_metadata_map.items()}
         wanted = json.loads(names_json((name, PLAIN), (name, "b", "c")))

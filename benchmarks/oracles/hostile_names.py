@@ -75,11 +75,69 @@ MARKDOWN = (
     "<details open>",
     "\\",
 )
-FORMATS = ("%s%n%d", "%(x)s", "{0}", "{name.__class__}", "{{7*7}}", "${7*7}", "$(id)", "`id`", "#{7*7}", "<%= 7*7 %>", "%%")
-PATHS = ("../../etc/passwd", "/etc/passwd", "..\\..\\boot.ini", "C:\\x41", "a/b", "file:///etc/passwd", "con", "a\0.csv")
-FORMULAS = ("=cmd|' /C calc'!A0", "=1+1", "+1", "-1", "@SUM(A1)", "\t=1+1", "\r=1+1", '=HYPERLINK("http://x","y")', "1,2", '"')
-TEX = ("$", "$$", "a$b$c", r"$\frac{1}{0$", r"$\undefined$", r"\$", r"\input{/etc/passwd}", "x_1^2", r"$\alpha$ $", "_hidden")
-TWINS = ("\u00e9", "e\u0301", "\u212b", "\u00c5", "A\u030a", "\ufb01", "fi", "\u0410", "A", "a", "\u017f", "s", "\u0131", "i\u0307")
+FORMATS = (
+    "%s%n%d",
+    "%(x)s",
+    "{0}",
+    "{name.__class__}",
+    "{{7*7}}",
+    "${7*7}",
+    "$(id)",
+    "`id`",
+    "#{7*7}",
+    "<%= 7*7 %>",
+    "%%",
+)
+PATHS = (
+    "../../etc/passwd",
+    "/etc/passwd",
+    "..\\..\\boot.ini",
+    "C:\\x41",
+    "a/b",
+    "file:///etc/passwd",
+    "con",
+    "a\0.csv",
+)
+FORMULAS = (
+    "=cmd|' /C calc'!A0",
+    "=1+1",
+    "+1",
+    "-1",
+    "@SUM(A1)",
+    "\t=1+1",
+    "\r=1+1",
+    '=HYPERLINK("http://x","y")',
+    "1,2",
+    '"',
+)
+TEX = (
+    "$",
+    "$$",
+    "a$b$c",
+    r"$\frac{1}{0$",
+    r"$\undefined$",
+    r"\$",
+    r"\input{/etc/passwd}",
+    "x_1^2",
+    r"$\alpha$ $",
+    "_hidden",
+)
+TWINS = (
+    "\u00e9",
+    "e\u0301",
+    "\u212b",
+    "\u00c5",
+    "A\u030a",
+    "\ufb01",
+    "fi",
+    "\u0410",
+    "A",
+    "a",
+    "\u017f",
+    "s",
+    "\u0131",
+    "i\u0307",
+)
 DIRECTIONS = (
     "\u202egnp.exe",
     "a\u202eb\u202cc",
@@ -93,8 +151,32 @@ DIRECTIONS = (
     "\u2068",
     "\u2069",
 )
-UNSEEN = ("", " ", "  ", "\t", "\n", "a ", " a", "\u200b", "a\u200bb", "\ufeff", "\u2060", "\u3164", "\u2800", "\u00a0", "\u00ad", "\u034f")
-EMOJI = ("\U0001f600", "\U0001f468\u200d\U0001f469\u200d\U0001f467", "\u2764\ufe0f", "\U0001f1e9\U0001f1ea", "\u4f60\u597d", "\U0001d54f")
+UNSEEN = (
+    "",
+    " ",
+    "  ",
+    "\t",
+    "\n",
+    "a ",
+    " a",
+    "\u200b",
+    "a\u200bb",
+    "\ufeff",
+    "\u2060",
+    "\u3164",
+    "\u2800",
+    "\u00a0",
+    "\u00ad",
+    "\u034f",
+)
+EMOJI = (
+    "\U0001f600",
+    "\U0001f468\u200d\U0001f469\u200d\U0001f467",
+    "\u2764\ufe0f",
+    "\U0001f1e9\U0001f1ea",
+    "\u4f60\u597d",
+    "\U0001d54f",
+)
 ANSI = (
     "\x1b[31mred\x1b[0m",
     "\x1b[2J\x1b[H",
@@ -117,7 +199,8 @@ def _listed(names: tuple[str, ...]) -> Kind:
 
 
 def _control(rng: random.Random) -> str:
-    return "".join(chr(rng.choice([*range(32), *range(127, 160)])) for _ in range(rng.randint(1, 4))) + rng.choice(("", "g"))
+    codes = rng.choices([*range(32), *range(127, 160)], k=rng.randint(1, 4))
+    return "".join(map(chr, codes)) + rng.choice(("", "g"))
 
 
 def _any_character(rng: random.Random) -> str:
@@ -158,7 +241,7 @@ KINDS: dict[str, tuple[tuple[str, ...], Kind]] = {
 
 
 def hostile_names(count: int, seed: int = 0) -> list[tuple[str, str]]:
-    """Return `count` pairs of kind and name, all names different: the kinds in turn, what is listed before what is drawn.
+    """Return `count` pairs of kind and name, all names different, the kinds in turn, listed names first.
 
     The names of a kind come in an order drawn by `seed`, so that a small count takes some of every kind.
     """

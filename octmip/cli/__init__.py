@@ -44,7 +44,7 @@ def main(words: Sequence[str] | None = None) -> int:
         return 0
     except UnicodeEncodeError as error:
         print(
-            f"octmip: standard output is {error.encoding} and cannot show {ascii(error.object[error.start])}; "
+            f"octmip: standard output is {error.encoding} and cannot show {error.object[error.start]!a}; "
             "set PYTHONIOENCODING=utf-8",
             file=sys.stderr,
         )
