@@ -9,7 +9,6 @@ seen become escapes (``\\x1b``, ``\\u202e``); all others, of any script, stay. W
 import re
 import unicodedata
 from html import escape
-from typing import Any
 
 UNSEEN = re.compile("[\u034f\u115f\u1160\u17b4\u17b5\u180b-\u180f\u2800\u3164\ufe00-\ufe0f\uffa0\U000e0100-\U000e01ef]")
 """Characters that count as printable but leave no mark: fillers, joiners and selectors of the Unicode standard."""
@@ -24,7 +23,7 @@ PAGE_POLICY = (
 ISOLATED = re.compile(f"{ISOLATE}([^{ISOLATE}{END_ISOLATE}]*){END_ISOLATE}")
 
 
-def visible(text: Any) -> str:
+def visible(text: object) -> str:
     """Return a text on one line with every character that acts, or cannot be seen or encoded, as its escape.
 
     A name isolated by `shown` stays isolated: its isolate is closed, so it acts on nothing outside.
@@ -39,24 +38,24 @@ def visible_lines(text: str) -> str:
     return "\n".join(visible(line) for line in text.split("\n"))
 
 
-def shown(name: Any) -> str:
+def shown(name: object) -> str:
     """Return a name as it stands in a sentence: `visible`, different for different names, and kept apart.
 
     Backslashes are doubled where the name holds an escape or looks as if it did. A name that is empty, or begins or
     ends with a blank, stands in quotes. One that is read from right to left is isolated, so that the words, signs and
     numbers around it stay in order.
     """
-    name = str(name)
-    if not _is_plain(name) or LIKE_AN_ESCAPE.search(name):
-        name = "".join("\\\\" if character == "\\" else _seen(character) for character in name)
-    if name != name.strip() or not name:
-        name = f'"{name}"'
-    if not name.isascii() and any(unicodedata.bidirectional(character) in RIGHT_TO_LEFT for character in name):
-        return f"{ISOLATE}{name}{END_ISOLATE}"
-    return name
+    text = str(name)
+    if not _is_plain(text) or LIKE_AN_ESCAPE.search(text):
+        text = "".join("\\\\" if character == "\\" else _seen(character) for character in text)
+    if text != text.strip() or not text:
+        text = f'"{text}"'
+    if not text.isascii() and any(unicodedata.bidirectional(character) in RIGHT_TO_LEFT for character in text):
+        return f"{ISOLATE}{text}{END_ISOLATE}"
+    return text
 
 
-def html_text(text: Any) -> str:
+def html_text(text: object) -> str:
     """Return a text for the inside of an HTML element or quoted attribute: `visible` and escaped."""
     return escape(visible(text))
 

@@ -52,7 +52,7 @@ def _targets() -> Iterator[tuple[str, Run]]:
 
 
 def summary(lines: Sequence[dict[str, Any]]) -> str:
-    """Return kinds by targets: names that came out exact, and in brackets those refused or wrong, where there are any."""
+    """Return kinds by targets: names that came out exact, and in brackets those refused or wrong, if any."""
     rows = []
     for kind in dict.fromkeys(line["kind"] for line in lines):
         of_kind = [line for line in lines if line["kind"] == kind]

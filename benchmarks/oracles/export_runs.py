@@ -32,7 +32,7 @@ def readings() -> np.ndarray:
 
 
 def run_sql(names: Sequence[str]) -> list[str]:
-    """Execute the expression as a script in SQLite, beside a table that must survive; once with each name in each place."""
+    """Execute the expression as a script in SQLite, beside a table that must survive."""
     base = sqlite3.connect(":memory:", isolation_level=None)
     base.execute("CREATE TABLE secret (a)")
     base.execute("INSERT INTO secret VALUES (1)")

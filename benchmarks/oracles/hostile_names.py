@@ -199,9 +199,8 @@ def _listed(names: tuple[str, ...]) -> Kind:
 
 
 def _control(rng: random.Random) -> str:
-    return "".join(chr(rng.choice([*range(32), *range(127, 160)])) for _ in range(rng.randint(1, 4))) + rng.choice(
-        ("", "g")
-    )
+    codes = rng.choices([*range(32), *range(127, 160)], k=rng.randint(1, 4))
+    return "".join(map(chr, codes)) + rng.choice(("", "g"))
 
 
 def _any_character(rng: random.Random) -> str:
@@ -242,7 +241,7 @@ KINDS: dict[str, tuple[tuple[str, ...], Kind]] = {
 
 
 def hostile_names(count: int, seed: int = 0) -> list[tuple[str, str]]:
-    """Return `count` pairs of kind and name, all names different: the kinds in turn, what is listed before what is drawn.
+    """Return `count` pairs of kind and name, all names different, the kinds in turn, listed names first.
 
     The names of a kind come in an order drawn by `seed`, so that a small count takes some of every kind.
     """

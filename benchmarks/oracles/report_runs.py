@@ -93,9 +93,8 @@ def run_markdown(names: Sequence[str]) -> list[str]:
     lines = markdown_table([{"name": name, "other": 1} for name in names]).split("\n")
     tree = tree_text(tree_over(len(names)), names, (*names, "plain"))
     fence, *inside, end = code_block(tree).split("\n")
-    is_closed = (
-        end == fence and not any(line.strip().startswith(fence) for line in inside) and len(lines) == 2 + len(names)
-    )
+    is_closed = end == fence and not any(line.strip().startswith(fence) for line in inside)
+    is_closed = is_closed and len(lines) == 2 + len(names)
     return [
         EXACT if is_closed and _cells(line) == 2 and not _is_active(line) else "acts in Markdown" for line in lines[2:]
     ]

@@ -119,8 +119,8 @@ def _draw_box(axes: Axes, place: _Place, text: str, fill: Any, edge: Any = INK) 
     ink = PAPER if luminance(fill) < 0.45 else INK
     longest = max(len(line) for line in text.splitlines())
     font = 8.0 if longest <= LINE_LENGTH else max(4.0, 8.0 * LINE_LENGTH / longest)
-    style = {"ha": "center", "va": "center", "fontsize": font, "color": ink, "zorder": 3, "linespacing": 1.25}
-    plain(axes.text(place.x, place.y, text, **style))
+    label = axes.text(place.x, place.y, text, fontsize=font, color=ink, zorder=3, linespacing=1.25)
+    plain(label).set(ha="center", va="center")
 
 
 def _draw_leaf(axes: Axes, place: _Place, counts: NDArray[np.int64], class_names: Sequence[Any]) -> None:

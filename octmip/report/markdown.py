@@ -1,7 +1,7 @@
 """Tables in Markdown, columns aligned so that they read well as plain text too.
 
-What stands in a cell is text: whatever Markdown or HTML would read in it as a sign of its own is escaped, and only that,
-so that plain names stay as they are.
+What stands in a cell is text: whatever Markdown or HTML would read in it as a sign of its own is escaped, and only
+that, so that plain names stay as they are.
 """
 
 import re

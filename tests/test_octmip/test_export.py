@@ -4,6 +4,7 @@ import math
 import shutil
 import sqlite3
 import subprocess
+import sys
 from ctypes import CDLL, POINTER, c_double
 
 import numpy as np
@@ -124,18 +125,7 @@ def test_a_function_is_not_called_by_a_word_of_c(name):
 
 # Depth, breadth and extreme numbers
 
-EXTREMES = [
-    5e-324,
-    2.2250738585072014e-308,
-    1e-300,
-    0.1,
-    2.0**53 + 2,
-    1e22,
-    2.0**63,
-    1e300,
-    1e308,
-    1.7976931348623157e308,
-]
+EXTREMES = [5e-324, 2.2250738585072014e-308, 1e-300, 0.1, 2.0**53 + 2, 1e22, 2.0**63, 1e300, 1e308, sys.float_info.max]
 THRESHOLDS = sorted([*EXTREMES, *(-t for t in EXTREMES)])
 
 

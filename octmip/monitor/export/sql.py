@@ -36,7 +36,8 @@ def sql_expression(
     """Return the expression for ``SELECT <expression> FROM readings``: the index of the class, -1 for no answer.
 
     Names of classes are not part of it (`names_json` has them); `class_names` only have to cover the answers.
-    PostgreSQL tells columns apart by their first 63 bytes.
+    PostgreSQL tells columns apart by their first 63 bytes, and stops with an error where a product of a hyperplane
+    leaves the range of float64, which the other databases and the tree carry on as infinite or zero.
 
     Raises:
         TreeError: the names do not cover the tree, or a feature that it reads has a name that no database takes.
