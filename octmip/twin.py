@@ -110,7 +110,7 @@ class Effect(Protocol):
 
     @property
     def separated_by(self) -> str:
-        """What separates the effect from its nearest rival."""
+        """What separates the effect from its nearest confounder."""
         ...
 
     @property

@@ -1,8 +1,8 @@
-"""How far each effect stands from no effect and from its nearest rival, with what damage can imitate projected out.
+"""How far each effect stands from none and from its nearest confounder, with what damage can imitate projected out.
 
 d' is the distance in standard deviations of the mean readings (50 repeats of variance 1000, the calibration's error
-included) of an effect at its prior scale, at its median place; the rival is the effect of another name whose best size
-leaves least of it. Below 3 nothing can be said. No readings enter: the table stands before any test.
+included) of an effect at its prior scale, at its median place; the confounder is the effect of another name whose best
+size leaves least of it. Below 3 nothing can be said. No readings enter: the table stands before any test.
 """
 
 from collections.abc import Iterator, Sequence
@@ -35,7 +35,7 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
 
 
 def detected(refinement: float) -> Iterator[dict[str, Any]]:
-    """Yield d' of every effect, its nearest rival and that rival's d' (name: [d', rival, d']) for a mesh."""
+    """Yield d' of every effect, its nearest confounder and d' from that (name: [d', confounder, d']) for a mesh."""
     wing = uav_wing(refinement=refinement)
     twin = CachedTwin(WingTwin(wing, wing_effects(wing)))
     for words, (state, is_known, loads) in SETUPS.items():
@@ -62,7 +62,7 @@ def model_of(
 
 
 def distances(model: LinearModel) -> dict[str, list[Any]]:
-    """Return d' from no effect, the nearest rival's name and d' from it, by effect."""
+    """Return d' from no effect, the nearest confounder's name and d' from it, by effect."""
     candidates, prior = model.inputs.candidates, model.inputs.priors
     names = tuple(dict.fromkeys(candidate.name for candidate in candidates))
     own = np.hypot(prior.mean, np.where(prior.is_discrete, 0.0, prior.sd)) * np.sqrt(model.whitened.lengths)
@@ -70,8 +70,8 @@ def distances(model: LinearModel) -> dict[str, list[Any]]:
     found: dict[str, list[Any]] = {}
     for k, name in enumerate(names):
         of_name = [j for j, candidate in enumerate(candidates) if candidate.name == name]
-        rival = int(np.argmin(table[k]))
-        found[name] = [float(np.median(own[of_name])), names[rival], float(table[k, rival])]
+        confounder = int(np.argmin(table[k]))
+        found[name] = [float(np.median(own[of_name])), names[confounder], float(table[k, confounder])]
     return found
 
 
@@ -96,14 +96,14 @@ def _campaign(
 
 
 def summary(lines: Sequence[dict[str, Any]]) -> str:
-    """Return the table of docs/theory/gap.md: d' with / without commissioning, in brackets that from the rival."""
+    """Return the table of docs/theory/gap.md: d' with / without commissioning, in brackets that from the confounder."""
     pairs = [(lines[k], lines[k + 1]) for k in range(0, len(lines), 2)]
     head = "| effect at its prior scale | " + " | ".join(words for words in SETUPS) + " |"
     rows = []
     for name in lines[0]["effects"]:
         cells = [" / ".join(_cell(line["effects"][name]) for line in pair) for pair in pairs]
         rows.append(f"| {name} | " + " | ".join(cells) + f" | {lines[0]['effects'][name][1]} |")
-    return "\n".join([head + " nearest rival |", "|" + "---|" * (len(SETUPS) + 2), *rows])
+    return "\n".join([head + " nearest confounder |", "|" + "---|" * (len(SETUPS) + 2), *rows])
 
 
 def _cell(found: list[Any]) -> str:

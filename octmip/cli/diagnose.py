@@ -1,5 +1,4 @@
-"""Say why the asset does not behave like its twin: where, which unmodelled effect, how far the gap closes, what to
-test.
+"""Say why the asset does not behave like its twin: where, which effect, how far the gap closes, what to test next.
 
 CAMPAIGN.csv holds one row a reading: test, load_factor, the known state parameters, optional time and temperature, and
 one column for each gauge under the twin's name, in microstrain.

@@ -203,12 +203,12 @@ def _confounded(head: Judged, member: int, found: Sequence[Confounder]) -> Confo
     members = [member, *(c.candidate for c in found)]
     separations = "; ".join(f"{candidates[j].name}: {candidates[j].effect.separated_by}" for j in members[:TOLD])
     exact = all(c.d_prime < 0.5 for c in found)
-    alike = "they change these readings in the same way" if exact else "their traces in these readings are too alike"
+    way = "change these readings in the same way" if exact else "have signatures in these readings that are too alike"
     return ConfoundedEffects(
         effects=tuple(candidates[j].name for j in members),
         places=tuple(candidates[j].place for j in members),
         d_prime=(0.0, *(c.d_prime for c in found)),
-        reason=f"{alike} (d' {', '.join(f'{c.d_prime:.1f}' for c in found)}, 3 is needed). {separations}",
+        reason=f"they {way} (d' {', '.join(f'{c.d_prime:.1f}' for c in found)}, 3 is needed). {separations}",
     )
 
 

@@ -211,7 +211,7 @@ def _too_weak(model: LinearModel, sizes: Mapping[str, float]) -> dict[str, str]:
     for name, size in sizes.items():
         effect = effects[name]
         if size > INVISIBLE * effect.prior_sd:
-            refused[name] = f"leaves no trace in any gauge: {effect.separated_by}"
+            refused[name] = f"has no signature in any gauge: {effect.separated_by}"
         elif size > ABSURD * effect.prior_sd and effect.prior_mean == 0.0:
             hidden = "hidden behind the unknown damage" if model.inputs.groups else "too weak in these readings"
             hint = f"; {BASELINE}" if model.inputs.groups else ""

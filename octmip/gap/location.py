@@ -2,7 +2,7 @@
 
 Residuals are readings less the (calibrated) twin, in standard deviations of noise and of what two good models differ
 by. Entries are significant under the false-discovery rate of 5 %: Benjamini and Hochberg (1995), J. R. Statist. Soc.
-B 57; a gauge, a load or a test under a chi-squared test of all its entries with their full covariance, Bonferroni
+B 57; each gauge, load or test under a chi-squared test of all its entries with their full covariance, Bonferroni
 over the groups. The halves of a test's readings are taken together.
 """
 

@@ -128,7 +128,7 @@ def _other_tests(inputs: Inputs, fits: Sequence[Fit], weight: Floats) -> list[Pr
 
 
 def _answer_entropy(answers: Sequence[frozenset[str]], weight: Floats) -> float:
-    return _entropy(np.array([float(weight[[a == b for b in answers]].sum()) for a in set(answers)]))
+    return _entropy(np.array([float(weight[[a == b for b in answers]].sum()) for a in dict.fromkeys(answers)]))
 
 
 def _entropy(weight: Floats) -> float:

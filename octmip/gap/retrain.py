@@ -41,7 +41,7 @@ class Lesson:
         gauges: names of the gauges that the tree may read; its features, in this order.
         load_factor: of the readings; they are divided by it.
         repeats: noisy readings a state.
-        sd: standard deviation of one reading [microstrain] before the division, or one a gauge (n_gauges,).
+        sd: standard deviation of one reading [microstrain] before the division, or one per gauge (n_gauges,).
         depth: levels of splits.
     """
 

@@ -215,12 +215,12 @@ def test_columns_in_another_order_give_the_same_answer():
 
 
 @pytest.mark.parametrize("known", [True, False], ids=["known state", "unknown state"])
-def test_an_effect_without_any_trace_is_refused_and_not_named(known):
+def test_an_effect_without_any_signature_is_refused_and_not_named(known):
     hidden = Field("root_flexibility", np.zeros(20), 1, 0.1, "rad/(kN m)", separated_by="invisible in strain")
     twin = Beam(effects={**TWIN.effects, hidden.name: hidden})
     campaign = measured(7, effect("temperature_uniform", -8.0), known=known)
     diagnosis = diagnose(campaign, twin, commissioning=COMMISSIONING)
-    assert diagnosis.refused["root_flexibility"] == "leaves no trace in any gauge: invisible in strain"
+    assert diagnosis.refused["root_flexibility"] == "has no signature in any gauge: invisible in strain"
     assert all("root_flexibility" not in names for cause in diagnosis.which for names in cause.names)
 
 

@@ -74,7 +74,7 @@ class Noise:
         return replace(self, gauges=tuple(gauges), covariance=self.covariance[np.ix_(order, order)])
 
     def of_mean(self, repeats: NDArray[np.int64], load_factor: float) -> NDArray[np.float64]:
-        """Return the covariance (n_gauges, n_gauges) of means of so many repeats (n_gauges,), at least one a gauge."""
+        """Return the covariance (n_gauges, n_gauges) of means of so many repeats (n_gauges,), one or more per gauge."""
         count = np.maximum(repeats, 1).astype(np.float64)
         overlap = np.minimum(count[:, None], count[None, :]) / (count[:, None] * count[None, :])
         factor = self.inflation * self.scale.get(load_factor, 1.0)

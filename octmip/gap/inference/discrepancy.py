@@ -2,7 +2,7 @@
 
 At load L and gauge g the asset shows f_g(z, L) + phi(L) d_g + e_g (f_g(z, L) - f_g(0, L)) where f is the twin, phi
 the size of the healthy prediction relative to the greatest load, d a pattern over the gauges and e the relative error
-of the change that damage makes. Without a commissioning run d has a common part and an own part a gauge; with one, d
+of the change that damage makes. Without a commissioning run d has a common part and an own part per gauge; with one, d
 is estimated gauge by gauge from the healthy readings and its posterior covariance is carried along:
 
     K = (K0^-1 + sum_c phi_c^2 (V/N_c)^-1)^-1,    d = K sum_c phi_c (V/N_c)^-1 (mean_c - f_c).
@@ -68,12 +68,7 @@ def calibrated(run: Campaign, twin: CachedTwin, gauges: tuple[str, ...], load: f
     Raises:
         DataError: the run lacks a gauge of the campaign, holds an unknown state, or no load.
     """
-    missing = [name for name in gauges if name not in run.gauges]
-    if missing:
-        raise DataError(f"the commissioning run lacks gauge {missing[0]}; expected every gauge of the campaign")
-    unknown = [cell for cell in run.cells if not cell.is_known]
-    if unknown:
-        raise DataError(f"the commissioning run holds an unknown state ({unknown[0].name}); give its state columns")
+    _check_run(run, gauges)
     order = [run.gauges.index(name) for name in gauges]
     columns = [twin.gauges.index(name) for name in gauges]
     noise = estimate_noise(run)
@@ -85,13 +80,21 @@ def calibrated(run: Campaign, twin: CachedTwin, gauges: tuple[str, ...], load: f
         predicted = twin.predict(state, cell.load_factor)[columns]
         phi = float(twin.predict({}, cell.load_factor)[columns] @ reference / (reference @ reference))
         weight = _weight(noise, cell, order)
-        gap = np.nan_to_num(cell.mean[order] - predicted)
         precision += phi**2 * weight
-        projection += phi * weight @ gap
+        projection += phi * weight @ np.nan_to_num(cell.mean[order] - predicted)
     if np.allclose(precision, np.diag(open_sd**-2)):
         raise DataError("the commissioning run holds readings at zero load only; expected two loads or more")
     covariance = np.asarray(np.linalg.inv(precision), dtype=np.float64)
     return Discrepancy(covariance @ projection, covariance, _rms(reference), DAMAGE, is_calibrated=True)
+
+
+def _check_run(run: Campaign, gauges: tuple[str, ...]) -> None:
+    missing = [name for name in gauges if name not in run.gauges]
+    if missing:
+        raise DataError(f"the commissioning run lacks gauge {missing[0]}; expected every gauge of the campaign")
+    unknown = [cell for cell in run.cells if not cell.is_known]
+    if unknown:
+        raise DataError(f"the commissioning run holds an unknown state ({unknown[0].name}); give its state columns")
 
 
 def _weight(noise: Noise, cell: Cell, order: list[int]) -> NDArray[np.float64]:

@@ -188,7 +188,7 @@ def _discrepancy(
         return calibrated(known, twin, gauges, reference), []
     healthy = twin.predict({}, reference)[[twin.gauges.index(name) for name in gauges]]
     return uncalibrated(healthy), [
-        "No commissioning run: twin and asset may differ by about 1 % in common and 1 % a gauge before any effect; "
+        "No commissioning run: twin and asset may differ by about 1 % in common and 1 % per gauge before any effect; "
         "effects that scale all strains by less than about 1.5 % are invisible."
     ]
 

@@ -1,0 +1,78 @@
+"""The linear model is read only, an inference keeps what it was asked, and the next test goes by what is seen."""
+
+from dataclasses import FrozenInstanceError, replace
+
+import numpy as np
+import pytest
+
+from octmip.gap import CHAIN, CachedTwin, diagnose
+from octmip.gap.inference.inference import Inference
+from octmip.gap.inference.inputs import prepare
+from octmip.gap.inference.linear_model import linearise
+from tests.test_octmip.beam_twin import Beam, measured
+
+TWIN = Beam()
+COMMISSIONING = measured(1000)
+SETS = [(), (0,), (3, 40), (21,), (2, 30, 60)]
+
+
+@pytest.fixture(scope="module")
+def model():
+    campaign = measured(3, lambda state, load, time: np.full(20, -25.0))
+    inputs, _ = prepare(campaign, TWIN, {**CHAIN, **TWIN.effects}, COMMISSIONING)
+    return linearise(inputs, np.array([cell.state for cell in campaign.cells]))
+
+
+def test_nothing_of_a_linear_model_can_be_written(model):
+    with pytest.raises(FrozenInstanceError):
+        model.residual = model.residual
+    for array in (model.states, model.residual, model.covariance, model.signatures, model.whitened.signatures):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 0.0
+
+
+def test_an_answer_does_not_hang_on_what_was_asked_before(model):
+    asked = Inference(model)
+    asked.judge(SETS)
+    asked.allowing(SETS[2])
+    for members in reversed(SETS):
+        fresh = Inference(model)
+        one, other = asked.judge([members])[0], fresh.judge([members])[0]
+        assert one.log_factor == pytest.approx(other.log_factor, rel=1e-9, abs=1e-9)
+        assert np.allclose(one.fit.size, other.fit.size, rtol=1e-9)
+        assert asked.identifiable(members) == fresh.identifiable(members)
+        assert asked.judge([members])[0] is one and asked.allowing(members) is asked.allowing(members)
+
+
+def test_an_inference_allows_for_nothing_by_itself(model):
+    inference = Inference(model)
+    assert inference.allowing(()) is inference
+
+
+@pytest.mark.parametrize("quantities", [("deflection",), ("thermal_zero", "frequency"), ()])
+def test_tests_are_proposed_for_what_shows_an_effect_whatever_its_name(quantities):
+    softer = replace(TWIN.effects["modulus"], name="wet_wood", seen_by=quantities)
+    hidden = {name: CHAIN[name] for name in ("load_factor_error", "common_gain")}
+    change = 2.0 * softer.shape
+
+    campaign = measured(5, lambda state, load, time: change * TWIN.predict(state, load))
+    found = diagnose(campaign, TWIN, {**hidden, softer.name: softer}, commissioning=COMMISSIONING)
+    proposed = {test.name for test in found.next_test if not test.is_strain_test}
+    by_quantity = {"deflection": "tip_deflection", "thermal_zero": "thermal_soak", "frequency": "frequency"}
+    assert proposed == {"load_cell", "shunt_calibration", *(by_quantity[q] for q in quantities)}
+
+
+def test_a_twin_is_asked_once_for_each_state_and_load():
+    class Counted(Beam):
+        asked = 0
+
+        def predict(self, state, load_factor):
+            self.asked += 1
+            return super().predict(state, load_factor)
+
+    counted = Counted()
+    cached = CachedTwin(counted)
+    first = cached.predict({"mu1": 0.2, "mu2": 0.0}, 2.0)
+    assert cached.predict({"mu1": 0.2}, 2.0) is first and counted.asked == 1
+    assert np.array_equal(cached.predict_states(np.array([[0.2, 0.0], [0.3, 0.0]]), 2.0)[0], first)
+    assert counted.asked == 2
