@@ -1,8 +1,8 @@
 """Answer: what is known at the end of a run, and the Solution that may be made of it.
 
 A tree is optimal only when its objective, recounted in the problem's own units, is met by a bound that holds there:
-HiGHS's, through `octmip.mip.claims` and `octmip.mip.prices`, or one given from elsewhere. All arithmetic between the two
-is in fractions. Otherwise the run ends with the limit that was reached, or as `Stop.NUMERICS`.
+HiGHS's, through `octmip.mip.claims` and `octmip.mip.prices`, or one given from elsewhere. All arithmetic between the
+two is in fractions. Otherwise the run ends with the limit that was reached, or as `Stop.NUMERICS`.
 """
 
 import math

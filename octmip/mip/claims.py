@@ -1,8 +1,8 @@
 """Claims: how exactly HiGHS must compute on a model, and what of its bound is believed.
 
-A tree keeps every row and every integrality of its model exactly, at an objective that is a whole number of price units
-(`octmip.mip.prices`). So HiGHS's bound B is false of a tree priced T < B only if HiGHS cut that tree off. Kept tolerances
-leave two ways to do that:
+A tree keeps every row and every integrality of its model exactly, at an objective that is a whole number of price
+units (`octmip.mip.prices`). So HiGHS's bound B is false of a tree priced T < B only if HiGHS cut that tree off. Kept
+tolerances leave two ways to do that:
 
 * A node is left out because its relaxation is no better than the incumbent, less the absolute gap g.
 * The value of a relaxation is too high. HiGHS reports c'x of a basis whose reduced costs may have the wrong sign by up
@@ -15,8 +15,8 @@ leave two ways to do that:
 Hence T >= min(B, incumbent - g) - e, and T is whole, so T >= ceil of that. With g = 1 - 2 e - `ROUNDING` nothing is
 lost to the gap as long as e < 1/2; t is chosen for that, down to HiGHS's finest.
 
-What this takes for granted is that HiGHS keeps its tolerances. Where a known tree contradicts the bound, it has not, and
-nothing of the bound is believed.
+What this takes for granted is that HiGHS keeps its tolerances. Where a known tree contradicts the bound, it has not,
+and nothing of the bound is believed.
 """
 
 import math

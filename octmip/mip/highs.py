@@ -1,8 +1,9 @@
 """HiGHS: one run of the solver on a model, with limits, Ctrl-C, progress, a start and injected incumbents.
 
 HiGHS runs in a process of its own (`octmip.mip.worker`) while this one waits and keeps time and memory: HiGHS looks at
-its time too rarely within a relaxation and not at all in presolve, and has no limit of memory. At a limit, or at Ctrl-C, it is asked to end; if it has
-not after `GRACE` it is killed, and the last incumbent and bound that it reported stand.
+its time too rarely within a relaxation and not at all in presolve, and has no limit of memory. At a limit, or at
+Ctrl-C, it is asked to end; if it has not after `GRACE` it is killed, and the last incumbent and bound that it reported
+stand.
 """
 
 import math
