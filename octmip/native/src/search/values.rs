@@ -104,7 +104,8 @@ impl Values {
         let shift = match self.most_integer {
             Some(_) => shift,
             None if is_moderate => shift,
-            None => (-(low + high) / 2).clamp(-LARGEST_SUM - size, room),
+            // Small coefficients may lose digits, large ones must be finite.
+            None => (-(low + high) / 2).clamp(-LARGEST_SUM - size, room).min(f64::MAX_EXP - high),
         };
         let given = |&(f, c): &(u32, f64)| (f, self.whole(times_power(c, shift - self.exponent(f))));
         let terms: Terms = terms.iter().map(given).filter(|term| term.1 != 0.0).collect();
