@@ -5,8 +5,9 @@
 
 The bound holds for every tree whose lines are taken in exact arithmetic over the float64 values as given: nothing is
 rounded to a grid. Coordinates scaled to [0, 1] settle all samples that keep 2^-42 clear of a line; the few others are
-parted in whole numbers of as many bits as it takes. A way of parting that no float64 line does with that much room counts
-for the bound but is not returned: `Stop.NUMERICS` and `Solution.details["thin"]` then say so. See docs/theory/oblique.md.
+parted in whole numbers of as many bits as it takes. A way of parting that no float64 line does with that much room
+counts for the bound but is not returned: `Stop.NUMERICS` and `Solution.details["thin"]` then say so. See
+docs/theory/oblique.md.
 """
 
 import time
@@ -171,8 +172,8 @@ def _write_proof(
 
 def _no_log(path: Path, reason: str, solution: Solution) -> ProofError:
     return ProofError(
-        f"{path} is not written: expected a log of the bound {solution.bound}, but {reason}; tree and bound stand without "
-        "it: leave the proof out, or round values that differ by less than 1e-12 of their range",
+        f"{path} is not written: expected a log of the bound {solution.bound}, but {reason}; tree and bound stand "
+        "without it: leave the proof out, or round values that differ by less than 1e-12 of their range",
         solution,
     )
 
