@@ -16,6 +16,7 @@ LEVELS = {
     "octmip": {
         "errors": 0,
         "_native": 0,
+        "checked": 1,
         "files": 1,
         "margin": 1,
         "tree": 1,
