@@ -5,9 +5,10 @@ the file it stands; `Kind.schema` returns the same demand in the words of JSON S
 cannot disagree. As there, 3.0 is a whole number, and true is neither a number nor a whole one.
 """
 
+import itertools
 import re
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -58,8 +59,14 @@ def shown(value: object) -> str:
         return f"a whole number of more than {SHOWN} digits"
     if isinstance(value, list | tuple | dict) and value:
         return f"{'an object' if isinstance(value, dict) else 'a list'} of {len(value)}"
-    words = ascii(value[: SHOWN + 1] if isinstance(value, str) else value)
+    words = repr(value[: SHOWN + 1] if isinstance(value, str) else value)
     return words if len(words) <= SHOWN else f"{words[:SHOWN]}..."
+
+
+def several(values: Iterable[object], most: int = 12) -> str:
+    """Return the first few of some values as a message can show them."""
+    found = [shown(value) for value in itertools.islice(values, most + 1)]
+    return f"[{', '.join(found[:most])}{', ...' if len(found) > most else ''}]"
 
 
 def place(path: tuple[str | int, ...]) -> str:

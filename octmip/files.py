@@ -166,7 +166,7 @@ def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     content = dict(pairs)
     if len(content) < len(pairs):
         twice = Counter(name for name, _ in pairs).most_common(1)[0][0]
-        raise ValueError(f"an object names {ascii(twice[:60])} twice, and only one of the two can be meant")
+        raise ValueError(f"an object names {twice[:60]!r} twice, and only one of the two can be meant")
     return content
 
 

@@ -7,6 +7,7 @@ the solvers. Format and proofs: docs/theory/proof.md; for splits over two featur
 
 import hashlib
 import math
+import re
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,10 +17,12 @@ from numpy.typing import NDArray
 
 from octmip import _native
 from octmip.errors import CertificateError, ProblemError
+from octmip.files import read_bytes
 from octmip.problem import Problem
 
 # First line of a log, by the kind of split.
 FORMATS = {"axis": "octmip-proof 1", "hyperplane": "octmip-proof 1 two-feature"}
+MOST_EXPONENT = 1000  # of the grid's powers of two
 MOST_DEPTH, MOST_FEATURES = 2, 2  # of trees of two-feature splits that have logs
 # Sums of costs on the grid stay below it, so that they fit into 64 bits with room for every sum of three.
 CAPACITY = 2.0**61
@@ -84,12 +87,14 @@ def check_proof(problem: Problem, path: str | Path, *, bound: float = -math.inf,
 
     Raises:
         ProblemError: trees of this kind have no proof logs.
+        DataError: the log cannot be read.
         CertificateError: the log is of another problem, or does not prove what it claims; with the line and the reason.
     """
     start = time.perf_counter()
     check_provable(problem)
-    log = Path(path).read_text(encoding="ascii", errors="replace")
+    log = read_bytes(path).decode("ascii", errors="replace")
     weight_exponent, cost_exponent, claim = _header(problem, log.split("\n", 5), path)
+    proven = _proven(claim, weight_exponent + cost_exponent, path)
     native = _on_grid(problem, weight_exponent, cost_exponent, path)
     if problem.split == "axis":
         refusal = _native.check(native, log, 5, claim)
@@ -97,7 +102,6 @@ def check_proof(problem: Problem, path: str | Path, *, bound: float = -math.inf,
         refusal = _native.check_lines(native, log, 5, claim, n_jobs)
     if refusal is not None:
         raise _refused(path, *refusal)
-    proven = math.ldexp(claim, -(weight_exponent + cost_exponent))
     if proven < bound:
         raise _refused(path, 5, f"the log proves {proven} but {bound} is claimed for the tree")
     return ProofReport(proven, log.count("\n"), len(log), time.perf_counter() - start)
@@ -123,23 +127,30 @@ def _header(problem: Problem, lines: list[str], path: str | Path) -> tuple[int, 
     for number, (line, wanted) in enumerate(zip(lines, expected, strict=False)):
         if line != wanted:
             raise _refused(path, number + 1, f"got {line[:80]!r}, expected {wanted!r} of {meaning[number]}")
+    found = re.fullmatch(r"grid (-?\d{1,4}) (-?\d{1,4})\nclaim (\d{1,19})", "\n".join(lines[3:5]))
+    if found is None or max(abs(int(exponent)) for exponent in found.group(1, 2)) > MOST_EXPONENT:
+        got = [line[:80] for line in lines[3:5]]
+        raise _refused(path, 4, f"got {got}, expected 'grid' with two exponents, then 'claim' with a whole number")
+    return int(found[1]), int(found[2]), int(found[3])
+
+
+def _proven(claim: int, exponent: int, path: str | Path) -> float:
+    """Return the bound that a claim on the grid is, in the problem's own units."""
+    if claim >= CAPACITY:
+        raise _refused(path, 5, f"claim is {claim}, more than {CAPACITY}, which no tree may cost")
     try:
-        (grid, *exponents), (word, claim) = lines[3].split(" "), lines[4].split(" ")
-        weight_exponent, cost_exponent = (int(number) for number in exponents)
-        if (grid, word) == ("grid", "claim") and max(abs(weight_exponent), abs(cost_exponent)) <= 1000:
-            return weight_exponent, cost_exponent, int(claim)
-    except (ValueError, IndexError):
-        pass
-    raise _refused(path, 4, f"got {lines[3:5]}, expected 'grid' with two exponents, then 'claim' with a whole number")
+        return math.ldexp(claim, -exponent)
+    except OverflowError as error:
+        raise _refused(path, 4, f"on this grid the claim {claim} is beyond every number") from error
 
 
 def _on_grid(problem: Problem, weight_exponent: int, cost_exponent: int, path: str | Path) -> _native.Problem:
     """Return the problem with weights, costs and penalty as whole numbers, rounded down."""
-    with np.errstate(over="ignore"):
+    with np.errstate(over="ignore", invalid="ignore"):  # beyond the capacity, NaN included, is refused below
         weights = np.floor(np.ldexp(problem.weights, weight_exponent))
         costs = np.floor(np.ldexp(problem.costs, cost_exponent))
         penalty = float(np.floor(np.ldexp(problem.leaf_penalty, weight_exponent + cost_exponent)))
-    most = float(weights.sum() * max(costs.max(), 1.0))
+        most = float(weights.sum() * max(costs.max(), 1.0))
     penalty = min(penalty, most + 1.0)  # rounded down, too: above every other cost it forbids splits all the same
     if not most < CAPACITY:
         raise _refused(path, 4, f"on this grid a tree may cost {most}, more than {CAPACITY}")

@@ -33,6 +33,8 @@ const TINY: f64 = 1.0 / (1u64 << 39) as f64;
 /// So many different points are tried in every way before a cell is split, and in a tiny cell at the end.
 const FEW: usize = 6;
 const MOST: usize = 48;
+/// A cell is halved so often at most: bands have 39 bits each way, and a log must not exhaust the stack.
+const MOST_HALVES: usize = 256;
 const BINS: usize = 64;
 const NO_TREE: i64 = i64::MAX / 4;
 
@@ -117,7 +119,7 @@ impl Checker<'_> {
             // No sample's value is beyond 2: lines outside part none.
             let whole = Cell { t, low: [-2.25; 2], high: [2.25; 2] };
             let child = Child { floor: 0, strips: section.strips.clone() };
-            self.root(chart, whole, [child.clone(), child], &mut line, section.lines.end)?;
+            self.root(chart, whole, [child.clone(), child], &mut line, section.lines.end, MOST_HALVES)?;
         } else {
             let is_so = self.child_costs(&all, need, &section.strips, self.claim);
             ensure!(is_so, line, "a single split is not proven to cost {}", self.claim);
@@ -134,6 +136,7 @@ impl Checker<'_> {
         mut children: [Child; 2],
         at: &mut usize,
         end: usize,
+        halves_left: usize,
     ) -> Result<(), Refusal> {
         let (q, need) = (self.q, self.q.leaf_size as i64);
         let [left, open, right] = self.sorted(chart, &cell);
@@ -207,6 +210,7 @@ impl Checker<'_> {
                 }
                 // Halves: at a value of t, or at an edge between two values of r.
                 "T" | "R" => {
+                    ensure!(halves_left > 0, line, "a cell is halved more than {MOST_HALVES} times");
                     let halves = if tag == "T" {
                         let [t]: [f64; 1] = parse(rest, line)?;
                         // Not so small that a product with it underflows.
@@ -219,7 +223,7 @@ impl Checker<'_> {
                         [Cell { high: edge, ..cell }, Cell { low: edge, ..cell }]
                     };
                     for half in halves {
-                        self.root(chart, half, children.clone(), at, end)?;
+                        self.root(chart, half, children.clone(), at, end, halves_left - 1)?;
                     }
                     return Ok(());
                 }
