@@ -4,7 +4,7 @@ One parent, children that also answer to the built-in errors a caller expects. A
 copied, checked, made read-only.
 """
 
-import math
+import sys
 from numbers import Integral, Real
 from typing import TypeGuard
 
@@ -30,7 +30,8 @@ class SolveError(FemlibError, RuntimeError):
 
 def is_number(value: object) -> TypeGuard[float]:
     """Return whether a value is one finite real number: no text, no truth value, no array, no NaN."""
-    return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
+    is_real = isinstance(value, Real) and not isinstance(value, bool)
+    return is_real and bool(-sys.float_info.max <= value <= sys.float_info.max)  # a whole number may be beyond float
 
 
 def is_whole(value: object) -> TypeGuard[int]:
@@ -75,7 +76,7 @@ def frozen_ints(values: npt.ArrayLike, name: str, shape: tuple[int, ...]) -> npt
 def _converted(values: npt.ArrayLike, name: str) -> npt.NDArray[np.float64]:
     try:
         return np.array(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise InputError(f"{name} is no array of numbers ({error}); expected numbers in rows of one length") from error
 
 

@@ -50,6 +50,7 @@ LEVELS = {
         "errors": 0,
         "arrays": 0,
         "files": 1,
+        "checked": 1,
         "material": 1,
         "geometry": 1,
         "mesh": 2,
