@@ -97,7 +97,7 @@ def mangled_archive(rng: Generator, content: bytes) -> bytes:
         elif action == 8:
             del members[at]
         elif action == 9:
-            members.append((pick(rng, ("extra.npy", "../up.npy", "no_array", "")), array))
+            members.append((pick(rng, ("extra.npy", "../up.npy", "no_array")), array))
         elif action == 10:
             packing = pick(rng, (zipfile.ZIP_DEFLATED, zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA))
         else:
@@ -124,7 +124,7 @@ def _saved(array: np.ndarray) -> bytes:
 def _other_array(rng: Generator, content: bytes) -> bytes:
     try:
         array = _loaded(content)
-    except (ValueError, EOFError, TypeError):  # mangled before
+    except (ValueError, EOFError, TypeError, MemoryError):  # mangled before
         return content
     number = float(pick(rng, ("nan", "inf", "1e308", "-1", "0", "1e-300")))
     forms = (

@@ -110,6 +110,9 @@ def agree_with_schema(path: Path) -> None:
         raise Disagreement(f"the reader {'takes' if takes else 'refuses'} what the schema does not")
 
 
+BROAD = ("--split-size", 2, "--method", "search", "--seconds", 1)
+
+
 def tree_command(rng: Generator, folder: Path) -> None:
     """Give a tree file to one of the commands that read one."""
     tree, table, out = folder / "tree.json", folder / "table.csv", folder / pick(rng, ("p.html", "p.md", "p.dot", "p.txt"))
@@ -120,7 +123,7 @@ def tree_command(rng: Generator, folder: Path) -> None:
         ("certify", tree, table, "--json"),
         ("predict", tree, table, "--probabilities", "--label", "y"),
         ("predict", tree, table, "--json"),
-        ("solve", table, "--label", "y", "--depth", 1, "--features", "a,b,c", "--incumbent", tree, "--seconds", 1),
+        ("solve", table, "--label", "y", "--depth", 2, "--features", "a,b,c", "--incumbent", tree, *BROAD),
     )
     if rng.random() < 0.03:
         run("report", tree, "--out", folder / "p.svg")

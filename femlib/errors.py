@@ -11,6 +11,9 @@ from typing import TypeGuard
 import numpy as np
 import numpy.typing as npt
 
+MOST_WHOLE = 2.0**53
+"""Beyond it float64 merges neighbouring whole numbers."""
+
 
 class FemlibError(Exception):
     """Any failure that femlib reports about its input or its solution."""
@@ -66,8 +69,9 @@ def frozen_ints(values: npt.ArrayLike, name: str, shape: tuple[int, ...]) -> npt
     """
     floats = _converted(values, name)
     _check_shape(floats.shape, name, shape)
-    if not (floats == np.rint(floats)).all():
-        raise InputError(f"{name} holds {floats[floats != np.rint(floats)][0]}; expected whole numbers; correct it")
+    is_whole_number = (floats == np.rint(floats)) & (np.abs(floats) <= MOST_WHOLE)
+    if not is_whole_number.all():
+        raise InputError(f"{name} holds {floats[~is_whole_number][0]}; expected whole numbers; correct it")
     array = floats.astype(np.int64)
     array.flags.writeable = False
     return array

@@ -59,9 +59,10 @@ def regular_file(path: Path, expected: str) -> Iterator[IO[bytes]]:
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else error
         raise InputError(f"{path} cannot be read ({reason}); expected {expected}; correct the path") from error
+    if not stat.S_ISREG(os.fstat(descriptor).st_mode):
+        os.close(descriptor)
+        raise InputError(f"{path} cannot be read (it is no regular file); expected {expected}; correct the path")
     with os.fdopen(descriptor, "rb") as file:
-        if not stat.S_ISREG(os.fstat(descriptor).st_mode):
-            raise InputError(f"{path} cannot be read (it is no regular file); expected {expected}; correct the path")
         yield file
 
 

@@ -19,6 +19,8 @@ from femlib.files import parsed_object, regular_file, whole_file
 from femlib.rom.bound import ErrorBound
 
 _OPTIONAL = ("motion",)
+MOST_ENTRY = 1e30
+"""No strain, displacement or norm of one is larger, and products of three of them do not overflow."""
 _WORDS = ("parameters", "outputs", "provenance", "n_leading")
 
 
@@ -109,12 +111,15 @@ def _array(held: zipfile.ZipFile, entry: zipfile.ZipInfo, name: str) -> np.ndarr
     with warnings.catch_warnings():
         warnings.simplefilter("error")  # of headers that another Python wrote
         shape, _, kind = reader(content)
-    if kind.hasobject or kind.kind not in "fiuU":
+    if kind.hasobject or kind.kind not in ("U" if name == "words" else "fiu"):
         raise InputError(f"{name} holds values of type {str(kind)[:60]}; expected numbers")
     if math.prod(shape) * kind.itemsize != entry.file_size - content.tell():
         raise InputError(f"{name} promises shape {shown(shape)} but has {entry.file_size} bytes; expected as many")
     content.seek(0)
-    return np.asarray(np.lib.format.read_array(content, allow_pickle=False))
+    array = np.asarray(np.lib.format.read_array(content, allow_pickle=False))
+    if name != "words" and not (np.abs(array.astype(np.float64)) <= MOST_ENTRY).all():
+        raise InputError(f"{name} holds a number that is not finite or beyond {MOST_ENTRY:g}; expected strains")
+    return array
 
 
 def _words(array: np.ndarray) -> dict[str, Any]:

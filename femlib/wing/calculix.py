@@ -23,6 +23,8 @@ from femlib.wing.model import MICRO, Wing
 
 N_POINTS = 8
 """Integration points of a quadratic shell."""
+MOST_STRAIN = 1e6
+"""Beyond it no material is left."""
 MOST_DIGITS = 9
 """Digits of an element's number."""
 
@@ -120,8 +122,10 @@ def _strain(word: str, path: Path, number: int) -> float:
         strain = float(word)
     except ValueError:
         strain = math.nan
-    if not math.isfinite(strain):
-        raise InputError(f"{path}, line {number}: strain is {shown(word)}; expected a finite number; run the deck")
+    if not abs(strain) <= MOST_STRAIN:
+        raise InputError(
+            f"{path}, line {number}: strain is {shown(word)}; expected a number of at most {MOST_STRAIN:g}; run the deck"
+        )
     return strain
 
 

@@ -85,6 +85,8 @@ def _text(path: Path) -> str:
         return path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
         raise DataError(f"campaign file {path} is not UTF-8 text ({error}); save it as CSV in UTF-8") from error
+    except OSError as error:
+        raise DataError(f"campaign file {path} cannot be read ({error.strerror}); expected a readable CSV file") from error
 
 
 def _parsed(text: str) -> Iterator[tuple[int, list[str]]]:
