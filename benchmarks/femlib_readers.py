@@ -130,7 +130,8 @@ def make_published(number: int, folder: Path) -> None:
     rows = [",".join(["mu1_percent", "mu2_percent", "load_factor", "kind", *gauges])]
     for k, (mu1, mu2) in enumerate(study_states_percent().tolist()):
         for load, kind in ((3, "mean"), (1, "mean"), (3, "sd")):
-            rows.append(",".join([str(mu1), str(mu2), str(load), kind, *(f"{k + j / 7 + number:.4f}" for j in range(24))]))
+            strains = (f"{k + j / 7 + number:.4f}" for j in range(24))
+            rows.append(",".join([str(mu1), str(mu2), str(load), kind, *strains]))
     (folder / "strains.csv").write_text("\n".join(rows) + "\n")
 
 
@@ -145,7 +146,8 @@ def make_model(number: int, folder: Path) -> None:
     owner, n = np.array([0, 0, 1, 1]), 4
     coupling = 0.05 * rng.normal(size=(n, n)) if number % 2 else np.diag([0.1, 0.2, 0.1, 0.3])
     bound = ErrorBound(
-        tuple(rng.normal(size=(3, 1 + n + 2)) for _ in range(2)), tuple(rng.normal(size=(3, 3 + n + 2)) for _ in range(2))
+        tuple(rng.normal(size=(3, 1 + n + 2)) for _ in range(2)),
+        tuple(rng.normal(size=(3, 3 + n + 2)) for _ in range(2)),
     )
     ReducedModel(
         ("mu1", "mu2"),

@@ -22,7 +22,7 @@ class CommandError(Exception):
     """A command that broke its own rules: another exit code, no line or several, a line that a terminal obeys."""
 
 
-class Refused(OctmipError):
+class RefusedError(OctmipError):
     """A command that refused its input, as it should."""
 
 
@@ -66,4 +66,4 @@ def run(*words: object) -> None:
     if code and (not said.startswith("octmip") or not said[:-1].isprintable() or len(said) > 2200):
         raise CommandError(f"{words[0]} said {said[:300]!r}")
     if code:
-        raise Refused(said)
+        raise RefusedError(said)

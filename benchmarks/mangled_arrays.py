@@ -91,7 +91,8 @@ def mangled_archive(rng: Generator, content: bytes) -> bytes:
         at, action = int(rng.integers(len(members))), int(rng.integers(12))
         name, array = members[at]
         if name == "words.npy" and rng.random() < 0.7:
-            members[at] = (name, _saved(np.array(mangled_json(rng, str(_loaded(array)).encode()).decode("utf-8", "replace"))))
+            words = mangled_json(rng, str(_loaded(array)).encode()).decode("utf-8", "replace")
+            members[at] = (name, _saved(np.array(words)))
         elif action < 8:
             members[at] = (name, _other_array(rng, array))
         elif action == 8:

@@ -16,8 +16,21 @@ Mangler = Callable[[Generator, bytes], bytes]
 
 NUMBERS = ("0", "-1", "1", "1.0", "0.5", "-0.0", "1e308", "-1e308", "5e-324", "1e999", "-1e999", "9007199254740993")
 LONG = ("9" * 30, "-" + "9" * 30, "9" * 400, "9" * 5000, "18446744073709551616", "9223372036854775808", "2147483648")
-NAMES = ("", "x", "a" * 1001, "a" * 1_000_000, "<script>alert(1)</script>", "$\\frac{1}{$", "=cmd|' /C calc'!A0", "*/ --")
-MARKS = ("\0", "\x1b[2J", "\u202e", "\ufeff", "\u0661\u0662", "1\u00a0000", "1,000", "0x10", "1_000", "+1", "nan", "inf", "NA")
+NAMES = ("", "x", "a" * 1001, "a" * 1_000_000, "<script>alert(1)</script>", "$\\frac{1}{$", "=cmd|' /C c'!A0", "*/ --")
+MARKS = (
+    "\0",
+    "\x1b[2J",
+    "\u202e",
+    "\ufeff",
+    "\u0661\u0662",
+    "1\u00a0000",
+    "1,000",
+    "0x10",
+    "1_000",
+    "+1",
+    "nan",
+    "inf",
+)
 RAW = (  # JSON, and what is only almost JSON
     *NUMBERS,
     *LONG,
@@ -182,7 +195,7 @@ def mangled_tokens(rng: Generator, content: bytes) -> bytes:
         elif action == 5:
             lines[row:row] = [lines[row]] * int(pick(rng, (1, 2, 50, 5000)))
         elif action == 6:
-            lines[row] = pick(rng, (f"R {pick(rng, ('0', '-1', '1e300'))} 0", "T 0.5", "S 0", "F 0 1", "l 0 0", "N 0 0"))
+            lines[row] = pick(rng, ("R 0 0", "R -1 -1", "R 1e300 0", "T 0.5", "S 0", "F 0 1", "l 0 0", "N 0 0"))
         else:
             other = int(rng.integers(first, len(lines)))
             lines[row], lines[other] = lines[other], lines[row]

@@ -94,7 +94,7 @@ def _validator() -> Any:
 SCHEMA = "schemas/tree.schema.json"
 
 
-class Disagreement(Exception):
+class DisagreementError(Exception):
     """The published schema and the reader differ on a value's kind or range."""
 
 
@@ -107,7 +107,7 @@ def agree_with_schema(path: Path) -> None:
     except (OctmipError, KeyError):
         takes = False
     if _validator().is_valid(content) != takes:
-        raise Disagreement(f"the reader {'takes' if takes else 'refuses'} what the schema does not")
+        raise DisagreementError(f"the reader {'takes' if takes else 'refuses'} what the schema does not")
 
 
 BROAD = ("--split-size", 2, "--method", "search", "--seconds", 1)
@@ -115,7 +115,8 @@ BROAD = ("--split-size", 2, "--method", "search", "--seconds", 1)
 
 def tree_command(rng: Generator, folder: Path) -> None:
     """Give a tree file to one of the commands that read one."""
-    tree, table, out = folder / "tree.json", folder / "table.csv", folder / pick(rng, ("p.html", "p.md", "p.dot", "p.txt"))
+    tree, table = folder / "tree.json", folder / "table.csv"
+    out = folder / pick(rng, ("p.html", "p.md", "p.dot", "p.txt"))
     commands = (
         ("report", tree),
         ("report", tree, "--out", out),
@@ -237,7 +238,8 @@ def make_selector(number: int, folder: Path) -> None:
     rng = np.random.default_rng([91, number])
     states = np.array([[0.0, 0.0], [0.2, 0.0], [0.0, 0.4], [0.2, 0.4]])
     slopes = rng.normal(size=(4, 2, 3)) if number % 2 else np.zeros(0)
-    library = Library(("mu1", "mu2"), states, ("g1", "g2", "g3"), 100 * rng.normal(size=(4, 3)), np.ones(3), slopes=slopes)
+    gauges, strains = ("g1", "g2", "g3"), 100 * rng.normal(size=(4, 3))
+    library = Library(("mu1", "mu2"), states, gauges, strains, np.ones(3), slopes=slopes)
     right = HyperplaneSplit((0, 2), (1.0, -0.5), 3.0, Leaf(2), Leaf(3))
     ModelSelector(library, Split(1, 2.5, Split(0, 0.1, Leaf(0), Leaf(1)), right)).write(folder / "selector.json")
 

@@ -33,8 +33,9 @@ class SolveError(FemlibError, RuntimeError):
 
 def is_number(value: object) -> TypeGuard[float]:
     """Return whether a value is one finite real number: no text, no truth value, no array, no NaN."""
-    is_real = isinstance(value, Real) and not isinstance(value, bool)
-    return is_real and bool(-sys.float_info.max <= value <= sys.float_info.max)  # a whole number may be beyond float
+    if not isinstance(value, Real) or isinstance(value, bool):
+        return False
+    return bool(-sys.float_info.max <= value <= sys.float_info.max)  # a whole number may be beyond every float
 
 
 def is_whole(value: object) -> TypeGuard[int]:

@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import IO, Any
+from typing import Any, BinaryIO
 
 from femlib.errors import InputError
 
@@ -45,7 +45,7 @@ def whole_file(target: Path) -> Iterator[Path]:
 
 
 @contextmanager
-def regular_file(path: Path, expected: str) -> Iterator[IO[bytes]]:
+def regular_file(path: Path, expected: str) -> Iterator[BinaryIO]:
     """Open a regular file to be read; nothing is waited for, as a pipe would.
 
     Raises

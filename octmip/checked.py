@@ -1,7 +1,7 @@
 """Values of files: the one way to take a number, a name, a list or an object, and its JSON Schema from the same words.
 
-A kind says what a value must be. `Kind.take` returns the value as that kind, or raises a `Misfit` that knows where in
-the file it stands; `Kind.schema` returns the same demand in the words of JSON Schema (draft 2020-12), so that the two
+A kind says what a value must be. `Kind.take` returns the value as that kind, or raises a `MisfitError` that knows
+where in the file it stands; `Kind.schema` returns the same demand in the words of JSON Schema (draft 2020-12), so that the two
 cannot disagree. As there, 3.0 is a whole number, and true is neither a number nor a whole one.
 """
 
@@ -24,16 +24,16 @@ SHOWN = 60
 Schema = dict[str, Any]
 
 
-class Misfit(DataError):
+class MisfitError(DataError):
     """A value that is not what it must be, and the way to it from the outermost value of the file."""
 
     def __init__(self, sentence: str, path: tuple[str | int, ...] = ()) -> None:
         super().__init__(f"{place(path)} {sentence}")
         self.sentence, self.path = sentence, path
 
-    def inside(self, step: str | int) -> "Misfit":
+    def inside(self, step: str | int) -> "MisfitError":
         """Return the same misfit seen from one value further out."""
-        return Misfit(self.sentence, (step, *self.path))
+        return MisfitError(self.sentence, (step, *self.path))
 
 
 class Kind(Protocol):
@@ -45,7 +45,7 @@ class Kind(Protocol):
         ...
 
     def take(self, value: Any) -> Any:
-        """Return the value; raise `Misfit` if it is of another kind."""
+        """Return the value; raise `MisfitError` if it is of another kind."""
         ...
 
     def schema(self) -> Schema:
@@ -79,8 +79,8 @@ def _plain(step: str) -> str:
     return step if step.isidentifier() and len(step) <= SHOWN else shown(step)
 
 
-def _refused(value: object, expected: str) -> Misfit:
-    return Misfit(f"is {shown(value)}; expected {expected}")
+def _refused(value: object, expected: str) -> MisfitError:
+    return MisfitError(f"is {shown(value)}; expected {expected}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -210,7 +210,7 @@ class Either:
         for kind in self.kinds:
             try:
                 return kind.take(value)
-            except Misfit as misfit:
+            except MisfitError as misfit:
                 if misfit.path:  # of this kind outside, and wrong further in: that is what to report
                     raise
         raise _refused(value, self.words)
@@ -297,7 +297,7 @@ class ListOf:
         try:
             for entry in value:
                 taken.append(self.kind.take(entry))
-        except Misfit as misfit:
+        except MisfitError as misfit:
             raise misfit.inside(len(taken)) from None
         return taken
 
@@ -343,10 +343,10 @@ class Record:
             raise _refused(value, self.words)
         for name in self.entries:
             if name not in value:
-                raise Misfit(f"lacks the entry {name!r}; expected {self.words}")
+                raise MisfitError(f"lacks the entry {name!r}; expected {self.words}")
         unknown = [name for name in value if name not in self.entries] if self.closed else []
         if unknown:
-            raise Misfit(f"has the entry {shown(unknown[0])}; expected {self.words}")
+            raise MisfitError(f"has the entry {shown(unknown[0])}; expected {self.words}")
         return {name: _entry(kind, value, name) for name, kind in self.entries.items()}
 
     def schema(self) -> Schema:
@@ -358,12 +358,12 @@ class Record:
 
 def _name(name: str) -> str:
     if len(name) > MOST_NAME:
-        raise Misfit(f"has an entry with a name of {len(name)} characters; expected {MOST_NAME} at most")
+        raise MisfitError(f"has an entry with a name of {len(name)} characters; expected {MOST_NAME} at most")
     return name
 
 
 def _entry(kind: Kind, content: dict[str, Any], name: str) -> Any:
     try:
         return kind.take(content[name])
-    except Misfit as misfit:
+    except MisfitError as misfit:
         raise misfit.inside(name) from None

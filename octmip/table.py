@@ -102,8 +102,8 @@ class Table:
 
     def _beyond(self, name: str, row: int, column: "pd.Series[Any]") -> str:
         return (
-            f"{self.place(row, name)}: {shown(int(column.iloc[row]))} is beyond 2^53, where float64 no longer tells integers "
-            "apart; subtract an offset first"
+            f"{self.place(row, name)}: {shown(int(column.iloc[row]))} is beyond 2^53, where float64 no longer tells "
+            "integers apart; subtract an offset first"
         )
 
     def labels(self, column: str, known: Sequence[Any] | None = None, purpose: str = "label") -> NDArray[Any]:
@@ -157,7 +157,8 @@ class Table:
 def _is_number(value: object) -> bool:
     """Whether a cell is a number, of any size; "nan" is none."""
     try:
-        return float(value) == float(value) and "_" not in str(value)  # type: ignore[arg-type]
+        is_plain = str(value).isascii() and "_" not in str(value)  # Python takes 1_000, and digits of any script
+        return is_plain and float(value) == float(value)  # type: ignore[arg-type]
     except OverflowError:  # a whole number beyond float64
         return True
     except (TypeError, ValueError):
@@ -317,7 +318,8 @@ def read_sensors(path: PathLike, feature_names: Sequence[str]) -> Sensors:
     missing = [name for name in feature_names if times[name] != 1]
     if missing:
         raise DataError(
-            f"{path} names the feature {shown(missing[0])} {times[missing[0]]} times; expected one row for each feature used"
+            f"{path} names the feature {shown(missing[0])} {times[missing[0]]} times; expected one row for each "
+            "feature used"
         )
     found: dict[str, float] = {}
     of_feature = []

@@ -30,7 +30,7 @@ from octmip.checked import (
     Kind,
     ListOf,
     MapOf,
-    Misfit,
+    MisfitError,
     Number,
     Record,
     Schema,
@@ -61,7 +61,7 @@ class NodeKind:
         """Return the node and all below it."""
         kind = next((kind for mark, kind in _NODES.items() if type(value) is dict and mark in value), None)
         if kind is None:
-            raise Misfit(f"is {shown(value)} and lacks the entry 'label' or 'left'; expected {self.words}")
+            raise MisfitError(f"is {shown(value)} and lacks the entry 'label' or 'left'; expected {self.words}")
         return kind.take(value)
 
     def schema(self) -> Schema:
@@ -259,7 +259,7 @@ def read_tree_file(path: PathLike) -> TreeFile:
     content = read_json_object(path)
     if content.get("format") != FORMAT:
         raise TreeError(f"{path} is no tree file: format is {shown(content.get('format'))}; expected {FORMAT!r}")
-    version = content.get("version")
+    version: Any = content.get("version")
     if type(version) not in (int, float) or version < 1:
         raise TreeError(f"{path} has version {shown(version)}; expected {VERSION}; write it again with octmip solve")
     if version > VERSION:

@@ -32,6 +32,10 @@ def arrow() -> tuple[Any, Any]:
         raise InputError("Parquet files need pyarrow, which is not installed; pip install 'octmip[parquet]'") from error
 
 
+PIECE = 2**20
+"""Bytes of a file that are read at once."""
+
+
 @contextmanager
 def parquet_file(path: Path) -> Iterator[Any]:
     """Open a Parquet file; what goes wrong until it is closed is one sentence.
@@ -82,6 +86,9 @@ def floats(column: "pd.Series[Any]") -> FloatArray:
 
 
 def _float(value: Any) -> float:
+    words = str(value)
+    if not words.isascii() or "_" in words:  # Python takes 1_000, and digits of any script
+        return math.nan
     try:
         return float(value)
     except (TypeError, ValueError, OverflowError):
@@ -120,7 +127,10 @@ def file_sha256(path: Path) -> str:
         If it cannot be read.
     """
     with regular_file(path, "a dataset") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
+        digest = hashlib.sha256()
+        while piece := file.read(PIECE):
+            digest.update(piece)
+        return digest.hexdigest()
 
 
 def read_side(target: Path, version: int | str) -> dict[str, Any]:

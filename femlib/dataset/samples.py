@@ -153,7 +153,8 @@ def published_strains(path: str | Path) -> MeanStrains:
     names = tuple(f"g{k:02d}" for k in range(1, N_PUBLISHED_GAUGES + 1))
     usable = np.array([name not in PUBLISHED_INSIDE_REGIONS for name in names])
     strains = np.stack([floats(table[name][is_mean])[order] for name in columns], axis=1)
-    return MeanStrains(study_states_percent(), strains, LOAD_FACTOR, names, usable, f"published table {Path(path).name}", "")
+    source = f"published table {Path(path).name}"
+    return MeanStrains(study_states_percent(), strains, LOAD_FACTOR, names, usable, source, "")
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,7 @@ import zipfile
 import zlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import IO, Any
+from typing import Any, BinaryIO
 
 import numpy as np
 
@@ -88,7 +88,7 @@ _FAILURES = (
 )
 
 
-def _checked_members(held: zipfile.ZipFile, file: IO[bytes]) -> list[zipfile.ZipInfo]:
+def _checked_members(held: zipfile.ZipFile, file: BinaryIO) -> list[zipfile.ZipInfo]:
     """Return the members; `np.savez` stores them as they are, so none may promise more bytes than the file has."""
     members = held.infolist()
     size = file.seek(0, io.SEEK_END)

@@ -213,8 +213,8 @@ class ReducedModel:
             duals = np.asarray(np.linalg.solve(matrix.T, self.readout[:, modes].T), dtype=np.float64)
         except np.linalg.LinAlgError as error:
             raise SolveError(
-                f"the reduced equations of the damages {mu.tolist()} are singular; expected a coupling below 1 / mu, as "
-                "reduce_structure makes it; reduce the structure again"
+                f"the reduced equations of the damages {mu.tolist()} are singular; expected a coupling below 1 / mu, "
+                "as reduce_structure makes it; reduce the structure again"
             ) from error
         left = duals.T @ (self.load[modes] - matrix @ amplitudes[modes])
         remainder = self.bound.remainder(mu, self.owner, modes, amplitudes[modes], duals)

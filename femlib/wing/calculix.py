@@ -124,7 +124,7 @@ def _strain(word: str, path: Path, number: int) -> float:
         strain = math.nan
     if not abs(strain) <= MOST_STRAIN:
         raise InputError(
-            f"{path}, line {number}: strain is {shown(word)}; expected a number of at most {MOST_STRAIN:g}; run the deck"
+            f"{path}, line {number}: strain is {shown(word)}; expected a number up to {MOST_STRAIN:g}; run the deck"
         )
     return strain
 
