@@ -43,6 +43,7 @@ FAMILIES = {
     "fuzz_everything": "benchmarks.cases.fuzz_everything",
     "fuzz_exact": "benchmarks.cases.fuzz_exact",
     "fuzz_proofs": "benchmarks.cases.fuzz_proofs",
+    "fuzz_files": "benchmarks.cases.fuzz_files",
     "mio_forms": "benchmarks.cases.mio_forms",
     "mio_agreement": "benchmarks.cases.mio_agreement",
     "mio_binary": "benchmarks.cases.mio_binary",

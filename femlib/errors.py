@@ -4,12 +4,15 @@ One parent, children that also answer to the built-in errors a caller expects. A
 copied, checked, made read-only.
 """
 
-import math
+import sys
 from numbers import Integral, Real
 from typing import TypeGuard
 
 import numpy as np
 import numpy.typing as npt
+
+MOST_WHOLE = 2.0**53
+"""Beyond it float64 merges neighbouring whole numbers."""
 
 
 class FemlibError(Exception):
@@ -30,7 +33,9 @@ class SolveError(FemlibError, RuntimeError):
 
 def is_number(value: object) -> TypeGuard[float]:
     """Return whether a value is one finite real number: no text, no truth value, no array, no NaN."""
-    return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
+    if not isinstance(value, Real) or isinstance(value, bool):
+        return False
+    return bool(-sys.float_info.max <= value <= sys.float_info.max)  # a whole number may be beyond every float
 
 
 def is_whole(value: object) -> TypeGuard[int]:
@@ -65,8 +70,9 @@ def frozen_ints(values: npt.ArrayLike, name: str, shape: tuple[int, ...]) -> npt
     """
     floats = _converted(values, name)
     _check_shape(floats.shape, name, shape)
-    if not (floats == np.rint(floats)).all():
-        raise InputError(f"{name} holds {floats[floats != np.rint(floats)][0]}; expected whole numbers; correct it")
+    is_whole_number = (floats == np.rint(floats)) & (np.abs(floats) <= MOST_WHOLE)
+    if not is_whole_number.all():
+        raise InputError(f"{name} holds {floats[~is_whole_number][0]}; expected whole numbers; correct it")
     array = floats.astype(np.int64)
     array.flags.writeable = False
     return array
@@ -75,7 +81,7 @@ def frozen_ints(values: npt.ArrayLike, name: str, shape: tuple[int, ...]) -> npt
 def _converted(values: npt.ArrayLike, name: str) -> npt.NDArray[np.float64]:
     try:
         return np.array(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise InputError(f"{name} is no array of numbers ({error}); expected numbers in rows of one length") from error
 
 

@@ -4,11 +4,21 @@ import contextlib
 import json
 import os
 import secrets
+import stat
+from collections import Counter
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any, TypeVar
 
 from octmip.errors import DataError
 
 PathLike = str | os.PathLike[str]
+T = TypeVar("T")
+MOST_BYTES = 2**32
+"""Size of a file that is read whole: beyond it memory ends before a sentence can be said."""
+MOST_LEVELS = 100
+"""Levels of lists and objects in a JSON file; the deepest tree has some thirty."""
+_DEEP = f"nested deeper than {MOST_LEVELS} levels"
 
 
 def write_bytes(path: PathLike, content: bytes) -> None:
@@ -57,19 +67,55 @@ def check_writable(path: PathLike) -> None:
         raise DataError(f"{path} cannot be written: folder {target.parent} is not writable; choose another place")
 
 
-def read_bytes(path: PathLike) -> bytes:
-    """Return the content of a file.
+def check_readable(path: PathLike) -> int:
+    """Return the size [bytes] of a regular file that can be read; nothing is waited for.
 
     Raises:
-        DataError: it cannot be read, or is empty.
+        DataError: it cannot be read, is empty or too large, or is a folder, pipe or device.
     """
-    try:
-        content = Path(path).read_bytes()
-    except OSError as error:
-        raise DataError(f"{path} cannot be read ({error.strerror}); expected a readable file") from error
+    return _opened(path, lambda descriptor: os.fstat(descriptor).st_size)
+
+
+def read_bytes(path: PathLike) -> bytes:
+    """Return the content of a regular file.
+
+    Raises:
+        DataError: it cannot be read, is empty or too large, or is a folder, pipe or device.
+    """
+    content = _opened(path, _everything)
     if not content.strip():
         raise DataError(f"{path} is empty ({len(content)} bytes); expected its content; was it written to the end?")
     return content
+
+
+def _everything(descriptor: int) -> bytes:
+    with os.fdopen(descriptor, "rb", closefd=False) as file:
+        return file.read()
+
+
+def _opened(path: PathLike, use: Callable[[int], T]) -> T:
+    """Return what `use` makes of a file's descriptor, once the file has proved regular and of a sane size."""
+    try:
+        # Without O_NONBLOCK a pipe that nobody writes to blocks the opening for ever.
+        descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
+        try:
+            found = os.fstat(descriptor)
+            if not stat.S_ISREG(found.st_mode):
+                kind = "a folder" if stat.S_ISDIR(found.st_mode) else "a pipe or device"
+                raise DataError(f"{path} cannot be read (it is {kind}); expected a regular file; give one")
+            if not 0 < found.st_size <= MOST_BYTES:
+                size = f"empty ({found.st_size} bytes)" if not found.st_size else f"too large ({found.st_size} bytes)"
+                raise DataError(
+                    f"{path} is {size}; expected 1 to {MOST_BYTES} bytes of content; was it written to the end?"
+                )
+            return use(descriptor)
+        finally:
+            os.close(descriptor)
+    except (OSError, ValueError) as error:
+        if isinstance(error, DataError):
+            raise
+        reason = error.strerror if isinstance(error, OSError) else error
+        raise DataError(f"{path} cannot be read ({reason}); expected a readable file") from error
 
 
 def read_text(path: PathLike) -> str:
@@ -88,21 +134,25 @@ def read_text(path: PathLike) -> str:
         ) from error
 
 
-def read_json_object(path: PathLike) -> dict[str, object]:
+def read_json_object(path: PathLike) -> dict[str, Any]:
     """Return the one JSON object that a file holds.
 
     Raises:
-        DataError: it cannot be read, ends early, or holds anything else.
+        DataError: it cannot be read, ends early, holds anything else, names an entry twice, is nested deeper than
+            `MOST_LEVELS`, or holds half a character.
     """
     text = read_text(path)
     try:
-        content = json.loads(text, parse_constant=_refuse_constant)
+        content = json.loads(text, parse_constant=_refuse_constant, object_pairs_hook=_once)
+        _check_strings_and_levels(content)
     except json.JSONDecodeError as error:
         ends = not text[error.pos :].strip() or error.msg.startswith("Unterminated")
         what = "the file ends in the middle; was it cut?" if ends else "expected JSON"
         raise DataError(f"{path}, line {error.lineno}, column {error.colno}: {error.msg}; {what}") from error
-    except (ValueError, RecursionError) as error:
-        raise DataError(f"{path} is not JSON that can be read ({error})") from error
+    except RecursionError as error:
+        raise DataError(f"{path} is not JSON that can be read ({_DEEP}); write the file again") from error
+    except ValueError as error:
+        raise DataError(f"{path} is not JSON that can be read ({error}); correct it or write the file again") from error
     if not isinstance(content, dict):
         raise DataError(f"{path} holds a JSON {type(content).__name__}; expected one object {{...}}")
     return content
@@ -110,3 +160,29 @@ def read_json_object(path: PathLike) -> dict[str, object]:
 
 def _refuse_constant(name: str) -> float:
     raise ValueError(f"{name} is no JSON number")
+
+
+def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    content = dict(pairs)
+    if len(content) < len(pairs):
+        twice = Counter(name for name, _ in pairs).most_common(1)[0][0]
+        raise ValueError(f"an object names {twice[:60]!r} twice, and only one of the two can be meant")
+    return content
+
+
+def _check_strings_and_levels(content: object) -> None:
+    """Refuse what later code could not print, write or walk through: half characters, and bottomless nesting."""
+    level = [content]
+    for _ in range(MOST_LEVELS):
+        inner: list[object] = []
+        for value in level:
+            if isinstance(value, str) and not value.isascii():
+                value.encode()  # UnicodeEncodeError, a ValueError, on a lone surrogate
+            elif isinstance(value, dict):
+                inner += [*value, *value.values()]
+            elif isinstance(value, list):
+                inner += value
+        if not inner:
+            return
+        level = inner
+    raise ValueError(_DEEP)

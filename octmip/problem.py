@@ -18,6 +18,7 @@ from octmip.errors import ProblemError
 from octmip.tree import HyperplaneSplit, Node, complexity, features_used, splits
 
 _DERIVED: Any = None  # a field that is filled in when it is left out
+LEAST_COST, MOST_COST = 1e-280, 1e303  # of the worst tree
 MAX_DEPTH = 30  # 2**30 leaves: beyond any use, and the node tables of the solvers are indexed by 32 bits
 
 
@@ -143,6 +144,13 @@ class Problem:
         if (costs < 0).any():
             i, j = (int(index) for index in np.argwhere(costs < 0)[0])
             raise ProblemError(f"costs[{i}, {j}] is {costs[i, j]}; expected 0 or more")
+        with np.errstate(over="ignore"):
+            most = float(weights.sum() * costs.max())
+        if costs.any() and not LEAST_COST <= most <= MOST_COST:
+            raise ProblemError(
+                f"weights and costs make trees that cost up to {most}; expected from {LEAST_COST:g} to {MOST_COST:g}, "
+                "beyond which sums of float64 are no longer what they say; scale weights or costs"
+            )
         self._set("weights", weights)
         self._set("costs", costs)
 
@@ -173,7 +181,7 @@ class Problem:
         if self.split_size is not None:
             self._set("split_size", _whole(self.split_size, "split_size", 1, None))
         if self.integer_normals is not None:
-            self._set("integer_normals", _whole(self.integer_normals, "integer_normals", 1, None))
+            self._set("integer_normals", _whole(self.integer_normals, "integer_normals", 1, 2**53))
 
     def _check_range(self) -> None:
         """Every objective is a float64: none overflows."""

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from octmip import _native
 from octmip.encoding import IntegerCosts
 from octmip.errors import CertificateError, ProblemError
+from octmip.files import read_bytes
 from octmip.problem import Problem
 
 # First line of a log, by the kind of split; of format 2, in which the whole numbers are written out, likewise.
@@ -108,11 +109,12 @@ def check_proof(problem: Problem, path: str | Path, *, bound: float = -math.inf,
 
     Raises:
         ProblemError: trees of this kind have no proof logs.
+        DataError: the log cannot be read.
         CertificateError: the log is of another problem, or does not prove what it claims; with the line and the reason.
     """
     start = time.perf_counter()
     check_provable(problem)
-    log = Path(path).read_text(encoding="ascii", errors="replace")
+    log = read_bytes(path).decode("ascii", errors="replace")
     is_written_out = log.startswith(WRITTEN_OUT[problem.split] + "\n")
     read = _read_numbers if is_written_out else _read_grid
     native, claim, n_lines, proven = read(problem, log, path)
@@ -165,7 +167,7 @@ def _read_grid(problem: Problem, log: str, path: str | Path) -> _Header:
 
 
 def _on_grid(problem: Problem, weight_exponent: int, cost_exponent: int, path: str | Path) -> _native.Problem:
-    with np.errstate(over="ignore"):
+    with np.errstate(over="ignore", invalid="ignore"):  # beyond the capacity, NaN included, is refused below
         weights = np.floor(np.ldexp(problem.weights, weight_exponent))
         costs = np.floor(np.ldexp(problem.costs, cost_exponent))
         penalty = float(np.floor(np.ldexp(problem.leaf_penalty, weight_exponent + cost_exponent)))

@@ -4,8 +4,11 @@ Numbers of a CSV file are read to the last bit: one that is off in the last plac
 threshold. Nothing but an empty cell and NaN counts as missing, so that a class may be called "NA".
 """
 
+import contextlib
 import csv
+import importlib
 import io
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,11 +18,13 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from octmip.checked import MOST_NAME, several, shown
 from octmip.errors import DataError
-from octmip.files import PathLike, read_bytes, read_text
+from octmip.files import PathLike, check_readable, read_text
 
 MISSING_WORDS = {"na", "n/a", "nan", "none", "null", "nil", "?", "-", "missing"}
 EXACT_INTEGERS = 2**53  # beyond it float64 merges neighbouring integers
+MOST_CELLS = 2**28  # of a Parquet file: two gigabytes as float64
 # From 3.1 on pandas reads numbers exactly by default and warns of the option; before, its default may be off.
 IS_EXACT = tuple(int(part) for part in pd.__version__.split(".")[:2]) >= (3, 1)
 EXACT_NUMBERS: dict[str, Any] = {} if IS_EXACT else {"float_precision": "round_trip"}
@@ -40,7 +45,7 @@ class Table:
     def place(self, row: int, column: str) -> str:
         """Return where a cell stands in the file, for a sentence about it."""
         line = _line_of_row(self.path, row) if self.path.suffix == ".csv" else None
-        return f"{self.path}, {f'line {line}' if line else f'row {row + 1}'}, column {column!r}"
+        return f"{self.path}, {f'line {line}' if line else f'row {row + 1}'}, column {shown(column)}"
 
     def column(self, name: str, purpose: str) -> "pd.Series[Any]":
         """Return a column by name.
@@ -49,14 +54,11 @@ class Table:
             DataError: there is none of that name.
         """
         if name not in self.columns:
-            shown = ", ".join(repr(column) for column in self.columns[:12]) + (
-                ", ..." if len(self.columns) > 12 else ""
-            )
-            is_otherwise_separated = len(self.columns) == 1 and (";" in shown or "\\t" in shown)
+            is_otherwise_separated = len(self.columns) == 1 and bool({";", "\t"} & set(self.columns[0]))
             cure = "separate columns by commas" if is_otherwise_separated else "spell it as the header does"
             raise DataError(
-                f"{self.path} has no column {name!r}; expected the {purpose} among its {len(self.columns)} columns "
-                f"({shown}); {cure}"
+                f"{self.path} has no column {shown(name)}; expected the {purpose} among its {len(self.columns)} "
+                f"columns {several(self.columns)}; {cure}"
             )
         return self.frame[name]
 
@@ -74,24 +76,35 @@ class Table:
     def _numbers_of(self, name: str, column: "pd.Series[Any]", purpose: str) -> NDArray[np.float64]:
         self._refuse_empty(name, column, purpose)
         if column.dtype.kind not in "biuf":
-            numbers = pd.to_numeric(column, errors="coerce").to_numpy(dtype=np.float64)
-            row = int(np.isnan(numbers).argmax())
-            leave_out = ", or leave the column out with --features" if purpose == "feature" else ""
-            raise DataError(
-                f"{self.place(row, name)}: {str(column.iloc[row])!r} is no number, and a {purpose} holds numbers only; "
-                f"encode it as numbers{leave_out}"
-            )
-        if column.dtype.kind in "iu" and (column.abs() > EXACT_INTEGERS).any():
-            row = int((column.abs() > EXACT_INTEGERS).to_numpy().argmax())
-            raise DataError(
-                f"{self.place(row, name)}: {column.iloc[row]} is beyond 2^53, where float64 no longer tells integers "
-                "apart; subtract an offset first"
-            )
+            raise DataError(self._complaint(name, column, purpose))
+        if column.dtype.kind in "iu":
+            is_beyond = ((column > EXACT_INTEGERS) | (column < -EXACT_INTEGERS)).to_numpy()
+            if is_beyond.any():
+                raise DataError(self._beyond(name, int(is_beyond.argmax()), column))
         numbers = column.to_numpy(dtype=np.float64)
         if not np.isfinite(numbers).all():
             row = int(np.isfinite(numbers).argmin())
             raise DataError(f"{self.place(row, name)}: {numbers[row]} is not finite; expected a finite number")
         return numbers
+
+    def _complaint(self, name: str, column: "pd.Series[Any]", purpose: str) -> str:
+        """Return a sentence about the first cell of a column that pandas could not take for numbers."""
+        words = (row for row, value in enumerate(column) if not _is_number(value))
+        row = next(words, None)
+        if row is None and column.map(lambda value: isinstance(value, int)).all():
+            row = max(range(len(column)), key=lambda k: abs(column.iloc[k]))  # whole numbers of more than 64 bits
+            return self._beyond(name, row, column)
+        leave_out = ", or leave the column out with --features" if purpose == "feature" else ""
+        return (
+            f"{self.place(row or 0, name)}: {shown(column.iloc[row or 0])} is no number, and a {purpose} holds numbers "
+            f"only; encode it as numbers{leave_out}"
+        )
+
+    def _beyond(self, name: str, row: int, column: "pd.Series[Any]") -> str:
+        return (
+            f"{self.place(row, name)}: {shown(int(column.iloc[row]))} is beyond 2^53, where float64 no longer tells "
+            "integers apart; subtract an offset first"
+        )
 
     def labels(self, column: str, known: Sequence[Any] | None = None, purpose: str = "label") -> NDArray[Any]:
         """Return the label of each row, shape (n_rows,): whole numbers, numbers, booleans or text.
@@ -104,24 +117,32 @@ class Table:
         labels = values.to_numpy()
         if labels.dtype.kind not in "biuf":
             labels = np.array([str(value) for value in values], dtype=object)
-            self._refuse_missing_among_numbers(column, labels)
+            self._refuse_words(column, labels)
         if known is not None:
-            unseen = [row for row, label in enumerate(labels.tolist()) if label not in set(known)]
+            is_known = set(known).__contains__
+            unseen = [row for row, label in enumerate(labels.tolist()) if not is_known(label)]
             if unseen:
                 raise DataError(
-                    f"{self.place(unseen[0], column)}: label {labels[unseen[0]]!r} was not seen at training "
-                    f"({len(unseen)} such rows); the tree knows {list(known)}"
+                    f"{self.place(unseen[0], column)}: label {shown(labels.tolist()[unseen[0]])} was not seen at "
+                    f"training ({len(unseen)} such rows); the tree knows {several(known)}; give the right column"
                 )
         return labels
 
-    def _refuse_missing_among_numbers(self, name: str, labels: NDArray[Any]) -> None:
-        """Refuse "NA" in a column of numbers; in a column of words it is a class like any other."""
-        is_text = pd.to_numeric(pd.Series(labels), errors="coerce").isna().to_numpy()
-        if 0 < is_text.sum() < len(labels) and {str(label).lower() for label in labels[is_text]} <= MISSING_WORDS:
-            row = int(is_text.argmax())
+    def _refuse_words(self, name: str, labels: NDArray[Any]) -> None:
+        """Refuse a word that no page can bear, and "NA" among numbers; among words it is a class like any other."""
+        lengths = [len(label) for label in labels]
+        if max(lengths) > MOST_NAME:
+            row = lengths.index(max(lengths))
             raise DataError(
-                f"{self.place(row, name)}: {labels[row]!r} among numbers ({int(is_text.sum())} such rows); drop the "
-                "row, or name every class by a word"
+                f"{self.place(row, name)}: {shown(labels[row])} has {max(lengths)} characters; expected at most "
+                f"{MOST_NAME}; name every class by a word"
+            )
+        words = {label for label in set(labels) if not _is_number(label)}
+        rows = [row for row, label in enumerate(labels) if label in words]
+        if 0 < len(rows) < len(labels) and {word.lower() for word in words} <= MISSING_WORDS:
+            raise DataError(
+                f"{self.place(rows[0], name)}: {shown(labels[rows[0]])} among numbers ({len(rows)} such rows); drop "
+                "the row, or name every class by a word"
             )
 
     def _refuse_empty(self, name: str, column: "pd.Series[Any]", purpose: str) -> None:
@@ -131,6 +152,17 @@ class Table:
                 f"{self.place(int(empty.argmax()), name)}: the {purpose} is empty or NaN ({int(empty.sum())} such "
                 "rows); fill it or drop the row"
             )
+
+
+def _is_number(value: object) -> bool:
+    """Whether a cell is a number, of any size; "nan" is none."""
+    try:
+        is_plain = str(value).isascii() and "_" not in str(value)  # Python takes 1_000, and digits of any script
+        return is_plain and float(value) == float(value)  # type: ignore[arg-type]
+    except OverflowError:  # a whole number beyond float64
+        return True
+    except (TypeError, ValueError):
+        return False
 
 
 def read_table(path: PathLike) -> Table:
@@ -155,7 +187,7 @@ def _read_csv(path: Path) -> pd.DataFrame:
         header, first = next(reader, []), next((cells for cells in reader if cells), [])
     except csv.Error as error:
         raise DataError(f"{path}, line {reader.line_num}: {error}; expected cells separated by commas") from error
-    _refuse_twice(path, header)
+    _check_names(path, header)
     if "" in (name.strip() for name in header):
         place = [name.strip() for name in header].index("") + 1
         raise DataError(f"{path}, line 1: column {place} has no name; name it, or drop it if it only counts the rows")
@@ -169,36 +201,68 @@ def _read_csv(path: Path) -> pd.DataFrame:
             na_values=["", "nan", "NaN"],
             low_memory=False,
         )
-    except (pd.errors.ParserError, pd.errors.EmptyDataError) as error:
+    except (ValueError, OverflowError) as error:  # pandas' own ParserError and EmptyDataError among them
         reason = str(error).strip().removeprefix("Error tokenizing data. C error: ")
         raise DataError(f"{path} is no table: {reason}; give every line as many cells as the header has") from error
+    if list(frame.columns) != header:
+        raise DataError(f"{path}, line 1: the header can be read in two ways; expected plain names; rename the columns")
     return frame
 
 
 def _read_parquet(path: Path) -> pd.DataFrame:
-    read_bytes(path)  # its sentence about missing, unreadable and empty files
+    check_readable(path)
     try:
-        frame = pd.read_parquet(path)
+        arrow, parquet = importlib.import_module("pyarrow"), importlib.import_module("pyarrow.parquet")
     except ImportError as error:
         raise DataError(f"{path} needs the package pyarrow to be read; install octmip[parquet]") from error
-    except (ValueError, OSError) as error:
-        reason = " ".join(str(error).split())
+    try:
+        with parquet.ParquetFile(path) as file:
+            names = file.schema_arrow.names
+            _check_names(path, names)
+            _check_size(path, file.metadata.num_rows, len(names))
+            index = _index_columns(file.schema_arrow.pandas_metadata)
+            # The metadata's other promises are not asked for: they hold types of Python that a column would become.
+            frame: pd.DataFrame = file.read().to_pandas(ignore_metadata=True)
+    except DataError:
+        raise
+    except (arrow.ArrowException, ValueError, TypeError, LookupError, OSError, ArithmeticError, MemoryError) as error:
+        reason = " ".join(str(error).split())[:300]
         raise DataError(f"{path} is no Parquet file that can be read ({reason}); was it written to the end?") from error
-    _refuse_twice(path, [str(name) for name in frame.columns])
-    return frame
+    return frame.drop(columns=[name for name in names if name in index])
 
 
-def _refuse_twice(path: Path, header: Sequence[str]) -> None:
-    twice = sorted({name for name in header if header.count(name) > 1})
-    if twice:
-        raise DataError(f"{path} has the column {twice[0]!r} {header.count(twice[0])} times; give each its own name")
+def _index_columns(metadata: object) -> set[str]:
+    """Return the columns in which pandas keeps the names of the rows: no column of the table."""
+    found = metadata.get("index_columns") if isinstance(metadata, dict) else None
+    return {name for name in found if isinstance(name, str)} if isinstance(found, list) else set()
+
+
+def _check_size(path: Path, n_rows: int, n_columns: int) -> None:
+    """Refuse a promise of more cells than memory has: Parquet stores a million equal cells in a few bytes."""
+    if n_rows * n_columns > MOST_CELLS:
+        raise DataError(
+            f"{path} holds {n_rows} rows of {n_columns} columns; expected at most {MOST_CELLS} cells; drop columns"
+        )
+
+
+def _check_names(path: Path, header: Sequence[str]) -> None:
+    """Refuse a name that stands twice, or that no page can bear."""
+    twice, times = Counter(header).most_common(1)[0] if header else ("", 0)
+    if times > 1:
+        raise DataError(f"{path} has the column {shown(twice)} {times} times; give each its own name")
+    longest = max(header, key=len, default="")
+    if len(longest) > MOST_NAME:
+        raise DataError(
+            f"{path} has a column whose name has {len(longest)} characters ({shown(longest)}); expected at most "
+            f"{MOST_NAME}; rename it"
+        )
 
 
 def _line_of_row(path: Path, row: int) -> int | None:
     """Return the line of a CSV file (1: header) on which a row ends: blank lines hold no row, quoted cells may span."""
-    with path.open(newline="", encoding="utf-8-sig") as file:
-        reader = csv.reader(file)
-        rows_before = -1  # the header
+    reader = csv.reader(io.StringIO(read_text(path), newline=""))
+    rows_before = -1  # the header
+    with contextlib.suppress(csv.Error):  # a cell that pandas takes and csv does not: the row is named by its number
         for cells in reader:
             if cells:
                 if rows_before == row:
@@ -225,7 +289,7 @@ def read_costs(path: PathLike, class_names: Sequence[Any]) -> NDArray[np.float64
     wanted = [str(name) for name in class_names]
     for what, got in (("rows", rows), ("columns", list(table.columns[1:]))):
         if sorted(got) != sorted(wanted):
-            raise DataError(f"{path} has {what} {got}; expected each of the classes {wanted} once")
+            raise DataError(f"{path} has {what} {several(got)}; expected each of the classes {several(wanted)} once")
     return table.numbers(wanted, "cost")[[rows.index(name) for name in wanted]]
 
 
@@ -250,17 +314,18 @@ def read_sensors(path: PathLike, feature_names: Sequence[str]) -> Sensors:
     names = [str(value) for value in table.labels(column, purpose=f"{column} name")]
     sensors = [str(value) for value in table.labels("sensor", purpose="sensor name")]
     costs = table.numbers(["cost"], "sensor cost")[:, 0].tolist()
-    missing = [name for name in feature_names if names.count(name) != 1]
+    times = Counter(names)
+    missing = [name for name in feature_names if times[name] != 1]
     if missing:
-        times = names.count(missing[0])
         raise DataError(
-            f"{path} names the feature {missing[0]!r} {times} times; expected one row for each feature used"
+            f"{path} names the feature {shown(missing[0])} {times[missing[0]]} times; expected one row for each "
+            "feature used"
         )
     found: dict[str, float] = {}
     of_feature = []
     for name in feature_names:
         sensor, cost = sensors[names.index(name)], costs[names.index(name)]
         if found.setdefault(sensor, cost) != cost:
-            raise DataError(f"{path} gives sensor {sensor!r} two costs, {found[sensor]} and {cost}; expected one")
+            raise DataError(f"{path} gives sensor {shown(sensor)} two costs, {found[sensor]} and {cost}; expected one")
         of_feature.append(sensor)
     return Sensors(tuple(of_feature), found)

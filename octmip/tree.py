@@ -95,8 +95,9 @@ def goes_left(
     if isinstance(split, Split):
         return features[rows, split.feature] <= split.threshold
     total = np.zeros_like(features[rows, split.features[0]])
-    for feature, coefficient in zip(split.features, split.coefficients, strict=True):
-        total += coefficient * features[rows, feature]
+    with np.errstate(over="ignore", invalid="ignore"):  # beyond float64 is inf; inf - inf is no number and goes right
+        for feature, coefficient in zip(split.features, split.coefficients, strict=True):
+            total += coefficient * features[rows, feature]
     return total <= split.offset
 
 

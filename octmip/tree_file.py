@@ -14,32 +14,111 @@ as many digits as float64 needs to come back the same.
 import dataclasses
 import json
 import math
+from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
-from types import NoneType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from octmip.checked import (
+    Anything,
+    AsItIs,
+    Choice,
+    Either,
+    Kind,
+    ListOf,
+    MapOf,
+    MisfitError,
+    Number,
+    Record,
+    Schema,
+    Text,
+    Truth,
+    Whole,
+    maybe,
+    shown,
+)
 from octmip.errors import OctmipError, TreeError
 from octmip.files import PathLike, read_json_object, write_bytes
-from octmip.problem import Problem
+from octmip.problem import MAX_DEPTH, Problem
 from octmip.solution import Solution, Stop
 from octmip.tree import HyperplaneSplit, Leaf, Node, Split, leaf_index, leaves, n_splits, splits
 
 FORMAT, VERSION = "octmip-tree", 1
-SETTINGS = (
-    "depth",
-    "split",
-    "split_size",
-    "leaf_size",
-    "leaf_penalty",
-    "costs",
-    "sensor_of_feature",
-    "sensor_cost",
-    "sensor_budget",
-    "allowed_splits",
-    "integer_normals",
+COST, COUNT = Number(low=0.0), Whole(1, 2**53)
+NAME, CLASS = Text(), AsItIs(Either((Text(), Truth(), Number())))
+
+
+@dataclass(frozen=True, slots=True)
+class NodeKind:
+    """A node of a tree: a leaf, a split on one feature, or one on several, by the entries that it has."""
+
+    words: str = "a node: label, or left and right with feature and threshold, or features, coefficients and offset"
+
+    def take(self, value: Any) -> dict[str, Any]:
+        """Return the node and all below it."""
+        kind = next((kind for mark, kind in _NODES.items() if type(value) is dict and mark in value), None)
+        if kind is None:
+            raise MisfitError(f"is {shown(value)} and lacks the entry 'label' or 'left'; expected {self.words}")
+        return kind.take(value)
+
+    def schema(self) -> Schema:
+        """Return the reference to the definition, which holds itself."""
+        return {"$ref": "#/$defs/node"}
+
+
+NODE = NodeKind()
+_SIDES: dict[str, Kind] = {"left": NODE, "right": NODE}
+_NODES = {
+    "label": Record({"label": CLASS}, closed=True),
+    "feature": Record({"feature": NAME, "threshold": Number(), **_SIDES}, closed=True),
+    "left": Record(
+        {"features": ListOf(NAME, 1), "coefficients": ListOf(Number(), 1), "offset": Number(), **_SIDES}, closed=True
+    ),
+}
+SETTINGS: dict[str, Kind] = {
+    "depth": Whole(1, MAX_DEPTH),
+    "split": Choice(("axis", "hyperplane")),
+    "split_size": maybe(COUNT),
+    "leaf_size": COUNT,
+    "leaf_penalty": COST,
+    "costs": ListOf(ListOf(COST)),
+    "sensor_of_feature": ListOf(NAME),
+    "sensor_cost": MapOf(COST),
+    "sensor_budget": maybe(COST),
+    "allowed_splits": maybe(ListOf(ListOf(Either((NAME, Whole(0, 2**31))), 1))),
+    "integer_normals": maybe(COUNT),
+}
+CLAIMS: dict[str, Kind] = {
+    "objective": Number(),
+    "bound": maybe(Number()),
+    "stop": Choice(tuple(str(stop) for stop in Stop)),
+    "seconds": COST,
+    "n_nodes": Whole(),
+    "solver": NAME,
+    "version": NAME,
+    "seed": Whole(),
+    "tolerance": COST,
+    "details": MapOf(Anything()),
+}
+TRAINING: dict[str, Kind] = {
+    "sha256": Text("^[0-9a-f]{64}$", "the 64 digits of a sha256, a text"),
+    "n_samples": COUNT,
+    "label": maybe(NAME),
+    "weights": maybe(NAME),
+    "leaf_counts": ListOf(ListOf(Whole(0, 2**53)), 1),
+}
+CONTENT = Record(
+    {
+        "tree": NODE,
+        "feature_names": ListOf(NAME, 1),
+        "class_names": ListOf(CLASS, 1),
+        "problem": Record(SETTINGS),
+        "training": Record(TRAINING),
+        "solution": Record(CLAIMS),
+    }
 )
 
 
@@ -120,9 +199,11 @@ def write_tree_file(path: PathLike, file: TreeFile) -> None:
     """Write a tree file, whole or not at all.
 
     Raises:
-        DataError: it cannot be written.
+        DataError: it cannot be written, or holds what no reader would take, such as a name of a thousand characters.
     """
-    write_bytes(path, (json.dumps(encode(file), indent=1, allow_nan=False) + "\n").encode())
+    content = encode(file)
+    CONTENT.take(content)  # what could not be read again is not written
+    write_bytes(path, (json.dumps(content, indent=1, allow_nan=False) + "\n").encode())
 
 
 def encode(file: TreeFile) -> dict[str, Any]:
@@ -177,108 +258,118 @@ def read_tree_file(path: PathLike) -> TreeFile:
     """
     content = read_json_object(path)
     if content.get("format") != FORMAT:
-        raise TreeError(f"{path} is no tree file: format is {content.get('format')!r}; expected {FORMAT!r}")
-    version = content.get("version")
-    if not isinstance(version, int) or version < 1:
-        raise TreeError(f"{path} has version {version!r}; expected a whole number from 1 to {VERSION}")
+        raise TreeError(f"{path} is no tree file: format is {shown(content.get('format'))}; expected {FORMAT!r}")
+    version: Any = content.get("version")
+    if type(version) not in (int, float) or version < 1:
+        raise TreeError(f"{path} has version {shown(version)}; expected {VERSION}; write it again with octmip solve")
     if version > VERSION:
-        raise TreeError(f"{path} is of version {version}, newer than the known {VERSION}; install a newer octmip")
+        raise TreeError(
+            f"{path} is of version {shown(version)}, newer than the known {VERSION}; install a newer octmip"
+        )
+    if version != VERSION:
+        raise TreeError(f"{path} has version {shown(version)}; expected {VERSION}; write it again with octmip solve")
     try:
-        return _decode(content)
-    except KeyError as error:
-        raise TreeError(f"{path} lacks the entry {error}; was it changed by hand?") from error
-    except (OctmipError, TypeError, ValueError, AttributeError) as error:
-        raise TreeError(f"{path} holds no valid tree: {error}") from error
+        return _decode(CONTENT.take(content))
+    except OctmipError as error:
+        cure = "write the file again with octmip solve --out, or correct that entry"
+        raise TreeError(f"{path} holds no valid tree: {error}; {cure}") from error
 
 
-CLAIMS: dict[str, tuple[type, ...]] = {
-    "objective": (int, float),
-    "bound": (int, float, NoneType),
-    "stop": (str,),
-    "seconds": (int, float),
-    "n_nodes": (int,),
-    "solver": (str,),
-    "version": (str,),
-    "seed": (int,),
-    "tolerance": (int, float),
-    "details": (dict,),
-}
-TRAINING: dict[str, tuple[type, ...]] = {
-    "sha256": (str,),
-    "n_samples": (int,),
-    "label": (str, NoneType),
-    "weights": (str, NoneType),
-    "leaf_counts": (list,),
-}
+def schema() -> Schema:
+    """Return the JSON Schema of tree files: each value's kind and range, not how names and sizes hang together."""
+    content = CONTENT.schema()
+    marks = {"format": {"const": FORMAT}, "version": {"const": VERSION}}
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "octmip tree file",
+        **content,
+        "properties": marks | content["properties"],
+        "required": [*marks, *content["required"]],
+        "$defs": {"node": {"anyOf": [kind.schema() for kind in _NODES.values()]}},
+    }
 
 
-def _entries(content: Any, name: str, kinds: dict[str, tuple[type, ...]]) -> dict[str, Any]:
-    """Return the entries of one object of the file, each of the kind it must be."""
-    for entry, kind in kinds.items():
-        value = content[name][entry]
-        if not isinstance(value, kind) or isinstance(value, bool):
-            wanted = " or ".join("null" if k is NoneType else k.__name__ for k in kind)
-            raise TreeError(f"{name}.{entry} is {value!r}; expected {wanted}")
-    return {entry: content[name][entry] for entry in kinds}
+def different(names: Sequence[Any], what: str) -> tuple[Any, ...]:
+    """Return names as a tuple.
 
-
-def _names(content: dict[str, Any], name: str) -> tuple[Any, ...]:
-    names = content[name]
-    if not isinstance(names, list) or len(set(names)) != len(names) or not names:
-        raise TreeError(f"{name} is {names!r}; expected a list of different names")
+    Raises:
+        TreeError: one stands there twice.
+    """
+    if len(set(names)) < len(names):
+        twice, times = Counter(names).most_common(1)[0]
+        raise TreeError(f"{what} holds {shown(twice)} {times} times; expected a list of different names")
     return tuple(names)
 
 
 def _decode(content: dict[str, Any]) -> TreeFile:
-    features, classes = _names(content, "feature_names"), _names(content, "class_names")
+    features, classes = (different(content[name], name) for name in ("feature_names", "class_names"))
     tree = decode_tree(content["tree"], features, classes)
-    claims, training = _entries(content, "solution", CLAIMS), _entries(content, "training", TRAINING)
-    claims["bound"] = -math.inf if claims["bound"] is None else float(claims["bound"])
-    claims["stop"] = Stop(claims["stop"])
-    counts = np.array(training["leaf_counts"], dtype=np.int64)
-    if counts.shape != (n_splits(tree) + 1, len(classes)):
-        raise TreeError(f"leaf_counts has shape {counts.shape}; expected {(n_splits(tree) + 1, len(classes))}")
+    claims, training = content["solution"], content["training"]
+    claims["bound"] = -math.inf if claims["bound"] is None else claims["bound"]
     return TreeFile(
-        solution=Solution(tree=tree, **claims),
+        solution=Solution(tree=tree, **claims | {"stop": Stop(claims["stop"])}),
         feature_names=features,
         class_names=classes,
-        settings={name: content["problem"][name] for name in SETTINGS},
+        settings=_sized(content["problem"], len(features), len(classes)),
         sha256=training["sha256"],
         n_samples=training["n_samples"],
         label_column=training["label"],
         weights_column=training["weights"],
-        leaf_counts=counts,
+        leaf_counts=_counts(training, n_splits(tree) + 1, len(classes)),
     )
 
 
-def decode_tree(node: dict[str, Any], feature_names: tuple[str, ...], class_names: tuple[Any, ...]) -> Node:
-    """Return the tree of nested JSON objects.
+def _counts(training: dict[str, Any], n_leaves: int, n_classes: int) -> NDArray[np.int64]:
+    rows = training["leaf_counts"]
+    if [len(row) for row in rows] != [n_classes] * n_leaves:
+        sizes = sorted({len(row) for row in rows})
+        raise TreeError(
+            f"leaf_counts has shape ({len(rows)}, {' or '.join(map(str, sizes))}); expected {(n_leaves, n_classes)}, "
+            "a row for each leaf and a column for each class"
+        )
+    total = sum(map(sum, rows))
+    if total != training["n_samples"]:
+        raise TreeError(f"leaf_counts adds up to {total}; expected training.n_samples, {training['n_samples']}")
+    return np.array(rows, dtype=np.int64)
+
+
+def _sized(settings: dict[str, Any], n_features: int, n_classes: int) -> dict[str, Any]:
+    """Return the settings, once their sizes fit the names."""
+    if [len(row) for row in settings["costs"]] != [n_classes] * n_classes:
+        raise TreeError(f"problem.costs has {len(settings['costs'])} rows; expected {(n_classes, n_classes)} numbers")
+    if len(settings["sensor_of_feature"]) != n_features:
+        got = len(settings["sensor_of_feature"])
+        raise TreeError(f"problem.sensor_of_feature has {got} names; expected one for each of {n_features} features")
+    return settings
+
+
+def decode_tree(node: dict[str, Any], feature_names: Sequence[str], class_names: Sequence[Any]) -> Node:
+    """Return the tree of nested JSON objects that `NODE` has taken.
 
     Raises:
-        TreeError: a feature or class is not among the names, or a number is none.
+        TreeError: a feature or class is not among the names, or a split is none.
     """
+    positions = [{name: k for k, name in enumerate(names)} for names in (feature_names, class_names)]
+    return _node(node, *positions)
+
+
+def _node(node: dict[str, Any], features: dict[str, int], classes: dict[Any, int]) -> Node:
     if "label" in node:
-        return Leaf(_index(node["label"], class_names, "class"))
-    left = decode_tree(node["left"], feature_names, class_names)
-    right = decode_tree(node["right"], feature_names, class_names)
+        return Leaf(_index(node["label"], classes, "class"))
+    left, right = _node(node["left"], features, classes), _node(node["right"], features, classes)
     if "feature" in node:
-        return Split(_index(node["feature"], feature_names, "feature"), _float(node["threshold"]), left, right)
-    features = [_index(name, feature_names, "feature") for name in node["features"]]
-    coefficients = [_float(value) for value in node["coefficients"]]
-    terms = sorted(zip(features, coefficients, strict=True))
-    return HyperplaneSplit(tuple(j for j, _ in terms), tuple(c for _, c in terms), _float(node["offset"]), left, right)
+        return Split(_index(node["feature"], features, "feature"), node["threshold"], left, right)
+    read, coefficients = [_index(name, features, "feature") for name in node["features"]], node["coefficients"]
+    if len(read) != len(coefficients):
+        raise TreeError(f"a node has {len(read)} features and {len(coefficients)} coefficients; expected one for each")
+    terms = sorted(zip(read, coefficients, strict=True))
+    return HyperplaneSplit(tuple(j for j, _ in terms), tuple(c for _, c in terms), node["offset"], left, right)
 
 
-def _index(name: Any, names: tuple[Any, ...], kind: str) -> int:
-    if name not in names:
-        raise TreeError(f"a node names the {kind} {name!r}, which is not among its {len(names)} {kind} names")
-    return names.index(name)
-
-
-def _float(value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise TreeError(f"a node holds {value!r} where a number is expected")
-    return float(value)
+def _index(name: Any, positions: dict[Any, int], kind: str) -> int:
+    if name not in positions:
+        raise TreeError(f"a node names the {kind} {shown(name)}, which is not among its {len(positions)} {kind} names")
+    return positions[name]
 
 
 def tree_for(problem: Problem, file: TreeFile) -> Node:

@@ -16,6 +16,7 @@ LEVELS = {
     "octmip": {
         "errors": 0,
         "_native": 0,
+        "checked": 1,
         "files": 1,
         "margin": 1,
         "names": 1,
@@ -52,6 +53,7 @@ LEVELS = {
         "errors": 0,
         "arrays": 0,
         "files": 1,
+        "checked": 1,
         "material": 1,
         "geometry": 1,
         "mesh": 2,

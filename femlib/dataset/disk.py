@@ -2,12 +2,20 @@
 
 import hashlib
 import importlib
-import json
-from collections.abc import Sequence
+import math
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+import pandas as pd
+
+from femlib.arrays import FloatArray
+from femlib.checked import shown, taken
 from femlib.errors import InputError
+from femlib.files import parsed_object, read_bytes, regular_file
 
 
 def arrow() -> tuple[Any, Any]:
@@ -22,6 +30,69 @@ def arrow() -> tuple[Any, Any]:
         return importlib.import_module("pyarrow"), importlib.import_module("pyarrow.parquet")
     except ImportError as error:
         raise InputError("Parquet files need pyarrow, which is not installed; pip install 'octmip[parquet]'") from error
+
+
+PIECE = 2**20
+"""Bytes of a file that are read at once."""
+
+
+@contextmanager
+def parquet_file(path: Path) -> Iterator[Any]:
+    """Open a Parquet file; what goes wrong until it is closed is one sentence.
+
+    Raises
+    ------
+    InputError
+        If it is missing, no regular file, or not to be read.
+    """
+    pa, parquet = arrow()
+    failures = (pa.ArrowException, ValueError, TypeError, LookupError, OSError, ArithmeticError, MemoryError)
+    with regular_file(path, "a Parquet file") as file:
+        try:
+            with parquet.ParquetFile(file) as found:
+                twice, times = Counter(found.schema_arrow.names).most_common(1)[0]
+                if times > 1:
+                    raise InputError(f"{path} has the column {shown(twice)} {times} times; give each its own name")
+                yield found
+        except InputError:
+            raise
+        except failures as error:
+            reason = " ".join(str(error).split())[:300]
+            raise InputError(f"{path} cannot be read ({reason}); expected a Parquet file; write it again") from error
+
+
+def csv_pieces(path: Path, n_rows: int, kind: type | None = None) -> Iterator[pd.DataFrame]:
+    """Yield a CSV table, at most `n_rows` at a time, every cell as `kind` or as what it looks like.
+
+    Raises
+    ------
+    InputError
+        If it is missing, no regular file, not UTF-8, or no table.
+    """
+    with regular_file(path, "a CSV table") as file:
+        try:
+            with pd.read_csv(file, chunksize=n_rows, dtype=kind, low_memory=False) as reader:
+                yield from reader
+        except (ValueError, LookupError, OSError, OverflowError, MemoryError) as error:  # pandas' own among them
+            reason = " ".join(str(error).split())[:300]
+            raise InputError(f"{path} cannot be read ({reason}); expected a CSV table; repair the file") from error
+
+
+def floats(column: "pd.Series[Any]") -> FloatArray:
+    """Return a column as numbers (n,), NaN where a cell is none."""
+    if column.dtype.kind in "biuf":
+        return np.asarray(column.to_numpy(dtype=np.float64, na_value=np.nan))
+    return np.array([_float(value) for value in column], dtype=np.float64)
+
+
+def _float(value: Any) -> float:
+    words = str(value)
+    if not words.isascii() or "_" in words:  # Python takes 1_000, and digits of any script
+        return math.nan
+    try:
+        return float(value)
+    except (TypeError, ValueError, OverflowError):
+        return math.nan
 
 
 def checked_target(path: str | Path, endings: Sequence[str]) -> Path:
@@ -55,11 +126,11 @@ def file_sha256(path: Path) -> str:
     InputError
         If it cannot be read.
     """
-    try:
-        with path.open("rb") as file:
-            return hashlib.file_digest(file, "sha256").hexdigest()
-    except OSError as error:
-        raise InputError(f"{path} cannot be read ({error.strerror}); expected a dataset; correct the path") from error
+    with regular_file(path, "a dataset") as file:
+        digest = hashlib.sha256()
+        while piece := file.read(PIECE):
+            digest.update(piece)
+        return digest.hexdigest()
 
 
 def read_side(target: Path, version: int | str) -> dict[str, Any]:
@@ -78,18 +149,11 @@ def read_side(target: Path, version: int | str) -> dict[str, Any]:
         If a file is missing or broken, or the data file has changed.
     """
     path = side_path(target)
-    try:
-        side = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError as error:
-        raise InputError(
-            f"{path} does not exist; expected the side file of {target.name}; write the dataset again"
-        ) from error
-    except (json.JSONDecodeError, UnicodeDecodeError, OSError) as error:
-        raise InputError(
-            f"{path} is not JSON ({error}); expected a dataset's side file; write the dataset again"
-        ) from error
-    if not isinstance(side, dict) or side.get("version") != version:
+    if not path.exists():
+        raise InputError(f"{path} does not exist; expected the side file of {target.name}; write the dataset again")
+    side = parsed_object(read_bytes(path, "a side file"), str(path), "a dataset's side file; write the dataset again")
+    if side.get("version") != version:
         raise InputError(f"{path} is not a side file of version {version}; write the dataset again")
-    if file_sha256(target) != side["sha256"]:
+    if file_sha256(target) != taken(side, "sha256", str(path)):
         raise InputError(f"{target} is not the file its side file describes (another sha256); write the dataset again")
     return side

@@ -5,7 +5,7 @@ so that a data file that was changed or cut off is refused.
 """
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -13,11 +13,26 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from femlib.dataset.disk import checked_target, file_sha256, read_side, side_path
+from femlib.arrays import FloatArray, IntArray
+from femlib.checked import names, number, rows, shown, taken, text, whole
+from femlib.dataset.disk import (
+    checked_target,
+    csv_pieces,
+    file_sha256,
+    floats,
+    parquet_file,
+    read_side,
+    side_path,
+)
 from femlib.dataset.samples import Dataset, Recipe
+from femlib.errors import InputError, frozen_ints
 from femlib.files import whole_file
 
 VERSION = 1
+LEAST_LOAD = 1e-9
+ROWS_AT_A_TIME = 65_536
+MOST_CELLS = 2**28
+"""Numbers read at once, two gigabytes: Parquet promises a million equal cells in a few bytes."""
 UNITS = {
     "features": "microstrain, compressive positive, divided by load_factor",
     "mu1_percent": "percent loss of stiffness",
@@ -27,11 +42,6 @@ UNITS = {
 _WRITERS: dict[str, Callable[[pd.DataFrame, Path], None]] = {
     ".csv": lambda table, path: table.to_csv(path, index=False, lineterminator="\n"),
     ".parquet": lambda table, path: table.to_parquet(path, index=False),
-}
-_READERS: dict[str, Callable[[Path], pd.DataFrame]] = {
-    # as text, because the default parser may round the last bit; numpy's conversion is exact
-    ".csv": lambda path: pd.read_csv(path, dtype=str),
-    ".parquet": pd.read_parquet,
 }
 
 
@@ -65,24 +75,72 @@ def read_dataset(path: str | Path) -> Dataset:
         If a file is missing or unreadable, or the data file is not the one that the side file describes.
     """
     target = checked_target(path, tuple(_WRITERS))
-    side = read_side(target, VERSION)
-    table = _READERS[target.suffix](target)
-    states_percent = np.array(side["states_percent"], dtype=np.int64)
-    number = {tuple(row): k for k, row in enumerate(states_percent.tolist())}
-    labels = table[["mu1_percent", "mu2_percent"]].to_numpy(dtype=np.int64)
+    side, where = read_side(target, VERSION), str(side_path(target))
+    gauges = names(taken(side, "gauges", where), f"{where}: gauges")
+    percent = frozen_ints(rows(taken(side, "states_percent", where), f"{where}: states_percent", 2), where, (-1, 2))
+    means = rows(taken(side, "mean_features", where), f"{where}: mean_features", len(gauges))
+    if len(means) != len(percent):
+        raise InputError(
+            f"{where} has {len(percent)} states_percent and {len(means)} mean_features; expected one each; write the "
+            "dataset again"
+        )
+    table = _numbers(target, ("mu1_percent", "mu2_percent", "is_train", *gauges))
     return Dataset(
-        table[side["gauges"]].to_numpy(dtype=np.float64),
-        np.array([number[tuple(row)] for row in labels.tolist()], dtype=np.int64),
-        states_percent,
-        np.array(side["mean_features"], dtype=np.float64),
-        tuple(side["gauges"]),
-        table["is_train"].to_numpy(dtype=np.int64) == 1,
-        side["load_factor"],
-        Recipe(**side["recipe"]),
-        side["seed"],
-        side["source"],
-        side["model_hash"],
+        table[:, 3:],
+        _state_numbers(table[:, :2], percent, target),
+        percent,
+        means,
+        gauges,
+        table[:, 2] == 1.0,
+        number(taken(side, "load_factor", where), f"{where}: load_factor", LEAST_LOAD, 1.0 / LEAST_LOAD),
+        _recipe(taken(side, "recipe", where), f"{where}: recipe"),
+        whole(taken(side, "seed", where), f"{where}: seed"),
+        text(taken(side, "source", where), f"{where}: source"),
+        text(taken(side, "model_hash", where), f"{where}: model_hash"),
     )
+
+
+def _recipe(content: object, where: str) -> Recipe:
+    return Recipe(
+        whole(taken(content, "samples_per_state", where), f"{where}.samples_per_state", 1),
+        number(taken(content, "noise_variance", where), f"{where}.noise_variance", 0.0),
+        number(taken(content, "train_fraction", where), f"{where}.train_fraction", 0.0, 1.0),
+    )
+
+
+def _numbers(target: Path, columns: Sequence[str]) -> FloatArray:
+    """Return columns of a data file as finite numbers (n, n_columns)."""
+    if target.suffix == ".parquet":
+        with parquet_file(target) as file:
+            n_cells = file.metadata.num_rows * len(columns)
+            if n_cells > MOST_CELLS:
+                raise InputError(f"{target} holds {n_cells} cells; expected {MOST_CELLS} at most; split the dataset")
+            kept = [column for column in columns if column in file.schema_arrow.names]
+            table = file.read(columns=kept).to_pandas(ignore_metadata=True)
+    else:  # as text, because the default parser may round the last bit; Python's conversion is exact
+        table = pd.concat(list(csv_pieces(target, ROWS_AT_A_TIME, str)), ignore_index=True)
+    missing = [column for column in columns if column not in table.columns]
+    if missing:
+        raise InputError(f"{target} lacks the columns {missing[:12]}; expected those of its side file; write it again")
+    found = np.stack([floats(table[column]) for column in columns], axis=1)
+    if not np.isfinite(found).all():
+        row, column = (int(k) for k in np.argwhere(~np.isfinite(found))[0])
+        got = shown(str(table[columns[column]].iloc[row]))
+        raise InputError(f"{target} row {row} has {columns[column]} = {got}; expected finite numbers; write it again")
+    return found
+
+
+def _state_numbers(labels: FloatArray, percent: IntArray, target: Path) -> IntArray:
+    """Return the number (n,) of each row's state among the states of the side file."""
+    known = {tuple(state): k for k, state in enumerate(percent.tolist())}
+    found = [known.get(tuple(state), -1) for state in labels.tolist()]
+    if -1 in found:
+        row = found.index(-1)
+        raise InputError(
+            f"{target} row {row} has the state {labels[row].tolist()}; expected one of the {len(known)} of its side "
+            "file; write the dataset again"
+        )
+    return np.array(found, dtype=np.int64)
 
 
 def _side(data: Dataset, target: Path) -> dict[str, Any]:

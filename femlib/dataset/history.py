@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from femlib.dataset.disk import arrow
+from femlib.checked import shown
+from femlib.dataset.disk import csv_pieces, floats, parquet_file
 from femlib.errors import InputError
 
 ROWS_AT_A_TIME = 8192
@@ -49,31 +50,29 @@ def _pieces(source: str | Path | pd.DataFrame, name: str, columns: list[str]) ->
     if isinstance(source, pd.DataFrame):
         yield from (source.iloc[k : k + ROWS_AT_A_TIME] for k in range(0, max(len(source), 1), ROWS_AT_A_TIME))
         return
-    try:
-        if Path(source).suffix == ".parquet":
-            _, parquet = arrow()
-            with parquet.ParquetFile(source) as file:
-                kept = [column for column in columns if column in file.schema_arrow.names]
-                yield from (batch.to_pandas() for batch in file.iter_batches(ROWS_AT_A_TIME, columns=kept))
-        else:
-            with pd.read_csv(source, chunksize=ROWS_AT_A_TIME) as reader:
-                yield from reader
-    except (OSError, pd.errors.ParserError, ValueError) as error:
-        raise InputError(
-            f"{name} cannot be read ({error}); expected a .csv or .parquet table of readings; correct the path"
-        ) from error
+    if Path(source).suffix == ".parquet":
+        with parquet_file(Path(source)) as file:
+            kept = [column for column in columns if column in file.schema_arrow.names]
+            batches = file.iter_batches(ROWS_AT_A_TIME, columns=kept)
+            yield from (batch.to_pandas(ignore_metadata=True) for batch in batches)
+    else:
+        yield from csv_pieces(Path(source), ROWS_AT_A_TIME)
 
 
 def _checked(piece: pd.DataFrame, first: int, name: str, parameters: Sequence[str]) -> pd.DataFrame:
-    columns = {name: pd.to_numeric(piece[name], errors="coerce") for name in piece.columns}
-    numbers = pd.DataFrame(columns).astype(np.float64)
+    numbers = pd.DataFrame({column: floats(piece[column]) for column in piece.columns})
     bad = ~np.isfinite(numbers.to_numpy())
     damage = numbers[list(parameters)].to_numpy()
     bad[:, 1 : 1 + len(parameters)] |= ~((damage >= 0.0) & (damage < 1.0))
     if bad.any():
         row, column = (int(k) for k in np.argwhere(bad)[0])
         raise InputError(
-            f"{name} row {first + row} has {piece.columns[column]} = {piece.iloc[row, column]!r}; expected a finite "
+            f"{name} row {first + row} has {piece.columns[column]} = {_cell(piece, row, column)}; expected a finite "
             "load factor and strains, and losses of stiffness from 0 to below 1; complete or drop the row"
         )
     return numbers
+
+
+def _cell(piece: pd.DataFrame, row: int, column: int) -> str:
+    value = piece.iloc[row, column]
+    return shown(value if isinstance(value, str) else str(value))

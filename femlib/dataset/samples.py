@@ -17,6 +17,7 @@ import numpy as np
 import pandas as pd
 
 from femlib.arrays import BoolArray, FloatArray, IntArray
+from femlib.dataset.disk import csv_pieces, floats
 from femlib.errors import InputError, frozen_floats, frozen_ints, is_number, is_whole
 
 LEVELS_PERCENT = (0, 20, 40, 60, 80)
@@ -27,6 +28,7 @@ LOAD_FACTOR = 3.0
 PUBLISHED_INSIDE_REGIONS = ("g17", "g18", "g23", "g24")
 """Gauges of the published table that lie in a damage region and are left out. Deduced from the table's increments."""
 N_PUBLISHED_GAUGES = 24
+ROWS_AT_A_TIME = 65_536
 
 
 class GaugePlaces(Protocol):
@@ -139,9 +141,10 @@ def published_strains(path: str | Path) -> MeanStrains:
     missing = [c for c in ("mu1_percent", "mu2_percent", "load_factor", "kind", *columns) if c not in table.columns]
     if missing:
         raise InputError(f"{path} lacks the columns {missing}; expected the published layout; complete the table")
-    means = table[(table["kind"] == "mean") & (table["load_factor"] == LOAD_FACTOR)]
-    means = means.sort_values(["mu1_percent", "mu2_percent"])
-    states = means[["mu1_percent", "mu2_percent"]].to_numpy(dtype=np.int64)
+    is_mean = (table["kind"].astype(str) == "mean").to_numpy() & (floats(table["load_factor"]) == LOAD_FACTOR)
+    states = np.stack([floats(table[name][is_mean]) for name in ("mu1_percent", "mu2_percent")], axis=1)
+    order = np.lexsort(states.T[::-1])
+    states = states[order]
     if not np.array_equal(states, study_states_percent()):
         raise InputError(
             f"{path} has {len(states)} mean rows at load factor {LOAD_FACTOR:g}; expected one for each of the 25 "
@@ -149,8 +152,9 @@ def published_strains(path: str | Path) -> MeanStrains:
         )
     names = tuple(f"g{k:02d}" for k in range(1, N_PUBLISHED_GAUGES + 1))
     usable = np.array([name not in PUBLISHED_INSIDE_REGIONS for name in names])
-    strains = means[columns].to_numpy(dtype=np.float64)
-    return MeanStrains(states, strains, LOAD_FACTOR, names, usable, f"published table {Path(path).name}", "")
+    strains = np.stack([floats(table[name][is_mean])[order] for name in columns], axis=1)
+    source = f"published table {Path(path).name}"
+    return MeanStrains(study_states_percent(), strains, LOAD_FACTOR, names, usable, source, "")
 
 
 @dataclass(frozen=True, slots=True)
@@ -287,9 +291,9 @@ def build_dataset(means: MeanStrains, recipe: Recipe | None = None, seed: int = 
 
 def _read_table(path: Path) -> pd.DataFrame:
     """Return a CSV as a table, or one sentence on why not."""
-    try:
-        return pd.read_csv(path)
-    except FileNotFoundError as error:
-        raise InputError(f"{path} does not exist; expected a CSV table; correct the path") from error
-    except (pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeDecodeError, OSError) as error:
-        raise InputError(f"{path} cannot be read ({error}); expected a CSV table; repair the file") from error
+    if not path.exists():
+        raise InputError(f"{path} does not exist; expected a CSV table; correct the path")
+    pieces = list(csv_pieces(path, ROWS_AT_A_TIME))
+    if not pieces:
+        raise InputError(f"{path} cannot be read (no rows); expected a CSV table; repair the file")
+    return pd.concat(pieces, ignore_index=True)

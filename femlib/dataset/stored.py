@@ -8,7 +8,8 @@ from typing import Any
 
 import pandas as pd
 
-from femlib.dataset.disk import arrow, checked_target, file_sha256, read_side, side_path
+from femlib.checked import names, taken, whole
+from femlib.dataset.disk import arrow, checked_target, file_sha256, parquet_file, read_side, side_path
 from femlib.errors import InputError, is_whole
 from femlib.files import whole_file
 
@@ -49,13 +50,12 @@ class StoredDataset:
         """
         if not is_whole(n_rows) or n_rows < 1:
             raise InputError(f"n_rows is {n_rows!r}; expected 1 or more rows at a time; correct it")
-        _, parquet = arrow()
-        with parquet.ParquetFile(self.path) as file:
+        with parquet_file(self.path) as file:
             unknown = [name for name in columns or () if name not in file.schema_arrow.names]
             if unknown:
                 raise InputError(f"{self.path} has no columns {unknown}; expected among {file.schema_arrow.names}")
             for batch in file.iter_batches(n_rows, columns=None if columns is None else list(columns)):
-                yield batch.to_pandas()
+                yield batch.to_pandas(ignore_metadata=True)
 
     def read(self, columns: Sequence[str] | None = None) -> pd.DataFrame:
         """Return all rows at once: for datasets that fit into memory.
@@ -65,7 +65,10 @@ class StoredDataset:
         InputError
             As `pieces`.
         """
-        return pd.concat(list(self.pieces(columns=columns)), ignore_index=True)
+        pieces = list(self.pieces(columns=columns))
+        if not pieces:
+            raise InputError(f"{self.path} has no rows; expected at least one; write the dataset again")
+        return pd.concat(pieces, ignore_index=True)
 
 
 def open_dataset(path: str | Path) -> StoredDataset:
@@ -77,8 +80,18 @@ def open_dataset(path: str | Path) -> StoredDataset:
         If a file is missing or broken, or the data file is not the one that its side file describes.
     """
     target = checked_target(path, (".parquet",))
-    side = read_side(target, VERSION)
-    return StoredDataset(target, side["rows"], tuple(side["parameters"]), tuple(side["gauges"]), side)
+    side, where = read_side(target, VERSION), str(side_path(target))
+    n_rows = whole(taken(side, "rows", where), f"{where}: rows")
+    parameters, gauges = (names(taken(side, name, where), f"{where}: {name}") for name in ("parameters", "gauges"))
+    with parquet_file(target) as file:
+        held, columns = file.metadata.num_rows, set(file.schema_arrow.names)
+    missing = [name for name in (*parameters, *gauges) if name not in columns]
+    if held != n_rows or missing:
+        raise InputError(
+            f"{target} has {held} rows and lacks the columns {missing[:12]}; expected {n_rows} rows of all columns "
+            "that its side file names; write the dataset again"
+        )
+    return StoredDataset(target, n_rows, parameters, gauges, side)
 
 
 def store(path: str | Path, tables: Iterator[pd.DataFrame], side: dict[str, Any]) -> StoredDataset:

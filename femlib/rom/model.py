@@ -17,7 +17,7 @@ from scipy.linalg.lapack import dgesv, dgetrs
 
 from femlib.arrays import FloatArray, IntArray
 from femlib.components import checked_damage
-from femlib.errors import InputError, frozen_floats
+from femlib.errors import InputError, SolveError, frozen_floats
 from femlib.rom.bound import ErrorBound
 from femlib.rom.file import read_model, write_model
 from femlib.rom.sweeps import Sweeps
@@ -209,7 +209,13 @@ class ReducedModel:
         modes = mu[self.owner].nonzero()[0]
         inverse = 1.0 / mu[self.owner[modes]]
         matrix = np.diag(inverse) - self.coupling[modes[:, None], modes]
-        duals = np.asarray(np.linalg.solve(matrix.T, self.readout[:, modes].T), dtype=np.float64)
+        try:
+            duals = np.asarray(np.linalg.solve(matrix.T, self.readout[:, modes].T), dtype=np.float64)
+        except np.linalg.LinAlgError as error:
+            raise SolveError(
+                f"the reduced equations of the damages {mu.tolist()} are singular; expected a coupling below 1 / mu, "
+                "as reduce_structure makes it; reduce the structure again"
+            ) from error
         left = duals.T @ (self.load[modes] - matrix @ amplitudes[modes])
         remainder = self.bound.remainder(mu, self.owner, modes, amplitudes[modes], duals)
         rounding = ROUNDING * np.abs(self.pristine).max(initial=0.0) / (1.0 - mu.max(initial=0.0))

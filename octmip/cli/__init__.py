@@ -25,6 +25,7 @@ COMMANDS = {
     "diagnose": "why an asset does not behave like its twin, and what to test next",
     "report": "a tree file in words, or as a page, Markdown or DOT",
 }
+MOST_MESSAGE = 2000  # characters of an error on standard error
 
 
 def main(words: Sequence[str] | None = None) -> int:
@@ -34,7 +35,7 @@ def main(words: Sequence[str] | None = None) -> int:
         return _run(words)
     except OctmipError as error:
         name = f"octmip {words[0]}" if words and words[0] in COMMANDS else "octmip"
-        print(f"{name}: {visible(' '.join(str(error).split()))}", file=sys.stderr)
+        print(f"{name}: {_one_line(error)}", file=sys.stderr)
         return 1 if isinstance(error, CertificateError | SolverError) else 2
     except KeyboardInterrupt:
         print("octmip: interrupted", file=sys.stderr)
@@ -43,15 +44,22 @@ def main(words: Sequence[str] | None = None) -> int:
         sys.stderr.close()
         return 0
     except UnicodeEncodeError as error:
-        print(
-            f"octmip: standard output is {error.encoding} and cannot show {error.object[error.start]!a}; "
-            "set PYTHONIOENCODING=utf-8",
-            file=sys.stderr,
-        )
+        held = f"{error.object[error.start]!a} has no place in its encoding {error.encoding}"
+        print(f"octmip: standard output cannot be written ({held}); set PYTHONIOENCODING=utf-8", file=sys.stderr)
+        return 1
+    except MemoryError:
+        print("octmip: memory is at its end; give fewer rows or columns, or a lower --memory", file=sys.stderr)
         return 1
     except OSError as error:  # files have their own sentences by now, so this is standard output
         print(f"octmip: standard output cannot be written ({error.strerror})", file=sys.stderr)
         return 1
+
+
+def _one_line(error: OctmipError) -> str:
+    """Return a message on one line of bounded length, without what a terminal would obey."""
+    words = " ".join(str(error).split())
+    shown = words if len(words) <= MOST_MESSAGE else f"{words[: MOST_MESSAGE - 4]} ..."
+    return visible(shown)
 
 
 def _run(words: list[str]) -> int:

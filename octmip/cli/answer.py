@@ -21,6 +21,11 @@ def print_json(content: Mapping[str, Any]) -> None:
     print(json.dumps(content, allow_nan=False))
 
 
+def printable(text: str) -> str:
+    """Return a text without what a terminal would obey: names come from files, and files from strangers."""
+    return "".join(c if c.isprintable() or c == "\n" else repr(c)[1:-1] for c in text)
+
+
 def describe(problem: Problem, solution: Solution, certificate: Certificate) -> dict[str, Any]:
     """Return the JSON object of a solution: bound and gap are None without a proof."""
     assert solution.tree is not None

@@ -4,9 +4,12 @@ import argparse
 import math
 from typing import NoReturn
 
+from octmip.checked import shown
 from octmip.errors import DataError
 from octmip.solution import Limits
 from octmip.solver import METHODS
+
+MOST_THREADS = 1024
 
 
 class Parser(argparse.ArgumentParser):
@@ -91,7 +94,8 @@ def limits_of(arguments: argparse.Namespace) -> Limits:
         ProblemError: a limit is negative or not a number.
         DataError: seed or threads are out of range.
     """
-    for name, least in (("threads", 1), ("seed", 0)):
-        if getattr(arguments, name) < least:
-            raise DataError(f"--{name} is {getattr(arguments, name)}; expected {least} or more")
+    for name, least, most in (("threads", 1, MOST_THREADS), ("seed", 0, 2**63 - 1)):
+        value = getattr(arguments, name)
+        if not least <= value <= most:
+            raise DataError(f"--{name} is {shown(value)}; expected {least} or more, and at most {most}")
     return Limits(arguments.seconds, arguments.gap, arguments.nodes, arguments.memory * 2.0**30)

@@ -8,8 +8,9 @@ import argparse
 import dataclasses
 
 from octmip.certificate import Certificate, certify
-from octmip.cli.answer import print_json
-from octmip.cli.arguments import add_json_argument
+from octmip.checked import shown
+from octmip.cli.answer import print_json, printable
+from octmip.cli.arguments import MOST_THREADS, add_json_argument
 from octmip.errors import CertificateError, DataError
 from octmip.problem import Problem
 from octmip.proof import ProofReport, check_proof
@@ -40,21 +41,18 @@ def run(arguments: argparse.Namespace) -> int:
         print_json({"is_certified": True, "n_samples": problem.n_samples, **_fields(certificate), **log})
         return 0
     print("certified: every claim was recounted from tree and data alone")
-    print(solution_text(file.solution, certificate, problem.n_samples))
+    print(printable(solution_text(file.solution, certificate, problem.n_samples)))
     if proof is not None:
         print(f"proof: no tree costs less than {number(proof.bound)}; {proof.n_lines} lines, {proof.seconds:.3g} s")
     return 0
 
 
 def _checked_proof(arguments: argparse.Namespace, problem: Problem, file: TreeFile) -> ProofReport | None:
-    if arguments.threads < 1:
-        raise DataError(f"--threads is {arguments.threads}; expected 1 or more")
+    if not 1 <= arguments.threads <= MOST_THREADS:
+        raise DataError(f"--threads is {shown(arguments.threads)}; expected 1 or more, and at most {MOST_THREADS}")
     if not arguments.proof:
         return None
-    try:
-        return check_proof(problem, arguments.proof, bound=file.solution.bound, n_jobs=arguments.threads)
-    except OSError as error:
-        raise DataError(f"{arguments.proof} cannot be read ({error.strerror}); expected a proof log") from error
+    return check_proof(problem, arguments.proof, bound=file.solution.bound, n_jobs=arguments.threads)
 
 
 def _fields(certificate: Certificate) -> dict[str, object]:

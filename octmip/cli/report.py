@@ -7,6 +7,7 @@ import argparse
 import io
 from pathlib import Path
 
+from octmip.cli.answer import printable
 from octmip.errors import DataError
 from octmip.files import check_writable, write_bytes
 from octmip.names import visible
@@ -35,7 +36,7 @@ def run(arguments: argparse.Namespace) -> int:
         check_writable(arguments.out)
     file = read_tree_file(arguments.tree)
     if not arguments.out:
-        print(_words(file))
+        print(printable(_words(file)))
         return 0
     write_bytes(arguments.out, _content(file, kind, Path(arguments.tree).name))
     return 0

@@ -8,7 +8,7 @@ import argparse
 from pathlib import Path
 
 from octmip.certificate import certify
-from octmip.cli.answer import ProgressLine, describe, print_json
+from octmip.cli.answer import ProgressLine, describe, print_json, printable
 from octmip.cli.arguments import add_method_argument, add_problem_arguments, add_run_arguments, limits_of
 from octmip.cli.question import Question, ask
 from octmip.errors import DataError, SolverError
@@ -97,9 +97,9 @@ def _show(arguments: argparse.Namespace, question: Question, solution: Solution)
     if arguments.json:
         print_json(describe(problem, solution, certificate) | {"threads": arguments.threads, "out": arguments.out})
         return
-    print(solution_text(solution, certificate, problem.n_samples))
+    print(printable(solution_text(solution, certificate, problem.n_samples)))
     print()
     counts = leaf_counts(problem, solution.tree)
-    print(tree_text(solution.tree, problem.feature_names, problem.class_names, counts))
+    print(printable(tree_text(solution.tree, problem.feature_names, problem.class_names, counts)))
     if arguments.out:
         print(f"\nwritten to {visible(arguments.out)}")

@@ -188,8 +188,9 @@ class CompiledTree:
         total = np.zeros(len(node))
         for features, coefficients in zip(self._features, self._coefficients, strict=True):
             weight = coefficients.take(node)
-            term = weight * flat.take(first + features.take(node))
-            total += np.where(weight == 0.0, 0.0, term)  # a padded term may stand on a missing reading
+            with np.errstate(over="ignore", invalid="ignore"):  # beyond float64 is inf, as in `node`
+                term = weight * flat.take(first + features.take(node))
+                total += np.where(weight == 0.0, 0.0, term)  # a padded term may stand on a missing reading
         return total
 
 

@@ -121,7 +121,8 @@ def _open_leaves(tree: Node, features: Floats) -> NDArray[np.bool_]:
         if isinstance(node, HyperplaneSplit):
             total, limit = np.zeros(len(features)), node.offset
             for coefficient, feature in zip(node.coefficients, node.features, strict=True):
-                total = total + coefficient * features[:, feature]
+                with np.errstate(over="ignore", invalid="ignore"):  # beyond float64 is inf, as in CompiledTree
+                    total = total + coefficient * features[:, feature]
         else:
             total, limit = features[:, node.feature], node.threshold
         # NaN is neither greater nor not: it may be on either side

@@ -193,7 +193,10 @@ def _slopes(ask: Callable[[Floats], Floats], states: Floats, widths: Sequence[fl
 
 
 def _frozen(values: ArrayLike, name: str, shape: tuple[int, ...]) -> Floats:
-    array = np.array(values, dtype=np.float64)
+    try:
+        array = np.array(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise ProblemError(f"{name} is no array of numbers ({error}); expected shape {shape}") from error
     if array.shape != shape:
         raise ProblemError(f"{name} has shape {array.shape}; expected {shape} of the library's states and gauges")
     if not np.isfinite(array).all():

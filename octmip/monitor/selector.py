@@ -17,13 +17,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from octmip.checked import ListOf, Number, Record, Text, maybe, several, shown
 from octmip.errors import DataError, OctmipError, TreeError
 from octmip.files import PathLike, read_json_object, write_bytes
 from octmip.monitor.compiled import CompiledTree
 from octmip.monitor.leaf_likelihood import LeafLikelihood
 from octmip.monitor.library import Library
 from octmip.tree import HyperplaneSplit, Leaf, Node, Split, features_used, leaves
-from octmip.tree_file import TreeFile, decode_tree, encode_tree
+from octmip.tree_file import NODE, TreeFile, decode_tree, different, encode_tree
 from octmip.uncertainty import posterior
 
 Floats = NDArray[np.float64]
@@ -134,8 +135,10 @@ class ModelSelector:
 
         Raises:
             DataError: it cannot be written.
+            TreeError: two states differ only beyond the six digits of their names.
         """
         library = self.library
+        different(library.state_names, "state_names")  # two states of one name could not be read apart
         content = {
             "format": FORMAT,
             "version": VERSION,
@@ -156,22 +159,51 @@ class ModelSelector:
             DataError: the file cannot be read.
             TreeError: it is of another kind, or what it holds is no selector.
         """
-        content: dict[str, Any] = read_json_object(path)
+        content = read_json_object(path)
         if content.get("format") != FORMAT or content.get("version") != VERSION:
             raise TreeError(
-                f"{path} is no selector file: format {content.get('format')!r}, version {content.get('version')!r}; "
-                f"expected {FORMAT!r}, {VERSION}"
+                f"{path} is no selector file: format {shown(content.get('format'))}, version "
+                f"{shown(content.get('version'))}; expected {FORMAT!r}, {VERSION}; write it with ModelSelector.write"
             )
         try:
-            arrays = {name: np.array(content[name], dtype=np.float64) for name in _ARRAYS}
-            gauges, names = tuple(content["gauges"]), tuple(content["state_names"])
-            library = Library(tuple(content["parameters"]), gauges=gauges, only_load=content["only_load"], **arrays)
-            return cls(library, decode_tree(content["tree"], gauges, names))
-        except (OctmipError, KeyError, TypeError, ValueError) as error:
+            return _selector(CONTENT.take(content))
+        except OctmipError as error:
             raise TreeError(f"{path} holds no valid selector: {error}; was it changed by hand?") from error
 
 
+STRAIN = Number(-1e15, 1e15)  # microstrain, and slopes of it: what is beyond is no measured thing, and overflows
+CONTENT = Record(
+    {
+        "tree": NODE,
+        "parameters": ListOf(Text()),
+        "state_names": ListOf(Text(), 1),
+        "states": ListOf(ListOf(STRAIN), 1),
+        "strains": ListOf(ListOf(STRAIN), 1),
+        "noise_sd": ListOf(Number(1e-15, 1e15), 1),
+        "widths": ListOf(STRAIN),
+        "slopes": ListOf(ListOf(ListOf(STRAIN)), 1),
+        "gauges": ListOf(Text(), 1),
+        "only_load": maybe(Number(1e-9, 1e9)),
+    }
+)
 _ARRAYS = ("states", "strains", "noise_sd", "widths", "slopes")
+
+
+def _selector(content: dict[str, Any]) -> ModelSelector:
+    """Return the selector of a file's entries, once their sizes and names fit one another."""
+    gauges, names = tuple(content["gauges"]), different(content["state_names"], "state_names")
+    arrays = {name: _array(content[name], name) for name in _ARRAYS}
+    library = Library(tuple(content["parameters"]), gauges=gauges, only_load=content["only_load"], **arrays)
+    if names != library.state_names:
+        raise TreeError(f"state_names begins {several(names, 2)}; expected those of states, {library.state_names[0]!r}")
+    return ModelSelector(library, decode_tree(content["tree"], gauges, names))
+
+
+def _array(rows: list[Any], name: str) -> Floats:
+    try:
+        return np.array(rows, dtype=np.float64)
+    except ValueError as error:
+        raise TreeError(f"{name} has rows of unequal length; expected one length for all") from error
 
 
 def _appended(library: Library, trees: list[ParameterTree], told: Mapping[str, float]) -> Node:

@@ -90,7 +90,11 @@ def test_a_missing_file_says_so(tmp_path):
         ('{"a": 1,}', "line 1"),
         ("[1]", "holds a JSON list"),
         ('{"a": NaN}', "NaN is no JSON number"),
-        ('{"a": ' + "[" * 200_000, "recursion"),
+        ('{"a": ' + "[" * 200_000, "nested deeper than 100 levels"),
+        ('{"a": ' + "[" * 101 + "]" * 101 + "}", "nested deeper than 100 levels"),
+        ('{"a": 1, "a": 2}', "names 'a' twice"),
+        ('{"a": "\\ud800"}', "surrogates not allowed"),
+        ('{"a": ' + "9" * 5000 + "}", "4300"),
         ("a,b\n1,2\n", "expected JSON"),
     ],
 )
@@ -98,3 +102,12 @@ def test_json_that_cannot_be_read_says_why(tmp_path, content, reason):
     (tmp_path / "a").write_text(content)
     with pytest.raises(DataError, match=reason):
         read_json_object(tmp_path / "a")
+
+
+def test_nothing_but_a_regular_file_is_read_and_nothing_is_waited_for(tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    for path in (tmp_path / "pipe", "/dev/zero", tmp_path):
+        with pytest.raises(DataError, match=r"it is a (pipe or device|folder)\); expected a regular file"):
+            read_text(path)
+    with pytest.raises(DataError, match="null byte"):
+        read_text("a\0b")

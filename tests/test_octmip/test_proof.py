@@ -85,7 +85,7 @@ def test_real_weights_are_rounded_down_on_the_grid_of_the_header(log):
 @pytest.mark.parametrize(
     ("change", "complaint"),
     [
-        (lambda lines: "", r"line 1: got '', expected 'octmip-proof 1' of a proof log"),
+        (lambda lines: "x", r"line 1: got 'x', expected 'octmip-proof 1' of a proof log"),
         (lambda lines: "\n".join([*lines[:4], "claim all"]), "line 4: got .*expected 'grid' with two exponents"),
         (lambda lines: "\n".join([*lines[:3], "grid 70 0", *lines[4:]]), "line 4: on this grid a tree may cost"),
         (lambda lines: "\n".join(lines[:6]), "expected E"),

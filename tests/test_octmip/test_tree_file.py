@@ -2,14 +2,19 @@
 
 import json
 import math
+from pathlib import Path
 
+import jsonschema
 import numpy as np
 import pytest
 
+import octmip
 from octmip import HyperplaneSplit, Leaf, Problem, Solution, Split, Stop, certify, predict
 from octmip.cart import greedy_tree
 from octmip.errors import OctmipError, TreeError
-from octmip.tree_file import columns_read, encode, read_tree_file, record_tree, tree_for, write_tree_file
+from octmip.tree_file import columns_read, encode, read_tree_file, record_tree, schema, tree_for, write_tree_file
+
+SCHEMA = Path(octmip.__file__).parent / "schemas" / "tree.schema.json"
 
 
 def full_problem() -> Problem:
@@ -111,20 +116,25 @@ def change(content, *keys, to):
         (("format",), "pmml", "is no tree file: format is 'pmml'"),
         (("version",), 99, "of version 99, newer than"),
         (("version",), "1", "has version '1'"),
+        (("version",), True, "has version True"),
         (("tree",), {"label": "unknown"}, "class 'unknown', which is not among"),
         (
             ("tree",),
             {"feature": "z", "threshold": 1, "left": {"label": "low"}, "right": {"label": "low"}},
             "feature 'z'",
         ),
-        (("tree",), {"feature": "a", "threshold": "1", "left": {"label": "low"}, "right": {"label": "low"}}, "number"),
+        (
+            ("tree",),
+            {"feature": "a", "threshold": "1", "left": {"label": "low"}, "right": {"label": "low"}},
+            "tree.threshold is '1'; expected a finite number; write the file again",
+        ),
         (("tree",), [], "no valid tree"),
-        (("tree",), {}, "lacks the entry 'left'"),
-        (("solution", "stop"), "tired", "'tired' is not a valid Stop"),
-        (("solution", "bound"), [], r"solution.bound is \[\]; expected int or float or null"),
+        (("tree",), {}, "lacks the entry 'label' or 'left'"),
+        (("solution", "stop"), "tired", "solution.stop is 'tired'; expected one of 'optimal'"),
+        (("solution", "bound"), [], r"solution.bound is \[\]; expected a finite number or null"),
         (("solution", "seconds"), "long", "solution.seconds is 'long'"),
         (("solution", "seed"), True, "solution.seed is True"),
-        (("training", "sha256"), None, "training.sha256 is None; expected str"),
+        (("training", "sha256"), None, "training.sha256 is None; expected the 64 digits"),
         (("training", "n_samples"), 1.5, "training.n_samples is 1.5"),
         (("training",), 7, "no valid tree"),
         (("feature_names",), 5, "feature_names is 5"),
@@ -141,3 +151,88 @@ def test_a_file_changed_by_hand_is_refused(tmp_path, keys, to, sentence):
     path.write_text(json.dumps(content))
     with pytest.raises(TreeError, match=sentence):
         read_tree_file(path)
+
+
+LONG = 10**29
+
+
+@pytest.mark.parametrize(
+    ("keys", "to", "sentence"),
+    [
+        (("training", "leaf_counts"), [[LONG, 1]] * 3, r"leaf_counts\[0\]\[0\] is 100000000000000000000000000000"),
+        (("training", "leaf_counts", 0, 0), 0.5, r"leaf_counts\[0\]\[0\] is 0.5; expected a whole number"),
+        (("training", "leaf_counts", 0, 0), -1, r"leaf_counts\[0\]\[0\] is -1; expected a whole number from 0"),
+        (("training", "leaf_counts", 0, 0), 39, "leaf_counts adds up to .*; expected training.n_samples, 40"),
+        (("training", "n_samples"), 0, "training.n_samples is 0; expected a whole number from 1"),
+        (("problem", "costs"), [[0, 10**400], [1, 0]], r"problem.costs\[0\]\[1\] is a whole number of more than 60"),
+        (("problem", "costs"), [[0], [1]], r"problem.costs has 2 rows; expected \(2, 2\) numbers"),
+        (("problem", "costs"), [[0, -1], [1, 0]], r"problem.costs\[0\]\[1\] is -1; expected a finite number of 0"),
+        (("problem", "sensor_of_feature"), "left", "problem.sensor_of_feature is 'left'; expected a list"),
+        (("problem", "sensor_of_feature"), ["left"], "sensor_of_feature has 1 names; expected one for each of 3"),
+        (("problem", "sensor_of_feature"), None, "problem.sensor_of_feature is None; expected a list"),
+        (("problem", "sensor_cost"), [1, 2], "problem.sensor_cost is a list of 2; expected an object"),
+        (("problem", "allowed_splits"), 5, "problem.allowed_splits is 5; expected a list or null"),
+        (("problem", "allowed_splits"), [5], r"problem.allowed_splits\[0\] is 5; expected a list of at least 1"),
+        (("problem", "allowed_splits"), [[None]], r"allowed_splits\[0\]\[0\] is None; expected a text"),
+        (("problem", "depth"), LONG, "problem.depth is 1000.*; expected a whole number from 1 to 30"),
+        (("problem", "depth"), True, "problem.depth is True; expected a whole number"),
+        (
+            ("problem", "sensor_budget"),
+            -1,
+            "problem.sensor_budget is -1; expected a finite number of 0 or more or null",
+        ),
+        (("problem",), None, "problem is None; expected an object with depth"),
+        (("solution", "objective"), 10**400, "solution.objective is a whole number of more than 60 digits"),
+        (("solution", "tolerance"), -1, "solution.tolerance is -1; expected a finite number of 0 or more"),
+        (("solution", "tolerance"), 10**400, "solution.tolerance is a whole number of more than 60 digits"),
+        (("solution", "details"), [], r"solution.details is \[\]; expected an object"),
+        (("feature_names", 0), "a" * 1001, r"feature_names\[0\] is 'aaa.*; expected a text of at most 1000"),
+        (("feature_names", 0), "b", "feature_names holds 'b' 2 times"),
+        (("class_names", 0), None, r"class_names\[0\] is None; expected a text"),
+        (("tree",), {"label": "low", "feature": "a"}, "tree has the entry 'feature'; expected an object with label"),
+        (("tree",), {"feature": "a", "threshold": 10**400, "left": LOW, "right": LOW}, "tree.threshold is a whole"),
+        (("tree",), {"feature": ["a"], "threshold": 1, "left": LOW, "right": LOW}, "tree.feature is a list of 1"),
+        (
+            ("tree",),
+            {"features": ["a", "b"], "coefficients": [1], "offset": 1, "left": LOW, "right": LOW},
+            "a node has 2 features and 1 coefficients",
+        ),
+        (
+            ("tree",),
+            {"features": ["a", "a"], "coefficients": [1, 2], "offset": 1, "left": LOW, "right": LOW},
+            "expected ascending indices, none twice",
+        ),
+    ],
+)
+def test_a_value_out_of_its_bounds_is_refused_with_its_place(tmp_path, keys, to, sentence):
+    path = written(tmp_path)
+    content = json.loads(path.read_text())
+    change(content, *keys, to=to)
+    path.write_text(json.dumps(content))
+    with pytest.raises(TreeError, match=f"no valid tree: .*{sentence}"):
+        read_tree_file(path)
+
+
+def test_the_published_schema_is_the_readers(tmp_path):
+    published = json.loads(SCHEMA.read_text())
+    assert published == schema(), "write schema() of octmip.tree_file to octmip/schemas/tree.schema.json again"
+    validator = jsonschema.Draft202012Validator(published)
+    jsonschema.Draft202012Validator.check_schema(published)
+    content = json.loads(written(tmp_path).read_text())
+    assert validator.is_valid(content)
+    for entry in ("tree", "training", "version", "format"):
+        assert not validator.is_valid({name: value for name, value in content.items() if name != entry})
+    assert not validator.is_valid(content | {"version": 2})
+
+
+def test_what_could_not_be_read_again_is_not_written(tmp_path):
+    problem = Problem([[0.0], [1.0]], [0, 1], depth=1, feature_names=("a" * 1001,))
+    with pytest.raises(OctmipError, match="expected a text of at most 1000 characters"):
+        write_tree_file(tmp_path / "t.json", record_tree(problem, greedy_tree(problem)))
+    assert not list(tmp_path.iterdir())
+
+
+def test_hostile_coefficients_predict_without_a_warning():
+    samples = np.array([[1e300, -1e300, 0.0], [-1e308, 1e308, 0.0]])
+    tree = HyperplaneSplit((0, 1), (1e300, 1e300), 0.0, Leaf(0), Leaf(1))
+    assert predict(tree, samples).tolist() == [1, 1]  # inf - inf is no number, and not at most 0

@@ -19,6 +19,8 @@ from octmip.twin import Twin, state_parameters
 
 HOTTEST = 150.0
 """Temperatures beyond this [deg C] are kelvin or Fahrenheit."""
+MOST_LOAD = 1e9
+"""Load factors beyond this are no load on any structure, in whatever unit."""
 
 
 def read_campaign(path: str | Path, twin: Twin) -> Campaign:
@@ -35,6 +37,7 @@ def read_campaign(path: str | Path, twin: Twin) -> Campaign:
     tests = _tests(table)
     loads = table.floats("load_factor")
     _refuse_missing(loads, table, "load_factor")
+    _refuse_huge(loads, table)
     states = _states(table, parameters, tests)
     readings = np.array([table.floats(name) for name in gauges]).T
     sheet = _sheet(table, twin, gauges, tests, loads, readings)
@@ -98,6 +101,16 @@ def _refuse_missing(values: NDArray[np.float64], table: Table, name: str) -> Non
         raise DataError(
             f"row {table.numbers[missing[0]]}, column {name} is empty ({missing.size} such rows); give it for every "
             "reading"
+        )
+
+
+def _refuse_huge(loads: NDArray[np.float64], table: Table) -> None:
+    """Refuse loads at which a twin's own numbers overflow; newtons are found later, beside the twin's strains."""
+    huge = np.flatnonzero(np.abs(loads) > MOST_LOAD)
+    if huge.size:
+        raise DataError(
+            f"row {table.numbers[huge[0]]}, column load_factor is {loads[huge[0]]:g}; expected a load factor, 1 in "
+            f"steady level flight, of at most {MOST_LOAD:g}; correct it"
         )
 
 

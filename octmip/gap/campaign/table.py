@@ -85,6 +85,8 @@ def _text(path: Path) -> str:
         return path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
         raise DataError(f"campaign file {path} is not UTF-8 text ({error}); save it as CSV in UTF-8") from error
+    except OSError as error:
+        raise DataError(f"campaign file {path} cannot be read ({error.strerror}); expected a readable file") from error
 
 
 def _parsed(text: str) -> Iterator[tuple[int, list[str]]]:
@@ -129,7 +131,7 @@ def _number(text: str, row: int, column: str) -> float:
     if not text:
         return float("nan")
     try:
-        value = float(text)
+        value = float(text if text.isascii() and "_" not in text else "no plain number")  # Python takes 1_000 and more
     except ValueError:
         hint = "clear the cell if nothing is known"
         if "," in text:

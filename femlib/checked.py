@@ -1,0 +1,92 @@
+"""Values of files: the one way to take a number, a name, a list or an array, with a sentence where it is none.
+
+Each function takes the value and where it stands ("data.csv.json: seed"), and returns it as its kind.
+"""
+
+import sys
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from femlib.arrays import FloatArray
+from femlib.errors import InputError
+
+MOST = sys.float_info.max
+MOST_WHOLE = 2**63 - 1
+MOST_NAME = 1000
+"""Characters of a name."""
+SHOWN = 60
+"""Characters of a value that a message shows."""
+
+
+def shown(value: object) -> str:
+    """Return a value as a message can show it: short, on one line, nothing that a terminal would obey."""
+    if isinstance(value, int) and abs(value) >= 10**SHOWN:
+        return f"a whole number of more than {SHOWN} digits"
+    if isinstance(value, list | tuple | dict) and value:
+        return f"{'an object' if isinstance(value, dict) else 'a list'} of {len(value)}"
+    words = repr(value[: SHOWN + 1] if isinstance(value, str) else value)
+    return words if len(words) <= SHOWN else f"{words[:SHOWN]}..."
+
+
+def _refused(value: object, where: str, expected: str) -> InputError:
+    return InputError(f"{where} is {shown(value)}; expected {expected}; write the file again")
+
+
+def taken(content: object, name: str, where: str) -> Any:
+    """Return an entry of an object.
+
+    Raises
+    ------
+    InputError
+        If it is no object or has no such entry.
+    """
+    if not isinstance(content, Mapping):
+        raise _refused(content, where, "an object")
+    if name not in content:
+        raise InputError(f"{where} lacks the entry {name!r}; expected it among the others; write the file again")
+    return content[name]
+
+
+def number(value: object, where: str, low: float = -MOST, high: float = MOST) -> float:
+    """Return a finite number from `low` to `high`; InputError if it is none."""
+    if not isinstance(value, int | float) or isinstance(value, bool) or not low <= value <= high:
+        raise _refused(value, where, f"a finite number from {low:g} to {high:g}")
+    return float(value)
+
+
+def whole(value: object, where: str, low: int = 0, high: int = MOST_WHOLE) -> int:
+    """Return a whole number from `low` to `high`; InputError if it is none."""
+    if not isinstance(value, int) or isinstance(value, bool) or not low <= value <= high:
+        raise _refused(value, where, f"a whole number from {low} to {high}")
+    return value
+
+
+def text(value: object, where: str) -> str:
+    """Return a text of at most `MOST_NAME` characters; InputError if it is none."""
+    if not isinstance(value, str) or len(value) > MOST_NAME:
+        raise _refused(value, where, f"a text of at most {MOST_NAME} characters")
+    return value
+
+
+def names(value: object, where: str, least: int = 1) -> tuple[str, ...]:
+    """Return a list of at least so many different names; InputError if it is none."""
+    if not isinstance(value, list) or len(value) < least:
+        raise _refused(value, where, f"a list of at least {least} names")
+    found = tuple(text(entry, f"{where}[{k}]") for k, entry in enumerate(value))
+    if len(set(found)) < len(found):
+        raise InputError(f"{where} names something twice; expected every name once; write the file again")
+    return found
+
+
+def rows(value: object, where: str, n_columns: int) -> FloatArray:
+    """Return a list of rows of finite numbers as an array (n, n_columns); InputError if it is none."""
+    if not isinstance(value, list):
+        raise _refused(value, where, "a list of rows")
+    for k, row in enumerate(value):
+        if not isinstance(row, list) or len(row) != n_columns:
+            raise _refused(row, f"{where}[{k}]", f"a row of {n_columns} numbers")
+        for j, entry in enumerate(row):
+            number(entry, f"{where}[{k}][{j}]")
+    return np.array(value, dtype=np.float64).reshape(len(value), n_columns)

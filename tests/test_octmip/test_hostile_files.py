@@ -1,0 +1,259 @@
+"""What once ended in a traceback, a warning, a hang or a command: each file with the sentence that it now ends in."""
+
+import os
+import sys
+
+import numpy as np
+import pandas as pd
+import pyarrow as pa
+import pytest
+from pyarrow import parquet
+
+from octmip import Leaf, Problem, Split, table
+from octmip.cli import main
+from octmip.errors import CertificateError, DataError, OctmipError, ProblemError, TreeError
+from octmip.exact import branch_and_bound
+from octmip.gap import read_campaign
+from octmip.monitor import Library, ModelSelector
+from octmip.oblique import two_feature_branch_and_bound
+from octmip.proof import check_proof
+from octmip.table import read_table
+from octmip.tree_file import record_tree, write_tree_file
+
+SAMPLES = np.random.default_rng(0).normal(size=(12, 2))
+LABELS = np.random.default_rng(1).integers(0, 2, 12)
+
+
+@pytest.mark.parametrize(
+    ("cell", "sentence"),
+    [
+        ("9" * 30, "line 3, column 'x': 999999999999999999999999999999 is beyond 2"),
+        ("9" * 400, "line 3, column 'x': a whole number of more than 60 digits is beyond 2"),
+        ("-9223372036854775808", "line 3, column 'x': -9223372036854775808 is beyond 2"),
+        ("1e999", "line 3, column 'x': inf is not finite"),
+        ("0x10", "'0x10' is no number"),
+        ("١٢", "'١٢' is no number"),
+        ('"1,000"', "'1,000' is no number"),
+        ("1_000", "'1_000' is no number"),
+        ("a" * 100_000, r"'aaa[a]*\.\.\. is no number"),
+        ("\x1b[2J", r"'\\x1b\[2J' is no number"),
+    ],
+)
+def test_a_hostile_cell_is_refused_with_its_line(tmp_path, cell, sentence):
+    path = tmp_path / "data.csv"
+    path.write_text(f"x,y\n1,a\n{cell},b\n")
+    with pytest.raises(DataError, match=sentence) as error:
+        read_table(path).numbers(["x"])
+    assert len(str(error.value)) < 1000 and str(error.value).isprintable()
+
+
+@pytest.mark.parametrize(
+    ("content", "sentence"),
+    [
+        (b"\xff\xfex\x00,\x00y\x00", "line 1: byte 0xff is not UTF-8"),
+        (b"\x1f\x8b\x08\x00", "line 1: byte 0x8b is not UTF-8"),
+        (b"a" * 1001 + b",y\n1,2\n", "a column whose name has 1001 characters"),
+        (b"\xef\xbb\xbf\xef\xbb\xbfx,y\n1,2\n", "the header can be read in two ways"),
+        (b"x,y\n1," + b"a" * 1001 + b"\n", "has 1001 characters; expected at most 1000"),
+    ],
+)
+def test_a_hostile_table_is_refused(tmp_path, content, sentence):
+    path = tmp_path / "data.csv"
+    path.write_bytes(content)
+    with pytest.raises(DataError, match=sentence):
+        read_table(path).labels("y")
+
+
+@pytest.mark.parametrize(
+    ("columns", "sentence"),
+    [
+        ([pa.array([[1.0], [2.0]])], r"row 1, column 'x': .* is no number"),
+        ([pa.array([{"a": 1}] * 2)], "row 1, column 'x': an object of 1 is no number"),
+        ([pa.array([0, 1], pa.timestamp("s"))], "row 1, column 'x': .* is no number"),
+        ([pa.array([b"\xff", b"a"])], "is no number"),
+        ([pa.array([1.0, None])], "row 2, column 'x': the feature is empty"),
+        ([pa.array([1, 2**63], pa.uint64())], "row 2, column 'x': 9223372036854775808 is beyond"),
+        ([pa.array([1, 2]), pa.array([1, 2])], "has the column 'x' 2 times"),
+        ([], "0 columns and 0 rows"),
+    ],
+)
+def test_a_hostile_parquet_column_is_refused(tmp_path, columns, sentence):
+    parquet.write_table(pa.Table.from_arrays(columns, ["x"] * len(columns)), tmp_path / "data.parquet")
+    with pytest.raises(DataError, match=sentence):
+        read_table(tmp_path / "data.parquet").numbers(["x"])
+
+
+@pytest.mark.parametrize("about", [b"{", b"[]", b'{"index_columns": 5}', b'{"index_columns": ["x"], "columns": 7}'])
+def test_what_pandas_wrote_beside_a_parquet_table_is_not_believed(tmp_path, about):
+    frame = pa.table({"x": [1.0, 2.0], "y": ["a", "b"]}).replace_schema_metadata({b"pandas": about})
+    parquet.write_table(frame, tmp_path / "data.parquet")
+    try:
+        assert read_table(tmp_path / "data.parquet").labels("y").tolist() == ["a", "b"]
+    except DataError as error:
+        assert about == b"{" and "no Parquet file that can be read" in str(error)
+
+
+def test_a_parquet_table_of_a_named_index_has_its_columns_only(tmp_path):
+    pd.DataFrame({"x": [1.0, 2.0]}, index=pd.Index(["r1", "r2"], name="row")).to_parquet(tmp_path / "data.parquet")
+    assert read_table(tmp_path / "data.parquet").columns == ("x",)
+
+
+def test_a_parquet_table_that_promises_more_than_memory_is_refused(tmp_path, monkeypatch):
+    parquet.write_table(pa.table({"x": np.zeros(5000)}), tmp_path / "data.parquet")
+    monkeypatch.setattr(table, "MOST_CELLS", 4999)
+    with pytest.raises(DataError, match="holds 5000 rows of 1 columns; expected at most 4999 cells"):
+        read_table(tmp_path / "data.parquet")
+
+
+def log_of(tmp_path, **limits):
+    problem = Problem(SAMPLES, LABELS, depth=1, **limits)
+    solver = two_feature_branch_and_bound if limits else branch_and_bound
+    solver(problem, proof=tmp_path / "proof.log")
+    return problem, tmp_path / "proof.log"
+
+
+@pytest.mark.parametrize("limits", [{}, {"split": "hyperplane", "split_size": 2}])
+@pytest.mark.parametrize(
+    ("line", "text", "sentence"),
+    [
+        (4, "claim " + "9" * 30, "line 4: got .*expected 'grid' with two exponents"),
+        (4, "claim 9223372036854775807", "line 5: claim is 9223372036854775807, more than"),
+        (4, "claim -1", "line 4: got .*expected 'grid'"),
+        (4, "claim 1_0", "line 4: got .*expected 'grid'"),
+        (3, "grid 1000 1000", "line 4: on this grid a tree may cost inf"),
+        (3, "grid -1000 -1000", "line 4: on this grid the claim 1 is beyond every number"),
+        (3, "grid 1001 0", "line 4: got .*expected 'grid'"),
+        (3, "grid", "line 4: got .*expected 'grid'"),
+        (5, "N " + "9" * 30 + " 1 1", "line 6: "),
+        (5, "\ufffd" * 20, "line 6: "),
+    ],
+)
+def test_a_hostile_log_is_refused_with_its_line(tmp_path, limits, line, text, sentence):
+    problem, path = log_of(tmp_path, **limits)
+    lines = path.read_text().split("\n")
+    lines[4] = "claim 1"
+    lines[line] = text
+    path.write_text("\n".join(lines))
+    with pytest.raises(CertificateError, match=sentence):
+        check_proof(problem, path)
+
+
+def test_a_log_that_halves_cells_without_end_does_not_exhaust_the_stack(tmp_path):
+    problem = Problem(SAMPLES, LABELS, depth=2, split="hyperplane", split_size=2)
+    path = tmp_path / "proof.log"
+    two_feature_branch_and_bound(problem, proof=path)
+    lines = path.read_text().split("\n")
+    lines[6:6] = ["R -1 -1"] * 100_000
+    path.write_text("\n".join(lines))
+    with pytest.raises(CertificateError, match="a cell is halved more than 256 times"):
+        check_proof(problem, path)
+
+
+def selector_file(tmp_path):
+    states, strains = np.array([[0.0], [0.5]]), np.array([[1.0, 2.0], [3.0, 4.0]])
+    library = Library(("mu",), states, ("g1", "g2"), strains, np.ones(2))
+    ModelSelector(library, Split(0, 2.0, Leaf(0), Leaf(1))).write(tmp_path / "s.json")
+    return tmp_path / "s.json"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "sentence"),
+    [
+        ('"noise_sd": [\n  1.0', '"noise_sd": [\n  1e999', r"noise_sd\[0\] is inf; expected a finite number"),
+        ('"noise_sd": [\n  1.0', '"noise_sd": [\n  0', r"noise_sd\[0\] is 0; expected a finite number of 1e-15"),
+        ('"only_load": 1.0', '"only_load": "1"', "only_load is '1'; expected a finite number"),
+        ('"only_load": null', '"only_load": {}', "only_load is {}; expected a finite number"),
+        ('"mu=0.5"', '"mu=0"', "state_names holds 'mu=0' 2 times"),
+        ('"g2"', "[]", r"gauges\[1\] is \[\]; expected a text"),
+        ('"threshold": 2.0', '"threshold": ' + "9" * 400, "tree.threshold is a whole number of more than 60 digits"),
+        ('"threshold": 2.0', '"threshold": 1, "threshold": 2', "names 'threshold' twice"),
+    ],
+)
+def test_a_hostile_selector_is_refused_with_its_place(tmp_path, old, new, sentence):
+    path = selector_file(tmp_path)
+    text = path.read_text()
+    if old not in text:
+        pytest.skip("the other form of the entry")
+    path.write_text(text.replace(old, new))
+    with pytest.raises(OctmipError, match=sentence):
+        ModelSelector.read(path)
+
+
+def test_states_of_one_name_are_not_written(tmp_path):
+    states = np.array([[0.12345678], [0.12345679]])
+    library = Library(("mu",), states, ("g1",), np.zeros((2, 1)), np.ones(1))
+    with pytest.raises(TreeError, match=r"state_names holds 'mu=0\.123457' 2 times"):
+        ModelSelector(library, Split(0, 0.0, Leaf(0), Leaf(1))).write(tmp_path / "s.json")
+
+
+class Beam:
+    gauges, parameters, effects = ("g1", "g2"), ("mu1",), {}
+
+    def predict(self, state, load_factor):
+        return load_factor * np.array([900.0, 500.0])
+
+
+def test_a_load_beyond_all_loads_is_refused_before_the_twin_is_asked(tmp_path):
+    path = tmp_path / "campaign.csv"
+    path.write_text("test,load_factor,g1,g2\na,1,900,500\na,1e308,900,500\n")
+    with pytest.raises(DataError, match=r"row 3, column load_factor is 1e\+308; expected a load factor"):
+        read_campaign(path, Beam())
+
+
+@pytest.mark.parametrize(
+    ("settings", "sentence"),
+    [
+        ({"costs": [[0, 1e308], [1e308, 0]]}, "make trees that cost up to inf; expected from"),
+        ({"weights": [5e-324] * 12}, "make trees that cost up to 6e-323"),
+        ({"split": "hyperplane", "integer_normals": 10**30}, "integer_normals is 1000"),
+    ],
+)
+def test_weights_and_costs_beyond_float64_are_refused(settings, sentence):
+    with pytest.raises(ProblemError, match=sentence):
+        Problem(SAMPLES, LABELS, depth=1, **settings)
+
+
+@pytest.fixture
+def tree(tmp_path):
+    problem = Problem(SAMPLES, LABELS, depth=1, feature_names=("a\x1b[2J", "b\n"))
+    write_tree_file(tmp_path / "tree.json", record_tree(problem, branch_and_bound(problem), "y"))
+    return tmp_path / "tree.json"
+
+
+def test_a_name_cannot_command_the_terminal(tree, capsys):
+    assert main(["report", str(tree)]) == 0
+    assert "\x1b" not in capsys.readouterr().out
+    assert main(["predict", str(tree), "\x1b[2Jnone.csv"]) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1 and said[:-1].isprintable()
+
+
+@pytest.mark.parametrize("words", [["--threads", "9" * 30], ["--seed", "9" * 30], ["--seed", "-1"]])
+def test_numbers_of_the_command_line_have_bounds(words, tmp_path, capsys):
+    (tmp_path / "d.csv").write_text("x,y\n1,a\n2,b\n")
+    assert main(["solve", str(tmp_path / "d.csv"), "--label", "y", "--depth", "1", *words]) == 2
+    assert "expected" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("place", range(3))
+def test_the_command_waits_for_no_pipe(tree, place, tmp_path, capsys):
+    for name in ("pipe.json", "pipe.csv", "pipe.log"):
+        os.mkfifo(tmp_path / name)
+    pd.DataFrame(SAMPLES, columns=["a\x1b[2J", "b\n"]).assign(y=LABELS).to_csv(tmp_path / "d.csv", index=False)
+    words = ["certify", str(tree), str(tmp_path / "d.csv"), "--proof", str(tmp_path / "none.log")]
+    at, name = ((1, "pipe.json"), (2, "pipe.csv"), (4, "pipe.log"))[place]
+    words[at] = str(tmp_path / name)
+    assert main(words) == 2
+    assert "it is a pipe or device" in capsys.readouterr().err
+
+
+def test_an_output_without_the_letters_of_a_name_says_so(tmp_path, capsys, monkeypatch):
+    problem = Problem(SAMPLES, LABELS, depth=1, feature_names=("µ", "β"))
+    write_tree_file(tmp_path / "tree.json", record_tree(problem, branch_and_bound(problem), "y"))
+
+    def cannot(*_, **__):
+        raise UnicodeEncodeError("ascii", "µ", 0, 1, "ordinal not in range(128)")
+
+    monkeypatch.setattr(sys.stdout, "write", cannot)
+    assert main(["report", str(tmp_path / "tree.json")]) == 1
+    assert r"'\xb5' has no place in its encoding ascii); set PYTHONIOENCODING=utf-8" in capsys.readouterr().err
