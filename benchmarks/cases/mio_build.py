@@ -10,7 +10,7 @@ import pyomo
 from benchmarks.cpu import cpu_seconds
 from benchmarks.data import first_rows, published
 from octmip.cart import greedy_tree
-from octmip.mip import flow, highs, oct, oct_h
+from octmip.mip import flow, highs, oct, oct_h, worker
 from octmip.problem import Problem
 
 Line = dict[str, Any]
@@ -26,10 +26,10 @@ def results(limit: float, threads: list[int]) -> Iterator[Line]:
         start = greedy_tree(problem).tree
         assert start is not None
         ways: dict[str, Callable[[], object]] = {
-            "oct, rows": lambda p=problem: highs.load(oct.encode(p).rows),
+            "oct, rows": lambda p=problem: worker.load(highs.arrays(oct.encode(p).rows)),
             "oct, Pyomo": lambda p=problem: _through_pyomo(p),
-            "oct_h, rows": lambda p=planes: highs.load(oct_h.encode(p, 0.005).rows),
-            "flow 1, rows": lambda p=problem, t=start: highs.load(flow.encode(p, t, fix=1).rows),
+            "oct_h, rows": lambda p=planes: worker.load(highs.arrays(oct_h.encode(p, 0.005).rows)),
+            "flow 1, rows": lambda p=problem, t=start: worker.load(highs.arrays(flow.encode(p, t, fix=1).rows)),
         }
         for way, build in ways.items():
             before = cpu_seconds()
