@@ -42,8 +42,8 @@ class QualityLimits:
 
     def __post_init__(self) -> None:
         for name in ("warp", "warp_loss", "aspect", "distortion"):
-            value = getattr(self, name)
-            if not isinstance(value, Real) or isinstance(value, bool) or not value >= 0.0:
+            value: object = getattr(self, name)
+            if not isinstance(value, Real) or isinstance(value, bool) or not float(value) >= 0.0:
                 raise MeshError(f"quality limit {name} is {value!r}; expected a number of 0 or more; correct it")
 
 

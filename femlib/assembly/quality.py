@@ -186,7 +186,7 @@ class _Kind:
 
     def energy(self, moved: FloatArray) -> FloatArray:
         """Return u' K u (e,) of displacements (e, 6 n)."""
-        return np.einsum("ei,eij,ej->e", moved, self.matrices, moved, optimize=True)
+        return np.asarray(np.einsum("ei,eij,ej->e", moved, self.matrices, moved, optimize=True))
 
     def tensors(self) -> FloatArray:
         """Return strains and curvatures at the points as tensors in global axes (e, m, 18)."""
@@ -203,7 +203,7 @@ class _Kind:
         plane = flat.swapaxes(-1, -2) @ between @ flat
         smooth = np.stack([plane[..., 0, 0], plane[..., 1, 1], 2.0 * plane[..., 0, 1]], axis=-1)
         off = self.strains - smooth
-        return np.einsum("em,emkc,ekcd,emkd->e", self.area, off, self.moduli, off, optimize=True)
+        return np.asarray(np.einsum("em,emkc,ekcd,emkd->e", self.area, off, self.moduli, off, optimize=True))
 
     def released(self) -> FloatArray:
         """Return the membrane energy (e,) that incompatible modes would release; none in a triangle."""
@@ -220,7 +220,8 @@ class _Kind:
             share = np.linalg.det(middle)
             forces = forces + share[:, None] * pull
             stiffness = stiffness + (share**2 / self.area[:, k])[:, None, None] * (rows.swapaxes(1, 2) @ moduli @ rows)
-        return np.einsum("ek,ek->e", forces, np.linalg.solve(stiffness, np.asarray(forces)[:, :, None])[:, :, 0])
+        amplitudes = np.linalg.solve(stiffness, np.asarray(forces)[:, :, None])[:, :, 0]
+        return np.asarray(np.einsum("ek,ek->e", forces, amplitudes))
 
 
 def _jacobian(local: FloatArray, r: float, s: float) -> FloatArray:

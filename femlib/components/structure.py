@@ -261,9 +261,10 @@ class DamagedStructure:
 
 def checked_rows(rows: sparse.csr_array, n_dofs: int) -> None:
     """Raise InputError if rows are no map from displacements."""
-    if np.ndim(rows) != 2 or rows.shape[1] != n_dofs:
+    shape = tuple(rows.shape)
+    if len(shape) != 2 or shape[1] != n_dofs:
         raise InputError(
-            f"rows have shape {np.shape(rows)}; expected ('n', {n_dofs}), one column for each degree of freedom; make "
+            f"rows have shape {shape}; expected ('n', {n_dofs}), one column for each degree of freedom; make "
             "them of this mesh"
         )
 

@@ -162,7 +162,8 @@ def _motion(structure: DamagedStructure, load: FloatArray, exact: PortFlexibilit
     force = load[structure.supports.free]
     interior = [condensed.interior_load(force) for condensed in structure.condensed]
     forces = np.column_stack([exact.directions @ modes.trial, *interior, force])
-    moved = structure.supports.expand(structure.eliminated(()).factors.solve(forces))
+    active = structure.active(np.zeros((1, len(structure.parameters))))
+    moved = structure.supports.expand(structure.eliminated(active).factors.solve(forces))
     return np.asarray(moved, dtype=np.float32)
 
 

@@ -5,7 +5,7 @@ from femlib.wing.bent import BentWing, bend
 from femlib.wing.inertia import inertial_load
 from femlib.wing.model import Wing, uav_wing
 from femlib.wing.reduced import ReducedWing, reduce_wing
-from femlib.wing.twin import WingTwin, uav_twin
+from femlib.wing.twin import WingModel, WingTwin, full_twin, reduced_twin, saved_twin, uav_twin
 
 __all__ = [
     "AeroLoad",
@@ -13,10 +13,14 @@ __all__ = [
     "FlightPoint",
     "ReducedWing",
     "Wing",
+    "WingModel",
     "WingTwin",
     "bend",
+    "full_twin",
     "inertial_load",
     "reduce_wing",
+    "reduced_twin",
+    "saved_twin",
     "uav_twin",
     "uav_wing",
     "vortex_lattice",

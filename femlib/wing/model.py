@@ -16,7 +16,7 @@ import scipy.sparse as sparse
 from femlib import sensors
 from femlib.arrays import FloatArray
 from femlib.assembly import Supports
-from femlib.components import MOST_PORTS, Component, DamagedStructure, damage_row
+from femlib.components import MOST_PORTS, Component, DamagedStructure, checked_damage, damage_row
 from femlib.errors import InputError, frozen_floats, is_number
 from femlib.geometry import Planform
 from femlib.mesh import DOFS_PER_NODE
@@ -100,6 +100,16 @@ class Wing:
         return self.structure.parameters
 
     @property
+    def gauge_names(self) -> tuple[str, ...]:
+        """Names of the gauges, in the order of the strains."""
+        return self.gauges.names
+
+    @property
+    def gauge_positions(self) -> FloatArray:
+        """Places (n_gauges, 2) of the gauges, x aft of the spar and y outboard [m]."""
+        return self.gauges.position[:, :2]
+
+    @property
     def model_hash(self) -> str:
         """SHA-256 of everything the strains depend on: nodes, corners, materials, regions, loads, gauges."""
         digest = hashlib.sha256()
@@ -154,6 +164,11 @@ class Wing:
         if not self._strain_maps:
             self._strain_maps[""] = self.strain_map(1.0)
         return checked_strains(factor * self._strain_maps[""](states))
+
+    def error_bound_microstrain(self, states: FloatArray, load_factor: float) -> FloatArray:
+        """Return zeros (n_states, n_gauges): a reduced wing's error is against this one."""
+        damage, _ = checked_damage(states, self.parameters), checked_load_factor(load_factor)
+        return np.zeros((len(damage), len(self.gauge_names)))
 
     def strain_map(self, load_factor: float, lift: FloatArray | None = None) -> StrainMap:
         """Return the map from states (n_states, n_parameters) to gauge strains (n_states, n_gauges) under one load.

@@ -1,6 +1,7 @@
 """The wing's reduced model: answers as `Wing` does, in microseconds, with an error bound."""
 
 import hashlib
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
@@ -43,6 +44,20 @@ class ReducedWing:
     def gauges(self) -> tuple[str, ...]:
         """Names of the gauges, in the order of the strains."""
         return self.model.outputs[:-1]
+
+    @property
+    def gauge_names(self) -> tuple[str, ...]:
+        """Names of the gauges, as `gauges`: under the name that they have in the full wing."""
+        return self.gauges
+
+    @property
+    def gauge_positions(self) -> FloatArray | None:
+        """Places (n_gauges, 2) of the gauges [m] as the full wing's; None if the file is older than they are."""
+        return _points(self.provenance.get("gauge_positions"))
+
+    def outline(self) -> FloatArray | None:
+        """Return the closed polygon (5, 2) of the planform in (x, y) [m]; None if the file is older."""
+        return _points(self.provenance.get("outline"))
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -139,6 +154,8 @@ def reduce_wing(wing: Wing, settings: ReductionSettings | None = None, lift: Flo
     provenance = {
         "model": wing.model_hash,
         "load": digest,
+        "gauge_positions": json.dumps(wing.gauge_positions.tolist()),
+        "outline": json.dumps(wing.outline().tolist()),
         "unknowns": str(len(wing.structure.supports.free)),
         "octmip": version("octmip"),
         "pyfe3d": version("pyfe3d"),
@@ -146,3 +163,8 @@ def reduce_wing(wing: Wing, settings: ReductionSettings | None = None, lift: Flo
     outputs = sparse.csr_array(sparse.vstack([rows, work[None, :]]))
     names = (*wing.gauges.names, WORK)
     return ReducedWing(reduce_structure(wing.structure, load, outputs, names, settings, provenance, True))
+
+
+def _points(text: str | None) -> FloatArray | None:
+    """Return the points (n, 2) that a provenance holds."""
+    return None if text is None else frozen_floats(json.loads(text), "points", (-1, 2))

@@ -1,37 +1,107 @@
-"""The wing as a twin: what a monitor or a diagnosis asks of any model, by shape and without knowing this package."""
+"""The wing as a twin: what a monitor or a diagnosis asks of any model, by shape and without knowing this package.
 
-from collections.abc import Mapping
+Full and reduced wing answer by one protocol, `WingModel`; a twin is one of them and the effects that a real wing may
+have besides. The effects always need the full wing (their forces act on its nodes): a twin made from a file builds it
+when an effect is asked for.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Protocol
 
 from femlib.arrays import FloatArray
-from femlib.wing.effects import wing_effects
+from femlib.errors import InputError
+from femlib.rom import ReductionSettings
+from femlib.wing.effects import WingEffect, wing_effects
 from femlib.wing.model import Wing, uav_wing
+from femlib.wing.reduced import ReducedWing, reduce_wing
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class WingTwin:
-    """A wing that answers with gauge strains.
-
-    Attributes
-    ----------
-    wing : Wing
-        The model.
-    effects : mapping
-        What a real wing may have that the model lacks, by name.
-    """
-
-    wing: Wing
-    effects: Mapping[str, object] = field(default_factory=dict)
+class WingModel(Protocol):
+    """What `Wing` and `ReducedWing` have in common: gauge strains of damage states."""
 
     @property
-    def gauges(self) -> tuple[str, ...]:
-        """Names of the gauges."""
-        return self.wing.gauges.names
+    def gauge_names(self) -> tuple[str, ...]:
+        """Names of the gauges, in the order of the strains."""
+        ...
 
     @property
     def parameters(self) -> tuple[str, ...]:
         """Names of the damage parameters."""
-        return self.wing.parameters
+        ...
+
+    @property
+    def gauge_positions(self) -> FloatArray | None:
+        """Places (n_gauges, 2) of the gauges [m]."""
+        ...
+
+    @property
+    def model_hash(self) -> str:
+        """Fingerprint of the full wing."""
+        ...
+
+    def outline(self) -> FloatArray | None:
+        """Return the closed polygon (5, 2) of the planform [m]."""
+        ...
+
+    def strain_microstrain(self, state: Mapping[str, float], load_factor: float) -> FloatArray:
+        """Return the gauge strains (n_gauges,) of a state of named damage fractions, compressive positive."""
+        ...
+
+    def strains_microstrain(self, states: FloatArray, load_factor: float) -> FloatArray:
+        """Return the gauge strains (n_states, n_gauges) of damage fractions (n_states, n_parameters)."""
+        ...
+
+    def error_bound_microstrain(self, states: FloatArray, load_factor: float) -> FloatArray:
+        """Return what the strains (n_states, n_gauges) differ from the full wing's at most."""
+        ...
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WingTwin:
+    """A wing, full or reduced, that answers with gauge strains.
+
+    Attributes
+    ----------
+    model : WingModel
+        The model.
+    effects : mapping
+        What a real wing may have that the model lacks, by name.
+    make_wing : callable, optional
+        Makes the full wing of a reduced model, or gives the one that is there.
+    """
+
+    model: WingModel
+    effects: Mapping[str, object] = field(default_factory=dict)
+    make_wing: Callable[[], Wing] | None = None
+
+    @property
+    def wing(self) -> Wing:
+        """The full wing.
+
+        Raises
+        ------
+        InputError
+            If the model is reduced and nothing makes its full wing.
+        """
+        if isinstance(self.model, Wing):
+            return self.model
+        if self.make_wing is None:
+            raise InputError(
+                "this twin knows only the reduced wing; expected make_wing, which makes the full one; give it"
+            )
+        return self.make_wing()
+
+    @property
+    def gauges(self) -> tuple[str, ...]:
+        """Names of the gauges."""
+        return self.model.gauge_names
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the damage parameters."""
+        return self.model.parameters
 
     @property
     def is_linear_in_load(self) -> bool:
@@ -39,25 +109,89 @@ class WingTwin:
         return True
 
     @property
-    def gauge_positions(self) -> FloatArray:
+    def gauge_positions(self) -> FloatArray | None:
         """Places (n_gauges, 2) of the gauges, x aft of the spar and y outboard [m]."""
-        return self.wing.gauges.position[:, :2]
+        return self.model.gauge_positions
 
     @property
-    def outline(self) -> FloatArray:
+    def outline(self) -> FloatArray | None:
         """Closed polygon (5, 2) of the planform in (x, y) [m]."""
-        return self.wing.outline()
+        return self.model.outline()
 
     def predict_states(self, states: FloatArray, load_factor: float) -> FloatArray:
         """Return the strains (n_states, n_gauges) of damage fractions (n_states, n_parameters)."""
-        return self.wing.strains_microstrain(states, load_factor)
+        return self.model.strains_microstrain(states, load_factor)
 
     def predict(self, state: Mapping[str, float], load_factor: float) -> FloatArray:
         """Return the strains (n_gauges,) in microstrain of a state of damage fractions, compressive positive."""
-        return self.wing.strain_microstrain(state, load_factor)
+        return self.model.strain_microstrain(state, load_factor)
+
+    def error_bound(self, states: FloatArray, load_factor: float) -> FloatArray:
+        """Return what `predict_states` (n_states, n_gauges) differs from the full wing at most [microstrain]."""
+        return self.model.error_bound_microstrain(states, load_factor)
 
 
 def uav_twin() -> WingTwin:
-    """Return the twin of the UAV wing with its 24 installed gauges and the effects that a real wing may have."""
+    """Return the twin of the UAV wing by its reduced model, with its 24 installed gauges and its effects."""
+    return reduced_twin(uav_wing())
+
+
+def full_twin() -> WingTwin:
+    """Return the same by the full model."""
     wing = uav_wing()
     return WingTwin(wing, wing_effects(wing))
+
+
+def reduced_twin(wing: Wing, settings: ReductionSettings | None = None) -> WingTwin:
+    """Return the twin of any wing by its reduced model, with the effects that a real one may have."""
+    return WingTwin(reduce_wing(wing, settings), wing_effects(wing), lambda: wing)
+
+
+def saved_twin(path: str | Path, make_wing: Callable[[], Wing] = uav_wing) -> WingTwin:
+    """Return the twin of a reduced model that `ReducedWing.save` wrote.
+
+    It answers at once; the full wing is made when an effect or the wing itself is first asked for.
+
+    Raises
+    ------
+    InputError
+        If the file is no reduced wing; when the full wing is made, if it is another one.
+    """
+    reduced = ReducedWing.load_file(path)
+    made = _OnDemand(reduced, make_wing)
+    return WingTwin(reduced, made, made.wing)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _OnDemand(Mapping[str, WingEffect]):
+    """The effects of a reduced wing, and its full wing, made once when they are first asked for."""
+
+    reduced: ReducedWing
+    make_wing: Callable[[], Wing]
+    _wing: list[Wing] = field(init=False, repr=False, default_factory=list)  # at most one: a cache
+    _effects: dict[str, WingEffect] = field(init=False, repr=False, default_factory=dict)  # likewise
+
+    def wing(self) -> Wing:
+        if not self._wing:
+            wing = self.make_wing()
+            if wing.model_hash != self.reduced.model_hash:
+                raise InputError(
+                    f"the reduced wing was made of the wing {self.reduced.model_hash[:12]} but the full one is "
+                    f"{wing.model_hash[:12]}; expected the same; give make_wing, or reduce this wing anew"
+                )
+            self._wing.append(wing)
+        return self._wing[0]
+
+    def _all(self) -> dict[str, WingEffect]:
+        if not self._effects:
+            self._effects.update(wing_effects(self.wing()))
+        return self._effects
+
+    def __getitem__(self, name: str) -> WingEffect:
+        return self._all()[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._all())
+
+    def __len__(self) -> int:
+        return len(self._all())

@@ -115,9 +115,10 @@ def build_aircraft(folder: Path, strains: str | None = None, seed: int = 0, dept
     if strains is None:
         levels = np.linspace(0, 80, 9).astype(int)
         states = grid_states([levels.tolist(), levels.tolist()])
-        fine = wing.strains_microstrain(states / 100.0, 3.0)
-        usable = wing.gauges.is_usable
-        table = MeanStrains(states.astype(int), fine, 3.0, wing.gauges.names, usable, "femlib wing", wing.model_hash)
+        fine = suspects.twin.predict_states(states / 100.0, 3.0)
+        names, usable = suspects.twin.gauges, wing.gauges.is_usable
+        source = "femlib wing, reduced"
+        table = MeanStrains(states.astype(int), fine, 3.0, names, usable, source, wing.model_hash)
         coarse = (states % 20 == 0).all(axis=1)  # the study's 25 states among them
         study = replace(table, states_percent=table.states_percent[coarse], strain_microstrain=fine[coarse])
         data = build_dataset(study, Recipe(), seed=seed)
