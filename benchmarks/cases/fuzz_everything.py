@@ -41,7 +41,7 @@ from octmip.errors import CertificateError, OctmipError
 from octmip.problem import Problem
 from octmip.proof import check_proof
 from octmip.solution import Limits, Solution, Stop
-from octmip.solver import Method, solve
+from octmip.solver import REGISTRY, TWO_FEATURE, Method, solve
 
 STREAM = 71
 CHUNK = 100
@@ -134,6 +134,8 @@ def _line(seeds: range, answers: Sequence[dict[str, Any]]) -> dict[str, Any]:
 
 
 def _answer_all(seeds: range, pipe: Connection) -> None:
+    for registration in (*REGISTRY.values(), TWO_FEATURE):
+        registration.load()  # imports are no solver's time
     for seed in seeds:
         for question, problem, least in questions(seed):
             pipe.send(("asked", str(question)))
