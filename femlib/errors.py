@@ -4,7 +4,7 @@ One parent, children that also answer to the built-in errors a caller expects. A
 copied, checked, made read-only.
 """
 
-import sys
+import math
 from numbers import Integral, Real
 from typing import TypeGuard
 
@@ -35,7 +35,10 @@ def is_number(value: object) -> TypeGuard[float]:
     """Return whether a value is one finite real number: no text, no truth value, no array, no NaN."""
     if not isinstance(value, Real) or isinstance(value, bool):
         return False
-    return bool(-sys.float_info.max <= value <= sys.float_info.max)  # a whole number may be beyond every float
+    try:
+        return math.isfinite(value)
+    except OverflowError:  # a whole number beyond every float
+        return False
 
 
 def is_whole(value: object) -> TypeGuard[int]:

@@ -1,8 +1,8 @@
 """Values of files: the one way to take a number, a name, a list or an object, and its JSON Schema from the same words.
 
 A kind says what a value must be. `Kind.take` returns the value as that kind, or raises a `MisfitError` that knows
-where in the file it stands; `Kind.schema` returns the same demand in the words of JSON Schema (draft 2020-12), so that the two
-cannot disagree. As there, 3.0 is a whole number, and true is neither a number nor a whole one.
+where in the file it stands; `Kind.schema` returns the same demand in the words of JSON Schema (draft 2020-12), so that
+the two cannot disagree. As there, 3.0 is a whole number, and true is neither a number nor a whole one.
 """
 
 import itertools

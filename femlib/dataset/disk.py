@@ -32,7 +32,7 @@ def arrow() -> tuple[Any, Any]:
         raise InputError("Parquet files need pyarrow, which is not installed; pip install 'octmip[parquet]'") from error
 
 
-PIECE = 2**20
+PIECE = 2**16
 """Bytes of a file that are read at once."""
 
 

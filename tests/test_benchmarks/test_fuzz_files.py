@@ -36,7 +36,7 @@ def test_the_fuzz_sees_what_it_looks_for(monkeypatch):
         assert word in outcome("bad", 0)
     reader = Reader(lambda n, folder: (folder / "a").write_bytes(b"a"), "a", lambda rng, content: content, refuses)
     monkeypatch.setitem(fuzz_files.READERS, "bad", reader)
-    found = [outcome("bad", seed) for seed in range(100)]
+    found = [outcome("bad", seed) for seed in range(300)]
     assert "other: a valid file is refused" in found and "refused" in found
 
 
