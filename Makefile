@@ -20,7 +20,7 @@ blind: $(VENV)/.installed
 
 test: $(VENV)/.installed-test lint
 	cd octmip/native && cargo test --release --quiet
-	$(BIN)/python -m pytest
+	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --dist loadfile
 
 lint: $(VENV)/.installed-test
 	$(BIN)/ruff check .
