@@ -39,7 +39,8 @@ def flight(aircraft: Aircraft) -> dict:
 
 def test_a_table_twin_is_the_wing_at_its_levels_and_close_between_them(aircraft: Aircraft):
     columns = [aircraft.wing.gauges.names.index(gauge) for gauge in aircraft.gauges]
-    for state, tolerance in ((np.array([[0.3, 0.6]]), 1e-6), (np.array([[0.35, 0.55]]), 0.5)):
+    # the table's levels are the reduced wing's: 0.0038 microstrain at load factor 3 is its worst error in docs/wing.md
+    for state, tolerance in ((np.array([[0.3, 0.6]]), 0.0038 / 3.0), (np.array([[0.35, 0.55]]), 0.5)):
         exact = aircraft.wing.strains_microstrain(state, 1.0)[:, columns]
         assert aircraft.strains(state) == pytest.approx(exact, abs=tolerance)
 
