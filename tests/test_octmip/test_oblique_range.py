@@ -66,6 +66,11 @@ CASES: dict[str, tuple[list[list[float]], list[int], dict[str, Any]]] = {
         [0, 2, 0, 2, 1, 1],
         {},
     ),
+    "the least numbers there are, none of them zero": (
+        [[5e-324, 1e-323], [1e-323, 5e-324], [1.5e-323, 1.5e-323], [2e-323, 5e-324], [5e-324, 2e-323]],
+        [0, 1, 0, 2, 1],
+        {},
+    ),
     "thirty points on one line, half of them of each class": (
         [[k / 8, 1e-200 * k] for k in range(30)],
         [k % 2 for k in range(30)],

@@ -36,7 +36,7 @@ impl Feature {
         let most = values.iter().fold(f64::NEG_INFINITY, |a, &b| a.max(b));
         // Between zero and all the values, in units of the last place of the largest.
         let (near, far) = if least > 0.0 { (least, most) } else { (most.min(0.0), least) };
-        let unit = binade(far) * f64::EPSILON;
+        let unit = (binade(far) * f64::EPSILON).max(f64::from_bits(1));
         let origin = if near == 0.0 { 0.0 } else { (near / unit).trunc() * unit };
         let moved: Vec<f64> = values.iter().map(|v| v - origin).collect();
         let half = binade(moved.iter().fold(0.0, |a: f64, b| a.max(b.abs())));

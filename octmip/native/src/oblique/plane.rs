@@ -123,8 +123,8 @@ fn frame(column: &[f64]) -> (f64, f64) {
     } else {
         (0.0, 1.0)
     };
-    let last_place = power_of_two(farthest) * f64::EPSILON;
-    let origin = if last_place > 0.0 { (nearest / last_place).trunc() * last_place } else { 0.0 };
+    let last_place = (power_of_two(farthest) * f64::EPSILON).max(f64::from_bits(1));
+    let origin = (nearest / last_place).trunc() * last_place;
     let (low, high) = range(&mut column.iter().map(|v| (v - origin).abs()));
     (origin, power_of_two(high.max(low)))
 }
@@ -206,7 +206,7 @@ mod tests {
         assert_eq!(plane.turn(0, 1, 0, 1, 2), Ordering::Equal);
         let values = [1e-30, 1e30, 0.0, 2e-30, 1e-30, 1e30, -5e-324, 2e-30];
         let plane = Plane::new(4, 2, &values, &[1, 3, 0, 2, 1, 3, 0, 2]);
-        assert_eq!(plane.turn(0, 1, 0, 1, 2), Ordering::Greater);
+        assert_eq!(plane.turn(0, 1, 0, 1, 2), Ordering::Less);
         assert_eq!(plane.turn(0, 1, 0, 1, 3), Ordering::Equal);
     }
 }
