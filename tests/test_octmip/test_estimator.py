@@ -25,7 +25,6 @@ IRIS = load_iris(return_X_y=True)
         OptimalTreeClassifier(depth=3, method="search"),
         OptimalTreeClassifier(depth=2, method="cart"),
         OptimalTreeClassifier(depth=2, split="hyperplane", split_size=2),
-        OptimalTreeClassifier(depth=2, split="hyperplane"),
     ],
 )
 def test_it_passes_scikit_learns_own_checks(estimator, check):
