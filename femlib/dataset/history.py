@@ -50,13 +50,20 @@ def _pieces(source: str | Path | pd.DataFrame, name: str, columns: list[str]) ->
     if isinstance(source, pd.DataFrame):
         yield from (source.iloc[k : k + ROWS_AT_A_TIME] for k in range(0, max(len(source), 1), ROWS_AT_A_TIME))
         return
-    if Path(source).suffix == ".parquet":
-        with parquet_file(Path(source)) as file:
+    try:
+        yield from _pieces_of_file(Path(source), columns)
+    except InputError as error:
+        raise InputError(f"{name}: {error}") from error
+
+
+def _pieces_of_file(path: Path, columns: list[str]) -> Iterator[pd.DataFrame]:
+    if path.suffix == ".parquet":
+        with parquet_file(path) as file:
             kept = [column for column in columns if column in file.schema_arrow.names]
             batches = file.iter_batches(ROWS_AT_A_TIME, columns=kept)
             yield from (batch.to_pandas(ignore_metadata=True) for batch in batches)
     else:
-        yield from csv_pieces(Path(source), ROWS_AT_A_TIME)
+        yield from csv_pieces(path, ROWS_AT_A_TIME)
 
 
 def _checked(piece: pd.DataFrame, first: int, name: str, parameters: Sequence[str]) -> pd.DataFrame:
