@@ -28,6 +28,8 @@ LEVELS = {
         "uncertainty": 3,
         "polish": 3,
         "certificate": 4,
+        "checkpoint": 4,
+        "ties": 4,
         "tree_file": 4,
         "proof": 4,
         "mip": 5,
