@@ -1,6 +1,7 @@
 """The native core: see octmip/native/src/python.rs."""
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,8 +51,12 @@ def branch_and_bound(
     incumbent: tuple[int, list[NodeRow]] | None = None,
     off: list[str] = ...,
     progress: Callable[[float, int, int, int], None] | None = None,
+    checkpoint: tuple[float, Callable[[Any], None], Any] | None = None,
 ) -> tuple[list[NodeRow], int, int, str, int]:
-    """Return node table, objective, bound, stop and number of evaluated cuts."""
+    """Return node table, objective, bound, stop and number of evaluated cuts.
+
+    `checkpoint`: seconds between two states, who takes them, the state to begin with (see `octmip.checkpoint`) or None.
+    """
 
 def prove(problem: Problem, claim: int) -> str | None:
     """Return the body of a log that proves a claim, None when stopped or when the claim does not hold."""

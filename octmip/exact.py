@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip import _native
+from octmip.checkpoint import Kept, KnownRow, grid_digest, read_checkpoint, unusable, write_checkpoint
 from octmip.encoding import (
-    CAPACITY,
     IntegerCosts,
     NodeRow,
     Ranks,
@@ -28,9 +28,11 @@ from octmip.encoding import (
     tree_from_rows,
 )
 from octmip.errors import ProblemError, SolverError
+from octmip.files import check_writable
 from octmip.problem import Problem
-from octmip.proof import log_header
+from octmip.proof import log_header, question_digest
 from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop
+from octmip.ties import UNBROKEN, Effort, break_ties
 from octmip.tree import (
     HyperplaneSplit,
     Leaf,
@@ -47,8 +49,8 @@ from octmip.tree import (
 )
 
 SOLVER = "exact"
+CHECKPOINT_SECONDS = 30.0
 MOST_WHOLE = 2**62  # a worse tree is no start for the core
-UNBROKEN = {"splits": "not broken", "sensors": "not broken", "margin": "thresholds centred in their nodes"}
 
 
 def branch_and_bound(
@@ -60,6 +62,7 @@ def branch_and_bound(
     n_jobs: int = 1,
     progress: ProgressCallback | None = None,
     proof: str | Path | None = None,
+    checkpoint: str | Path | None = None,
     break_ties: bool = False,
     _off: Sequence[str] = (),
 ) -> Solution:
@@ -73,6 +76,9 @@ def branch_and_bound(
         n_jobs: threads. Cost, bound and tree of a finished search do not depend on it.
         progress: called with a `Progress` about every 50 ms.
         proof: file for a log that `octmip.proof.check_proof` verifies; it takes a second search, about as long.
+        checkpoint: file in which what is proven is kept, every `CHECKPOINT_SECONDS` and at the end; where it exists the
+            search goes on from it, and the bound rests on it (`details["resumed_from"]`). From depth 3 on: what is
+            kept are solved cuts of the root.
         break_ties: among the optimal trees return one of fewest splits, of those one of fewest sensors, each proven by
             more searches; `details["ties_broken"]` says what was. Thresholds are centred in any case.
         _off: names of prunes to do without (`_native.prunes()`), for tests.
@@ -80,17 +86,19 @@ def branch_and_bound(
     Raises:
         ProblemError: the problem asks for hyperplanes, or the incumbent is not one of its trees.
         SolverError: the proof was interrupted before it could be written.
+        DataError: the checkpoint cannot be read or written, is damaged, or belongs to another search.
     """
     started = time.perf_counter()
     _check(problem, n_jobs)
     start = None if incumbent is None else _feasible(problem, incumbent)
-    run = _Run(problem, limits, n_jobs, progress, _off, started)
+    run = _Run(problem, limits, n_jobs, progress, _off, started, checkpoint)
     run.search(start)
     ties = dict(UNBROKEN)
     if break_ties and run.stop is Stop.OPTIMAL:
-        ties = run.break_ties()
+        ties = run.smaller()
     if proof is not None:
-        _write_proof(problem, *run.proven, Path(proof))
+        assert run.proven is not None
+        run.bound = _write_proof(problem, *run.proven, Path(proof))
     assert run.tree is not None
     return Solution(
         tree=run.tree,
@@ -103,7 +111,7 @@ def branch_and_bound(
         version=_native.__version__,
         seed=seed,
         tolerance=run.tolerance,
-        details={"ties_broken": ties},
+        details={"ties_broken": ties} | run.resumed_from,
     )
 
 
@@ -117,6 +125,7 @@ class _Run:
     progress: ProgressCallback | None
     off: Sequence[str]
     started: float
+    checkpoint: str | Path | None = None
     ranks: Ranks = field(init=False)
     tree: Node | None = None
     objective: float = math.inf
@@ -124,24 +133,104 @@ class _Run:
     stop: Stop = Stop.INTERRUPTED
     tolerance: float = 0.0
     n_nodes: int = 0
-    proven: tuple[_native.Problem, IntegerCosts, int] = field(init=False)  # of the best bound
+    proven: tuple[_native.Problem, IntegerCosts, int] | None = None  # of the best bound of this search
+    resumed: Kept | None = None
+    grid: Node | None = None  # the tree from which the costs on the grid were made
+    known: KnownRow | None = None  # what was last kept of this grid
 
     def __post_init__(self) -> None:
         self.ranks = rank_features(self.problem)
 
     def search(self, start: Node | None) -> None:
         """Search until the bound meets the tree, or no grid of whole numbers is finer."""
-        costs: IntegerCosts | None = None
         self._keep(start)
+        self.grid = self.tree
+        self._resume()
+        costs = integer_costs(self.problem, self.grid)
         while True:
-            finer = integer_costs(self.problem, self.tree)
-            if costs is not None and finer.exponent <= costs.exponent:
-                self.stop = Stop.NUMERICS
-                return
-            costs = finer
             self.stop = self._search_grid(costs)
+            self._save(costs, self.known)
             if self.stop is not Stop.OPTIMAL or self._is_proven(costs):
                 return
+            finer = integer_costs(self.problem, self.tree)
+            if finer.exponent <= costs.exponent:
+                self.stop = Stop.NUMERICS
+                return
+            costs, self.grid, self.known = finer, self.tree, None
+
+    def _resume(self) -> None:
+        """Take up what a checkpoint holds, if there is one."""
+        if self.checkpoint is None:
+            return
+        check_writable(self.checkpoint)
+        found = read_checkpoint(self.checkpoint, self._identity())
+        if found is None:
+            return
+        self.resumed, digest = found
+        try:
+            grid, tree = (self._tree(rows) for rows in (self.resumed.grid, self.resumed.tree))
+            costs = integer_costs(self.problem, grid)
+            if digest != grid_digest(costs):
+                raise unusable(self.checkpoint, "holds costs on another grid than its tree makes")
+            if self.resumed.known is not None:
+                *row, (_, rows), sets, n_nodes = self.resumed.known
+                best = self._tree(rows, is_within=False)
+                assert best is not None
+                known = (costs.whole_objective(self.problem, best), rows_from_tree(best, self.ranks))
+                self.known = (*row, known, sets, n_nodes)  # type: ignore[assignment]
+        except (ProblemError, IndexError) as error:
+            raise unusable(self.checkpoint, f"holds a tree that is none of this problem ({error})") from error
+        self._keep(tree)
+        self.grid, self.bound = grid, self.resumed.bound
+        if self.bound > self.objective:
+            raise unusable(self.checkpoint, f"claims the bound {self.bound} above its tree's {self.objective}")
+
+    @property
+    def resumed_from(self) -> dict[str, object]:
+        """What earlier searches have spent, for the details of a solution."""
+        kept = self.resumed
+        return {} if kept is None else {"resumed_from": {"seconds": kept.seconds, "nodes": kept.n_nodes}}
+
+    def _identity(self) -> dict[str, str]:
+        problem = self.problem
+        return {
+            "version": _native.__version__,
+            "data": problem.digest(),
+            "question": question_digest(problem),
+            "off": " ".join(sorted(self.off)),
+        }
+
+    def _tree(self, rows: list[NodeRow] | None, *, is_within: bool = True) -> Node | None:
+        """Return the tree of a checkpoint's rows, refused where it is none of the problem."""
+        if rows is None:
+            return None
+        tree = tree_from_rows(rows, self.ranks)
+        return _feasible(self.problem if is_within else replace(self.problem, sensor_budget=None), tree)
+
+    def _save(self, costs: IntegerCosts, known: KnownRow | None) -> None:
+        """Write the checkpoint: what is known of the root, the best tree within the budget, what was spent."""
+        if self.checkpoint is None:
+            return
+        self.known = known
+        best, n_nodes = self.tree, self.n_nodes
+        if known is not None:
+            found = tree_from_rows(known[6][1], self.ranks)
+            if self.problem.sensor_cost_of(found) <= self.problem.sensor_limit:
+                best = min((tree for tree in (found, best) if tree is not None), key=self._objective)
+            n_nodes = max(n_nodes, known[-1])
+        spent = self.resumed or Kept(0.0, 0, -math.inf, None, None, None)
+        kept = Kept(
+            seconds=spent.seconds + time.perf_counter() - self.started,
+            n_nodes=spent.n_nodes + n_nodes,
+            bound=self.bound,
+            tree=None if best is None else rows_from_tree(best, self.ranks),
+            grid=None if self.grid is None else rows_from_tree(self.grid, self.ranks),
+            known=known,
+        )
+        write_checkpoint(self.checkpoint, self._identity() | {"grid": grid_digest(costs)}, kept)
+
+    def _objective(self, tree: Node) -> float:
+        return self.problem.objective_of(tree, predict(tree, self.problem.features))
 
     def _search_grid(self, costs: IntegerCosts) -> Stop:
         native = native_problem(self.problem, self.ranks, costs)
@@ -149,13 +238,20 @@ class _Run:
         limits = (self.limits.seconds - spent, self.limits.gap, self.limits.nodes - self.n_nodes, self.limits.memory)
         first = None if self.tree is None else (self._known(costs), rows_from_tree(self.tree, self.ranks))
         notify = None if self.progress is None else self._notify(costs)
-        rows, _, bound, stop, n_nodes = _native.branch_and_bound(
-            native, limits, self.n_jobs, first, list(self.off), notify
-        )
+        saving = (CHECKPOINT_SECONDS, lambda known: self._save(costs, known), self.known)
+        try:
+            rows, _, bound, stop, n_nodes = _native.branch_and_bound(
+                native, limits, self.n_jobs, first, list(self.off), notify, None if self.checkpoint is None else saving
+            )
+        except ValueError as error:
+            if self.checkpoint is None or not str(error).startswith("known: "):
+                raise
+            raise unusable(self.checkpoint, f"holds what cannot be proven: {error}") from error
         self.n_nodes += n_nodes
         lower = costs.value(bound)
-        if lower > self.bound:
-            self.bound, self.proven = lower, (native, costs, bound)
+        if self.proven is None or lower > self.bound:
+            self.proven = (native, costs, bound)
+        self.bound = max(self.bound, lower)
         found = centred(tree_from_rows(rows, self.ranks), self.problem.features)
         self._keep(found)
         if costs.is_rounded:
@@ -167,7 +263,7 @@ class _Run:
         """Take up a tree that is better by so much, by the true costs: rounded ones can rank two the wrong way."""
         if tree is None:
             return
-        objective = self.problem.objective_of(tree, predict(tree, self.problem.features))
+        objective = self._objective(tree)
         if math.isinf(self.objective) or self.objective - objective >= least:
             self.tree, self.objective = tree, objective
 
@@ -193,12 +289,13 @@ class _Run:
 
         return report
 
-    def break_ties(self) -> dict[str, str]:
+    def smaller(self) -> dict[str, str]:
         """Replace the tree by a smaller one that costs the same, and return what is proven of it."""
         assert self.tree is not None
+        assert self.proven is not None
         _, costs, _ = self.proven
-        effort = _Effort(self.started + self.limits.seconds, self.limits, self.n_jobs)
-        rows, ties = _break_ties(self.problem, self.ranks, costs, rows_from_tree(self.tree, self.ranks), effort)
+        effort = Effort(self.started + self.limits.seconds, self.limits, self.n_jobs)
+        rows, ties = break_ties(self.problem, self.ranks, costs, rows_from_tree(self.tree, self.ranks), effort)
         smaller = centred(tree_from_rows(rows, self.ranks), self.problem.features)
         self._keep(smaller)
         return ties if self.tree is smaller else dict(UNBROKEN)
@@ -249,71 +346,11 @@ def _feasible(problem: Problem, incumbent: Node | Solution) -> Node:
     return tree
 
 
-@dataclass(frozen=True, slots=True)
-class _Effort:
-    """What is left for breaking ties: until when, and the limits of each search."""
-
-    until: float
-    limits: Limits
-    n_jobs: int
-
-    def search(self, native: _native.Problem, first: tuple[int, list[NodeRow]]) -> tuple[list[NodeRow], int, bool]:
-        """Return table and cost of the cheapest tree (`first` where none is cheaper), and whether that is proven."""
-        values = (max(0.0, self.until - time.perf_counter()), 0.0, self.limits.nodes, self.limits.memory)
-        rows, cost, _, stop, _ = _native.branch_and_bound(native, values, self.n_jobs, first)
-        return rows, cost, stop == Stop.OPTIMAL
-
-
-def _break_ties(
-    problem: Problem, ranks: Ranks, costs: IntegerCosts, rows: list[NodeRow], effort: _Effort
-) -> tuple[list[NodeRow], dict[str, str]]:
-    """Return the table of an optimal tree of fewest splits, of those one of fewest sensors, and what is proven of it.
-
-    Every cost is multiplied by more than the splits that a tree can have, and a split costs one more: the cheapest tree
-    of that problem is a cheapest one of this, and has the fewest splits of those.
-    """
-    factor = min(2**problem.depth, problem.n_samples)
-    finer = replace(costs, costs=costs.costs * factor, penalty=costs.penalty * factor + 1)
-    largest = float(finer.weights.sum()) * float(finer.costs.max()) + finer.penalty * factor
-    if largest >= CAPACITY:
-        return rows, UNBROKEN | {"splits": "not broken: the costs are too fine to count splits beside them"}
-    cost = finer.whole_objective(problem, tree_from_rows(rows, ranks))
-    rows, cost, is_proven = effort.search(native_problem(problem, ranks, finer), (cost, rows))
-    if not is_proven:
-        return rows, UNBROKEN | {"splits": "fewer looked for, not proven"}
-    rows, said = _fewest_sensors(problem, ranks, finer, (cost, rows), effort)
-    return rows, UNBROKEN | {"splits": "fewest, proven", "sensors": said}
-
-
-def _fewest_sensors(
-    problem: Problem, ranks: Ranks, costs: IntegerCosts, best: tuple[int, list[NodeRow]], effort: _Effort
-) -> tuple[list[NodeRow], str]:
-    """Return the table of a tree no dearer than `best` that reads the fewest sensors, and what is proven of it.
-
-    One sensor fewer at a time, as a budget, until no tree within it is as cheap: none of still fewer is, as cost never
-    falls when sensors are taken away.
-    """
-    cost, rows = best
-    is_bound = math.fsum(problem.sensor_costs) > problem.sensor_limit
-    if is_bound and np.ptp(problem.sensor_costs) > 0:
-        return rows, "not broken: a budget of sensors of different cost is kept"
-    while n_sensors := len(problem.sensors_used(tree_from_rows(rows, ranks))):
-        fewer = replace(problem, sensor_cost=[1.0] * len(problem.sensors), sensor_budget=float(n_sensors - 1))
-        leaf: NodeRow = (0, 0, 0, 0, 0, 0, [], 0.0)
-        # Stands for "a tree that costs one more": what comes back in its place is as cheap as `best`.
-        found, least, is_proven = effort.search(native_problem(fewer, ranks, costs), (cost + 1, [leaf]))
-        if least <= cost:
-            rows = found
-        elif is_proven:
-            break
-        else:
-            return rows, "fewer looked for, not proven"
-    return rows, "fewest, proven"
-
-
-def _write_proof(problem: Problem, native: _native.Problem, costs: IntegerCosts, claim: int, path: Path) -> None:
+def _write_proof(problem: Problem, native: _native.Problem, costs: IntegerCosts, claim: int, path: Path) -> float:
+    """Write a log that proves the claim, and return what that is in the problem's units."""
     body = _native.prove(native, claim)
     if body is None:
         raise SolverError(f"the proof of the bound {costs.value(claim)} was interrupted; {path} is not written")
     header = log_header(problem, costs, claim)
     path.write_text(header + body + "end\n", encoding="ascii")
+    return costs.value(claim)

@@ -32,6 +32,8 @@ LEVELS = {
         "polish": 3,
         "certificate": 4,
         "merging": 4,
+        "checkpoint": 4,
+        "ties": 4,
         "tree_file": 4,
         "proof": 4,
         "mip": 5,

@@ -34,6 +34,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="give HiGHS the exact core's bound, or trees of local search while it runs (oct, oct_h, flow)",
     )
     parser.add_argument("--proof", metavar="LOG", help="write a proof log that octmip certify --proof checks (exact)")
+    parser.add_argument(
+        "--checkpoint", metavar="FILE", help="keep what is proven here, and go on from it where it exists (exact, axis)"
+    )
     parser.add_argument("--out", metavar="TREE.json", help="write the tree here")
 
 
@@ -44,6 +47,11 @@ def run(arguments: argparse.Namespace) -> int:
         check_writable(arguments.out)
     options = _options(arguments)
     question = ask(arguments)
+    if arguments.checkpoint and (arguments.method not in ("auto", "exact") or question.problem.split != "axis"):
+        raise DataError(
+            f"--checkpoint keeps proofs of method 'exact' for axis-aligned trees; got method {arguments.method!r} with "
+            f"split {question.problem.split!r}; leave it out"
+        )
     incumbent = tree_for(question.problem, read_tree_file(arguments.incumbent)) if arguments.incumbent else None
     unproven: ProofError | None = None
     with ProgressLine() as progress:
@@ -67,9 +75,11 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _options(arguments: argparse.Namespace) -> dict[str, object]:
-    if arguments.proof:
-        check_writable(arguments.proof)
-        return {"proof": Path(arguments.proof)}
+    kept = {name: Path(path) for name in ("proof", "checkpoint") if (path := getattr(arguments, name))}
+    for path in kept.values():
+        check_writable(path)
+    if kept:
+        return dict(kept)
     options: dict[str, object] = {}
     for name in ("write", "assist"):
         if getattr(arguments, name) and arguments.method not in ("oct", "oct_h", "flow"):

@@ -8,6 +8,7 @@ pub mod depth_two;
 pub mod directions;
 pub mod effort;
 pub mod frontier;
+pub mod known;
 pub mod label_sets;
 pub mod memory;
 pub mod plan;
@@ -17,6 +18,7 @@ pub mod samples;
 pub mod stumps;
 pub mod subtree;
 pub mod view;
+pub mod watch;
 
 /// Which prunes and bounds are used; the optimum is the same without any of them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -11,6 +11,7 @@
 //!   may be predicted as the child has leaves: each of them lands in some leaf of the same tree. Needs monotone.
 
 use crate::exact::Switches;
+use crate::exact::known::Solved;
 use crate::exact::label_sets::WIDTH;
 use crate::exact::samples::Samples;
 use crate::exact::view::View;
@@ -156,6 +157,28 @@ impl Axis {
     pub fn whole(&self) -> Option<Interval> {
         let last = self.last();
         (last > 1).then(|| Interval { a: 0, b: last, low: 1, high: last - 1 })
+    }
+
+    /// Take up the bounds of cuts of feature `f` that were solved before; which they are, ascending.
+    pub fn take_up(&mut self, f: usize, solved: &[Solved]) -> Vec<usize> {
+        let mut cuts = Vec::new();
+        for known in solved.iter().filter(|known| known.feature == f) {
+            if let Some(k) = self.cut_at(known.position) {
+                [self.left[k], self.right[k]] = known.bounds;
+                cuts.push(k);
+            }
+        }
+        cuts.sort_unstable();
+        cuts.dedup();
+        cuts
+    }
+
+    /// The runs of open cuts between solved ones.
+    pub fn gaps<'a>(&'a self, solved: &'a [usize]) -> impl Iterator<Item = Interval> + 'a {
+        let ends = std::iter::once(0).chain(solved.iter().copied());
+        let others = solved.iter().copied().chain(std::iter::once(self.last()));
+        let open = ends.zip(others).filter(|(a, b)| a + 1 < *b);
+        open.map(|(a, b)| Interval { a, b, low: a + 1, high: b - 1 })
     }
 
     /// The cut that splits with so many samples left of it.

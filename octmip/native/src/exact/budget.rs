@@ -19,6 +19,7 @@ use std::time::Duration;
 use crate::exact::Switches;
 use crate::exact::branch::Search;
 use crate::exact::effort::Control;
+use crate::exact::known::Held;
 use crate::exact::samples::Samples;
 use crate::exact::view::View;
 use crate::problem::Problem;
@@ -123,6 +124,18 @@ impl<'a> Sets<'a> {
         let all = Choice { held: none.clone(), banned: none, breaking };
         let state = State { open: vec![(all, Mark::Waiting)], cost: upper, tree: None };
         Self { problem, samples, switches, control, state: Mutex::new(state), changed: Condvar::new() }
+    }
+
+    /// Go on from the nodes that an earlier search left open.
+    pub fn go_on(self, open: &[Held]) -> Self {
+        let node = |(held, banned): &Held| Choice { held: held.clone(), banned: banned.clone(), breaking: None };
+        self.lock().open = open.iter().map(|nodes| (node(nodes), Mark::Waiting)).collect();
+        self
+    }
+
+    /// The nodes that are open; what visits to them found is left out.
+    pub fn open(&self) -> Vec<Held> {
+        self.lock().open.iter().map(|(node, _)| (node.held.clone(), node.banned.clone())).collect()
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {

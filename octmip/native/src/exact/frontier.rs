@@ -15,6 +15,7 @@ use crate::exact::answer::Reached;
 use crate::exact::axis::{Axis, Interval};
 use crate::exact::branch::{Children, Cut, Search};
 use crate::exact::effort::Control;
+use crate::exact::known::{Known, Solved};
 use crate::exact::plan::Plan;
 use crate::exact::samples::Samples;
 use crate::exact::view::View;
@@ -56,6 +57,8 @@ struct State {
     results: Vec<Option<Children>>,
     is_finished: bool,
     attained: Vec<Reached>,
+    /// Places of the features and cuts that are recorded.
+    solved: Vec<(usize, usize)>,
     cost: i64,
     plan: Option<Plan>,
 }
@@ -84,6 +87,7 @@ struct Task {
 
 impl<'a> Frontier<'a> {
     /// All cuts of all features; trees below `upper` are wanted, and `attained` is where one level fewer was best.
+    /// `known`: what an earlier search of this level has proven.
     #[allow(clippy::too_many_arguments)]
     pub fn new(
         samples: &'a Samples,
@@ -94,17 +98,25 @@ impl<'a> Frontier<'a> {
         attained: &[Reached],
         whole: i64,
         upper: i64,
+        known: Option<&Known>,
     ) -> Self {
         let mut features: Vec<usize> = (0..samples.p).collect();
         features.sort_by_key(|&f| attained.get(f).map_or(i64::MAX, |reached| reached.cost));
         let (mut heap, mut axes, mut round) = (BinaryHeap::new(), Vec::new(), Vec::new());
+        let mut solved = Vec::new();
         for (place, &f) in features.iter().enumerate() {
             let mut axis = Axis::default();
             axis.lay(samples, view, f, 1 << (depth - 1).min(20), whole, &switches);
-            if let Some(interval) = axis.whole() {
+            let cuts = known.map_or(Vec::new(), |known| axis.take_up(f, &known.cuts));
+            if !cuts.is_empty() {
+                heap.extend(
+                    axis.gaps(&cuts).map(|gap| Reverse(Open::new(samples.penalty + axis.least(&gap), place, gap))),
+                );
+                solved.extend(cuts.iter().map(|&k| (place, k)));
+            } else if let Some(interval) = axis.whole() {
                 let bound = samples.penalty + axis.least(&interval);
                 let open = Open::new(bound, place, interval);
-                let best = attained.get(f).filter(|_| place < N_FIRST);
+                let best = attained.get(f).filter(|_| place < N_FIRST && known.is_none());
                 match best.and_then(|reached| axis.cut_at(reached.position)) {
                     Some(k) => round.push(Task {
                         place,
@@ -126,7 +138,8 @@ impl<'a> Frontier<'a> {
             n_handed_out: 0,
             results,
             is_finished: false,
-            attained: vec![Reached::NOTHING; samples.p],
+            attained: known.map_or_else(|| vec![Reached::NOTHING; samples.p], |known| known.attained.clone()),
+            solved,
             cost: upper,
             plan: None,
         };
@@ -152,15 +165,34 @@ impl<'a> Frontier<'a> {
         self.lock().heap.capacity() * size_of::<Reverse<Open>>()
     }
 
-    /// The best tree below the budget.
+    /// The best tree below the budget, of the cuts of the round that are back included.
     pub fn best(&self) -> Option<(i64, Plan)> {
         let state = self.lock();
-        state.plan.clone().map(|plan| (state.cost, plan))
+        let recorded = state.plan.as_ref().map(|plan| (state.cost, plan));
+        let back = state.results.iter().flatten().filter_map(|children| children.tree.as_ref());
+        let below = back.map(|(cost, plan)| (*cost, plan)).filter(|(cost, _)| *cost < state.cost);
+        let best = recorded.into_iter().chain(below).min_by_key(|(cost, _)| *cost);
+        best.map(|(cost, plan)| (cost, plan.clone()))
     }
 
     /// Best cut seen of each feature at the root (`p`).
     pub fn attained(&self) -> Vec<Reached> {
         self.lock().attained.clone()
+    }
+
+    /// The solved cuts, those of the round that are back included.
+    pub fn solved(&self) -> Vec<Solved> {
+        let state = self.lock();
+        let recorded = state.solved.iter().map(|&(place, k)| {
+            let axis = &state.axes[place];
+            let bounds = [axis.left[k], axis.right[k]];
+            Solved { feature: self.features[place], position: axis.positions[k] as usize, bounds }
+        });
+        let back = state.round.iter().zip(&state.results).filter_map(|(task, children)| {
+            let bounds = children.as_ref()?.bounds;
+            Some(Solved { feature: task.cut.feature, position: task.cut.position, bounds })
+        });
+        recorded.chain(back).collect()
     }
 
     /// Work until nothing is open or someone says stop.
@@ -237,6 +269,7 @@ impl<'a> Frontier<'a> {
     }
 
     fn record(&self, state: &mut State, task: &Task, children: Children) {
+        state.solved.push((task.place, task.k));
         let axis = &mut state.axes[task.place];
         [axis.left[task.k], axis.right[task.k]] = children.bounds;
         let Interval { a, b, low, high } = task.interval;

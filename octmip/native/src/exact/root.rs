@@ -1,19 +1,21 @@
 //! The whole search: incumbent, shallower depths, the root's frontier, limits.
 
-use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
-use std::time::{Duration, Instant};
+use std::sync::mpsc::{Sender, channel};
+use std::time::Instant;
 
-use crate::control::{KeepGoing, Limits, Outcome, Progress, Stop};
+use crate::control::{KeepGoing, Limits, Outcome, Stop};
 use crate::exact::Switches;
 use crate::exact::answer::Reached;
 use crate::exact::branch::Search;
 use crate::exact::budget::{Sets, is_within};
 use crate::exact::effort::Control;
 use crate::exact::frontier::Frontier;
+use crate::exact::known::{Known, Saver};
 use crate::exact::memory;
 use crate::exact::plan::Plan;
 use crate::exact::samples::Samples;
 use crate::exact::view::View;
+use crate::exact::watch::{Due, watch};
 use crate::problem::Problem;
 use crate::tree::Tree;
 
@@ -30,8 +32,20 @@ pub struct Options {
     pub switches: Switches,
 }
 
+/// Where the best tree comes from.
+#[derive(Debug, Clone)]
+enum Best {
+    /// The incumbent that was given.
+    Given,
+    /// This search.
+    Plan(Plan),
+    /// An earlier search, or the one over sensor sets.
+    Tree(Tree),
+}
+
 /// The state of a search that is asked for progress.
-struct Run<'a> {
+struct Run<'a, 's> {
+    problem: &'a Problem,
     samples: &'a Samples,
     view: &'a View,
     options: &'a Options,
@@ -40,25 +54,41 @@ struct Run<'a> {
     /// Bytes of the tables that do not grow.
     tables: f64,
     base: i64,
-    /// Objective (above the base) and plan of the best tree; no plan: the incumbent that was given.
-    best: (i64, Option<Plan>),
+    /// Objective (above the base) of the best tree, and where it comes from.
+    best: (i64, Best),
     bound: i64,
-    /// The best tree, when it came from the search over sensor sets.
-    tree: Option<Tree>,
     stop: Option<Stop>,
+    known: Option<Known>,
+    saver: Option<Saver<'s>>,
+    saved: Instant,
 }
 
 /// The best tree of the problem, and a bound.
 pub fn solve(problem: &Problem, options: &Options, keep_going: KeepGoing<'_>) -> Outcome {
+    go_on(problem, options, None, None, keep_going).unwrap_or_else(|_| without_search(problem, options))
+}
+
+/// The same from what an earlier search has proven, handing out what is known every so often; an error when that cannot be.
+pub fn go_on(
+    problem: &Problem,
+    options: &Options,
+    known: Option<Known>,
+    saver: Option<Saver<'_>>,
+    keep_going: KeepGoing<'_>,
+) -> Result<Outcome, String> {
     let started = Instant::now();
     let tables = memory::bytes(problem, options.n_threads.max(1), &options.switches);
     if tables > options.limits.memory {
-        return without_search(problem, options);
+        return Ok(without_search(problem, options));
     }
     let samples = Samples::new(problem);
     let view = View::root(&samples);
     let base: i64 = samples.base.iter().sum();
+    if let Some(known) = &known {
+        known.check(&samples, &view, problem.depth, problem.sensor_cost.len())?;
+    }
     let mut run = Run {
+        problem,
         samples: &samples,
         view: &view,
         options,
@@ -66,57 +96,76 @@ pub fn solve(problem: &Problem, options: &Options, keep_going: KeepGoing<'_>) ->
         started,
         tables,
         base,
-        best: (view.leaf(), Some(Plan::Leaf)),
+        best: (view.leaf(), Best::Plan(Plan::Leaf)),
         bound: 0,
-        tree: None,
         stop: None,
+        known,
+        saver,
+        saved: started,
     };
     if let Some((objective, _)) = &options.incumbent
         && objective - base <= run.best.0
     {
-        run.best = (objective - base, None);
+        run.best = (objective - base, Best::Given);
+    }
+    if let Some(Known { best: (cost, tree), .. }) = &run.known
+        && *cost < run.best.0
+    {
+        run.best = (*cost, Best::Tree(tree.clone()));
     }
     run.search(problem.depth, keep_going);
     let all: f64 = problem.sensor_cost.iter().sum();
     if all > problem.sensor_limit {
-        run.keep_budget(problem, keep_going);
+        run.keep_budget(keep_going);
     }
-    run.outcome()
+    Ok(run.outcome())
+}
+
+/// What no tree avoids.
+pub fn base(problem: &Problem) -> i64 {
+    let least = |i: usize| (0..problem.n_classes).map(move |k| problem.cost(problem.labels[i] as usize, k)).min();
+    (0..problem.n).map(|i| problem.weights[i] * least(i).unwrap_or(0)).sum()
 }
 
 /// The incumbent or the best leaf, and the cost that no tree avoids: what is known where memory is too small to search.
 fn without_search(problem: &Problem, options: &Options) -> Outcome {
     let paid = |i: usize, k: usize| problem.weights[i] * problem.cost(problem.labels[i] as usize, k);
     let leaf = |k: usize| (0..problem.n).map(|i| paid(i, k)).sum::<i64>();
-    let least = |i: usize| (0..problem.n_classes).map(|k| paid(i, k)).min().unwrap_or(0);
     let label = (0..problem.n_classes).min_by_key(|&k| leaf(k)).unwrap_or(0);
     let best = (leaf(label), Tree::leaf(label as u32));
     let (objective, tree) = match &options.incumbent {
         Some(given) if given.0 <= best.0 => given.clone(),
         _ => best,
     };
-    let bound = (0..problem.n).map(least).sum();
+    let bound = base(problem);
     let stop = if bound >= objective { Stop::Optimal } else { Stop::Memory };
     Outcome { tree, objective, bound, stop, n_nodes: 0 }
 }
 
-impl Run<'_> {
+impl Run<'_, '_> {
     fn search(&mut self, depth: usize, keep_going: KeepGoing<'_>) {
         if self.best.0 <= self.samples.penalty || self.samples.p == 0 || self.samples.n_columns == 1 {
             self.bound = self.best.0;
             return;
         }
-        let shallow = depth.min(2);
-        let (mut whole, mut attained) = self.shallow(shallow, keep_going);
+        let ((mut whole, mut attained), first) = match &self.known {
+            Some(known) => ((known.whole, known.order.clone()), known.level),
+            None => (self.shallow(depth.min(2), keep_going), 3),
+        };
         if depth <= 2 {
             self.bound = whole;
             return;
         }
-        for level in 3..=depth {
+        if self.known.as_ref().is_some_and(|known| known.sets.is_some()) {
+            self.bound = self.known.as_ref().map_or(0, |known| known.bound);
+            return;
+        }
+        for level in first..=depth {
             if self.stop.is_some() {
                 return;
             }
             (whole, attained) = self.deep(level, level == depth, &attained, whole, keep_going);
+            self.known = None;
         }
     }
 
@@ -133,9 +182,9 @@ impl Run<'_> {
                 let answer = search.solve(view, depth, upper, 0);
                 (answer, search.attained)
             });
-            self.stop = watch(self.started, &self.options.limits, control, &receiver, keep_going, || {
-                (self.best.0 + self.base, self.base, self.tables)
-            });
+            let progress = || (self.best.0 + self.base, self.base, self.tables);
+            self.stop =
+                watch(self.started, &self.options.limits, control, &receiver, keep_going, progress, &mut || true);
             result = worker.join().ok();
         });
         let Some((answer, attained)) = result else {
@@ -144,7 +193,7 @@ impl Run<'_> {
         if let Some((cost, plan)) = answer.best
             && cost < self.best.0
         {
-            self.best = (cost, Some(plan));
+            self.best = (cost, Best::Plan(plan));
         }
         (if self.stop.is_some() { 0 } else { answer.lower }, attained)
     }
@@ -161,8 +210,26 @@ impl Run<'_> {
         let (samples, view, switches) = (self.samples, self.view, self.options.switches);
         // The incumbent may be deeper than this level: the level's own trees are asked for up to the last level's cost.
         let upper = self.best.0;
-        let frontier = Frontier::new(samples, switches, &self.control, view, depth, attained, whole, upper);
-        let (base, tables) = (self.base, self.tables);
+        let known = self.known.take();
+        let frontier =
+            Frontier::new(samples, switches, &self.control, view, depth, attained, whole, upper, known.as_ref());
+        let (base, tables, before, control) = (self.base, self.tables, self.tree(), &self.control);
+        let state = || {
+            let (_, bound) = frontier.progress();
+            let best = frontier.best().map(|(cost, plan)| (cost, plan.tree(samples, view)));
+            Known {
+                level: depth,
+                whole,
+                order: attained.to_vec(),
+                attained: frontier.attained(),
+                cuts: frontier.solved(),
+                bound: if is_last { bound } else { 0 },
+                best: best.unwrap_or_else(|| (upper, before.clone())),
+                n_nodes: control.n_evaluated(),
+                sets: None,
+            }
+        };
+        let mut due = Due { saver: self.saver.as_mut(), saved: &mut self.saved };
         std::thread::scope(|scope| {
             let (sender, receiver) = channel::<()>();
             for _ in 0..self.options.n_threads.max(1) {
@@ -178,15 +245,22 @@ impl Run<'_> {
                 });
             }
             drop(sender);
-            self.stop = watch(self.started, &self.options.limits, &self.control, &receiver, keep_going, || {
+            let progress = || {
                 let (cost, bound) = frontier.progress();
                 let bytes = tables + frontier.bytes() as f64;
                 (cost + base, if is_last { bound + base } else { base }, bytes)
-            });
+            };
+            self.stop =
+                watch(self.started, &self.options.limits, &self.control, &receiver, keep_going, progress, &mut || {
+                    due.save(false, &state)
+                });
         });
+        if is_last || self.stop.is_some() {
+            due.save(true, &state);
+        }
         let (cost, bound) = frontier.progress();
         if let Some((cost, plan)) = frontier.best() {
-            self.best = (cost, Some(plan));
+            self.best = (cost, Best::Plan(plan));
         }
         if is_last {
             self.bound = bound;
@@ -195,24 +269,46 @@ impl Run<'_> {
     }
 
     /// After the search without the budget, whose bound stands: the best tree within it.
-    fn keep_budget(&mut self, problem: &Problem, keep_going: KeepGoing<'_>) {
-        let Some(plan) = &self.best.1 else { return };
-        let relaxed = plan.tree(self.samples, self.view);
+    fn keep_budget(&mut self, keep_going: KeepGoing<'_>) {
+        let (problem, relaxed) = (self.problem, self.tree());
+        let open = self.known.as_mut().and_then(|known| known.sets.take());
         if is_within(problem, &relaxed) {
-            return;
+            if open.is_none() {
+                return;
+            }
+        } else {
+            let given = self.options.incumbent.as_ref().map(|(objective, _)| objective - self.base);
+            let leaf = self.view.leaf();
+            self.best = match given {
+                Some(cost) if cost <= leaf => (cost, Best::Given),
+                _ => (leaf, Best::Plan(Plan::Leaf)),
+            };
         }
-        let given = self.options.incumbent.as_ref().map(|(objective, _)| objective - self.base);
-        let leaf = self.view.leaf();
-        self.best = match given {
-            Some(cost) if cost <= leaf => (cost, None),
-            _ => (leaf, Some(Plan::Leaf)),
-        };
         if self.stop.is_some() {
             return;
         }
         let (samples, upper, tables) = (self.samples, self.best.0, self.tables);
         let (base, bound) = (self.base, self.bound);
-        let sets = Sets::new(problem, samples, self.options.switches, &self.control, Some(&relaxed), upper);
+        let mut sets = Sets::new(problem, samples, self.options.switches, &self.control, Some(&relaxed), upper);
+        if let Some(open) = &open {
+            sets = sets.go_on(open);
+        }
+        let (before, p, control) = (self.tree(), samples.p, &self.control);
+        let state = || {
+            let (cost, tree) = sets.best();
+            Known {
+                level: problem.depth,
+                whole: 0,
+                order: vec![Reached::NOTHING; p],
+                attained: vec![Reached::NOTHING; p],
+                cuts: Vec::new(),
+                bound: bound.min(cost),
+                best: (cost, tree.unwrap_or_else(|| before.clone())),
+                n_nodes: control.n_evaluated(),
+                sets: Some(sets.open()),
+            }
+        };
+        let mut due = Due { saver: self.saver.as_mut(), saved: &mut self.saved };
         std::thread::scope(|scope| {
             let (sender, receiver) = channel::<()>();
             for _ in 0..self.options.n_threads.max(1) {
@@ -223,72 +319,38 @@ impl Run<'_> {
                 });
             }
             drop(sender);
-            self.stop = watch(self.started, &self.options.limits, &self.control, &receiver, keep_going, || {
+            let progress = || {
                 let bytes = tables + sets.bytes() as f64;
                 (sets.best().0 + base, bound + base, bytes)
-            });
+            };
+            self.stop =
+                watch(self.started, &self.options.limits, &self.control, &receiver, keep_going, progress, &mut || {
+                    due.save(false, &state)
+                });
         });
+        due.save(true, &state);
         let (cost, tree) = sets.best();
         if let Some(tree) = tree {
-            self.best = (cost, None);
-            self.tree = Some(tree);
+            self.best = (cost, Best::Tree(tree));
         }
         if self.stop.is_none() {
             self.bound = cost;
         }
     }
 
+    fn tree(&self) -> Tree {
+        match (&self.best.1, &self.options.incumbent) {
+            (Best::Tree(tree), _) | (Best::Given, Some((_, tree))) => tree.clone(),
+            (Best::Plan(plan), _) => plan.tree(self.samples, self.view),
+            (Best::Given, None) => Plan::Leaf.tree(self.samples, self.view),
+        }
+    }
+
     fn outcome(self) -> Outcome {
         let objective = self.base + self.best.0;
         let bound = self.base + self.bound.min(self.best.0);
-        let tree = match (self.tree, &self.best.1, &self.options.incumbent) {
-            (Some(tree), _, _) => tree,
-            (None, Some(plan), _) => plan.tree(self.samples, self.view),
-            (None, None, Some((_, tree))) => tree.clone(),
-            (None, None, None) => Tree::leaf(self.samples.labels[self.view.best_column()]),
-        };
+        let tree = self.tree();
         let stop = if bound >= objective { Stop::Optimal } else { self.stop.unwrap_or(Stop::Interrupted) };
         Outcome { tree, objective, bound, stop, n_nodes: self.control.n_evaluated() }
-    }
-}
-
-/// Wait for the workers, looking at the limits and asking the caller meanwhile; why they were stopped, if they were.
-/// `progress` says objective, bound and bytes taken.
-fn watch(
-    started: Instant,
-    limits: &Limits,
-    control: &Control,
-    workers: &std::sync::mpsc::Receiver<()>,
-    keep_going: KeepGoing<'_>,
-    progress: impl Fn() -> (i64, i64, f64),
-) -> Option<Stop> {
-    let mut stop = None;
-    loop {
-        let left = limits.seconds - started.elapsed().as_secs_f64();
-        let wait = Duration::from_secs_f64(left.clamp(0.0, 0.02));
-        if workers.recv_timeout(wait) == Err(RecvTimeoutError::Disconnected) {
-            return stop;
-        }
-        let (objective, bound, bytes) = progress();
-        let n_nodes = control.n_evaluated();
-        let seconds = started.elapsed().as_secs_f64();
-        let has_gap = limits.gap > 0.0 && (objective - bound) as f64 <= limits.gap * objective as f64;
-        let reason = if !keep_going(Progress { seconds, objective, bound, n_nodes }) {
-            Some(Stop::Interrupted)
-        } else if seconds >= limits.seconds {
-            Some(Stop::Time)
-        } else if n_nodes as f64 >= limits.nodes {
-            Some(Stop::Nodes)
-        } else if bytes > limits.memory {
-            Some(Stop::Memory)
-        } else if has_gap {
-            Some(Stop::Gap)
-        } else {
-            None
-        };
-        if let Some(reason) = reason {
-            stop = stop.or(Some(reason));
-            control.stop();
-        }
     }
 }

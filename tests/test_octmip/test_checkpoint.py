@@ -1,0 +1,208 @@
+"""A proof that is killed goes on from its checkpoint: the same optimum, little lost, nothing foreign believed."""
+
+import hashlib
+import json
+import random
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from benchmarks.oracles.enumeration import optimum
+from benchmarks.oracles.strategies import random_problem, wide_problem
+from octmip import Limits, Problem, certify, exact, solve
+from octmip.checkpoint import FIRST
+from octmip.cli import main
+from octmip.errors import DataError, ProblemError
+from octmip.exact import branch_and_bound
+from octmip.solution import Stop
+
+
+def hard(seed=0, **options):
+    rng = np.random.default_rng([61, seed])
+    return Problem(rng.integers(0, 90, (260, 6)), rng.integers(0, 3, 260), depth=3, **options)
+
+
+def resumed(problem, path, n_jobs=1):
+    """Return the solutions of searches that end when somebody first looks, one after the other, to the end."""
+    found = []
+    while not found or found[-1].stop is not Stop.OPTIMAL:
+        # Somebody looks every 20 ms. Where a cut of the root takes more, it is lost when the search ends.
+        limits = Limits(nodes=float(4000 * (len(found) // 10)))
+        found.append(branch_and_bound(problem, limits=limits, n_jobs=n_jobs, checkpoint=path))
+        certify(problem, found[-1])
+        assert len(found) < 200
+    return found
+
+
+@pytest.fixture
+def often(monkeypatch):
+    """Write a checkpoint whenever somebody looks."""
+    monkeypatch.setattr(exact, "CHECKPOINT_SECONDS", 0.0)
+
+
+@pytest.mark.usefixtures("often")
+@pytest.mark.parametrize("n_jobs", [1, 2])
+@pytest.mark.parametrize("options", [{}, {"leaf_penalty": 1.0}, {"leaf_size": 4}, {"sensor_budget": 2}])
+def test_a_search_in_pieces_ends_where_one_search_does(options, n_jobs, tmp_path):
+    problem = hard(**options)
+    whole = branch_and_bound(problem)
+    pieces = resumed(problem, tmp_path / "kept", n_jobs)
+    assert (pieces[-1].objective, pieces[-1].bound) == (whole.objective, whole.bound)
+    bounds = [piece.bound for piece in pieces]
+    assert bounds == sorted(bounds)
+    assert len(pieces) > 1
+    assert "resumed_from" not in pieces[0].details
+    spent = pieces[-1].details["resumed_from"]
+    assert 0 < spent["seconds"] < 60
+    assert spent["nodes"] >= sum(piece.n_nodes for piece in pieces[:-1]) * 0.5
+
+
+@pytest.mark.usefixtures("often")
+def test_small_problems_of_every_kind_have_the_optimum_of_enumeration_after_a_pause(tmp_path):
+    for seed in range(60):
+        rng = np.random.default_rng([62, seed])
+        problem = (wide_problem if seed % 2 else random_problem)(rng)
+        path = tmp_path / str(seed)
+        first = branch_and_bound(problem, limits=Limits(nodes=float(rng.integers(0, 9))), checkpoint=path)
+        second = branch_and_bound(problem, checkpoint=path)
+        once = branch_and_bound(problem)
+        certify(problem, second)
+        assert first.bound <= second.bound, f"seed {seed}"
+        assert second.stop is once.stop, f"seed {seed}"
+        best = optimum(problem)
+        assert Fraction(second.bound) <= Fraction(best.objective) * (1 + Fraction(1, 2**51)), f"seed {seed}"
+        assert second.objective <= best.objective * (1 + 1e-12) + second.tolerance, f"seed {seed}"
+
+
+@pytest.mark.usefixtures("often")
+def test_a_finished_search_is_not_made_again(tmp_path):
+    problem = hard()
+    first, second = (branch_and_bound(problem, checkpoint=tmp_path / "kept") for _ in range(2))
+    assert (second.objective, second.bound, second.stop) == (first.objective, first.bound, Stop.OPTIMAL)
+    assert second.n_nodes == 0 < first.n_nodes
+
+
+CHILD = """
+import sys
+import numpy as np
+from octmip import exact
+from octmip.problem import Problem
+exact.CHECKPOINT_SECONDS = 0.02
+rng = np.random.default_rng(3)
+problem = Problem(rng.normal(size=(260, 8)), rng.integers(0, 3, 260), depth=3)
+print("ready", flush=True)
+solution = exact.branch_and_bound(problem, checkpoint=sys.argv[1])
+print(solution.objective, solution.bound, solution.stop, bool(solution.details.get("resumed_from")))
+"""
+
+
+def test_a_search_killed_at_any_moment_goes_on_to_the_same_optimum(tmp_path):
+    """SIGKILL gives no time to tidy up: the file is the last whole one."""
+    command, moments = [sys.executable, "-c", CHILD, str(tmp_path / "kept")], random.Random(0)
+    for _ in range(4):
+        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as child:
+            child.stdout.readline()
+            time.sleep(moments.uniform(0.05, 0.3))
+            child.send_signal(signal.SIGKILL)
+    assert (tmp_path / "kept").exists()
+    last = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()[1:]
+    rng = np.random.default_rng(3)
+    whole = branch_and_bound(Problem(rng.normal(size=(260, 8)), rng.integers(0, 3, 260), depth=3))
+    assert last == [str(whole.objective), str(whole.bound), "optimal", "True"]
+
+
+@pytest.fixture
+def kept(tmp_path):
+    """Return a problem and the checkpoint of a search of it that was cut off."""
+    path = tmp_path / "kept"
+    branch_and_bound(hard(), limits=Limits(nodes=1), checkpoint=path)
+    assert b'"known":null' not in path.read_bytes()
+    return hard(), path
+
+
+def test_every_damage_is_found(kept):
+    problem, path = kept
+    content = path.read_bytes()
+    for place in range(0, len(content) - 1, max(1, len(content) // 60)):
+        path.write_bytes(content[:place] + bytes([content[place] ^ 1]) + content[place + 1 :])
+        with pytest.raises(
+            DataError, match=r"checkpoint .* is (damaged|no checkpoint): line 1 .*; give another file, or"
+        ):
+            branch_and_bound(problem, checkpoint=path)
+    path.write_bytes(content[: len(content) // 2])
+    with pytest.raises(DataError, match="is damaged"):
+        branch_and_bound(problem, checkpoint=path)
+
+
+@pytest.mark.parametrize(
+    ("change", "complaint"),
+    [
+        ({"weights": np.full(260, 2.0)}, "samples, labels and weights"),
+        ({"depth": 4}, "depth, costs, limits and sensors"),
+        ({"sensor_budget": 2.0}, "depth, costs, limits and sensors"),
+    ],
+)
+def test_a_checkpoint_of_another_problem_is_refused(kept, change, complaint):
+    problem, path = kept
+    with pytest.raises(DataError, match=f"belongs to another search: it has the {complaint}"):
+        branch_and_bound(replace(problem, **change), checkpoint=path)
+
+
+def rewritten(path, edit):
+    """Change the content of a checkpoint and make its sum right again."""
+    content = json.loads(path.read_bytes().split(b"\n")[1])
+    edit(content)
+    line = json.dumps(content).encode()
+    path.write_bytes(f"{FIRST} {hashlib.sha256(line).hexdigest()}\n".encode() + line + b"\n")
+
+
+@pytest.mark.parametrize(
+    ("edit", "complaint"),
+    [
+        (lambda c: c.update(version="0.0"), "belongs to another search: it has the version of octmip"),
+        (lambda c: c.update(grid="0"), "holds costs on another grid"),
+        (lambda c: c.update(bound=(1e9).hex()), "claims the bound .* above its tree's"),
+        (lambda c: c.update(tree=[[1, 77, 0, 1, 2, 0, [], 0.0], *[[0, 0, 0, 0, 0, 0, [], 0.0]] * 2]), "holds"),
+        (lambda c: c.update(tree=[[0, 0, 0, 0, 0, 99, [], 0.0]]), "holds a tree that is none of this problem"),
+        (lambda c: c.update(tree=[[1, 0, 0, 1, 1, 0, [], 0.0], [0, 0, 0, 0, 0, 0, [], 0.0]]), "rows are no tree"),
+        (lambda c: c.update(tree=[[1, 0, 999, 1, 2, 0, [], 0.0], *[[0, 0, 0, 0, 0, 0, [], 0.0]] * 2]), "holds"),
+        (lambda c: c.update(known="nothing"), "holds something else"),
+        (lambda c: c.update(nodes=2**80), "holds something else"),
+        (lambda c: c.update(seconds="nan"), "holds something else"),
+        (lambda c: c.pop("known"), "holds something else"),
+        (lambda c: c["known"].__setitem__(0, 9), "holds what cannot be proven: known: level 9"),
+        (lambda c: c["known"].__setitem__(1, 900), "holds what cannot be proven: known: bounds 900"),
+        (lambda c: c["known"][4].append([0, 1, 5, 0]), "holds what cannot be proven: known: "),
+        (lambda c: c["known"][4].append([99, 1, 0, 0]), "holds what cannot be proven: known: feature 99 of 6"),
+        (lambda c: c["known"][4].append([0, 10**6, 0, 0]), "holds what cannot be proven: known: feature 0 has no cut"),
+        (lambda c: c["known"].__setitem__(7, [[[True], [False]]]), "holds what cannot be proven: known: a set"),
+    ],
+)
+def test_what_cannot_be_is_refused(kept, edit, complaint):
+    problem, path = kept
+    rewritten(path, edit)
+    with pytest.raises(DataError, match=complaint):
+        branch_and_bound(problem, checkpoint=path)
+
+
+def test_a_place_that_cannot_be_written_is_refused_before_the_search(tmp_path):
+    with pytest.raises(DataError, match="there is no folder"):
+        branch_and_bound(hard(), checkpoint=tmp_path / "none" / "kept")
+
+
+def test_other_methods_have_no_checkpoint(tmp_path, capsys):
+    with pytest.raises(ProblemError, match="takes no option 'checkpoint'"):
+        solve(hard(), "search", options={"checkpoint": tmp_path / "kept"})
+    table = tmp_path / "table.csv"
+    table.write_text("a,b,y\n1,2,0\n2,1,1\n3,3,0\n")
+    command = ["solve", str(table), "--label", "y", "--depth", "1", "--checkpoint", str(tmp_path / "kept")]
+    assert main([*command, "--method", "search"]) != 0
+    assert "--checkpoint keeps proofs of method 'exact'" in capsys.readouterr().err
+    assert main(command) == 0
+    assert (tmp_path / "kept").exists()
