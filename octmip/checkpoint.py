@@ -9,7 +9,7 @@ that a proof which was resumed rests on whoever kept the file. A proof log does 
 import hashlib
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -54,8 +54,8 @@ class Kept:
     seconds: float
     n_nodes: int
     bound: float
-    tree: list[NodeRow] | None
-    grid: list[NodeRow] | None
+    tree: Sequence[NodeRow] | None
+    grid: Sequence[NodeRow] | None
     known: KnownRow | None
 
 

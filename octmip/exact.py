@@ -200,7 +200,7 @@ class _Run:
             "off": " ".join(sorted(self.off)),
         }
 
-    def _tree(self, rows: list[NodeRow] | None, *, is_within: bool = True) -> Node | None:
+    def _tree(self, rows: Sequence[NodeRow] | None, *, is_within: bool = True) -> Node | None:
         """Return the tree of a checkpoint's rows, refused where it is none of the problem."""
         if rows is None:
             return None
