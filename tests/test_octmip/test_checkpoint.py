@@ -25,7 +25,7 @@ from octmip.solution import Stop
 
 def hard(seed=0, **options):
     rng = np.random.default_rng([61, seed])
-    return Problem(rng.integers(0, 90, (260, 6)), rng.integers(0, 3, 260), depth=3, **options)
+    return Problem(rng.integers(0, 90, (200, 5)), rng.integers(0, 3, 200), depth=3, **options)
 
 
 def resumed(problem, path, n_jobs=1):
@@ -33,7 +33,7 @@ def resumed(problem, path, n_jobs=1):
     found = []
     while not found or found[-1].stop is not Stop.OPTIMAL:
         # Somebody looks every 20 ms. Where a cut of the root takes more, it is lost when the search ends.
-        limits = Limits(nodes=float(4000 * (len(found) // 10)))
+        limits = Limits(nodes=float(4000 * (len(found) // 10))) if found else Limits(seconds=0)
         found.append(branch_and_bound(problem, limits=limits, n_jobs=n_jobs, checkpoint=path))
         certify(problem, found[-1])
         assert len(found) < 200
@@ -47,8 +47,9 @@ def often(monkeypatch):
 
 
 @pytest.mark.usefixtures("often")
-@pytest.mark.parametrize("n_jobs", [1, 2])
-@pytest.mark.parametrize("options", [{}, {"leaf_penalty": 1.0}, {"leaf_size": 4}, {"sensor_budget": 2}])
+@pytest.mark.parametrize(
+    ("options", "n_jobs"), [({}, 2), ({"leaf_penalty": 1.0}, 1), ({"leaf_size": 4}, 1), ({"sensor_budget": 2}, 2)]
+)
 def test_a_search_in_pieces_ends_where_one_search_does(options, n_jobs, tmp_path):
     problem = hard(**options)
     whole = branch_and_bound(problem)
@@ -56,16 +57,15 @@ def test_a_search_in_pieces_ends_where_one_search_does(options, n_jobs, tmp_path
     assert (pieces[-1].objective, pieces[-1].bound) == (whole.objective, whole.bound)
     bounds = [piece.bound for piece in pieces]
     assert bounds == sorted(bounds)
-    assert len(pieces) > 1
     assert "resumed_from" not in pieces[0].details
     spent = pieces[-1].details["resumed_from"]
-    assert 0 < spent["seconds"] < 60
-    assert spent["nodes"] >= sum(piece.n_nodes for piece in pieces[:-1]) * 0.5
+    assert 0 < spent["seconds"] <= sum(piece.seconds for piece in pieces[:-1])
+    assert spent["nodes"] == sum(piece.n_nodes for piece in pieces[:-1])
 
 
 @pytest.mark.usefixtures("often")
 def test_small_problems_of_every_kind_have_the_optimum_of_enumeration_after_a_pause(tmp_path):
-    for seed in range(60):
+    for seed in range(40):
         rng = np.random.default_rng([62, seed])
         problem = (wide_problem if seed % 2 else random_problem)(rng)
         path = tmp_path / str(seed)
@@ -95,7 +95,7 @@ from octmip import exact
 from octmip.problem import Problem
 exact.CHECKPOINT_SECONDS = 0.02
 rng = np.random.default_rng(3)
-problem = Problem(rng.normal(size=(260, 8)), rng.integers(0, 3, 260), depth=3)
+problem = Problem(rng.normal(size=(200, 6)), rng.integers(0, 3, 200), depth=3)
 print("ready", flush=True)
 solution = exact.branch_and_bound(problem, checkpoint=sys.argv[1])
 print(solution.objective, solution.bound, solution.stop, bool(solution.details.get("resumed_from")))
@@ -105,24 +105,25 @@ print(solution.objective, solution.bound, solution.stop, bool(solution.details.g
 def test_a_search_killed_at_any_moment_goes_on_to_the_same_optimum(tmp_path):
     """SIGKILL gives no time to tidy up: the file is the last whole one."""
     command, moments = [sys.executable, "-c", CHILD, str(tmp_path / "kept")], random.Random(0)
-    for _ in range(4):
+    for _ in range(3):
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as child:
             child.stdout.readline()
-            time.sleep(moments.uniform(0.05, 0.3))
+            time.sleep(moments.uniform(0.03, 0.12))
             child.send_signal(signal.SIGKILL)
     assert (tmp_path / "kept").exists()
     last = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()[1:]
     rng = np.random.default_rng(3)
-    whole = branch_and_bound(Problem(rng.normal(size=(260, 8)), rng.integers(0, 3, 260), depth=3))
+    whole = branch_and_bound(Problem(rng.normal(size=(200, 6)), rng.integers(0, 3, 200), depth=3))
     assert last == [str(whole.objective), str(whole.bound), "optimal", "True"]
 
 
 @pytest.fixture
 def kept(tmp_path):
     """Return a problem and the checkpoint of a search of it that was cut off."""
-    path = tmp_path / "kept"
-    branch_and_bound(hard(), limits=Limits(nodes=1), checkpoint=path)
-    assert b'"known":null' not in path.read_bytes()
+    path, nodes = tmp_path / "kept", 1.0
+    while not path.exists() or b'"known":null' in path.read_bytes():
+        branch_and_bound(hard(), limits=Limits(nodes=nodes), checkpoint=path)
+        nodes *= 2
     return hard(), path
 
 
@@ -143,7 +144,7 @@ def test_every_damage_is_found(kept):
 @pytest.mark.parametrize(
     ("change", "complaint"),
     [
-        ({"weights": np.full(260, 2.0)}, "samples, labels and weights"),
+        ({"weights": np.full(200, 2.0)}, "samples, labels and weights"),
         ({"depth": 4}, "depth, costs, limits and sensors"),
         ({"sensor_budget": 2.0}, "depth, costs, limits and sensors"),
     ],
@@ -179,7 +180,7 @@ def rewritten(path, edit):
         (lambda c: c["known"].__setitem__(0, 9), "holds what cannot be proven: known: level 9"),
         (lambda c: c["known"].__setitem__(1, 900), "holds what cannot be proven: known: bounds 900"),
         (lambda c: c["known"][4].append([0, 1, 5, 0]), "holds what cannot be proven: known: "),
-        (lambda c: c["known"][4].append([99, 1, 0, 0]), "holds what cannot be proven: known: feature 99 of 6"),
+        (lambda c: c["known"][4].append([99, 1, 0, 0]), "holds what cannot be proven: known: feature 99 of 5"),
         (lambda c: c["known"][4].append([0, 10**6, 0, 0]), "holds what cannot be proven: known: feature 0 has no cut"),
         (lambda c: c["known"].__setitem__(7, [[[True], [False]]]), "holds what cannot be proven: known: a set"),
     ],

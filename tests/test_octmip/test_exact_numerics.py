@@ -15,7 +15,7 @@ from octmip.proof import check_proof
 from octmip.solution import Stop
 from octmip.tree import n_splits
 
-BLOCK = 60
+BLOCK = 30
 
 
 def exact_objective(problem, tree):
@@ -38,7 +38,7 @@ def check(problem, solution, best):
         assert not solution.is_optimal
 
 
-@pytest.mark.parametrize("first", range(0, 300, BLOCK))
+@pytest.mark.parametrize("first", range(0, 120, BLOCK))
 def test_the_optimum_is_proven_unless_float64_cannot_tell_two_trees_apart(first):
     for seed in range(first, first + BLOCK):
         problem = wide_problem(np.random.default_rng([51, seed]))
