@@ -1,6 +1,7 @@
 """Effects of a measuring chain on gauges of any name, and the answers that a cached twin keeps of effects."""
 
 from dataclasses import replace
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -19,7 +20,7 @@ class Named:
     """A twin whose strains are 1, 2, 4, ... at gauges of any names."""
 
     parameters = ()
-    effects = {}
+    effects: ClassVar[dict] = {}
 
     def __init__(self, gauges):
         self.gauges = gauges
@@ -44,7 +45,7 @@ def test_gauges_of_any_name_are_paired_as_those_of_plain_names(name):
     ],
 )
 def test_a_place_of_two_readings_is_refused(name, gauges, place):
-    with pytest.raises(DataError, match="names 2 pairs of gauges.*rename"):
+    with pytest.raises(DataError, match=r"names 2 pairs of gauges.*rename"):
         CHAIN[name].signature(Named(gauges), {}, 1.0, place)
 
 
