@@ -9,9 +9,10 @@ import csv
 import importlib
 import io
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -298,7 +299,7 @@ class Sensors:
     """Which sensor each feature is read from, and what each sensor costs."""
 
     of_feature: tuple[str, ...]
-    cost: dict[str, float]
+    cost: Mapping[str, float]
 
 
 def read_sensors(path: PathLike, feature_names: Sequence[str]) -> Sensors:
@@ -328,4 +329,4 @@ def read_sensors(path: PathLike, feature_names: Sequence[str]) -> Sensors:
         if found.setdefault(sensor, cost) != cost:
             raise DataError(f"{path} gives sensor {shown(sensor)} two costs, {found[sensor]} and {cost}; expected one")
         of_feature.append(sensor)
-    return Sensors(tuple(of_feature), found)
+    return Sensors(tuple(of_feature), MappingProxyType(found))

@@ -15,8 +15,9 @@ import dataclasses
 import json
 import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -139,12 +140,20 @@ class TreeFile:
     solution: Solution
     feature_names: tuple[str, ...]
     class_names: tuple[Any, ...]
-    settings: dict[str, Any]
+    settings: Mapping[str, Any]
     sha256: str
     n_samples: int
     label_column: str | None
     weights_column: str | None
     leaf_counts: NDArray[np.int64]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "settings", MappingProxyType(dict(self.settings)))
+
+    def __reduce__(self) -> tuple[type["TreeFile"], tuple[Any, ...]]:
+        """Go to other processes, which read-only mappings do not."""
+        values = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
+        return TreeFile, tuple((values | {"settings": dict(self.settings)}).values())
 
     @property
     def tree(self) -> Node:
@@ -218,7 +227,7 @@ def encode(file: TreeFile) -> dict[str, Any]:
         "tree": encode_tree(file.tree, file.feature_names, file.class_names),
         "feature_names": list(file.feature_names),
         "class_names": list(file.class_names),
-        "problem": file.settings,
+        "problem": dict(file.settings),
         "training": {
             "sha256": file.sha256,
             "n_samples": file.n_samples,

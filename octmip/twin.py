@@ -70,7 +70,8 @@ class Effect(Protocol):
     ``uses_time`` (the signature depends on the time); ``superposes`` (the answers to steps of the load add up, each
     from its own time on); ``signature_error`` (relative sd of the signature at each gauge); ``n_between``
     (neighbouring places between which it may lie, where places sample a continuum); ``seen_by`` (the `QUANTITIES` that
-    show it: the next test is chosen among them).
+    show it: the next test is chosen among them); ``gauges_of(twin, variant)`` (the gauges that a place names: it is
+    left out where one was not read; without it a place is read as a gauge, or as several with / or < between them).
     """
 
     @property

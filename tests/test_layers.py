@@ -54,6 +54,7 @@ LEVELS = {
     "femlib": {
         "errors": 0,
         "arrays": 0,
+        "kept": 0,
         "files": 1,
         "checked": 1,
         "material": 1,

@@ -43,7 +43,7 @@ CAMPAIGNS = (
     Asked((0.25, 0.45), True, "payload_inertia", "eta 0.6", 0.2),
     Asked((0.25, 0.45), False, "torsion", "", 0.0),
     Asked((0.1, 0.7), False, "temperature_uniform", "", 15.0),
-    Asked((0.35, 0.1), False, "lift_distribution", "linear", 5.0),
+    Asked((0.35, 0.1), False, "lift_distribution", "shares of harmonics 5 and 7: 0 and 0", 5.0),
 )
 
 

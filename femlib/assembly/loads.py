@@ -92,11 +92,11 @@ def thermal_forces(shells: Shells, warming: FloatArray, gradient: FloatArray) ->
     mesh, n_quads = shells.mesh, len(shells.mesh.quads)
     warm = frozen_floats(warming, "warming", (mesh.n_elements,))
     steep = frozen_floats(gradient, "gradient", (mesh.n_elements,))
-    if not shells.unit_thermal:
-        shells.unit_thermal.extend((_of_quads(shells), _of_trias(shells)))
+    kept = shells.unit_thermal
+    units = (kept.get("quads", lambda: _of_quads(shells)), kept.get("trias", lambda: _of_trias(shells)))
     quads, trias = (
         warm[part, None] * unit[:, 0] + steep[part, None] * unit[:, 1]
-        for part, unit in zip((slice(0, n_quads), slice(n_quads, None)), shells.unit_thermal, strict=True)
+        for part, unit in zip((slice(0, n_quads), slice(n_quads, None)), units, strict=True)
     )
     return quads, trias
 

@@ -8,6 +8,7 @@ import scipy.sparse as sparse
 from femlib.arrays import BoolArray, FloatArray, IntArray
 from femlib.elements import quad4, tria3
 from femlib.errors import InputError, MeshError, frozen_floats, frozen_ints
+from femlib.kept import Kept
 from femlib.material import Laminate
 from femlib.mesh import Mesh, dofs_of_nodes, warp_heights
 
@@ -39,8 +40,8 @@ class Shells:
         Global direction (3,) whose projection on an element is its laminate's axis.
     warp_loss : float
         Largest share of a cantilever's displacement that an element's warp may cost, as `QualityLimits.warp_loss`.
-    unit_thermal : list
-        Kept by `femlib.assembly.loads`: the elements' thermal forces per unit, once they were asked for.
+    unit_thermal : Kept
+        Of `femlib.assembly.loads`: the elements' thermal forces per unit by the elements' name, once asked for.
     """
 
     mesh: Mesh
@@ -48,7 +49,7 @@ class Shells:
     section: IntArray
     scale: FloatArray
     axis: FloatArray
-    unit_thermal: list[FloatArray] = field(init=False, repr=False, default_factory=list)
+    unit_thermal: Kept[str, FloatArray] = field(init=False, repr=False, default_factory=Kept)
     warp_loss: float = field(init=False, repr=False)
     _matrices: tuple[FloatArray, FloatArray] = field(init=False, repr=False)
 

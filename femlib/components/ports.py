@@ -7,7 +7,6 @@ ports have no spectrum; their states are solved one by one, a Cholesky factorisa
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
 import scipy.linalg as linalg
@@ -16,9 +15,8 @@ from femlib.arrays import FloatArray, IntArray
 from femlib.components.spectrum import PortSpectrum
 
 
-@dataclass(frozen=True, slots=True, eq=False)
 class Ports:
-    """Condensed stiffness at the ports.
+    """Condensed stiffness at the ports; its spectrum is kept once it was made.
 
     Attributes
     ----------
@@ -28,14 +26,15 @@ class Ports:
         For each component its places among the ports and its T there.
     """
 
-    schur: FloatArray
-    losses: tuple[tuple[IntArray, FloatArray], ...]
-    _spectrum: list[PortSpectrum] = field(init=False, repr=False, default_factory=list)  # at most one: a cache
+    def __init__(self, schur: FloatArray, losses: tuple[tuple[IntArray, FloatArray], ...]) -> None:
+        self.schur = schur
+        self.losses = losses
+        self._spectrum: PortSpectrum | None = None
 
     @property
     def is_diagonal(self) -> bool:
         """Whether the spectrum has been made."""
-        return bool(self._spectrum)
+        return self._spectrum is not None
 
     def forces(self, damage: FloatArray, load: FloatArray) -> FloatArray:
         """Return sum_i mu_i T_i u_b (n_states, *load.shape) for damages (n_states, n_components).
@@ -49,10 +48,10 @@ class Ports:
         return forces
 
     def _of_damaged(self, damage: FloatArray, load: FloatArray) -> FloatArray:
-        if not self._spectrum and are_apart([place for place, _ in self.losses]):
-            self._spectrum.append(PortSpectrum.of(self.schur, self.losses))
-        if self._spectrum:
-            return self._spectrum[0].forces(damage, load)
+        if self._spectrum is None and are_apart([place for place, _ in self.losses]):
+            self._spectrum = PortSpectrum.of(self.schur, self.losses)
+        if self._spectrum is not None:
+            return self._spectrum.forces(damage, load)
         return np.stack([one_by_one(self.schur, self.losses, mu, load) for mu in damage])
 
 

@@ -1,6 +1,6 @@
 """A structure with damage components, solved exactly for any state and load."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -57,6 +57,35 @@ class Adjoint:
     motion: FloatArray
 
 
+class KeptFactors:
+    """Keeps what a structure was last factorised for, the largest thing in memory; it changes no answer."""
+
+    def __init__(self) -> None:
+        self._eliminated: dict[tuple[int, ...], Eliminated] = {}
+        self._adjoints: tuple[Adjoint, ...] = ()
+
+    def __reduce__(self) -> tuple[type["KeptFactors"], tuple[()]]:
+        """Leave the factors behind: another process makes its own when it needs them."""
+        return KeptFactors, ()
+
+    def eliminated(self, active: tuple[int, ...], make: Callable[[], Eliminated]) -> Eliminated:
+        """Return the factors for the components `active`, one at a time."""
+        found = self._eliminated.get(active)
+        if found is None:
+            self._eliminated.clear()
+            found = self._eliminated[active] = make()
+        return found
+
+    def motion(self, rows: sparse.csr_array, active: tuple[int, ...], make: Callable[[], FloatArray]) -> FloatArray:
+        """Return K_0^-1 rows' (n_free, n_outputs), two at a time, the newest last."""
+        for kept in self._adjoints:
+            if kept.rows is rows and kept.active == active:
+                return kept.motion
+        newest = Adjoint(rows, active, make())
+        self._adjoints = (*self._adjoints[-1:], newest)
+        return newest.motion
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class DamagedStructure:
     """A supported structure with damage components, ready to be solved for any state and load.
@@ -80,8 +109,7 @@ class DamagedStructure:
     supports: Supports
     components: tuple[Component, ...]
     _condensed: tuple[Condensed, ...] = field(init=False, repr=False)
-    _eliminated: dict[tuple[int, ...], Eliminated] = field(init=False, repr=False)  # a cache: it changes no answer
-    _adjoints: list[Adjoint] = field(init=False, repr=False)  # a cache likewise, the newest last
+    _kept: KeptFactors = field(init=False, repr=False, default_factory=KeptFactors)
 
     def __post_init__(self) -> None:
         if self.supports.n_dofs != self.shells.mesh.n_dofs:
@@ -92,12 +120,6 @@ class DamagedStructure:
         refuse_overlap(self.components, self.shells.mesh.n_elements)
         condensed = tuple(condense(self.shells, self.supports, component) for component in self.components)
         object.__setattr__(self, "_condensed", condensed)
-        object.__setattr__(self, "_eliminated", {})
-        object.__setattr__(self, "_adjoints", [])
-
-    def __getstate__(self) -> list[object]:
-        """Leave the factors behind: another process makes its own when it needs them."""
-        return [self.shells, self.supports, self.components, self._condensed, {}, []]
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -122,14 +144,14 @@ class DamagedStructure:
 
     def eliminated(self, active: tuple[int, ...]) -> Eliminated:
         """Return the undamaged stiffness, factorised with the ports of the components `active` last."""
-        if active not in self._eliminated:
-            parts = [self._condensed[k] for k in active]
-            ports = _all_ports(parts)
-            factors = factorise(self.supports.reduce(self.shells.stiffness()), self.supports.groups, ports)
-            losses = tuple((np.searchsorted(ports, part.ports), part.stiffness) for part in parts)
-            self._eliminated.clear()  # one at a time: factors are the largest thing in memory
-            self._eliminated[active] = Eliminated(factors, Ports(factors.schur(), losses))
-        return self._eliminated[active]
+        return self._kept.eliminated(active, lambda: self._eliminate(active))
+
+    def _eliminate(self, active: tuple[int, ...]) -> Eliminated:
+        parts = [self._condensed[k] for k in active]
+        ports = _all_ports(parts)
+        factors = factorise(self.supports.reduce(self.shells.stiffness()), self.supports.groups, ports)
+        losses = tuple((np.searchsorted(ports, part.ports), part.stiffness) for part in parts)
+        return Eliminated(factors, Ports(factors.schur(), losses))
 
     def stiffness(self, damage: FloatArray) -> sparse.csc_array:
         """Return K(mu) (n_free, n_free), assembled: for checks and exports, not for solving many states."""
@@ -243,14 +265,11 @@ class DamagedStructure:
 
     def adjoint(self, rows: sparse.csr_array, active: tuple[int, ...]) -> FloatArray:
         """Return K_0^-1 rows' (n_free, n_outputs): one solve an output, kept while the same rows are asked for."""
-        for kept in self._adjoints:
-            if kept.rows is rows and kept.active == active:
-                return kept.motion
+        return self._kept.motion(rows, active, lambda: self._solve_adjoint(rows, active))
+
+    def _solve_adjoint(self, rows: sparse.csr_array, active: tuple[int, ...]) -> FloatArray:
         free_rows = sparse.csr_array(rows)[:, self.supports.free]
-        motion = self.eliminated(active).factors.solve(free_rows.toarray().T)
-        self._adjoints[:-1] = []  # two at a time
-        self._adjoints.append(Adjoint(rows, active, motion))
-        return motion
+        return np.asarray(self.eliminated(active).factors.solve(free_rows.toarray().T))
 
     def _solve_directly(self, mu: FloatArray, force: FloatArray) -> FloatArray:
         """Return the displacements (n_dofs,) of one state from a factorisation of its own."""

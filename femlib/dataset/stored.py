@@ -1,7 +1,7 @@
 """A streamed dataset on disk: Parquet rows beside a JSON side file, written and read in pieces."""
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,6 +12,7 @@ from femlib.checked import names, taken, whole
 from femlib.dataset.disk import arrow, checked_target, file_sha256, parquet_file, read_side, side_path
 from femlib.errors import InputError, is_whole
 from femlib.files import whole_file
+from femlib.kept import ReadOnly
 
 VERSION = "stream 1"
 GROUP_ROWS = 65_536
@@ -30,7 +31,7 @@ class StoredDataset:
         Its rows.
     parameters, gauges : tuple of str
         Names of the columns of damage [fraction of stiffness lost] and of readings [microstrain].
-    about : dict
+    about : mapping
         The side file: seed, noise, model hash, units, states, loads.
     """
 
@@ -38,7 +39,7 @@ class StoredDataset:
     n_rows: int
     parameters: tuple[str, ...]
     gauges: tuple[str, ...]
-    about: dict[str, Any]
+    about: Mapping[str, Any]
 
     def pieces(self, n_rows: int = GROUP_ROWS, columns: Sequence[str] | None = None) -> Iterator[pd.DataFrame]:
         """Yield the rows, at most `n_rows` at a time, all columns or those named.
@@ -91,7 +92,7 @@ def open_dataset(path: str | Path) -> StoredDataset:
             f"{target} has {held} rows and lacks the columns {missing[:12]}; expected {n_rows} rows of all columns "
             "that its side file names; write the dataset again"
         )
-    return StoredDataset(target, n_rows, parameters, gauges, side)
+    return StoredDataset(target, n_rows, parameters, gauges, ReadOnly(side))
 
 
 def store(path: str | Path, tables: Iterator[pd.DataFrame], side: dict[str, Any]) -> StoredDataset:

@@ -38,7 +38,7 @@ def write_model(path: str | Path, fields: Mapping[str, Any], bound: ErrorBound) 
     arrays = {name: value for name, value in fields.items() if name not in _WORDS and value is not None}
     for kind, factors in (("primal", bound.primal), ("dual", bound.dual)):
         arrays |= {f"{kind}_{k}": factor for k, factor in enumerate(factors)}
-    words = json.dumps({name: fields[name] for name in _WORDS})
+    words = json.dumps({name: fields[name] for name in _WORDS} | {"provenance": dict(fields["provenance"])})
     with whole_file(target) as file:
         np.savez(file, words=np.array(words), **arrays)
 

@@ -9,6 +9,7 @@ follow from them, each alone, and send back; two turns of that leave 0.3 microst
 all together leaves 0.1 and takes ten times as long. The bound is of the solution as it is returned.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -18,6 +19,7 @@ from scipy.linalg.lapack import dgesv, dgetrs
 from femlib.arrays import FloatArray, IntArray
 from femlib.components import checked_damage
 from femlib.errors import InputError, SolveError, frozen_floats
+from femlib.kept import ReadOnly
 from femlib.rom.bound import ErrorBound
 from femlib.rom.file import read_model, write_model
 from femlib.rom.sweeps import Sweeps
@@ -51,7 +53,7 @@ class ReducedModel:
         q (n_outputs, n_parameters).
     bound : ErrorBound
         Residual norms.
-    provenance : dict
+    provenance : mapping
         What the model was made from and with what settings.
     n_leading : int
         Modes solved together; those after them are turned to eigenvectors within their region. With 0 they also
@@ -69,7 +71,7 @@ class ReducedModel:
     readout: FloatArray
     interior: FloatArray
     bound: ErrorBound
-    provenance: dict[str, str]
+    provenance: Mapping[str, str]
     n_leading: int
     motion: FloatArray | None = None
     _lead: FloatArray = field(init=False, repr=False)  # the leading modes' coupling, by columns as LAPACK wants it
@@ -90,6 +92,7 @@ class ReducedModel:
         }
         for name, shape in shapes.items():
             object.__setattr__(self, name, frozen_floats(getattr(self, name), f"reduced model {name}", shape))
+        object.__setattr__(self, "provenance", ReadOnly(self.provenance))
         first = self.n_leading
         object.__setattr__(self, "_lead", np.asfortranarray(self.coupling[:first, :first]))
         object.__setattr__(self, "_back", self.coupling[:first, first:].copy())

@@ -19,6 +19,7 @@ from femlib.assembly import Supports
 from femlib.components import MOST_PORTS, Component, DamagedStructure, checked_damage, damage_row
 from femlib.errors import InputError, frozen_floats, is_number
 from femlib.geometry import Planform
+from femlib.kept import Kept, ReadOnly
 from femlib.mesh import DOFS_PER_NODE
 from femlib.wing.damage import UAV_REGIONS, DamageRegion, checked_regions
 from femlib.wing.gauges import GaugeSet, gauge_set, installed_places
@@ -55,7 +56,7 @@ class Wing:
         Outline; the designed one if not given.
     strain_rows : csr_array
         Map (n_gauges, n_dofs) from displacements to strain, compressive positive [-].
-    element_rows : tuple of dict
+    element_rows : tuple of mapping
         For each gauge the elements that it averages and their rows, tension positive, as `sensors.element_rows`.
     """
 
@@ -67,15 +68,15 @@ class Wing:
     lift: FloatArray
     planform: Planform = PLANFORM
     strain_rows: sparse.csr_array = field(init=False, repr=False)
-    element_rows: tuple[dict[int, FloatArray], ...] = field(init=False, repr=False)
-    _strain_maps: dict[str, StrainMap] = field(init=False, repr=False)  # a cache of one: it changes no answer
+    element_rows: tuple[Mapping[int, FloatArray], ...] = field(init=False, repr=False)
+    _strain_maps: Kept[float, StrainMap] = field(init=False, repr=False, default_factory=Kept)
 
     def __post_init__(self) -> None:
         mesh = self.structure.shells.mesh
-        of_elements = tuple(sensors.element_rows(mesh, self.thickness, self.strain_gauges))
+        rows = sensors.element_rows(mesh, self.thickness, self.strain_gauges)
+        of_elements = tuple(ReadOnly(of_gauge) for of_gauge in rows)
         object.__setattr__(self, "element_rows", of_elements)
         object.__setattr__(self, "strain_rows", -sensors.assembled_rows(mesh, of_elements))
-        object.__setattr__(self, "_strain_maps", {})
 
     @property
     def thickness(self) -> FloatArray:
@@ -161,9 +162,8 @@ class Wing:
             forces = self.load(load_factor, lift)
             return checked_strains(MICRO * self.structure.solve_outputs(states, forces, self.strain_rows))
         factor = checked_load_factor(load_factor)
-        if not self._strain_maps:
-            self._strain_maps[""] = self.strain_map(1.0)
-        return checked_strains(factor * self._strain_maps[""](states))
+        strain_map = self._strain_maps.get(1.0, lambda: self.strain_map(1.0))
+        return checked_strains(factor * strain_map(states))
 
     def error_bound_microstrain(self, states: FloatArray, load_factor: float) -> FloatArray:
         """Return zeros (n_states, n_gauges): a reduced wing's error is against this one."""

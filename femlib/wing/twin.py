@@ -7,6 +7,7 @@ when an effect is asked for.
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Protocol
 
@@ -162,36 +163,35 @@ def saved_twin(path: str | Path, make_wing: Callable[[], Wing] = uav_wing) -> Wi
     return WingTwin(reduced, made, made.wing)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
 class _OnDemand(Mapping[str, WingEffect]):
-    """The effects of a reduced wing, and its full wing, made once when they are first asked for."""
+    """Keeps the effects of a reduced wing, and its full wing, made once when they are first asked for."""
 
-    reduced: ReducedWing
-    make_wing: Callable[[], Wing]
-    _wing: list[Wing] = field(init=False, repr=False, default_factory=list)  # at most one: a cache
-    _effects: dict[str, WingEffect] = field(init=False, repr=False, default_factory=dict)  # likewise
+    def __init__(self, reduced: ReducedWing, make_wing: Callable[[], Wing]) -> None:
+        self._reduced = reduced
+        self._make_wing = make_wing
 
     def wing(self) -> Wing:
-        if not self._wing:
-            wing = self.make_wing()
-            if wing.model_hash != self.reduced.model_hash:
-                raise InputError(
-                    f"the reduced wing was made of the wing {self.reduced.model_hash[:12]} but the full one is "
-                    f"{wing.model_hash[:12]}; expected the same; give make_wing, or reduce this wing anew"
-                )
-            self._wing.append(wing)
-        return self._wing[0]
+        return self._wing
 
-    def _all(self) -> dict[str, WingEffect]:
-        if not self._effects:
-            self._effects.update(wing_effects(self.wing()))
-        return self._effects
+    @cached_property
+    def _wing(self) -> Wing:
+        wing = self._make_wing()
+        if wing.model_hash != self._reduced.model_hash:
+            raise InputError(
+                f"the reduced wing was made of the wing {self._reduced.model_hash[:12]} but the full one is "
+                f"{wing.model_hash[:12]}; expected the same; give make_wing, or reduce this wing anew"
+            )
+        return wing
+
+    @cached_property
+    def _effects(self) -> Mapping[str, WingEffect]:
+        return wing_effects(self._wing)
 
     def __getitem__(self, name: str) -> WingEffect:
-        return self._all()[name]
+        return self._effects[name]
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._all())
+        return iter(self._effects)
 
     def __len__(self) -> int:
-        return len(self._all())
+        return len(self._effects)

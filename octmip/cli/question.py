@@ -35,7 +35,7 @@ def ask(arguments: argparse.Namespace) -> Question:
         settings["weights"] = table.numbers([arguments.weights], "weight")[:, 0]
     if arguments.sensor_cost:
         sensors = read_sensors(arguments.sensor_cost, names)
-        settings |= {"sensor_of_feature": sensors.of_feature, "sensor_cost": sensors.cost}
+        settings |= {"sensor_of_feature": sensors.of_feature, "sensor_cost": dict(sensors.cost)}
     if arguments.allowed_splits:
         settings["allowed_splits"] = _groups(arguments.allowed_splits)
     if arguments.costs:

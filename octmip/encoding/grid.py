@@ -47,7 +47,7 @@ class _Excess:
     """
 
     weights: NDArray[np.float64]
-    exact: list[list[Fraction]]
+    exact: tuple[tuple[Fraction, ...], ...]
     costs: NDArray[np.float64]
     scale: int
     most: float
@@ -55,7 +55,7 @@ class _Excess:
     @classmethod
     def of(cls, problem: Problem, known: Node | None) -> "_Excess":
         table = [[Fraction(cost) for cost in row] for row in problem.costs.tolist()]
-        exact = [[cost - min(row) for cost in row] for row in table]
+        exact = tuple(tuple(cost - min(row) for cost in row) for row in table)
         scales = [int(np.frexp(top)[1]) for top in (problem.weights.max(), float(max(map(max, exact))))]
         weights = np.ldexp(problem.weights, -scales[0])
         costs = np.array([[float(cost * power_of_two(-scales[1])) for cost in row] for row in exact])

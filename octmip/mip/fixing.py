@@ -59,7 +59,7 @@ def admissible_cuts(
             for m in filter(heap.is_last_level, heap.branches):
                 admissible[m] = {j: np.intersect1d(admissible[m][j], boundaries[j]) for j in usable}
         if level >= 2 and heap.depth >= 2 and usable:
-            _fix_pairs(admissible, _Pairs(problem, ranks, counts, usable), better, watch)
+            _fix_pairs(admissible, _Pairs(problem, ranks, counts, tuple(usable)), better, watch)
     for m, split in best.splits.items():
         if isinstance(split, Split):
             own = admissible[m].get(split.feature, np.zeros(0, dtype=np.int64))
@@ -106,7 +106,7 @@ class _Pairs:
     problem: Problem
     ranks: Ranks
     counts: ClassCount
-    usable: list[int]
+    usable: tuple[int, ...]
 
     @property
     def sizes(self) -> NDArray[np.int64]:
@@ -125,7 +125,7 @@ class _Pairs:
 
     def payable_with(self, j: int) -> NDArray[np.bool_]:
         """Return the values, shape (n_values,), of the features whose sensor the budget allows beside that of j."""
-        problem, sensor = self.problem, self.problem.sensor_index[self.usable]
+        problem, sensor = self.problem, self.problem.sensor_index[list(self.usable)]
         both = problem.sensor_costs[sensor] + problem.sensor_costs[problem.sensor_index[j]]
         is_payable = (both <= problem.sensor_limit) | (sensor == problem.sensor_index[j])
         return np.repeat(is_payable, self.sizes)
@@ -135,7 +135,9 @@ class _Pairs:
         prices, n_leaves = self.counts.prices, 2 ** (self.problem.depth - 2)
         n_profiles = prices.n_profiles
         first = np.array(list(self.first.values()))[:, None]
-        place = (self.ranks.ranks[self.usable][:, rows].astype(np.int64) + first) * n_profiles + prices.profile[rows]
+        place = (self.ranks.ranks[list(self.usable)][:, rows].astype(np.int64) + first) * n_profiles + prices.profile[
+            rows
+        ]
         weights = np.tile(prices.weights[rows], len(self.usable))
         flat = np.bincount(place.ravel(), weights, self.n_values * n_profiles).reshape(-1, n_profiles)
         total = np.bincount(prices.profile[rows], prices.weights[rows], n_profiles)

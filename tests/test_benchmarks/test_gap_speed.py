@@ -1,6 +1,15 @@
 """The times of diagnoses, on a coarse wing: the lines and their table."""
 
+import numpy as np
+
 from benchmarks.cases import gap_speed
+
+
+def test_every_campaign_can_be_made():
+    twin = gap_speed.wing_twin(0.25)
+    for seed, one in enumerate(gap_speed.CAMPAIGNS):
+        assert np.isfinite(gap_speed.campaign(twin, one, seed).readings).all()
+        assert not one.size or one.place in twin.effects[one.effect].variants(twin)
 
 
 def test_speed_lines_name_what_was_found_and_make_a_table():

@@ -2,6 +2,7 @@
 
 import json
 import math
+import pickle
 from pathlib import Path
 
 import jsonschema
@@ -56,6 +57,13 @@ def test_everything_comes_back_the_same(tmp_path):
     assert again.digest() == problem.digest() == back.sha256
     assert certify(again, back.solution) == certify(problem, solution)
     assert back.leaf_counts.sum() == 40
+
+
+def test_settings_cannot_be_written_and_go_to_other_processes():
+    file = record_tree(full_problem(), greedy_tree(full_problem()))
+    with pytest.raises(TypeError, match="does not support item assignment"):
+        file.settings["depth"] = 9
+    assert encode(pickle.loads(pickle.dumps(file))) == encode(file)
 
 
 def test_hyperplanes_come_back_to_the_last_bit(tmp_path):

@@ -14,7 +14,7 @@ Brazier, Proc. R. Soc. A 116 (1927) 104-114 (flattening).
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -31,22 +31,38 @@ SMALL_LOAD = 0.02
 the third power drowns in rounding."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class LargeDeflection(WingEffect):
-    """The effect: a sum of two powers of the load."""
+class Powers:
+    """The coefficients of the powers of the load, kept by state."""
 
-    _powers: dict[tuple[float, ...], tuple[FloatArray, FloatArray]] = field(
-        init=False, repr=False, default_factory=dict
-    )
+    def __init__(self, response: Response) -> None:
+        self._response = response
+        self._by_state: dict[tuple[float, ...], tuple[FloatArray, FloatArray]] = {}
+
+    def of_state(self, state: Mapping[str, float]) -> tuple[FloatArray, FloatArray]:
+        """Return the coefficients (n_gauges,) of L^2 and L^3 [microstrain]."""
+        key = tuple(damage_row(state, self._response.wing.parameters).tolist())
+        if key not in self._by_state:
+            self._by_state[key] = powers(self._response, state)
+        return self._by_state[key]
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class LargeDeflection(WingEffect):
+    """The effect: a sum of two powers of the load.
+
+    Attributes
+    ----------
+    powers : Powers
+        Of the same response.
+    """
+
+    powers: Powers
 
     def signature(
         self, twin: Any, state: Mapping[str, float], load_factor: float, variant: str = "", time: float = 0.0
     ) -> FloatArray:
         """Return the change of the gauge strains (n_gauges,) in microstrain per unit of size."""
-        key = tuple(damage_row(state, self.response.wing.parameters).tolist())
-        if key not in self._powers:
-            self._powers[key] = powers(self.response, state)
-        square, cube = self._powers[key]
+        square, cube = self.powers.of_state(state)
         return np.asarray(load_factor**2 * square + load_factor**3 * cube)
 
 
@@ -90,4 +106,5 @@ def effect(response: Response) -> WingEffect:
         force=force,
         is_one_sided=True,
         signature_error=0.15,
+        powers=Powers(response),
     )

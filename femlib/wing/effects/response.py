@@ -9,8 +9,8 @@ exact to rounding. G belongs to a state and u to a force, so many forces in many
 small system a state.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -46,7 +46,6 @@ class Answer:
     interior: FloatArray
 
 
-@dataclass(frozen=True, slots=True, eq=False)
 class Response:
     """The wing's answers, kept by state.
 
@@ -54,16 +53,21 @@ class Response:
     ----------
     wing : Wing
         The model.
-    shared : dict
-        What several effects make once for all of them, by name.
     """
 
-    wing: Wing
-    shared: dict[str, Any] = field(init=False, repr=False, default_factory=dict)
-    _gauge_forces: dict[Key, FloatArray] = field(init=False, repr=False, default_factory=dict)
-    _moved: dict[Key, FloatArray] = field(init=False, repr=False, default_factory=dict)
-    _interior: dict[int, sparse.csr_array] = field(init=False, repr=False, default_factory=dict)
-    _answers: dict[tuple[str, str, Active], Answer] = field(init=False, repr=False, default_factory=dict)
+    def __init__(self, wing: Wing) -> None:
+        self.wing = wing
+        self._shared: dict[str, Any] = {}
+        self._gauge_forces: dict[Key, FloatArray] = {}
+        self._moved: dict[Key, FloatArray] = {}
+        self._interior: dict[int, sparse.csr_array] = {}
+        self._answers: dict[tuple[str, str, Active], Answer] = {}
+
+    def shared(self, name: str, make: Callable[[], Any]) -> Any:
+        """Return what several effects make once for all of them."""
+        if name not in self._shared:
+            self._shared[name] = make()
+        return self._shared[name]
 
     def strains(self, state: Mapping[str, float], force: FloatArray) -> FloatArray:
         """Return the gauge strains (n_gauges,) [microstrain, compressive positive] under nodal forces (n_dofs,) [N]."""

@@ -1,7 +1,8 @@
 """The share of the inner forces that both skins carry, and effects that are a part of it."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -13,9 +14,8 @@ from femlib.wing.effects.card import WingEffect
 from femlib.wing.effects.response import Response
 
 
-@dataclass(frozen=True, slots=True, eq=False)
 class SkinForces:
-    """Nodal forces of the skins by state.
+    """Nodal forces of the skins by state; what they strain is kept.
 
     Attributes
     ----------
@@ -23,14 +23,14 @@ class SkinForces:
         The wing's displacements.
     """
 
-    response: Response
-    _strains: dict[tuple[float, ...], FloatArray] = field(init=False, repr=False, default_factory=dict)
-    _matrices: dict[str, sparse.csc_array] = field(init=False, repr=False, default_factory=dict)
+    def __init__(self, response: Response) -> None:
+        self.response = response
+        self._strains: dict[tuple[float, ...], FloatArray] = {}
 
     @classmethod
     def of(cls, response: Response) -> "SkinForces":
         """Return the forces of a response, one for all effects that ask."""
-        found: SkinForces = response.shared.setdefault("skins", cls(response))
+        found: SkinForces = response.shared("skins", lambda: cls(response))
         return found
 
     def strains(self, state: Mapping[str, float]) -> FloatArray:
@@ -43,19 +43,22 @@ class SkinForces:
     def of_state(self, state: Mapping[str, float]) -> FloatArray:
         """Return K_skin(mu) u (n_dofs,) [N, N m] at load factor 1."""
         wing = self.response.wing
-        shells, patches = wing.structure.shells, wing.structure.shells.mesh.patches
-        skin = shells.section == 0
-        if not self._matrices:  # made at the first call: two seconds that many users of the wing never need
-            plain = skin & np.isin(shells.mesh.patch_of_element, [patches.index("top"), patches.index("bottom")])
-            self._matrices[""] = shells.stiffness(plain)
-            for component in wing.structure.components:
-                self._matrices[component.parameter] = shells.stiffness(component.elements & skin)
         u = self.response.displacements(state)
         pull = self._matrices[""] @ u
         for component in wing.structure.components:
             left = 1.0 - state.get(component.parameter, 0.0)
             pull = pull + left * (self._matrices[component.parameter] @ u)
         return np.asarray(pull)
+
+    @cached_property
+    def _matrices(self) -> Mapping[str, sparse.csc_array]:
+        """Stiffness of the skins outside the regions, named "", and in each; two seconds that many never need."""
+        structure = self.response.wing.structure
+        shells, patches = structure.shells, structure.shells.mesh.patches
+        skin = shells.section == 0
+        plain = skin & np.isin(shells.mesh.patch_of_element, [patches.index("top"), patches.index("bottom")])
+        own = {part.parameter: shells.stiffness(part.elements & skin) for part in structure.components}
+        return {"": shells.stiffness(plain)} | own
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)

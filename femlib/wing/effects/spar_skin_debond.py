@@ -13,7 +13,8 @@ Source: W. W. Hager, SIAM Review 31 (1989) 221-239, eq. 2 (Woodbury); R. J. Guya
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 from itertools import product
 from typing import Any
 
@@ -61,11 +62,29 @@ class Joint:
         return np.asarray(self.strains[:, free] @ np.linalg.solve(self.hold[np.ix_(free, free)], self.tied[free]))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class SparSkinDebond(WingEffect):
-    """The effect, solved exactly from one set of solutions for all its places."""
+class Web:
+    """The web of a wing; its joints with the skins are kept once they were asked for."""
 
-    _joints: dict[str, Joint] = field(init=False, repr=False, default_factory=dict)
+    def __init__(self, response: Response) -> None:
+        self._response = response
+
+    @cached_property
+    def joints(self) -> Mapping[str, Joint]:
+        """The joint with each skin, by flange."""
+        return joints(self._response)
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class SparSkinDebond(WingEffect):
+    """The effect, solved exactly from one set of solutions for all its places.
+
+    Attributes
+    ----------
+    web : Web
+        Of the same response.
+    """
+
+    web: Web
 
     def signature(
         self, twin: Any, state: Mapping[str, float], load_factor: float, variant: str = "", time: float = 0.0
@@ -73,9 +92,7 @@ class SparSkinDebond(WingEffect):
         """Return the change of the gauge strains (n_gauges,) in microstrain per unit of size, of the healthy wing."""
         flange, _, lengths = variant.split()
         inner, outer = (float(eta) for eta in lengths.split("-"))
-        if not self._joints:
-            self._joints.update(joints(self.response))
-        return load_factor * self._joints[flange].opened(inner, outer)
+        return load_factor * self.web.joints[flange].opened(inner, outer)
 
 
 def joints(response: Response) -> dict[str, Joint]:
@@ -136,4 +153,5 @@ def effect(response: Response) -> WingEffect:
         n_between=4,
         signature_error=0.2,
         is_one_sided=True,
+        web=Web(response),
     )

@@ -1,7 +1,8 @@
 """Thermal forces of a damaged wing, and effects that are such forces."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -12,9 +13,8 @@ from femlib.wing.effects.card import WingEffect
 from femlib.wing.model import Wing
 
 
-@dataclass(frozen=True, slots=True, eq=False)
 class WarmWing:
-    """A wing with a temperature field.
+    """A wing with a temperature field; its forces are kept.
 
     Attributes
     ----------
@@ -24,21 +24,22 @@ class WarmWing:
         Temperature of each element (n_elements,) per unit of size [K].
     """
 
-    wing: Wing
-    warming: FloatArray
-    _parts: dict[str, FloatArray] = field(init=False, repr=False, default_factory=dict)
+    def __init__(self, wing: Wing, warming: FloatArray) -> None:
+        self.wing = wing
+        self.warming = warming
 
-    def parts(self) -> dict[str, FloatArray]:
-        """Return the nodal forces (n_dofs,) [N] of the undamaged wing, named "", and of each region by parameter."""
-        if not self._parts:  # made at the first call: a second that many users of the wing never need
-            self._parts[""] = self._load(np.ones(len(self.warming), dtype=bool))
-            for component in self.wing.structure.components:
-                self._parts[component.parameter] = self._load(component.elements)
-        return self._parts
+    @cached_property
+    def parts(self) -> Mapping[str, FloatArray]:
+        """Nodal forces (n_dofs,) [N] of the undamaged wing, named "", and of each region by parameter.
+
+        Made at the first call: a second that many users of the wing never need.
+        """
+        own = {part.parameter: self._load(part.elements) for part in self.wing.structure.components}
+        return {"": self._load(np.ones(len(self.warming), dtype=bool))} | own
 
     def force(self, state: Mapping[str, float]) -> FloatArray:
         """Return nodal forces (n_dofs,) [N] in a state: damaged skin pushes less."""
-        parts = self.parts()
+        parts = self.parts
         return np.asarray(parts[""] - sum(damage * parts[parameter] for parameter, damage in state.items()))
 
     def _load(self, elements: BoolArray) -> FloatArray:
@@ -63,6 +64,6 @@ class WarmEffect(WingEffect):
     ) -> FloatArray:
         """Return the change of the gauge strains (n_gauges,) in microstrain per unit of size."""
         shares = {"": 1.0} | {parameter: -damage for parameter, damage in state.items() if damage}
-        parts = self.warm.parts()
+        parts = self.warm.parts
         strains = [s * self.response.strains_of_fixed(state, self.name, p, parts[p]) for p, s in shares.items()]
         return np.asarray(np.sum(strains, axis=0))

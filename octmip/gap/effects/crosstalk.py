@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from octmip.gap.effects.pairs import pair_of
 from octmip.twin import State, Twin
 
 
@@ -31,11 +32,15 @@ class Crosstalk:
         pairs = list(zip(twin.gauges, twin.gauges[1:], strict=False))
         return tuple(f"{a}<{b}" for a, b in [*pairs, *((b, a) for a, b in pairs)])
 
+    def gauges_of(self, twin: Twin, variant: str) -> tuple[str, ...]:
+        """Return the two gauges of a place."""
+        return tuple(twin.gauges[k] for k in pair_of(twin, variant, "<"))
+
     def signature(
         self, twin: Twin, state: State, load_factor: float, variant: str = "", time: float = 0.0
     ) -> NDArray[np.float64]:
         """Return the change of the readings (n_gauges,) in microstrain per unit of size."""
         change = np.zeros(len(twin.gauges))
-        reading, source = (twin.gauges.index(name) for name in variant.split("<"))
+        reading, source = pair_of(twin, variant, "<")
         change[reading] = 0.01 * twin.predict(state, load_factor)[source]
         return change

@@ -75,6 +75,10 @@ class PerGauge:
             return ()
         return twin.gauges
 
+    def gauges_of(self, twin: Twin, variant: str) -> tuple[str, ...]:
+        """Return the gauge of a place."""
+        return (variant,)
+
     def signature(
         self, twin: Twin, state: State, load_factor: float, variant: str = "", time: float = 0.0
     ) -> NDArray[np.float64]:

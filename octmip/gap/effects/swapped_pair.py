@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from octmip.gap.effects.pairs import pair_of
 from octmip.twin import State, Twin
 
 
@@ -28,12 +29,16 @@ class SwappedPair:
         """Return the pairs of gauges."""
         return tuple(f"{a}/{b}" for k, a in enumerate(twin.gauges) for b in twin.gauges[k + 1 :])
 
+    def gauges_of(self, twin: Twin, variant: str) -> tuple[str, ...]:
+        """Return the two gauges of a place."""
+        return tuple(twin.gauges[k] for k in pair_of(twin, variant, "/"))
+
     def signature(
         self, twin: Twin, state: State, load_factor: float, variant: str = "", time: float = 0.0
     ) -> NDArray[np.float64]:
         """Return the change of the readings (n_gauges,) in microstrain per unit of size."""
         change = np.zeros(len(twin.gauges))
-        first, second = (twin.gauges.index(name) for name in variant.split("/"))
+        first, second = pair_of(twin, variant, "/")
         strain = twin.predict(state, load_factor)
         change[first] = strain[second] - strain[first]
         change[second] = -change[first]

@@ -108,10 +108,14 @@ def candidates_of(effects: Mapping[str, Effect], twin: Twin, gauges: Sequence[st
     for effect in effects.values():
         if not effect.prior_sd > 0.0:
             raise DataError(f"effect {effect.name} has prior_sd {effect.prior_sd}; expected a positive size")
-        places = [place for place in effect.variants(twin) if not absent & _gauges_of(place)]
+        places = [place for place in effect.variants(twin) if absent.isdisjoint(_gauges_of(effect, twin, place))]
         found += [Candidate(effect, place, 1.0 / len(places)) for place in places]
     return tuple(found)
 
 
-def _gauges_of(place: str) -> set[str]:
-    return set(place.replace("<", "/").split("/"))
+def _gauges_of(effect: Effect, twin: Twin, place: str) -> Sequence[str]:
+    """Return the gauges of a place as the effect says, or those that the place can be read as."""
+    own = getattr(effect, "gauges_of", None)
+    if own is not None:
+        return tuple(own(twin, place))
+    return (place,) if place in twin.gauges else place.replace("<", "/").split("/")

@@ -40,7 +40,6 @@ class Discrepancy:
         reference: root mean square healthy prediction at the reference load [microstrain].
         damage: relative sd of the change that damage makes.
         is_calibrated: whether a commissioning run stands behind it.
-        p_value: of the calibrated twin against the commissioning run; 1 without one.
     """
 
     mean: NDArray[np.float64]
@@ -48,7 +47,6 @@ class Discrepancy:
     reference: float
     damage: float
     is_calibrated: bool
-    p_value: float = 1.0
 
     def share(self, healthy: NDArray[np.float64], reference: NDArray[np.float64]) -> float:
         """Return phi: the signed size of a healthy prediction relative to the one at the reference load."""

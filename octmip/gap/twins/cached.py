@@ -20,7 +20,8 @@ class CachedTwin:
     def __init__(self, twin: Twin) -> None:
         self.twin = twin
         self._strains: dict[Key, NDArray[np.float64]] = {}
-        self._signatures: dict[tuple[str, tuple[str, ...], float, Key], NDArray[np.float64]] = {}
+        self._signatures: dict[tuple[int, tuple[str, ...], float, Key], NDArray[np.float64]] = {}
+        self._asked: dict[int, Effect] = {}  # by identity; held, so that no other effect takes the number of one
 
     @property
     def gauges(self) -> tuple[str, ...]:
@@ -77,15 +78,17 @@ class CachedTwin:
         """Return the effect's signatures (n_places, n_gauges) at its places.
 
         A pure power of the load is asked for at load factor 1 only; the time is passed on only where it matters.
+        Effects are told apart as objects: two of one name are two.
         """
         power: int | None = getattr(effect, "load_power", None)
         time = time if getattr(effect, "uses_time", False) else 0.0
         if power is not None and load_factor != 1.0:
             factor = float(load_factor**power)
             return factor * self.signatures(effect, places, state, 1.0, time)
-        key = (effect.name, places, time, _key(state, load_factor))
+        key = (id(effect), places, time, _key(state, load_factor))
         if key not in self._signatures:
             rows = [effect.signature(self, state, load_factor, variant=place, time=time) for place in places]
+            self._asked[id(effect)] = effect
             self._signatures[key] = np.array(rows, dtype=np.float64)
         return self._signatures[key]
 

@@ -1,0 +1,22 @@
+"""The two gauges that a place such as ``a/b`` names, whatever the gauges are called."""
+
+from octmip.errors import DataError
+from octmip.twin import Twin
+
+
+def pair_of(twin: Twin, place: str, separator: str) -> tuple[int, int]:
+    """Return the numbers of the two gauges of a place, which may have the separator in their own names.
+
+    Raises:
+        DataError: no two gauges of the twin, or several pairs, give the place.
+    """
+    number = {name: k for k, name in enumerate(twin.gauges)}
+    cuts = [k for k, letter in enumerate(place) if letter == separator]
+    named = [(place[:k], place[k + 1 :]) for k in cuts]
+    pairs = [(number[a], number[b]) for a, b in named if a in number and b in number]
+    if len(pairs) != 1:
+        raise DataError(
+            f"the place {place!r} names {len(pairs)} pairs of gauges of the twin; expected two of its "
+            f"{len(number)} gauges with {separator!r} between them in one way only; correct it or rename a gauge"
+        )
+    return pairs[0]
