@@ -26,7 +26,7 @@ pub(super) fn quick_sign<const N: usize>(products: [(f64, f64); N]) -> f64 {
 /// The sign of a sum of products `a * b * 2^e` of any finite numbers.
 ///
 /// Each is a whole number of up to 106 bits times a power of two; they are added as digits to the base 2^32.
-pub(crate) fn exact_sign(products: &[(f64, f64, i32)]) -> Ordering {
+pub fn exact_sign(products: &[(f64, f64, i32)]) -> Ordering {
     let wholes: Vec<(i128, i32)> = products
         .iter()
         .map(|&(a, b, e)| {
