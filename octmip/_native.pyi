@@ -40,7 +40,7 @@ class Question:
     ) -> Question:
         """Take the problem.
 
-        `limits`: depth, whether splits are hyperplanes, features of a split and samples of a leaf, penalty of a feature.
+        `limits`: depth, whether splits are hyperplanes, features of a split, samples of a leaf, penalty of a feature.
         `sensors`: sensor of each feature, cost of each sensor, budget.
         """
 
@@ -50,7 +50,7 @@ class Question:
     def check(
         self, log: str, n_threads: int
     ) -> tuple[tuple[float, int, int], None] | tuple[None, tuple[int, str]]:
-        """Return the bound that a log proves, its number of lines and the line of its claim; or where and why it fails."""
+        """Return the bound that a log proves, its number of lines, the line of its claim; or where and why it fails."""
 
 NodeRow = tuple[int, int, int, int, int, int, list[tuple[int, float]], float]
 __version__: str

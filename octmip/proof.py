@@ -79,7 +79,7 @@ def check_proof(problem: Problem, path: str | Path, *, bound: float = -math.inf,
     start = time.perf_counter()
     check_provable(problem)
     content = read_bytes(path)
-    report, refusal = _question(problem).check(content.decode("ascii", errors="replace"), n_jobs)
+    report, refusal = checker_question(problem).check(content.decode("ascii", errors="replace"), n_jobs)
     if report is None:
         raise _refused(path, *refusal)
     proven, n_lines, claim_line = report
@@ -101,7 +101,7 @@ def _refused(path: str | Path, line: int, reason: str) -> CertificateError:
     return CertificateError(f"{path}, line {line}: {reason}; the proof is refused")
 
 
-def _question(problem: Problem) -> _native.Question:
+def checker_question(problem: Problem) -> _native.Question:
     """Return the problem as the checker reads it: values, weights and costs as they were given."""
     groups = problem.allowed_splits
     is_hyperplane = problem.split == "hyperplane"

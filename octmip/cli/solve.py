@@ -14,6 +14,7 @@ from octmip.cli.question import Question, ask
 from octmip.errors import DataError, SolverError
 from octmip.files import check_writable
 from octmip.names import visible
+from octmip.problem_file import write_problem_file
 from octmip.report.text import solution_text, tree_text
 from octmip.solution import ProofError, Solution
 from octmip.solver import ASSISTANTS, solve
@@ -34,16 +35,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="give HiGHS the exact core's bound, or trees of local search while it runs (oct, oct_h, flow)",
     )
     parser.add_argument("--proof", metavar="LOG", help="write a proof log that octmip certify --proof checks (exact)")
+    parser.add_argument(
+        "--write-problem",
+        metavar="FILE",
+        help="write the problem, samples included, to this JSON file for octmip-check",
+    )
     parser.add_argument("--out", metavar="TREE.json", help="write the tree here")
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Solve, show, write."""
     limits = limits_of(arguments)
-    if arguments.out:
-        check_writable(arguments.out)
+    for path in filter(None, (arguments.out, arguments.write_problem)):
+        check_writable(path)
     options = _options(arguments)
     question = ask(arguments)
+    if arguments.write_problem:
+        write_problem_file(arguments.write_problem, question.problem)
     incumbent = tree_for(question.problem, read_tree_file(arguments.incumbent)) if arguments.incumbent else None
     unproven: ProofError | None = None
     with ProgressLine() as progress:

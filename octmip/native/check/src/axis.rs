@@ -52,10 +52,7 @@ impl Checker<'_> {
     fn cases(&mut self, claim: i64) -> Checked<()> {
         let mut decisions = Decisions::new(self.q.sensor_cost.len());
         loop {
-            while let Some(numbers) = self.cursor.take("S") {
-                let is_open = numbers.len() == 1 && decisions.decide(numbers[0]);
-                ensure!(is_open, self.cursor.line(), "sensor {numbers:?} cannot be decided here");
-            }
+            decisions.read(&mut self.cursor)?;
             let line = self.cursor.line() + 1;
             let orders = self.orders(&decisions.may_read(self.q, usize::MAX));
             let bound = self.node(&orders, self.q.depth)?;

@@ -1,13 +1,13 @@
 //! An independent checker of octmip's proof logs: does a log prove that no tree of a problem costs less than it claims?
 //!
-//! It holds no solver and depends on no other crate. A log is checked against a [`question::Question`]: the problem as it
-//! was given, in float64. Formats and proofs: docs/theory/proof.md and, for splits over two features,
+//! It holds no solver and depends on no other crate. A log is checked against a [`question::Question`]: the problem as
+//! it was given, in float64. Formats and proofs: docs/theory/proof.md and, for splits over two features,
 //! docs/theory/oblique.md.
 //!
 //! | module | holds |
 //! |---|---|
 //! | `question`, `json`, `sha256` | the problem, read from its file, and the digests that bind a log to it |
-//! | `header`, `whole_costs`, `exact_numbers` | the header of a log: whole numbers, and that none is above the true cost |
+//! | `header`, `whole_costs`, `exact_numbers` | the header of a log: whole numbers, none above the true cost |
 //! | `problem`, `ranked` | the problem in ranks and whole numbers, as checkers and solvers hold it |
 //! | `axis` | the checker of logs of axis-aligned trees |
 //! | `lines` | the checker of logs of two-feature trees |

@@ -1,13 +1,13 @@
 //! The checker of logs of two-feature trees.
 //!
-//! Format and proofs: docs/theory/oblique.md. A line `x + t y = r` over two features is a point (t, r);
-//! a sample is the straight line r = x + t y and goes left where that runs below the point. Coordinates are wrong by 2^-53
-//! at most and within -1 and 1, t within -1 and 1 (the features exchanged give the steeper lines), so a value x + t y is
-//! wrong by less than 2^-50: what is 2^-46 clear of an edge at both ends of a range of t is clear of it. Where that does
-//! not settle a sample, signs of sums of products of the values as given do, exactly.
+//! Format and proofs: docs/theory/oblique.md. A line `x + t y = r` over two features is a point (t, r); a sample is the
+//! straight line r = x + t y and goes left where that runs below the point. Coordinates are wrong by 2^-53 at most and
+//! within -1 and 1, t within -1 and 1 (the features exchanged give the steeper lines), so a value x + t y is wrong by
+//! less than 2^-50: what is 2^-46 clear of an edge at both ends of a range of t is clear of it. Where that does not
+//! settle a sample, signs of sums of products of the values as given do, exactly.
 //!
-//! Public is what gives a log its meaning, so that a writer can mean the same: cells and coordinates (`Cell`, `Points`), the
-//! ways in which a line parts points (`Plane::ways`), exact signs.
+//! Public is what gives a log its meaning, so that a writer can mean the same: cells and coordinates (`Cell`,
+//! `Points`), the ways in which a line parts points (`Plane::ways`), exact signs.
 
 mod boxes;
 mod counts;
@@ -31,8 +31,8 @@ pub use signs::exact_sign;
 const EPS: f64 = 1.0 / (1u64 << 46) as f64;
 /// Bands narrower than this are not split.
 const TINY: f64 = 1.0 / (1u64 << 39) as f64;
-/// So many different points are tried in every way before a cell is split, and at the end of splitting (any number there
-/// if they are all on one line).
+/// So many different points are tried in every way before a cell is split, and at the end of splitting (any number
+/// there if they are all on one line).
 const FEW: usize = 6;
 /// So many different points are parted in every way where splitting ends.
 pub const MOST: usize = 48;

@@ -1,4 +1,5 @@
-//! `octmip-check LOG PROBLEM.json`: check a proof log against the problem file that `octmip solve --write-problem` wrote.
+//! `octmip-check LOG PROBLEM.json`: check a proof log against the problem file that `octmip solve --write-problem`
+//! wrote.
 //!
 //! Exit code 0: the log proves its bound. 1: it is refused, and one line says where and why. 2: a file cannot be used.
 #![forbid(unsafe_code)]

@@ -1,5 +1,5 @@
-//! Weights, costs and penalty as whole numbers that the true ones are not below, so that a bound of theirs is one of the
-//! problem.
+//! Weights, costs and penalty as whole numbers that the true ones are not below, so that a bound of theirs is one of
+//! the problem.
 
 use std::collections::HashSet;
 

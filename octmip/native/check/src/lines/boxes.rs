@@ -108,8 +108,8 @@ impl Checker<'_> {
         }
     }
 
-    /// `l` and `r`: what a child costs for its settled samples, and strips where it costs so much that the tree costs the
-    /// claim.
+    /// `l` and `r`: what a child costs for its settled samples, and strips where it costs so much that the tree costs
+    /// the claim.
     fn learn_child(&self, roots: &mut RootBox, side: usize, entry: &Entry<'_>) -> Checked<()> {
         let [floor, dead] = entry.costs()?;
         let mut costs = [0, 1].map(|s| roots.children[s].floor);

@@ -18,8 +18,8 @@ pub struct Points {
 
 /// The values of one feature, and their coordinates.
 ///
-/// The feature is moved by a constant and divided by a power of two, which keeps the lines. The difference of a value and
-/// the constant is rounded at most once and no larger than the value, so a coordinate is wrong by 2^-53 at most.
+/// The feature is moved by a constant and divided by a power of two, which keeps the lines. The difference of a value
+/// and the constant is rounded at most once and no larger than the value, so a coordinate is wrong by 2^-53 at most.
 pub(super) struct Feature {
     values: Vec<f64>,
     /// All within -1 and 1.
@@ -201,9 +201,9 @@ impl Plane<'_> {
     /// All ways in which a line x + t y = r with t0 <= t <= t1 can part different points: true = at or below it.
     ///
     /// Take a way and the values of t that allow it, an interval. If t0 is in it, the way is a prefix of the points in
-    /// their order at t0. If not, it begins where a point below and one above meet in value: there the line runs through
-    /// both, the points off it go where they lie, and those on it come apart just after by y, the smaller below. Points
-    /// on one line all meet at one t: their order at t1 is the other one.
+    /// their order at t0. If not, it begins where a point below and one above meet in value: there the line runs
+    /// through both, the points off it go where they lie, and those on it come apart just after by y, the smaller
+    /// below. Points on one line all meet at one t: their order at t1 is the other one.
     pub fn ways(&self, points: &[u32], t0: f64, t1: f64) -> Vec<Vec<bool>> {
         let m = points.len();
         let order_at = |t: f64| {

@@ -22,10 +22,7 @@ impl Checker<'_> {
         let most = 2 * ((1 << self.q.depth) - 1);
         let (mut decisions, mut sections) = (Decisions::new(self.q.sensor_cost.len()), Vec::new());
         loop {
-            while let Some(numbers) = cursor.take("S") {
-                let is_open = numbers.len() == 1 && decisions.decide(numbers[0]);
-                ensure!(is_open, cursor.line(), "sensor {numbers:?} cannot be decided here");
-            }
+            decisions.read(cursor)?;
             self.case(&decisions.may_read(self.q, most), cursor, &mut sections)?;
             if !decisions.go_on() {
                 return Ok(sections);

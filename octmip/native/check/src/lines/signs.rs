@@ -4,8 +4,9 @@ use std::cmp::Ordering;
 
 /// A number with the sign of the exact sum of some products, none of which underflows.
 ///
-/// Every product is itself rounded plus a remainder that fused arithmetic finds exactly. The sum is kept as numbers that
-/// do not overlap, from small to large: a new one is added to each in turn, the rounding staying behind (Shewchuk 1997).
+/// Every product is itself rounded plus a remainder that fused arithmetic finds exactly. The sum is kept as numbers
+/// that do not overlap, from small to large: a new one is added to each in turn, the rounding staying behind (Shewchuk
+/// 1997).
 pub(super) fn quick_sign<const N: usize>(products: [(f64, f64); N]) -> f64 {
     let mut parts: Vec<f64> = Vec::with_capacity(2 * N);
     for (a, b) in products {
