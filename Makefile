@@ -2,7 +2,7 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-NATIVE := $(shell find octmip/native/src octmip/native/Cargo.toml -type f)
+NATIVE := $(shell find octmip/native/src octmip/native/check octmip/native/Cargo.toml -type f)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .PHONY: uav mission blind test lint tools benchmarks clean
@@ -19,14 +19,14 @@ blind: $(VENV)/.installed
 	@$(BIN)/python -m benchmarks.blind $(ARGS)
 
 test: $(VENV)/.installed-test lint
-	cd octmip/native && cargo test --release --quiet
+	cd octmip/native && cargo test --release --quiet --workspace
 	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --dist loadfile
 
 lint: $(VENV)/.installed-test
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
-	cd octmip/native && cargo fmt --check && cargo clippy --release --quiet --all-targets --features python -- -D warnings
+	cd octmip/native && cargo fmt --all --check && cargo clippy --release --quiet --workspace --all-targets --features python -- -D warnings
 
 tools:
 	@command -v $(PYTHON) >/dev/null || { echo "$(PYTHON) is missing: install Python 3.11 or newer, or say make PYTHON=/path/to/python"; exit 2; }

@@ -26,6 +26,31 @@ class Problem:
         planes: tuple[NDArray[np.float64], int, list[list[int]] | None, int | None] | None = None,
     ) -> Problem: ...
 
+class Question:
+    """What is asked, in float64 as given, for the checker of proof logs."""
+
+    def __new__(
+        cls,
+        features: NDArray[np.float64],
+        labels: NDArray[np.uint32],
+        weights: NDArray[np.float64],
+        costs: NDArray[np.float64],
+        limits: tuple[int, bool, int, int, float],
+        sensors: tuple[list[int], list[float], float],
+        allowed_splits: list[list[int]] | None,
+    ) -> Question:
+        """Take the problem.
+
+        `limits`: depth, whether splits are hyperplanes, features of a split, samples of a leaf, penalty of a feature.
+        `sensors`: sensor of each feature, cost of each sensor, budget.
+        """
+
+    def digests(self) -> tuple[str, str]:
+        """Return the sha256 of samples, labels and weights, and that of all the rest."""
+
+    def check(self, log: str, n_threads: int) -> tuple[tuple[float, int, int], None] | tuple[None, tuple[int, str]]:
+        """Return the bound that a log proves, its number of lines, the line of its claim; or where and why it fails."""
+
 NodeRow = tuple[int, int, int, int, int, int, list[tuple[int, float]], float]
 __version__: str
 
@@ -84,12 +109,6 @@ def two_feature_prunes() -> list[str]:
 
 def prove_lines(problem: Problem, claim: int, n_threads: int) -> str | None:
     """Return the body of a log that proves a claim about two-feature trees, None when stopped or not shown."""
-
-def check_lines(problem: Problem, log: str, skip: int, claim: int, threads: int) -> tuple[int, str] | None:
-    """Return the line and the reason why a log does not prove a claim about two-feature trees, None when it does."""
-
-def check(problem: Problem, log: str, skip: int, claim: int) -> tuple[int, str] | None:
-    """Return the line and the reason why a log does not prove that every tree costs `claim`, None when it does."""
 
 def acquisition(
     ranks: NDArray[np.uint32],

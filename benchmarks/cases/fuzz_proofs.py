@@ -21,6 +21,7 @@ from octmip.certificate import certify
 from octmip.errors import OctmipError
 from octmip.exact import branch_and_bound
 from octmip.problem import Problem
+from octmip.problem_file import data_digest
 from octmip.proof import check_proof
 from octmip.solution import Solution
 from octmip.tree import Leaf, Node, Split
@@ -95,7 +96,7 @@ def _data(rng: Generator, problem: Problem, solution: Solution, path: Path) -> s
 def _data_and_header(rng: Generator, problem: Problem, solution: Solution, path: Path) -> str:
     changed = changed_data(rng, problem)
     lines = path.read_text().split("\n")
-    lines[1] = f"data {changed.digest()}"
+    lines[1] = f"data {data_digest(changed)}"
     path.write_text("\n".join(lines))
     return _judged(changed, path)
 

@@ -19,7 +19,7 @@ def proof_log(problem: Problem, claim: int | None = None, *, keep: float = 1.0, 
     writer = _Writer(problem, keep, np.random.default_rng(seed))
     free = tuple(range(len(problem.sensors)))
     body, proven = writer.sensors(free, ())
-    header = proof_header(problem, 1.0, 1.0, proven if claim is None else claim)
+    header = proof_header(problem, (0, 0), proven if claim is None else claim)
     return header + "\n".join([*body, "end", ""])
 
 

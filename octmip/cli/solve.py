@@ -14,6 +14,7 @@ from octmip.cli.question import Question, ask
 from octmip.errors import DataError, SolverError
 from octmip.files import check_writable
 from octmip.names import visible
+from octmip.problem_file import write_problem_file
 from octmip.report.text import solution_text, tree_text
 from octmip.solution import ProofError, Solution
 from octmip.solver import ASSISTANTS, solve
@@ -37,14 +38,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--checkpoint", metavar="FILE", help="keep what is proven here, and go on from it where it exists (exact, axis)"
     )
+    parser.add_argument(
+        "--write-problem",
+        metavar="FILE",
+        help="write the problem, samples included, to this JSON file for octmip-check",
+    )
     parser.add_argument("--out", metavar="TREE.json", help="write the tree here")
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Solve, show, write."""
     limits = limits_of(arguments)
-    if arguments.out:
-        check_writable(arguments.out)
+    for path in filter(None, (arguments.out, arguments.write_problem)):
+        check_writable(path)
     options = _options(arguments)
     question = ask(arguments)
     if arguments.checkpoint and (arguments.method not in ("auto", "exact") or question.problem.split != "axis"):
@@ -52,6 +58,8 @@ def run(arguments: argparse.Namespace) -> int:
             f"--checkpoint keeps proofs of method 'exact' for axis-aligned trees; got method {arguments.method!r} with "
             f"split {question.problem.split!r}; leave it out"
         )
+    if arguments.write_problem:
+        write_problem_file(arguments.write_problem, question.problem)
     incumbent = tree_for(question.problem, read_tree_file(arguments.incumbent)) if arguments.incumbent else None
     unproven: ProofError | None = None
     with ProgressLine() as progress:

@@ -78,18 +78,18 @@ REAL = Problem([[0.0], [1.0], [2.0], [3.0]], [0, 1, 2, 1], depth=1, weights=[0.1
 @pytest.mark.parametrize(
     ("change", "complaint"),
     [
-        (("grid", lambda numbers: [numbers[0] - 1]), "line 7: sample 0, class 1: .* is above the true cost"),
-        (("grid", lambda numbers: [9999]), "line 4: got 'grid 9999', expected 'grid'"),
-        (("grid", lambda numbers: numbers * 2), "line 4: got"),
+        (("unit", lambda numbers: [numbers[0] - 1]), "line 7: sample 0, class 1: .* is above the true cost"),
+        (("unit", lambda numbers: [9999]), 'line 4: got "unit 9999", expected "unit"'),
+        (("unit", lambda numbers: numbers * 2), "line 4: got"),
         (("costs", lambda numbers: [2 * n for n in numbers]), "line 7: sample 0, class 1"),
-        (("costs", lambda numbers: numbers[1:]), "line 5: expected 3 or more rows of 3 costs"),
-        (("rows", lambda numbers: numbers[1:]), "line 5: expected 3 or more rows"),
-        (("rows", lambda numbers: [n + 9 for n in numbers]), "line 5: expected 3 or more rows"),
+        (("costs", lambda numbers: numbers[1:]), "line 5: got 8 costs, expected rows of 3"),
+        (("rows", lambda numbers: numbers[1:]), "line 6: got 3 rows of samples, expected 4"),
+        (("rows", lambda numbers: [n + 9 for n in numbers]), "line 6: got 4 rows of samples, expected 4 below"),
         (("weights", lambda numbers: [n + 1 for n in numbers]), "line 7: sample 0, class 1"),
-        (("weights", lambda numbers: [10**30 for n in numbers]), "line 7: got 'weights 1000"),
+        (("weights", lambda numbers: [10**30 for n in numbers]), 'line 7: got "weights 1000'),
         (("penalty", lambda numbers: [1]), "line 8: the penalty 1 is above the problem's"),
         (("claim", lambda numbers: [numbers[0] + 1]), "line 10: this proves"),
-        (("claim", lambda numbers: [2**70]), "line 9: got 'claim 118"),
+        (("claim", lambda numbers: [2**70]), 'line 9: got "claim 118'),
     ],
 )
 def test_numbers_above_the_true_ones_are_refused(tmp_path, change, complaint):

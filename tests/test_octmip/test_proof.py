@@ -85,8 +85,12 @@ def test_real_weights_are_rounded_down_on_the_grid_of_the_header(log):
 @pytest.mark.parametrize(
     ("change", "complaint"),
     [
-        (lambda lines: "x", r"line 1: got 'x', expected 'octmip-proof 1' of a proof log"),
-        (lambda lines: "\n".join([*lines[:4], "claim all"]), "line 4: got .*expected 'grid' with two exponents"),
+        (lambda lines: "x", 'line 1: got "x", expected "octmip-proof 3"'),
+        (
+            lambda lines: "\n".join([*lines[:4], "claim all"]),
+            'line 5: got "claim all", expected "claim" and one whole number',
+        ),
+        (lambda lines: "octmip-proof 2", "line 1: .* was written by an older octmip; write the log again"),
         (lambda lines: "\n".join([*lines[:3], "grid 70 0", *lines[4:]]), "line 4: on this grid a tree may cost"),
         (lambda lines: "\n".join(lines[:6]), "expected E"),
         (lambda lines: "\n".join(lines[:-1]), "expected end"),

@@ -6,15 +6,14 @@
 #![cfg_attr(not(test), deny(clippy::unwrap_used))]
 
 pub mod acquisition;
-pub mod check;
-pub mod check_lines;
 pub mod control;
 pub mod exact;
 pub mod oblique;
-pub mod problem;
 pub mod ranks;
 pub mod search;
 pub mod tree;
+
+pub use octmip_check::problem;
 
 #[cfg(feature = "python")]
 mod python;

@@ -172,11 +172,10 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(oblique::py_two_feature_branch_and_bound, module)?)?;
     module.add_function(wrap_pyfunction!(oblique::two_feature_prunes, module)?)?;
     module.add_function(wrap_pyfunction!(oblique::prove_lines, module)?)?;
-    module.add_function(wrap_pyfunction!(check::py_check_lines, module)?)?;
-    module.add_function(wrap_pyfunction!(check::py_check, module)?)?;
     module.add_function(wrap_pyfunction!(acquisition::acquisition, module)?)?;
     module.add_function(wrap_pyfunction!(ranks::dense_ranks, module)?)?;
     module.add_function(wrap_pyfunction!(search::py_search, module)?)?;
     module.add_class::<PyProblem>()?;
+    module.add_class::<check::PyQuestion>()?;
     exact::register(module)
 }

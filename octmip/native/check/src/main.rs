@@ -1,1 +1,61 @@
-fn main() {}
+//! `octmip-check LOG PROBLEM.json`: check a proof log against the problem file that `octmip solve --write-problem`
+//! wrote.
+//!
+//! Exit code 0: the log proves its bound. 1: it is refused, and one line says where and why. 2: a file cannot be used.
+#![forbid(unsafe_code)]
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+use octmip_check::question::Question;
+use octmip_check::{Refusal, Report, check};
+
+const USAGE: &str = "usage: octmip-check LOG PROBLEM.json (files of octmip solve --proof and --write-problem)";
+
+fn main() -> ExitCode {
+    let arguments: Vec<PathBuf> = std::env::args_os().skip(1).map(PathBuf::from).collect();
+    let [log, problem] = &arguments[..] else {
+        eprintln!("octmip-check: got {} arguments, expected 2; {USAGE}", arguments.len());
+        return ExitCode::from(2);
+    };
+    match run(log, problem) {
+        Ok(Ok((report, seconds))) => {
+            println!("{}", verified(&report, seconds));
+            ExitCode::SUCCESS
+        }
+        Ok(Err(refusal)) => {
+            println!("{}, line {}: {}; the proof is refused", log.display(), refusal.line, refusal.reason);
+            ExitCode::from(1)
+        }
+        Err(fault) => {
+            eprintln!("octmip-check: {fault}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Check a log: what it proves and the seconds that took, or the refusal; the error says which file cannot be used.
+fn run(log: &Path, problem: &Path) -> Result<Result<(Report, f64), Refusal>, String> {
+    let start = Instant::now();
+    let text = read(log, "a proof log of octmip solve --proof")?;
+    let file = read(problem, "a problem file of octmip solve --write-problem")?;
+    let question = Question::from_json(&file).map_err(|reason| {
+        let path = problem.display();
+        format!("{path}: {reason}; expected a problem file; write it again with octmip solve --write-problem")
+    })?;
+    let n_threads = std::thread::available_parallelism().map_or(1, usize::from);
+    Ok(check(&question, &text, n_threads).map(|report| (report, start.elapsed().as_secs_f64())))
+}
+
+fn read(path: &Path, expected: &str) -> Result<String, String> {
+    let fault = |error| format!("{}: {error}; expected {expected}; check the path", path.display());
+    let bytes = std::fs::read(path).map_err(fault)?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
+}
+
+fn verified(report: &Report, seconds: f64) -> String {
+    let bound = format!("{:?}", report.bound);
+    let bound = bound.strip_suffix(".0").unwrap_or(&bound);
+    format!("verified: no tree costs less than {bound} ({} lines, {seconds:.2} s)", report.n_lines)
+}

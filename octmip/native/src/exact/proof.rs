@@ -1,6 +1,6 @@
 //! The proof log: the search once more, its budget at the claim, writing down every cut that it solved.
 //!
-//! The format is docs/theory/proof.md's; `crate::check` reads it and knows nothing of what stands here. Children are
+//! The format is docs/theory/proof.md's; `octmip_check` reads it and knows nothing of what stands here. Children are
 //! searched without the bounds of their neighbours (`floor` 0), as a record must stand by itself; the checker carries
 //! bounds from cut to cut on its own.
 

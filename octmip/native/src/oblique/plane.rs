@@ -6,8 +6,9 @@
 
 use std::cmp::Ordering;
 
+use octmip_check::lines::exact_sign;
+
 use super::wide::compare_products;
-use crate::check_lines::exact_sign;
 
 /// Most bits of a feature's whole-number coordinates: the product of two differences then fits 256 bits.
 const MOST_BITS: i32 = 120;

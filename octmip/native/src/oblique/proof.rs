@@ -1,6 +1,6 @@
 //! The proof log: the search once more, its budget at the claim, writing down how every box of roots was closed.
 //!
-//! The format is docs/theory/oblique.md's; `crate::check_lines` reads it and knows nothing of what stands here. What is
+//! The format is docs/theory/oblique.md's; `octmip_check::lines` reads it and knows nothing of what stands here. What is
 //! written are true statements about all lines: no strip is struck off on this side (`dead_strips` off), the checker
 //! strikes off by itself. It counts all stumps again; only boxes, bounds and ways of parting are handed over.
 //!
@@ -11,7 +11,8 @@ use std::fmt::Write;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use crate::check_lines::{self, MOST, Points};
+use octmip_check::lines::{self as check_lines, MOST, Points};
+
 use crate::problem::Problem;
 
 use super::boxes::{Child, Field, Goal, RootBox, Sorted};

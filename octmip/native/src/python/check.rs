@@ -1,30 +1,69 @@
-//! The checker of proof logs, for Python.
+//! `octmip._native.Question`: what is asked, in float64 as given, for the checker of proof logs.
 
+use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
+use octmip_check::check;
+use octmip_check::question::Question;
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use super::PyProblem;
-use crate::check::check;
-use crate::check_lines;
+/// Depth, whether splits are hyperplanes, most features in one split, least samples of a leaf, its penalty.
+type Limits = (usize, bool, usize, usize, f64);
+/// Sensor of each feature, cost of each sensor, budget.
+type Sensors = (Vec<u32>, Vec<f64>, f64);
+/// The bound, the lines of the log and the line of its claim; or the line that is refused, and the reason.
+type Answer = (Option<(f64, usize, usize)>, Option<(usize, String)>);
 
-/// The line and the reason why a log does not prove that every tree costs `claim`; none when it does.
-#[pyfunction]
-#[pyo3(name = "check")]
-pub fn py_check(py: Python<'_>, problem: &PyProblem, log: &str, skip: usize, claim: i64) -> Option<(usize, String)> {
-    let refusal = py.detach(|| check(&problem.inner, log, skip, claim).err());
-    refusal.map(|refusal| (refusal.0, refusal.1))
+/// `octmip_check::question::Question` as a Python object.
+#[pyclass(name = "Question", frozen)]
+pub struct PyQuestion {
+    inner: Question,
 }
 
-/// The line and the reason why a log does not prove that every two-feature tree costs `claim`; none when it does.
-#[pyfunction]
-#[pyo3(name = "check_lines")]
-pub fn py_check_lines(
-    py: Python<'_>,
-    problem: &PyProblem,
-    log: &str,
-    skip: usize,
-    claim: i64,
-    threads: usize,
-) -> Option<(usize, String)> {
-    let check = || check_lines::check(&problem.inner, log, skip, claim, threads.max(1));
-    py.detach(check).err().map(|refusal| (refusal.0, refusal.1))
+#[pymethods]
+impl PyQuestion {
+    #[new]
+    fn new(
+        features: PyReadonlyArray2<'_, f64>,
+        labels: PyReadonlyArray1<'_, u32>,
+        weights: PyReadonlyArray1<'_, f64>,
+        costs: PyReadonlyArray2<'_, f64>,
+        limits: Limits,
+        sensors: Sensors,
+        allowed_splits: Option<Vec<Vec<u32>>>,
+    ) -> PyResult<Self> {
+        let (depth, is_hyperplane, split_size, leaf_size, leaf_penalty) = limits;
+        let (sensor_of_feature, sensor_cost, sensor_limit) = sensors;
+        let question = Question {
+            n: features.shape()[0],
+            p: features.shape()[1],
+            n_classes: costs.shape()[0],
+            features: features.as_slice()?.to_vec(),
+            labels: labels.as_slice()?.to_vec(),
+            weights: weights.as_slice()?.to_vec(),
+            costs: costs.as_slice()?.to_vec(),
+            depth,
+            is_hyperplane,
+            split_size,
+            leaf_size,
+            leaf_penalty,
+            sensor_of_feature,
+            sensor_cost,
+            sensor_limit,
+            allowed_splits,
+        };
+        Ok(Self { inner: question.validated().map_err(PyValueError::new_err)? })
+    }
+
+    /// The SHA-256 of samples, labels and weights, and that of all the rest.
+    fn digests(&self) -> (String, String) {
+        (self.inner.data_digest(), self.inner.question_digest())
+    }
+
+    /// Check a log.
+    fn check(&self, py: Python<'_>, log: &str, n_threads: usize) -> Answer {
+        match py.detach(|| check(&self.inner, log, n_threads)) {
+            Ok(report) => (Some((report.bound, report.n_lines, report.claim_line)), None),
+            Err(refusal) => (None, Some((refusal.line, refusal.reason))),
+        }
+    }
 }

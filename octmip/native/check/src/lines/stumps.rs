@@ -111,8 +111,8 @@ impl Checker<'_> {
     /// For each sample the first bin of c where it may go left and the last where it may go right; for each bin
     /// whether a line of it may cost less than `claim`.
     ///
-    /// The bin of a number never falls as it grows, whatever the rounding: so a line of bin b has at its left only samples
-    /// whose first bin is b or less, and likewise on the right. `left` are samples left of the whole band.
+    /// The bin of a number never falls as it grows, whatever the rounding: so a line of bin b has at its left only
+    /// samples whose first bin is b or less, and likewise on the right. `left` are samples left of the whole band.
     fn scan(
         &self,
         samples: &Samples<'_>,

@@ -9,7 +9,7 @@ impl Plane<'_> {
     ///
     /// Two disjoint convex polygons lie strictly to both sides of a line along an edge of one of them, moved a little;
     /// where all points lie on one line, their order on it decides.
-    pub(crate) fn can_part(&self, one: &[u32], other: &[u32]) -> bool {
+    pub fn can_part(&self, one: &[u32], other: &[u32]) -> bool {
         let (a, b) = (self.corners(one), self.corners(other));
         if a.is_empty() || b.is_empty() {
             return true;

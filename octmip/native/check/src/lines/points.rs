@@ -12,14 +12,14 @@ const LEAST: f64 = 1e-135;
 const CERTAIN: f64 = 1e-12;
 
 /// The samples of a problem, by feature; last comes a column of zeros for axis-aligned splits.
-pub(crate) struct Points {
+pub struct Points {
     features: Vec<Feature>,
 }
 
 /// The values of one feature, and their coordinates.
 ///
-/// The feature is moved by a constant and divided by a power of two, which keeps the lines. The difference of a value and
-/// the constant is rounded at most once and no larger than the value, so a coordinate is wrong by 2^-53 at most.
+/// The feature is moved by a constant and divided by a power of two, which keeps the lines. The difference of a value
+/// and the constant is rounded at most once and no larger than the value, so a coordinate is wrong by 2^-53 at most.
 pub(super) struct Feature {
     values: Vec<f64>,
     /// All within -1 and 1.
@@ -36,6 +36,7 @@ impl Feature {
         let most = values.iter().fold(f64::NEG_INFINITY, |a, &b| a.max(b));
         // Between zero and all the values, in units of the last place of the largest.
         let (near, far) = if least > 0.0 { (least, most) } else { (most.min(0.0), least) };
+        // None is finer than the least number: there a unit would underflow to 0.
         let unit = (binade(far) * f64::EPSILON).max(f64::from_bits(1));
         let origin = if near == 0.0 { 0.0 } else { (near / unit).trunc() * unit };
         let moved: Vec<f64> = values.iter().map(|v| v - origin).collect();
@@ -54,7 +55,7 @@ impl Feature {
 
 impl Points {
     /// The samples of a problem; without hyperplane splits in it, ranks serve as values.
-    pub(crate) fn new(q: &Problem) -> Self {
+    pub fn new(q: &Problem) -> Self {
         let ranks = || q.ranks.iter().map(|&rank| f64::from(rank)).collect();
         let values: Vec<f64> = q.values_by_feature().unwrap_or_else(ranks);
         let mut features: Vec<Feature> = values.chunks_exact(q.n).map(Feature::new).collect();
@@ -67,12 +68,12 @@ impl Points {
     }
 
     /// The plane of two features.
-    pub(crate) fn plane(&self, (f, g): (usize, usize)) -> Plane<'_> {
+    pub fn plane(&self, (f, g): (usize, usize)) -> Plane<'_> {
         Plane { x: &self.features[f], y: &self.features[g] }
     }
 
     /// The samples left of all lines of a cell, those between, and those right of all of them.
-    pub(crate) fn sorted(&self, (f, g): (usize, usize), cell: &Cell) -> [Vec<u32>; 3] {
+    pub fn sorted(&self, (f, g): (usize, usize), cell: &Cell) -> [Vec<u32>; 3] {
         let mut sorted = [const { Vec::new() }; 3];
         for (i, (x, y)) in self.coordinates(f).iter().zip(self.coordinates(g)).enumerate() {
             let value = cell.t.map(|t| x + t * y);
@@ -86,7 +87,7 @@ impl Points {
 
 /// Two features; what it says of points and lines is exact, whatever the values.
 #[derive(Clone, Copy)]
-pub(crate) struct Plane<'a> {
+pub struct Plane<'a> {
     x: &'a Feature,
     y: &'a Feature,
 }
@@ -184,7 +185,7 @@ impl Plane<'_> {
 
     /// One sample of each different point, the first, if a line through them can be turned in few ways: not more than
     /// `most` points, or all of them on one line.
-    pub(crate) fn end_points(&self, ids: &[u32], most: usize) -> Option<Vec<u32>> {
+    pub fn end_points(&self, ids: &[u32], most: usize) -> Option<Vec<u32>> {
         let mut points = ids.to_vec();
         points.sort_by(|&i, &j| self.along(i, j).then(i.cmp(&j)));
         points.dedup_by(|i, j| self.is_same(*i, *j));
@@ -193,17 +194,17 @@ impl Plane<'_> {
     }
 
     /// For each sample the place of its point.
-    pub(crate) fn places(&self, points: &[u32], ids: &[u32]) -> Vec<usize> {
+    pub fn places(&self, points: &[u32], ids: &[u32]) -> Vec<usize> {
         ids.iter().map(|&i| points.iter().position(|&p| self.is_same(p, i)).unwrap_or(0)).collect()
     }
 
     /// All ways in which a line x + t y = r with t0 <= t <= t1 can part different points: true = at or below it.
     ///
     /// Take a way and the values of t that allow it, an interval. If t0 is in it, the way is a prefix of the points in
-    /// their order at t0. If not, it begins where a point below and one above meet in value: there the line runs through
-    /// both, the points off it go where they lie, and those on it come apart just after by y, the smaller below. Points
-    /// on one line all meet at one t: their order at t1 is the other one.
-    pub(crate) fn ways(&self, points: &[u32], t0: f64, t1: f64) -> Vec<Vec<bool>> {
+    /// their order at t0. If not, it begins where a point below and one above meet in value: there the line runs
+    /// through both, the points off it go where they lie, and those on it come apart just after by y, the smaller
+    /// below. Points on one line all meet at one t: their order at t1 is the other one.
+    pub fn ways(&self, points: &[u32], t0: f64, t1: f64) -> Vec<Vec<bool>> {
         let m = points.len();
         let order_at = |t: f64| {
             let mut order: Vec<usize> = (0..m).collect();

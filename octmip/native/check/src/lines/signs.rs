@@ -4,8 +4,9 @@ use std::cmp::Ordering;
 
 /// A number with the sign of the exact sum of some products, none of which underflows.
 ///
-/// Every product is itself rounded plus a remainder that fused arithmetic finds exactly. The sum is kept as numbers that
-/// do not overlap, from small to large: a new one is added to each in turn, the rounding staying behind (Shewchuk 1997).
+/// Every product is itself rounded plus a remainder that fused arithmetic finds exactly. The sum is kept as numbers
+/// that do not overlap, from small to large: a new one is added to each in turn, the rounding staying behind (Shewchuk
+/// 1997).
 pub(super) fn quick_sign<const N: usize>(products: [(f64, f64); N]) -> f64 {
     let mut parts: Vec<f64> = Vec::with_capacity(2 * N);
     for (a, b) in products {
@@ -26,7 +27,7 @@ pub(super) fn quick_sign<const N: usize>(products: [(f64, f64); N]) -> f64 {
 /// The sign of a sum of products `a * b * 2^e` of any finite numbers.
 ///
 /// Each is a whole number of up to 106 bits times a power of two; they are added as digits to the base 2^32.
-pub(crate) fn exact_sign(products: &[(f64, f64, i32)]) -> Ordering {
+pub fn exact_sign(products: &[(f64, f64, i32)]) -> Ordering {
     let wholes: Vec<(i128, i32)> = products
         .iter()
         .map(|&(a, b, e)| {

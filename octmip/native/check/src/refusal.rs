@@ -1,0 +1,26 @@
+//! Why a log is refused.
+
+/// The line of a log (from 1) that is refused, and the reason.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Refusal {
+    /// Number of the line.
+    pub line: usize,
+    /// What is wrong with it.
+    pub reason: String,
+}
+
+/// What a step of checking returns.
+pub(crate) type Checked<T> = Result<T, Refusal>;
+
+/// Refuse a line unless something holds.
+macro_rules! ensure {
+    ($is_so:expr, $line:expr, $($reason:tt)*) => {
+        if !$is_so { return Err($crate::refusal::Refusal { line: $line, reason: format!($($reason)*) }); }
+    };
+}
+pub(crate) use ensure;
+
+/// The first characters of a line, as they are shown in a reason.
+pub(crate) fn shown(text: &str) -> String {
+    format!("{:?}", text.chars().take(80).collect::<String>())
+}

@@ -1,0 +1,69 @@
+//! `octmip-check LOG PROBLEM.json`: what it prints, and its exit codes.
+
+use std::path::PathBuf;
+use std::process::Command;
+
+use octmip_check::question::Question;
+
+/// Four samples of classes 0 and 1 in turn, a tree of depth 1: one goes wrong.
+const PROBLEM: &str = r#"{"format": "octmip-problem", "version": 1, "feature_names": ["x"], "class_names": ["a", "b"],
+"features": [[0.0], [1.0], [2.0], [3.0]], "labels": [0, 1, 0, 1], "weights": [1.0, 1.0, 1.0, 1.0],
+"costs": [[0.0, 1.0], [1.0, 0.0]], "depth": 1, "split": "axis", "split_size": 1, "leaf_size": 1, "leaf_penalty": 0.0,
+"sensor_of_feature": [0], "sensor_cost": [1.0], "sensor_limit": null, "allowed_splits": null}"#;
+
+fn log(claim: i64) -> String {
+    let question = Question::from_json(PROBLEM).expect("a problem file");
+    let (data, asked) = (question.data_digest(), question.question_digest());
+    format!("octmip-proof 3\ndata {data}\nquestion {asked}\ngrid 0 0\nclaim {claim}\nN 1 1 {claim}\nE\nend\n")
+}
+
+/// Write the files, unless they are none, and run the command: exit code, standard output, standard error.
+fn run(name: &str, log: Option<&str>, problem: Option<&str>) -> (Option<i32>, String, String) {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let files = [("proof.log", log), ("problem.json", problem)].map(|(name, text)| {
+        text.into_iter().for_each(|text| std::fs::write(folder.join(name), text).expect("a file"));
+        folder.join(name)
+    });
+    let done = Command::new(env!("CARGO_BIN_EXE_octmip-check")).args(files).output().expect("the command runs");
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("text");
+    (done.status.code(), text(done.stdout), text(done.stderr))
+}
+
+#[test]
+fn a_proof_is_verified_in_one_line() {
+    let (code, out, err) = run("good", Some(&log(1)), Some(PROBLEM));
+    assert_eq!((code, err.as_str()), (Some(0), ""));
+    assert!(out.starts_with("verified: no tree costs less than 1 (8 lines, "), "{out}");
+    assert!(out.ends_with(" s)\n") && out.lines().count() == 1, "{out}");
+}
+
+#[test]
+fn a_proof_is_refused_with_its_line_and_the_reason() {
+    let (code, out, err) = run("bad", Some(&log(2)), Some(PROBLEM));
+    assert_eq!((code, err.as_str()), (Some(1), ""));
+    assert!(out.ends_with("proof.log, line 6: a tree costs 1, not 2; the proof is refused\n"), "{out}");
+    let (code, out, _) = run("other", Some(&log(1)), Some(&PROBLEM.replace("[3.0]]", "[4.0]]")));
+    assert!(code == Some(1) && out.contains("proof.log, line 2: got \"data "), "{out}");
+}
+
+#[test]
+fn files_that_cannot_be_used_are_named() {
+    let (code, out, err) = run("broken", Some(&log(1)), Some(&PROBLEM.replace("\"depth\": 1", "\"depth\": 0")));
+    assert_eq!((code, out.as_str()), (Some(2), ""));
+    let sentence = "problem.json: depth is 0, expected 1 to 30; expected a problem file; write it again with octmip";
+    assert!(err.starts_with("octmip-check: ") && err.contains(sentence), "{err}");
+    let (code, _, err) = run("missing", None, Some(PROBLEM));
+    assert!(code == Some(2) && err.contains("expected a proof log of octmip solve --proof; check the path"), "{err}");
+}
+
+#[test]
+fn other_arguments_are_told_how_it_is_used() {
+    let done = Command::new(env!("CARGO_BIN_EXE_octmip-check")).arg("one").output().expect("the command runs");
+    let err = String::from_utf8_lossy(&done.stderr).into_owned();
+    assert_eq!(done.status.code(), Some(2));
+    assert!(
+        err.starts_with("octmip-check: got 1 arguments, expected 2; usage: octmip-check LOG PROBLEM.json"),
+        "{err}"
+    );
+}

@@ -1,0 +1,87 @@
+//! The solvers, called from Rust, against every tree that there is: random problems of a few samples.
+
+mod oracle;
+
+use _native::control::Limits;
+use _native::exact;
+use _native::oblique;
+use _native::search;
+use octmip_check::check;
+use octmip_check::question::Question;
+use oracle::{Case, cost_of, optimum, random_case};
+
+/// So many problems of each kind.
+const N_CASES: u64 = 60;
+
+fn cases(depth: usize, split_size: usize) -> impl Iterator<Item = (u64, Case)> {
+    let stream = (10 * depth + split_size) as u64 * 1000;
+    (stream..stream + N_CASES)
+        .map(move |seed| (seed, random_case(&mut fastrand::Rng::with_seed(seed), depth, split_size)))
+}
+
+/// A log of what a solver wrote, as Python puts it together.
+fn log_of(question: &Question, claim: i64, body: &str) -> String {
+    let kind = if question.is_hyperplane { " two-feature" } else { "" };
+    let (data, asked) = (question.data_digest(), question.question_digest());
+    format!("octmip-proof 3{kind}\ndata {data}\nquestion {asked}\ngrid 0 0\nclaim {claim}\n{body}end\n")
+}
+
+#[test]
+fn exact_trees_cost_what_the_best_of_all_trees_does() {
+    for depth in 1..=3 {
+        for (seed, Case { problem, question }) in cases(depth, 1) {
+            let switches = exact::Switches::default();
+            let options = exact::root::Options { limits: Limits::default(), n_threads: 1, incumbent: None, switches };
+            let found = exact::root::solve(&problem, &options, &mut |_| true);
+            let best = optimum(&problem);
+            assert_eq!((found.objective, found.bound), (best, best), "depth {depth}, seed {seed}");
+            assert_eq!(cost_of(&problem, &found.tree), Some(best), "depth {depth}, seed {seed}");
+            let control = exact::effort::Control::new();
+            let body = exact::proof::write(&problem, best, exact::Switches::default(), &control).expect("a proof");
+            let report = check(&question, &log_of(&question, best, &body), 1);
+            assert_eq!(report.map(|report| report.bound), Ok(best as f64), "depth {depth}, seed {seed}");
+            assert!(check(&question, &log_of(&question, best + 1, &body), 1).is_err(), "depth {depth}, seed {seed}");
+        }
+    }
+}
+
+#[test]
+fn two_feature_trees_cost_what_the_best_of_all_trees_does() {
+    for depth in 1..=2 {
+        for (seed, Case { problem, question }) in cases(depth, 2) {
+            let options = oblique::Options {
+                limits: Limits::default(),
+                n_threads: 1,
+                known: None,
+                seed,
+                switches: oblique::switches::Switches::default(),
+                whole_coefficients: None,
+            };
+            let found = oblique::solve(&problem, &options, &mut |_| true).expect("depth 1 or 2");
+            let best = optimum(&problem);
+            assert_eq!((found.objective, found.bound), (best, best), "depth {depth}, seed {seed}");
+            assert_eq!(cost_of(&problem, &found.tree), Some(best), "depth {depth}, seed {seed}");
+            let stop = std::sync::atomic::AtomicBool::new(false);
+            let body = oblique::proof::write(&problem, best, 1, &stop).expect("a proof");
+            let report = check(&question, &log_of(&question, best, &body), 1);
+            assert_eq!(report.map(|report| report.bound), Ok(best as f64), "depth {depth}, seed {seed}");
+            assert!(check(&question, &log_of(&question, best + 1, &body), 1).is_err(), "depth {depth}, seed {seed}");
+        }
+    }
+}
+
+#[test]
+fn local_search_returns_trees_that_are_allowed_and_mostly_the_best() {
+    let (mut n_best, mut n_all) = (0, 0);
+    for (depth, split_size) in [(1, 1), (2, 1), (3, 1), (1, 2), (2, 2)] {
+        for (seed, Case { problem, .. }) in cases(depth, split_size) {
+            let options = search::Options { n_restarts: 4, n_kicks: 20, seed, n_threads: 1 };
+            let found = search::search(&problem, options, None, Limits::default(), &mut |_| true);
+            let best = optimum(&problem);
+            assert_eq!(cost_of(&problem, &found.tree), Some(found.objective), "depth {depth}, seed {seed}");
+            assert!(found.objective >= best && found.bound <= best, "depth {depth}, seed {seed}");
+            (n_best, n_all) = (n_best + usize::from(found.objective == best), n_all + 1);
+        }
+    }
+    assert!(10 * n_best >= 9 * n_all, "{n_best} of {n_all}");
+}
