@@ -88,4 +88,4 @@ def _add(sha: "hashlib._Hash", name: str, values: NDArray[Any]) -> None:
     """Feed a field: its name and length as text, its numbers as 8 bytes each, the lowest first."""
     kind = "<f8" if values.dtype.kind == "f" else "<i8"
     sha.update(f"{name} {values.size}\n".encode())
-    sha.update(np.ascontiguousarray(values.ravel(), dtype=kind))
+    sha.update(np.ascontiguousarray(values.ravel(), dtype=kind).data)
