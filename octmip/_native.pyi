@@ -48,7 +48,7 @@ class Question:
     def digests(self) -> tuple[str, str]:
         """Return the sha256 of samples, labels and weights, and that of all the rest."""
 
-    def check(self, log: str, n_threads: int) -> tuple[tuple[float, int, int], None] | tuple[None, tuple[int, str]]:
+    def check(self, log: str, n_threads: int) -> tuple[tuple[float, int, int] | None, tuple[int, str] | None]:
         """Return the bound that a log proves, its number of lines, the line of its claim; or where and why it fails."""
 
 NodeRow = tuple[int, int, int, int, int, int, list[tuple[int, float]], float]

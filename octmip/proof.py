@@ -80,8 +80,9 @@ def check_proof(problem: Problem, path: str | Path, *, bound: float = -math.inf,
     check_provable(problem)
     content = read_bytes(path)
     report, refusal = checker_question(problem).check(content.decode("ascii", errors="replace"), n_jobs)
-    if report is None:
+    if refusal is not None:
         raise _refused(path, *refusal)
+    assert report is not None, "a log is accepted or refused"
     proven, n_lines, claim_line = report
     if proven < bound:
         raise _refused(path, claim_line, f"the log proves {proven} but {bound} is claimed for the tree")

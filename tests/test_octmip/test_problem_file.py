@@ -16,7 +16,9 @@ from octmip.proof import checker_question
 def problems() -> list[Problem]:
     """Return random problems of both kinds of splits, with every complication."""
     streams = [np.random.default_rng([91, seed]) for seed in range(30)]
-    return [random_problem(rng) for rng in streams] + [random_two_feature_problem(rng, depth=2) for rng in streams]
+    return [random_problem(rng) for rng in streams] + [
+        random_two_feature_problem(rng, depth=2, max_samples=9) for rng in streams
+    ]
 
 
 def test_the_checker_computes_the_digests_that_a_log_names() -> None:

@@ -11,7 +11,7 @@ use octmip_check::question::Question;
 use oracle::{Case, cost_of, optimum, random_case};
 
 /// So many problems of each kind.
-const N_CASES: u64 = 60;
+const N_CASES: u64 = 45;
 
 fn cases(depth: usize, split_size: usize) -> impl Iterator<Item = (u64, Case)> {
     let stream = (10 * depth + split_size) as u64 * 1000;

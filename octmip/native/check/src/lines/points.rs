@@ -8,6 +8,8 @@ use crate::problem::Problem;
 
 /// Numbers below this (other than 0) could underflow in a product of two and its rounding.
 const LEAST: f64 = 1e-135;
+/// So many points on one line are parted in every way: each way is a list of as many entries, in all half a gigabyte.
+const MOST_ON_LINE: usize = 1 << 14;
 /// A sum of products of coordinates beyond this has the sign that it shows: rounding is below 1e-13.
 const CERTAIN: f64 = 1e-12;
 
@@ -184,13 +186,14 @@ impl Plane<'_> {
     }
 
     /// One sample of each different point, the first, if a line through them can be turned in few ways: not more than
-    /// `most` points, or all of them on one line.
+    /// `most` points, or all of them on one line and no more than `MOST_ON_LINE`.
     pub fn end_points(&self, ids: &[u32], most: usize) -> Option<Vec<u32>> {
         let mut points = ids.to_vec();
         points.sort_by(|&i, &j| self.along(i, j).then(i.cmp(&j)));
         points.dedup_by(|i, j| self.is_same(*i, *j));
         points.sort_unstable();
-        (points.len() <= most || self.is_line(&points)).then_some(points)
+        let is_line = || points.len() <= MOST_ON_LINE && self.is_line(&points);
+        (points.len() <= most || is_line()).then_some(points)
     }
 
     /// For each sample the place of its point.
@@ -315,5 +318,15 @@ mod tests {
         let plane = line.plane((0, 1));
         assert_eq!(plane.end_points(&ids, 48).map(|points| points.len()), Some(100));
         assert_eq!(plane.ways(&ids, -2.0, 1.0).len(), 200);
+    }
+
+    #[test]
+    fn more_points_on_one_line_than_memory_has_room_for_are_not_parted() {
+        let n = MOST_ON_LINE as u32 + 1;
+        let numbers: Vec<f64> = (0..n).map(f64::from).collect();
+        let line = points(&numbers, &numbers);
+        let ids: Vec<u32> = (0..n).collect();
+        assert_eq!(line.plane((0, 1)).end_points(&ids[1..], 48).map(|points| points.len()), Some(MOST_ON_LINE));
+        assert_eq!(line.plane((0, 1)).end_points(&ids, 48), None);
     }
 }

@@ -57,6 +57,19 @@ fn good_logs_are_accepted_for_what_they_prove() {
         // Only one of two sensors can be paid for: the second feature has one value, so without the first a leaf pays
         // 2.
         ("a budget", two_sensors(false), axis("1", "S 0 | N 1 1 2 | E | N 1 1 1 | E | end"), 1.0),
+        // The first sensor alone is beyond the budget: no tree reads it, and one leaf pays 2.
+        (
+            "a sensor beyond the budget",
+            Question { sensor_cost: vec![9.0, 1.0], ..two_sensors(false) },
+            axis("2", "N 1 1 2 | E | end"),
+            2.0,
+        ),
+        (
+            "a sensor of a line beyond the budget",
+            Question { sensor_cost: vec![9.0, 1.0], ..two_sensors(true) },
+            two_feature("2", "D | end"),
+            2.0,
+        ),
         // Four corners, 0 and 1 across: one line leaves one wrong. The checker counts depth 1 by itself.
         ("one line", corners(1), two_feature("1", "D | end"), 1.0),
         ("one line under a budget", two_sensors(true), two_feature("1", "S 0 | D | D | end"), 1.0),
