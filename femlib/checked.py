@@ -63,10 +63,10 @@ def whole(value: object, where: str, low: int = 0, high: int = MOST_WHOLE) -> in
     return value
 
 
-def text(value: object, where: str) -> str:
-    """Return a text of at most `MOST_NAME` characters; InputError if it is none."""
-    if not isinstance(value, str) or len(value) > MOST_NAME:
-        raise _refused(value, where, f"a text of at most {MOST_NAME} characters")
+def text(value: object, where: str, most: int = MOST_NAME) -> str:
+    """Return a text of at most `most` characters; InputError if it is none."""
+    if not isinstance(value, str) or len(value) > most:
+        raise _refused(value, where, f"a text of at most {most} characters")
     return value
 
 

@@ -21,6 +21,7 @@ from femlib.rom.bound import ErrorBound
 _OPTIONAL = ("motion",)
 MOST_ENTRY = 1e30
 """No strain, displacement or norm of one is larger, and products of three of them do not overflow."""
+MOST_PROVENANCE = 2**20  # characters of an entry: the places of all gauges may be one
 _WORDS = ("parameters", "outputs", "provenance", "n_leading")
 
 
@@ -133,7 +134,9 @@ def _words(array: np.ndarray) -> dict[str, Any]:
     return {
         "parameters": checked.names(taken(found, "parameters", "words"), "words: parameters"),
         "outputs": checked.names(taken(found, "outputs", "words"), "words: outputs"),
-        "provenance": {name: text(value, f"words: provenance.{shown(name)}") for name, value in provenance.items()},
+        "provenance": {
+            name: text(value, f"words: provenance.{shown(name)}", MOST_PROVENANCE) for name, value in provenance.items()
+        },
         "n_leading": whole(taken(found, "n_leading", "words"), "words: n_leading"),
     }
 
