@@ -43,7 +43,6 @@ from octmip.tree import (
     leaf_index,
     leaves,
     n_splits,
-    predict,
     splits,
     without_empty_sides,
 )
@@ -216,7 +215,7 @@ class _Run:
         if known is not None:
             found = tree_from_rows(known[6][1], self.ranks)
             if self.problem.sensor_cost_of(found) <= self.problem.sensor_limit:
-                best = min((tree for tree in (found, best) if tree is not None), key=self._objective)
+                best = min((tree for tree in (found, best) if tree is not None), key=self.problem.objective)
             n_nodes = max(n_nodes, known[-1])
         spent = self.resumed or Kept(0.0, 0, -math.inf, None, None, None)
         kept = Kept(
@@ -228,9 +227,6 @@ class _Run:
             known=known,
         )
         write_checkpoint(self.checkpoint, self._identity() | {"grid": grid_digest(costs)}, kept)
-
-    def _objective(self, tree: Node) -> float:
-        return self.problem.objective_of(tree, predict(tree, self.problem.features))
 
     def _search_grid(self, costs: IntegerCosts) -> Stop:
         native = native_problem(self.problem, self.ranks, costs)
@@ -263,7 +259,7 @@ class _Run:
         """Take up a tree that is better by so much, by the true costs: rounded ones can rank two the wrong way."""
         if tree is None:
             return
-        objective = self._objective(tree)
+        objective = self.problem.objective(tree)
         if math.isinf(self.objective) or self.objective - objective >= least:
             self.tree, self.objective = tree, objective
 

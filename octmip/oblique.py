@@ -31,7 +31,7 @@ from octmip.errors import CertificateError, ProblemError
 from octmip.problem import Problem
 from octmip.proof import check_proof, log_header
 from octmip.solution import Limits, Progress, ProgressCallback, ProofError, Solution, Stop
-from octmip.tree import HyperplaneSplit, Leaf, Node, Split, goes_left, midpoint, predict
+from octmip.tree import HyperplaneSplit, Leaf, Node, Split, goes_left, midpoint
 
 MOST_DEPTH = 2
 MOST_FEATURES = 2
@@ -87,9 +87,9 @@ def two_feature_branch_and_bound(
         _native_progress(progress, costs),
     )
     tree = _finished(problem, tree_from_rows(rows, ranks), np.arange(problem.n_samples))
-    objective = problem.objective_of(tree, predict(tree, problem.features))
+    objective = problem.objective(tree)
     if incumbent is not None:
-        known = problem.objective_of(incumbent, predict(incumbent, problem.features))
+        known = problem.objective(incumbent)
         tree, objective = (incumbent, known) if known < objective else (tree, objective)
     lower = costs.value(bound)
     # Unless a limit ended the search, only rounding is left between bound and tree: a proof where it hides no sample.

@@ -29,7 +29,7 @@ from octmip.merging import merged
 from octmip.polish import polished
 from octmip.problem import Problem
 from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop
-from octmip.tree import Leaf, Node, centred, goes_left, predict, simplify, without_empty_sides
+from octmip.tree import Leaf, Node, centred, goes_left, simplify, without_empty_sides
 
 # Restarts, and kicks in a row without a better tree that end one: hyperplanes profit from longer restarts, and small
 # axis-aligned problems from both more and longer ones, for which there is time.
@@ -91,9 +91,9 @@ def local_search(
     )
     latest = start + limits.seconds + GRACE
     tree = _finished(searched, tree_from_rows(rows, ranks), lambda: time.perf_counter() < latest)
-    objective = problem.objective_of(tree, predict(tree, problem.features))
+    objective = problem.objective(tree)
     if incumbent is not None:
-        known = problem.objective_of(incumbent, predict(incumbent, problem.features))
+        known = problem.objective(incumbent)
         # Rounded costs can rank two trees the wrong way round; the incumbent stands unless truly beaten.
         tree, objective = (incumbent, known) if known < objective else (tree, objective)
     return Solution(

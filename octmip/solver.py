@@ -29,7 +29,7 @@ from octmip.certificate import certify, checked_leaf_index
 from octmip.errors import CertificateError, ProblemError, SolverError
 from octmip.problem import Problem
 from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop
-from octmip.tree import Node, predict
+from octmip.tree import Node
 
 Method = Literal["auto", "search", "exact", "oct", "oct_h", "flow", "cart"]
 
@@ -281,7 +281,7 @@ def _checked_incumbent(problem: Problem, incumbent: Node | Solution | None) -> S
         checked_leaf_index(problem, tree)
     except CertificateError as error:
         raise ProblemError(f"the incumbent is no tree of this problem: {error}") from error
-    objective = problem.objective_of(tree, predict(tree, problem.features))
+    objective = problem.objective(tree)
     return Solution(tree, objective, -math.inf, Stop.FINISHED, 0.0, 0, "incumbent", "1", 0)
 
 

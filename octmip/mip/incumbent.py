@@ -15,15 +15,9 @@ from octmip.tree import (
     depth,
     leaf_index,
     leaves,
-    predict,
     simplify,
     without_empty_sides,
 )
-
-
-def objective_of(problem: Problem, tree: Node) -> float:
-    """Return the objective of a tree, every sample routed."""
-    return problem.objective_of(tree, predict(tree, problem.features))
 
 
 def starting_tree(problem: Problem, incumbent: Node | None, seed: int) -> Node:
@@ -40,7 +34,7 @@ def starting_tree(problem: Problem, incumbent: Node | None, seed: int) -> Node:
     if depth(tree) > problem.depth:
         raise ProblemError(f"the incumbent has depth {depth(tree)} but the problem allows {problem.depth}")
     leaf = Leaf(int(problem.class_costs().argmin()))
-    return tree if objective_of(problem, tree) <= objective_of(problem, leaf) else leaf
+    return tree if problem.objective(tree) <= problem.objective(leaf) else leaf
 
 
 def tidy(problem: Problem, tree: Node) -> Node:

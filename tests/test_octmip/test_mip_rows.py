@@ -11,7 +11,7 @@ from benchmarks.oracles.strategies import random_problem, random_tree
 from octmip.encoding import rank_features, rows_from_tree, tree_from_rows
 from octmip.mip import flow, oct
 from octmip.mip.heap import Heap, lift, place
-from octmip.mip.incumbent import objective_of, tidy
+from octmip.mip.incumbent import tidy
 from octmip.mip.rows import Rows
 from octmip.tree import Leaf, Split
 from tests.test_octmip.test_mip import CASES
@@ -81,7 +81,7 @@ def test_a_tree_encoded_is_feasible_costs_its_objective_and_decodes_to_itself(en
     values = model.start(placed)
     worst, where = model.rows.violation(values)
     assert worst < 1e-9 or sizes[sizes > 0].min() < problem.leaf_size, where
-    assert model.rows.objective(values) == pytest.approx(objective_of(problem, tree))
+    assert model.rows.objective(values) == pytest.approx(problem.objective(tree))
     decoded = lift(model.heap, model.splits(values), model.labels(values))
     assert tidy(problem, decoded) == tree
 
