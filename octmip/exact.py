@@ -26,7 +26,15 @@ from octmip.encoding import (
 )
 from octmip.errors import ProblemError, SolverError
 from octmip.files import check_writable
-from octmip.native_call import feasible_incumbent, native_progress, relabelled, remaining, whole_cost, write_log
+from octmip.native_call import (
+    feasible_incumbent,
+    native_progress,
+    relabelled,
+    remaining,
+    switched_off,
+    whole_cost,
+    write_log,
+)
 from octmip.problem import Problem
 from octmip.proof import log_header, question_digest
 from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop
@@ -48,7 +56,6 @@ def branch_and_bound(
     proof: str | Path | None = None,
     checkpoint: str | Path | None = None,
     break_ties: bool = False,
-    _off: Sequence[str] = (),
 ) -> Solution:
     """Return the best axis-aligned tree of a problem and the proof's bound.
 
@@ -65,7 +72,6 @@ def branch_and_bound(
             kept are solved cuts of the root.
         break_ties: among the optimal trees return one of fewest splits, of those one of fewest sensors, each proven by
             more searches; `details["ties_broken"]` says what was. Thresholds are centred in any case.
-        _off: names of prunes to do without (`_native.prunes()`), for tests.
 
     Raises:
         ProblemError: the problem asks for hyperplanes, or the incumbent is not one of its trees.
@@ -78,7 +84,7 @@ def branch_and_bound(
     start = feasible_incumbent(problem, incumbent)
     if proof is not None:
         check_writable(proof)
-    run = _Run(problem, limits, n_jobs, progress, _off, started, checkpoint)
+    run = _Run(problem, limits, n_jobs, progress, started, checkpoint)
     run.search(start)
     ties = dict(UNBROKEN)
     if break_ties and run.stop is Stop.OPTIMAL:
@@ -109,10 +115,10 @@ class _Run:
     limits: Limits
     n_jobs: int
     progress: ProgressCallback | None
-    off: Sequence[str]
     started: float
     checkpoint: str | Path | None = None
     ranks: Ranks = field(init=False)
+    off: list[str] = field(default_factory=switched_off)
     tree: Node | None = None
     objective: float = math.inf
     bound: float = -math.inf
@@ -230,7 +236,7 @@ class _Run:
                 remaining(self.limits, began, self.n_nodes),
                 self.n_jobs,
                 first,
-                list(self.off),
+                self.off,
                 native_progress(self.progress, costs, before),
                 None if self.checkpoint is None else saving,
             )

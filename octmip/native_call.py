@@ -4,9 +4,11 @@ incumbent (checked), limits less what was spent, progress in the problem's units
 native core  ->  leaves labelled by the true costs, a proof log written whole or not at all
 """
 
+import contextlib
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextvars import ContextVar
 from dataclasses import replace
 from pathlib import Path
 
@@ -132,3 +134,25 @@ def write_log(path: Path, log: str, check: Callable[[Path], object] | None = Non
         draft.replace(path)
     finally:
         draft.unlink(missing_ok=True)
+
+
+_SWITCHED_OFF: ContextVar[tuple[str, ...]] = ContextVar("switched_off", default=())
+
+
+@contextlib.contextmanager
+def without(*prunes: str) -> Iterator[None]:
+    """Let searches do without some prunes: tests show so that none of them costs the optimum.
+
+    Args:
+        prunes: of `_native.prunes()` or `_native.two_feature_prunes()`; an unknown one is refused by the search.
+    """
+    token = _SWITCHED_OFF.set(prunes)
+    try:
+        yield
+    finally:
+        _SWITCHED_OFF.reset(token)
+
+
+def switched_off() -> list[str]:
+    """Return the names of the prunes that are to be done without."""
+    return list(_SWITCHED_OFF.get())

@@ -11,7 +11,6 @@ docs/theory/oblique.md.
 """
 
 import time
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -35,6 +34,7 @@ from octmip.native_call import (
     native_progress,
     relabelled,
     remaining,
+    switched_off,
     whole_cost,
     write_log,
 )
@@ -58,7 +58,6 @@ def two_feature_branch_and_bound(
     proof: str | Path | None = None,
     check_log: bool = True,
     whole_coefficients: int | None = None,
-    _off: Sequence[str] = (),
 ) -> Solution:
     """Return a proven optimal tree, or the best tree and the bound when a limit is reached.
 
@@ -74,7 +73,6 @@ def two_feature_branch_and_bound(
             written unchecked.
         whole_coefficients: lines get whole-numbered coefficients of at most this size wherever some part the node's
             samples alike. A wish; `Problem.integer_normals` is a condition.
-        _off: names of prunes and bounds to do without (`_native.two_feature_prunes()`), for tests.
 
     Raises:
         ProblemError: the problem is deeper, allows more features in a split, or the incumbent is none of its trees.
@@ -95,7 +93,7 @@ def two_feature_branch_and_bound(
         remaining(limits, start),
         None if known is None else whole_cost(problem, costs, known),
         seed % 2**64,
-        list(_off),
+        switched_off(),
         whole_coefficients,
         native_progress(progress, costs),
     )

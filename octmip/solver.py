@@ -217,7 +217,7 @@ def _check_options(name: str, solver: Solver, options: Mapping[str, Any]) -> Non
     shared = {"problem", "limits", "incumbent", "seed", "n_jobs", "progress"}
     unknown = [option for option in options if option in shared or (option not in parameters and not takes_any)]
     if unknown:
-        known = ", ".join(sorted(p for p in set(parameters) - shared if not p.startswith("_"))) or "none"
+        known = ", ".join(sorted(set(parameters) - shared)) or "none"
         raise ProblemError(f"method {name!r} takes no option {unknown[0]!r}; expected some of: {known}")
 
 

@@ -9,7 +9,7 @@ from octmip import HyperplaneSplit, Leaf, Limits, Problem, Solution, Split
 from octmip.encoding import integer_costs
 from octmip.errors import DataError, ProblemError
 from octmip.exact import branch_and_bound
-from octmip.native_call import feasible_incumbent, native_progress, relabelled, write_log
+from octmip.native_call import feasible_incumbent, native_progress, relabelled, without, write_log
 from octmip.oblique import two_feature_branch_and_bound
 from octmip.search import local_search
 from octmip.solution import Progress, Stop
@@ -93,3 +93,10 @@ def test_a_log_is_written_whole_or_not_at_all(tmp_path):
 def test_a_log_that_cannot_be_written_is_refused_before_the_search(solver, tmp_path):
     with pytest.raises(DataError, match="no folder"):
         solver(problem(), proof=tmp_path / "none" / "log", progress=lambda state: pytest.fail("searched"))
+
+
+@pytest.mark.parametrize("solver", SOLVERS[:2])
+def test_prunes_are_switched_off_within_a_context_only(solver):
+    with without("luck"), pytest.raises(ValueError, match="luck"):
+        solver(problem())
+    assert solver(problem()).is_optimal
