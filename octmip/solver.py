@@ -70,7 +70,7 @@ class Registration:
     is_mixed_integer: bool = False
 
     def load(self) -> Solver:
-        """Return the solver, its module imported only now: Pyomo alone costs 0.6 s.
+        """Return the solver, its module imported only now: HiGHS and scikit-learn are needed by some methods only.
 
         Raises:
             SolverError: the module, or a package that it needs, is not installed.

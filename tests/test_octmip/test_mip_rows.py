@@ -13,6 +13,7 @@ from octmip.mip import flow, oct
 from octmip.mip.heap import Heap, lift, place
 from octmip.mip.incumbent import tidy
 from octmip.mip.rows import Rows
+from octmip.mip.statements import oct as statement
 from octmip.tree import Leaf, Split
 from tests.test_octmip.test_mip import CASES
 
@@ -53,7 +54,7 @@ def rows_of_pyomo(model: pyo.ConcreteModel) -> Counter:
 @pytest.mark.parametrize("case", CASES)
 def test_the_rows_are_those_of_the_pyomo_statement(case, closed):
     problem = CASES[case]
-    model = oct.statement(problem, closed=closed, max_splits=2)
+    model = statement.paper_model(problem, closed=closed, max_splits=2)
     rows = oct.encode(problem, closed=closed, max_splits=2).rows
     assert rows_of(rows) == rows_of_pyomo(model)
     cost = generate_standard_repn(model.cost.expr)
