@@ -21,7 +21,7 @@ from sklearn.tree import DecisionTreeClassifier
 from octmip.encoding import Ranks, rank_features
 from octmip.problem import Problem
 from octmip.solution import Limits, ProgressCallback, Solution, Stop
-from octmip.tree import Leaf, Node, Split, complexity, midpoint, predict
+from octmip.tree import Leaf, Node, Split, complexity, midpoint
 
 
 def greedy_tree(
@@ -50,7 +50,7 @@ def greedy_tree(
         tree, stop = _within_budget(grower, start + limits.seconds)
     return Solution(
         tree=tree,
-        objective=problem.objective_of(tree, predict(tree, problem.features)),
+        objective=problem.objective(tree),
         bound=-math.inf,
         stop=stop,
         seconds=time.perf_counter() - start,
@@ -138,4 +138,4 @@ def _affordable(problem: Problem, chosen: set[int], useful: set[int]) -> list[in
 
 def _rank(problem: Problem, tree: Node) -> tuple[float, int]:
     """Return what trees are ranked by: objective, then complexity."""
-    return problem.objective_of(tree, predict(tree, problem.features)), complexity(tree)
+    return problem.objective(tree), complexity(tree)

@@ -7,12 +7,9 @@ docs/theory/exact.md. Categorical features: one column of 0/1 for each category,
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-
-import numpy as np
-from numpy.typing import NDArray
 
 from octmip import _native
 from octmip.checkpoint import Kept, KnownRow, grid_digest, read_checkpoint, unusable, write_checkpoint
@@ -29,28 +26,23 @@ from octmip.encoding import (
 )
 from octmip.errors import ProblemError, SolverError
 from octmip.files import check_writable
+from octmip.native_call import (
+    feasible_incumbent,
+    native_progress,
+    relabelled,
+    remaining,
+    switched_off,
+    whole_cost,
+    write_log,
+)
 from octmip.problem import Problem
 from octmip.proof import log_header, question_digest
 from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop
 from octmip.ties import UNBROKEN, Effort, break_ties
-from octmip.tree import (
-    HyperplaneSplit,
-    Leaf,
-    Node,
-    centred,
-    depth,
-    goes_left,
-    leaf_index,
-    leaves,
-    n_splits,
-    predict,
-    splits,
-    without_empty_sides,
-)
+from octmip.tree import Node, centred
 
 SOLVER = "exact"
 CHECKPOINT_SECONDS = 30.0
-MOST_WHOLE = 2**62  # a worse tree is no start for the core
 
 
 def branch_and_bound(
@@ -64,7 +56,6 @@ def branch_and_bound(
     proof: str | Path | None = None,
     checkpoint: str | Path | None = None,
     break_ties: bool = False,
-    _off: Sequence[str] = (),
 ) -> Solution:
     """Return the best axis-aligned tree of a problem and the proof's bound.
 
@@ -81,24 +72,25 @@ def branch_and_bound(
             kept are solved cuts of the root.
         break_ties: among the optimal trees return one of fewest splits, of those one of fewest sensors, each proven by
             more searches; `details["ties_broken"]` says what was. Thresholds are centred in any case.
-        _off: names of prunes to do without (`_native.prunes()`), for tests.
 
     Raises:
         ProblemError: the problem asks for hyperplanes, or the incumbent is not one of its trees.
         SolverError: the proof was interrupted before it could be written.
-        DataError: the checkpoint cannot be read or written, is damaged, or belongs to another search.
+        DataError: the log cannot be written, or the checkpoint cannot be read or written, is damaged, or belongs to
+            another search.
     """
     started = time.perf_counter()
     _check(problem, n_jobs)
-    start = None if incumbent is None else _feasible(problem, incumbent)
-    run = _Run(problem, limits, n_jobs, progress, _off, started, checkpoint)
+    start = feasible_incumbent(problem, incumbent)
+    if proof is not None:
+        check_writable(proof)
+    run = _Run(problem, limits, n_jobs, progress, started, checkpoint)
     run.search(start)
     ties = dict(UNBROKEN)
     if break_ties and run.stop is Stop.OPTIMAL:
         ties = run.smaller()
     if proof is not None:
-        assert run.proven is not None
-        run.bound = _write_proof(problem, *run.proven, Path(proof))
+        run.bound = run.write_proof(Path(proof))
     assert run.tree is not None
     return Solution(
         tree=run.tree,
@@ -123,10 +115,10 @@ class _Run:
     limits: Limits
     n_jobs: int
     progress: ProgressCallback | None
-    off: Sequence[str]
     started: float
     checkpoint: str | Path | None = None
     ranks: Ranks = field(init=False)
+    off: list[str] = field(default_factory=switched_off)
     tree: Node | None = None
     objective: float = math.inf
     bound: float = -math.inf
@@ -205,7 +197,7 @@ class _Run:
         if rows is None:
             return None
         tree = tree_from_rows(rows, self.ranks)
-        return _feasible(self.problem if is_within else replace(self.problem, sensor_budget=None), tree)
+        return feasible_incumbent(self.problem if is_within else replace(self.problem, sensor_budget=None), tree)
 
     def _save(self, costs: IntegerCosts, known: KnownRow | None) -> None:
         """Write the checkpoint: what is known of the root, the best tree within the budget, what was spent."""
@@ -216,7 +208,7 @@ class _Run:
         if known is not None:
             found = tree_from_rows(known[6][1], self.ranks)
             if self.problem.sensor_cost_of(found) <= self.problem.sensor_limit:
-                best = min((tree for tree in (found, best) if tree is not None), key=self._objective)
+                best = min((tree for tree in (found, best) if tree is not None), key=self.problem.objective)
             n_nodes = max(n_nodes, known[-1])
         spent = self.resumed or Kept(0.0, 0, -math.inf, None, None, None)
         kept = Kept(
@@ -229,19 +221,24 @@ class _Run:
         )
         write_checkpoint(self.checkpoint, self._identity() | {"grid": grid_digest(costs)}, kept)
 
-    def _objective(self, tree: Node) -> float:
-        return self.problem.objective_of(tree, predict(tree, self.problem.features))
-
     def _search_grid(self, costs: IntegerCosts) -> Stop:
         native = native_problem(self.problem, self.ranks, costs)
-        spent = time.perf_counter() - self.started if self.n_nodes else 0.0
-        limits = (self.limits.seconds - spent, self.limits.gap, self.limits.nodes - self.n_nodes, self.limits.memory)
-        first = None if self.tree is None else (self._known(costs), rows_from_tree(self.tree, self.ranks))
-        notify = None if self.progress is None else self._notify(costs)
+        now = time.perf_counter()
+        began = self.started if self.n_nodes else now
+        before = Progress(now - began, self.objective, self.bound, self.n_nodes)
+        first = None
+        if self.tree is not None:
+            first = whole_cost(self.problem, costs, self.tree), rows_from_tree(self.tree, self.ranks)
         saving = (CHECKPOINT_SECONDS, lambda known: self._save(costs, known), self.known)
         try:
             rows, _, bound, stop, n_nodes = _native.branch_and_bound(
-                native, limits, self.n_jobs, first, list(self.off), notify, None if self.checkpoint is None else saving
+                native,
+                remaining(self.limits, began, self.n_nodes),
+                self.n_jobs,
+                first,
+                self.off,
+                native_progress(self.progress, costs, before),
+                None if self.checkpoint is None else saving,
             )
         except ValueError as error:
             if self.checkpoint is None or not str(error).startswith("known: "):
@@ -256,20 +253,16 @@ class _Run:
         self._keep(found)
         if costs.is_rounded:
             # Samples too light for the grid still have labels; equal in float64, the grid's own are the better ones.
-            self._keep(_relabelled(self.problem, found), least=math.ulp(0.0))
+            self._keep(relabelled(self.problem, found), least=math.ulp(0.0))
         return Stop(stop)
 
     def _keep(self, tree: Node | None, least: float = 0.0) -> None:
         """Take up a tree that is better by so much, by the true costs: rounded ones can rank two the wrong way."""
         if tree is None:
             return
-        objective = self._objective(tree)
+        objective = self.problem.objective(tree)
         if math.isinf(self.objective) or self.objective - objective >= least:
             self.tree, self.objective = tree, objective
-
-    def _known(self, costs: IntegerCosts) -> int:
-        assert self.tree is not None
-        return min(costs.whole_objective(self.problem, self.tree), MOST_WHOLE)
 
     def _is_proven(self, costs: IntegerCosts) -> bool:
         """Whether a search to its end proves the tree optimal: what rounding may hide is less than a sample's worth."""
@@ -278,16 +271,6 @@ class _Run:
         tolerance = closing_tolerance(self.problem, self.objective, self.bound)
         self.tolerance = max(0.0, tolerance)
         return tolerance >= 0
-
-    def _notify(self, costs: IntegerCosts) -> Callable[[float, int, int, int], None]:
-        before, callback = time.perf_counter() - self.started if self.n_nodes else 0.0, self.progress
-        assert callback is not None
-
-        def report(seconds: float, objective: int, bound: int, n_nodes: int) -> None:
-            found, lower = min(self.objective, costs.value(objective)), max(self.bound, costs.value(bound))
-            callback(Progress(before + seconds, found, lower, self.n_nodes + n_nodes))
-
-        return report
 
     def smaller(self) -> dict[str, str]:
         """Replace the tree by a smaller one that costs the same, and return what is proven of it."""
@@ -300,15 +283,15 @@ class _Run:
         self._keep(smaller)
         return ties if self.tree is smaller else dict(UNBROKEN)
 
-
-def _relabelled(problem: Problem, tree: Node, rows: NDArray[np.int64] | None = None) -> Node:
-    """Return the tree with leaves labelled by the true costs: on the grid some may have none."""
-    rows = np.arange(problem.n_samples) if rows is None else rows
-    if isinstance(tree, Leaf):
-        return Leaf(int(problem.class_costs(rows).argmin()))
-    left = goes_left(tree, problem.features[rows])
-    sides = [_relabelled(problem, side, rows[part]) for side, part in ((tree.left, left), (tree.right, ~left))]
-    return replace(tree, left=sides[0], right=sides[1])
+    def write_proof(self, path: Path) -> float:
+        """Write a log that proves the best bound of this search, and return that bound."""
+        assert self.proven is not None
+        native, costs, claim = self.proven
+        body = _native.prove(native, claim)
+        if body is None:
+            raise SolverError(f"the proof of the bound {costs.value(claim)} was interrupted; {path} is not written")
+        write_log(path, log_header(self.problem, costs, claim) + body + "end\n")
+        return costs.value(claim)
 
 
 def _check(problem: Problem, n_jobs: int) -> None:
@@ -318,39 +301,3 @@ def _check(problem: Problem, n_jobs: int) -> None:
         )
     if n_jobs < 1:
         raise ProblemError(f"n_jobs is {n_jobs}; expected 1 or more")
-
-
-def _feasible(problem: Problem, incumbent: Node | Solution) -> Node:
-    """Return the incumbent's tree without idle splits; refuse one that is no tree of the problem."""
-    given = incumbent.tree if isinstance(incumbent, Solution) else incumbent
-    if given is None:
-        raise ProblemError("the incumbent solution holds no tree; leave it out or give a tree")
-    if any(isinstance(split, HyperplaneSplit) for split in splits(given)):
-        raise ProblemError("the incumbent has a split over a hyperplane; the exact core needs an axis-aligned tree")
-    forbidden = problem.first_forbidden_split(given)
-    if forbidden:
-        raise ProblemError(f"the incumbent is not a tree of this problem: {forbidden}")
-    largest = max(leaf.label for leaf in leaves(given))
-    if largest >= problem.n_classes:
-        raise ProblemError(f"the incumbent predicts class {largest} but the problem has {problem.n_classes} classes")
-    tree = without_empty_sides(given, problem.features)
-    if depth(tree) > problem.depth:
-        raise ProblemError(f"the incumbent has depth {depth(tree)} but the problem allows {problem.depth}")
-    sizes = np.bincount(leaf_index(tree, problem.features), minlength=len(leaves(tree)))
-    if n_splits(tree) and sizes.min() < problem.leaf_size:
-        raise ProblemError(f"a leaf of the incumbent holds {sizes.min()} samples but leaf_size is {problem.leaf_size}")
-    if problem.sensor_cost_of(tree) > problem.sensor_limit:
-        raise ProblemError(
-            f"the incumbent reads sensors of cost {problem.sensor_cost_of(tree)}; the budget is {problem.sensor_budget}"
-        )
-    return tree
-
-
-def _write_proof(problem: Problem, native: _native.Problem, costs: IntegerCosts, claim: int, path: Path) -> float:
-    """Write a log that proves the claim, and return what that is in the problem's units."""
-    body = _native.prove(native, claim)
-    if body is None:
-        raise SolverError(f"the proof of the bound {costs.value(claim)} was interrupted; {path} is not written")
-    header = log_header(problem, costs, claim)
-    path.write_text(header + body + "end\n", encoding="ascii")
-    return costs.value(claim)

@@ -11,7 +11,6 @@ docs/theory/oblique.md.
 """
 
 import time
-from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -28,10 +27,21 @@ from octmip.encoding import (
     tree_from_rows,
 )
 from octmip.errors import CertificateError, ProblemError
+from octmip.files import check_writable
+from octmip.native_call import (
+    better,
+    feasible_incumbent,
+    native_progress,
+    relabelled,
+    remaining,
+    switched_off,
+    whole_cost,
+    write_log,
+)
 from octmip.problem import Problem
 from octmip.proof import check_proof, log_header
-from octmip.solution import Limits, Progress, ProgressCallback, ProofError, Solution, Stop
-from octmip.tree import HyperplaneSplit, Leaf, Node, Split, goes_left, midpoint, predict
+from octmip.solution import Limits, ProgressCallback, ProofError, Solution, Stop
+from octmip.tree import HyperplaneSplit, Leaf, Node, Split, goes_left, midpoint
 
 MOST_DEPTH = 2
 MOST_FEATURES = 2
@@ -41,14 +51,13 @@ def two_feature_branch_and_bound(
     problem: Problem,
     *,
     limits: Limits = Limits(),  # noqa: B008 (frozen)
-    incumbent: Node | None = None,
+    incumbent: Node | Solution | None = None,
     seed: int = 0,
     n_jobs: int = 1,
     progress: ProgressCallback | None = None,
     proof: str | Path | None = None,
     check_log: bool = True,
     whole_coefficients: int | None = None,
-    _off: Sequence[str] = (),
 ) -> Solution:
     """Return a proven optimal tree, or the best tree and the bound when a limit is reached.
 
@@ -64,33 +73,32 @@ def two_feature_branch_and_bound(
             written unchecked.
         whole_coefficients: lines get whole-numbered coefficients of at most this size wherever some part the node's
             samples alike. A wish; `Problem.integer_normals` is a condition.
-        _off: names of prunes and bounds to do without (`_native.two_feature_prunes()`), for tests.
 
     Raises:
-        ProblemError: the problem is deeper, or allows more features in a split.
+        ProblemError: the problem is deeper, allows more features in a split, or the incumbent is none of its trees.
         ProofError: the proof was interrupted, or rounding leaves no room for it: no log is written; the error holds the
             solution.
+        DataError: the log cannot be written.
     """
     _check(problem, n_jobs)
-    start = time.perf_counter()
-    ranks, costs = rank_features(problem), integer_costs(problem, incumbent)
+    if proof is not None:
+        check_writable(proof)
+    start, known = time.perf_counter(), feasible_incumbent(problem, incumbent)
+    ranks, costs = rank_features(problem), integer_costs(problem, known)
     native = native_problem(problem, ranks, costs)
     rows, _, bound, stop, n_nodes = _native.two_feature_branch_and_bound(
         native,
         n_jobs,
         # What was spent on ranks counts, too.
-        (limits.seconds - (time.perf_counter() - start), limits.gap, limits.nodes, limits.memory),
-        None if incumbent is None else min(2**62, costs.whole_objective(problem, incumbent)),
+        remaining(limits, start),
+        None if known is None else whole_cost(problem, costs, known),
         seed % 2**64,
-        list(_off),
+        switched_off(),
         whole_coefficients,
-        _native_progress(progress, costs),
+        native_progress(progress, costs),
     )
-    tree = _finished(problem, tree_from_rows(rows, ranks), np.arange(problem.n_samples))
-    objective = problem.objective_of(tree, predict(tree, problem.features))
-    if incumbent is not None:
-        known = problem.objective_of(incumbent, predict(incumbent, problem.features))
-        tree, objective = (incumbent, known) if known < objective else (tree, objective)
+    found = _centred(relabelled(problem, tree_from_rows(rows, ranks)), problem.features)
+    tree, objective = better(problem, found, known)
     lower = costs.value(bound)
     # Unless a limit ended the search, only rounding is left between bound and tree: a proof where it hides no sample.
     tolerance = max(0.0, closing_tolerance(problem, objective, lower)) if stop == Stop.OPTIMAL else 0.0
@@ -158,16 +166,14 @@ def _write_proof(
             path, "it was interrupted, the budget allows too many sets of sensors, or rounding decides", solution
         )
     header = log_header(problem, costs, claim)
-    draft = path.with_name(path.name + ".part")
-    draft.write_text(header + body + "end\n", encoding="ascii")
+
+    def check(draft: Path) -> None:
+        check_proof(problem, draft, bound=solution.bound, n_jobs=n_jobs)
+
     try:
-        if check_log:
-            check_proof(problem, draft, bound=solution.bound, n_jobs=n_jobs)
-        draft.replace(path)
+        write_log(path, header + body + "end\n", check if check_log else None)
     except CertificateError as error:
         raise _no_log(path, f"the checker refuses it ({error})", solution) from error
-    finally:
-        draft.unlink(missing_ok=True)
 
 
 def _no_log(path: Path, reason: str, solution: Solution) -> ProofError:
@@ -178,27 +184,15 @@ def _no_log(path: Path, reason: str, solution: Solution) -> ProofError:
     )
 
 
-def _native_progress(
-    progress: ProgressCallback | None, costs: IntegerCosts
-) -> Callable[[float, int, int, int], None] | None:
-    if progress is None:
-        return None
-
-    def report(seconds: float, objective: int, bound: int, n_nodes: int) -> None:
-        progress(Progress(seconds, costs.value(objective), costs.value(bound), n_nodes))
-
-    return report
-
-
-def _finished(problem: Problem, tree: Node, rows: NDArray[np.int64]) -> Node:
-    """Return the tree with leaves labelled by the true costs and thresholds midway between the node's own samples."""
+def _centred(tree: Node, features: NDArray[np.float64]) -> Node:
+    """Return the tree with planes over one feature as thresholds, and those midway between the node's own samples."""
     if isinstance(tree, Leaf):
-        return Leaf(int(problem.class_costs(rows).argmin()))
-    left = goes_left(tree, problem.features[rows])
-    below, above = _finished(problem, tree.left, rows[left]), _finished(problem, tree.right, rows[~left])
+        return tree
+    left = goes_left(tree, features)
+    below, above = _centred(tree.left, features[left]), _centred(tree.right, features[~left])
     if isinstance(tree, HyperplaneSplit) and len(tree.features) == 2:
         return replace(tree, left=below, right=above)
-    values = problem.features[rows, tree.features[0]]
+    values = features[:, tree.features[0]]
     if isinstance(tree, HyperplaneSplit) and tree.coefficients[0] < 0:
         below, above, left = above, below, ~left
     return Split(tree.features[0], midpoint(float(values[left].max()), float(values[~left].min())), below, above)

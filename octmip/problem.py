@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from octmip.errors import ProblemError
-from octmip.tree import HyperplaneSplit, Node, complexity, features_used, splits
+from octmip.tree import HyperplaneSplit, Node, complexity, features_used, predict, splits
 
 _DERIVED: Any = None  # a field that is filled in when it is left out
 LEAST_COST, MOST_COST = 1e-280, 1e303  # of the worst tree
@@ -279,6 +279,10 @@ class Problem:
     def sensor_limit(self) -> float:
         """The budget with room for the rounding of decimal costs (0.1 + 0.2 is within 0.3); +inf without a budget."""
         return math.inf if self.sensor_budget is None else self.sensor_budget + 1e-9 * max(1.0, self.sensor_budget)
+
+    def objective(self, tree: Node) -> float:
+        """Return the objective of a tree, every sample routed."""
+        return self.objective_of(tree, predict(tree, self.features))
 
     def objective_of(self, tree: Node, predicted: NDArray[np.int64]) -> float:
         """Return the objective of a tree whose predictions (n_samples,) are known."""

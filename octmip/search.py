@@ -17,19 +17,16 @@ Source: Bertsimas & Dunn (2019), Machine Learning Under a Modern Optimization Le
 import math
 import time
 from collections.abc import Callable
-from dataclasses import replace
-
-import numpy as np
-from numpy.typing import NDArray
 
 from octmip import _native
-from octmip.encoding import IntegerCosts, integer_costs, native_problem, rows_from_tree, tree_from_rows
+from octmip.encoding import integer_costs, native_problem, rows_from_tree, tree_from_rows
 from octmip.errors import ProblemError
 from octmip.merging import merged
+from octmip.native_call import better, feasible_incumbent, native_progress, relabelled, remaining
 from octmip.polish import polished
 from octmip.problem import Problem
-from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop
-from octmip.tree import Leaf, Node, centred, goes_left, predict, simplify, without_empty_sides
+from octmip.solution import Limits, ProgressCallback, Solution, Stop
+from octmip.tree import Node, centred, simplify, without_empty_sides
 
 # Restarts, and kicks in a row without a better tree that end one: hyperplanes profit from longer restarts, and small
 # axis-aligned problems from both more and longer ones, for which there is time.
@@ -44,7 +41,7 @@ def local_search(
     problem: Problem,
     *,
     limits: Limits = Limits(),  # noqa: B008 (frozen)
-    incumbent: Node | None = None,
+    incumbent: Node | Solution | None = None,
     seed: int = 0,
     n_jobs: int = 1,
     progress: ProgressCallback | None = None,
@@ -69,15 +66,15 @@ def local_search(
         The solution; its bound is -inf, or the objective where no cost at all is left (`Stop.OPTIMAL`).
 
     Raises:
-        ProblemError: `restarts` or `n_jobs` is below 1, or `kicks` below 0.
+        ProblemError: `restarts` or `n_jobs` is below 1, `kicks` below 0, or the incumbent is no tree of this problem.
     """
     for name, value, least in (("restarts", restarts, 1), ("n_jobs", n_jobs, 1), ("kicks", kicks, 0)):
         if value is not None and value < least:
             raise ProblemError(f"{name} is {value}; expected {least} or more")
-    start = time.perf_counter()
+    start, known = time.perf_counter(), feasible_incumbent(problem, incumbent)
     searched, ranks = merged(problem)
     effort, costs = _effort(searched), integer_costs(searched)
-    first = None if incumbent is None else rows_from_tree(without_empty_sides(incumbent, searched.features), ranks)
+    first = None if known is None else rows_from_tree(without_empty_sides(known, searched.features), ranks)
     rows, _, _, stop, n_nodes = _native.search(
         native_problem(searched, ranks, costs),
         effort[0] if restarts is None else restarts,
@@ -85,17 +82,13 @@ def local_search(
         seed % 2**64,
         n_jobs,
         # What was spent on ranks counts, too.
-        (limits.seconds - (time.perf_counter() - start), limits.gap, limits.nodes, limits.memory),
+        remaining(limits, start),
         first,
-        _native_progress(progress, costs),
+        native_progress(progress, costs),
     )
     latest = start + limits.seconds + GRACE
     tree = _finished(searched, tree_from_rows(rows, ranks), lambda: time.perf_counter() < latest)
-    objective = problem.objective_of(tree, predict(tree, problem.features))
-    if incumbent is not None:
-        known = problem.objective_of(incumbent, predict(incumbent, problem.features))
-        # Rounded costs can rank two trees the wrong way round; the incumbent stands unless truly beaten.
-        tree, objective = (incumbent, known) if known < objective else (tree, objective)
+    tree, objective = better(problem, tree, known)
     return Solution(
         tree=tree,
         objective=objective,
@@ -129,29 +122,7 @@ def _stop(name: str, objective: float) -> Stop:
     return Stop.FINISHED if stop is Stop.OPTIMAL else stop
 
 
-def _native_progress(
-    progress: ProgressCallback | None, costs: IntegerCosts
-) -> Callable[[float, int, int, int], None] | None:
-    if progress is None:
-        return None
-
-    def report(seconds: float, objective: int, bound: int, n_nodes: int) -> None:
-        found = math.inf if objective == 2**63 - 1 else costs.value(objective)
-        progress(Progress(seconds, found, costs.value(bound), n_nodes))
-
-    return report
-
-
 def _finished(problem: Problem, tree: Node, goes_on: Callable[[], bool]) -> Node:
     """Return the tree with leaves labelled by the true costs, no idle splits, thresholds in mid-gap, simple planes."""
-    simple = simplify(_labelled(problem, tree, np.arange(problem.n_samples)))
+    simple = simplify(relabelled(problem, tree))
     return polished(problem, centred(simple, problem.features), goes_on)
-
-
-def _labelled(problem: Problem, tree: Node, rows: NDArray[np.int64]) -> Node:
-    if isinstance(tree, Leaf):
-        return Leaf(int(problem.class_costs(rows).argmin()))
-    left = goes_left(tree, problem.features[rows])
-    return replace(
-        tree, left=_labelled(problem, tree.left, rows[left]), right=_labelled(problem, tree.right, rows[~left])
-    )

@@ -29,7 +29,7 @@ from octmip.certificate import certify, checked_leaf_index
 from octmip.errors import CertificateError, ProblemError, SolverError
 from octmip.problem import Problem
 from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop
-from octmip.tree import Node, predict
+from octmip.tree import Node
 
 Method = Literal["auto", "search", "exact", "oct", "oct_h", "flow", "cart"]
 
@@ -70,7 +70,7 @@ class Registration:
     is_mixed_integer: bool = False
 
     def load(self) -> Solver:
-        """Return the solver, its module imported only now: Pyomo alone costs 0.6 s.
+        """Return the solver, its module imported only now: HiGHS and scikit-learn are needed by some methods only.
 
         Raises:
             SolverError: the module, or a package that it needs, is not installed.
@@ -217,7 +217,7 @@ def _check_options(name: str, solver: Solver, options: Mapping[str, Any]) -> Non
     shared = {"problem", "limits", "incumbent", "seed", "n_jobs", "progress"}
     unknown = [option for option in options if option in shared or (option not in parameters and not takes_any)]
     if unknown:
-        known = ", ".join(sorted(p for p in set(parameters) - shared if not p.startswith("_"))) or "none"
+        known = ", ".join(sorted(set(parameters) - shared)) or "none"
         raise ProblemError(f"method {name!r} takes no option {unknown[0]!r}; expected some of: {known}")
 
 
@@ -281,7 +281,7 @@ def _checked_incumbent(problem: Problem, incumbent: Node | Solution | None) -> S
         checked_leaf_index(problem, tree)
     except CertificateError as error:
         raise ProblemError(f"the incumbent is no tree of this problem: {error}") from error
-    objective = problem.objective_of(tree, predict(tree, problem.features))
+    objective = problem.objective(tree)
     return Solution(tree, objective, -math.inf, Stop.FINISHED, 0.0, 0, "incumbent", "1", 0)
 
 

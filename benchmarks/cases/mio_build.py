@@ -11,6 +11,7 @@ from benchmarks.cpu import cpu_seconds
 from benchmarks.data import first_rows, published
 from octmip.cart import greedy_tree
 from octmip.mip import flow, highs, oct, oct_h, worker
+from octmip.mip.statements import oct as statement
 from octmip.problem import Problem
 
 Line = dict[str, Any]
@@ -50,7 +51,7 @@ def _through_pyomo(problem: Problem) -> None:
 
     with tempfile.TemporaryDirectory() as folder:
         path = str(Path(folder) / "oct.mps")
-        oct.statement(problem).write(path)
+        statement.paper_model(problem).write(path)
         reader = highspy.Highs()
         reader.setOptionValue("output_flag", False)
         reader.readModel(path)

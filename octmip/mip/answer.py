@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from octmip.mip.highs import VERSION
-from octmip.mip.incumbent import objective_of
 from octmip.mip.prices import Prices
 from octmip.mip.rows import Rows
 from octmip.problem import Problem
@@ -59,7 +58,7 @@ class Answer:
 
     def better(self, problem: Problem, tree: Node) -> None:
         """Take a tree that is better than the best one."""
-        if objective_of(problem, tree) < objective_of(problem, self.tree):
+        if problem.objective(tree) < problem.objective(self.tree):
             self.tree = tree
 
 
@@ -74,7 +73,7 @@ def solution_of(
         given_bound: a bound proven elsewhere; -inf without one.
         gap: the relative gap that was asked for.
     """
-    objective = objective_of(problem, answer.tree)
+    objective = problem.objective(answer.tree)
     tolerance = _tolerance(problem, answer.known.prices, objective)
     bound = max(_believed_bound(problem, answer), Fraction(max(given_bound, 0.0)))
     if problem.has_integer_costs:

@@ -24,7 +24,7 @@ from octmip.mip import highs, process
 from octmip.mip.answer import Answer, Known, solution_of
 from octmip.mip.claims import Accuracy, accuracy
 from octmip.mip.heap import Heap, Placed, lift, place
-from octmip.mip.incumbent import objective_of, starting_tree, tidy
+from octmip.mip.incumbent import starting_tree, tidy
 from octmip.mip.prices import Prices, whole_prices
 from octmip.mip.rows import Rows
 from octmip.problem import Problem
@@ -179,7 +179,7 @@ def drive(problem: Problem, encode: Callable[[Known], Formulation], request: Req
 
 def _known(problem: Problem, request: Request, clock: _Clock) -> Known:
     tree = starting_tree(problem, request.incumbent, request.seed)
-    objective = objective_of(problem, tree)
+    objective = problem.objective(tree)
     if request.lower_bound > objective * (1 + 1e-9):
         raise ProblemError(
             f"lower_bound is {request.lower_bound} but a tree of objective {objective} is known; "
@@ -210,7 +210,7 @@ def _start_values(
     problem: Problem, formulation: Formulation, tree: Node
 ) -> tuple[NDArray[np.float64] | None, dict[str, object]]:
     """Return the values of the starting tree and what is to be said about it."""
-    said: dict[str, object] = {"objective": objective_of(problem, tree), "accepted": False}
+    said: dict[str, object] = {"objective": problem.objective(tree), "accepted": False}
     values = formulation.start(place(tree, formulation.heap, problem.features))
     if values is None:
         return None, said | {"reason": f"outside the model, which holds {formulation.scope}"}

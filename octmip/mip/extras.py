@@ -1,10 +1,8 @@
 """Extras: what a Problem can say beyond Bertsimas & Dunn, as rows: sensor budget, number of splits."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
-import pyomo.environ as pyo
 from numpy.typing import NDArray
 
 from octmip.mip.heap import Placed
@@ -39,14 +37,3 @@ def set_sensors(values: NDArray[np.float64], rows: Rows, problem: Problem, place
         u = rows.families["u"][0]
         for split in placed.splits.values():
             values[u[problem.sensor_index[list(split.features)]]] = 1
-
-
-def state_extras(M: Any, problem: Problem, uses: Any, splits: tuple[Any, int] | None) -> None:
-    """Add the sensor budget to a Pyomo model, and that the first of `splits` is at most the second."""
-    if splits is not None:
-        M.max_splits = pyo.Constraint(expr=splits[0] <= splits[1])
-    if problem.sensor_budget is not None:
-        owner, share = problem.sensor_index, budget_shares(problem)
-        M.u = pyo.Var(range(len(problem.sensors)), domain=pyo.Binary)
-        M.sensor_read = pyo.Constraint(uses.index_set(), rule=lambda M, j, t: M.u[owner[j]] >= uses[j, t])
-        M.sensor_budget = pyo.Constraint(expr=sum(c * M.u[s] for s, c in enumerate(share)) <= 1)

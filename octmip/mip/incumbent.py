@@ -1,29 +1,10 @@
 """Incumbents: the trees that a run starts from or finds, tidied, and what each costs."""
 
-from dataclasses import replace
-
-import numpy as np
-
 from octmip.cart import greedy_tree
 from octmip.errors import ProblemError
+from octmip.native_call import relabelled
 from octmip.problem import Problem
-from octmip.tree import (
-    HyperplaneSplit,
-    Leaf,
-    Node,
-    Split,
-    depth,
-    leaf_index,
-    leaves,
-    predict,
-    simplify,
-    without_empty_sides,
-)
-
-
-def objective_of(problem: Problem, tree: Node) -> float:
-    """Return the objective of a tree, every sample routed."""
-    return problem.objective_of(tree, predict(tree, problem.features))
+from octmip.tree import Leaf, Node, depth, simplify, without_empty_sides
 
 
 def starting_tree(problem: Problem, incumbent: Node | None, seed: int) -> Node:
@@ -40,28 +21,9 @@ def starting_tree(problem: Problem, incumbent: Node | None, seed: int) -> Node:
     if depth(tree) > problem.depth:
         raise ProblemError(f"the incumbent has depth {depth(tree)} but the problem allows {problem.depth}")
     leaf = Leaf(int(problem.class_costs().argmin()))
-    return tree if objective_of(problem, tree) <= objective_of(problem, leaf) else leaf
+    return tree if problem.objective(tree) <= problem.objective(leaf) else leaf
 
 
 def tidy(problem: Problem, tree: Node) -> Node:
     """Return the tree without empty sides, with the best label at every leaf, and equal leaves merged: never worse."""
     return simplify(relabelled(problem, without_empty_sides(tree, problem.features)))
-
-
-def relabelled(problem: Problem, tree: Node) -> Node:
-    """Return the tree with the label of least cost at every leaf that a sample reaches (the first of equals)."""
-    index = leaf_index(tree, problem.features)
-    labels = [leaf.label for leaf in leaves(tree)]
-    for i in range(len(labels)):
-        rows = np.flatnonzero(index == i)
-        if len(rows):
-            labels[i] = int(problem.class_costs(rows).argmin())
-    remaining = iter(labels)
-
-    def build(node: Node) -> Node:
-        if isinstance(node, Split | HyperplaneSplit):
-            left = build(node.left)
-            return replace(node, left=left, right=build(node.right))
-        return replace(node, label=next(remaining))
-
-    return build(tree)

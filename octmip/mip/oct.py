@@ -1,4 +1,4 @@
-"""OCT: the optimal classification tree of Bertsimas & Dunn, axis-aligned, exactly as printed, as a Pyomo statement.
+"""OCT: the optimal classification tree of Bertsimas & Dunn, axis-aligned, exactly as printed.
 
     letter   word                                                                        equation
     a_jt     1 if node t splits on feature j                                              (2), (4)
@@ -44,7 +44,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-import pyomo.environ as pyo
 from numpy.typing import NDArray
 
 from octmip.encoding import Ranks, rank_features
@@ -52,7 +51,7 @@ from octmip.mip import axis, extras, flow
 from octmip.mip.answer import Known
 from octmip.mip.engine import Request, drive
 from octmip.mip.heap import Heap, Placed
-from octmip.mip.leaves import Leaves, add_leaves, state_leaves
+from octmip.mip.leaves import Leaves, add_leaves
 from octmip.mip.prices import Prices, own_prices
 from octmip.mip.rows import Columns, Rows
 from octmip.problem import Problem
@@ -114,12 +113,12 @@ def encode(
     prices: Prices | None = None,
     rows: Rows | None = None,
 ) -> Oct:
-    """Return OCT as rows, built a family at a time: the same model as `statement`, forty times faster.
+    """Return OCT as rows, built a family at a time: the same model as `octmip.mip.statements.oct`, forty times faster.
 
     Args:
         closed: whether unsplit nodes are kept from leaking (see the module).
         max_splits: at most so many splits, the C of Bertsimas & Dunn's tuning; None: no limit.
-        prices: what is minimised; None: the problem's own weights, costs and penalty, as `statement` has them.
+        prices: what is minimised; None: the problem's own weights, costs and penalty, as on paper.
         rows: an empty model to build in, watched for limits; None: a new one.
     """
     prices, rows = prices or own_prices(problem), rows or Rows()
@@ -155,38 +154,6 @@ def scaled_features(ranks: Ranks) -> tuple[NDArray[np.float64], NDArray[np.float
     """Return x (n_samples, n_features), dense ranks scaled to [0, 1], and eps (n_features,), 1 if constant."""
     steps = np.maximum(np.array(axis.n_cuts(ranks)), 1)
     return ranks.ranks.T / steps, 1 / steps
-
-
-def statement(problem: Problem, *, closed: bool = True, max_splits: int | None = None) -> Any:
-    """Return OCT as a Pyomo ConcreteModel that reads as on paper; the letters are the module's."""
-    ranks, heap = rank_features(problem), Heap(problem.depth)
-    x, eps = scaled_features(ranks)
-    usable = set(axis.usable_features(problem, ranks))
-    eps_max, shift = eps.max(), eps.min() if closed else 0.0
-    T_B, T_L, samples, J = heap.branches, heap.leaves, range(problem.n_samples), range(problem.n_features)
-
-    M = pyo.ConcreteModel("OCT")
-    M.a = pyo.Var(J, T_B, domain=pyo.Binary, bounds=lambda _, j, t: (0, int(j in usable)))
-    M.b = pyo.Var(T_B, bounds=(0, 1))
-    M.d = pyo.Var(T_B, domain=pyo.Binary)
-    cost = state_leaves(M, problem, heap)
-    M.cost = pyo.Objective(expr=cost + problem.leaf_penalty * sum(M.d.values()))
-    M.one_feature = pyo.Constraint(T_B, rule=lambda M, t: sum(M.a[j, t] for j in J) == M.d[t])
-    M.threshold = pyo.Constraint(T_B, rule=lambda M, t: M.b[t] <= M.d[t])
-    M.parent_splits = pyo.Constraint(T_B[1:], rule=lambda M, t: M.d[t] <= M.d[t // 2])
-    right = [(i, m, t) for t in T_L for m in heap.right_ancestors(t) for i in samples]
-    left = [(i, m, t) for t in T_L for m in heap.left_ancestors(t) for i in samples]
-    M.right = pyo.Constraint(
-        right, rule=lambda M, i, m, t: sum(M.a[j, m] * x[i, j] for j in J) >= M.b[m] - (1 - M.z[i, t])
-    )
-    M.left = pyo.Constraint(
-        left,
-        rule=lambda M, i, m, t: (
-            sum(M.a[j, m] * (x[i, j] + eps[j] - shift) for j in J) + shift <= M.b[m] + (1 + eps_max) * (1 - M.z[i, t])
-        ),
-    )
-    extras.state_extras(M, problem, M.a, None if max_splits is None else (sum(M.d.values()), max_splits))
-    return M
 
 
 def solve_oct(

@@ -1,4 +1,4 @@
-"""OCT-H: optimal classification trees with hyperplane splits, as Bertsimas & Dunn print them, as a Pyomo statement.
+"""OCT-H: optimal classification trees with hyperplane splits, as Bertsimas & Dunn print them.
 
     letter    word
     a_jt      coefficient of feature j at node t, in [-1, 1], features scaled to [0, 1]
@@ -32,7 +32,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import pyomo.environ as pyo
 from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
@@ -46,9 +45,8 @@ from octmip.mip.hyperplanes import (
     all_samples_band,
     choose_mu,
     space_of,
-    usable_features,
 )
-from octmip.mip.leaves import Leaves, add_leaves, state_leaves
+from octmip.mip.leaves import Leaves, add_leaves
 from octmip.mip.prices import Prices, own_prices
 from octmip.mip.rows import Rows
 from octmip.problem import Problem
@@ -109,12 +107,12 @@ def encode(
     prices: Prices | None = None,
     rows: Rows | None = None,
 ) -> OctH:
-    """Return OCT-H as rows, built a family at a time: the same model as `statement`.
+    """Return OCT-H as rows, built a family at a time: the same model as `octmip.mip.statements.oct_h`.
 
     Args:
         mu: strictness.
         max_splits: at most so many features summed over the splits, the C of Bertsimas & Dunn's tuning.
-        prices: what is minimised; None: the problem's own weights, costs and penalty, as `statement` has them.
+        prices: what is minimised; None: the problem's own weights, costs and penalty, as on paper.
         rows: an empty model to build in, watched for limits; None: a new one.
     """
     prices, rows = prices or own_prices(problem), rows or Rows()
@@ -132,64 +130,6 @@ def encode(
             rows.add("right", -wide, np.inf, normal, (b[[m - 1]], -1.0), (z, -wide))
     extras.add_sensor_rows(rows, problem, [hyperplanes.feature_columns(m) for m in heap.branches])
     return OctH(problem, heap, rows, hyperplanes, leaves, prices)
-
-
-def statement(problem: Problem, mu: float, *, max_splits: int | None = None) -> Any:
-    """Return OCT-H as a Pyomo ConcreteModel that reads as on paper; the letters are the module's."""
-    space, heap = space_of(problem, centred=False), Heap(problem.depth)
-    usable, reach, largest = usable_features(problem), space.reach, space.coefficient
-    T_B, T_L, samples, J = heap.branches, heap.leaves, range(problem.n_samples), range(problem.n_features)
-    x = space.x
-
-    M = pyo.ConcreteModel("OCT-H")
-    whole = pyo.Integers if space.is_integer else pyo.Reals
-    M.a = pyo.Var(J, T_B, domain=whole, bounds=lambda _, j, t: (-largest * usable[j], largest * usable[j]))
-    M.s = pyo.Var(J, T_B, domain=pyo.Binary, bounds=lambda _, j, t: (0, int(usable[j])))
-    M.b = pyo.Var(T_B, bounds=(-reach, reach))
-    M.d = pyo.Var(T_B, domain=pyo.Binary)
-    cost = state_leaves(M, problem, heap)
-    M.cost = pyo.Objective(expr=cost + problem.leaf_penalty * sum(M.s.values()))
-    if not space.is_integer:
-        M.a_hat = pyo.Var(J, T_B, bounds=(0, 1))
-        M.size_above = pyo.Constraint(J, T_B, rule=lambda M, j, t: M.a_hat[j, t] >= M.a[j, t])
-        M.size_below = pyo.Constraint(J, T_B, rule=lambda M, j, t: M.a_hat[j, t] >= -M.a[j, t])
-        M.normal_size = pyo.Constraint(T_B, rule=lambda M, t: sum(M.a_hat[j, t] for j in J) <= M.d[t])
-    M.read_above = pyo.Constraint(J, T_B, rule=lambda M, j, t: M.a[j, t] <= largest * M.s[j, t])
-    M.read_below = pyo.Constraint(J, T_B, rule=lambda M, j, t: M.a[j, t] >= -largest * M.s[j, t])
-    M.read_if_split = pyo.Constraint(J, T_B, rule=lambda M, j, t: M.s[j, t] <= M.d[t])
-    M.split_reads = pyo.Constraint(T_B, rule=lambda M, t: sum(M.s[j, t] for j in J) >= M.d[t])
-    M.offset_above = pyo.Constraint(T_B, rule=lambda M, t: M.b[t] <= reach * M.d[t])
-    M.offset_below = pyo.Constraint(T_B, rule=lambda M, t: M.b[t] >= -reach * M.d[t])
-    M.parent_splits = pyo.Constraint(T_B[1:], rule=lambda M, t: M.d[t] <= M.d[t // 2])
-    left = [(i, m, t) for t in T_L for m in heap.left_ancestors(t) for i in samples]
-    right = [(i, m, t) for t in T_L for m in heap.right_ancestors(t) for i in samples]
-    M.left = pyo.Constraint(
-        left,
-        rule=lambda M, i, m, t: sum(M.a[j, m] * x[i, j] for j in J) + mu <= M.b[m] + (2 * reach + mu) * (1 - M.z[i, t]),
-    )
-    M.right = pyo.Constraint(
-        right,
-        rule=lambda M, i, m, t: sum(M.a[j, m] * x[i, j] for j in J) >= M.b[m] - 2 * reach * (1 - M.z[i, t]),
-    )
-    _state_extras(M, problem, max_splits)
-    return M
-
-
-def _state_extras(M: Any, problem: Problem, max_splits: int | None) -> None:
-    """Add what the paper lacks: split_size, allowed_splits, sensor budget, number of splits."""
-    J, T_B = range(problem.n_features), list(M.d.keys())
-    if problem.max_split_size < problem.n_features:
-        size = problem.max_split_size
-        M.split_size = pyo.Constraint(T_B, rule=lambda M, t: sum(M.s[j, t] for j in J) <= size * M.d[t])
-    if problem.allowed_splits is not None:
-        groups = problem.allowed_splits
-        Q = range(len(groups))
-        M.group = pyo.Var(Q, T_B, domain=pyo.Binary)
-        M.one_group = pyo.Constraint(T_B, rule=lambda M, t: sum(M.group[q, t] for q in Q) == M.d[t])
-        M.read_in_group = pyo.Constraint(
-            J, T_B, rule=lambda M, j, t: M.s[j, t] <= sum(M.group[q, t] for q in Q if j in groups[q])
-        )
-    extras.state_extras(M, problem, M.s, None if max_splits is None else (sum(M.s.values()), max_splits))
 
 
 def solve_oct_h(

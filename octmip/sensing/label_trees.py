@@ -16,7 +16,7 @@ from octmip.problem import Problem
 from octmip.sensing.joint_solution import weighted_sum
 from octmip.solution import Limits, Solution, Stop
 from octmip.solver import Method, solve
-from octmip.tree import Leaf, Node, predict
+from octmip.tree import Leaf, Node
 
 Sensors = frozenset[str]
 NONE: Sensors = frozenset()
@@ -120,7 +120,7 @@ class LabelTrees:
         """Keep these trees if they keep the budget and are better than the best so far; return whether they are."""
         if not self.is_affordable(self.sensors_of(trees)):
             return False
-        values = (p.objective_of(t, predict(t, p.features)) for p, t in zip(self.problems, trees, strict=True))
+        values = (p.objective(t) for p, t in zip(self.problems, trees, strict=True))
         objective = weighted_sum(self.weights, values)
         if objective < self.best.objective:
             self.best = Candidate(tuple(trees), objective)
@@ -134,7 +134,7 @@ class LabelTrees:
             is_better = False
             for label, problem in enumerate(self.problems):
                 held = NONE.union(*(self._read(k, tree) for k, tree in enumerate(current) if k != label))
-                before = problem.objective_of(current[label], predict(current[label], problem.features))
+                before = problem.objective(current[label])
                 found = self.solve(label, held, NONE, current[label])
                 if found.tree is not None and found.objective < before:
                     current[label], is_better = found.tree, True

@@ -180,7 +180,7 @@ class FailureProblem:
 
     def objectives(self, tree: Node) -> Floats:
         """Return the problem's objective in each scenario, (n_scenarios + 1,)."""
-        whole = self.problem.objective_of(tree, predict(tree, self.problem.features))
+        whole = self.problem.objective(tree)
         used = self.problem.sensors_used(tree)
         return np.array([whole, *(self._objective(k, tree, whole, used) for k in range(1, len(self.scenarios) + 1))])
 

@@ -27,7 +27,7 @@ from octmip.sensing.joint_solution import JointSolution, sensor_prices, weighted
 from octmip.sensing.label_trees import Candidate, LabelTrees
 from octmip.sensing.sensor_sets import Proof, SetSearch
 from octmip.solution import Limits, Solution, Stop
-from octmip.tree import Leaf, Node, predict
+from octmip.tree import Leaf, Node
 
 JointMethod = Literal["auto", "exact", "search"]
 EXACT_DEPTH = 3  # "auto" proves to this depth; a proof of one label takes a second there, and there are many
@@ -164,7 +164,7 @@ def _without(labels: LabelTrees, trees: Sequence[Node], sensor: str) -> tuple[No
 def _solution(labels: LabelTrees, label: int, own_bound: float) -> Solution:
     """Return a label's tree as a solution of its problem; its bound is one for this label alone."""
     problem, tree = labels.problems[label], labels.best.trees[label]
-    objective = problem.objective_of(tree, predict(tree, problem.features))
+    objective = problem.objective(tree)
     return Solution(
         tree=tree,
         objective=objective,

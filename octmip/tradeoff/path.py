@@ -26,7 +26,7 @@ from octmip.errors import ProblemError
 from octmip.problem import Problem
 from octmip.solution import Limits, ProgressCallback, Solution, Stop
 from octmip.solver import Method, chosen_method, solve
-from octmip.tree import Leaf, Node, complexity, predict
+from octmip.tree import Leaf, Node, complexity
 
 BY_SPLITS = ("oct", "oct_h", "flow")
 MOST_SOLVES = 32
@@ -200,7 +200,7 @@ class _Tracer:
     is_interrupted: bool = False
 
     def add(self, tree: Node) -> None:
-        known = _Known(complexity(tree), self.free.objective_of(tree, predict(tree, self.free.features)), tree)
+        known = _Known(complexity(tree), self.free.objective(tree), tree)
         if known.complexity not in self.best or known.cost < self.best[known.complexity].cost:
             self.best[known.complexity] = known
 

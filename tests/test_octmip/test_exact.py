@@ -6,12 +6,17 @@ import itertools
 import numpy as np
 import pytest
 
-from octmip import _native, certify
+from octmip import Solution, _native, certify, native_call
 from octmip.errors import ProblemError
 from octmip.exact import branch_and_bound
 from octmip.problem import Problem
 from octmip.solution import Limits, Stop
 from octmip.tree import HyperplaneSplit, Leaf, Split, n_splits
+
+
+def without(prune: str, problem: Problem) -> Solution:
+    with native_call.without(prune):
+        return branch_and_bound(problem)
 
 
 def cheapest(problem: Problem) -> float:
@@ -70,13 +75,14 @@ def test_it_finds_the_optimum_of_enumeration(block: int) -> None:
 def test_the_optimum_stays_with_a_prune_switched_off(prune: str) -> None:
     for seed in range(1000, 1030):
         problem = random_problem(seed)
-        assert branch_and_bound(problem, _off=[prune]).objective == branch_and_bound(problem).objective, seed
+        assert without(prune, problem).objective == branch_and_bound(problem).objective, seed
 
 
 def test_the_optimum_stays_with_every_prune_switched_off() -> None:
     for seed in range(2000, 2020):
         problem = random_problem(seed, depth=3)
-        assert branch_and_bound(problem, _off=_native.prunes()).objective == cheapest(problem), seed
+        with native_call.without(*_native.prunes()):
+            assert branch_and_bound(problem).objective == cheapest(problem), seed
 
 
 def cheapest_within(problem: Problem) -> float:
@@ -125,7 +131,7 @@ def larger(seed: int, n: int = 150, classes: int = 3) -> Problem:
 def test_larger_problems_do_not_depend_on_prunes(prune: str) -> None:
     for seed in range(6):
         problem = larger(seed, classes=2 + seed % 4)
-        assert branch_and_bound(problem, _off=[prune]).objective == branch_and_bound(problem).objective, seed
+        assert without(prune, problem).objective == branch_and_bound(problem).objective, seed
 
 
 def test_float64_values_a_millionth_apart_are_told_apart() -> None:
@@ -141,7 +147,7 @@ def test_the_tree_is_the_same_for_any_number_of_threads_and_any_vectors() -> Non
         first = branch_and_bound(problem)
         assert branch_and_bound(problem, n_jobs=2).tree == first.tree, seed
         assert branch_and_bound(problem, n_jobs=2).n_nodes == first.n_nodes, seed
-        assert branch_and_bound(problem, _off=["vectors"]).tree == first.tree, seed
+        assert without("vectors", problem).tree == first.tree, seed
 
 
 def test_fewest_splits_are_found_among_optimal_trees() -> None:

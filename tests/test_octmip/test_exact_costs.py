@@ -6,6 +6,7 @@ import pytest
 from benchmarks.oracles.enumeration import optimum
 from octmip import certify
 from octmip.exact import branch_and_bound
+from octmip.native_call import without
 from octmip.problem import Problem
 
 BLOCK = 50
@@ -51,5 +52,6 @@ def test_the_optimum_stays_without_the_bounds_of_costs(first):
         rng = np.random.default_rng([72, seed])
         problem = cost_problem(rng, int(rng.integers(30, 90)), int(rng.integers(1, 5)), int(rng.integers(2, 4)))
         solution = branch_and_bound(problem)
-        plain = branch_and_bound(problem, _off=COST_BOUNDS)
+        with without(*COST_BOUNDS):
+            plain = branch_and_bound(problem)
         assert certify(problem, solution).objective == solution.bound == plain.objective == plain.bound, f"seed {seed}"

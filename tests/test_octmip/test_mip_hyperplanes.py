@@ -15,8 +15,9 @@ from octmip.mip import flow, oct_h
 from octmip.mip.flow import solve_flow
 from octmip.mip.heap import Heap, lift, place
 from octmip.mip.hyperplanes import choose_mu, space_of
-from octmip.mip.incumbent import objective_of, tidy
+from octmip.mip.incumbent import tidy
 from octmip.mip.oct_h import solve_oct_h
+from octmip.mip.statements import oct_h as statement
 from octmip.tree import predict
 from tests.test_octmip.test_mip import uci
 from tests.test_octmip.test_mip_rows import rows_of, rows_of_pyomo
@@ -119,7 +120,7 @@ def test_the_rows_are_those_of_the_pyomo_statement(case, real):
             leaf_penalty=problem.leaf_penalty,
             leaf_size=problem.leaf_size,
         )
-    model = oct_h.statement(problem, 0.01, max_splits=2)
+    model = statement.paper_model(problem, 0.01, max_splits=2)
     rows = oct_h.encode(problem, 0.01, max_splits=2).rows
     assert rows_of(rows) == rows_of_pyomo(model)
     cost = generate_standard_repn(model.cost.expr)
@@ -148,9 +149,9 @@ def test_a_tree_encoded_is_feasible_costs_its_objective_and_decodes_to_the_same_
     model = oct_h.encode(problem, mu) if form == "oct_h" else flow.encode(problem, tree)
     values = model.start(placed)
     assert model.rows.violation(values)[0] < 1e-9
-    assert model.rows.objective(values) == pytest.approx(objective_of(problem, tree))
+    assert model.rows.objective(values) == pytest.approx(problem.objective(tree))
     decoded = lift(heap, model.splits(values), model.labels(values))
-    assert objective_of(problem, decoded) == objective_of(problem, tree)
+    assert problem.objective(decoded) == problem.objective(tree)
 
 
 @pytest.mark.parametrize(("offset", "side"), [(0.5, 0), (0.0, 1)])

@@ -13,7 +13,6 @@ from octmip import Leaf, Limits, Problem, Stop, certify, solve
 from octmip.mip import claims, engine, highs, prices
 from octmip.mip.flow import solve_flow
 from octmip.mip.hyperplanes import space_of
-from octmip.mip.incumbent import objective_of
 from octmip.mip.oct import solve_oct
 from octmip.mip.oct_h import solve_oct_h
 from octmip.tree import HyperplaneSplit, Split
@@ -109,7 +108,7 @@ def test_prices_bound_the_true_objective_on_both_sides():
         assert priced.worst <= prices.LARGEST * problem.n_samples * 2
         assert (priced.costs == np.round(priced.costs)).all() and (priced.weights == np.round(priced.weights)).all()
         for tree in (Leaf(0), Leaf(1), Split(0, 0.5, Leaf(0), Leaf(1)), Split(1, 1.5, Leaf(2), Leaf(0))):
-            true, price = Fraction(objective_of(problem, tree)), int(priced.of_tree(problem, tree))
+            true, price = Fraction(problem.objective(tree)), int(priced.of_tree(problem, tree))
             room = true / 10**14
             assert true >= min(Fraction(known), priced.lower_bound(price)) - room
             if true <= known:

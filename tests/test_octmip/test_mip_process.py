@@ -177,3 +177,15 @@ def test_frames_that_are_cut_short_end_a_conversation(tmp_path):
             cut.write_bytes(stream.read(length))
         with cut.open("rb") as stream:
             assert worker.read_frame(stream) is None
+
+
+@pytest.mark.parametrize(("method", "split"), [("oct", "axis"), ("oct_h", "hyperplane"), ("flow", "hyperplane")])
+def test_no_solver_imports_pyomo_which_takes_longer_than_many_a_solution(method, split):
+    code = f"""
+import sys
+from octmip import Problem, solve
+solve(Problem([[0.0], [1.0], [2.0]], [0, 1, 1], depth=1, split={split!r}), method={method!r})
+print([name for name in sys.modules if name.startswith("pyomo")])
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["[]"]

@@ -11,8 +11,9 @@ from benchmarks.oracles.strategies import random_problem, random_tree
 from octmip.encoding import rank_features, rows_from_tree, tree_from_rows
 from octmip.mip import flow, oct
 from octmip.mip.heap import Heap, lift, place
-from octmip.mip.incumbent import objective_of, tidy
+from octmip.mip.incumbent import tidy
 from octmip.mip.rows import Rows
+from octmip.mip.statements import oct as statement
 from octmip.tree import Leaf, Split
 from tests.test_octmip.test_mip import CASES
 
@@ -53,7 +54,7 @@ def rows_of_pyomo(model: pyo.ConcreteModel) -> Counter:
 @pytest.mark.parametrize("case", CASES)
 def test_the_rows_are_those_of_the_pyomo_statement(case, closed):
     problem = CASES[case]
-    model = oct.statement(problem, closed=closed, max_splits=2)
+    model = statement.paper_model(problem, closed=closed, max_splits=2)
     rows = oct.encode(problem, closed=closed, max_splits=2).rows
     assert rows_of(rows) == rows_of_pyomo(model)
     cost = generate_standard_repn(model.cost.expr)
@@ -81,7 +82,7 @@ def test_a_tree_encoded_is_feasible_costs_its_objective_and_decodes_to_itself(en
     values = model.start(placed)
     worst, where = model.rows.violation(values)
     assert worst < 1e-9 or sizes[sizes > 0].min() < problem.leaf_size, where
-    assert model.rows.objective(values) == pytest.approx(objective_of(problem, tree))
+    assert model.rows.objective(values) == pytest.approx(problem.objective(tree))
     decoded = lift(model.heap, model.splits(values), model.labels(values))
     assert tidy(problem, decoded) == tree
 

@@ -7,13 +7,15 @@ import pytest
 
 from benchmarks.oracles.two_feature_problems import clouds
 from octmip import Problem, _native, certify
+from octmip.native_call import without
 from octmip.oblique import two_feature_branch_and_bound
 
 PRUNES = _native.two_feature_prunes()
 
 
 def optimum(problem: Problem, off: list[str]) -> float:
-    solution = two_feature_branch_and_bound(problem, _off=off)
+    with without(*off):
+        solution = two_feature_branch_and_bound(problem)
     assert solution.is_optimal
     return solution.objective
 
@@ -63,5 +65,5 @@ def test_what_one_set_of_sensors_teaches_is_not_used_under_another(seed: int) ->
 
 
 def test_an_unknown_prune_is_refused() -> None:
-    with pytest.raises(ValueError, match="no prune is called luck"):
-        two_feature_branch_and_bound(clouds(0), _off=["luck"])
+    with without("luck"), pytest.raises(ValueError, match="no prune is called luck"):
+        two_feature_branch_and_bound(clouds(0))

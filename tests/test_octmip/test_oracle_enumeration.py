@@ -7,7 +7,7 @@ import pytest
 
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem, random_tree
-from octmip import Leaf, Problem, Split, predict
+from octmip import Leaf, Problem, Split
 from octmip.certificate import checked_leaf_index
 from octmip.errors import CertificateError
 from octmip.tree import n_splits
@@ -30,7 +30,7 @@ def value(problem, tree):
         checked_leaf_index(problem, tree)
     except CertificateError:
         return None
-    objective = problem.objective_of(tree, predict(tree, problem.features))
+    objective = problem.objective(tree)
     return objective, n_splits(tree), len(problem.sensors_used(tree))
 
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from octmip import HyperplaneSplit, Leaf, Problem, Split
+from octmip import HyperplaneSplit, Leaf, Problem, Split, predict
 from octmip.errors import ProblemError
 
 FEATURES = np.arange(12.0).reshape(4, 3)
@@ -41,6 +41,7 @@ def test_the_objective_is_cost_times_weight_plus_penalty_for_each_feature_of_eac
     p = problem(weights=[1, 2, 3, 4], costs=[[0, 10], [1, 0]], leaf_penalty=0.5, split="hyperplane")
     tree = Split(0, 1.0, Leaf(0), HyperplaneSplit((0, 2), (1.0, 1.0), 9.0, Leaf(1), Leaf(0)))
     assert p.objective_of(tree, np.array([0, 1, 1, 0])) == 1 * 1 + 2 * 10 + 0 + 0 + 0.5 * 3
+    assert p.objective(tree) == p.objective_of(tree, predict(tree, p.features))
     assert p.class_costs().tolist() == [4.0, 60.0] and p.baseline == 4.0
     assert p.class_costs(np.array([1])).tolist() == [0.0, 20.0]
 

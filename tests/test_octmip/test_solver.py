@@ -155,6 +155,12 @@ def test_an_option_that_the_solver_does_not_take_is_refused():
     assert solve(STRIPES, method="search", options={"restarts": 2}).objective == 0
 
 
+@pytest.mark.parametrize("split", ["axis", "hyperplane"])
+def test_prunes_are_switched_off_by_tests_only(split):
+    with pytest.raises(ProblemError, match="method 'exact' takes no option '_off'"):
+        solve(Problem([[0.0, 1.0], [1.0, 0.0]], [0, 1], depth=1, split=split), "exact", options={"_off": ["leaf"]})
+
+
 def test_a_solver_that_is_not_installed_says_so(registered, monkeypatch):
     missing = dataclasses.replace(solver.REGISTRY["oct"], module="octmip.no_such_module")
     monkeypatch.setitem(solver.REGISTRY, "oct", missing)
