@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from benchmarks.oracles import shell_problems
 from benchmarks.oracles.shell_problems import SLENDER, cook_membrane, pinched_hemisphere, straight_beam
 from femlib.assembly import Quality, checked_solution, solution_quality
 from femlib.components import Component, DamagedStructure
@@ -10,7 +11,6 @@ from femlib.errors import InputError, MeshError, SolveError
 from femlib.material import isotropic_plate
 from femlib.mesh import QualityLimits
 from femlib.wing import Wing
-from tests.test_femlib import shell_problems
 from tests.test_femlib.plates import patch, rotation
 from tests.test_femlib.warped_problems import LIFTED, Solved, saddle, slanted_roof, twisted_strip, twisted_tube
 

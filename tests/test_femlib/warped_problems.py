@@ -9,13 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from benchmarks.oracles import shell_problems
 from benchmarks.oracles.shell_problems import force, hold, mapped
 from femlib.arrays import FloatArray, IntArray
 from femlib.assembly import Quality, Shells, Supports, assemble, factorise, solution_quality, surface_load
 from femlib.elements import corotational
 from femlib.material import isotropic_plate
 from femlib.mesh import DOFS_PER_NODE, Mesh, QualityLimits
-from tests.test_femlib import shell_problems
 
 LIFTED = QualityLimits(aspect=1e4, warp=1.0, warp_loss=float("inf"))
 

@@ -67,7 +67,7 @@ def hostile_file(tmp_path, name):
     return str(tree), str(table)
 
 
-@pytest.mark.parametrize("name", ["\x1b[2J\x1b]0;x\x07", "\u202ea", "a\rb", "\ud800", "```", "\u2028"])
+@pytest.mark.parametrize("name", ["\x1b[2J\x1b]0;x\x07", "\u202ea", "a\rb", "```", "\u2028"])
 def test_a_terminal_meets_no_character_that_acts(tmp_path, capsys, name):
     tree, table = hostile_file(tmp_path, name)
     capsys.readouterr()
@@ -96,13 +96,11 @@ def test_predictions_are_read_back_as_the_names_that_were_trained_on(tmp_path, c
 
 def test_half_of_a_surrogate_pair_ends_in_a_sentence(tmp_path, capsys):
     tree, table = hostile_file(tmp_path, "a\ud800")
-    for words in ([], ["--out", str(tmp_path / "p.csv")]):
+    for words in (["predict", tree, table], ["report", tree], ["certify", tree, table]):
         capsys.readouterr()
-        assert main(["predict", tree, table, *words]) == 2
+        assert main(words) == 2
         out, err = capsys.readouterr()
-        assert out == "" and "half of a surrogate pair" in err and err.count("\n") == 1
-    assert main(["predict", tree, table, "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["predictions"][0] == "a\ud800"
+        assert out == "" and "ud800" in err and err.count("\n") == 1 and err.isascii()
 
 
 def test_a_terminal_shows_predictions_with_escapes(tmp_path, capsys, monkeypatch):

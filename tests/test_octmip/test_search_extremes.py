@@ -79,7 +79,7 @@ def extreme_problem(rng):
         options["sensor_budget"] = 1.0
     if rng.random() < 0.75:
         options |= {"split": "hyperplane", "split_size": [None, 1, 2, 3][rng.integers(4)]}
-        options["integer_normals"] = [None, None, 1, 7, 10**30][rng.integers(5)]
+        options["integer_normals"] = [None, None, 1, 7, 2**53][rng.integers(5)]
     return Problem(features, labels, **options)
 
 
