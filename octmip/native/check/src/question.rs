@@ -52,7 +52,7 @@ impl Question {
         let entries = Entries(&file);
         let format = entries.get("format")?;
         if *format != Json::Text("octmip-problem".into()) {
-            return Err(format!("format is {format:?}, expected \"octmip-problem\""));
+            return Err(format!("format is {}, expected \"octmip-problem\"", shown(format)));
         }
         if entries.whole("version")? != 1 {
             return Err("version is not 1; a newer octmip wrote the file".into());
@@ -88,7 +88,7 @@ impl Question {
             is_hyperplane: match entries.get("split")? {
                 Json::Text(kind) if kind == "axis" => false,
                 Json::Text(kind) if kind == "hyperplane" => true,
-                other => return Err(format!("split is {other:?}, expected \"axis\" or \"hyperplane\"")),
+                other => return Err(format!("split is {}, expected \"axis\" or \"hyperplane\"", shown(other))),
             },
             split_size: entries.whole("split_size")?,
             leaf_size: entries.whole("leaf_size")?,
@@ -194,6 +194,15 @@ fn float_field(sha: &mut Sha256, name: &str, values: &[f64]) {
     sha.update(format!("{name} {}\n", values.len()).as_bytes());
     for chunk in values.chunks(1 << 16) {
         sha.update(&chunk.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>());
+    }
+}
+
+/// A value as a message can show it: a text's beginning, or that it is none.
+fn shown(value: &Json) -> String {
+    if let Json::Text(text) = value {
+        format!("{:?}", text.chars().take(40).collect::<String>())
+    } else {
+        "no text".into()
     }
 }
 
