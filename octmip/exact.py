@@ -36,7 +36,8 @@ from octmip.native_call import (
     write_log,
 )
 from octmip.problem import Problem
-from octmip.proof import log_header, question_digest
+from octmip.problem_file import question_digest
+from octmip.proof import log_header
 from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop
 from octmip.ties import UNBROKEN, Effort, break_ties
 from octmip.tree import Node, centred
