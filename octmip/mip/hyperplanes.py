@@ -66,8 +66,9 @@ class Space:
         if self.is_integer:
             return normal
         # Mantissas and powers of two apart: coefficients of features of extreme size differ by any power.
-        normal, power = np.frexp(np.divide(normal, self.scale, out=np.zeros_like(normal), where=self.scale > 0))
-        power = np.where(normal != 0, power + self.exponent, np.iinfo(np.int32).min)
+        (normal, power), (scale, unit) = np.frexp(normal), np.frexp(self.scale)
+        normal = np.divide(normal, scale, out=np.zeros_like(normal), where=scale > 0)
+        power = np.where(normal != 0, power - unit + self.exponent, np.iinfo(np.int32).min)
         normal = np.ldexp(normal, np.maximum(power - power.max(), -2000))
         return np.asarray(normal / max(float(np.abs(normal).sum()), 1e-300))
 

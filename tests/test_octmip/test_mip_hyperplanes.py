@@ -213,3 +213,11 @@ def test_strengthened_rows_prove_iris_at_depth_one_with_hyperplanes():
 def test_axis_problems_are_sent_elsewhere():
     with pytest.raises(ProblemError, match="method='oct'"):
         solve_oct_h(uci("iris", depth=1))
+
+
+def test_a_normal_at_the_end_of_float64_is_brought_to_the_transformed_features_without_a_warning():
+    problem = Problem([[0.0, 1.0], [0.25, 3.0], [8.0, 0.0]], [0, 1, 0], depth=1, split="hyperplane")
+    space = space_of(problem)
+    split = HyperplaneSplit((0, 1), (1.5e308, 1.0e308), 0.0, Leaf(0), Leaf(1))
+    # a_j divided by 1 / range_j: 1.5 * 8 to 1 * 3, sizes adding up to 1
+    assert space.normal_of(split) == pytest.approx([0.8, 0.2])
