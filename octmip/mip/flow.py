@@ -27,6 +27,7 @@ Source: the flow of samples through a tree: Aghaei, Gomez & Vayanos (2021), Stro
 Thresholds as monotone columns, class counts and the fixing of cuts are this project's.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -210,7 +211,7 @@ def _by_group(flow: Columns, of_pair: NDArray[np.int64], n_groups: int) -> Colum
 
 def _summed(columns: Columns) -> tuple[Columns, NDArray[np.float64]]:
     """Return the term that adds all the columns of each row; -1 stands for none."""
-    wide = columns.reshape(len(columns), -1)
+    wide = columns.reshape(len(columns), math.prod(columns.shape[1:]))  # also where there are none
     return np.maximum(wide, 0), (wide >= 0).astype(float)
 
 

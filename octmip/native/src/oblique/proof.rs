@@ -57,7 +57,10 @@ impl Writer<'_> {
         let paid: f64 = taken.iter().map(|&s| q.sensor_cost[s]).sum();
         let is_within = |s: usize| (paid + q.sensor_cost[s]) * (1.0 - 1e-12) <= q.sensor_limit;
         let room = most_read.max(taken.len()) - taken.len();
-        let is_open = |s: usize| read[s].is_none() && room > 0 && is_within(s);
+        // A sensor of no allowed feature is nothing to decide: its case would have no chart and leave no line in the log.
+        let is_used =
+            |s: usize| (0..q.p).any(|f| q.sensor_of_feature[f] as usize == s && super::ground::is_allowed(q, f, q.p));
+        let is_open = |s: usize| read[s].is_none() && room > 0 && is_within(s) && is_used(s);
         let mut dearest: Vec<f64> = (0..read.len()).filter(|&s| is_open(s)).map(|s| q.sensor_cost[s]).collect();
         dearest.sort_unstable_by(|a, b| b.total_cmp(a));
         let all_paid = paid + dearest.iter().take(room).sum::<f64>();
