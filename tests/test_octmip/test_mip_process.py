@@ -7,6 +7,7 @@ import subprocess
 import sys
 import threading
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -94,9 +95,10 @@ def test_a_worker_that_dies_leaves_the_start_and_no_zombie():
 
 
 def children() -> list[int]:
-    """Return the workers of this process that run."""
+    """Return the workers of this process that run; other children, such as multiprocessing's own, are left alone."""
     with open(f"/proc/self/task/{os.getpid()}/children") as file:
-        return [int(pid) for pid in file.read().split()]
+        pids = [int(pid) for pid in file.read().split()]
+    return [pid for pid in pids if b"octmip/mip/worker.py" in Path(f"/proc/{pid}/cmdline").read_bytes()]
 
 
 def test_an_idle_worker_is_used_again_and_closed_after_a_while(monkeypatch):
