@@ -234,7 +234,7 @@ class Hyperplanes:
             return None
         is_left = self.space.x @ normal < middle
         if is_left.all() or not is_left.any():
-            offset = float(totals.max()) if is_left.all() else float(np.nextafter(totals.min(), -np.inf))
+            offset = float(totals.max()) if is_left.all() else math.nextafter(float(totals.min()), -math.inf)
             if not math.isfinite(offset):
                 return None
         else:
