@@ -70,8 +70,8 @@ class _Excess:
 
 def _rounded_costs(problem: Problem, known: Node | None) -> IntegerCosts:
     excess = _Excess.of(problem, known)
-    dearest = excess.weights * excess.costs.max(axis=1)[problem.codes]
-    total = float(np.minimum(dearest, 4 * excess.most).sum()) or 1.0
+    highest = excess.weights * excess.costs.max(axis=1)[problem.codes]
+    total = float(np.minimum(highest, 4 * excess.most).sum()) or 1.0
     exponent = math.floor(math.log2(CAPACITY) - math.log2(total)) - excess.scale
     exact = whole_exponent(problem.weights) + whole_exponent(problem.costs)
     exponent = min(exponent, max(exact, whole_exponent(np.array([problem.leaf_penalty]))))
@@ -110,8 +110,8 @@ class _Grid:
     @property
     def total(self) -> float:
         """Sum of the largest cost of each sample."""
-        dearest = np.array([float(max(row or [0])) for row in self.table])
-        return float((self.weights.astype(float) * dearest[self.rows]).sum())
+        highest = np.array([float(max(row or [0])) for row in self.table])
+        return float((self.weights.astype(float) * highest[self.rows]).sum())
 
     def _add(self, c: int, row: list[int], members: NDArray[np.int64], weights: NDArray[np.int64]) -> None:
         """Give some samples of class c this row: the class's own, if nobody has it yet, else one more."""
@@ -147,9 +147,9 @@ class _Grid:
 
     def _add_product(self, c: int, prices: list[Fraction], members: NDArray[np.int64]) -> None:
         """A row for some samples, weights and prices rounded at the powers of two that lose least."""
-        weights, dearest = self.problem.weights[members], max(prices)
-        # A weight loses up to 2^-a of the dearest price, a price up to 2^-b of the sum of the weights: best when equal.
-        place = dearest.numerator.bit_length() - dearest.denominator.bit_length()
+        weights, highest = self.problem.weights[members], max(prices)
+        # A weight loses up to 2^-a of the highest price, a price up to 2^-b of the sum of the weights: best when equal.
+        place = highest.numerator.bit_length() - highest.denominator.bit_length()
         equal = (self.exponent + round(math.log2(float(weights.mean()))) - place) // 2
         whole = max(price.denominator for price in prices).bit_length() - 1
         choices = {equal, whole, self.exponent - whole_exponent(weights)}
