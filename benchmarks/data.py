@@ -32,8 +32,10 @@ class Table:
 def uci(name: str) -> Table:
     """Return a set of `../shared/uci`; every column but the last, the label, must be numbers without gaps.
 
-    Raises:
-        ValueError: a column is not.
+    Raises
+    ------
+    ValueError
+        a column is not.
     """
     frame = pd.read_csv(SHARED / "uci" / f"{name}.csv", na_values=["?"])
     features = frame.iloc[:, :-1].to_numpy(dtype=np.float64)  # ValueError on text

@@ -65,7 +65,8 @@ def read_study(name: str) -> Callable[[Generator, Path], None]:
         if rng.random() < 0.9:
             sealed(folder, name)
         data = read_dataset(folder / name)
-        assert data.mu1.shape == data.mu2.shape and data.noise_sd >= 0.0
+        assert data.mu1.shape == data.mu2.shape
+        assert data.noise_sd >= 0.0
 
     return read
 

@@ -30,12 +30,18 @@ class RefusedError(OctmipError):
 class Reader:
     """A reader under test.
 
-    Attributes:
-        make: writes valid files into a folder, others for every number.
-        target: name of the one that is mangled.
-        mangle: the way to change one that knows its form.
-        read: reads the first file in a folder and uses what it holds.
-        n_made: different valid files.
+    Attributes
+    ----------
+    make
+        writes valid files into a folder, others for every number.
+    target
+        name of the one that is mangled.
+    mangle
+        the way to change one that knows its form.
+    read
+        reads the first file in a folder and uses what it holds.
+    n_made
+        different valid files.
     """
 
     make: Callable[[int, Path], None]

@@ -16,11 +16,16 @@ from octmip.problem import Problem
 class Case:
     """One question to be answered by several solvers, each in a process of its own.
 
-    Attributes:
-        size: what is asked, in words that name it within its family ("iris, depth 3").
-        seed: of the data.
-        build: returns the problem; called in the solver's process, not measured.
-        solvers: names in `benchmarks.rivals.RIVALS`.
+    Attributes
+    ----------
+    size
+        what is asked, in words that name it within its family ("iris, depth 3").
+    seed
+        of the data.
+    build
+        returns the problem; called in the solver's process, not measured.
+    solvers
+        names in `benchmarks.rivals.RIVALS`.
     """
 
     size: str
@@ -69,8 +74,10 @@ FAMILIES = {
 def family(name: str) -> ModuleType:
     """Return the module of a family.
 
-    Raises:
-        SystemExit: there is no such family.
+    Raises
+    ------
+    SystemExit
+        there is no such family.
     """
     if name not in FAMILIES:
         raise SystemExit(f"no benchmark family is called {name!r}; choose from: {', '.join(FAMILIES)}")

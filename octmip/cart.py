@@ -40,8 +40,10 @@ def greedy_tree(
     addition costs least. A hyperplane problem gets its axis-aligned tree. Of the limits only `seconds` is looked at,
     between the sensors of that choice; `incumbent`, `n_jobs` and `progress` are there because every solver has them.
 
-    Raises:
-        ProblemError: from the limits only; every Problem has a greedy tree, in the worst case a single leaf.
+    Raises
+    ------
+    ProblemError
+        from the limits only; every Problem has a greedy tree, in the worst case a single leaf.
     """
     start = time.perf_counter()
     grower = _Grower(problem, rank_features(problem), seed)

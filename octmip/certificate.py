@@ -16,15 +16,22 @@ from octmip.tree import Leaf, Node, depth, leaf_index, leaves, n_splits
 class Certificate:
     """What was recounted, sample by sample, from the tree alone.
 
-    Attributes:
-        objective: recomputed objective.
-        normalised_objective: misclassification cost divided by the baseline's, plus alpha * complexity with
-            alpha = leaf_penalty / baseline. Source: Bertsimas & Dunn (2017), eq. 21.
-        errors: misclassified samples, unweighted.
-        n_splits, depth: of the tree.
-        sensors, sensor_cost: that it reads.
-        bound, gap: the solution's bound, consistent with the objective; whether it is a true bound is its solver's
-            claim, or its proof log's (`octmip certify --proof`).
+    Attributes
+    ----------
+    objective
+        recomputed objective.
+    normalised_objective
+        misclassification cost divided by the baseline's, plus alpha * complexity with
+        alpha = leaf_penalty / baseline. Source: Bertsimas & Dunn (2017), eq. 21.
+    errors
+        misclassified samples, unweighted.
+    n_splits, depth
+        of the tree.
+    sensors, sensor_cost
+        that it reads.
+    bound, gap
+        the solution's bound, consistent with the objective; whether it is a true bound is its solver's
+        claim, or its proof log's (`octmip certify --proof`).
     """
 
     objective: float
@@ -41,8 +48,10 @@ class Certificate:
 def certify(problem: Problem, solution: Solution) -> Certificate:
     """Recompute what a solution claims and return it as a Certificate.
 
-    Raises:
-        CertificateError: the tree breaks a limit of the problem, or objective, bound or stop are not what they say.
+    Raises
+    ------
+    CertificateError
+        the tree breaks a limit of the problem, or objective, bound or stop are not what they say.
     """
     tree = solution.tree
     if tree is None:
@@ -68,8 +77,10 @@ def certify(problem: Problem, solution: Solution) -> Certificate:
 def checked_leaf_index(problem: Problem, tree: Node) -> NDArray[np.int64]:
     """Return the leaf that each sample reaches, numbered from the left, shape (n_samples,).
 
-    Raises:
-        CertificateError: the tree breaks a limit of the problem.
+    Raises
+    ------
+    CertificateError
+        the tree breaks a limit of the problem.
     """
     _check_tree(problem, tree)
     leaf = leaf_index(tree, problem.features)

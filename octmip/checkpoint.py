@@ -42,13 +42,20 @@ KnownRow = tuple[
 class Kept:
     """The state of a search.
 
-    Attributes:
-        seconds: wall time spent [s], of all the searches before it too.
-        n_nodes: cuts evaluated, likewise.
-        bound: proven lower bound; -inf without one.
-        tree: rows of the best tree of the problem; None without one.
-        grid: rows of the tree from which the whole-numbered costs were made; None: of one leaf.
-        known: what is proven of the root; None before its search has begun.
+    Attributes
+    ----------
+    seconds
+        wall time spent [s], of all the searches before it too.
+    n_nodes
+        cuts evaluated, likewise.
+    bound
+        proven lower bound; -inf without one.
+    tree
+        rows of the best tree of the problem; None without one.
+    grid
+        rows of the tree from which the whole-numbered costs were made; None: of one leaf.
+    known
+        what is proven of the root; None before its search has begun.
     """
 
     seconds: float
@@ -70,8 +77,10 @@ def grid_digest(costs: IntegerCosts) -> str:
 def write_checkpoint(path: PathLike, identity: Mapping[str, str], kept: Kept) -> None:
     """Write a checkpoint, whole or not at all.
 
-    Raises:
-        DataError: the file cannot be written.
+    Raises
+    ------
+    DataError
+        the file cannot be written.
     """
     content = dict(identity) | {
         "seconds": kept.seconds,
@@ -88,8 +97,10 @@ def write_checkpoint(path: PathLike, identity: Mapping[str, str], kept: Kept) ->
 def read_checkpoint(path: PathLike, identity: Mapping[str, str]) -> tuple[Kept, str] | None:
     """Return what a checkpoint holds and the digest of its grid; None where there is no file.
 
-    Raises:
-        DataError: the file cannot be read, is damaged, or belongs to another problem, question or version.
+    Raises
+    ------
+    DataError
+        the file cannot be read, is damaged, or belongs to another problem, question or version.
     """
     if not Path(path).exists():
         return None

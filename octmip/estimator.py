@@ -19,24 +19,41 @@ from octmip.uncertainty import LeafDistribution
 class OptimalTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
     """A classification tree of least training cost, with the bound that says how far from it a better one can be.
 
-    Parameters:
-        depth: levels of splits.
-        split: "axis" or "hyperplane".
-        split_size: at most so many features in one split; None: no limit.
-        leaf_size: at least so many samples in every leaf.
-        leaf_penalty: price of one feature in one split, in units of weight times cost.
-        costs: (n_classes, n_classes) cost of predicting column k for a class of row i, classes sorted; None: 0/1.
-        smoothing: of the probabilities in each leaf: so much training weight is added, in equal parts to every class.
-        method: of `octmip.solve`.
-        seconds: limit of wall time [s]; reaching it is no error, see `gap_`.
-        n_jobs: threads.
-        seed: of all random choices.
+    Parameters
+    ----------
+    depth
+        levels of splits.
+    split
+        "axis" or "hyperplane".
+    split_size
+        at most so many features in one split; None: no limit.
+    leaf_size
+        at least so many samples in every leaf.
+    leaf_penalty
+        price of one feature in one split, in units of weight times cost.
+    costs
+        (n_classes, n_classes) cost of predicting column k for a class of row i, classes sorted; None: 0/1.
+    smoothing
+        of the probabilities in each leaf: so much training weight is added, in equal parts to every class.
+    method
+        of `octmip.solve`.
+    seconds
+        limit of wall time [s]; reaching it is no error, see `gap_`.
+    n_jobs
+        threads.
+    seed
+        of all random choices.
 
-    Attributes:
-        classes_: the classes, sorted.
-        n_features_in_, feature_names_in_: as scikit-learn has them.
-        solution_: the Solution. tree_, bound_, gap_: of it.
-        leaf_distribution_: what each leaf says of the classes (`octmip.uncertainty.LeafDistribution`).
+    Attributes
+    ----------
+    classes_
+        the classes, sorted.
+    n_features_in_, feature_names_in_
+        as scikit-learn has them.
+    solution_
+        the Solution. tree_, bound_, gap_: of it.
+    leaf_distribution_
+        what each leaf says of the classes (`octmip.uncertainty.LeafDistribution`).
 
     A sample of weight 0 is left out of the training, as if it were not there.
     """
@@ -71,9 +88,12 @@ class OptimalTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[mis
     def fit(self, X: ArrayLike, y: ArrayLike, sample_weight: ArrayLike | None = None) -> Self:
         """Find the tree for samples X (n_samples, n_features), classes y (n_samples,), weights (n_samples,).
 
-        Raises:
-            ProblemError: parameters or samples are such that no tree can answer (also a ValueError).
-            SolverError: no tree was found.
+        Raises
+        ------
+        ProblemError
+            parameters or samples are such that no tree can answer (also a ValueError).
+        SolverError
+            no tree was found.
         """
         features, labels = validate_data(self, X, y, dtype=np.float64)
         check_classification_targets(labels)

@@ -60,25 +60,39 @@ def branch_and_bound(
 ) -> Solution:
     """Return the best axis-aligned tree of a problem and the proof's bound.
 
-    Parameters:
-        problem: with ``split="axis"``; any weights, costs, depth, leaf size, penalty.
-        limits: seconds, relative gap, nodes (evaluated cuts), bytes of the core's own tables.
-        incumbent: a feasible tree to start from; a good one shortens the proof (`octmip.solver.solve` looks for one).
-        seed: of the start's random choices.
-        n_jobs: threads. Cost, bound and tree of a finished search do not depend on it.
-        progress: called with a `Progress` about every 50 ms.
-        proof: file for a log that `octmip.proof.check_proof` verifies; it takes a second search, about as long.
-        checkpoint: file in which what is proven is kept, every `CHECKPOINT_SECONDS` and at the end; where it exists the
-            search goes on from it, and the bound rests on it (`details["resumed_from"]`). From depth 3 on: what is
-            kept are solved cuts of the root.
-        break_ties: among the optimal trees return one of fewest splits, of those one of fewest sensors, each proven by
-            more searches; `details["ties_broken"]` says what was. Thresholds are centred in any case.
+    Parameters
+    ----------
+    problem
+        with ``split="axis"``; any weights, costs, depth, leaf size, penalty.
+    limits
+        seconds, relative gap, nodes (evaluated cuts), bytes of the core's own tables.
+    incumbent
+        a feasible tree to start from; a good one shortens the proof (`octmip.solver.solve` looks for one).
+    seed
+        of the start's random choices.
+    n_jobs
+        threads. Cost, bound and tree of a finished search do not depend on it.
+    progress
+        called with a `Progress` about every 50 ms.
+    proof
+        file for a log that `octmip.proof.check_proof` verifies; it takes a second search, about as long.
+    checkpoint
+        file in which what is proven is kept, every `CHECKPOINT_SECONDS` and at the end; where it exists the
+        search goes on from it, and the bound rests on it (`details["resumed_from"]`). From depth 3 on: what is
+        kept are solved cuts of the root.
+    break_ties
+        among the optimal trees return one of fewest splits, of those one of fewest sensors, each proven by
+        more searches; `details["ties_broken"]` says what was. Thresholds are centred in any case.
 
-    Raises:
-        ProblemError: the problem asks for hyperplanes, or the incumbent is not one of its trees.
-        SolverError: the proof was interrupted before it could be written.
-        DataError: the log cannot be written, or the checkpoint cannot be read or written, is damaged, or belongs to
-            another search.
+    Raises
+    ------
+    ProblemError
+        the problem asks for hyperplanes, or the incumbent is not one of its trees.
+    SolverError
+        the proof was interrupted before it could be written.
+    DataError
+        the log cannot be written, or the checkpoint cannot be read or written, is damaged, or belongs to
+        another search.
     """
     started = time.perf_counter()
     _check(problem, n_jobs)

@@ -24,8 +24,10 @@ _DEEP = f"nested deeper than {MOST_LEVELS} levels"
 def write_bytes(path: PathLike, content: bytes) -> None:
     """Write a file whole or not at all: under a passing name, flushed to the disk, then renamed into place.
 
-    Raises:
-        DataError: the file cannot be written.
+    Raises
+    ------
+    DataError
+        the file cannot be written.
     """
     try:
         if Path(path).exists() and not Path(path).is_file():
@@ -53,8 +55,10 @@ def _replace(target: Path, content: bytes) -> None:
 def check_writable(path: PathLike) -> None:
     """Refuse a place where `write_bytes` could not write, before hours are spent on what should go there.
 
-    Raises:
-        DataError: the folder is missing or not writable, or the path is a folder.
+    Raises
+    ------
+    DataError
+        the folder is missing or not writable, or the path is a folder.
     """
     target = Path(os.path.realpath(path))
     if target.is_dir():
@@ -70,8 +74,10 @@ def check_writable(path: PathLike) -> None:
 def check_readable(path: PathLike) -> int:
     """Return the size [bytes] of a regular file that can be read; nothing is waited for.
 
-    Raises:
-        DataError: it cannot be read, is empty or too large, or is a folder, pipe or device.
+    Raises
+    ------
+    DataError
+        it cannot be read, is empty or too large, or is a folder, pipe or device.
     """
     return _opened(path, lambda descriptor: os.fstat(descriptor).st_size)
 
@@ -79,8 +85,10 @@ def check_readable(path: PathLike) -> int:
 def read_bytes(path: PathLike) -> bytes:
     """Return the content of a regular file.
 
-    Raises:
-        DataError: it cannot be read, is empty or too large, or is a folder, pipe or device.
+    Raises
+    ------
+    DataError
+        it cannot be read, is empty or too large, or is a folder, pipe or device.
     """
     content = _opened(path, _everything)
     if not content.strip():
@@ -121,8 +129,10 @@ def _opened(path: PathLike, use: Callable[[int], T]) -> T:
 def read_text(path: PathLike) -> str:
     """Return the content of a UTF-8 file, without a byte-order mark.
 
-    Raises:
-        DataError: it cannot be read, is empty, or holds bytes that are not UTF-8.
+    Raises
+    ------
+    DataError
+        it cannot be read, is empty, or holds bytes that are not UTF-8.
     """
     content = read_bytes(path)
     try:
@@ -137,9 +147,11 @@ def read_text(path: PathLike) -> str:
 def read_json_object(path: PathLike) -> dict[str, Any]:
     """Return the one JSON object that a file holds.
 
-    Raises:
-        DataError: it cannot be read, ends early, holds anything else, names an entry twice, is nested deeper than
-            `MOST_LEVELS`, or holds half a character.
+    Raises
+    ------
+    DataError
+        it cannot be read, ends early, holds anything else, names an entry twice, is nested deeper than
+        `MOST_LEVELS`, or holds half a character.
     """
     text = read_text(path)
     try:

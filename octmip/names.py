@@ -1,4 +1,4 @@
-"""Names of features, classes, sensors and files as a person may safely see them.
+r"""Names of features, classes, sensors and files as a person may safely see them.
 
 A name is text from outside. Shown as it is, it can move the cursor of a terminal, turn the direction of reading, hide,
 begin a line that the report never wrote, or be text that UTF-8 cannot hold. Here characters that act instead of being

@@ -35,8 +35,10 @@ BEGINNING = Progress(seconds=0.0, objective=math.inf, bound=-math.inf, n_nodes=0
 def feasible_incumbent(problem: Problem, incumbent: Node | Solution | None) -> Node | None:
     """Return the incumbent's tree without splits that part no samples; None where there is no incumbent.
 
-    Raises:
-        ProblemError: it is no tree of the problem, or a solution without a tree.
+    Raises
+    ------
+    ProblemError
+        it is no tree of the problem, or a solution without a tree.
     """
     if incumbent is None:
         return None
@@ -121,8 +123,10 @@ def better(problem: Problem, found: Node, known: Node | None) -> tuple[Node, flo
 def write_log(path: Path, log: str, check: Callable[[Path], object] | None = None) -> None:
     """Write a proof log whole or not at all, and only if `check`, given a draft of it, raises nothing.
 
-    Raises:
-        DataError: the file cannot be written.
+    Raises
+    ------
+    DataError
+        the file cannot be written.
     """
     if check is None:
         write_bytes(path, log.encode("ascii"))

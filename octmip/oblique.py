@@ -74,11 +74,15 @@ def two_feature_branch_and_bound(
         whole_coefficients: lines get whole-numbered coefficients of at most this size wherever some part the node's
             samples alike. A wish; `Problem.integer_normals` is a condition.
 
-    Raises:
-        ProblemError: the problem is deeper, allows more features in a split, or the incumbent is none of its trees.
-        ProofError: the proof was interrupted, or rounding leaves no room for it: no log is written; the error holds the
-            solution.
-        DataError: the log cannot be written.
+    Raises
+    ------
+    ProblemError
+        the problem is deeper, allows more features in a split, or the incumbent is none of its trees.
+    ProofError
+        the proof was interrupted, or rounding leaves no room for it: no log is written; the error holds the
+        solution.
+    DataError
+        the log cannot be written.
     """
     _check(problem, n_jobs)
     if proof is not None:

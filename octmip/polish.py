@@ -75,10 +75,14 @@ def _polished(polish: _Polish, tree: Node, rows: NDArray[np.intp]) -> Node:
 class _Units:
     """A split's samples and normal with each feature that is not of moderate size in a power of two of its own.
 
-    Attributes:
-        samples: (n_samples, n_terms); no square of them overflows, and they part as the values as given do.
-        normal: (n_terms,).
-        exponents: (n_terms,): the sample's values are those here times two to this power.
+    Attributes
+    ----------
+    samples
+        (n_samples, n_terms); no square of them overflows, and they part as the values as given do.
+    normal
+        (n_terms,).
+    exponents
+        (n_terms,): the sample's values are those here times two to this power.
     """
 
     samples: Floats

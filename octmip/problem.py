@@ -26,25 +26,42 @@ MAX_DEPTH = 30  # 2**30 leaves: beyond any use, and the node tables of the solve
 class Problem:
     """A classification problem and the tree that is wanted of it.
 
-    Attributes:
-        features: (n_samples, n_features) float64, finite.
-        labels: (n_samples,) class of each sample, as values of `class_names`.
-        depth: levels of splits, 1 or more.
-        split: "axis" (one feature and a threshold) or "hyperplane".
-        split_size: at most so many features in one split; None: no limit (1 for "axis").
-        leaf_size: at least so many samples in every leaf.
-        leaf_penalty: price of one feature in one split (of a split, in an axis-aligned tree), in units of cost.
-        weights: (n_samples,) risk weights, 0 or more; None: all 1.
-        costs: (n_classes, n_classes) cost of predicting column k for a sample of class row i; None: 0/1.
-        sensor_of_feature: (n_features,) name of the sensor that a feature is read from; None: one sensor a feature,
-            bearing the feature's name.
-        sensor_cost: cost of each sensor, a mapping by name or one number per sensor in the order of `sensors`; None: 1.
-        sensor_budget: at most so much sensor cost in the whole tree; None: no limit.
-        allowed_splits: groups of features (names or indices) that may meet in one split; None: any may. A feature in
-            no group is not used at all.
-        integer_normals: the coefficients of a hyperplane are integers of at most this size; None: real.
-        feature_names: (n_features,); None: x0, x1, ...
-        class_names: the classes in the order of the rows of `costs`; None: the sorted labels.
+    Attributes
+    ----------
+    features
+        (n_samples, n_features) float64, finite.
+    labels
+        (n_samples,) class of each sample, as values of `class_names`.
+    depth
+        levels of splits, 1 or more.
+    split
+        "axis" (one feature and a threshold) or "hyperplane".
+    split_size
+        at most so many features in one split; None: no limit (1 for "axis").
+    leaf_size
+        at least so many samples in every leaf.
+    leaf_penalty
+        price of one feature in one split (of a split, in an axis-aligned tree), in units of cost.
+    weights
+        (n_samples,) risk weights, 0 or more; None: all 1.
+    costs
+        (n_classes, n_classes) cost of predicting column k for a sample of class row i; None: 0/1.
+    sensor_of_feature
+        (n_features,) name of the sensor that a feature is read from; None: one sensor a feature,
+        bearing the feature's name.
+    sensor_cost
+        cost of each sensor, a mapping by name or one number per sensor in the order of `sensors`; None: 1.
+    sensor_budget
+        at most so much sensor cost in the whole tree; None: no limit.
+    allowed_splits
+        groups of features (names or indices) that may meet in one split; None: any may. A feature in
+        no group is not used at all.
+    integer_normals
+        the coefficients of a hyperplane are integers of at most this size; None: real.
+    feature_names
+        (n_features,); None: x0, x1, ...
+    class_names
+        the classes in the order of the rows of `costs`; None: the sorted labels.
     Derived:
         codes: (n_samples,) int64, index of each label in `class_names`.
         sensors: names of the sensors in the order of their first feature.

@@ -27,8 +27,10 @@ FORMAT, VERSION = "octmip-problem", 1
 def write_problem_file(path: PathLike, problem: Problem) -> None:
     """Write a problem file, whole or not at all.
 
-    Raises:
-        DataError: it cannot be written.
+    Raises
+    ------
+    DataError
+        it cannot be written.
     """
     write_bytes(path, (json.dumps(encode(problem), allow_nan=False) + "\n").encode())
 

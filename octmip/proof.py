@@ -30,10 +30,14 @@ MOST_DEPTH, MOST_FEATURES = 2, 2  # of trees of two-feature splits that have log
 class ProofReport:
     """What a checked log proves.
 
-    Attributes:
-        bound: no tree of the problem costs less.
-        n_lines, n_bytes: size of the log.
-        seconds: that checking took, wall time [s].
+    Attributes
+    ----------
+    bound
+        no tree of the problem costs less.
+    n_lines, n_bytes
+        size of the log.
+    seconds
+        that checking took, wall time [s].
     """
 
     bound: float
@@ -71,10 +75,14 @@ def check_proof(problem: Problem, path: str | Path, *, bound: float = -math.inf,
 
     `n_jobs` threads check logs of two-feature trees; the checker of axis-aligned ones, made to be read, uses one.
 
-    Raises:
-        ProblemError: trees of this kind have no proof logs.
-        DataError: the log cannot be read.
-        CertificateError: the log is of another problem, or does not prove what it claims; with the line and the reason.
+    Raises
+    ------
+    ProblemError
+        trees of this kind have no proof logs.
+    DataError
+        the log cannot be read.
+    CertificateError
+        the log is of another problem, or does not prove what it claims; with the line and the reason.
     """
     start = time.perf_counter()
     check_provable(problem)

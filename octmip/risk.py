@@ -37,11 +37,16 @@ Shape = Literal["logistic", "lognormal"]
 class ErrorRates:
     """What decisions did to states whose truth is known.
 
-    Attributes:
-        missed_critical: share of the critical states for which the boldest load factor was allowed.
-        false_alarm: share of the other states for which it was not.
-        regret: mean regret of a decision, in units of `failure_loss`.
-        n_critical, n_sound: states of both kinds; a share of none is nan.
+    Attributes
+    ----------
+    missed_critical
+        share of the critical states for which the boldest load factor was allowed.
+    false_alarm
+        share of the other states for which it was not.
+    regret
+        mean regret of a decision, in units of `failure_loss`.
+    n_critical, n_sound
+        states of both kinds; a share of none is nan.
     """
 
     missed_critical: float
@@ -55,17 +60,26 @@ class ErrorRates:
 class RiskModel:
     """When a state fails, and what failing and caution cost.
 
-    Attributes:
-        load_factors: to decide between, the boldest first [g].
-        limit_losses: loss of stiffness that the wing bears at each of them, rising, as fractions.
-        caution_losses: what each costs for not being the boldest (a longer way), rising from 0.
-        failure_loss: what a failure costs, in the same unit. Between two decisions, the cautious one is right from
-            P(fail) = caution / failure_loss on.
-        spread: of the limit; 0: a step.
-        shape: of the probability of failure where spread > 0.
+    Attributes
+    ----------
+    load_factors
+        to decide between, the boldest first [g].
+    limit_losses
+        loss of stiffness that the wing bears at each of them, rising, as fractions.
+    caution_losses
+        what each costs for not being the boldest (a longer way), rising from 0.
+    failure_loss
+        what a failure costs, in the same unit. Between two decisions, the cautious one is right from
+        P(fail) = caution / failure_loss on.
+    spread
+        of the limit; 0: a step.
+    shape
+        of the probability of failure where spread > 0.
 
-    Raises:
-        ProblemError: lists of different length or order, or numbers out of range.
+    Raises
+    ------
+    ProblemError
+        lists of different length or order, or numbers out of range.
     """
 
     load_factors: tuple[float, ...] = (3.0, 2.0)
@@ -106,8 +120,10 @@ class RiskModel:
     def failure_probability(self, losses: ArrayLike, load_factor: float) -> Floats:
         """Return the probability (n,) that states of losses (n, n_regions) fail at one of the load factors.
 
-        Raises:
-            ProblemError: the load factor is none of the model's, or a loss is no fraction.
+        Raises
+        ------
+        ProblemError
+            the load factor is none of the model's, or a loss is no fraction.
         """
         if load_factor not in self.load_factors:
             raise ProblemError(
@@ -147,8 +163,10 @@ class RiskModel:
             losses: (n_samples, n_regions) true losses.
             options: of `Problem`; `weights` are multiplied.
 
-        Raises:
-            ProblemError: there are more than two decisions, or it makes no problem.
+        Raises
+        ------
+        ProblemError
+            there are more than two decisions, or it makes no problem.
         """
         if len(self.load_factors) != 2:
             raise ProblemError(
@@ -178,8 +196,10 @@ class RiskModel:
             losses_of_label: loss in the region, or in each region, of every state.
             options: of `Problem`.
 
-        Raises:
-            ProblemError: a label has no losses, or it makes no problem.
+        Raises
+        ------
+        ProblemError
+            a label has no losses, or it makes no problem.
         """
         missing = sorted({str(label) for label in np.unique(np.asarray(labels)) if label not in losses_of_label})
         if missing:

@@ -62,11 +62,14 @@ def local_search(
             a quarter of that with hyperplanes, none without; twice that for the last). With `restarts=1, kicks=0` the
             answer is quick: one descent and exact blocks of two levels.
 
-    Returns:
-        The solution; its bound is -inf, or the objective where no cost at all is left (`Stop.OPTIMAL`).
+    Returns
+    -------
+    The solution; its bound is -inf, or the objective where no cost at all is left (`Stop.OPTIMAL`).
 
-    Raises:
-        ProblemError: `restarts` or `n_jobs` is below 1, `kicks` below 0, or the incumbent is no tree of this problem.
+    Raises
+    ------
+    ProblemError
+        `restarts` or `n_jobs` is below 1, `kicks` below 0, or the incumbent is no tree of this problem.
     """
     for name, value, least in (("restarts", restarts, 1), ("n_jobs", n_jobs, 1), ("kicks", kicks, 0)):
         if value is not None and value < least:

@@ -26,11 +26,16 @@ class Stop(enum.StrEnum):
 class Limits:
     """When to stop early. A limit that is reached is no error: best tree and bound come back.
 
-    Attributes:
-        seconds: wall time [s].
-        gap: relative gap ``(objective - bound) / objective`` that is good enough.
-        nodes: search nodes.
-        memory: bytes that the solver's own tables may take.
+    Attributes
+    ----------
+    seconds
+        wall time [s].
+    gap
+        relative gap ``(objective - bound) / objective`` that is good enough.
+    nodes
+        search nodes.
+    memory
+        bytes that the solver's own tables may take.
     """
 
     seconds: float = math.inf
@@ -71,18 +76,29 @@ def relative_gap(objective: float, bound: float) -> float:
 class Solution:
     """A tree with its objective and the bound below which no tree of the problem lies.
 
-    Attributes:
-        tree: the best tree found, None without one (then `objective` is +inf).
-        objective: ``sum_i weights_i * costs[label_i, predicted_i] + leaf_penalty * complexity``.
-        bound: proven lower bound of the objective of every tree of the problem; -inf without a proof.
-        stop: why the solver stopped.
-        seconds: wall time [s].
-        n_nodes: search nodes (0 where the notion has none).
-        solver, version: what computed it.
-        seed: of its random choices.
-        tolerance: how far `bound` may stand from `objective` and still meet it: 0 where weights and costs are integers,
-            always below `Problem.least_saving` (a solver that cannot keep that says `Stop.NUMERICS`, not optimal).
-        details: what else the solver has to say (ties broken, strictness, model size); JSON values only.
+    Attributes
+    ----------
+    tree
+        the best tree found, None without one (then `objective` is +inf).
+    objective
+        ``sum_i weights_i * costs[label_i, predicted_i] + leaf_penalty * complexity``.
+    bound
+        proven lower bound of the objective of every tree of the problem; -inf without a proof.
+    stop
+        why the solver stopped.
+    seconds
+        wall time [s].
+    n_nodes
+        search nodes (0 where the notion has none).
+    solver, version
+        what computed it.
+    seed
+        of its random choices.
+    tolerance
+        how far `bound` may stand from `objective` and still meet it: 0 where weights and costs are integers,
+        always below `Problem.least_saving` (a solver that cannot keep that says `Stop.NUMERICS`, not optimal).
+    details
+        what else the solver has to say (ties broken, strictness, model size); JSON values only.
     """
 
     tree: Node | None

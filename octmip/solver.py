@@ -72,8 +72,10 @@ class Registration:
     def load(self) -> Solver:
         """Return the solver, its module imported only now: HiGHS and scikit-learn are needed by some methods only.
 
-        Raises:
-            SolverError: the module, or a package that it needs, is not installed.
+        Raises
+        ------
+        SolverError
+            the module, or a package that it needs, is not installed.
         """
         try:
             module = importlib.import_module(self.module)
@@ -126,9 +128,12 @@ def solve(
             time first and its bound enters the model (`details["lower_bound_given"]`); "search" goes on in a thread of
             its own and hands over better trees, so which of several optimal trees comes back may vary.
 
-    Raises:
-        ProblemError: the method or an option is unknown, or the incumbent is no tree of this problem.
-        SolverError: the solver failed, or its solution fails its certificate.
+    Raises
+    ------
+    ProblemError
+        the method or an option is unknown, or the incumbent is no tree of this problem.
+    SolverError
+        the solver failed, or its solution fails its certificate.
     """
     name = chosen_method(problem, method)
     first = _checked_incumbent(problem, incumbent)
@@ -142,8 +147,10 @@ def solve(
 def chosen_method(problem: Problem, method: str) -> str:
     """Return the name of the solver that a method means for a problem.
 
-    Raises:
-        ProblemError: there is no such method.
+    Raises
+    ------
+    ProblemError
+        there is no such method.
     """
     if method not in METHODS:
         raise ProblemError(f"method is {method!r}; expected one of {', '.join(METHODS)}")

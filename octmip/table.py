@@ -51,8 +51,10 @@ class Table:
     def column(self, name: str, purpose: str) -> "pd.Series[Any]":
         """Return a column by name.
 
-        Raises:
-            DataError: there is none of that name.
+        Raises
+        ------
+        DataError
+            there is none of that name.
         """
         if name not in self.columns:
             is_otherwise_separated = len(self.columns) == 1 and bool({";", "\t"} & set(self.columns[0]))
@@ -66,8 +68,10 @@ class Table:
     def numbers(self, columns: Sequence[str], purpose: str = "feature") -> NDArray[np.float64]:
         """Return columns as finite numbers, shape (n_rows, len(columns)), float64.
 
-        Raises:
-            DataError: a column is missing, or a cell of it is empty, text, not finite, or an integer beyond 2^53.
+        Raises
+        ------
+        DataError
+            a column is missing, or a cell of it is empty, text, not finite, or an integer beyond 2^53.
         """
         out = np.empty((len(self.frame), len(columns)))
         for j, name in enumerate(columns):
@@ -110,8 +114,10 @@ class Table:
     def labels(self, column: str, known: Sequence[Any] | None = None, purpose: str = "label") -> NDArray[Any]:
         """Return the label of each row, shape (n_rows,): whole numbers, numbers, booleans or text.
 
-        Raises:
-            DataError: the column is missing, a label is empty or says so, or (with `known`) was not seen at training.
+        Raises
+        ------
+        DataError
+            the column is missing, a label is empty or says so, or (with `known`) was not seen at training.
         """
         values = self.column(column, purpose)
         self._refuse_empty(column, values, purpose)
@@ -169,8 +175,10 @@ def _is_number(value: object) -> bool:
 def read_table(path: PathLike) -> Table:
     """Return the table of a CSV (.csv, UTF-8, commas, one header line) or Parquet (.parquet) file.
 
-    Raises:
-        DataError: the file cannot be read, is empty, has no rows, names a column twice, or rows of unequal length.
+    Raises
+    ------
+    DataError
+        the file cannot be read, is empty, has no rows, names a column twice, or rows of unequal length.
     """
     path = Path(path)
     if path.suffix not in (".csv", ".parquet"):
@@ -281,8 +289,10 @@ def read_costs(path: PathLike, class_names: Sequence[Any]) -> NDArray[np.float64
         healthy,0,1
         damaged,10,0
 
-    Raises:
-        DataError: a class is missing, unknown or named twice, or a cost is no number.
+    Raises
+    ------
+    DataError
+        a class is missing, unknown or named twice, or a cost is no number.
     """
     table = read_table(path)
     first = table.columns[0]
@@ -307,8 +317,10 @@ def read_sensors(path: PathLike, feature_names: Sequence[str]) -> Sensors:
 
     Without a column `feature` every feature is its own sensor. Rows of columns that are not used are skipped.
 
-    Raises:
-        DataError: a column or feature is missing or named twice, or one sensor has two costs.
+    Raises
+    ------
+    DataError
+        a column or feature is missing or named twice, or one sensor has two costs.
     """
     table = read_table(path)
     column = "feature" if "feature" in table.columns else "sensor"

@@ -127,14 +127,22 @@ CONTENT = Record(
 class TreeFile:
     """What a tree file holds.
 
-    Attributes:
-        solution: the claims, tree included.
-        feature_names, class_names: of the problem.
-        settings: keyword arguments of Problem (all but samples, weights and names).
-        sha256: of the training data, `Problem.digest`.
-        n_samples: at training.
-        label_column, weights_column: of the training table, None where it was none.
-        leaf_counts: (n_leaves, n_classes) training samples of each class in each leaf, leaves from the left.
+    Attributes
+    ----------
+    solution
+        the claims, tree included.
+    feature_names, class_names
+        of the problem.
+    settings
+        keyword arguments of Problem (all but samples, weights and names).
+    sha256
+        of the training data, `Problem.digest`.
+    n_samples
+        at training.
+    label_column, weights_column
+        of the training table, None where it was none.
+    leaf_counts
+        (n_leaves, n_classes) training samples of each class in each leaf, leaves from the left.
     """
 
     solution: Solution
@@ -174,8 +182,10 @@ def record_tree(
 ) -> TreeFile:
     """Return the tree file of a solution.
 
-    Raises:
-        TreeError: the solution has no tree.
+    Raises
+    ------
+    TreeError
+        the solution has no tree.
     """
     if solution.tree is None:
         raise TreeError(f"{solution.solver} found no tree (stop: {solution.stop}); there is nothing to write")
@@ -207,8 +217,10 @@ def leaf_counts(problem: Problem, tree: Node) -> NDArray[np.int64]:
 def write_tree_file(path: PathLike, file: TreeFile) -> None:
     """Write a tree file, whole or not at all.
 
-    Raises:
-        DataError: it cannot be written, or holds what no reader would take, such as a name of a thousand characters.
+    Raises
+    ------
+    DataError
+        it cannot be written, or holds what no reader would take, such as a name of a thousand characters.
     """
     content = encode(file)
     CONTENT.take(content)  # what could not be read again is not written
@@ -261,9 +273,12 @@ def encode_tree(tree: Node, feature_names: tuple[str, ...], class_names: tuple[A
 def read_tree_file(path: PathLike) -> TreeFile:
     """Return the content of a tree file.
 
-    Raises:
-        DataError: the file cannot be read, or ends early.
-        TreeError: it is of another kind or a newer version, or what it holds is no tree.
+    Raises
+    ------
+    DataError
+        the file cannot be read, or ends early.
+    TreeError
+        it is of another kind or a newer version, or what it holds is no tree.
     """
     content = read_json_object(path)
     if content.get("format") != FORMAT:
@@ -301,8 +316,10 @@ def schema() -> Schema:
 def different(names: Sequence[Any], what: str) -> tuple[Any, ...]:
     """Return names as a tuple.
 
-    Raises:
-        TreeError: one stands there twice.
+    Raises
+    ------
+    TreeError
+        one stands there twice.
     """
     if len(set(names)) < len(names):
         twice, times = Counter(names).most_common(1)[0]
@@ -355,8 +372,10 @@ def _sized(settings: dict[str, Any], n_features: int, n_classes: int) -> dict[st
 def decode_tree(node: dict[str, Any], feature_names: Sequence[str], class_names: Sequence[Any]) -> Node:
     """Return the tree of nested JSON objects that `NODE` has taken.
 
-    Raises:
-        TreeError: a feature or class is not among the names, or a split is none.
+    Raises
+    ------
+    TreeError
+        a feature or class is not among the names, or a split is none.
     """
     positions = [{name: k for k, name in enumerate(names)} for names in (feature_names, class_names)]
     return _node(node, *positions)
@@ -384,8 +403,10 @@ def _index(name: Any, positions: dict[Any, int], kind: str) -> int:
 def tree_for(problem: Problem, file: TreeFile) -> Node:
     """Return the tree of a file for a problem whose features and classes may stand in another order.
 
-    Raises:
-        TreeError: the problem lacks a feature or class that the tree names.
+    Raises
+    ------
+    TreeError
+        the problem lacks a feature or class that the tree names.
     """
     named = encode_tree(file.tree, file.feature_names, file.class_names)
     return decode_tree(named, problem.feature_names, problem.class_names)

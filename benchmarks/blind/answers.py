@@ -25,12 +25,18 @@ _twins: dict = {}
 class Task:
     """One case to diagnose.
 
-    Attributes:
-        place: folder of its asset, which holds `commissioning.csv` and `campaigns`.
-        name: of the case.
-        refinement: of the twin's mesh.
-        without: whether to diagnose once more without the commissioning run.
-        lasso: whether to ask a group lasso too.
+    Attributes
+    ----------
+    place
+        folder of its asset, which holds `commissioning.csv` and `campaigns`.
+    name
+        of the case.
+    refinement
+        of the twin's mesh.
+    without
+        whether to diagnose once more without the commissioning run.
+    lasso
+        whether to ask a group lasso too.
     """
 
     place: Path

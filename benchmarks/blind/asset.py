@@ -37,10 +37,14 @@ LENGTH = 0.07
 class Flaw:
     """One local fault of a structure, drawn once a set.
 
-    Attributes:
-        name: "damage_outside_library" [%] or "spar_skin_debond" [-].
-        place: where, in the words of `forces`.
-        size: how much.
+    Attributes
+    ----------
+    name
+        "damage_outside_library" [%] or "spar_skin_debond" [-].
+    place
+        where, in the words of `forces`.
+    size
+        how much.
     """
 
     name: str
@@ -56,12 +60,18 @@ def neighbours(state):
 class Asset(ABC):
     """What cases ask of an asset, whatever code computes its strains.
 
-    Attributes:
-        family: name of the code and mesh.
-        gauges, eta, row: of the gauges that lie in no region: name, span fraction, chordwise row.
-        states: damage states of the tests.
-        payloads, hot_spots, lifts: names of the fields that were drawn for this set.
-        flaws: local faults that were drawn for it.
+    Attributes
+    ----------
+    family
+        name of the code and mesh.
+    gauges, eta, row
+        of the gauges that lie in no region: name, span fraction, chordwise row.
+    states
+        damage states of the tests.
+    payloads, hot_spots, lifts
+        names of the fields that were drawn for this set.
+    flaws
+        local faults that were drawn for it.
     """
 
     family = ""

@@ -28,15 +28,24 @@ TIED = {"modulus", "load_factor_error", "common_gain"}
 class Case:
     """One case.
 
-    Attributes:
-        name: file name without ending.
-        stratum: of `SHARES`.
-        truths: what is wrong.
-        states: one test for each, mu1 and mu2.
-        is_known: whether the file tells the states.
-        loads: load factors of every test.
-        noise: "white" or one of `NOISES`.
-        family: of the asset.
+    Attributes
+    ----------
+    name
+        file name without ending.
+    stratum
+        of `SHARES`.
+    truths
+        what is wrong.
+    states
+        one test for each, mu1 and mu2.
+    is_known
+        whether the file tells the states.
+    loads
+        load factors of every test.
+    noise
+        "white" or one of `NOISES`.
+    family
+        of the asset.
     """
 
     name: str

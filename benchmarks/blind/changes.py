@@ -22,11 +22,16 @@ SPANS = (1828.8, 1828.0)
 class Moment:
     """When and how the readings of one cell are taken.
 
-    Attributes:
-        state: damage.
-        load: load factor.
-        times: (n,) of each reading since the start of the campaign [s].
-        history: (load factor, time [s]) of every change of the load until now, this cell's own last.
+    Attributes
+    ----------
+    state
+        damage.
+    load
+        load factor.
+    times
+        (n,) of each reading since the start of the campaign [s].
+    history
+        (load factor, time [s]) of every change of the load until now, this cell's own last.
     """
 
     state: tuple
@@ -191,7 +196,8 @@ def _hysteresis(truth, asset, moment, before):
 
 def _passing_sun(truth, asset, moment, before):
     """A sun that comes and goes on one part of the wing; growing with time alone it would look like a damage, as
-    the loads are measured in ascending order."""
+    the loads are measured in ascending order.
+    """
     course = np.sin(np.pi * moment.times[:, None] / SUNSHINE)
     return 15.0 * truth.size * course * asset.field(truth.extra["spot"], moment.state)
 

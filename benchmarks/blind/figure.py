@@ -10,11 +10,16 @@ from scipy.stats import beta
 class Figure:
     """One row of the table: a share or mean with a 95 % interval.
 
-    Attributes:
-        name: in words.
-        value, low, high: the figure and its interval; NaN when there is no case.
-        n: cases.
-        must: (least, most) that the figure owes, None for no such.
+    Attributes
+    ----------
+    name
+        in words.
+    value, low, high
+        the figure and its interval; NaN when there is no case.
+    n
+        cases.
+    must
+        (least, most) that the figure owes, None for no such.
     """
 
     name: str

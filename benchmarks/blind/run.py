@@ -19,12 +19,18 @@ from benchmarks.blind.trees import Retraining, recovered, tree_figures
 class Plan:
     """A set of cases.
 
-    Attributes:
-        seed, count, jobs: of the set; processes.
-        without: share of the cases diagnosed without commissioning run too.
-        lasso, trees: numbers of cases for the group lasso and for retraining.
-        calculix: share of the cases on CalculiX's asset, where `ccx` is installed.
-        asset_mesh, twin_mesh: refinements.
+    Attributes
+    ----------
+    seed, count, jobs
+        of the set; processes.
+    without
+        share of the cases diagnosed without commissioning run too.
+    lasso, trees
+        numbers of cases for the group lasso and for retraining.
+    calculix
+        share of the cases on CalculiX's asset, where `ccx` is installed.
+    asset_mesh, twin_mesh
+        refinements.
     """
 
     seed: int

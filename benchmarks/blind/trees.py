@@ -29,9 +29,12 @@ def lesson(gauges):
 class Retraining:
     """One case to retrain for.
 
-    Attributes:
-        found, answer: its diagnosis and its opened key.
-        refinement: of the twin's mesh.
+    Attributes
+    ----------
+    found, answer
+        its diagnosis and its opened key.
+    refinement
+        of the twin's mesh.
     """
 
     found: dict

@@ -9,11 +9,16 @@ from benchmarks.blind.asset import log_uniform
 class Truth:
     """One drawn effect.
 
-    Attributes:
-        name: in the list of names that diagnosis and scorer share; "outside" for what is in no library.
-        size: in the unit of that list.
-        place: a gauge, a pair, a zone, a lift shape; the kind of what is outside.
-        extra: what else the change needs.
+    Attributes
+    ----------
+    name
+        in the list of names that diagnosis and scorer share; "outside" for what is in no library.
+    size
+        in the unit of that list.
+    place
+        a gauge, a pair, a zone, a lift shape; the kind of what is outside.
+    extra
+        what else the change needs.
     """
 
     name: str

@@ -145,7 +145,7 @@ def _check_shapes(arrays: dict[str, Any], bound: ErrorBound, words: dict[str, An
     """Refuse arrays that do not fit one another, and owners that are no regions."""
     n_outputs, n_regions, n_modes = len(words["outputs"]), len(words["parameters"]), np.size(arrays["owner"])
     owner = arrays["owner"] = frozen_ints(arrays["owner"], f"{path}: owner", (n_modes,))
-    if owner.size and not (0 <= owner.min() and owner.max() < n_regions):
+    if owner.size and not (owner.min() >= 0 and owner.max() < n_regions):
         raise InputError(f"{path}: owner names the region {owner.max()}; expected 0 to {n_regions - 1}; save it again")
     if words["n_leading"] > n_modes or (words["n_leading"] == 0 and (np.diff(owner) < 0).any()):
         raise InputError(

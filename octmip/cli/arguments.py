@@ -90,9 +90,12 @@ def add_method_argument(parser: argparse.ArgumentParser) -> None:
 def limits_of(arguments: argparse.Namespace) -> Limits:
     """Return the limits that the arguments say.
 
-    Raises:
-        ProblemError: a limit is negative or not a number.
-        DataError: seed or threads are out of range.
+    Raises
+    ------
+    ProblemError
+        a limit is negative or not a number.
+    DataError
+        seed or threads are out of range.
     """
     for name, least, most in (("threads", 1, MOST_THREADS), ("seed", 0, 2**63 - 1)):
         value = getattr(arguments, name)

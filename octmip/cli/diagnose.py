@@ -73,8 +73,10 @@ def _made(name: str, maker: Any) -> Any:
 def load_twin(name: str) -> Twin:
     """Return the twin that ``module:attribute`` names, called first when it is no twin itself.
 
-    Raises:
-        DataError: no such module or attribute, or what it gives is no twin.
+    Raises
+    ------
+    DataError
+        no such module or attribute, or what it gives is no twin.
     """
     module, colon, attribute = name.partition(":")
     if not (module and colon and attribute):

@@ -95,8 +95,10 @@ def _csv_line(cells: list[Any]) -> str:
 def _utf8(content: str) -> bytes:
     """Return the bytes of a text.
 
-    Raises:
-        DataError: a class name holds half of a surrogate pair, which no encoding has.
+    Raises
+    ------
+    DataError
+        a class name holds half of a surrogate pair, which no encoding has.
     """
     try:
         return content.encode()

@@ -22,9 +22,12 @@ class Question:
 def ask(arguments: argparse.Namespace) -> Question:
     """Return the problem of a command line.
 
-    Raises:
-        DataError: a file does not hold what was announced.
-        ProblemError: no tree can answer.
+    Raises
+    ------
+    DataError
+        a file does not hold what was announced.
+    ProblemError
+        no tree can answer.
     """
     table = read_table(arguments.data)
     labels = table.labels(arguments.label)

@@ -22,16 +22,26 @@ class IntegerCosts:
     i and class k; the cheapest answers together are `base`, which no tree avoids (0 where nothing is rounded: there the
     costs are whole as they stand).
 
-    Attributes:
-        weights: (n_samples,) int64.
-        rows: (n_samples,) int64, row of `costs` of each sample: its class, or one of its own.
-        costs: (n_rows, n_rows) int64; columns beyond the classes are no answers and cost as much as the worst.
-        penalty: of one feature in one split.
-        exponent: of the unit.
-        weight_exponent: the part of it that scales the weights, where nothing is rounded.
-        base: what every tree costs besides.
-        is_rounded: whether a whole-numbered objective may lie below the true one, or a cost was lowered.
-        tolerance: how far, at most, for trees no worse than the one that was known; 0 when nothing was rounded.
+    Attributes
+    ----------
+    weights
+        (n_samples,) int64.
+    rows
+        (n_samples,) int64, row of `costs` of each sample: its class, or one of its own.
+    costs
+        (n_rows, n_rows) int64; columns beyond the classes are no answers and cost as much as the worst.
+    penalty
+        of one feature in one split.
+    exponent
+        of the unit.
+    weight_exponent
+        the part of it that scales the weights, where nothing is rounded.
+    base
+        what every tree costs besides.
+    is_rounded
+        whether a whole-numbered objective may lie below the true one, or a cost was lowered.
+    tolerance
+        how far, at most, for trees no worse than the one that was known; 0 when nothing was rounded.
     """
 
     weights: NDArray[np.int64]

@@ -38,12 +38,18 @@ def integer_costs(problem: Problem, known: Node | None = None) -> IntegerCosts:
 class _Excess:
     """What predictions cost above the cheapest ones of their samples, scaled by a power of two to below 1.
 
-    Attributes:
-        weights: (n_samples,) float64, below 1.
-        exact: (n_classes, n_classes) costs less the cheapest of their row, as they are.
-        costs: the same in float64, below 1.
-        scale: weight times cost is ``2**scale`` times these.
-        most: what the best known tree costs, or a little more: costs above need not be told apart.
+    Attributes
+    ----------
+    weights
+        (n_samples,) float64, below 1.
+    exact
+        (n_classes, n_classes) costs less the cheapest of their row, as they are.
+    costs
+        the same in float64, below 1.
+    scale
+        weight times cost is ``2**scale`` times these.
+    most
+        what the best known tree costs, or a little more: costs above need not be told apart.
     """
 
     weights: NDArray[np.float64]

@@ -22,9 +22,12 @@ from octmip.problem import Problem
 class Ranks:
     """Dense ranks of each feature, and the distinct values behind them.
 
-    Attributes:
-        ranks: (n_features, n_samples) uint32, C-contiguous.
-        values: for each feature its distinct values, ascending: ``features[i, j] == values[j][ranks[j, i]]``.
+    Attributes
+    ----------
+    ranks
+        (n_features, n_samples) uint32, C-contiguous.
+    values
+        for each feature its distinct values, ascending: ``features[i, j] == values[j][ranks[j, i]]``.
     """
 
     ranks: NDArray[np.uint32]

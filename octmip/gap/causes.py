@@ -39,11 +39,16 @@ SENSITIVE = 12
 class ConfoundedEffects:
     """Effects that these readings cannot tell apart.
 
-    Attributes:
-        effects: names, the one that is reported first.
-        places: where each acts.
-        d_prime: how far the confounders are, in standard deviations.
-        reason: why, and what would separate them.
+    Attributes
+    ----------
+    effects
+        names, the one that is reported first.
+    places
+        where each acts.
+    d_prime
+        how far the confounders are, in standard deviations.
+    reason
+        why, and what would separate them.
     """
 
     effects: tuple[str, ...]
@@ -56,15 +61,23 @@ class ConfoundedEffects:
 class Cause:
     """One explanation of the gap.
 
-    Attributes:
-        effects: names, each once (two places of one effect are two parameters); empty when no effect is needed,
-            ("unknown",) when the library does not hold it.
-        probability: of this explanation, confounded ones included.
-        parameters: sizes of its effects.
-        confounded: for every effect that has confounders.
-        is_identifiable: whether every effect of it stands d' = 3 clear of the noise; else its name means little.
-        is_prior_sensitive: whether another cause would lead with all priors three times narrower or wider.
-        judged: the hypothesis that gives it its name.
+    Attributes
+    ----------
+    effects
+        names, each once (two places of one effect are two parameters); empty when no effect is needed,
+        ("unknown",) when the library does not hold it.
+    probability
+        of this explanation, confounded ones included.
+    parameters
+        sizes of its effects.
+    confounded
+        for every effect that has confounders.
+    is_identifiable
+        whether every effect of it stands d' = 3 clear of the noise; else its name means little.
+    is_prior_sensitive
+        whether another cause would lead with all priors three times narrower or wider.
+    judged
+        the hypothesis that gives it its name.
     """
 
     effects: tuple[str, ...]

@@ -43,9 +43,12 @@ BASELINE = "a healthy commissioning run at load factors 0, 1, 2 and 3 would sepa
 class StateEstimate:
     """An unknown damage state as the most probable cause leaves it.
 
-    Attributes:
-        tests: tests that share it.
-        mean, sd: by parameter, fractions.
+    Attributes
+    ----------
+    tests
+        tests that share it.
+    mean, sd
+        by parameter, fractions.
     """
 
     tests: tuple[str, ...]
@@ -57,19 +60,32 @@ class StateEstimate:
 class Diagnosis:
     """What the campaign says about the twin.
 
-    Attributes:
-        where: the gap by gauge, load, test and tree node.
-        which: causes, most probable first.
-        shrinkage: how far the first cause of the library closes the gap (None when it names no effect).
-        next_test: tests worth running, best value first; empty when little doubt is left.
-        noise: what the repeats say.
-        inclusion: probability of every effect to be among the causes.
-        unknown_probability: probability that something outside the library acts.
-        detectable: size of every effect that would have been seen with 95 % power, in its unit.
-        refused: effects of which these readings say nothing, with the reason.
-        states: unknown states under the first cause.
-        notes: what the reader should know about the data.
-        posterior: all hypotheses.
+    Attributes
+    ----------
+    where
+        the gap by gauge, load, test and tree node.
+    which
+        causes, most probable first.
+    shrinkage
+        how far the first cause of the library closes the gap (None when it names no effect).
+    next_test
+        tests worth running, best value first; empty when little doubt is left.
+    noise
+        what the repeats say.
+    inclusion
+        probability of every effect to be among the causes.
+    unknown_probability
+        probability that something outside the library acts.
+    detectable
+        size of every effect that would have been seen with 95 % power, in its unit.
+    refused
+        effects of which these readings say nothing, with the reason.
+    states
+        unknown states under the first cause.
+    notes
+        what the reader should know about the data.
+    posterior
+        all hypotheses.
     """
 
     where: Where
@@ -134,9 +150,11 @@ def diagnose(
         noise_sd: standard deviation of one reading [microstrain], of all gauges or by gauge, from the instrument's
             card; used where no load was read often enough to tell the noise.
 
-    Raises:
-        DataError: nothing to compare (no repeats at all, a gauge that the twin does not know, a commissioning run that
-            lacks a gauge or a known state).
+    Raises
+    ------
+    DataError
+        nothing to compare (no repeats at all, a gauge that the twin does not know, a commissioning run that
+        lacks a gauge or a known state).
     """
     with threadpool_limits(1):  # the matrices are small: threads cost more than they save
         return _diagnose(campaign, twin, effects, commissioning, tree, feature_names, noise_sd)

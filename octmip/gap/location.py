@@ -25,13 +25,20 @@ RATE = 0.05
 class Place:
     """One gauge, load, test or single entry.
 
-    Attributes:
-        name: in words.
-        z: standardised residual (an entry), or sqrt(chi2 / entries) (a group).
-        p_value: of no gap.
-        is_significant: after correction.
-        share: part of the whole squared gap, noise taken off.
-        gap_microstrain: mean residual.
+    Attributes
+    ----------
+    name
+        in words.
+    z
+        standardised residual (an entry), or sqrt(chi2 / entries) (a group).
+    p_value
+        of no gap.
+    is_significant
+        after correction.
+    share
+        part of the whole squared gap, noise taken off.
+    gap_microstrain
+        mean residual.
     """
 
     name: str
@@ -46,12 +53,18 @@ class Place:
 class Where:
     """The gap by place.
 
-    Attributes:
-        entries: one for each averaged reading, most significant first.
-        gauges, loads, tests: groups, greatest share first.
-        nodes: nodes of the deployed tree, greatest share of flipped decisions first; empty without a tree.
-        rms_microstrain: root mean square gap, noise taken off.
-        p_value: of the whole: chi-squared of all entries.
+    Attributes
+    ----------
+    entries
+        one for each averaged reading, most significant first.
+    gauges, loads, tests
+        groups, greatest share first.
+    nodes
+        nodes of the deployed tree, greatest share of flipped decisions first; empty without a tree.
+    rms_microstrain
+        root mean square gap, noise taken off.
+    p_value
+        of the whole: chi-squared of all entries.
     """
 
     entries: tuple[Place, ...]
@@ -67,11 +80,16 @@ class Where:
 class Flip:
     """A node of a tree at which twin and asset part.
 
-    Attributes:
-        path: the way to the node, "L" and "R" from the root, "" for the root.
-        words: its split in words.
-        simulated, real: share of readings that pass left, twin and asset.
-        share: part of all real readings that reach the node and go the other way than the twin's would.
+    Attributes
+    ----------
+    path
+        the way to the node, "L" and "R" from the root, "" for the root.
+    words
+        its split in words.
+    simulated, real
+        share of readings that pass left, twin and asset.
+    share
+        part of all real readings that reach the node and go the other way than the twin's would.
     """
 
     path: str
@@ -85,11 +103,16 @@ class Flip:
 class _Means:
     """The mean readings of all cells, the halves of each taken together, beside what the twin predicts.
 
-    Attributes:
-        cell, gauge: (n_means,) indices.
-        residual: (n_means,) [microstrain].
-        covariance: (n_means, n_means) of residuals without a gap.
-        noise: (n_means,) variance of noise alone.
+    Attributes
+    ----------
+    cell, gauge
+        (n_means,) indices.
+    residual
+        (n_means,) [microstrain].
+    covariance
+        (n_means, n_means) of residuals without a gap.
+    noise
+        (n_means,) variance of noise alone.
     """
 
     cell: NDArray[np.int64]

@@ -40,11 +40,16 @@ WORTH = 0.05
 class OtherTest:
     """A test outside the strain gauges.
 
-    Attributes:
-        name: in snake_case.
-        cost: relative to one strain test at a load that was flown before.
-        words: what to do.
-        quantity: what it measures, of `octmip.twin.QUANTITIES`: it sees the effects whose `seen_by` names it.
+    Attributes
+    ----------
+    name
+        in snake_case.
+    cost
+        relative to one strain test at a load that was flown before.
+    words
+        what to do.
+    quantity
+        what it measures, of `octmip.twin.QUANTITIES`: it sees the effects whose `seen_by` names it.
     """
 
     name: str
@@ -70,12 +75,18 @@ OTHER_TESTS = (
 class Proposal:
     """A test that is worth running.
 
-    Attributes:
-        name: in snake_case.
-        words: what to do.
-        information: expected information [nats] about which hypothesis holds.
-        cost: relative to one strain test at a load that was flown before.
-        is_strain_test: whether the strain gauges alone answer it.
+    Attributes
+    ----------
+    name
+        in snake_case.
+    words
+        what to do.
+    information
+        expected information [nats] about which hypothesis holds.
+    cost
+        relative to one strain test at a load that was flown before.
+    is_strain_test
+        whether the strain gauges alone answer it.
     """
 
     name: str

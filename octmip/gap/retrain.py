@@ -35,14 +35,22 @@ CLEAR = 3.0
 class Lesson:
     """What a tree is to learn.
 
-    Attributes:
-        states: (n_states, n_parameters) values of the twin's state parameters.
-        labels: (n_states,) number that the tree is to tell in each state, a damage in per cent for instance.
-        gauges: names of the gauges that the tree may read; its features, in this order.
-        load_factor: of the readings; they are divided by it.
-        repeats: noisy readings a state.
-        sd: standard deviation of one reading [microstrain] before the division, or one per gauge (n_gauges,).
-        depth: levels of splits.
+    Attributes
+    ----------
+    states
+        (n_states, n_parameters) values of the twin's state parameters.
+    labels
+        (n_states,) number that the tree is to tell in each state, a damage in per cent for instance.
+    gauges
+        names of the gauges that the tree may read; its features, in this order.
+    load_factor
+        of the readings; they are divided by it.
+    repeats
+        noisy readings a state.
+    sd
+        standard deviation of one reading [microstrain] before the division, or one per gauge (n_gauges,).
+    depth
+        levels of splits.
     """
 
     states: Floats
@@ -72,8 +80,10 @@ class Lesson:
 def means(twin: Twin, lesson: Lesson) -> Floats:
     """Return the twin's readings (n_states, n_gauges) [microstrain] in the lesson's states, without noise.
 
-    Raises:
-        DataError: the twin lacks a gauge of the lesson.
+    Raises
+    ------
+    DataError
+        the twin lacks a gauge of the lesson.
     """
     missing = [name for name in lesson.gauges if name not in twin.gauges]
     if missing:
@@ -109,8 +119,10 @@ def trained(lesson: Lesson, mean: ArrayLike, method: Method = "search", seed: in
 def retrained(twin: Twin, lesson: Lesson, method: Method = "search", seed: int = 0) -> Solution:
     """Return the tree that a twin's readings teach: give `diagnosis.augmented(twin)` to retrain after a diagnosis.
 
-    Raises:
-        DataError: the twin lacks a gauge of the lesson.
+    Raises
+    ------
+    DataError
+        the twin lacks a gauge of the lesson.
     """
     return trained(lesson, means(twin, lesson), method, seed)
 
@@ -119,9 +131,12 @@ def retrained(twin: Twin, lesson: Lesson, method: Method = "search", seed: int =
 class Recovery:
     """Mean absolute errors on the asset's readings, in the unit of the labels.
 
-    Attributes:
-        before, after, oracle: of the trees trained on the twin, on the augmented twin and on the asset.
-        standard_error: of `before` - `oracle`.
+    Attributes
+    ----------
+    before, after, oracle
+        of the trees trained on the twin, on the augmented twin and on the asset.
+    standard_error
+        of `before` - `oracle`.
     """
 
     before: float

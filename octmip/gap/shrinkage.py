@@ -34,10 +34,14 @@ LEAST_GAP = 2.0
 class HeldOut:
     """One load level or test held out.
 
-    Attributes:
-        name: what was held out.
-        before, after: root mean square gap [microstrain], noise taken off.
-        closed: share of the squared gap that closed.
+    Attributes
+    ----------
+    name
+        what was held out.
+    before, after
+        root mean square gap [microstrain], noise taken off.
+    closed
+        share of the squared gap that closed.
     """
 
     name: str
@@ -50,14 +54,21 @@ class HeldOut:
 class Shrinkage:
     """The gap before and after.
 
-    Attributes:
-        before, after, floor: root mean square gap on held-out readings [microstrain], noise taken off; the floor is
-            what twin and asset differ by before any effect.
-        closed: share of the squared gap closed, NaN when there is no gap to close.
-        low, high: its 90 % interval.
-        held_out: by load and by test.
-        chi2_before, chi2_after: per entry, all readings.
-        p_after: of the chi-squared of what remains.
+    Attributes
+    ----------
+    before, after, floor
+        root mean square gap on held-out readings [microstrain], noise taken off; the floor is
+        what twin and asset differ by before any effect.
+    closed
+        share of the squared gap closed, NaN when there is no gap to close.
+    low, high
+        its 90 % interval.
+    held_out
+        by load and by test.
+    chi2_before, chi2_after
+        per entry, all readings.
+    p_after
+        of the chi-squared of what remains.
     """
 
     before: float
@@ -76,8 +87,10 @@ class Shrinkage:
 class _Left:
     """Held-out rows: residuals without and with the effect, variance of noise alone and of the floor, (n_held,) each.
 
-    Attributes:
-        name: what was held out.
+    Attributes
+    ----------
+    name
+        what was held out.
     """
 
     name: str

@@ -33,11 +33,16 @@ STEPS = 6
 class Parameter:
     """The size of one effect.
 
-    Attributes:
-        effect, place: name and where it acts.
-        size, low, high: mean and 90 % interval, in `unit`.
-        unit: unit.
-        words: what the size measures.
+    Attributes
+    ----------
+    effect, place
+        name and where it acts.
+    size, low, high
+        mean and 90 % interval, in `unit`.
+    unit
+        unit.
+    words
+        what the size measures.
     """
 
     effect: str

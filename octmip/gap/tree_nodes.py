@@ -31,8 +31,10 @@ def flips(model: LinearModel, tree: Node, feature_names: Sequence[str], seed: in
         feature_names: names of the features.
         seed: of the simulated noise.
 
-    Raises:
-        DataError: the tree reads a feature that is no gauge of the campaign.
+    Raises
+    ------
+    DataError
+        the tree reads a feature that is no gauge of the campaign.
     """
     gauges = model.inputs.campaign.gauges
     used = {f for split in _splits(tree, "") for f in split[1].features}

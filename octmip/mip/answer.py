@@ -21,11 +21,16 @@ from octmip.tree import Node
 class Known:
     """What a formulation is built from beside the problem.
 
-    Attributes:
-        tree: the best tree known, by which a formulation may leave out what cannot be better.
-        objective: of it.
-        prices: what is to be minimised.
-        rows: the empty model to build in; it watches the limits.
+    Attributes
+    ----------
+    tree
+        the best tree known, by which a formulation may leave out what cannot be better.
+    objective
+        of it.
+    prices
+        what is to be minimised.
+    rows
+        the empty model to build in; it watches the limits.
     """
 
     tree: Node
@@ -38,14 +43,22 @@ class Known:
 class Answer:
     """What is known, and what is to be said: grows while a run goes on.
 
-    Attributes:
-        known: what the model was built from.
-        tree: the best one.
-        stop: why HiGHS ended.
-        details: of the Solution.
-        n_nodes: of HiGHS's tree.
-        price_bound: no tree of the model is priced below it.
-        doubt: why HiGHS is not believed, if so.
+    Attributes
+    ----------
+    known
+        what the model was built from.
+    tree
+        the best one.
+    stop
+        why HiGHS ended.
+    details
+        of the Solution.
+    n_nodes
+        of HiGHS's tree.
+    price_bound
+        no tree of the model is priced below it.
+    doubt
+        why HiGHS is not believed, if so.
     """
 
     known: Known

@@ -11,8 +11,10 @@ from octmip.tree import HyperplaneSplit, Split, midpoint
 def require_axis(problem: Problem, method: str) -> None:
     """Refuse a problem whose trees are not all axis-aligned.
 
-    Raises:
-        ProblemError: the problem asks for hyperplanes.
+    Raises
+    ------
+    ProblemError
+        the problem asks for hyperplanes.
     """
     if problem.split != "axis":
         raise ProblemError(

@@ -37,10 +37,14 @@ MOST_LEAK = 0.2  # what a big M lets through at an integrality that HiGHS takes 
 class Accuracy:
     """How exactly HiGHS must compute.
 
-    Attributes:
-        tolerance: of feasibility and integrality.
-        dual_tolerance: of reduced costs.
-        error: by how much a relaxation's value may be too high, in units of price.
+    Attributes
+    ----------
+    tolerance
+        of feasibility and integrality.
+    dual_tolerance
+        of reduced costs.
+    error
+        by how much a relaxation's value may be too high, in units of price.
     """
 
     tolerance: float

@@ -81,14 +81,21 @@ class Formulation(Protocol):
 class Request:
     """What is asked of the engine beside the problem.
 
-    Attributes:
-        method: name of the solver.
-        limits, incumbent, seed, n_jobs, progress: as in `octmip.solver.solve`.
-        lower_bound: a bound proven elsewhere, for instance by `octmip.exact`; enters the model as the bound of a column
-            that is the objective, and is named in the details.
-        inject: asked for a better tree while HiGHS runs, with the best objective so far; None when it has none.
-        write: file to write the model to (.mps or .lp) before it is solved.
-        relaxation: also solve the linear relaxation, for the details.
+    Attributes
+    ----------
+    method
+        name of the solver.
+    limits, incumbent, seed, n_jobs, progress
+        as in `octmip.solver.solve`.
+    lower_bound
+        a bound proven elsewhere, for instance by `octmip.exact`; enters the model as the bound of a column
+        that is the objective, and is named in the details.
+    inject
+        asked for a better tree while HiGHS runs, with the best objective so far; None when it has none.
+    write
+        file to write the model to (.mps or .lp) before it is solved.
+    relaxation
+        also solve the linear relaxation, for the details.
     """
 
     method: str
@@ -149,9 +156,12 @@ def drive(problem: Problem, encode: Callable[[Known], Formulation], request: Req
     Args:
         encode: builds the formulation.
 
-    Raises:
-        ProblemError: the incumbent is deeper than the problem allows, or the lower bound is none.
-        SolverError: HiGHS cannot be run, or refuses the model.
+    Raises
+    ------
+    ProblemError
+        the incumbent is deeper than the problem allows, or the lower bound is none.
+    SolverError
+        HiGHS cannot be run, or refuses the model.
     """
     clock = _Clock(request.limits, time.perf_counter())
     process.warm()

@@ -264,8 +264,10 @@ def solve_flow(
         fix: how far cuts are left out of the model beforehand: the levels of `octmip.mip.fixing`.
         request: the other fields of `octmip.mip.engine.Request`.
 
-    Raises:
-        SolverError: HiGHS failed, or its solution does not survive decoding.
+    Raises
+    ------
+    SolverError
+        HiGHS failed, or its solution does not survive decoding.
     """
     settings = Request("flow", limits, incumbent, seed, n_jobs, progress, **request)
 

@@ -14,11 +14,16 @@ from octmip.problem import Problem
 class Groups:
     """Groups of equal samples, and the pairs (group, label) that earn something.
 
-    Attributes:
-        sample: (n_groups,) one sample of each group.
-        size: (n_groups,) how many samples it has.
-        pair_group, pair_label: (n_pairs,) group and label of each pair.
-        earning: (n_pairs,) what the whole group earns by that label over its dearest one: positive.
+    Attributes
+    ----------
+    sample
+        (n_groups,) one sample of each group.
+    size
+        (n_groups,) how many samples it has.
+    pair_group, pair_label
+        (n_pairs,) group and label of each pair.
+    earning
+        (n_pairs,) what the whole group earns by that label over its dearest one: positive.
     """
 
     sample: NDArray[np.int64]

@@ -64,11 +64,16 @@ class Heap:
 class Placed:
     """A tree laid into a heap.
 
-    Attributes:
-        splits: the split of each branch node that has one.
-        labels: the label at each leaf of the heap that a leaf of the tree sits at.
-        position: (n_samples,) the position in `Heap.leaves` that each sample reaches.
-        flipped: the splits whose sides are exchanged (see `turned`).
+    Attributes
+    ----------
+    splits
+        the split of each branch node that has one.
+    labels
+        the label at each leaf of the heap that a leaf of the tree sits at.
+    position
+        (n_samples,) the position in `Heap.leaves` that each sample reaches.
+    flipped
+        the splits whose sides are exchanged (see `turned`).
     """
 
     splits: Mapping[int, Split | HyperplaneSplit]
@@ -105,8 +110,10 @@ class Placed:
 def place(tree: Node, heap: Heap, features: NDArray[np.float64]) -> Placed:
     """Return a tree laid into a heap, with where the rows of `features` (n_samples, n_features) end.
 
-    Raises:
-        TreeError: the tree is deeper than the heap.
+    Raises
+    ------
+    TreeError
+        the tree is deeper than the heap.
     """
     splits: dict[int, Split | HyperplaneSplit] = {}
     labels: dict[int, int] = {}

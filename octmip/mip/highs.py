@@ -43,14 +43,22 @@ arithmetic like all that is not named: `Stop.NUMERICS`."""
 class Options:
     """How HiGHS is run.
 
-    Attributes:
-        limits: at which to stop; memory counts what HiGHS's process has grown by since the run began.
-        seed: of its random choices.
-        threads: that it may use.
-        tolerance: feasibility tolerance of integer solutions, integrality included.
-        dual_tolerance: of the reduced costs of a relaxation.
-        absolute_gap: the proof may stop when incumbent and bound are this close.
-        lp_solver: of the relaxations that have nothing to start from: "simplex", "ipm", "choose".
+    Attributes
+    ----------
+    limits
+        at which to stop; memory counts what HiGHS's process has grown by since the run began.
+    seed
+        of its random choices.
+    threads
+        that it may use.
+    tolerance
+        feasibility tolerance of integer solutions, integrality included.
+    dual_tolerance
+        of the reduced costs of a relaxation.
+    absolute_gap
+        the proof may stop when incumbent and bound are this close.
+    lp_solver
+        of the relaxations that have nothing to start from: "simplex", "ipm", "choose".
     """
 
     limits: Limits = Limits()  # noqa: RUF009  (frozen)
@@ -66,16 +74,26 @@ class Options:
 class Outcome:
     """What one run of HiGHS came to.
 
-    Attributes:
-        values: (n_columns,) the best solution, None without one.
-        objective: its objective; +inf without one.
-        bound: dual bound; -inf without one.
-        stop: why it ended; `Stop.NUMERICS` when it failed.
-        status: what HiGHS itself said, or what happened to its process.
-        n_nodes: nodes of its tree.
-        seconds: wall time [s].
-        first_incumbent: objective of the first solution it had, the start's when that was accepted.
-        root_bound: dual bound when the root node was left (when the run ended, if it never was).
+    Attributes
+    ----------
+    values
+        (n_columns,) the best solution, None without one.
+    objective
+        its objective; +inf without one.
+    bound
+        dual bound; -inf without one.
+    stop
+        why it ended; `Stop.NUMERICS` when it failed.
+    status
+        what HiGHS itself said, or what happened to its process.
+    n_nodes
+        nodes of its tree.
+    seconds
+        wall time [s].
+    first_incumbent
+        objective of the first solution it had, the start's when that was accepted.
+    root_bound
+        dual bound when the root node was left (when the run ended, if it never was).
     """
 
     values: NDArray[np.float64] | None
@@ -104,8 +122,10 @@ def run(
         progress: called in this thread while HiGHS runs; what it raises stops the run and is raised again.
         inject: called in this thread with HiGHS's best objective; may return a better solution (n_columns,).
 
-    Raises:
-        SolverError: HiGHS refused the model or an option, or its process cannot be started.
+    Raises
+    ------
+    SolverError
+        HiGHS refused the model or an option, or its process cannot be started.
     """
     with lent_worker() as lent:
         return _Watch(lent, options.limits, progress, inject).over(_job(rows, _settings(options), start, inject))
@@ -130,8 +150,10 @@ def arrays(rows: Rows, *, named: bool = False) -> dict[str, Any]:
 def write(rows: Rows, path: Path) -> None:
     """Write a model to a file that any solver reads: .mps or .lp.
 
-    Raises:
-        SolverError: HiGHS could not write it.
+    Raises
+    ------
+    SolverError
+        HiGHS could not write it.
     """
     if path.suffix not in (".mps", ".lp"):
         raise SolverError(f"model file {path} ends in {path.suffix!r}; expected .mps or .lp")

@@ -39,14 +39,22 @@ Band = tuple[NDArray[np.bool_], NDArray[np.bool_]]
 class Space:
     """The transformed features in which hyperplanes are written.
 
-    Attributes:
-        x: (n_samples, n_features) transformed features, |x| <= half their range.
-        shift, scale: (n_features,) ``x = (feature * 2^-exponent - shift) * scale``.
-        exponent: (n_features,) 0 unless a feature is of extreme size; the same for all where coefficients are whole.
-        coefficient: largest |a|; 1 for real normals.
-        is_integer: whether coefficients are whole.
-        reach: largest |a'x|.
-        is_exact: whether every a'x is whole, so that mu = 1 loses nothing.
+    Attributes
+    ----------
+    x
+        (n_samples, n_features) transformed features, |x| <= half their range.
+    shift, scale
+        (n_features,) ``x = (feature * 2^-exponent - shift) * scale``.
+    exponent
+        (n_features,) 0 unless a feature is of extreme size; the same for all where coefficients are whole.
+    coefficient
+        largest |a|; 1 for real normals.
+    is_integer
+        whether coefficients are whole.
+    reach
+        largest |a'x|.
+    is_exact
+        whether every a'x is whole, so that mu = 1 loses nothing.
     """
 
     x: NDArray[np.float64]

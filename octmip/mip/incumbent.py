@@ -10,8 +10,10 @@ from octmip.tree import Leaf, Node, depth, simplify, without_empty_sides
 def starting_tree(problem: Problem, incumbent: Node | None, seed: int) -> Node:
     """Return the tree to start from: the incumbent, else CART's; one leaf where that is better.
 
-    Raises:
-        ProblemError: the incumbent is deeper than the problem allows.
+    Raises
+    ------
+    ProblemError
+        the incumbent is deeper than the problem allows.
     """
     tree = incumbent
     if tree is None:

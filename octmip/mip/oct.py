@@ -176,9 +176,12 @@ def solve_oct(
         strengthen: use the rows of `octmip.mip.flow`, the same trees with a far better bound, instead of the printed.
         request: the other fields of `octmip.mip.engine.Request`.
 
-    Raises:
-        ProblemError: the problem asks for hyperplanes.
-        SolverError: HiGHS failed, or its solution does not survive decoding.
+    Raises
+    ------
+    ProblemError
+        the problem asks for hyperplanes.
+    SolverError
+        HiGHS failed, or its solution does not survive decoding.
     """
     axis.require_axis(problem, "oct")
     settings = Request("oct", limits, incumbent, seed, n_jobs, progress, **request)

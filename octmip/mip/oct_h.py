@@ -154,9 +154,12 @@ def solve_oct_h(
         mu: strictness; None: chosen from the data by the rule of `octmip.mip.hyperplanes`.
         request: the other fields of `octmip.mip.engine.Request`.
 
-    Raises:
-        ProblemError: the problem asks for axis-aligned trees.
-        SolverError: HiGHS failed, or its solution does not survive decoding.
+    Raises
+    ------
+    ProblemError
+        the problem asks for axis-aligned trees.
+    SolverError
+        HiGHS failed, or its solution does not survive decoding.
     """
     if problem.split != "hyperplane":
         raise ProblemError(f"method 'oct_h' finds hyperplane trees but split is {problem.split!r}; say method='oct'")

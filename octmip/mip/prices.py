@@ -36,13 +36,20 @@ NEARLY_WHOLE = Fraction(1, 10**9)  # decimal weights are this close to whole num
 class Prices:
     """What predicting each label costs for each sample, as a model sees it.
 
-    Attributes:
-        weights: (n_samples,) of the samples.
-        profile: (n_samples,) row of `costs` that a sample pays by; its class, unless rounding parts samples of a class.
-        costs: (n_profiles, n_classes) of predicting each label.
-        penalty: of one feature in one split.
-        unit: what one unit of price is worth in the problem's objective.
-        above, below: what rounding gave or took at most, in the problem's objective.
+    Attributes
+    ----------
+    weights
+        (n_samples,) of the samples.
+    profile
+        (n_samples,) row of `costs` that a sample pays by; its class, unless rounding parts samples of a class.
+    costs
+        (n_profiles, n_classes) of predicting each label.
+    penalty
+        of one feature in one split.
+    unit
+        what one unit of price is worth in the problem's objective.
+    above, below
+        what rounding gave or took at most, in the problem's objective.
     """
 
     weights: NDArray[np.float64]

@@ -32,8 +32,10 @@ class Worker:
     def __init__(self) -> None:
         """Start the process.
 
-        Raises:
-            SolverError: there is no Python to start, or it cannot be.
+        Raises
+        ------
+        SolverError
+            there is no Python to start, or it cannot be.
         """
         if not sys.executable:
             raise SolverError("sys.executable is empty; expected the path of Python, to run HiGHS beside this process")
@@ -53,7 +55,8 @@ class Worker:
             )
         except OSError as error:
             raise SolverError(f"{sys.executable} cannot be started to run HiGHS: {error}") from error
-        assert self.process.stdin is not None and self.process.stdout is not None
+        assert self.process.stdin is not None
+        assert self.process.stdout is not None
         self.is_spent = False
         self._inbox: queue.SimpleQueue[Any] = queue.SimpleQueue()
         self._outbox: queue.SimpleQueue[Any] = queue.SimpleQueue()
@@ -123,8 +126,10 @@ _lock = threading.Lock()
 def lent_worker() -> Iterator[Worker]:
     """Lend a worker that is started or starting; it is closed afterwards if it is spent, else kept for a while.
 
-    Raises:
-        SolverError: no process can be started.
+    Raises
+    ------
+    SolverError
+        no process can be started.
     """
     lent = _taken() or Worker()
     try:

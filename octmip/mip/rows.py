@@ -30,8 +30,10 @@ BYTES_OF_COLUMN = 80
 class Rows:
     """A mixed-integer model under construction.
 
-    Attributes:
-        watch: called before every family with the bytes that the model takes with it; may raise at a limit.
+    Attributes
+    ----------
+    watch
+        called before every family with the bytes that the model takes with it; may raise at a limit.
     """
 
     watch: Callable[[float], None] | None = None

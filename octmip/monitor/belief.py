@@ -21,9 +21,12 @@ Floats = NDArray[np.float64]
 class Belief:
     """What is believed of one asset, or of n assets at once.
 
-    Attributes:
-        library: the states.
-        weights: (n, n_paces, n_states) probability of every pace of growth and state, 1 in all for each asset.
+    Attributes
+    ----------
+    library
+        the states.
+    weights
+        (n, n_paces, n_states) probability of every pace of growth and state, 1 in all for each asset.
     """
 
     library: Library
@@ -106,8 +109,10 @@ def calibrated_content(contents: Floats, coverage: float = 0.9) -> float:
             The answer is their quantile, as in split-conformal prediction; how well it is known is a matter of the
             number of histories, not of their steps.
 
-    Raises:
-        ProblemError: there are none, or coverage is no share.
+    Raises
+    ------
+    ProblemError
+        there are none, or coverage is no share.
     """
     if not np.size(contents) or not 0.0 < coverage < 1.0:
         raise ProblemError(

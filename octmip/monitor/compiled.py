@@ -25,9 +25,12 @@ Step = tuple[tuple[int, ...], tuple[float, ...], float, int, int]
 class CompiledTree:
     """A tree ready for readings.
 
-    Attributes:
-        tree: the tree.
-        feature_names: (n_features,) names in the order of a reading.
+    Attributes
+    ----------
+    tree
+        the tree.
+    feature_names
+        (n_features,) names in the order of a reading.
     """
 
     tree: Node
@@ -92,8 +95,10 @@ class CompiledTree:
     def node(self, reading: Sequence[float] | NDArray[np.float64]) -> int:
         """Return the preorder number of the leaf of one reading (n_features,).
 
-        Raises:
-            DataError: the reading has another length, or no number where a split on its way asks for one.
+        Raises
+        ------
+        DataError
+            the reading has another length, or no number where a split on its way asks for one.
         """
         if len(reading) != len(self.feature_names):
             raise DataError(
@@ -123,8 +128,10 @@ class CompiledTree:
     def label(self, reading: Sequence[float] | NDArray[np.float64]) -> int:
         """Return the class index of one reading (n_features,).
 
-        Raises:
-            DataError: as `node`.
+        Raises
+        ------
+        DataError
+            as `node`.
         """
         return self._labels[self.node(reading)]
 
@@ -146,8 +153,10 @@ class CompiledTree:
 
         Rows without an answer get the number of nodes, one past the last.
 
-        Raises:
-            DataError: the rows have another length.
+        Raises
+        ------
+        DataError
+            the rows have another length.
         """
         readings = np.ascontiguousarray(readings, dtype=np.float64)
         if readings.ndim != 2 or readings.shape[1] != len(self.feature_names):
@@ -162,8 +171,10 @@ class CompiledTree:
     def labels(self, readings: NDArray[np.float64]) -> NDArray[np.int64]:
         """Return the class index of every row of readings (n, n_features), `REFUSED` where there is none, shape (n,).
 
-        Raises:
-            DataError: the rows have another length.
+        Raises
+        ------
+        DataError
+            the rows have another length.
         """
         table = np.array([*self._labels, REFUSED], dtype=np.int64)
         return np.asarray(table[self.leaf_nodes(readings)])

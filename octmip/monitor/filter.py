@@ -40,9 +40,12 @@ class Likelihood(Protocol):
 class Filter:
     """A hidden Markov model of the asset.
 
-    Attributes:
-        likelihood: of a reading in every state.
-        growth: of damage in one step.
+    Attributes
+    ----------
+    likelihood
+        of a reading in every state.
+    growth
+        of damage in one step.
     """
 
     likelihood: Likelihood
@@ -82,8 +85,10 @@ class Filter:
         Args:
             load_factor: known, of all readings or (n,) of each.
 
-        Raises:
-            DataError: the readings have another shape or hold an infinite number, or a load is not positive.
+        Raises
+        ------
+        DataError
+            the readings have another shape or hold an infinite number, or a load is not positive.
         """
         rows = check_readings(readings, self.library)
         loads = np.broadcast_to(np.asarray(load_factor, dtype=np.float64), (len(rows),))

@@ -21,10 +21,14 @@ RATE = 0.01
 class Proposal:
     """A state to add to the library, for `Library.with_state`.
 
-    Attributes:
-        state: values by parameter, the new one among them, damage as a fraction.
-        strains: (n_gauges,) microstrain per unit of load factor.
-        size, sd, unit: of the thing that was found, as it was estimated.
+    Attributes
+    ----------
+    state
+        values by parameter, the new one among them, damage as a fraction.
+    strains
+        (n_gauges,) microstrain per unit of load factor.
+    size, sd, unit
+        of the thing that was found, as it was estimated.
     """
 
     state: Mapping[str, float]
@@ -38,15 +42,23 @@ class Proposal:
 class Finding:
     """Why an asset is no longer one of the library.
 
-    Attributes:
-        kind: "gauge", the name of an effect, or "unknown".
-        name: the gauge or place; "" if unknown.
-        probability: of this kind and name among all candidates; of "unknown" where a gauge's fault had no size of the
-            candidates and was told by elimination.
-        gauges: names of those whose mean residual cannot be noise, farthest off first.
-        since: reading from which the residuals have been off, as far as that can be told.
-        proposal: the state to add; None for a gauge's fault.
-        words: all of it in a sentence or two.
+    Attributes
+    ----------
+    kind
+        "gauge", the name of an effect, or "unknown".
+    name
+        the gauge or place; "" if unknown.
+    probability
+        of this kind and name among all candidates; of "unknown" where a gauge's fault had no size of the
+        candidates and was told by elimination.
+    gauges
+        names of those whose mean residual cannot be noise, farthest off first.
+    since
+        reading from which the residuals have been off, as far as that can be told.
+    proposal
+        the state to add; None for a gauge's fault.
+    words
+        all of it in a sentence or two.
     """
 
     kind: str

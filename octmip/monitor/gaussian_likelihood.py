@@ -26,8 +26,10 @@ MOST_TABLES = 64
 class GaussianLikelihood:
     """A reading as an observation of the state; keeps its tables, so it is not frozen.
 
-    Attributes:
-        library: the states.
+    Attributes
+    ----------
+    library
+        the states.
     """
 
     library: Library

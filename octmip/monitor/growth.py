@@ -28,9 +28,12 @@ class Growth:
     The states are all combinations of the levels of one or more axes, the last axis fastest, and the axes grow
     independently: one small table an axis instead of one large one. Any chain at all is one axis with its full table.
 
-    Attributes:
-        tables: for each axis (n_paces, n_levels, n_levels), from the row's level to the column's in one step.
-        changes: (n_paces, n_paces), from one pace to another in one step.
+    Attributes
+    ----------
+    tables
+        for each axis (n_paces, n_levels, n_levels), from the row's level to the column's in one step.
+    changes
+        (n_paces, n_paces), from one pace to another in one step.
     """
 
     tables: tuple[Floats, ...]
@@ -95,8 +98,10 @@ def steady_growth(library: Library, rates: float | Sequence[float], sudden: floa
         sudden: probability of a jump of a parameter in a step.
         change: probability of another pace in a step.
 
-    Raises:
-        ProblemError: a rate or probability is outside of 0 to 1, or a step would skip levels.
+    Raises
+    ------
+    ProblemError
+        a rate or probability is outside of 0 to 1, or a step would skip levels.
     """
     given = np.atleast_1d(np.asarray(rates, dtype=np.float64)).tolist()
     levels = [np.unique(column) for column in library.states.T]

@@ -37,11 +37,16 @@ ROWS = 200_000
 class LeafLikelihood:
     """The leaf of a tree as an observation of the state; keeps its tables, so it is not frozen.
 
-    Attributes:
-        tree: over readings per unit of load factor.
-        library: the states; not necessarily those that the tree tells.
-        n_draws: readings drawn in every state for the table of a load.
-        seed: of the draws.
+    Attributes
+    ----------
+    tree
+        over readings per unit of load factor.
+    library
+        the states; not necessarily those that the tree tells.
+    n_draws
+        readings drawn in every state for the table of a load.
+    seed
+        of the draws.
     """
 
     tree: Node
@@ -82,8 +87,10 @@ class LeafLikelihood:
     def open_leaves(self, features: Floats) -> NDArray[np.bool_]:
         """Return which leaves features (n, n_gauges) may have reached, shape (n, n_leaves): one where none is missing.
 
-        Raises:
-            DataError: the rows have another length.
+        Raises
+        ------
+        DataError
+            the rows have another length.
         """
         at = self._compiled.leaf_nodes(features)
         is_known = at < len(self._leaf_of_node)
@@ -136,8 +143,10 @@ def _open_leaves(tree: Node, features: Floats) -> NDArray[np.bool_]:
 def check_readings(readings: Floats, library: Library) -> Floats:
     """Return readings as (n, n_gauges).
 
-    Raises:
-        DataError: they have another shape or hold an infinite number.
+    Raises
+    ------
+    DataError
+        they have another shape or hold an infinite number.
     """
     rows = np.asarray(readings, dtype=np.float64)
     if rows.ndim != 2 or rows.shape[1] != len(library.gauges):

@@ -21,15 +21,24 @@ Floats = NDArray[np.float64]
 class Library:
     """States of a twin with their strains.
 
-    Attributes:
-        parameters: names of the state parameters.
-        states: (n_states, n_parameters) damage fractions, none twice.
-        gauges: names of the gauges, the order of every reading.
-        strains: (n_states, n_gauges) microstrain per unit of load factor, compressive positive.
-        noise_sd: (n_gauges,) of one reading at any load [microstrain]; one number: the same for all.
-        widths: (n_parameters,) width of the cell around each state; 0: a point.
-        slopes: (n_states, n_parameters, n_gauges) change of `strains` per unit of parameter; None: 0.
-        only_load: the one load factor that the strains hold for; None: strain is proportional to load.
+    Attributes
+    ----------
+    parameters
+        names of the state parameters.
+    states
+        (n_states, n_parameters) damage fractions, none twice.
+    gauges
+        names of the gauges, the order of every reading.
+    strains
+        (n_states, n_gauges) microstrain per unit of load factor, compressive positive.
+    noise_sd
+        (n_gauges,) of one reading at any load [microstrain]; one number: the same for all.
+    widths
+        (n_parameters,) width of the cell around each state; 0: a point.
+    slopes
+        (n_states, n_parameters, n_gauges) change of `strains` per unit of parameter; None: 0.
+    only_load
+        the one load factor that the strains hold for; None: strain is proportional to load.
     """
 
     parameters: tuple[str, ...]
@@ -76,8 +85,10 @@ class Library:
     def index_of(self, state: Mapping[str, float]) -> int:
         """Return the index of a state given by name; what it does not name is 0.
 
-        Raises:
-            ProblemError: it names an unknown parameter, or is not in the library.
+        Raises
+        ------
+        ProblemError
+            it names an unknown parameter, or is not in the library.
         """
         unknown = [name for name in state if name not in self.parameters]
         row = np.array([state.get(name, 0.0) for name in self.parameters])
@@ -92,16 +103,20 @@ class Library:
     def features(self, readings: Floats, load_factor: float) -> Floats:
         """Return readings (n, n_gauges) per unit of load factor: what trees are trained on.
 
-        Raises:
-            DataError: the load factor is not positive, or one that the strains do not hold for.
+        Raises
+        ------
+        DataError
+            the load factor is not positive, or one that the strains do not hold for.
         """
         return np.asarray(readings / self.checked_load(load_factor))
 
     def checked_load(self, load_factor: float) -> float:
         """Return the load factor.
 
-        Raises:
-            DataError: it is not a positive number, or one that the strains do not hold for.
+        Raises
+        ------
+        DataError
+            it is not a positive number, or one that the strains do not hold for.
         """
         if not 0.0 < load_factor < np.inf:
             raise DataError(f"load_factor is {load_factor}; expected a positive number, 1 in steady level flight")
@@ -155,8 +170,10 @@ def library_of(
             within 0 and 1.
         load_factor: where a twin that is not linear in load is asked; the library holds for that load alone.
 
-    Raises:
-        ProblemError: the twin lacks a gauge.
+    Raises
+    ------
+    ProblemError
+        the twin lacks a gauge.
     """
     names = tuple(twin.gauges if gauges is None else gauges)
     missing = [name for name in names if name not in twin.gauges]

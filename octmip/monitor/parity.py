@@ -33,9 +33,12 @@ class Parity:
 
     It keeps a projector for each such set, so it is not frozen.
 
-    Attributes:
-        library: the states.
-        largest_load: load factor up to which the remainder holds.
+    Attributes
+    ----------
+    library
+        the states.
+    largest_load
+        load factor up to which the remainder holds.
     """
 
     library: Library
@@ -48,8 +51,10 @@ class Parity:
     def projector(self, is_known: NDArray[np.bool_]) -> Floats:
         """Return P (n_gauges, n_gauges) of the gauges at hand, rows and columns of the others 0.
 
-        Raises:
-            ProblemError: the library's states can explain any reading of these gauges.
+        Raises
+        ------
+        ProblemError
+            the library's states can explain any reading of these gauges.
         """
         key = is_known.tobytes()
         if key not in self._projectors:

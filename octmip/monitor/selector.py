@@ -35,11 +35,16 @@ FORMAT, VERSION = "octmip-selector", 1
 class ParameterTree:
     """A tree that tells one state parameter.
 
-    Attributes:
-        parameter: its name.
-        tree: over readings per unit of load factor.
-        values: value of the parameter by class index, damage as a fraction.
-        gauges: (n_features,) names of what the tree reads.
+    Attributes
+    ----------
+    parameter
+        its name.
+    tree
+        over readings per unit of load factor.
+    values
+        value of the parameter by class index, damage as a fraction.
+    gauges
+        (n_features,) names of what the tree reads.
     """
 
     parameter: str
@@ -58,11 +63,16 @@ class ParameterTree:
 class Selection:
     """What one reading selects.
 
-    Attributes:
-        state: index in the library.
-        name: of the state.
-        distribution: (n_states,) probability of every state of the library.
-        path: preorder numbers of the splits passed, and of the leaf.
+    Attributes
+    ----------
+    state
+        index in the library.
+    name
+        of the state.
+    distribution
+        (n_states,) probability of every state of the library.
+    path
+        preorder numbers of the splits passed, and of the leaf.
     """
 
     state: int
@@ -75,9 +85,12 @@ class Selection:
 class ModelSelector:
     """One tree whose classes are the states of a library.
 
-    Attributes:
-        library: the states.
-        tree: leaf labels are indices of states; features are the library's gauges, per unit of load factor.
+    Attributes
+    ----------
+    library
+        the states.
+    tree
+        leaf labels are indices of states; features are the library's gauges, per unit of load factor.
     """
 
     library: Library
@@ -98,8 +111,10 @@ class ModelSelector:
     def of_trees(cls, library: Library, trees: Sequence[ParameterTree]) -> "ModelSelector":
         """Return the selector of one tree a parameter, each appended to every leaf of the one before.
 
-        Raises:
-            TreeError: a tree reads a gauge or tells a state that the library lacks.
+        Raises
+        ------
+        TreeError
+            a tree reads a gauge or tells a state that the library lacks.
         """
         return cls(library, _appended(library, list(trees), {}))
 
@@ -110,9 +125,12 @@ class ModelSelector:
 
         `prior` (n_states,): probability of every state before the reading; None: all as likely.
 
-        Raises:
-            ProblemError: the prior is no distribution over the states.
-            DataError: its length is another, the load is not positive, or it lacks a number where the tree asks.
+        Raises
+        ------
+        ProblemError
+            the prior is no distribution over the states.
+        DataError
+            its length is another, the load is not positive, or it lacks a number where the tree asks.
         """
         row = self.library.features(np.asarray(reading, dtype=np.float64), load_factor)
         leaf = self.compiled.node(row)
@@ -133,9 +151,12 @@ class ModelSelector:
     def write(self, path: PathLike) -> None:
         """Write the selector as JSON: tree, gauges, states and strains; floats come back to the last bit.
 
-        Raises:
-            DataError: it cannot be written.
-            TreeError: two states differ only beyond the six digits of their names.
+        Raises
+        ------
+        DataError
+            it cannot be written.
+        TreeError
+            two states differ only beyond the six digits of their names.
         """
         library = self.library
         different(library.state_names, "state_names")  # two states of one name could not be read apart
@@ -155,9 +176,12 @@ class ModelSelector:
     def read(cls, path: PathLike) -> "ModelSelector":
         """Return the selector that `write` wrote.
 
-        Raises:
-            DataError: the file cannot be read.
-            TreeError: it is of another kind, or what it holds is no selector.
+        Raises
+        ------
+        DataError
+            the file cannot be read.
+        TreeError
+            it is of another kind, or what it holds is no selector.
         """
         content = read_json_object(path)
         if content.get("format") != FORMAT or content.get("version") != VERSION:

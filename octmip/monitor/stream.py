@@ -29,13 +29,20 @@ Reading = tuple[float, Values]
 class Answer:
     """What is said of one reading.
 
-    Attributes:
-        number: of the reading in the stream, from 0.
-        state: index of the selected state in the selector's library; None where a missing gauge leaves it open.
-        belief: after the reading; None without a filter.
-        leaf_p_value: of the leaf under the belief before the reading; None without a filter on leaves.
-        p_value: of the reading in the library; None without a watch.
-        finding: why the alarm was raised at this reading; None otherwise.
+    Attributes
+    ----------
+    number
+        of the reading in the stream, from 0.
+    state
+        index of the selected state in the selector's library; None where a missing gauge leaves it open.
+    belief
+        after the reading; None without a filter.
+    leaf_p_value
+        of the leaf under the belief before the reading; None without a filter on leaves.
+    p_value
+        of the reading in the library; None without a watch.
+    finding
+        why the alarm was raised at this reading; None otherwise.
     """
 
     number: int
@@ -50,9 +57,12 @@ class Answer:
 class Refusal:
     """A reading that was not used.
 
-    Attributes:
-        number: of the reading in the stream, from 0.
-        words: what is wrong with it.
+    Attributes
+    ----------
+    number
+        of the reading in the stream, from 0.
+    words
+        what is wrong with it.
     """
 
     number: int
@@ -63,11 +73,16 @@ class Refusal:
 class Monitor:
     """A selector, and what else is wanted, at work on the readings of one asset.
 
-    Attributes:
-        selector: the tree.
-        filter: carries a belief along; None: every reading for itself.
-        watch: looks out for what is not in the library; None: nobody does.
-        start_state: index in the filter's library that the asset starts in; None: unknown.
+    Attributes
+    ----------
+    selector
+        the tree.
+    filter
+        carries a belief along; None: every reading for itself.
+    watch
+        looks out for what is not in the library; None: nobody does.
+    start_state
+        index in the filter's library that the asset starts in; None: unknown.
     """
 
     selector: ModelSelector

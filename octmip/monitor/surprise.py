@@ -20,8 +20,10 @@ def leaf_p_value(likelihood: LeafLikelihood, expected: Belief, readings: Floats,
     Args:
         expected: the belief about each asset just before the reading, `Filter.advance` of the last.
 
-    Raises:
-        DataError: the readings have another shape or hold an infinite number, or the load is not positive.
+    Raises
+    ------
+    DataError
+        the readings have another shape or hold an infinite number, or the load is not positive.
     """
     rows = check_readings(readings, likelihood.library)
     open_leaves = likelihood.open_leaves(likelihood.library.features(rows, load_factor))

@@ -19,13 +19,20 @@ GAUGE_SIZES = (-30.0, -10.0, -3.0, -1.0, 1.0, 3.0, 10.0, 30.0)
 class Suspect:
     """One thing outside the library.
 
-    Attributes:
-        name: of the thing and its place.
-        kind: "gauge" or the name of an effect.
-        signature: (n_gauges,) change of a reading in microstrain per unit of size, at load factor 1.
-        sizes: that it is expected to have.
-        unit: of the size.
-        load_power: 1: proportional to load; 0: the same at every load.
+    Attributes
+    ----------
+    name
+        of the thing and its place.
+    kind
+        "gauge" or the name of an effect.
+    signature
+        (n_gauges,) change of a reading in microstrain per unit of size, at load factor 1.
+    sizes
+        that it is expected to have.
+    unit
+        of the size.
+    load_power
+        1: proportional to load; 0: the same at every load.
     """
 
     name: str

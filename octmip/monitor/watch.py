@@ -47,14 +47,22 @@ N_BEGINNINGS = 10
 class Vigil:
     """What a watch has seen of n assets.
 
-    Attributes:
-        n_seen: readings since its start.
-        log_evidence: (n, n_candidates) log R of every candidate.
-        sums: (n, N_BEGINNINGS, n_gauges) sums of residuals since each beginning; loaded_sums: times their loads.
-        counts: (n, N_BEGINNINGS) readings in them; squared_loads: their loads squared.
-        degrees: (n,) d of the formula for an unknown direction.
-        p_value: (n,) of the last reading: how often a reading of the library is as far off or farther.
-        log_e: (n,) log E; is_alarm: (n,) whether E has ever reached 1 / rate.
+    Attributes
+    ----------
+    n_seen
+        readings since its start.
+    log_evidence
+        (n, n_candidates) log R of every candidate.
+    sums
+        (n, N_BEGINNINGS, n_gauges) sums of residuals since each beginning; loaded_sums: times their loads.
+    counts
+        (n, N_BEGINNINGS) readings in them; squared_loads: their loads squared.
+    degrees
+        (n,) d of the formula for an unknown direction.
+    p_value
+        (n,) of the last reading: how often a reading of the library is as far off or farther.
+    log_e
+        (n,) log E; is_alarm: (n,) whether E has ever reached 1 / rate.
     """
 
     n_seen: int
@@ -73,12 +81,18 @@ class Vigil:
 class Watch:
     """A guard at the edge of a library; keeps its tables, so it is not frozen.
 
-    Attributes:
-        library: the states.
-        suspects: what may act from outside; single gauges are always among the candidates.
-        rate: probability of at most one false alarm in a horizon.
-        horizon: readings after which the test starts afresh (a mission).
-        largest_load: load factor that readings have at most.
+    Attributes
+    ----------
+    library
+        the states.
+    suspects
+        what may act from outside; single gauges are always among the candidates.
+    rate
+        probability of at most one false alarm in a horizon.
+    horizon
+        readings after which the test starts afresh (a mission).
+    largest_load
+        load factor that readings have at most.
     """
 
     library: Library
@@ -134,9 +148,12 @@ class Watch:
     def observe(self, vigil: Vigil, readings: Floats, load_factor: float | Floats) -> Vigil:
         """Return the vigil after one reading of every asset, (n, n_gauges) in microstrain, NaN where missing.
 
-        Raises:
-            DataError: the readings have another shape or hold an infinite number, or a load is not positive.
-            ProblemError: so many gauges are missing that the library explains any reading.
+        Raises
+        ------
+        DataError
+            the readings have another shape or hold an infinite number, or a load is not positive.
+        ProblemError
+            so many gauges are missing that the library explains any reading.
         """
         rows = check_readings(readings, self.library)
         loads = np.broadcast_to(np.asarray(load_factor, dtype=np.float64), (len(rows),))

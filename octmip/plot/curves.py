@@ -18,8 +18,10 @@ from octmip.uncertainty import ReliabilityBin
 def progress_figure(progress: Sequence[Progress], title: str | None = None) -> Figure:
     """Return objective and bound over the seconds of a solver's run, the gap between them shaded.
 
-    Raises:
-        ProblemError: there is no progress to draw.
+    Raises
+    ------
+    ProblemError
+        there is no progress to draw.
     """
     if not progress:
         raise ProblemError("no progress was recorded; give solve a progress callback that keeps what it is told")
@@ -46,8 +48,10 @@ def frontier_figure(
 ) -> Figure:
     """Return objectives and bounds against what was varied, the gaps between them as bars; `name` is of the values.
 
-    Raises:
-        ProblemError: there is no point to draw.
+    Raises
+    ------
+    ProblemError
+        there is no point to draw.
     """
     if not values:
         raise ProblemError("the frontier has no points; give it at least one value")
@@ -72,8 +76,10 @@ def frontier_figure(
 def reliability_figure(curves: Mapping[str, Sequence[ReliabilityBin]], title: str | None = None) -> Figure:
     """Return the share of hits against the probability told, one line a name; areas of points go by weight.
 
-    Raises:
-        ProblemError: there is no bin to draw.
+    Raises
+    ------
+    ProblemError
+        there is no bin to draw.
     """
     if not any(curves.values()):
         raise ProblemError("there are no bins; give the bins of octmip.uncertainty.reliability under a name")

@@ -61,8 +61,10 @@ def tree_figure(problem: Problem, tree: Node, title: str | None = None) -> Figur
 
     Yes (left) and no (right) are written on the edges of the root.
 
-    Raises:
-        ProblemError: the tree reads a feature or predicts a class that the problem lacks.
+    Raises
+    ------
+    ProblemError
+        the tree reads a feature or predicts a class that the problem lacks.
     """
     check_names(problem, tree)
     counts = np.zeros((len(leaves(tree)), problem.n_classes), dtype=np.int64)

@@ -28,7 +28,7 @@ def drawn(name: object) -> str:
 
 
 def plain(text: Text) -> Text:
-    """Return a text of the drawing in which ``$`` and ``\\`` are characters: no formula, no TeX."""
+    r"""Return a text of the drawing in which ``$`` and ``\\`` are characters: no formula, no TeX."""
     text.set_parse_math(False)
     text.set_usetex(False)
     return text

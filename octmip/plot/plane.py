@@ -24,8 +24,10 @@ def partition_figure(
     Each split line ends where its own cell ends; the root's is the thickest. `features` are the two of the plane; left
     out, they are the problem's when it has two, else those that the tree reads.
 
-    Raises:
-        ProblemError: the tree reads other features than two, or predicts a class that the problem lacks.
+    Raises
+    ------
+    ProblemError
+        the tree reads other features than two, or predicts a class that the problem lacks.
     """
     check_names(problem, tree)
     pair = _plane(problem, tree, features)

@@ -45,8 +45,10 @@ def quiet_frame(axes: Axes) -> None:
 def check_names(problem: Problem, tree: Node) -> None:
     """Refuse a tree of another problem.
 
-    Raises:
-        ProblemError: it reads a feature or predicts a class that the problem lacks.
+    Raises
+    ------
+    ProblemError
+        it reads a feature or predicts a class that the problem lacks.
     """
     highest = max((*features_used(tree), -1))
     label = max(leaf.label for leaf in leaves(tree))

@@ -34,7 +34,7 @@ def tree_dot(tree: Node, feature_names: Sequence[str], class_names: Sequence[Any
 
 
 def _quoted(text: str) -> str:
-    """Return a label that is drawn as it stands: no escape of Graphviz (``\\N``, ``\\l``), no entity (``&lt;``)."""
+    r"""Return a label that is drawn as it stands: no escape of Graphviz (``\\N``, ``\\l``), no entity (``&lt;``)."""
     lines = [text[k : k + LONGEST_LINE] for k in range(0, len(text), LONGEST_LINE)]
     escaped = [p.replace("&", "&amp;").replace("\\", "\\\\").replace('"', '\\"') for p in lines]
     return '\\n" + "'.join(escaped).join('""')  # a sum of strings: no single one may have more than 16,384 bytes

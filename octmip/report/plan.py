@@ -18,10 +18,14 @@ from octmip.tree import HyperplaneSplit, Leaf, Node, Split, leaf_index, leaves
 class Wording:
     """How values and answers are written.
 
-    Attributes:
-        unit: of a reading, as "microstrain".
-        label: what is decided, as "mu2".
-        label_unit: as "%".
+    Attributes
+    ----------
+    unit
+        of a reading, as "microstrain".
+    label
+        what is decided, as "mu2".
+    label_unit
+        as "%".
     """
 
     unit: str = ""
@@ -43,8 +47,10 @@ class _Step:
 def plan_text(inspection: Inspection, solution: Solution, wording: Wording = Wording()) -> str:
     """Return the plan as indented lines, yes before no, with the cost and the proof below.
 
-    Raises:
-        CertificateError: the solution does not hold what it claims.
+    Raises
+    ------
+    CertificateError
+        the solution does not hold what it claims.
     """
     certificate = certify_inspection(inspection, solution)
     assert solution.tree is not None
@@ -68,8 +74,10 @@ def plan_text(inspection: Inspection, solution: Solution, wording: Wording = Wor
 def plan_markdown(inspection: Inspection, solution: Solution, wording: Wording = Wording()) -> str:
     """Return the plan as a Markdown table of numbered steps, with the cost and the proof below.
 
-    Raises:
-        CertificateError: the solution does not hold what it claims.
+    Raises
+    ------
+    CertificateError
+        the solution does not hold what it claims.
     """
     certificate = certify_inspection(inspection, solution)
     assert solution.tree is not None

@@ -16,8 +16,10 @@ BLOCK = 2
 def descend(core: Core, tree: Node, price: float, limits: Limits) -> Node:
     """Return the tree with its subtrees, from the bottom up, replaced by the best of two levels where that is better.
 
-    Raises:
-        KeyboardInterrupt: Ctrl-C while a subtree was searched for.
+    Raises
+    ------
+    KeyboardInterrupt
+        Ctrl-C while a subtree was searched for.
     """
     rows = np.arange(core.inspection.problem.n_samples)
     return _better(core, tree, price, limits, (rows, core.inspection.problem.depth, frozenset()))

@@ -46,11 +46,16 @@ def by_chance(problem: Problem, budget: float, rng: np.random.Generator) -> tupl
 class InformationDesign:
     """A D-optimal choice.
 
-    Attributes:
-        sensors: names.
-        log_det: mean over states of log det of the information of those sensors (parameters scaled, see below).
-        relaxed_log_det: of the relaxation: no choice within the budget has more.
-        shares: (n_sensors,) of the relaxation, 0 to 1; the sensors are those of largest share.
+    Attributes
+    ----------
+    sensors
+        names.
+    log_det
+        mean over states of log det of the information of those sensors (parameters scaled, see below).
+    relaxed_log_det
+        of the relaxation: no choice within the budget has more.
+    shares
+        (n_sensors,) of the relaxation, 0 to 1; the sensors are those of largest share.
     """
 
     sensors: tuple[str, ...]
@@ -74,9 +79,12 @@ def by_information(problem: Problem, budget: float, sensitivity: ArrayLike) -> I
             for one state; noise is taken as equal in all features. Parameters are scaled to a root mean square of 1,
             which changes no optimum.
 
-    Raises:
-        ProblemError: shapes do not fit, or the sensors cannot tell the parameters apart within the budget.
-        SolverError: the relaxation was not solved.
+    Raises
+    ------
+    ProblemError
+        shapes do not fit, or the sensors cannot tell the parameters apart within the budget.
+    SolverError
+        the relaxation was not solved.
     """
     gradients = _scaled(problem, sensitivity)
     information = np.zeros((len(gradients), len(problem.sensors), *gradients.shape[2:], gradients.shape[2]))

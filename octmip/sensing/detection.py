@@ -31,14 +31,22 @@ N_DRAWS = 40_000
 class FaultDetector:
     """Finds failed gauges in readings.
 
-    Attributes:
-        means: (n_states, n_gauges) readings of the library's states, in the unit of the readings.
-        noise_sd: (n_gauges,) standard deviation of one reading; one number: the same for all.
-        gauges: their names.
-        rate: probability that a healthy reading raises an alarm.
-        n_averaged: each reading given is the mean of so many at one state, so its noise is less.
-        seed: of the draws that the limit is taken from.
-        limit: surprise from which on there is an alarm.
+    Attributes
+    ----------
+    means
+        (n_states, n_gauges) readings of the library's states, in the unit of the readings.
+    noise_sd
+        (n_gauges,) standard deviation of one reading; one number: the same for all.
+    gauges
+        their names.
+    rate
+        probability that a healthy reading raises an alarm.
+    n_averaged
+        each reading given is the mean of so many at one state, so its noise is less.
+    seed
+        of the draws that the limit is taken from.
+    limit
+        surprise from which on there is an alarm.
     """
 
     means: Floats
@@ -79,8 +87,10 @@ class FaultDetector:
     def surprise(self, readings: Floats) -> Floats:
         """Return -log(p(x_i | x_-i) sd_i) of every gauge, (n, n_gauges); NaN where the reading is missing.
 
-        Raises:
-            DataError: the readings have another shape or hold an infinite number.
+        Raises
+        ------
+        DataError
+            the readings have another shape or hold an infinite number.
         """
         readings = np.asarray(readings, dtype=np.float64)
         if readings.ndim != 2 or readings.shape[1] != len(self.gauges) or np.isinf(readings).any():

@@ -32,8 +32,10 @@ class Filling:
     def fill(self, features: Floats) -> Floats:
         """Return features (n, n_features) with every NaN replaced; a row without any reading becomes the mean.
 
-        Raises:
-            DataError: the features have another number of columns.
+        Raises
+        ------
+        DataError
+            the features have another number of columns.
         """
         if features.ndim != 2 or features.shape[1] != len(self.mean):
             raise DataError(f"features has shape {features.shape}; expected (n, {len(self.mean)})")

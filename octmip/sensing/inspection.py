@@ -37,9 +37,12 @@ MOST_SENSORS = 127
 class Group:
     """Sensors that are opened together: a panel, a cable, a visit.
 
-    Attributes:
-        sensors: their names.
-        opening: paid once by a path that reads any of them, beside the sensors' own costs.
+    Attributes
+    ----------
+    sensors
+        their names.
+    opening
+        paid once by a path that reads any of them, beside the sensors' own costs.
     """
 
     sensors: tuple[str, ...]
@@ -50,19 +53,27 @@ class Group:
 class Inspection:
     """A problem whose sensors are read in sequence.
 
-    Attributes:
-        problem: which tree is wanted; its `sensor_cost` is the cost of one reading; without a `sensor_budget`.
-        price: of one unit of acquisition on one sample, in units of the problem's costs. With price 0 and no budget the
-            cheapest in expectation of the optimal trees is wanted.
-        budget: at most so much expected acquisition cost; None: no limit. Not together with a price.
-        groups: sensors with a common opening cost, by name; a sensor is in one group at most.
-        within: for a class the most readings after which a leaf may tell it. A rule about the tree, not about the
-            samples at hand: no leaf that predicts the class lies behind more readings, so whatever sample is recognised
-            as of this class, now or later, is so in time. That it is recognised at all is the business of costs.
-        urgency: for a class what each reading costs for a sample of it, in units of the problem's costs; it draws the
-            labels of urgent classes towards the root.
-        shares: (n_samples,) probability of each sample in service, by any factor; None: all alike. Risk weights are no
-            shares.
+    Attributes
+    ----------
+    problem
+        which tree is wanted; its `sensor_cost` is the cost of one reading; without a `sensor_budget`.
+    price
+        of one unit of acquisition on one sample, in units of the problem's costs. With price 0 and no budget the
+        cheapest in expectation of the optimal trees is wanted.
+    budget
+        at most so much expected acquisition cost; None: no limit. Not together with a price.
+    groups
+        sensors with a common opening cost, by name; a sensor is in one group at most.
+    within
+        for a class the most readings after which a leaf may tell it. A rule about the tree, not about the
+        samples at hand: no leaf that predicts the class lies behind more readings, so whatever sample is recognised
+        as of this class, now or later, is so in time. That it is recognised at all is the business of costs.
+    urgency
+        for a class what each reading costs for a sample of it, in units of the problem's costs; it draws the
+        labels of urgent classes towards the root.
+    shares
+        (n_samples,) probability of each sample in service, by any factor; None: all alike. Risk weights are no
+        shares.
     """
 
     problem: Problem
@@ -183,13 +194,20 @@ def _check_number(value: float, name: str) -> None:
 class InspectionCertificate:
     """What was recounted from the tree and the inspection alone.
 
-    Attributes:
-        objective: of the inspection.
-        problem_objective: of its problem.
-        errors: misclassified samples.
-        expected_cost, worst_cost: acquisition cost in the mean over the samples' shares, and of the dearest path.
-        expected_readings, worst_readings: sensors read.
-        bound, gap: the solution's.
+    Attributes
+    ----------
+    objective
+        of the inspection.
+    problem_objective
+        of its problem.
+    errors
+        misclassified samples.
+    expected_cost, worst_cost
+        acquisition cost in the mean over the samples' shares, and of the dearest path.
+    expected_readings, worst_readings
+        sensors read.
+    bound, gap
+        the solution's.
     """
 
     objective: float
@@ -208,8 +226,10 @@ def recount(
 ) -> InspectionCertificate:
     """Return what a tree costs, recounted leaf by leaf.
 
-    Raises:
-        CertificateError: the tree breaks a limit of the problem, the rule of a class, or the budget.
+    Raises
+    ------
+    CertificateError
+        the tree breaks a limit of the problem, the rule of a class, or the budget.
     """
     problem = inspection.problem
     leaf = checked_leaf_index(problem, tree)
@@ -250,8 +270,10 @@ def _check_rules(inspection: Inspection, labels: NDArray[np.int64], read: list[f
 def certify_inspection(inspection: Inspection, solution: Solution) -> InspectionCertificate:
     """Recompute what a solution of an inspection claims, from tree and inspection alone.
 
-    Raises:
-        CertificateError: the tree breaks a limit, a rule or the budget, or a claim is not what was recounted.
+    Raises
+    ------
+    CertificateError
+        the tree breaks a limit, a rule or the budget, or a claim is not what was recounted.
     """
     if solution.tree is None:
         raise CertificateError(f"{solution.solver} found no tree (stop: {solution.stop}); there is nothing to certify")

@@ -13,11 +13,16 @@ from octmip.solution import Stop
 class JointCertificate:
     """What was recounted from problems and trees alone.
 
-    Attributes:
-        certificates: one a label.
-        objective: weighted sum of their recounted objectives.
-        sensors, sensor_cost: that all trees together read, each paid for once.
-        bound, gap: the joint solution's bound, consistent with the objective.
+    Attributes
+    ----------
+    certificates
+        one a label.
+    objective
+        weighted sum of their recounted objectives.
+    sensors, sensor_cost
+        that all trees together read, each paid for once.
+    bound, gap
+        the joint solution's bound, consistent with the objective.
     """
 
     certificates: tuple[Certificate, ...]
@@ -31,9 +36,11 @@ class JointCertificate:
 def certify_joint(joint: JointSolution) -> JointCertificate:
     """Recompute what a joint solution claims and return it as a JointCertificate.
 
-    Raises:
-        CertificateError: a label's solution fails its own certificate, the trees together break the budget, or
-            objective, bound, stop or hand split are not what they say.
+    Raises
+    ------
+    CertificateError
+        a label's solution fails its own certificate, the trees together break the budget, or
+        objective, bound, stop or hand split are not what they say.
     """
     pairs = zip(joint.problems, joint.solutions, strict=True)
     certificates = tuple(certify(problem, solution) for problem, solution in pairs)

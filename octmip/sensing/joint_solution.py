@@ -18,9 +18,12 @@ from octmip.tree import Node
 class HandSplit:
     """The best division of the budget into one budget for each label, each label's tree found by itself.
 
-    Attributes:
-        budgets: (n_labels,) what each label may spend; they add up to the whole budget or less.
-        objective: weighted sum of the labels' objectives. Sensors that two labels share are paid for twice.
+    Attributes
+    ----------
+    budgets
+        (n_labels,) what each label may spend; they add up to the whole budget or less.
+    objective
+        weighted sum of the labels' objectives. Sensors that two labels share are paid for twice.
     """
 
     budgets: tuple[float, ...]
@@ -31,17 +34,27 @@ class HandSplit:
 class JointSolution:
     """Trees for several labels under one budget of sensors, and the bound below which no such trees lie.
 
-    Attributes:
-        problems: one a label, `sensor_budget` the shared one.
-        weights: (n_labels,) of the labels' objectives in the sum.
-        solutions: one a label. `bound` of each is one over its trees alone within the whole budget, so that it says
-            what the label gives up for the others.
-        bound: proven lower bound of the weighted sum; -inf without a proof.
-        stop: why the solver stopped.
-        seconds: wall time [s].
-        n_nodes: sets of sensors that were branched on; 0 for a search.
-        hand_split: the best split by hand that was tried: the sum is never above it.
-        tolerance: how far `bound` may stand from `objective` and still meet it: 0 for whole weights and costs.
+    Attributes
+    ----------
+    problems
+        one a label, `sensor_budget` the shared one.
+    weights
+        (n_labels,) of the labels' objectives in the sum.
+    solutions
+        one a label. `bound` of each is one over its trees alone within the whole budget, so that it says
+        what the label gives up for the others.
+    bound
+        proven lower bound of the weighted sum; -inf without a proof.
+    stop
+        why the solver stopped.
+    seconds
+        wall time [s].
+    n_nodes
+        sets of sensors that were branched on; 0 for a search.
+    hand_split
+        the best split by hand that was tried: the sum is never above it.
+    tolerance
+        how far `bound` may stand from `objective` and still meet it: 0 for whole weights and costs.
     """
 
     problems: tuple[Problem, ...]
@@ -110,8 +123,10 @@ def weighted_sum(weights: Sequence[float], values: Iterable[float]) -> float:
 def sensor_prices(problems: Sequence[Problem]) -> dict[str, float]:
     """Return the cost of every sensor of some problem, in the order in which they first appear.
 
-    Raises:
-        ProblemError: two problems name one sensor at two costs.
+    Raises
+    ------
+    ProblemError
+        two problems name one sensor at two costs.
     """
     prices: dict[str, float] = {}
     for k, problem in enumerate(problems):

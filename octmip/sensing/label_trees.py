@@ -34,15 +34,24 @@ class Candidate:
 class LabelTrees:
     """Answers z_l(H, B) for every label, each question once, and keeps the best trees that keep the budget.
 
-    Attributes:
-        problems: one a label, `sensor_budget` the shared one.
-        weights: (n_labels,).
-        prices: of the sensors by name.
-        method, limits, seed, n_jobs, options: of every solve; the limits hold for all together.
-        best: the best trees known so far.
-        started: when the clock began, by `time.perf_counter`.
-        is_interrupted: whether Ctrl-C was pressed.
-        known: the answers so far, by label, held and banned sensors.
+    Attributes
+    ----------
+    problems
+        one a label, `sensor_budget` the shared one.
+    weights
+        (n_labels,).
+    prices
+        of the sensors by name.
+    method, limits, seed, n_jobs, options
+        of every solve; the limits hold for all together.
+    best
+        the best trees known so far.
+    started
+        when the clock began, by `time.perf_counter`.
+    is_interrupted
+        whether Ctrl-C was pressed.
+    known
+        the answers so far, by label, held and banned sensors.
     """
 
     problems: tuple[Problem, ...]

@@ -29,9 +29,12 @@ class Answer:
 class Core:
     """An inspection as the core takes it.
 
-    Attributes:
-        inspection: the inspection.
-        paid: (n_samples, n_classes) weight times cost of telling each class.
+    Attributes
+    ----------
+    inspection
+        the inspection.
+    paid
+        (n_samples, n_classes) weight times cost of telling each class.
     """
 
     inspection: Inspection

@@ -35,11 +35,16 @@ MOST_LABEL_SETS = 20_000  # of which label_bound tries each
 class Placement:
     """Sensors that were chosen, and the tree that reads them.
 
-    Attributes:
-        sensors: names of the sensors that are installed, in the order of the candidates.
-        cost: of those sensors.
-        problem: the problem with the features of those sensors alone, or of all candidates where the tree chose.
-        solution: its tree, in the features of `problem`.
+    Attributes
+    ----------
+    sensors
+        names of the sensors that are installed, in the order of the candidates.
+    cost
+        of those sensors.
+    problem
+        the problem with the features of those sensors alone, or of all candidates where the tree chose.
+    solution
+        its tree, in the features of `problem`.
     """
 
     sensors: tuple[str, ...]
@@ -67,9 +72,12 @@ def place_sensors(
             so it is never worse than any of them, which a search by itself does not promise.
         method, limits, seed, n_jobs, options: of each solve, see `octmip.solve`.
 
-    Raises:
-        ProblemError: a start names a sensor that is not there, or breaks the budget.
-        SolverError: a solver failed.
+    Raises
+    ------
+    ProblemError
+        a start names a sensor that is not there, or breaks the budget.
+    SolverError
+        a solver failed.
     """
     settings: dict[str, Any] = {"method": method, "limits": limits, "seed": seed, "n_jobs": n_jobs, "options": options}
     known = [placement_on(problem, sensors, **settings) for sensors in starts]
@@ -111,9 +119,12 @@ def placement_on(
 ) -> Placement:
     """Return these sensors with the best tree that reads no others; the other args are those of `octmip.solve`.
 
-    Raises:
-        ProblemError: a sensor is not one of the problem's, or there is none.
-        SolverError: as `octmip.solve`.
+    Raises
+    ------
+    ProblemError
+        a sensor is not one of the problem's, or there is none.
+    SolverError
+        as `octmip.solve`.
     """
     part = problem_on(problem, sensors)
     return Placement(
@@ -127,8 +138,10 @@ def placement_on(
 def problem_on(problem: Problem, sensors: Iterable[str]) -> Problem:
     """Return the problem with the features of some sensors alone.
 
-    Raises:
-        ProblemError: a sensor is not one of the problem's, or there is none.
+    Raises
+    ------
+    ProblemError
+        a sensor is not one of the problem's, or there is none.
     """
     wanted = set(sensors)
     unknown = sorted(wanted - set(problem.sensors))
@@ -172,13 +185,17 @@ def placement_frontier(
         bound: a lower bound that is known for the problem without a budget, for instance from `sample_bound`.
         method, limits, seed, n_jobs, options: of each solve, see `octmip.solve`.
 
-    Returns:
-        One point a value, ascending; the bound of each is the best of its solver's, of the wider points', of
-        `label_bound` and of `bound`.
+    Returns
+    -------
+    One point a value, ascending; the bound of each is the best of its solver's, of the wider points', of
+    `label_bound` and of `bound`.
 
-    Raises:
-        ProblemError: costs differ and no values are given, or a value makes no problem.
-        SolverError: as `octmip.solve`.
+    Raises
+    ------
+    ProblemError
+        costs differ and no values are given, or a value makes no problem.
+    SolverError
+        as `octmip.solve`.
     """
     counted = replace(problem, sensor_cost=None) if over == "number" else problem
     points = trace_frontier(
@@ -232,8 +249,10 @@ def sample_bound(
         block_size, n_blocks: rows of a block, drawn at random without return, and how many blocks.
         method, limits, seed, n_jobs: of each block's solve. "flow" is the strengthened OCT-H, "oct_h" OCT-H as printed.
 
-    Raises:
-        ProblemError: the blocks are empty or hold more rows than there are.
+    Raises
+    ------
+    ProblemError
+        the blocks are empty or hold more rows than there are.
     """
     if block_size < 1 or n_blocks < 1 or block_size * n_blocks > problem.n_samples:
         raise ProblemError(

@@ -43,8 +43,10 @@ def solve_expected(
 ) -> Solution:
     """Return the tree of least expected objective over the scenarios, with the bound of its solver.
 
-    Raises:
-        ProblemError, SolverError: as `octmip.solve`.
+    Raises
+    ------
+    ProblemError, SolverError
+        as `octmip.solve`.
     """
     stacked, scale = asked.stacked(asked.probabilities)
     found = solve(stacked, method, limits, seed=seed, n_jobs=n_jobs)
@@ -74,9 +76,12 @@ def solve_worst(
     Args:
         rounds: stacked problems that are solved.
 
-    Raises:
-        ProblemError: `rounds` is below 1.
-        SolverError: as `octmip.solve`.
+    Raises
+    ------
+    ProblemError
+        `rounds` is below 1.
+    SolverError
+        as `octmip.solve`.
     """
     if rounds < 1:
         raise ProblemError(f"rounds is {rounds}; expected 1 or more")

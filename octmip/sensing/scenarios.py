@@ -37,11 +37,14 @@ MOST_DENOMINATOR = 10**6
 class Fault:
     """What happens to the readings of a sensor.
 
-    Attributes:
-        kind: "stuck": every reading is `size` (0: dead); "drift": `size` is added; "noise": a normal number of standard
-            deviation `size` is added; "filled": the sensor is known to have failed and its reading is filled in from
-            the others (octmip.sensing.filling).
-        size: in the unit of the features.
+    Attributes
+    ----------
+    kind
+        "stuck": every reading is `size` (0: dead); "drift": `size` is added; "noise": a normal number of standard
+        deviation `size` is added; "filled": the sensor is known to have failed and its reading is filled in from
+        the others (octmip.sensing.filling).
+    size
+        in the unit of the features.
     """
 
     kind: Kind
@@ -61,10 +64,14 @@ DEAD = Fault("stuck", 0.0)
 class Scenario:
     """Sensors that have failed together, all in one way.
 
-    Attributes:
-        sensors: their names.
-        fault: what happens to their readings.
-        probability: of this scenario.
+    Attributes
+    ----------
+    sensors
+        their names.
+    fault
+        what happens to their readings.
+    probability
+        of this scenario.
     """
 
     sensors: tuple[str, ...]
@@ -77,8 +84,10 @@ def failures(
 ) -> tuple[Scenario, ...]:
     """Return one scenario for each set of `n_failed` sensors, all alike, of `probability` together.
 
-    Raises:
-        ProblemError: there are not so many sensors, or the probability is not one.
+    Raises
+    ------
+    ProblemError
+        there are not so many sensors, or the probability is not one.
     """
     if not 1 <= n_failed <= len(problem.sensors):
         raise ProblemError(f"n_failed is {n_failed}; expected 1 to {len(problem.sensors)}, the number of sensors")
@@ -92,10 +101,14 @@ def failures(
 class FailureProblem:
     """A problem together with what may fail.
 
-    Attributes:
-        problem: the problem when nothing has failed; `leaf_size` 1, as stacked samples count once a scenario.
-        scenarios: what may fail; their probabilities sum to 1 at most, the rest is "nothing has failed".
-        seed: of the noise of faults of kind "noise".
+    Attributes
+    ----------
+    problem
+        the problem when nothing has failed; `leaf_size` 1, as stacked samples count once a scenario.
+    scenarios
+        what may fail; their probabilities sum to 1 at most, the rest is "nothing has failed".
+    seed
+        of the noise of faults of kind "noise".
     """
 
     problem: Problem
@@ -202,10 +215,14 @@ def _scale(shares: Floats) -> float:
 class FailureCertificate:
     """What was recounted from tree and scenarios alone, in units of the problem's objective.
 
-    Attributes:
-        nominal: with nothing failed.
-        expected: mean over the scenarios' probabilities.
-        worst: of the worst scenario; worst_sensors: those that have failed in it, () if nothing has.
+    Attributes
+    ----------
+    nominal
+        with nothing failed.
+    expected
+        mean over the scenarios' probabilities.
+    worst
+        of the worst scenario; worst_sensors: those that have failed in it, () if nothing has.
     """
 
     nominal: float
@@ -217,8 +234,10 @@ class FailureCertificate:
 def certify_failures(asked: FailureProblem, solution: Solution) -> FailureCertificate:
     """Recompute what a solution costs when sensors fail; `details["over"]` says whether it claims mean or worst.
 
-    Raises:
-        CertificateError: there is no tree, or objective or bound are not what they say.
+    Raises
+    ------
+    CertificateError
+        there is no tree, or objective or bound are not what they say.
     """
     if solution.tree is None:
         raise CertificateError(f"{solution.solver} found no tree (stop: {solution.stop}); there is nothing to certify")

@@ -37,12 +37,18 @@ class _Set:
 class Proof:
     """What was proven: no trees that keep the budget have a weighted sum below `bound`.
 
-    Attributes:
-        bound: of the weighted sum.
-        stop: why the search ended.
-        n_nodes: sets of sensors that were branched on.
-        own_bounds: (n_labels,) bound of each label with the whole budget for itself.
-        tolerance: how far bound and objective may stand apart and still meet.
+    Attributes
+    ----------
+    bound
+        of the weighted sum.
+    stop
+        why the search ended.
+    n_nodes
+        sets of sensors that were branched on.
+    own_bounds
+        (n_labels,) bound of each label with the whole budget for itself.
+    tolerance
+        how far bound and objective may stand apart and still meet.
     """
 
     bound: float

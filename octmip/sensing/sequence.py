@@ -45,12 +45,15 @@ def solve_inspection(
         seed, n_jobs: of the solver of the problem without acquisition, where the search begins; the proof has one
             thread.
 
-    Returns:
-        The solution; its objective is the inspection's. `details["cheapest"]` says whether the tree is proven the
-        cheapest in expectation among those of its objective.
+    Returns
+    -------
+    The solution; its objective is the inspection's. `details["cheapest"]` says whether the tree is proven the
+    cheapest in expectation among those of its objective.
 
-    Raises:
-        ProblemError: the method is unknown, or "exact" is asked for hyperplanes.
+    Raises
+    ------
+    ProblemError
+        the method is unknown, or "exact" is asked for hyperplanes.
     """
     problem = inspection.problem
     if method not in ("auto", "exact", "search"):
@@ -205,7 +208,8 @@ class _Call:
     @property
     def unit(self) -> float:
         """The least difference between two objectives without a price: 1 for whole numbers, else a quarter of what one
-        sample can save, or a tenth of a millionth of the baseline."""
+        sample can save, or a tenth of a millionth of the baseline.
+        """
         return 1.0 if self.is_whole else min(1e-7 * self.problem.baseline, 0.25 * self.problem.least_saving) or 1.0
 
     @property

@@ -55,14 +55,18 @@ def shared_budget(
         limits: wall seconds, relative gap, nodes (sets of sensors) and memory of all together.
         seed, n_jobs, options: of every solve; options are the method's own, for instance ``restarts`` of the search.
 
-    Returns:
-        The joint solution; its `hand_split` is the best split of the budget into one for each label, and the sum never
-        lies above it.
+    Returns
+    -------
+    The joint solution; its `hand_split` is the best split of the budget into one for each label, and the sum never
+    lies above it.
 
-    Raises:
-        ProblemError: there is no problem, one has a budget of its own, a sensor has two costs, weights or method do
-            not fit.
-        SolverError: a solver failed.
+    Raises
+    ------
+    ProblemError
+        there is no problem, one has a budget of its own, a sensor has two costs, weights or method do
+        not fit.
+    SolverError
+        a solver failed.
     """
     shared, shares = _shared(problems, budget), _checked_weights(weights, len(problems))
     labels = LabelTrees(

@@ -23,8 +23,10 @@ Floats = NDArray[np.float64]
 class Surrogate:
     """A question to another sensor: left when ``x[feature] <= threshold``, or the other way round.
 
-    Attributes:
-        agreement: share of the node's sample weight that it sends the way of the split.
+    Attributes
+    ----------
+    agreement
+        share of the node's sample weight that it sends the way of the split.
     """
 
     feature: int
@@ -51,9 +53,12 @@ GuardedNode = Leaf | GuardedSplit
 class GuardedTree:
     """A tree that answers readings with gaps.
 
-    Attributes:
-        root: its nodes with surrogates.
-        tree: the tree itself; without gaps both answer the same.
+    Attributes
+    ----------
+    root
+        its nodes with surrogates.
+    tree
+        the tree itself; without gaps both answer the same.
     """
 
     root: GuardedNode
@@ -62,8 +67,10 @@ class GuardedTree:
     def predict(self, features: Floats) -> NDArray[np.int64]:
         """Return the class index of every row of features (n, n_features), NaN where a reading is missing.
 
-        Raises:
-            DataError: the features are no table, or hold an infinite number.
+        Raises
+        ------
+        DataError
+            the features are no table, or hold an infinite number.
         """
         if features.ndim != 2 or np.isinf(features).any():
             raise DataError(f"features has shape {features.shape} or an infinite entry; expected (n, n_features)")

@@ -42,13 +42,20 @@ RULES: tuple[Rule, ...] = ("least", "one_se")
 class Step:
     """A depth and an interval of alpha on which the cross-validated cost does not change.
 
-    Attributes:
-        depth: the depth.
-        alpha_low, alpha_high: ends of the interval; the last of each depth has no upper one (inf).
-        validation_cost: mean over all samples of weight * cost when they were not trained on, divided by mean weight.
-        standard_error: of that mean, from its spread over the folds; nan for one fold.
-        complexity: features summed over the splits of the tree fitted to all samples, in the middle of the interval.
-        training_cost: of that tree, per unit of weight like `validation_cost`.
+    Attributes
+    ----------
+    depth
+        the depth.
+    alpha_low, alpha_high
+        ends of the interval; the last of each depth has no upper one (inf).
+    validation_cost
+        mean over all samples of weight * cost when they were not trained on, divided by mean weight.
+    standard_error
+        of that mean, from its spread over the folds; nan for one fold.
+    complexity
+        features summed over the splits of the tree fitted to all samples, in the middle of the interval.
+    training_cost
+        of that tree, per unit of weight like `validation_cost`.
     """
 
     depth: int
@@ -69,14 +76,22 @@ class Step:
 class Choice:
     """The tree that cross-validation chooses, and everything that it was chosen from.
 
-    Attributes:
-        problem: the problem with the depth and the leaf_penalty chosen, all samples.
-        solution: its solution.
-        chosen: the step that was chosen; its alpha is the penalty divided by the baseline of `problem`.
-        steps: every depth, ascending, with every interval of alpha, ascending: the whole tradeoff.
-        paths: for each depth the trees fitted to all samples.
-        fold: (n_samples,) the fold in which each sample was held out, -1 for those that never were.
-        rule: how it was chosen.
+    Attributes
+    ----------
+    problem
+        the problem with the depth and the leaf_penalty chosen, all samples.
+    solution
+        its solution.
+    chosen
+        the step that was chosen; its alpha is the penalty divided by the baseline of `problem`.
+    steps
+        every depth, ascending, with every interval of alpha, ascending: the whole tradeoff.
+    paths
+        for each depth the trees fitted to all samples.
+    fold
+        (n_samples,) the fold in which each sample was held out, -1 for those that never were.
+    rule
+        how it was chosen.
     """
 
     problem: Problem
@@ -96,8 +111,10 @@ class Choice:
     def step_at(self, depth: int, alpha: float) -> Step:
         """Return the step of a depth and an alpha.
 
-        Raises:
-            ProblemError: the depth was not tried, or alpha is negative.
+        Raises
+        ------
+        ProblemError
+            the depth was not tried, or alpha is negative.
         """
         steps = [step for step in self.steps if step.depth == depth and step.alpha_low <= alpha]
         if not steps:
@@ -140,10 +157,14 @@ def choose_tree(
         n_jobs: folds at a time, as joblib counts them; None: what `joblib.parallel_config` says, else one.
         options: of the method, for instance ``restarts`` of the search.
 
-    Raises:
-        ProblemError: folds, depths or rule are not such as described, or the training rows of a fold make no problem.
-        SolverError: a solver failed.
-        KeyboardInterrupt: Ctrl-C; there is no choice from half the folds.
+    Raises
+    ------
+    ProblemError
+        folds, depths or rule are not such as described, or the training rows of a fold make no problem.
+    SolverError
+        a solver failed.
+    KeyboardInterrupt
+        Ctrl-C; there is no choice from half the folds.
     """
     levels = _checked_depths(problem, depths)
     pairs = checked_folds(problem, folds) if isinstance(folds, Sequence) else stratified_folds(problem, folds, seed)

@@ -16,8 +16,10 @@ Fold = tuple[Rows, Rows]  # rows to train on, rows held out
 def stratified_folds(problem: Problem, n_folds: int, seed: int) -> list[Fold]:
     """Return folds of nearly equal size (they differ by one sample at most), each class dealt out evenly among them.
 
-    Raises:
-        ProblemError: fewer than 2 folds, or more than samples.
+    Raises
+    ------
+    ProblemError
+        fewer than 2 folds, or more than samples.
     """
     is_whole = isinstance(n_folds, int | np.integer) and not isinstance(n_folds, bool)
     if not is_whole or not 2 <= n_folds <= problem.n_samples:
@@ -35,9 +37,11 @@ def stratified_folds(problem: Problem, n_folds: int, seed: int) -> list[Fold]:
 def checked_folds(problem: Problem, pairs: Sequence[tuple[ArrayLike, ArrayLike]]) -> list[Fold]:
     """Return folds that were given as pairs of training rows and validation rows.
 
-    Raises:
-        ProblemError: there is none, or one is no pair, a row does not exist, is in both parts of its fold, is held out
-            twice, or all the rows held out weigh nothing.
+    Raises
+    ------
+    ProblemError
+        there is none, or one is no pair, a row does not exist, is in both parts of its fold, is held out
+        twice, or all the rows held out weigh nothing.
     """
     if len(pairs) == 0 or any(len(pair) != 2 for pair in pairs):
         raise ProblemError(
@@ -71,8 +75,10 @@ def fold_numbers(problem: Problem, folds: Sequence[Fold]) -> Rows:
 def part_of(problem: Problem, rows: Rows, name: str) -> Problem:
     """Return the problem of some of the samples; `name` says in errors which they are.
 
-    Raises:
-        ProblemError: they make no problem (one class only, too few for a leaf), or a single leaf already costs nothing.
+    Raises
+    ------
+    ProblemError
+        they make no problem (one class only, too few for a leaf), or a single leaf already costs nothing.
     """
     features, labels, weights = problem.features[rows], problem.labels[rows], problem.weights[rows]
     try:

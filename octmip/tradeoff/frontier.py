@@ -36,8 +36,10 @@ def default_values(problem: Problem, over: Literal["depth", "budget"]) -> tuple[
 
     Depths from 1 to the problem's; as many sensors as a tree of its depth can read, where each costs 1.
 
-    Raises:
-        ProblemError: sensors have other costs, so that budgets must be named; or `over` is neither of the two.
+    Raises
+    ------
+    ProblemError
+        sensors have other costs, so that budgets must be named; or `over` is neither of the two.
     """
     if over == "depth":
         return tuple(range(1, problem.depth + 1))
@@ -67,8 +69,10 @@ def trace_frontier(
     those at which another tree is best, which takes about two more solves a point. `options` are the method's own, for
     instance ``restarts`` of the search.
 
-    Raises:
-        ProblemError: `over` is unknown, or a value makes no problem.
+    Raises
+    ------
+    ProblemError
+        `over` is unknown, or a value makes no problem.
     """
     if over not in OVERS:
         raise ProblemError(f"over is {over!r}; expected one of {', '.join(OVERS)}")

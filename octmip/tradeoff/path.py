@@ -38,12 +38,18 @@ NO_OPTIONS: Mapping[str, Any] = MappingProxyType({})
 class Candidate:
     """A tree that is best for an interval of penalties.
 
-    Attributes:
-        tree: the tree.
-        cost: sum of weights * costs over the training samples, no penalty.
-        complexity: features summed over its splits.
-        penalty_low, penalty_high: for `Problem.leaf_penalty` between these it is the best of all candidates.
-        is_proven: whether no tree of the problem is better for any penalty of the interval (by more than rounding).
+    Attributes
+    ----------
+    tree
+        the tree.
+    cost
+        sum of weights * costs over the training samples, no penalty.
+    complexity
+        features summed over its splits.
+    penalty_low, penalty_high
+        for `Problem.leaf_penalty` between these it is the best of all candidates.
+    is_proven
+        whether no tree of the problem is better for any penalty of the interval (by more than rounding).
     """
 
     tree: Node
@@ -63,13 +69,20 @@ class Candidate:
 class PenaltyPath:
     """The best trees of one problem for every penalty.
 
-    Attributes:
-        problem: the problem, `leaf_penalty` 0.
-        candidates: by rising penalty, so from the largest tree to the single leaf.
-        bounds: (penalty, lower bound of z there) of what was solved, by rising penalty; -inf without a proof.
-        n_solves: how many solves it took.
-        is_whole: whether every edge of the hull was looked at; False when `most_solves` or Ctrl-C ended it before.
-        is_interrupted: whether Ctrl-C ended it.
+    Attributes
+    ----------
+    problem
+        the problem, `leaf_penalty` 0.
+    candidates
+        by rising penalty, so from the largest tree to the single leaf.
+    bounds
+        (penalty, lower bound of z there) of what was solved, by rising penalty; -inf without a proof.
+    n_solves
+        how many solves it took.
+    is_whole
+        whether every edge of the hull was looked at; False when `most_solves` or Ctrl-C ended it before.
+    is_interrupted
+        whether Ctrl-C ended it.
     """
 
     problem: Problem
@@ -82,8 +95,10 @@ class PenaltyPath:
     def best_at(self, penalty: float) -> Candidate:
         """Return the candidate for a penalty; where two are equally good, the smaller tree.
 
-        Raises:
-            ProblemError: the penalty is negative or not a number.
+        Raises
+        ------
+        ProblemError
+            the penalty is negative or not a number.
         """
         if not penalty >= 0:
             raise ProblemError(f"penalty is {penalty}; expected a number of 0 or more")
@@ -116,9 +131,12 @@ def trace_path(
         most_solves: the path ends after so many solves; the edges of the hull that could gain most come first.
         seed, n_jobs, progress, options: of each solve.
 
-    Raises:
-        ProblemError: `most_solves` is below 1, or the method does not fit the problem.
-        SolverError: a solver failed.
+    Raises
+    ------
+    ProblemError
+        `most_solves` is below 1, or the method does not fit the problem.
+    SolverError
+        a solver failed.
     """
     if most_solves < 1:
         raise ProblemError(f"most_solves is {most_solves}; expected 1 or more")
@@ -144,8 +162,10 @@ def trace_depths(
 ) -> list[PenaltyPath]:
     """Return one path for each depth, ascending, each begun with the trees of the path before.
 
-    Raises:
-        ProblemError, SolverError: as `trace_path`.
+    Raises
+    ------
+    ProblemError, SolverError
+        as `trace_path`.
     """
     paths: list[PenaltyPath] = []
     for level in sorted(depths):

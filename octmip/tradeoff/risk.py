@@ -52,8 +52,10 @@ def trace_risk_frontier(
         depth: of the trees; `asked`: other options of `Problem`, as ``sensor_budget``.
         options: the method's own.
 
-    Raises:
-        ProblemError: the model has more than two decisions, or it makes no problem.
+    Raises
+    ------
+    ProblemError
+        the model has more than two decisions, or it makes no problem.
     """
     points: list[RiskPoint] = []
     for price in sorted(failure_losses):

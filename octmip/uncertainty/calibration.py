@@ -60,8 +60,10 @@ def reliability(
         class_index: the class whose probability is looked at; None: the most probable one of each row.
         n_bins: of equal width between 0 and 1; a probability at an edge belongs below it.
 
-    Raises:
-        ProblemError: shapes or ranges are wrong.
+    Raises
+    ------
+    ProblemError
+        shapes or ranges are wrong.
     """
     table, truth, weight = _checked(probabilities, codes, weights)
     if n_bins < 1 or (class_index is not None and not 0 <= class_index < table.shape[1]):

@@ -33,12 +33,18 @@ Floats = NDArray[np.float64]
 class CredibleSets:
     """Thresholds of the scores, one a class.
 
-    Attributes:
-        coverage: asked for.
-        thresholds: (n_classes,) largest score in the set; inf: the class is in every set.
-        ties: (n_classes,) share of the samples at the threshold itself that are in the set.
-        ranks: (n_classes,) r of the module's text; n_samples: (n_classes,) scores that it was taken of.
-        by_class: whether coverage holds for each class by itself.
+    Attributes
+    ----------
+    coverage
+        asked for.
+    thresholds
+        (n_classes,) largest score in the set; inf: the class is in every set.
+    ties
+        (n_classes,) share of the samples at the threshold itself that are in the set.
+    ranks
+        (n_classes,) r of the module's text; n_samples: (n_classes,) scores that it was taken of.
+    by_class
+        whether coverage holds for each class by itself.
     """
 
     coverage: float
@@ -95,8 +101,10 @@ def calibrate_sets(
             come counts as the heaviest of them, which is on the safe side.
         rng: breaks ties; then give one to `CredibleSets.sets` too.
 
-    Raises:
-        ProblemError: shapes or ranges are wrong.
+    Raises
+    ------
+    ProblemError
+        shapes or ranges are wrong.
     """
     table, truth = _table(probabilities), np.asarray(codes)
     weight = np.ones(len(table)) if weights is None else np.asarray(weights, dtype=np.float64)

@@ -33,8 +33,10 @@ def smoothed_shares(weights: Floats, strength: float = 0.0, prior: ArrayLike | N
 
     Without a prior it is uniform. A row without weight has the shares of the prior.
 
-    Raises:
-        ProblemError: strength is no number of 0 or more, or the prior is no distribution.
+    Raises
+    ------
+    ProblemError
+        strength is no number of 0 or more, or the prior is no distribution.
     """
     if not (math.isfinite(strength) and strength >= 0):
         raise ProblemError(f"strength is {strength}; expected a finite number of 0 or more")
@@ -48,8 +50,10 @@ def smoothed_shares(weights: Floats, strength: float = 0.0, prior: ArrayLike | N
 def posterior(log_likelihood: Floats, prior: ArrayLike | None = None) -> Floats:
     """Return the probability of each class (n, k) by Bayes' rule; without a prior (k,) all are as likely before.
 
-    Raises:
-        ProblemError: the prior is no distribution, or rules out every class that the likelihood leaves possible.
+    Raises
+    ------
+    ProblemError
+        the prior is no distribution, or rules out every class that the likelihood leaves possible.
     """
     table = np.asarray(log_likelihood, dtype=np.float64)
     if prior is not None:
@@ -65,8 +69,10 @@ def posterior(log_likelihood: Floats, prior: ArrayLike | None = None) -> Floats:
 def checked_prior(prior: ArrayLike, n_classes: int) -> Floats:
     """Return a prior (n_classes,), scaled to 1 in all.
 
-    Raises:
-        ProblemError: it has another length, a number below 0, or nothing in all.
+    Raises
+    ------
+    ProblemError
+        it has another length, a number below 0, or nothing in all.
     """
     values = np.array(prior, dtype=np.float64)
     if values.shape != (n_classes,) or not np.isfinite(values).all() or (values < 0).any() or values.sum() <= 0:
@@ -80,12 +86,18 @@ def checked_prior(prior: ArrayLike, n_classes: int) -> Floats:
 class LeafDistribution:
     """The classes in each leaf of a tree.
 
-    Attributes:
-        tree: over the features of the samples.
-        weights: (n_leaves, n_classes) training weight of each class in each leaf, leaves from the left.
-        strength: of the smoothing, in units of weight.
-        prior: (n_classes,) towards which it draws; None: uniform.
-        probabilities: (n_leaves, n_classes), derived.
+    Attributes
+    ----------
+    tree
+        over the features of the samples.
+    weights
+        (n_leaves, n_classes) training weight of each class in each leaf, leaves from the left.
+    strength
+        of the smoothing, in units of weight.
+    prior
+        (n_classes,) towards which it draws; None: uniform.
+    probabilities
+        (n_leaves, n_classes), derived.
     """
 
     tree: Node
@@ -137,8 +149,10 @@ class LeafDistribution:
     def with_prior(self, prior: ArrayLike) -> Floats:
         """Return the probabilities (n_leaves, n_classes) where the classes come with these (n_classes,) instead.
 
-        Raises:
-            ProblemError: it is no distribution, or gives a share to a class that training never saw.
+        Raises
+        ------
+        ProblemError
+            it is no distribution, or gives a share to a class that training never saw.
         """
         wanted, trained = checked_prior(prior, self.weights.shape[1]), self.training_prior
         if (wanted[trained == 0] > 0).any():

@@ -67,7 +67,8 @@ def test_every_table_is_printed_with_what_is_owed(folder):
         "tree MAE recovered",
     ):
         assert words in text
-    assert "| >= 0.95 |" in text and ": met" in text
+    assert "| >= 0.95 |" in text
+    assert ": met" in text
 
 
 def test_a_changed_key_breaks_its_seal(folder, tmp_path):
@@ -182,7 +183,8 @@ def test_a_case_of_the_other_family_draws_what_its_decks_can_show(families):
     _, other, _ = families
     cases = draw_cases(3, 200, [other], [1.0])
     names = {truth.name for case in cases for truth in case.truths}
-    assert "spar_skin_debond" not in names and "damage_outside_library" in names
+    assert "spar_skin_debond" not in names
+    assert "damage_outside_library" in names
     assert {case.states[-1] for case in cases} == set(other.states)
 
 
@@ -231,7 +233,8 @@ def test_a_part_of_a_pair_counts_as_far_as_the_other_cannot_imitate_it():
 def test_a_set_is_right_when_each_group_holds_one_truth():
     assert is_right([["a", "b"], ["c"]], ["c", "b"])
     assert not is_right([["a", "b"], ["c"]], ["a", "b"])
-    assert is_right([], []) and not is_right([], ["a"])
+    assert is_right([], [])
+    assert not is_right([], ["a"])
 
 
 def test_the_interval_of_a_size_counts_only_where_name_and_gauge_are_right():
@@ -248,7 +251,8 @@ def test_the_interval_of_a_size_counts_only_where_name_and_gauge_are_right():
 def test_a_share_has_its_exact_interval():
     row = share("x", [True] * 9 + [False])
     assert row.value == pytest.approx(0.9)
-    assert row.low == pytest.approx(0.555, abs=1e-3) and row.high == pytest.approx(0.9975, abs=1e-3)
+    assert row.low == pytest.approx(0.555, abs=1e-3)
+    assert row.high == pytest.approx(0.9975, abs=1e-3)
 
 
 def test_a_figure_says_whether_it_is_what_is_owed():

@@ -38,9 +38,11 @@ def test_a_small_study_runs_goes_on_from_what_it_kept_and_is_written(means: Mean
     first = kept_lines.run(cells[:3], means, 1, 1, kept, SMALL)
     lines = kept_lines.run(cells, means, 1, 1, kept, SMALL)
     written = [json.loads(line) for line in kept.read_text().splitlines()]
-    assert len(written) == len(cells) and all(lines[cell] == first[cell] for cell in cells[:3])
+    assert len(written) == len(cells)
+    assert all(lines[cell] == first[cell] for cell in cells[:3])
     again = kept_lines.run(cells, means, 1, 1, kept, SMALL)
-    assert again == lines and len(kept.read_text().splitlines()) == len(cells)
+    assert again == lines
+    assert len(kept.read_text().splitlines()) == len(cells)
     write_complexity(tmp_path, lines, bayes_limits(means), ["errors", "mae"])
     pairs = pair_limits(means, lines)
     assert all(pairs[label] >= limit.mae for label, limit in bayes_limits(means).items())
@@ -68,7 +70,9 @@ def test_the_mae_of_a_tree_trained_for_it_is_its_objective_per_reading(means: Me
     cell = Cell("mu2", "all", 3, 1, "mae", 0)
     data = build_dataset(means, SMALL, seed=0)
     problem = problem_of(cell, data, data.gauges)
-    assert problem.costs.max() == 80 and problem.costs[0, 1] == 20 and (np.diag(problem.costs) == 0).all()
+    assert problem.costs.max() == 80
+    assert problem.costs[0, 1] == 20
+    assert (np.diag(problem.costs) == 0).all()
     line = kept_lines.run([cell], means, 1, 1, None, SMALL)[cell]
     assert (
         line["train_mae"]
@@ -90,7 +94,9 @@ def test_the_grid_shows_means_over_seeds_and_stars_what_is_below_the_bayes_limit
     table = complexity_table(lines, "errors", LIMITS)
     assert "| 3 | 18.50 / 20.00 | - | 12.50* / 17.00 | - | 13.00 |" in table
     sentence = overfitting(lines | made_up(0.0, 0.5, label="mu1"), "errors", LIMITS)[1]
-    assert "1: nowhere" in sentence and "4: from depth 3" in sentence and "12.50 in training, 17.00 unseen" in sentence
+    assert "1: nowhere" in sentence
+    assert "4: from depth 3" in sentence
+    assert "12.50 in training, 17.00 unseen" in sentence
 
 
 def test_the_papers_figures_are_met_as_they_stand_or_as_a_ratio_to_the_axis_figure() -> None:

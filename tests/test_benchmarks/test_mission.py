@@ -56,7 +56,8 @@ def test_the_published_table_is_a_twin():
 
 
 def test_the_lines_of_the_course_ask_for_no_more_than_they_say_and_clear_the_obstacles():
-    assert 2.9 < course.largest_load(0.0) <= 3.0 and 1.9 < course.largest_load(1.0) <= 2.0
+    assert 2.9 < course.largest_load(0.0) <= 3.0
+    assert 1.9 < course.largest_load(1.0) <= 2.0
     x = np.linspace(0.0, course.GOAL, 2000)
     for width in (0.0, 0.3, 1.0):
         y = course.height(x, np.full(len(x), width))
@@ -72,7 +73,8 @@ def test_a_step_is_as_long_as_it_says(is_cautious):
         x, width = course.advance(x, width, np.array([is_cautious]))
         way.append((x[0], course.height(x, width)[0]))
     lengths = np.hypot(*np.diff(way, axis=0).T)  # to cross to the other line while climbing takes a little more
-    assert lengths[20:] == pytest.approx(course.STEP_LENGTH, rel=0.03) and lengths.max() < 1.25 * course.STEP_LENGTH
+    assert lengths[20:] == pytest.approx(course.STEP_LENGTH, rel=0.03)
+    assert lengths.max() < 1.25 * course.STEP_LENGTH
     assert len(way) - 1 == (102 if is_cautious else 92)
 
 
@@ -87,7 +89,8 @@ def test_a_wing_bears_three_g_to_forty_percent_and_two_at_eighty():
 @pytest.mark.parametrize("kind", KINDS)
 def test_histories_are_what_their_kind_says(kind):
     histories = draw(kind, 200, np.random.default_rng(0), (3, 5))
-    assert np.all(np.diff(histories.damage, axis=1) >= 0.0) and histories.damage.max() <= 0.8
+    assert np.all(np.diff(histories.damage, axis=1) >= 0.0)
+    assert histories.damage.max() <= 0.8
     assert set(np.unique(histories.dead_gauge)) == ({3, 5} if kind == "dead gauge" else {-1})
     assert (histories.outside > 0).all() == (kind == "outside")
 
@@ -100,7 +103,8 @@ def test_policies_keep_their_order(aircraft: Aircraft):
         histories = draw("paper", 150, rng, (0,))
         flights = fly(aircraft, histories, Pilot(policy, aircraft, 150, chain, None), rng)
         lost[policy.name], steps[policy.name] = flights.is_lost.mean(), flights.steps[~flights.is_lost]
-    assert lost["oracle"] == lost["always cautious"] == 0.0 and lost["never cautious"] == 1.0
+    assert lost["oracle"] == lost["always cautious"] == 0.0
+    assert lost["never cautious"] == 1.0
     assert lost["filter, expected loss"] <= lost["filter, 40 %"] < lost["trees, 40 % (the paper's)"]
     assert steps["oracle"].mean() <= steps["filter, expected loss"].mean() <= steps["always cautious"].mean()
 
@@ -117,7 +121,8 @@ def test_the_expected_loss_is_that_of_drawn_wings(aircraft: Aircraft):
 def test_the_filter_beats_the_tree_and_covers(aircraft: Aircraft):
     rows = filter_rows(aircraft, 60, 4, kinds=("paper",))
     second = next(row for row in rows if row["parameter"] == "mu2" and row["observation"] == "leaf")
-    assert second["lower by %"] > 30 and 85 < second["coverage, calibrated 90 % sets %"] < 95
+    assert second["lower by %"] > 30
+    assert 85 < second["coverage, calibrated 90 % sets %"] < 95
 
 
 def test_the_interval_of_a_share_is_wilsons():
@@ -136,9 +141,12 @@ def test_the_limit_of_the_watch_is_that_of_a_test_told_everything():
 
 def test_the_page_is_whole_in_itself_and_says_what_the_flight_says(flight: dict):
     page = mission_page(flight)
-    assert not re.search(r"(src|href)=\"(?!data:)", page) and "@import" not in page and "fetch(" not in page
+    assert not re.search(r"(src|href)=\"(?!data:)", page)
+    assert "@import" not in page
+    assert "fetch(" not in page
     held = json.loads(re.search(r'id="data">(.*?)</script>', page, re.DOTALL).group(1))
-    assert held["steps"] == json.loads(json.dumps(flight["steps"])) and len(held["trees"]) == 2
+    assert held["steps"] == json.loads(json.dumps(flight["steps"]))
+    assert len(held["trees"]) == 2
     first_cautious = next(k for k, step in enumerate(flight["steps"]) if step["load"] < 3)
     assert 35 <= first_cautious <= 65  # the path changes at about 40 %
     assert "over 40 %" in flight["steps"][first_cautious]["words"]
@@ -165,7 +173,8 @@ def test_names_in_the_data_run_nothing_even_without_the_policy(browser, flight, 
     opened.on("pageerror", lambda error: said.append(str(error)))
     opened.on("dialog", lambda dialog: (said.append(dialog.message), dialog.dismiss()))
     opened.goto(path.as_uri())
-    assert said == [] and opened.evaluate("typeof window.__pwned") == "undefined"
+    assert said == []
+    assert opened.evaluate("typeof window.__pwned") == "undefined"
     opened.close()
 
 

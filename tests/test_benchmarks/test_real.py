@@ -30,7 +30,8 @@ def coarse():
 def test_large_deflection_comes_out_of_the_pazy_wing_and_closes_the_gap():
     found = pazy.diagnosis()
     assert found.which[0].effects == ("large_deflection",)
-    assert found.which[0].probability > 0.95 and found.inclusion["large_deflection"] > 0.95
+    assert found.which[0].probability > 0.95
+    assert found.inclusion["large_deflection"] > 0.95
     assert found.shrinkage.closed > 0.9
 
 
@@ -66,7 +67,8 @@ def test_a_mount_turns_the_tip_as_a_rigid_body_does(coarse):
 @needs_uav
 def test_the_published_table_is_read_as_a_campaign():
     readings = published.campaign(without=published.INSIDE)
-    assert len(readings.cells) == 8 and len(readings.gauges) == 20
+    assert len(readings.cells) == 8
+    assert len(readings.gauges) == 20
     kept = [k for k in range(24) if f"g{k + 1:02d}" not in published.INSIDE]
     mean = published.means()[0, 0, 3.0][kept]
     cell = next(c for c in readings.cells if c.load_factor == 3.0 and not c.state.any())

@@ -19,7 +19,8 @@ def test_a_family_names_its_cases_or_yields_results(name):
     if hasattr(module, "results"):
         return
     cases = list(module.cases())
-    assert cases and all(isinstance(case, Case) for case in cases)
+    assert cases
+    assert all(isinstance(case, Case) for case in cases)
     assert len({(case.size, case.seed) for case in cases}) == len(cases)
     assert {solver for case in cases for solver in case.solvers} <= set(RIVALS)
     assert cases[0].build().n_samples > 1
@@ -34,19 +35,22 @@ def test_an_unknown_family_is_refused_with_the_known_ones():
 def test_a_set_is_numeric_or_left_out_for_a_reason():
     names, left_out = numeric_sets()
     assert {"iris", "wine", "breast-cancer-wisconsin-diagnostic"} <= set(names)
-    assert left_out["abalone"] == "columns of text" and left_out["ct-bank"].startswith("the same samples")
+    assert left_out["abalone"] == "columns of text"
+    assert left_out["ct-bank"].startswith("the same samples")
     assert not set(names) & set(left_out)
 
 
 def test_the_synthetic_set_is_the_one_described():
     table = synthetic_uav("B")
-    assert table.features.shape == (1750, 20) and set(table.labels) == {0, 1, 2, 3, 4}
+    assert table.features.shape == (1750, 20)
+    assert set(table.labels) == {0, 1, 2, 3, 4}
 
 
 @needs_data
 def test_the_published_strains_follow_the_recipe():
     table = published("mu2", 0)
-    assert table.features.shape == (1750, 20) and set(table.labels) == {0, 20, 40, 60, 80}
+    assert table.features.shape == (1750, 20)
+    assert set(table.labels) == {0, 20, 40, 60, 80}
 
 
 def line(solver, seconds, outcome="proven", objective=3.0, **more):
@@ -58,12 +62,14 @@ def line(solver, seconds, outcome="proven", objective=3.0, **more):
 
 def test_the_table_shows_ratios_and_their_mean():
     table = race_table([line("octmip", 0.1), line("pycontree", 2.0)])
-    assert "| s | 0 | 3 | 0.1 | 2 | 20 |" in table and "more than 0.1 s: 20." in table
+    assert "| s | 0 | 3 | 0.1 | 2 | 20 |" in table
+    assert "more than 0.1 s: 20." in table
 
 
 def test_the_table_says_where_the_peer_was_stopped_or_ours_is_slower():
     stopped = race_table([line("octmip", 0.1), line("pycontree", 61.0, "not proven", 4.0)])
-    assert ">610" in stopped and "61 (4, not proven)" in stopped
+    assert ">610" in stopped
+    assert "61 (4, not proven)" in stopped
     assert "0.02 s: s." in race_table([line("octmip", 0.5), line("pycontree", 0.1)])
 
 

@@ -11,7 +11,8 @@ from benchmarks.uav.sensing.readings import candidate_wing, installed, mean_stra
 @pytest.mark.parametrize("study", [budget, frontier])
 def test_a_small_study_writes_its_table(study, tmp_path):
     text = study.report("wing", tmp_path, 1, True)
-    assert text.count("|") > 50 and "True" in text
+    assert text.count("|") > 50
+    assert "True" in text
 
 
 def test_a_small_placement_has_every_choice_and_its_picture(tmp_path):
@@ -23,7 +24,8 @@ def test_a_small_placement_has_every_choice_and_its_picture(tmp_path):
 
 def test_the_wing_offers_67_candidates_and_20_of_them_are_installed():
     data = readings("wing", 0, True)
-    assert len(data.gauges) == 67 and len(installed(data)) == 20
+    assert len(data.gauges) == 67
+    assert len(installed(data)) == 20
     assert len(candidate_wing().gauges.names) == 82
 
 

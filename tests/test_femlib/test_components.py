@@ -142,7 +142,8 @@ def test_the_structure_at_its_ports_is_the_condensed_structure(coarse: Wing) -> 
     ports = port_flexibility(coarse.structure, load, 1e6 * coarse.strain_rows, coarse.gauges.names)
     full = 1e6 * coarse.structure.solve_outputs(STATES[:3], load, coarse.strain_rows)
     assert ports.solve(STATES[:3]) == pytest.approx(full, abs=1e-7 * np.abs(full).max())
-    assert 0.0 < ports.own.min() and ports.own.max() < 1.0  # the regions' stiffness is a part of the structure's
+    assert ports.own.min() > 0.0
+    assert ports.own.max() < 1.0
     assert np.array_equal(ports.across, ports.across.T)
 
 

@@ -51,7 +51,8 @@ def same(first: Dataset, second: Dataset) -> bool:
 
 def test_the_recipe_gives_the_size_split_and_labels_of_the_study(means: MeanStrains) -> None:
     data = build_dataset(means)
-    assert data.features.shape == (2500, 3) and data.gauges == ("g01", "g02", "g03")
+    assert data.features.shape == (2500, 3)
+    assert data.gauges == ("g01", "g02", "g03")
     assert int(data.is_train.sum()) == 1750
     assert np.bincount(data.mu1).nonzero()[0].tolist() == [0, 20, 40, 60, 80]
     assert (np.bincount(data.states) == 100).all()
@@ -88,8 +89,11 @@ def test_a_dataset_comes_back_bit_for_bit(means: MeanStrains, tmp_path: Path, en
 def test_the_side_file_says_seed_noise_model_and_units(means: MeanStrains, tmp_path: Path) -> None:
     write_dataset(build_dataset(means, seed=3), tmp_path / "data.csv")
     side = json.loads((tmp_path / "data.csv.json").read_text())
-    assert side["seed"] == 3 and side["model_hash"] == "abc" and side["recipe"]["noise_variance"] == 1000.0
-    assert "microstrain" in side["units"]["features"] and side["rows"] == 2500
+    assert side["seed"] == 3
+    assert side["model_hash"] == "abc"
+    assert side["recipe"]["noise_variance"] == 1000.0
+    assert "microstrain" in side["units"]["features"]
+    assert side["rows"] == 2500
 
 
 def test_a_changed_or_truncated_file_is_refused(means: MeanStrains, tmp_path: Path) -> None:
@@ -124,7 +128,8 @@ def test_the_published_layout_is_read_in_any_row_order(tmp_path: Path) -> None:
     path.write_text(table_text())
     means = published_strains(path)
     assert means.strain_microstrain[7] == pytest.approx(3.0 * (20 + 40) + np.arange(24))
-    assert means.gauges[0] == "g01" and int(means.is_usable.sum()) == 20
+    assert means.gauges[0] == "g01"
+    assert int(means.is_usable.sum()) == 20
 
 
 @pytest.mark.parametrize(

@@ -50,7 +50,8 @@ def test_a_cantilever_follows_its_published_curve_and_the_elastica() -> None:
         assert (-tip[0], tip[2]) == pytest.approx(PUBLISHED[found.fraction], abs=2e-3)
         exact = 10.0 * np.array(elastica(4.0 * found.fraction))
         assert np.array([-tip[0], tip[2]]) == pytest.approx(exact, abs=4e-3)
-        assert found.residual < 1e-8 and found.n_iterations < 15
+        assert found.residual < 1e-8
+        assert found.n_iterations < 15
 
 
 def test_a_strip_rolls_up_into_a_circle() -> None:
@@ -183,7 +184,8 @@ def test_bad_input_gets_a_sentence() -> None:
 def test_no_load_moves_nothing() -> None:
     shells, supports, _ = strip(2)
     found = deflect(shells, supports, np.zeros(36))[0]
-    assert not found.displacement.any() and found.residual == 0.0
+    assert not found.displacement.any()
+    assert found.residual == 0.0
 
 
 def test_a_structure_that_can_still_move_is_an_error() -> None:

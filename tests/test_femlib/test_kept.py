@@ -12,7 +12,8 @@ def test_a_read_only_mapping_is_a_copy_that_goes_to_other_processes():
     given = {"a": 1, "b": 2}
     held = ReadOnly(given)
     given["c"] = 3
-    assert held == {"a": 1, "b": 2} == pickle.loads(pickle.dumps(held)) and list(held) == ["a", "b"]
+    assert held == {"a": 1, "b": 2} == pickle.loads(pickle.dumps(held))
+    assert list(held) == ["a", "b"]
     with pytest.raises(TypeError, match="does not support item assignment"):
         held["a"] = 5  # type: ignore[index]
 

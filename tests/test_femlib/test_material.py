@@ -19,7 +19,8 @@ def test_isotropic_plate_has_the_plate_stiffness_of_the_textbook() -> None:
     assert plate.bending[0, 0] == pytest.approx(rigidity, rel=1e-14)
     assert plate.bending[0, 1] == pytest.approx(0.3 * rigidity, rel=1e-14)
     assert plate.membrane[2, 2] == pytest.approx(70e9 / 2.6 * 2e-3, rel=1e-14)
-    assert plate.mass == pytest.approx(5.4) and plate.rotary_inertia == pytest.approx(2700 * 2e-3**3 / 12)
+    assert plate.mass == pytest.approx(5.4)
+    assert plate.rotary_inertia == pytest.approx(2700 * 2e-3**3 / 12)
     assert not plate.coupling.any()
 
 
@@ -27,7 +28,8 @@ def test_symmetric_laminate_has_no_coupling_and_quasi_isotropic_has_isotropic_me
     stack = laminate([turned(a) for a in (0, 45, -45, 90, 90, -45, 45, 0)])
     assert np.abs(stack.coupling).max() < 1e-9 * np.abs(stack.membrane).max() * stack.thickness
     a = stack.membrane
-    assert a[0, 0] == pytest.approx(a[1, 1]) and a[2, 2] == pytest.approx(0.5 * (a[0, 0] - a[0, 1]))
+    assert a[0, 0] == pytest.approx(a[1, 1])
+    assert a[2, 2] == pytest.approx(0.5 * (a[0, 0] - a[0, 1]))
     assert np.abs(stack.thermal_moment).max() < 1e-9
 
 

@@ -35,7 +35,8 @@ def judged(monkeypatch: pytest.MonkeyPatch) -> list[Quality]:
 def test_what_warp_costs_a_twisted_strip_is_estimated_and_refused(thickness: float, direction: str) -> None:
     strip = twisted_strip(24, 2, thickness, direction)
     loss, quality = strip.loss(), strip.quality()
-    assert loss > 0.5 and quality.warp_error > 0.5
+    assert loss > 0.5
+    assert quality.warp_error > 0.5
     with pytest.raises(SolveError, match=r"by warp of the elements .most in element .*; expected at most 3 %; refine"):
         quality.refuse()
 
@@ -134,7 +135,8 @@ def test_the_wing_is_accepted_sound_and_damaged(tiny: Wing) -> None:
             factor[component.elements] -= state.get(component.parameter, 0.0)
         quality = solution_quality(wing.structure.shells, wing.solve(state, 3.0).ravel(), factor)
         quality.refuse()
-        assert quality.warp_error < 1e-8 and quality.displacement_error < 0.02
+        assert quality.warp_error < 1e-8
+        assert quality.displacement_error < 0.02
 
 
 def test_wrong_questions_get_a_sentence() -> None:

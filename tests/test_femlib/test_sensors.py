@@ -88,7 +88,9 @@ def test_strain_does_not_leak_over_the_border_of_a_patch(mesh: Mesh) -> None:
 
 def test_the_place_of_a_gauge_is_found_in_natural_coordinates(mesh: Mesh) -> None:
     spot = locate(mesh, gauge(0.175, 0.18, (1, 0, 0)))
-    assert spot.element == 4 and spot.xi == pytest.approx(0.0) and spot.eta == pytest.approx(0.2)
+    assert spot.element == 4
+    assert spot.xi == pytest.approx(0.0)
+    assert spot.eta == pytest.approx(0.2)
 
 
 def test_a_gauge_outside_its_patch_is_refused(mesh: Mesh) -> None:

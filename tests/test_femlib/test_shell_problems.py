@@ -23,7 +23,8 @@ ERROR = {
 @pytest.mark.parametrize("name", CONVERGING)
 def test_a_standard_problem_nears_its_published_answer(name: str) -> None:
     errors = [abs(CONVERGING[name](n) - 1.0) for n in (8, 16)]
-    assert errors[0] < ERROR[name][0] and errors[1] < ERROR[name][1]
+    assert errors[0] < ERROR[name][0]
+    assert errors[1] < ERROR[name][1]
     assert errors[1] < errors[0]
 
 

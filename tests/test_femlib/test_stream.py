@@ -84,7 +84,8 @@ def test_rows_are_the_models_strains_divided_by_the_load(tmp_path: Path) -> None
     sampling = Sampling(loads=[Load("down", -1.0), Load("3 g", 3.0)], samples_per_state=2, noise=())
     data = stream_dataset(tmp_path / "a.parquet", Slope(), states, sampling)
     rows = data.read()
-    assert data.n_rows == len(rows) == 4 * 2 * 2 and data.gauges == ("g01", "g02", "g03")
+    assert data.n_rows == len(rows) == 4 * 2 * 2
+    assert data.gauges == ("g01", "g02", "g03")
     assert list(rows.columns[:7]) == ["state", "mu1", "mu3", "load", "load_factor", "is_train", "source"]
     full = np.stack([rows["mu1"], np.zeros(16), rows["mu3"]], axis=1)
     assert rows[["g01", "g02", "g03"]].to_numpy() == pytest.approx(Slope().strains_microstrain(full, 1.0)[:, :3])
@@ -97,7 +98,8 @@ def test_one_seed_is_one_file_and_another_seed_another(tmp_path: Path) -> None:
         stream_dataset(tmp_path / f"{k}.parquet", Slope(), library(), noisy(seed=seed))
         for k, seed in enumerate([1, 1, 2])
     )
-    assert one.read().equals(same.read()) and one.about["sha256"] == same.about["sha256"]
+    assert one.read().equals(same.read())
+    assert one.about["sha256"] == same.about["sha256"]
     assert not np.array_equal(one.read()["g01"], other.read()["g01"])
 
 
@@ -145,7 +147,8 @@ def test_memory_does_not_grow_with_the_rows(tmp_path: Path, monkeypatch: pytest.
     monkeypatch.setattr(stream, "WAVE", 2)
     small, large = (peak(tmp_path / f"{n}.parquet", n) for n in (10_000, 80_000))
     rows_bytes = 70_000 * 10 * 8
-    assert large[0] - small[0] < rows_bytes / 40 and large[1] - small[1] < rows_bytes / 40
+    assert large[0] - small[0] < rows_bytes / 40
+    assert large[1] - small[1] < rows_bytes / 40
 
 
 def test_rows_do_not_depend_on_the_size_of_the_groups(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -153,7 +156,8 @@ def test_rows_do_not_depend_on_the_size_of_the_groups(tmp_path: Path, monkeypatc
     monkeypatch.setattr(stored, "GROUP_ROWS", 37)
     data = stream_dataset(tmp_path / "b.parquet", Slope(), library(), noisy())
     assert data.read().astype({"load": str, "source": str}).equals(whole.astype({"load": str, "source": str}))
-    assert max(len(piece) for piece in data.pieces(20)) == 20 and next(data.pieces(20, ["g02"])).shape == (20, 1)
+    assert max(len(piece) for piece in data.pieces(20)) == 20
+    assert next(data.pieces(20, ["g02"])).shape == (20, 1)
 
 
 def test_more_readings_of_a_state_than_are_drawn_at_once(tmp_path: Path) -> None:
@@ -161,7 +165,8 @@ def test_more_readings_of_a_state_than_are_drawn_at_once(tmp_path: Path) -> None
         tmp_path / "a.parquet", Slope(), grid_states({"mu1": [0.0]}), Sampling(samples_per_state=20_000)
     )
     noise = data.read()["g01"].to_numpy() - 1000.0
-    assert len(noise) == 20_000 and noise.std() == pytest.approx(np.sqrt(1000.0) / 3.0, rel=0.02)
+    assert len(noise) == 20_000
+    assert noise.std() == pytest.approx(np.sqrt(1000.0) / 3.0, rel=0.02)
     assert data.read()["is_train"].mean() == pytest.approx(0.7, abs=0.02)
 
 
@@ -174,17 +179,22 @@ def test_history_is_appended_as_it_was_measured(tmp_path: Path) -> None:
     data = stream_dataset(tmp_path / "a.parquet", Slope(), grid_states({"mu1": [0.0]}), QUIET, history=history)
     rows = data.read()
     assert rows["source"].tolist() == ["simulated", *np.repeat(["history 0", "history 1", "history 2"], 2)]
-    assert rows["state"].tolist() == [0] + 6 * [-1] and rows["mu1"].tolist() == [0.0] + 3 * [0.1, 0.0]
-    assert rows["g01"].tolist() == [1000.0] + 3 * [1000.0, 1100.0] and data.about["n_history"] == 3
+    assert rows["state"].tolist() == [0] + 6 * [-1]
+    assert rows["mu1"].tolist() == [0.0] + 3 * [0.1, 0.0]
+    assert rows["g01"].tolist() == [1000.0] + 3 * [1000.0, 1100.0]
+    assert data.about["n_history"] == 3
 
 
 def test_the_side_file_says_seed_noise_model_units_states_and_loads(tmp_path: Path) -> None:
     data = stream_dataset(tmp_path / "a.parquet", Slope(), library(), noisy())
     side = json.loads((tmp_path / "a.parquet.json").read_text())
     assert side == open_dataset(tmp_path / "a.parquet").about == data.about
-    assert side["seed"] == 7 and side["model_hash"] == "slope" and side["rows"] == 46 * 2 * 5
+    assert side["seed"] == 7
+    assert side["model_hash"] == "slope"
+    assert side["rows"] == 46 * 2 * 5
     assert [noise["kind"] for noise in side["noise"]] == ["WhiteNoise", "ColouredNoise", "Bias"]
-    assert len(side["noise"][2]["offsets"]) == 3 and "microstrain" in side["units"]["gauges"]
+    assert len(side["noise"][2]["offsets"]) == 3
+    assert "microstrain" in side["units"]["gauges"]
     assert side["states"][1] == {"kind": "random", "n_states": 40, "seed": 3, "n_damaged": 2, "largest": 0.8}
 
 
@@ -228,7 +238,8 @@ def test_coloured_noise_has_its_variance_and_both_correlations() -> None:
 def test_a_bias_stays_the_same_in_every_reading() -> None:
     errors = draw(Bias(3.0, 2.0), (5, 4, 2000))
     assert (errors == errors[0, 0]).all()
-    assert errors[0, 0].mean() == pytest.approx(3.0, abs=0.2) and errors[0, 0].std() == pytest.approx(2.0, rel=0.05)
+    assert errors[0, 0].mean() == pytest.approx(3.0, abs=0.2)
+    assert errors[0, 0].std() == pytest.approx(2.0, rel=0.05)
 
 
 def test_a_random_library_is_the_same_in_any_pieces() -> None:
@@ -236,7 +247,9 @@ def test_a_random_library_is_the_same_in_any_pieces() -> None:
     whole = states.between(0, 5000)
     assert np.array_equal(whole, np.concatenate([states.between(k, min(k + 700, 5000)) for k in range(0, 5000, 700)]))
     counts = np.bincount((whole > 0).sum(axis=1))
-    assert counts[0] == 0 and counts[1:] == pytest.approx([2500, 2500], rel=0.05) and whole.max() < 0.5
+    assert counts[0] == 0
+    assert counts[1:] == pytest.approx([2500, 2500], rel=0.05)
+    assert whole.max() < 0.5
     assert np.array_equal(
         random_states(["a", "b", "c"], 10, seed=2, n_damaged=2, largest=0.5).between(0, 10), whole[:10]
     )

@@ -44,21 +44,25 @@ def campaign(twin: WingTwin, state: dict[str, float], effect: str, size: float, 
 
 
 def test_full_and_reduced_wing_answer_by_one_protocol(full: WingTwin, reduced: WingTwin) -> None:
-    assert isinstance(full, Twin) and isinstance(reduced, Twin)
+    assert isinstance(full, Twin)
+    assert isinstance(reduced, Twin)
     assert all(isinstance(effect, Effect) for effect in reduced.effects.values())
     for name in ("gauges", "parameters", "is_linear_in_load"):
         assert getattr(full, name) == getattr(reduced, name)
     assert np.array_equal(full.gauge_positions, reduced.gauge_positions)  # type: ignore[arg-type]
     assert np.array_equal(full.outline, reduced.outline)  # type: ignore[arg-type]
-    assert full.wing is reduced.wing and full.model.model_hash == reduced.model.model_hash
+    assert full.wing is reduced.wing
+    assert full.model.model_hash == reduced.model.model_hash
 
 
 def test_the_reduced_twin_keeps_its_bound(full: WingTwin, reduced: WingTwin) -> None:
     states = np.random.default_rng(1).uniform(0.0, 0.9, (40, 2))
     gap = np.abs(predict_states(full, states, 3.0) - predict_states(reduced, states, 3.0))
     bound = reduced.error_bound(states, 3.0)
-    assert (gap <= bound).all() and bound.max() < 2.0
-    assert (full.error_bound(states, 3.0) == 0.0).all() and full.error_bound(states, 3.0).shape == bound.shape
+    assert (gap <= bound).all()
+    assert bound.max() < 2.0
+    assert (full.error_bound(states, 3.0) == 0.0).all()
+    assert full.error_bound(states, 3.0).shape == bound.shape
     one = reduced.predict({"mu1": 0.3}, 2.0)
     assert one == pytest.approx(reduced.predict_states(np.array([[0.3, 0.0]]), 2.0)[0])
 
@@ -77,7 +81,8 @@ def test_a_diagnosis_with_the_reduced_twin_is_that_with_the_full_one(
     found = [diagnose(readings, WingTwin(twin.model, effects, twin.make_wing)) for twin in (full, reduced)]
     exact, near = found
     assert exact.is_sound == near.is_sound
-    assert _causes(exact) == _causes(near) and effect in _causes(exact)[0]
+    assert _causes(exact) == _causes(near)
+    assert effect in _causes(exact)[0]
     assert near.inclusion == pytest.approx(exact.inclusion, abs=2e-3)
     assert near.unknown_probability == pytest.approx(exact.unknown_probability, abs=2e-3)
     for mine, other in zip(exact.which, near.which, strict=True):
@@ -97,8 +102,12 @@ def test_a_saved_twin_answers_at_once_and_makes_the_full_wing_when_it_must(
     tiny_reduced.save(tmp_path / "wing.npz")
     twin = saved_twin(tmp_path / "wing.npz", make)
     assert twin.predict({"mu1": 0.2}, 3.0) == pytest.approx(tiny.strain_microstrain({"mu1": 0.2}, 3.0), abs=0.1)
-    assert twin.gauge_positions == pytest.approx(tiny.gauge_positions) and not made
-    assert "modulus" in twin.effects and len(twin.effects) == 13 and twin.wing is tiny and len(made) == 1
+    assert twin.gauge_positions == pytest.approx(tiny.gauge_positions)
+    assert not made
+    assert "modulus" in twin.effects
+    assert len(twin.effects) == 13
+    assert twin.wing is tiny
+    assert len(made) == 1
     other = saved_twin(tmp_path / "wing.npz", lambda: uav_wing(refinement=0.3, effective_mass=24.0))
     with pytest.raises(
         InputError, match=r"the reduced wing was made of the wing .*; expected the same; give make_wing"
@@ -110,7 +119,9 @@ def test_a_saved_twin_answers_at_once_and_makes_the_full_wing_when_it_must(
 
 def test_a_twin_is_reduced_from_any_wing(tiny: Wing) -> None:
     twin = reduced_twin(tiny)
-    assert isinstance(twin.model, ReducedWing) and twin.wing is tiny and set(twin.effects) == set(wing_effects(tiny))
+    assert isinstance(twin.model, ReducedWing)
+    assert twin.wing is tiny
+    assert set(twin.effects) == set(wing_effects(tiny))
 
 
 def _causes(found: Diagnosis) -> list[tuple[str, ...]]:

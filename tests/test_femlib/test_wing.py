@@ -37,7 +37,8 @@ def test_region_edges_and_installed_gauges_lie_on_grid_lines(coarse: Wing) -> No
 
 def test_lines_crowd_where_a_rib_has_a_gauge_and_nowhere_else(wing: Wing) -> None:
     steps, middles = np.diff(wing.grid.eta), 0.5 * (wing.grid.eta[1:] + wing.grid.eta[:-1])
-    assert steps.max() <= 0.02 + 1e-9 and steps.min() > 0.002
+    assert steps.max() <= 0.02 + 1e-9
+    assert steps.min() > 0.002
     assert steps[(middles > 0.21) & (middles < 0.81)].max() <= 0.011 + 1e-9
     for rib in np.array([3, 4, 5, 7, 8, 9]) / 12:
         assert steps[np.abs(middles - rib) < 0.0075].max() <= 0.005 + 1e-9
@@ -57,7 +58,8 @@ def test_the_skins_look_outward_and_close_the_wing(coarse: Wing) -> None:
     mesh = coarse.structure.shells.mesh
     vectors = mesh.area_vectors()
     top = np.concatenate([mesh.elements_in(p) for p in ("top", "R1", "R2")])
-    assert (vectors[top, 2] > 0).all() and (vectors[mesh.elements_in("bottom"), 2] < 0).all()
+    assert (vectors[top, 2] > 0).all()
+    assert (vectors[mesh.elements_in("bottom"), 2] < 0).all()
     used = np.unique(np.concatenate([mesh.quads.ravel(), mesh.trias.ravel()]))
     assert np.array_equal(used, np.arange(len(mesh.nodes)))
 
@@ -111,17 +113,20 @@ def bayes_errors(data: Dataset) -> list[float]:
 
 def test_mu1_is_easy_and_mu2_is_hard(simulated: MeanStrains) -> None:
     mu1, mu2 = bayes_errors(build_dataset(simulated))
-    assert mu1 < 0.01 and 0.4 < mu2 < 0.65
+    assert mu1 < 0.01
+    assert 0.4 < mu2 < 0.65
 
 
 def test_the_published_table_gives_the_same_picture(published: MeanStrains) -> None:
     mu1, mu2 = bayes_errors(build_dataset(published))
-    assert mu1 < 0.01 and 0.5 < mu2 < 0.6
+    assert mu1 < 0.01
+    assert 0.5 < mu2 < 0.6
 
 
 def test_the_twin_answers_for_the_installed_gauges(wing: Wing) -> None:
     twin = uav_twin()
-    assert twin.gauges == wing.gauges.names and len(twin.gauges) == 24
+    assert twin.gauges == wing.gauges.names
+    assert len(twin.gauges) == 24
     at = {"mu1": 0.2, "mu2": 0.0}
     assert twin.predict(at, 2.0) == pytest.approx(wing.strain_microstrain(at, 2.0))
 

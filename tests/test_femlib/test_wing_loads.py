@@ -52,7 +52,8 @@ def test_the_inertia_of_the_wing_is_its_mass_times_gravity_and_relieves_the_root
     unit = np.zeros(len(load))
     unit[2::6] = 1.0
     weight = GRAVITY * float(unit @ mass @ unit)
-    assert -load[2::6].sum() == pytest.approx(weight) and weight == pytest.approx(2.3 * GRAVITY, rel=0.02)
+    assert -load[2::6].sum() == pytest.approx(weight)
+    assert weight == pytest.approx(2.3 * GRAVITY, rel=0.02)
     payload = inertial_load(small, {0.5: 0.17, 0.777: 0.13}) - load
     assert -payload[2::6].sum() == pytest.approx(0.30 * GRAVITY)
     relief = moments(small, payload, np.zeros(1))[0]
@@ -60,7 +61,8 @@ def test_the_inertia_of_the_wing_is_its_mass_times_gravity_and_relieves_the_root
     # the root's strain falls as its bending moment does, within what chordwise places and taper leave
     root = moments(small, load, np.zeros(1))[0] / moments(small, small.lift, np.zeros(1))[0]
     change = small.strain_microstrain({}, 3.0, small.lift + load) / small.strain_microstrain({}, 3.0) - 1.0
-    assert -0.2 < root < -0.05 and change[0] == pytest.approx(root, abs=0.02)
+    assert -0.2 < root < -0.05
+    assert change[0] == pytest.approx(root, abs=0.02)
 
 
 @pytest.mark.parametrize("payload", [{1.2: 0.1}, {0.5: -0.1}, {0.5: np.nan}])
@@ -73,7 +75,8 @@ def test_hat_means_keep_sum_and_centre() -> None:
     lines = np.array([0.0, 0.1, 0.15, 0.4, 1.0])
     for start, end in ((0.0, 0.05), (0.12, 0.7), (0.9, 1.0)):
         means = hat_means(lines, start, end)
-        assert means.sum() == pytest.approx(1.0) and means @ lines == pytest.approx(0.5 * (start + end))
+        assert means.sum() == pytest.approx(1.0)
+        assert means @ lines == pytest.approx(0.5 * (start + end))
 
 
 def test_without_aerosandbox_the_cure_is_told(small: Wing, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -102,7 +105,8 @@ class TestVortexLattice:
         x, y, z = found.forces.reshape(-1, 6)[:, :3].sum(axis=0)
         a = found.angle_of_attack
         assert z * np.cos(a) - x * np.sin(a) == pytest.approx(load_factor * HALF_WEIGHT, abs=1e-6 * HALF_WEIGHT)
-        assert abs(y) < 0.02 * (1.0 + abs(load_factor)) * HALF_WEIGHT and not found.forces.reshape(-1, 6)[:, 3:].any()
+        assert abs(y) < 0.02 * (1.0 + abs(load_factor)) * HALF_WEIGHT
+        assert not found.forces.reshape(-1, 6)[:, 3:].any()
 
     def test_its_moments_are_those_of_lifting_line_theory_and_above_the_ellipse(self, small: Wing) -> None:
         stations = np.array([0.0, 0.25, 0.5, 0.75])
@@ -112,7 +116,9 @@ class TestVortexLattice:
         assert found == pytest.approx(glauert(small, stations), rel=0.05)  # no chord of its own in the theory
         ellipse = moments(small, small.lift, stations) / (HALF_WEIGHT * small.span)
         ratio = found / ellipse
-        assert (np.diff(ratio) > 0).all() and 1.0 < ratio[0] < 1.1 and 1.1 < ratio[3] < 1.35
+        assert (np.diff(ratio) > 0).all()
+        assert 1.0 < ratio[0] < 1.1
+        assert 1.1 < ratio[3] < 1.35
 
     def test_camber_moves_the_centre_of_pressure_aft_as_the_load_falls(self, small: Wing) -> None:
         centres = []

@@ -261,7 +261,8 @@ def test_a_wrong_call_gets_a_sentence_and_leaves_no_file(
 def assert_one_sentence(error: FemlibError) -> None:
     """One line that says what was expected or what to do."""
     text = str(error)
-    assert "\n" not in text and ("expected" in text or "; " in text)
+    assert "\n" not in text
+    assert "expected" in text or "; " in text
 
 
 def test_parquet_without_pyarrow_gets_a_sentence(tiny: Wing, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -180,4 +180,6 @@ def test_answers_beyond_linear_analysis_are_refused(tiny: Wing, tiny_reduced: Re
 def assert_one_sentence(error: FemlibError) -> None:
     """One line that says what was expected or what to do."""
     text = str(error)
-    assert "\n" not in text and "expected" in text and ";" in text
+    assert "\n" not in text
+    assert "expected" in text
+    assert ";" in text

@@ -54,7 +54,9 @@ def test_every_setting_of_a_problem_is_honoured(seed):
     solution = greedy_tree(problem, seed=seed)
     certificate = certify(problem, solution)
     assert solution.objective <= problem.baseline
-    assert solution.bound == -np.inf and solution.stop is Stop.FINISHED and not solution.is_optimal
+    assert solution.bound == -np.inf
+    assert solution.stop is Stop.FINISHED
+    assert not solution.is_optimal
     assert certificate.sensor_cost <= problem.sensor_limit
 
 
@@ -75,7 +77,8 @@ def test_a_budget_takes_the_sensor_that_pays_most():
     features = np.array([[i % 2, i % 4, i] for i in range(16)], dtype=float)
     problem = Problem(features, np.arange(16) % 4 >= 2, depth=2, sensor_budget=1)
     tree = greedy_tree(problem).tree
-    assert tree is not None and features_used(tree) == (1,)
+    assert tree is not None
+    assert features_used(tree) == (1,)
     assert greedy_tree(problem).objective == 0
 
 
@@ -95,7 +98,8 @@ def test_out_of_time_in_the_choice_of_sensors_returns_the_tree_so_far():
 def test_features_in_no_allowed_group_are_not_read():
     problem = random_problem(1, allowed_splits=[["x2"], ["x3"]])
     tree = greedy_tree(problem).tree
-    assert tree is not None and set(features_used(tree)) <= {2, 3}
+    assert tree is not None
+    assert set(features_used(tree)) <= {2, 3}
 
 
 def test_a_hyperplane_problem_gets_its_axis_aligned_tree():
@@ -116,5 +120,6 @@ def test_one_seed_is_one_tree():
 def test_samples_of_weight_zero_are_routed_and_have_no_say_in_labels():
     problem = Problem([[0.0], [0.0], [1.0], [1.0]], [0, 1, 1, 1], depth=1, weights=[1, 0, 1, 1])
     solution: Solution = greedy_tree(problem)
-    assert solution.tree is not None and solution.objective == 0
+    assert solution.tree is not None
+    assert solution.objective == 0
     assert np.bincount(leaf_index(solution.tree, problem.features)).tolist() == [2, 2]

@@ -57,14 +57,18 @@ def test_a_kind_takes_exactly_what_its_schema_allows(kind):
             takes = True
         except MisfitError as misfit:
             takes = False
-            assert "expected" in str(misfit) and len(str(misfit)) < 1000 and "\n" not in str(misfit)
+            assert "expected" in str(misfit)
+            assert len(str(misfit)) < 1000
+            assert "\n" not in str(misfit)
         if not (isinstance(value, float) and math.isnan(value)):  # no JSON number, and refused where it is read
             assert takes == validator.is_valid(value), value
 
 
 def test_numbers_come_back_as_what_they_are():
-    assert isinstance(Number().take(3), float) and isinstance(Whole().take(3.0), int)
-    assert AsItIs(Number()).take(20) is not None and isinstance(AsItIs(Number()).take(20), int)
+    assert isinstance(Number().take(3), float)
+    assert isinstance(Whole().take(3.0), int)
+    assert AsItIs(Number()).take(20) is not None
+    assert isinstance(AsItIs(Number()).take(20), int)
 
 
 @pytest.mark.parametrize(
@@ -85,5 +89,8 @@ def test_a_misfit_says_where_it_stands_what_was_got_and_what_expected(kind, valu
 
 
 def test_what_is_shown_is_short_and_harmless():
-    assert shown("a\x1b[2J\n\u202e") == r"'a\x1b[2J\n\u202e'" and len(shown("a" * 10**6)) < 80
-    assert shown("µ") == "'µ'" and several(range(20)).endswith("11, ...]") and several(["a"]) == "['a']"
+    assert shown("a\x1b[2J\n\u202e") == r"'a\x1b[2J\n\u202e'"
+    assert len(shown("a" * 10**6)) < 80
+    assert shown("µ") == "'µ'"
+    assert several(range(20)).endswith("11, ...]")
+    assert several(["a"]) == "['a']"

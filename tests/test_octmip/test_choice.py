@@ -41,10 +41,12 @@ def noisy_step(n=60):
 def test_folds_are_of_equal_size_and_hold_equal_shares_of_each_class(n_folds):
     folds = stratified_folds(IRIS, n_folds, seed=1)
     held = np.concatenate([rows for _, rows in folds])
-    assert sorted(held) == list(range(150)) and not any(np.intersect1d(*fold).size for fold in folds)
+    assert sorted(held) == list(range(150))
+    assert not any(np.intersect1d(*fold).size for fold in folds)
     sizes = [len(rows) for _, rows in folds]
     shares = np.array([np.bincount(IRIS.codes[rows], minlength=3) for _, rows in folds])
-    assert max(sizes) - min(sizes) <= 1 and (np.ptp(shares, axis=0) <= 1).all()
+    assert max(sizes) - min(sizes) <= 1
+    assert (np.ptp(shares, axis=0) <= 1).all()
 
 
 @pytest.mark.parametrize("problem", [IRIS, COSTLY], ids=["iris", "weights and costs"])
@@ -69,15 +71,19 @@ def test_every_alpha_of_every_depth_has_its_step():
     assert {step.depth for step in steps} == {1, 2}
     for depth in (1, 2):
         mine = [step for step in steps if step.depth == depth]
-        assert mine[0].alpha_low == 0 and mine[-1].alpha_high == math.inf
+        assert mine[0].alpha_low == 0
+        assert mine[-1].alpha_high == math.inf
         assert all(a.alpha_high == b.alpha_low for a, b in pairwise(mine))
         assert all(step.alpha_low <= step.alpha <= step.alpha_high for step in mine)
 
 
 def test_the_tree_that_generalises_is_chosen_and_fitted_to_all_samples():
     choice = choose_tree(noisy_step(), method="exact", seed=1)
-    assert choice.chosen.complexity == 1 and choice.tree.feature == 0 and abs(choice.tree.threshold - 0.5) < 0.1
-    assert choice.problem.n_samples == 60 and choice.solution.is_optimal
+    assert choice.chosen.complexity == 1
+    assert choice.tree.feature == 0
+    assert abs(choice.tree.threshold - 0.5) < 0.1
+    assert choice.problem.n_samples == 60
+    assert choice.solution.is_optimal
     assert choice.problem.depth == choice.chosen.depth
     assert choice.problem.leaf_penalty == choice.chosen.alpha * choice.problem.baseline
     assert certify(choice.problem, choice.solution).objective == choice.solution.objective
@@ -92,13 +98,16 @@ def test_one_pair_of_training_and_validation_rows_chooses_as_bertsimas_and_dunn_
     noisy[:3] = 1 - noisy[:3]
     both = Problem(np.concatenate([x, x]), np.concatenate([noisy, labels]), depth=2)
     choice = choose_tree(both, folds=[(range(24), range(24, 48))], method="exact")
-    assert choice.chosen.complexity == 1 and choice.chosen.validation_cost == 0
-    assert math.isnan(choice.chosen.standard_error) and (choice.fold == np.repeat([-1, 0], 24)).all()
+    assert choice.chosen.complexity == 1
+    assert choice.chosen.validation_cost == 0
+    assert math.isnan(choice.chosen.standard_error)
+    assert (choice.fold == np.repeat([-1, 0], 24)).all()
 
 
 def test_one_standard_error_buys_a_simpler_tree():
     least, simple = (choose_tree(IRIS, folds=5, method="exact", rule=rule) for rule in ("least", "one_se"))
-    assert simple.steps == least.steps and simple.chosen.complexity <= least.chosen.complexity
+    assert simple.steps == least.steps
+    assert simple.chosen.complexity <= least.chosen.complexity
     assert simple.chosen.validation_cost <= least.chosen.validation_cost + least.chosen.standard_error
 
 
@@ -107,7 +116,9 @@ def test_folds_come_out_the_same_in_threads_in_processes_and_alone():
     for backend in ("threading", "loky"):
         with joblib.parallel_config(backend=backend, n_jobs=2):
             other = choose_tree(COSTLY, folds=3, method="search")
-        assert other.steps == alone.steps and other.tree == alone.tree and other.chosen == alone.chosen
+        assert other.steps == alone.steps
+        assert other.tree == alone.tree
+        assert other.chosen == alone.chosen
 
 
 def test_folds_run_on_a_dask_cluster():
@@ -116,7 +127,8 @@ def test_folds_run_on_a_dask_cluster():
     cluster = distributed.LocalCluster(n_workers=1, processes=False, dashboard_address=None)
     with cluster, distributed.Client(cluster), joblib.parallel_config(backend="dask"):
         other = choose_tree(COSTLY, folds=3, method="cart")
-    assert other.steps == alone.steps and other.tree == alone.tree
+    assert other.steps == alone.steps
+    assert other.tree == alone.tree
 
 
 def test_hyperplanes_budgets_and_mixed_integer_forms_can_be_chosen_too():
@@ -137,8 +149,10 @@ def test_every_depth_and_alpha_has_its_step():
 def test_the_table_has_one_row_a_step_and_one_is_chosen():
     choice = choose_tree(IRIS, folds=3, method="cart")
     table = choice.table()
-    assert len(table) == len(choice.steps) and sum(row["chosen"] for row in table) == 1
-    assert table[0]["alpha_low"] == 0 and table[0]["depth"] == 1
+    assert len(table) == len(choice.steps)
+    assert sum(row["chosen"] for row in table) == 1
+    assert table[0]["alpha_low"] == 0
+    assert table[0]["depth"] == 1
 
 
 ROWS = (range(0, 75), range(75, 150))
@@ -187,4 +201,5 @@ def test_scikit_learn_s_own_grid_search_chooses_depth_and_penalty_too():
     search = GridSearchCV(
         OptimalTreeClassifier(method="cart"), {"depth": [1, 2], "leaf_penalty": [0.0, 2.0, 200.0]}, cv=3
     ).fit(IRIS.features, IRIS.labels)
-    assert search.best_params_["depth"] == 2 and search.best_params_["leaf_penalty"] < 200
+    assert search.best_params_["depth"] == 2
+    assert search.best_params_["leaf_penalty"] < 200

@@ -52,19 +52,27 @@ def tree(data, run, tmp_path):
 def test_solve_says_objective_tree_and_where_it_is_written(data, run, tmp_path):
     out_file = tmp_path / "t.json"
     code, out, err = run("solve", data, "--label", "y", "--depth", 1, "--method", "cart", "--out", out_file)
-    assert code == 0 and err == ""
-    assert "1 of 30 samples wrong" in out and "if a <= 11.5" in out and str(out_file) in out
+    assert code == 0
+    assert err == ""
+    assert "1 of 30 samples wrong" in out
+    assert "if a <= 11.5" in out
+    assert str(out_file) in out
     assert read_tree_file(out_file).label_column == "y"
 
 
 def test_solve_json_is_one_object_and_nothing_else(data, run):
     code, out, err = run("solve", data, "--label", "y", "--depth", 1, "--method", "search", "--json")
     answer = json.loads(out)
-    assert code == 0 and err == "" and out.count("\n") == 1
+    assert code == 0
+    assert err == ""
+    assert out.count("\n") == 1
     wanted = "objective errors bound gap is_optimal stop seconds n_nodes method depth n_splits sensors tree"
     assert set(wanted.split()) <= set(answer)
-    assert answer["errors"] == answer["objective"] == 1 and answer["sensors"] == ["a"] and answer["bound"] is None
-    assert answer["tree"]["feature"] == "a" and answer["tree"]["left"] == {"label": "low"}
+    assert answer["errors"] == answer["objective"] == 1
+    assert answer["sensors"] == ["a"]
+    assert answer["bound"] is None
+    assert answer["tree"]["feature"] == "a"
+    assert answer["tree"]["left"] == {"label": "low"}
 
 
 def test_every_setting_reaches_the_problem(data, run, tmp_path):
@@ -80,11 +88,16 @@ def test_every_setting_reaches_the_problem(data, run, tmp_path):
     assert code == 0, err
     file = read_tree_file(out_file)
     settings = file.settings
-    assert file.feature_names == ("b", "a") and file.class_names == ("high", "low") and file.solution.seed == 7
+    assert file.feature_names == ("b", "a")
+    assert file.class_names == ("high", "low")
+    assert file.solution.seed == 7
     assert (settings["split"], settings["split_size"], settings["leaf_size"]) == ("hyperplane", 2, 3)
-    assert settings["costs"] == [[0, 2], [5, 0]] and settings["leaf_penalty"] == 0.5 and settings["depth"] == 2
+    assert settings["costs"] == [[0, 2], [5, 0]]
+    assert settings["leaf_penalty"] == 0.5
+    assert settings["depth"] == 2
     assert settings["allowed_splits"] == [[0], [0, 1]]
-    assert settings["sensor_cost"] == {"right": 1, "left": 3} and settings["sensor_budget"] == 2
+    assert settings["sensor_cost"] == {"right": 1, "left": 3}
+    assert settings["sensor_budget"] == 2
     assert run("certify", out_file, data)[0] == 0
 
 
@@ -92,16 +105,22 @@ def test_an_incumbent_is_taken_up(data, run, tree):
     words = ["solve", data, "--label", "y", "--depth", 1, "--method", "search", "--incumbent", tree]
     assert "if a <= 11.5" in run(*words, "--features", "b,a")[1]
     code, _, err = run(*words, "--features", "b")
-    assert code == 2 and "names the feature 'a', which is not among" in err
+    assert code == 2
+    assert "names the feature 'a', which is not among" in err
     code, _, err = run(*words, "--features", "a,b", "--leaf-size", 15)
-    assert code == 2 and "incumbent is no tree of this problem: leaf 0" in err
+    assert code == 2
+    assert "incumbent is no tree of this problem: leaf 0" in err
 
 
 def test_certify_accepts_what_solve_wrote(data, run, tree):
     code, out, err = run("certify", tree, data)
-    assert code == 0 and out.startswith("certified") and err == ""
+    assert code == 0
+    assert out.startswith("certified")
+    assert err == ""
     answer = json.loads(run("certify", tree, data, "--label", "y", "--json")[1])
-    assert answer["is_certified"] and answer["errors"] == 1 and answer["bound"] is None
+    assert answer["is_certified"]
+    assert answer["errors"] == 1
+    assert answer["bound"] is None
 
 
 def broken(tree, change):
@@ -125,7 +144,10 @@ def broken(tree, change):
 def test_certify_refutes_a_file_changed_by_hand(data, run, tree, change, sentence):
     broken(tree, change)
     code, out, err = run("certify", tree, data)
-    assert code == 1 and out == "" and sentence in err and err.count("\n") == 1
+    assert code == 1
+    assert out == ""
+    assert sentence in err
+    assert err.count("\n") == 1
 
 
 def test_certify_refutes_other_data(data, run, tree):
@@ -133,7 +155,8 @@ def test_certify_refutes_other_data(data, run, tree):
     frame.loc[3, "a"] += 1e-9
     frame.to_csv(data, index=False)
     code, _, err = run("certify", tree, data)
-    assert code == 1 and "is not the table" in err
+    assert code == 1
+    assert "is not the table" in err
 
 
 def test_certify_checks_a_proof_log_of_the_tree(data, run, tree, tmp_path):
@@ -148,21 +171,30 @@ def test_certify_checks_a_proof_log_of_the_tree(data, run, tree, tmp_path):
     assert json.loads(run("certify", tree, data, "--proof", log, "--json")[1])["proof"]["bound"] == 1
     log.write_text(proof_log(problem)[:-20])
     code, out, err = run("certify", tree, data, "--proof", log)
-    assert code == 1 and out == "" and "proof is refused" in err and err.count("\n") == 1
+    assert code == 1
+    assert out == ""
+    assert "proof is refused" in err
+    assert err.count("\n") == 1
     code, _, err = run("certify", tree, data, "--proof", tmp_path / "none.log")
-    assert code == 2 and "none.log cannot be read" in err
+    assert code == 2
+    assert "none.log cannot be read" in err
 
 
 def test_predict_writes_one_line_for_each_row(data, run, tree, tmp_path):
     code, out, err = run("predict", tree, data)
-    assert code == 0 and out.splitlines() == ["prediction"] + ["low"] * 12 + ["high"] * 18 and err == ""
+    assert code == 0
+    assert out.splitlines() == ["prediction"] + ["low"] * 12 + ["high"] * 18
+    assert err == ""
     code, out, err = run("predict", tree, data, "--label", "y", "--out", tmp_path / "p.csv", "--probabilities")
-    assert code == 0 and out == "" and "1 of 30 samples wrong" in err
+    assert code == 0
+    assert out == ""
+    assert "1 of 30 samples wrong" in err
     shares = pd.read_csv(tmp_path / "p.csv")
     assert list(shares.columns) == ["prediction", "share of high", "share of low"]
     assert shares.iloc[-1, 1] == pytest.approx(17 / 18)
     answer = json.loads(run("predict", tree, data, "--label", "y", "--json")[1])
-    assert answer["errors"] == 1 and len(answer["predictions"]) == 30
+    assert answer["errors"] == 1
+    assert len(answer["predictions"]) == 30
 
 
 def test_predict_needs_only_the_features_that_the_tree_reads(run, tree, tmp_path):
@@ -170,7 +202,8 @@ def test_predict_needs_only_the_features_that_the_tree_reads(run, tree, tmp_path
     assert run("predict", tree, tmp_path / "new.csv")[1].split() == ["prediction", "low", "high"]
     (tmp_path / "new.csv").write_text("b\n3\n")
     code, _, err = run("predict", tree, tmp_path / "new.csv")
-    assert code == 2 and "no column 'a'" in err
+    assert code == 2
+    assert "no column 'a'" in err
 
 
 def test_compare_shows_every_method_and_the_gap_to_the_best_bound(data, run, monkeypatch):
@@ -188,7 +221,9 @@ def test_compare_shows_every_method_and_the_gap_to_the_best_bound(data, run, mon
     monkeypatch.setattr(solver.Registration, "load", lambda self: replaced.get(self.module) or load(self))
     words = ["compare", data, "--label", "y", "--depth", 1, "--features", "a", "--methods", "cart,exact,oct"]
     code, out, _ = run(*words)
-    assert code == 0 and "| cart " in out and "oct: out of luck" in out
+    assert code == 0
+    assert "| cart " in out
+    assert "oct: out of luck" in out
     answer = json.loads(run(*words, "--json")[1])
     assert [row.get("gap_to_best_bound") for row in answer["rows"]] == [0.0, 0.0, None]
     assert [row.get("gap") for row in answer["rows"]] == [None, 0.0, None]
@@ -228,7 +263,10 @@ def test_a_bad_table_ends_in_one_line_and_nothing_written(run, tmp_path, name):
     code, out, err = run(
         "solve", tmp_path / "bad.csv", "--label", "y", "--depth", 1, "--method", "cart", "--out", tmp_path / "t.json"
     )
-    assert code == 2 and out == "" and sentence in err and err.count("\n") == 1
+    assert code == 2
+    assert out == ""
+    assert sentence in err
+    assert err.count("\n") == 1
     assert not (tmp_path / "t.json").exists()
 
 
@@ -266,7 +304,10 @@ def test_a_bad_command_line_ends_in_one_line(data, run, name):
     words, sentence = BAD_WORDS[name]
     words = words if "--features" in words else [*words, "--features", "a,b"]
     code, out, err = run("solve", data, "--label", "y", *words)
-    assert code == 2 and out == "" and sentence in err and err.count("\n") == 1
+    assert code == 2
+    assert out == ""
+    assert sentence in err
+    assert err.count("\n") == 1
 
 
 def test_negative_weights_are_refused(data, run):
@@ -274,7 +315,8 @@ def test_negative_weights_are_refused(data, run):
     frame.loc[4, "w"] = -2
     frame.to_csv(data, index=False)
     code, _, err = run("solve", data, "--label", "y", "--depth", 1, "--weights", "w")
-    assert code == 2 and "weights[4] is -2.0" in err
+    assert code == 2
+    assert "weights[4] is -2.0" in err
 
 
 @pytest.mark.parametrize("command", ["certify", "predict", "report"])
@@ -283,14 +325,18 @@ def test_a_bad_tree_file_ends_in_one_line(data, run, tmp_path, command, content)
     (tmp_path / "bad.json").write_text(content)
     words = [] if command == "report" else [data]
     code, out, err = run(command, tmp_path / "bad.json", *words)
-    assert code == 2 and out == "" and "bad.json" in err and err.count("\n") == 1
+    assert code == 2
+    assert out == ""
+    assert "bad.json" in err
+    assert err.count("\n") == 1
 
 
 def test_labels_unseen_at_training_are_refused(data, run, tree):
     data.write_text(data.read_text().replace("low", "lower"))
     for command in (["certify", tree, data], ["predict", tree, data, "--label", "y"]):
         code, _, err = run(*command)
-        assert code == 2 and "line 2, column 'y': label 'lower' was not seen at training" in err
+        assert code == 2
+        assert "line 2, column 'y': label 'lower' was not seen at training" in err
 
 
 def test_an_unknown_command_hints_at_the_near_one(run):
@@ -301,7 +347,8 @@ def test_an_unknown_command_hints_at_the_near_one(run):
 
 def test_help_names_every_command(run):
     code, out, _ = run("--help")
-    assert code == 0 and all(name in out for name in COMMANDS)
+    assert code == 0
+    assert all(name in out for name in COMMANDS)
     assert run("--version")[1].startswith("octmip ")
     for name in COMMANDS:
         with pytest.raises(SystemExit) as leaving:
@@ -312,7 +359,8 @@ def test_help_names_every_command(run):
 def test_help_does_not_wait_for_heavy_packages():
     code = "import sys; from octmip.cli import main; main(['--help']); print(*sys.modules, sep='\\n')"
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
-    assert "octmip.cli" in out and not {"pandas", "sklearn", "matplotlib", "pyomo", "scipy"} & set(out.splitlines())
+    assert "octmip.cli" in out
+    assert not {"pandas", "sklearn", "matplotlib", "pyomo", "scipy"} & set(out.splitlines())
 
 
 def test_progress_shows_on_a_terminal_only(capsys, monkeypatch):
@@ -332,7 +380,8 @@ def test_standard_output_that_cannot_be_written_ends_in_one_line(run, tree, monk
 
     monkeypatch.setattr("octmip.cli.report.run", full)
     code, _, err = run("report", tree)
-    assert code == 1 and err == "octmip: standard output cannot be written (No space left on device)\n"
+    assert code == 1
+    assert err == "octmip: standard output cannot be written (No space left on device)\n"
 
 
 def test_ctrl_c_outside_a_solver_ends_with_130(run, monkeypatch):
@@ -341,17 +390,22 @@ def test_ctrl_c_outside_a_solver_ends_with_130(run, monkeypatch):
 
     monkeypatch.setattr("octmip.cli.report.run", interrupted)
     code, _, err = run("report", "t.json")
-    assert code == 130 and err == "octmip: interrupted\n"
+    assert code == 130
+    assert err == "octmip: interrupted\n"
 
 
 def test_frontier_shows_one_row_for_each_value(data, run, tmp_path):
     words = ["frontier", data, "--label", "y", "--features", "a,b", "--depth", 3, "--over", "depth"]
     code, out, err = run(*words, "--out", tmp_path / "f.png")
-    assert code == 0 and err == "" and len(out.splitlines()) == 5 and (tmp_path / "f.png").stat().st_size > 1000
+    assert code == 0
+    assert err == ""
+    assert len(out.splitlines()) == 5
+    assert (tmp_path / "f.png").stat().st_size > 1000
     rows = json.loads(run(*words, "--json", "--values", "1,2")[1])["rows"]
     assert [row["depth"] for row in rows] == [1, 2]
     code, _, err = run(*words, "--values", "1,x")
-    assert code == 2 and "--values is '1,x'" in err
+    assert code == 2
+    assert "--values is '1,x'" in err
 
 
 def test_frontier_shows_what_samples_held_out_cost_and_chooses(data, run):
@@ -360,8 +414,12 @@ def test_frontier_shows_what_samples_held_out_cost_and_chooses(data, run):
     assert all(0 <= row["held_out"] <= 1 for row in found["rows"])
     assert found["chosen"]["held_out"] <= min(row["held_out"] for row in found["rows"])
     code, out, _ = run(*words, "penalty", "--folds", 2, "--method", "cart")
-    assert code == 0 and "held_out" in out and out.splitlines()[-1].startswith("chosen: depth")
+    assert code == 0
+    assert "held_out" in out
+    assert out.splitlines()[-1].startswith("chosen: depth")
     code, _, err = run(*words, "budget", "--folds", 2)
-    assert code == 2 and "--folds chooses a depth and a penalty" in err
+    assert code == 2
+    assert "--folds chooses a depth and a penalty" in err
     code, _, err = run(*words, "depth", "--folds", 1)
-    assert code == 2 and "folds is 1" in err
+    assert code == 2
+    assert "folds is 1" in err

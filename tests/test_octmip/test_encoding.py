@@ -18,7 +18,8 @@ def with_costs(**settings):
 def test_ranks_point_to_the_values():
     problem = Problem([[0.5, 1], [0.5, 0], [1.5, 0], [4.0, 0], [4.0, 0]], [0, 1, 0, 1, 0], depth=1)
     ranks = rank_features(problem)
-    assert ranks.ranks[0].tolist() == [0, 0, 1, 2, 2] and ranks.values[0].tolist() == [0.5, 1.5, 4.0]
+    assert ranks.ranks[0].tolist() == [0, 0, 1, 2, 2]
+    assert ranks.values[0].tolist() == [0.5, 1.5, 4.0]
     for j in range(2):
         assert (ranks.values[j][ranks.ranks[j]] == problem.features[:, j]).all()
 
@@ -69,7 +70,8 @@ def test_an_integer_objective_is_below_the_true_one_by_at_most_the_tolerance(pro
 )
 def test_whole_and_dyadic_numbers_lose_nothing(settings, unit):
     costs = integer_costs(with_costs(**settings))
-    assert costs.tolerance == 0 and costs.unit == unit
+    assert costs.tolerance == 0
+    assert costs.unit == unit
 
 
 @pytest.mark.parametrize(
@@ -100,7 +102,8 @@ def test_a_threshold_between_neighbouring_floats_sends_the_upper_one_right():
     low = 1.0
     high = np.nextafter(low, 2)
     assert low <= midpoint(low, high) < high
-    assert midpoint(-1e308, 1e308) == 0.0 and midpoint(1e308, 1.5e308) < 1.5e308
+    assert midpoint(-1e308, 1e308) == 0.0
+    assert midpoint(1e308, 1.5e308) < 1.5e308
 
 
 @pytest.mark.parametrize("costs", [None, [[0, 1 / 3], [1, 0]]])

@@ -59,7 +59,8 @@ def test_many_real_weights_and_real_costs_are_told_apart_to_a_millionth_of_the_w
 
 def test_a_penalty_above_every_cost_is_cut_to_just_above_without_loss():
     costs = integer_costs(Problem(X, Y, depth=2, leaf_penalty=1e30))
-    assert costs.penalty == 7 and costs.tolerance == 0.0
+    assert costs.penalty == 7
+    assert costs.tolerance == 0.0
 
 
 def test_a_large_penalty_does_not_coarsen_the_costs():

@@ -37,7 +37,8 @@ def test_predictions_are_those_of_the_tree():
     fitted = OptimalTreeClassifier(depth=2, method="search").fit(features, names)
     assert (fitted.predict(features) == fitted.classes_[predict(fitted.tree_, features)]).all()
     assert (fitted.predict(features) != names).sum() == fitted.solution_.objective == 6
-    assert fitted.bound_ == fitted.solution_.bound and fitted.gap_ == fitted.solution_.gap
+    assert fitted.bound_ == fitted.solution_.bound
+    assert fitted.gap_ == fitted.solution_.gap
 
 
 def test_shares_are_those_of_the_training_weight_in_the_leaf():
@@ -71,13 +72,15 @@ def test_it_works_in_pipelines_and_grid_search():
         {"optimaltreeclassifier__depth": [1, 3]},
         cv=3,
     ).fit(*IRIS)
-    assert search.best_params_ == {"optimaltreeclassifier__depth": 3} and search.best_score_ > 0.9
+    assert search.best_params_ == {"optimaltreeclassifier__depth": 3}
+    assert search.best_score_ > 0.9
 
 
 def test_it_can_be_pickled():
     fitted = OptimalTreeClassifier(depth=2, method="cart").fit(*IRIS)
     again = pickle.loads(pickle.dumps(fitted))
-    assert again.tree_ == fitted.tree_ and (again.predict(IRIS[0]) == fitted.predict(IRIS[0])).all()
+    assert again.tree_ == fitted.tree_
+    assert (again.predict(IRIS[0]) == fitted.predict(IRIS[0])).all()
 
 
 def test_what_is_not_fitted_says_so():

@@ -61,9 +61,11 @@ def test_more_depth_more_budget_and_smaller_leaves_are_never_worse(seed):
     depths = [objective(larger(seed, depth=depth)) for depth in (1, 2, 3)]
     assert depths == sorted(depths, reverse=True)
     budgets = [objective(larger(seed, depth=2, sensor_budget=budget)) for budget in (0, 1, 2, 3, 4)]
-    assert budgets == sorted(budgets, reverse=True) and budgets[-1] == depths[1]
+    assert budgets == sorted(budgets, reverse=True)
+    assert budgets[-1] == depths[1]
     leaves = [objective(larger(seed, depth=2, leaf_size=size)) for size in (1, 3, 10, 30)]
-    assert leaves == sorted(leaves) and leaves[0] == depths[1]
+    assert leaves == sorted(leaves)
+    assert leaves[0] == depths[1]
 
 
 @pytest.mark.parametrize("seed", SEEDS)

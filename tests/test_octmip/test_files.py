@@ -10,7 +10,8 @@ from octmip.files import check_writable, read_json_object, read_text, write_byte
 
 def test_a_file_is_written_as_given(tmp_path):
     write_bytes(tmp_path / "a.json", b"{}")
-    assert (tmp_path / "a.json").read_bytes() == b"{}" and len(list(tmp_path.iterdir())) == 1
+    assert (tmp_path / "a.json").read_bytes() == b"{}"
+    assert len(list(tmp_path.iterdir())) == 1
 
 
 def test_a_write_that_fails_leaves_the_old_file_and_nothing_else(tmp_path, monkeypatch):
@@ -23,7 +24,8 @@ def test_a_write_that_fails_leaves_the_old_file_and_nothing_else(tmp_path, monke
     monkeypatch.setattr(os, "fsync", full)
     with pytest.raises(DataError, match="No space left"):
         write_bytes(target, b"new")
-    assert target.read_bytes() == b"old" and len(list(tmp_path.iterdir())) == 1
+    assert target.read_bytes() == b"old"
+    assert len(list(tmp_path.iterdir())) == 1
 
 
 def test_a_write_interrupted_by_ctrl_c_leaves_the_old_file_and_nothing_else(tmp_path, monkeypatch):
@@ -36,14 +38,16 @@ def test_a_write_interrupted_by_ctrl_c_leaves_the_old_file_and_nothing_else(tmp_
     monkeypatch.setattr(os, "fsync", interrupted)
     with pytest.raises(KeyboardInterrupt):
         write_bytes(target, b"new")
-    assert target.read_bytes() == b"old" and len(list(tmp_path.iterdir())) == 1
+    assert target.read_bytes() == b"old"
+    assert len(list(tmp_path.iterdir())) == 1
 
 
 def test_a_link_stays_and_its_target_is_replaced(tmp_path):
     (tmp_path / "target").write_bytes(b"old")
     (tmp_path / "link").symlink_to(tmp_path / "target")
     write_bytes(tmp_path / "link", b"new")
-    assert (tmp_path / "link").is_symlink() and (tmp_path / "target").read_bytes() == b"new"
+    assert (tmp_path / "link").is_symlink()
+    assert (tmp_path / "target").read_bytes() == b"new"
 
 
 def test_a_device_is_written_to_as_it_is():

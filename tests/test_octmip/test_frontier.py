@@ -26,13 +26,15 @@ def test_every_point_is_the_optimum_of_its_own_problem(over):
         assert [point.value for point in points] == list(default_values(PROBLEM, over))
     for point in points:
         certify(point.problem, point.solution)
-        assert point.solution.is_optimal and point.solution.objective == solve(point.problem).objective
+        assert point.solution.is_optimal
+        assert point.solution.objective == solve(point.problem).objective
 
 
 def test_more_sensors_are_never_worse():
     points = trace_frontier(PROBLEM, "budget", method="search")
     objectives = [point.solution.objective for point in points]
-    assert [point.value for point in points] == [1, 2, 3] and objectives == sorted(objectives, reverse=True)
+    assert [point.value for point in points] == [1, 2, 3]
+    assert objectives == sorted(objectives, reverse=True)
     for point in points:
         assert certify(point.problem, point.solution).sensor_cost <= point.value
 
@@ -46,7 +48,8 @@ def test_a_bound_of_a_wider_limit_serves_the_tighter_ones():
     after = [p.solution for p in _with_bounds_of_wider_limits(points)]
     assert [s.bound for s in after] == [7.0, 7.0, 3.0, 3.0]
     same = _with_bounds_of_wider_limits([point(1, 7.0, 1.0), point(2, 7.0, 7.0, Stop.OPTIMAL)])[0].solution
-    assert same.is_optimal and same.stop is Stop.OPTIMAL
+    assert same.is_optimal
+    assert same.stop is Stop.OPTIMAL
 
 
 def test_values_are_taken_in_order_whatever_order_they_come_in():

@@ -40,7 +40,8 @@ def with_cell(rows, row, column, text):
 def test_a_written_campaign_comes_back(tmp_path):
     campaign = measured(1, loads=(1.0, 2.0), repeats=4)
     back = read_campaign(write(tmp_path, ["# a comment", *lines_of(campaign)]), TWIN)
-    assert back.gauges == campaign.gauges and back.test == campaign.test
+    assert back.gauges == campaign.gauges
+    assert back.test == campaign.test
     assert np.allclose(back.readings, campaign.readings, atol=0.051)
     assert [cell.name for cell in back.cells] == [cell.name for cell in campaign.cells]
 
@@ -118,7 +119,8 @@ def test_a_thousand_rows_with_a_fifth_missing_work(tmp_path):
         temperature=campaign.temperature,
     )
     back = read_campaign(write(tmp_path, lines_of(holes)), TWIN)
-    assert len(back.test) == 1000 and any("20 % of the readings are missing" in note for note in back.notes)
+    assert len(back.test) == 1000
+    assert any("20 % of the readings are missing" in note for note in back.notes)
     assert diagnose(back, TWIN, commissioning=measured(1000)).is_sound
 
 

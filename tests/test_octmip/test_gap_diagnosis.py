@@ -107,7 +107,8 @@ def test_exact_ties_are_named_together_whatever_size_and_loads(size, calibrated,
     clear = [cause for cause in diagnosis.which if cause.is_identifiable]
     assert all(names >= TIED for cause in clear for names in cause.names if names & TIED)
     if abs(size) >= (4.0 if calibrated else 12.0):
-        assert diagnosis.which[0].effects and any(set(names) >= TIED for names in diagnosis.which[0].names)
+        assert diagnosis.which[0].effects
+        assert any(set(names) >= TIED for names in diagnosis.which[0].names)
 
 
 def test_an_effect_outside_the_library_is_called_unknown():
@@ -120,7 +121,8 @@ def test_an_effect_outside_the_library_is_called_unknown():
 def test_the_effect_closes_the_gap_on_held_out_loads():
     diagnosis = diagnose(measured(7, effect("temperature_uniform", -8.0)), TWIN, commissioning=COMMISSIONING)
     closing = diagnosis.shrinkage
-    assert closing is not None and closing.closed > 0.9
+    assert closing is not None
+    assert closing.closed > 0.9
     assert closing.after < 0.3 * closing.before
     assert {h.name for h in closing.held_out} == {f"load factor {load}" for load in range(4)}
 
@@ -174,7 +176,8 @@ def test_the_loop_stops_by_itself_once_the_twin_is_augmented():
     change = both(effect("gauge_bias", 60.0, "g09"), effect("temperature_uniform", -10.0))
     found = rounds(measured(3, change), TWIN, commissioning=COMMISSIONING)
     assert not found[0].is_sound
-    assert found[-1].is_sound and len(found) <= 3
+    assert found[-1].is_sound
+    assert len(found) <= 3
 
 
 def test_tree_nodes_are_ranked_by_flipped_decisions():
@@ -182,7 +185,9 @@ def test_tree_nodes_are_ranked_by_flipped_decisions():
     tree = Split(8, threshold, Leaf(0), Split(0, 5e3, Leaf(1), Leaf(0)))
     campaign = measured(3, effect("gauge_bias", 90.0, "g09"), loads=(1.0, 2.0, 3.0))
     nodes = diagnose(campaign, TWIN, commissioning=COMMISSIONING, tree=tree, feature_names=TWIN.gauges).where.nodes
-    assert nodes[0].path == "" and nodes[0].share > 0.1 and nodes[0].simulated > nodes[0].real
+    assert nodes[0].path == ""
+    assert nodes[0].share > 0.1
+    assert nodes[0].simulated > nodes[0].real
     assert nodes[1].share < 0.02
 
 
@@ -210,7 +215,8 @@ def test_columns_in_another_order_give_the_same_answer():
         temperature=campaign.temperature,
     )
     one, other = (diagnose(c, TWIN, commissioning=COMMISSIONING).which[0] for c in (campaign, shuffled))
-    assert one.effects == other.effects and one.parameters[0].place == other.parameters[0].place
+    assert one.effects == other.effects
+    assert one.parameters[0].place == other.parameters[0].place
     assert one.probability == pytest.approx(other.probability, abs=0.02)
 
 

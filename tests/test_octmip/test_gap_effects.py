@@ -70,7 +70,7 @@ def test_a_cached_twin_keeps_two_effects_of_one_name_apart():
     one = Field("soak", np.full(20, -1.0), 0, 10.0)
     other = replace(one, shape=np.full(20, -3.0))
     first, second = (cached.signatures(effect, ("",), {}, 1.0, 0.0) for effect in (one, other))
-    assert (first == -1.0).all() and (second == -3.0).all()
-    assert (
-        cached.signatures(one, ("",), {}, 1.0, 0.0) is first and cached.signatures(other, ("",), {}, 1.0, 0.0) is second
-    )
+    assert (first == -1.0).all()
+    assert (second == -3.0).all()
+    assert cached.signatures(one, ("",), {}, 1.0, 0.0) is first
+    assert cached.signatures(other, ("",), {}, 1.0, 0.0) is second

@@ -53,7 +53,8 @@ def test_the_page_of_words_fits_a_terminal_and_says_no_nan(diagnoses, case):
 def test_the_page_says_what_an_effect_means_and_what_closed(diagnoses):
     page = page_of_words(diagnoses["known"])
     assert "temperature_uniform: size of the field" in page
-    assert "gap closed" in page and "load factor 3 held out" in page
+    assert "gap closed" in page
+    assert "load factor 3 held out" in page
     assert "Nothing can be held out of one load and one test" in page_of_words(diagnoses["one load"])
     assert "T1: mu1 0.0" in page_of_words(diagnoses["unknown state"])
     assert "These readings would have shown" in page_of_words(diagnoses["sound"])
@@ -68,7 +69,8 @@ def test_certainty_is_never_claimed(diagnoses):
 def test_machines_find_the_effect_under_its_name(diagnoses):
     found = as_object(diagnoses["known"])
     assert found["which"][0]["effects"] == ["temperature_uniform"]
-    assert found["noise"]["clipped"] == {} and found["noise"]["findings"] == []
+    assert found["noise"]["clipped"] == {}
+    assert found["noise"]["findings"] == []
     assert found["shrinkage"]["p_after"] > 0.001
     assert as_object(diagnoses["one load"])["shrinkage"]["closed"] is None
 
@@ -86,7 +88,8 @@ def test_the_report_opens_by_itself_and_fits_the_window(browser, diagnoses, tmp_
     assert said == []  # nothing fetched, nothing wrong
     assert page.evaluate("document.documentElement.scrollWidth") <= 1100
     maps = page.locator("svg:has(circle)")
-    assert maps.count() == 2 and maps.first.locator("circle").count() == 20
+    assert maps.count() == 2
+    assert maps.first.locator("circle").count() == 20
     heads = page.locator("h2").all_inner_texts()
     assert heads == ["Where", "Which", "How far", "Tree nodes that flip", "Next test", "All in words"]
     page.close()
@@ -109,13 +112,15 @@ def hostile():
 def test_names_in_the_page_of_words_do_not_act(hostile):
     diagnosis, _ = hostile
     page = page_of_words(diagnosis)
-    assert all(line.isprintable() for line in page.split("\n")) and "\\x1b[2J" in page
+    assert all(line.isprintable() for line in page.split("\n"))
+    assert "\\x1b[2J" in page
 
 
 def test_names_in_the_report_run_nothing_even_without_its_policy(browser, hostile, tmp_path):
     diagnosis, names = hostile
     text = report_page(diagnosis)
-    assert text.count(PAGE_POLICY) == 1 and all(line.isprintable() for line in text.split("\n") if line.strip())
+    assert text.count(PAGE_POLICY) == 1
+    assert all(line.isprintable() for line in text.split("\n") if line.strip())
     path = tmp_path / "report.html"
     path.write_text(text.replace(PAGE_POLICY, ""))
     page = browser.new_page()
@@ -125,7 +130,8 @@ def test_names_in_the_report_run_nothing_even_without_its_policy(browser, hostil
     page.on("dialog", lambda dialog: (said.append(dialog.message), dialog.dismiss()))
     page.on("request", lambda request: said.append(request.url) if request.url != path.as_uri() else None)
     page.goto(path.as_uri())
-    assert said == [] and page.evaluate("typeof window.__pwned") == "undefined"
+    assert said == []
+    assert page.evaluate("typeof window.__pwned") == "undefined"
     titles = page.locator("svg title").all_text_contents()
     assert {title.rpartition(":")[0] for title in titles} == {visible(name) for name in names}
     page.close()

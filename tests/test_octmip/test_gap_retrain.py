@@ -64,7 +64,8 @@ def test_an_augmented_twin_that_is_the_asset_recovers_everything():
     plan, asset = lesson(), means(augmented(10.0), lesson())
     trees = [trained(plan, mean).tree for mean in (means(Bar(), plan), means(augmented(10.0), plan), asset)]
     found = recovery(plan, asset, trees)
-    assert found.after == found.oracle and found.recovered == 1.0
+    assert found.after == found.oracle
+    assert found.recovered == 1.0
     assert found.before > found.oracle + 5.0
 
 
@@ -106,4 +107,5 @@ def test_a_lesson_changes_nothing_that_it_was_given():
     states = np.zeros((3, 1))
     plan = lesson(states=states)
     states[0] = 9.0
-    assert plan.states[0] == 0.0 and replace(plan, depth=1).depth == 1
+    assert plan.states[0] == 0.0
+    assert replace(plan, depth=1).depth == 1

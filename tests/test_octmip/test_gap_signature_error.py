@@ -60,7 +60,8 @@ def test_an_effect_between_two_of_its_places_is_one_effect():
     twin = twin_with(Bumps("bump", ETA, 1, 40.0))
     campaign = measured(3, lambda state, load, time: 60.0 * Bumps.at(0.4, load))
     first = diagnose(campaign, twin, commissioning=COMMISSIONING).which[0]
-    assert first.effects == ("bump",) and first.probability > 0.9
+    assert first.effects == ("bump",)
+    assert first.probability > 0.9
 
 
 def test_what_a_swapped_pair_shows_of_another_effect_is_exchanged_too():

@@ -44,7 +44,8 @@ def test_a_hostile_cell_is_refused_with_its_line(tmp_path, cell, sentence):
     path.write_text(f"x,y\n1,a\n{cell},b\n")
     with pytest.raises(DataError, match=sentence) as error:
         read_table(path).numbers(["x"])
-    assert len(str(error.value)) < 1000 and str(error.value).isprintable()
+    assert len(str(error.value)) < 1000
+    assert str(error.value).isprintable()
 
 
 @pytest.mark.parametrize(
@@ -90,7 +91,8 @@ def test_what_pandas_wrote_beside_a_parquet_table_is_not_believed(tmp_path, abou
     try:
         assert read_table(tmp_path / "data.parquet").labels("y").tolist() == ["a", "b"]
     except DataError as error:
-        assert about == b"{" and "no Parquet file that can be read" in str(error)
+        assert about == b"{"
+        assert "no Parquet file that can be read" in str(error)
 
 
 def test_a_parquet_table_of_a_named_index_has_its_columns_only(tmp_path):
@@ -229,7 +231,8 @@ def test_a_name_cannot_command_the_terminal(tree, capsys):
     assert "\x1b" not in capsys.readouterr().out
     assert main(["predict", str(tree), "\x1b[2Jnone.csv"]) == 2
     said = capsys.readouterr().err
-    assert said.count("\n") == 1 and said[:-1].isprintable()
+    assert said.count("\n") == 1
+    assert said[:-1].isprintable()
 
 
 @pytest.mark.parametrize("words", [["--threads", "9" * 30], ["--seed", "9" * 30], ["--seed", "-1"]])

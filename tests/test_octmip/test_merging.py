@@ -15,7 +15,8 @@ def test_equal_samples_are_one_sample_of_their_weights_in_the_order_of_their_val
     problem = Problem(FEATURES, ["a", "b", "a", "b", "b"], depth=1, weights=[1, 2, 3, 4, 0.5])
     fewer, ranks = merged(problem)
     assert fewer.features.tolist() == [[0, 5], [1, 2], [1, 2]]
-    assert fewer.labels.tolist() == ["b", "a", "b"] and fewer.weights.tolist() == [2.5, 4, 4]
+    assert fewer.labels.tolist() == ["b", "a", "b"]
+    assert fewer.weights.tolist() == [2.5, 4, 4]
     again = rank_features(fewer)
     assert np.array_equal(ranks.ranks, again.ranks)
     assert all(np.array_equal(a, b) for a, b in zip(ranks.values, again.values, strict=True))
@@ -47,4 +48,5 @@ def test_weights_and_repeated_rows_in_any_order_get_the_same_tree(options):
         repeated = Problem(features[rows], labels[rows], depth=3, **options)
         first, second = (local_search(problem, seed=seed, restarts=2, kicks=4) for problem in (weighed, repeated))
         certify(weighed, first)
-        assert first.tree == second.tree and first.objective == second.objective
+        assert first.tree == second.tree
+        assert first.objective == second.objective

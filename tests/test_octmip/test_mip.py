@@ -72,7 +72,8 @@ def test_the_optimum_is_that_of_enumeration(method, case):
     solution = SOLVERS[method](problem)
     certify(problem, solution)
     assert solution.objective == pytest.approx(optimum(problem).objective, abs=1e-6)
-    assert solution.stop is Stop.OPTIMAL and solution.is_optimal
+    assert solution.stop is Stop.OPTIMAL
+    assert solution.is_optimal
     assert solution.details["start"]["accepted"], solution.details["start"]
 
 
@@ -126,7 +127,8 @@ def test_depth_one_is_proven_on_175_rows_of_the_published_strains():
     problem = Problem(rows[:, 3:] / 3, rows[:, :2].max(axis=1), depth=1)
     solution = solve_flow(problem)
     certify(problem, solution)
-    assert solution.is_optimal and solution.objective == best_stump(problem)
+    assert solution.is_optimal
+    assert solution.objective == best_stump(problem)
 
 
 def test_the_printed_form_leaks_at_unsplit_nodes_and_the_closed_form_does_not():
@@ -159,7 +161,8 @@ def test_what_a_leaking_model_claims_is_not_believed_and_said_with_both_numbers(
         problem, lambda _: encode(problem, closed=False), engine.Request("oct", Limits(seconds=300))
     )
     certify(problem, solution)
-    assert solution.stop is Stop.NUMERICS and solution.bound == 0 < solution.objective <= 10
+    assert solution.stop is Stop.NUMERICS
+    assert solution.bound == 0 < solution.objective <= 10
     assert re.search(r"claims objective .* but its tree costs", solution.details["numerics"])
 
 
@@ -167,14 +170,16 @@ def test_a_time_limit_returns_the_start_and_an_honest_bound():
     problem = uci("iris", depth=2)
     solution = solve_oct(problem, limits=Limits(seconds=0.5))
     certify(problem, solution)
-    assert solution.stop is Stop.TIME and solution.bound < 6 == solution.objective
+    assert solution.stop is Stop.TIME
+    assert solution.bound < 6 == solution.objective
 
 
 def test_a_memory_limit_stops():
     problem = blobs(60, depth=3)
     solution = solve_oct(problem, limits=Limits(seconds=300, memory=2e6))
     certify(problem, solution)
-    assert solution.stop is Stop.MEMORY and solution.bound < solution.objective
+    assert solution.stop is Stop.MEMORY
+    assert solution.bound < solution.objective
 
 
 def test_a_node_limit_stops():
@@ -183,7 +188,8 @@ def test_a_node_limit_stops():
 
 def test_a_gap_that_is_reached_stops_and_says_so():
     solution = solve_oct(uci("iris", depth=1), limits=Limits(gap=0.9), incumbent=Leaf(0))
-    assert solution.stop in (Stop.GAP, Stop.OPTIMAL) and solution.gap <= 0.9
+    assert solution.stop in (Stop.GAP, Stop.OPTIMAL)
+    assert solution.gap <= 0.9
 
 
 def test_ctrl_c_returns_incumbent_and_bound():
@@ -194,7 +200,9 @@ def test_ctrl_c_returns_incumbent_and_bound():
     problem = uci("iris", depth=2)
     solution = solve_oct(problem, limits=Limits(seconds=60), progress=interrupt)
     certify(problem, solution)
-    assert solution.stop is Stop.INTERRUPTED and solution.objective == 6 and math.isfinite(solution.bound)
+    assert solution.stop is Stop.INTERRUPTED
+    assert solution.objective == 6
+    assert math.isfinite(solution.bound)
 
 
 def test_what_progress_raises_comes_out():
@@ -209,14 +217,17 @@ def test_progress_is_reported_and_the_bound_never_falls():
     states = []
     solve_oct(uci("iris", depth=2), limits=Limits(seconds=1.0), progress=states.append)
     bounds = [state.bound for state in states]
-    assert len(states) > 5 and bounds == sorted(bounds)
+    assert len(states) > 5
+    assert bounds == sorted(bounds)
 
 
 def test_a_bound_proven_elsewhere_enters_as_a_row_and_is_named():
     problem = uci("iris", depth=2)
     solution = solve_oct(problem, limits=Limits(seconds=60), lower_bound=6)
     certify(problem, solution)
-    assert solution.is_optimal and solution.n_nodes <= 1 and solution.details["lower_bound_given"] == 6
+    assert solution.is_optimal
+    assert solution.n_nodes <= 1
+    assert solution.details["lower_bound_given"] == 6
 
 
 def test_a_bound_proven_elsewhere_that_is_weak_leaves_the_optimum():
@@ -249,7 +260,8 @@ def test_incumbents_are_injected_while_highs_runs():
 
     poor = Split(0, 5.5, Leaf(0), Leaf(2))
     solution = solve_oct(problem, limits=Limits(seconds=120), incumbent=poor, inject=source, progress=stop_at_six)
-    assert asked and solution.objective == 6
+    assert asked
+    assert solution.objective == 6
 
 
 def test_a_tree_deeper_than_the_problem_is_refused():

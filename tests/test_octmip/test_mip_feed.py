@@ -30,8 +30,10 @@ def test_the_exact_core_assists_with_its_bound():
     problem = uci("wine", depth=2)
     solution = solve(problem, "oct", Limits(seconds=60), options={"assist": ("exact",)})
     certify(problem, solution)
-    assert solution.is_optimal and solution.objective == 6 == solution.details["lower_bound_given"]
-    assert solution.solver == "oct" and solution.n_nodes <= 1  # what HiGHS proves by itself is nothing then
+    assert solution.is_optimal
+    assert solution.objective == 6 == solution.details["lower_bound_given"]
+    assert solution.solver == "oct"
+    assert solution.n_nodes <= 1
 
 
 def test_the_search_assists_while_highs_runs(monkeypatch):
@@ -45,7 +47,8 @@ def test_the_search_assists_while_highs_runs(monkeypatch):
         progress=stop_at_six,
         options={"assist": ("search",)},
     )
-    assert solution.objective == 6 and len(turns) >= 1
+    assert solution.objective == 6
+    assert len(turns) >= 1
 
 
 def _counted(turns):

@@ -181,7 +181,8 @@ def test_real_normals_are_no_worse_than_whole_ones_and_both_forms_agree():
     problem = whole(depth=1, integer_normals=None)
     printed, strong = solve_oct_h(problem), solve_flow(problem)
     assert printed.objective == strong.objective <= optimum(whole(depth=1))
-    assert "mu-separated" in printed.details["scope"] and printed.details["mu"] == strong.details["mu"]
+    assert "mu-separated" in printed.details["scope"]
+    assert printed.details["mu"] == strong.details["mu"]
 
 
 def test_an_axis_tree_that_mu_leaves_out_is_still_returned():
@@ -190,7 +191,8 @@ def test_an_axis_tree_that_mu_leaves_out_is_still_returned():
     problem = Problem(np.hstack([features, features[::-1]]), [0, 0, 1, 1], depth=1, split="hyperplane")
     solution = solve_oct_h(problem)
     certify(problem, solution)
-    assert solution.objective == 0 and not solution.details["start"]["accepted"]
+    assert solution.objective == 0
+    assert not solution.details["start"]["accepted"]
 
 
 def test_strictness_is_exact_for_decimal_features_and_whole_coefficients():

@@ -86,7 +86,9 @@ def test_a_bound_that_weights_leave_no_room_to_prove_ends_in_numerics():
     problem = Problem(features, labels, depth=1, weights=[math.pi, 7.1, 5.3, 1e-9])
     solution = solve_oct(problem)
     holds(problem, solution, optimum(problem).objective)
-    assert solution.stop is Stop.NUMERICS and 0 < solution.bound < solution.objective and solution.tolerance == 0
+    assert solution.stop is Stop.NUMERICS
+    assert 0 < solution.bound < solution.objective
+    assert solution.tolerance == 0
 
 
 @pytest.mark.parametrize("assist", [("exact",), ("search",), ("exact", "search")])
@@ -106,7 +108,8 @@ def test_prices_bound_the_true_objective_on_both_sides():
         known = problem.baseline
         priced = prices.whole_prices(problem, known)
         assert priced.worst <= prices.LARGEST * problem.n_samples * 2
-        assert (priced.costs == np.round(priced.costs)).all() and (priced.weights == np.round(priced.weights)).all()
+        assert (priced.costs == np.round(priced.costs)).all()
+        assert (priced.weights == np.round(priced.weights)).all()
         for tree in (Leaf(0), Leaf(1), Split(0, 0.5, Leaf(0), Leaf(1)), Split(1, 1.5, Leaf(2), Leaf(0))):
             true, price = Fraction(problem.objective(tree)), int(priced.of_tree(problem, tree))
             room = true / 10**14
@@ -119,13 +122,15 @@ def test_small_whole_problems_are_priced_as_they_stand():
     problem = wild(1, "large")
     small = Problem(problem.features, problem.labels, depth=1, weights=np.arange(1, problem.n_samples + 1))
     priced = prices.whole_prices(small, 3.0)
-    assert (priced.unit, priced.above, priced.below) == (1, 0, 0) and priced.weights is small.weights
+    assert (priced.unit, priced.above, priced.below) == (1, 0, 0)
+    assert priced.weights is small.weights
 
 
 def test_decimal_weights_are_whole_in_their_last_digit():
     problem = Problem([[0.0], [1.0], [2.0]], [0, 1, 0], depth=1, weights=[0.1, 0.7, 0.3])
     priced = prices.whole_prices(problem, 0.4)
-    assert priced.unit == Fraction(1, 10) and priced.weights.tolist() == [1, 6, 3]  # 0.7 is above 0.4: cut
+    assert priced.unit == Fraction(1, 10)
+    assert priced.weights.tolist() == [1, 6, 3]
     assert priced.above + priced.below < Fraction(1, 10**15)
 
 
@@ -142,7 +147,8 @@ def test_a_bound_that_a_known_tree_contradicts_is_not_believed(monkeypatch):
     monkeypatch.setattr(claims.Accuracy, "bound", lambda self, outcome: 10**9)
     solution = solve_oct(problem)
     certify(problem, solution)
-    assert solution.stop is Stop.NUMERICS and solution.bound == 0 < solution.objective
+    assert solution.stop is Stop.NUMERICS
+    assert solution.bound == 0 < solution.objective
     assert "but one of" in solution.details["numerics"] or "its own costs" in solution.details["numerics"]
 
 
@@ -151,7 +157,8 @@ def test_a_failure_of_highs_leaves_the_start_and_says_so(monkeypatch):
     monkeypatch.setitem(highs._STOPS, "kOptimal", Stop.NUMERICS)
     solution = solve_oct(problem)
     certify(problem, solution)
-    assert solution.stop is Stop.NUMERICS and solution.details["numerics"] == "HiGHS ended with kOptimal"
+    assert solution.stop is Stop.NUMERICS
+    assert solution.details["numerics"] == "HiGHS ended with kOptimal"
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -174,7 +181,8 @@ def test_scaled_features_lie_in_the_unit_range_at_any_size():
     columns = [[-1.7e308, 1.7e308, 0.0], [5e-324, 0.0, 1e-323], [1.0, 1.0 + 2**-52, 1.0], [1e300, -1e300, 1e-300]]
     problem = Problem(np.array(columns).T, [0, 1, 0], depth=1, split="hyperplane")
     space = space_of(problem, centred=False)
-    assert space.x.min(axis=0).tolist() == [0.0] * 4 and space.x.max(axis=0).tolist() == [1.0] * 4
+    assert space.x.min(axis=0).tolist() == [0.0] * 4
+    assert space.x.max(axis=0).tolist() == [1.0] * 4
     assert space.x[:, 1].tolist() == [0.5, 0.0, 1.0]
 
 
@@ -194,7 +202,8 @@ def test_sensors_are_kept_within_a_budget_of_any_unit():
             [[0, 0], [0, 1], [1, 0], [1, 1]], [0, 1, 1, 0], depth=2, sensor_cost=cost, sensor_budget=4 * unit
         )
         solution = engine.drive(problem, partial(_oct, problem), engine.Request("oct"))
-        assert solution.objective == optimum(problem).objective and solution.is_optimal
+        assert solution.objective == optimum(problem).objective
+        assert solution.is_optimal
 
 
 def _oct(problem, known):

@@ -45,7 +45,8 @@ def test_a_relaxation_that_is_silent_ends_at_the_limit():
         solution = solver(problem, limits=Limits(seconds=1), incumbent=Leaf(0))
         assert time.perf_counter() - began < 30  # it took minutes
         certify(problem, solution)
-        assert solution.stop is Stop.TIME and solution.bound <= solution.objective
+        assert solution.stop is Stop.TIME
+        assert solution.bound <= solution.objective
 
 
 def test_a_model_that_takes_longer_to_build_than_the_limit_is_given_up():
@@ -53,7 +54,8 @@ def test_a_model_that_takes_longer_to_build_than_the_limit_is_given_up():
     for solver in (solve_oct, solve_flow):
         solution = solver(problem, limits=Limits(seconds=0.2), incumbent=Leaf(0))
         certify(problem, solution)
-        assert solution.stop is Stop.TIME and solution.bound == 0
+        assert solution.stop is Stop.TIME
+        assert solution.bound == 0
 
 
 @pytest.mark.parametrize("solver", [solve_oct, solve_flow])
@@ -72,7 +74,9 @@ def test_a_worker_that_does_not_obey_is_killed_and_waited_for(monkeypatch):
         os.kill(pid, signal.SIGSTOP)  # as silent as a process can be
         watch = highs._Watch(lent, Limits(seconds=0.05), None, None)
         outcome = watch.over({"model": {}, "options": {}, "start": None, "takes_trees": False})
-    assert outcome.stop is Stop.TIME and "killed" in outcome.status and not is_alive(pid)
+    assert outcome.stop is Stop.TIME
+    assert "killed" in outcome.status
+    assert not is_alive(pid)
 
 
 @needs_proc
@@ -90,7 +94,9 @@ def test_a_worker_that_dies_leaves_the_start_and_no_zombie():
     process.close_idle()
     solution = solve_oct(problem, limits=Limits(seconds=60), progress=kill)
     certify(problem, solution)
-    assert pids and solution.stop is Stop.NUMERICS and "ended by itself" in solution.details["status"]
+    assert pids
+    assert solution.stop is Stop.NUMERICS
+    assert "ended by itself" in solution.details["status"]
     assert not any(is_alive(pid) for pid in pids)
 
 
@@ -111,7 +117,8 @@ def test_an_idle_worker_is_used_again_and_closed_after_a_while(monkeypatch):
     deadline = time.monotonic() + 20
     while first.process.returncode is None and time.monotonic() < deadline:
         time.sleep(0.05)
-    assert first.process.returncode is not None and not process._idle
+    assert first.process.returncode is not None
+    assert not process._idle
 
 
 def test_a_worker_is_closed_when_the_caller_fails():
@@ -159,7 +166,8 @@ def test_runs_in_several_threads_do_not_meet():
         thread.start()
     for thread in threads:
         thread.join()
-    assert len(found) == 3 and len(set(found)) == 1
+    assert len(found) == 3
+    assert len(set(found)) == 1
 
 
 def test_a_model_that_highs_refuses_is_an_error_with_its_name():

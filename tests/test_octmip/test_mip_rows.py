@@ -89,13 +89,17 @@ def test_a_tree_encoded_is_feasible_costs_its_objective_and_decodes_to_itself(en
 
 def test_heap_numbers_nodes_as_pictured():
     heap = Heap(2)
-    assert list(heap.branches) == [1, 2, 3] and list(heap.leaves) == [4, 5, 6, 7]
+    assert list(heap.branches) == [1, 2, 3]
+    assert list(heap.leaves) == [4, 5, 6, 7]
     assert heap.path(6) == [(1, False), (3, True)]
-    assert heap.left_ancestors(6) == [3] and heap.right_ancestors(6) == [1]
-    assert heap.leaves_under(3) == [2, 3] and heap.leaves_under(1) == [0, 1, 2, 3]
+    assert heap.left_ancestors(6) == [3]
+    assert heap.right_ancestors(6) == [1]
+    assert heap.leaves_under(3) == [2, 3]
+    assert heap.leaves_under(1) == [0, 1, 2, 3]
     assert [heap.is_last_level(m) for m in heap.branches] == [False, True, True]
 
 
 def test_a_leaf_above_the_last_level_sits_at_the_rightmost_leaf_below_it():
     placed = place(Split(0, 0.5, Leaf(1), Leaf(2)), Heap(2), np.array([[0.0], [1.0]]))
-    assert placed.labels == {5: 1, 7: 2} and placed.position.tolist() == [1, 3]
+    assert placed.labels == {5: 1, 7: 2}
+    assert placed.position.tolist() == [1, 3]

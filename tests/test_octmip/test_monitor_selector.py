@@ -234,8 +234,10 @@ def test_a_library_refuses_what_it_cannot_hold():
 def test_a_state_may_be_added_with_a_parameter_of_its_own():
     library = small_library()
     wider = library.with_state({"mu7": 0.4}, library.strains[0] + 5.0)
-    assert wider.parameters == ("mu1", "mu2", "mu7") and wider.n_states == 26
-    assert wider.index_of({"mu7": 0.4}) == 25 and wider.index_of({"mu1": 0.8, "mu2": 0.8}) == 24
+    assert wider.parameters == ("mu1", "mu2", "mu7")
+    assert wider.n_states == 26
+    assert wider.index_of({"mu7": 0.4}) == 25
+    assert wider.index_of({"mu1": 0.8, "mu2": 0.8}) == 24
 
 
 def test_appended_trees_tell_what_each_tree_tells():
@@ -258,7 +260,8 @@ def test_a_selection_is_bayes_rule_over_the_leaf():
     table = selector.likelihood.table(3.0)
     leaf = leaf_index(selector.tree, reading[None] / 3.0)[0]
     assert got.distribution == pytest.approx(table[leaf] / table[leaf].sum())
-    assert got.name == selector.library.state_names[got.state] and got.path[0] == 0
+    assert got.name == selector.library.state_names[got.state]
+    assert got.path[0] == 0
     assert np.allclose(table.sum(axis=0), 1.0)
 
 

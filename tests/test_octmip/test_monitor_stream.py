@@ -49,10 +49,12 @@ BAD = {
 @pytest.mark.parametrize(("words", "reading"), BAD.items(), ids=list(BAD))
 def test_a_bad_reading_is_refused_with_a_sentence_and_the_stream_goes_on(monitor, words, reading):
     before, refused, after = monitor.run([good(), reading, good()])
-    assert isinstance(refused, Refusal) and refused.number == 1
+    assert isinstance(refused, Refusal)
+    assert refused.number == 1
     with pytest.raises(DataError, match=words):
         raise DataError(refused.words)
-    assert (before.state, after.state) == (after.state, before.state) and after.number == 2
+    assert (before.state, after.state) == (after.state, before.state)
+    assert after.number == 2
 
 
 def test_a_gauge_that_gave_nothing_is_done_without_where_there_is_a_filter():
@@ -61,7 +63,9 @@ def test_a_gauge_that_gave_nothing_is_done_without_where_there_is_a_filter():
     (refused,) = Monitor(SELECTOR).run([lacking])
     assert "lacks gauge g01" in refused.words
     (answer,) = whole().run([lacking])
-    assert answer.state is None and answer.belief is not None and answer.p_value > 0
+    assert answer.state is None
+    assert answer.belief is not None
+    assert answer.p_value > 0
     (told,) = whole().run([(load, [None if k == 2 else v for k, v in enumerate(values)])])  # the tree reads no g03
     assert told.state == SELECTOR.select(values, load).state
 
@@ -71,9 +75,12 @@ def test_the_alarm_is_explained_once_and_a_faulty_gauge_is_left_out():
     bad[5] += 400.0
     answers = list(whole().run([good()] * 5 + [(3.0, bad)] * 15))
     found = [answer for answer in answers if answer.finding is not None]
-    assert len(answers) == 20 and len(found) == 1 and found[0].number in (5, 6)
+    assert len(answers) == 20
+    assert len(found) == 1
+    assert found[0].number in (5, 6)
     assert found[0].finding.name == "g06"
-    assert answers[-1].p_value > 0.9 and answers[-1].belief.mean("mu1")[0] < 0.2  # the faulty gauge is left out
+    assert answers[-1].p_value > 0.9
+    assert answers[-1].belief.mean("mu1")[0] < 0.2
 
 
 def test_a_stream_runs_in_bounded_memory():
@@ -87,7 +94,8 @@ def test_a_stream_runs_in_bounded_memory():
     n_answers = sum(isinstance(answer, Answer) for answer in monitor.run(endless(20_000)))
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
-    assert n_answers == 20_000 and peak < 200_000
+    assert n_answers == 20_000
+    assert peak < 200_000
 
 
 def test_loads_that_never_repeat_need_no_more_than_so_many_tables():
@@ -97,7 +105,8 @@ def test_loads_that_never_repeat_need_no_more_than_so_many_tables():
         loads = np.random.default_rng(0).uniform(2.0, 2.2, 300)
         answers = one.run((load, (load * SELECTOR.library.strains[7]).tolist()) for load in loads.tolist())
         assert all(isinstance(answer, Answer) for answer in answers)
-    assert len(monitor.filter.likelihood._tables) <= 64 and len(monitor.watch._tables) <= 64
+    assert len(monitor.filter.likelihood._tables) <= 64
+    assert len(monitor.watch._tables) <= 64
     assert len(SELECTOR.likelihood._tables) <= 8
 
 

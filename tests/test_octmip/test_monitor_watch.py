@@ -76,26 +76,33 @@ def test_a_residual_does_not_know_the_state(library):
     assert projector @ projector == pytest.approx(projector, abs=1e-12)
     without = every.copy()
     without[4] = False
-    assert not parity.projector(without)[4].any() and parity.degrees(without) == parity.degrees(every) - 1
+    assert not parity.projector(without)[4].any()
+    assert parity.degrees(without) == parity.degrees(every) - 1
 
 
 def test_damage_outside_the_library_is_found_named_and_proposed(watch, library):
     vigil, _ = keep(watch, 60, 2, lambda k, x, load: x + (k >= 10) * load * BUMP)
     assert vigil.is_alarm.mean() >= 0.95
     finding = explain(watch, vigil, row=0, state=library.index_of({"mu1": 0.2}))
-    assert (finding.kind, finding.name) == ("foreign damage", "at half span") and finding.probability > 0.9
+    assert (finding.kind, finding.name) == ("foreign damage", "at half span")
+    assert finding.probability > 0.9
     assert finding.proposal.size == pytest.approx(40.0, abs=4 * finding.proposal.sd)
-    assert finding.proposal.state["mu1"] == 0.2 and "Inspect" in finding.words
+    assert finding.proposal.state["mu1"] == 0.2
+    assert "Inspect" in finding.words
     wider = library.with_state(finding.proposal.state, finding.proposal.strains)
-    assert wider.n_states == library.n_states + 1 and wider.parameters[-1] == "at half span"
+    assert wider.n_states == library.n_states + 1
+    assert wider.parameters[-1] == "at half span"
 
 
 def test_what_no_suspect_explains_is_called_unknown(watch):
     odd = 60.0 * np.where(np.arange(20) % 2, 1.0, -1.0)
     vigil, _ = keep(watch, 20, 3, lambda k, x, load: x + load * odd)
     finding = explain(watch, vigil)
-    assert vigil.is_alarm.all() and finding.kind == "unknown" and "no suspect explains" in finding.words
-    assert len(finding.gauges) > 5 and finding.since == 0
+    assert vigil.is_alarm.all()
+    assert finding.kind == "unknown"
+    assert "no suspect explains" in finding.words
+    assert len(finding.gauges) > 5
+    assert finding.since == 0
 
 
 @pytest.mark.parametrize("fault", ["bias", "dead"])
@@ -109,7 +116,8 @@ def test_a_faulty_gauge_is_named(watch, fault):
     findings = [explain(watch, vigil, row) for row in range(40)]
     assert vigil.is_alarm.all()
     assert np.mean([(f.kind, f.name) == ("gauge", "g07") for f in findings]) >= 0.95
-    assert findings[0].gauges[0] == "g07" and findings[0].proposal is None
+    assert findings[0].gauges[0] == "g07"
+    assert findings[0].proposal is None
 
 
 def test_missing_gauges_are_done_without(watch):
@@ -122,7 +130,8 @@ def test_missing_gauges_are_done_without(watch):
     assert kstest(p_values.ravel()[::7], "uniform").pvalue > 0.01
     assert vigil.is_alarm.mean() <= 0.1
     nothing = watch.observe(watch.start(1), np.full((1, 20), np.nan), 3.0)
-    assert nothing.p_value[0] == 1.0 and not nothing.is_alarm[0]
+    assert nothing.p_value[0] == 1.0
+    assert not nothing.is_alarm[0]
 
 
 def test_a_horizon_later_the_test_starts_afresh_and_an_alarm_stays(watch, library):
@@ -130,13 +139,15 @@ def test_a_horizon_later_the_test_starts_afresh_and_an_alarm_stays(watch, librar
     far = 3.0 * library.strains[:1] + 3.0 * BUMP * 5
     for _ in range(watch.horizon + 1):
         vigil = watch.observe(vigil, far, 3.0)
-    assert vigil.n_seen == 1 and vigil.is_alarm[0]
+    assert vigil.n_seen == 1
+    assert vigil.is_alarm[0]
 
 
 def test_the_effects_of_a_twin_are_suspects(library):
     shape = Field("foreign damage", BUMP / LinearBeam().predict({}, 1.0), None, 10.0)
     both = effect_suspects(LinearBeam(), shape, library)
-    assert both[0].name == "foreign damage" and set(both[0].sizes) == {10.0, -10.0, 20.0, -20.0, 40.0, -40.0}
+    assert both[0].name == "foreign damage"
+    assert set(both[0].sizes) == {10.0, -10.0, 20.0, -20.0, 40.0, -40.0}
     assert both[0].signature == pytest.approx(BUMP)
     assert [s.name for s in gauge_suspects(library)] == list(library.gauges)
 
@@ -155,7 +166,9 @@ def test_one_asset_can_be_taken_back_and_the_others_stay(watch, library):
     for _ in range(4):
         vigil = watch.observe(vigil, far, 3.0)
     back = watch.restarted(vigil, 1)
-    assert back.is_alarm.tolist() == [True, False, True] and not back.sums[1].any()
+    assert back.is_alarm.tolist() == [True, False, True]
+    assert not back.sums[1].any()
     assert np.array_equal(back.log_evidence[[0, 2]], vigil.log_evidence[[0, 2]])
     quiet = watch.observe(back, 3.0 * library.strains[:3], 3.0)
-    assert not quiet.is_alarm[1] and quiet.p_value[1] > 0.99
+    assert not quiet.is_alarm[1]
+    assert quiet.p_value[1] > 0.99

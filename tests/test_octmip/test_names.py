@@ -45,7 +45,8 @@ def test_different_names_are_shown_differently_and_in_utf_8():
 
 def test_what_is_visible_stays_and_isolates_must_be_closed():
     assert all(visible(shown(name)) == shown(name) for name in NAMES)
-    assert visible("a\u2068b") == "a\\u2068b" and visible("\u2069\u2068b\u2069") == "\\u2069\u2068b\u2069"
+    assert visible("a\u2068b") == "a\\u2068b"
+    assert visible("\u2069\u2068b\u2069") == "\\u2069\u2068b\u2069"
     assert visible_lines("a\x1b\nb\r") == "a\\x1b\nb\\x0d"
     assert html_text('<a title="\x07">') == "&lt;a title=&quot;\\x07&quot;&gt;"
 
@@ -73,14 +74,17 @@ def test_a_terminal_meets_no_character_that_acts(tmp_path, capsys, name):
     capsys.readouterr()
     assert main(["report", tree]) == 0
     out = capsys.readouterr().out
-    assert shown(name) in out and all(line.isprintable() for line in out.split("\n"))
+    assert shown(name) in out
+    assert all(line.isprintable() for line in out.split("\n"))
     for kind in ("md", "html", "dot", "txt", "svg"):
         assert main(["report", tree, "--out", str(tmp_path / f"r.{kind}")]) == 0
         text = (tmp_path / f"r.{kind}").read_text(encoding="utf-8")
         assert all(line.isprintable() for line in text.split("\n"))
     assert main(["certify", tree, f"{table}\x1b[2J"]) == 2
     err = capsys.readouterr().err
-    assert "\\x1b[2J" in err and err.count("\n") == 1 and err.rstrip("\n").isprintable()
+    assert "\\x1b[2J" in err
+    assert err.count("\n") == 1
+    assert err.rstrip("\n").isprintable()
 
 
 def test_predictions_are_read_back_as_the_names_that_were_trained_on(tmp_path, capsys):
@@ -91,7 +95,8 @@ def test_predictions_are_read_back_as_the_names_that_were_trained_on(tmp_path, c
         assert main(["predict", tree, table, "--out", str(out), "--probabilities"]) == 0
         with out.open(newline="", encoding="utf-8") as file:
             rows = list(csv.reader(file))
-        assert [row[0] for row in rows[1:]] == [name] * 6 + ["high"] * 6 and f"share of {name}" in rows[0]
+        assert [row[0] for row in rows[1:]] == [name] * 6 + ["high"] * 6
+        assert f"share of {name}" in rows[0]
 
 
 def test_half_of_a_surrogate_pair_ends_in_a_sentence(tmp_path, capsys):
@@ -100,7 +105,10 @@ def test_half_of_a_surrogate_pair_ends_in_a_sentence(tmp_path, capsys):
         capsys.readouterr()
         assert main(words) == 2
         out, err = capsys.readouterr()
-        assert out == "" and "ud800" in err and err.count("\n") == 1 and err.isascii()
+        assert out == ""
+        assert "ud800" in err
+        assert err.count("\n") == 1
+        assert err.isascii()
 
 
 def test_a_terminal_shows_predictions_with_escapes(tmp_path, capsys, monkeypatch):
@@ -116,4 +124,5 @@ def test_an_output_that_cannot_show_a_name_is_one_sentence(tmp_path, capsys, mon
     monkeypatch.setattr("sys.stdout", io.TextIOWrapper(io.BytesIO(), encoding="ascii"))
     assert main(["report", tree]) == 1
     err = capsys.readouterr().err
-    assert "PYTHONIOENCODING=utf-8" in err and err.count("\n") == 1
+    assert "PYTHONIOENCODING=utf-8" in err
+    assert err.count("\n") == 1

@@ -84,9 +84,11 @@ def test_a_log_is_written_whole_or_not_at_all(tmp_path):
     write_log(path, "first\n")
     with pytest.raises(ProblemError, match="no"):
         write_log(path, "second\n", refuse)
-    assert path.read_text() == "first\n" and list(tmp_path.iterdir()) == [path]
+    assert path.read_text() == "first\n"
+    assert list(tmp_path.iterdir()) == [path]
     write_log(path, "third\n", lambda draft: None)
-    assert path.read_text() == "third\n" and list(tmp_path.iterdir()) == [path]
+    assert path.read_text() == "third\n"
+    assert list(tmp_path.iterdir()) == [path]
 
 
 @pytest.mark.parametrize("solver", SOLVERS[:2])

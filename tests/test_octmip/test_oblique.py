@@ -45,7 +45,8 @@ def test_the_line_is_the_one_with_the_widest_margin() -> None:
     tree = two_feature_branch_and_bound(problem).tree
     assert tree is not None
     (split,) = splits(tree)
-    assert isinstance(split, Split) and (split.feature, split.threshold) == (0, 2.0)
+    assert isinstance(split, Split)
+    assert (split.feature, split.threshold) == (0, 2.0)
     # Stretched to a range of 1, the classes are a segment from (0, 0) to (0, 1/3) and a triangle beyond x + y = 1. The
     # widest gap is from (0, 1/3) to that edge: the line is x + y = 2/3 there, x + y/3 = 2/3 here.
     tilted = Problem([[0, 0], [1, 0], [0, 3], [1, 3], [0, 1], [1, 2]], [0, 1, 1, 1, 0, 1], depth=1, split="hyperplane")

@@ -26,7 +26,8 @@ COSTLY = Problem(RNG.integers(0, 6, (14, 2)).astype(float), RNG.integers(0, 3, 1
 @pytest.mark.parametrize("problem", [WEIGHTED, COSTLY], ids=["weights", "costs"])
 def test_each_candidate_is_the_optimum_wherever_it_is_said_to_be(method, problem):
     path = trace_path(problem, method=method)
-    assert len(path.candidates) >= 3 and path.is_whole
+    assert len(path.candidates) >= 3
+    assert path.is_whole
     for candidate in path.candidates:
         high = candidate.penalty_high if math.isfinite(candidate.penalty_high) else candidate.penalty_low + 5
         for penalty in (candidate.penalty_low, candidate.penalty, 0.01 * candidate.penalty_low + 0.99 * high):
@@ -34,7 +35,8 @@ def test_each_candidate_is_the_optimum_wherever_it_is_said_to_be(method, problem
             assert candidate.cost + penalty * candidate.complexity == pytest.approx(best)
             assert path.bound_at(penalty) <= best + 1e-9
         assert candidate.cost == problem.objective(candidate.tree)
-        assert candidate.complexity == complexity(candidate.tree) and candidate.is_proven
+        assert candidate.complexity == complexity(candidate.tree)
+        assert candidate.is_proven
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -69,14 +71,17 @@ def test_intervals_of_penalties_meet_and_costs_rise_as_trees_shrink():
     candidates = trace_path(blobs(depth=2)).candidates
     for larger, smaller in pairwise(candidates):
         assert larger.penalty_high == smaller.penalty_low
-        assert larger.complexity > smaller.complexity and larger.cost < smaller.cost
-    assert candidates[0].penalty_low == 0 and candidates[-1].penalty_high == math.inf
+        assert larger.complexity > smaller.complexity
+        assert larger.cost < smaller.cost
+    assert candidates[0].penalty_low == 0
+    assert candidates[-1].penalty_high == math.inf
 
 
 @pytest.mark.parametrize("method", ["cart", "search"])
 def test_what_proves_nothing_claims_nothing(method):
     path = trace_path(blobs(depth=2), method=method)
-    assert path.is_whole and not any(c.is_proven for c in path.candidates if c.cost)
+    assert path.is_whole
+    assert not any(c.is_proven for c in path.candidates if c.cost)
     exact = trace_path(blobs(depth=2), method="exact")
     for penalty in (0.0, 0.5, 1.0, 3.0, 9.0):
         here, best = path.best_at(penalty), exact.best_at(penalty)
@@ -109,10 +114,13 @@ def test_depths_are_ascending_and_deeper_is_never_worse():
 
 def test_a_path_that_is_cut_short_says_so_and_proves_only_what_it_saw():
     path = trace_path(WEIGHTED, method="exact", most_solves=2)
-    assert not path.is_whole and path.n_solves == 2
+    assert not path.is_whole
+    assert path.n_solves == 2
     assert not all(candidate.is_proven for candidate in path.candidates)
     cut = trace_path(WEIGHTED, method="flow", most_solves=1)
-    assert not cut.is_whole and cut.bounds == () and not any(c.is_proven for c in cut.candidates)
+    assert not cut.is_whole
+    assert cut.bounds == ()
+    assert not any(c.is_proven for c in cut.candidates)
 
 
 def test_ctrl_c_ends_the_path_with_what_is_known(monkeypatch):
@@ -121,7 +129,10 @@ def test_ctrl_c_ends_the_path_with_what_is_known(monkeypatch):
 
     monkeypatch.setattr(paths, "solve", interrupted)
     path = trace_path(WEIGHTED, method="exact")
-    assert path.is_interrupted and not path.is_whole and path.n_solves == 1 and len(path.candidates) == 2
+    assert path.is_interrupted
+    assert not path.is_whole
+    assert path.n_solves == 1
+    assert len(path.candidates) == 2
 
 
 @pytest.mark.parametrize(

@@ -39,8 +39,10 @@ def readings(n: int = 120, p: int = 8) -> Problem:
 def test_the_best_tree_says_which_sensors_to_install():
     problem = readings()
     found = place_sensors(problem)
-    assert found.sensors == ("s1", "s3") and found.cost == 6.0
-    assert found.solution.objective == 0 and found.solution.is_optimal
+    assert found.sensors == ("s1", "s3")
+    assert found.cost == 6.0
+    assert found.solution.objective == 0
+    assert found.solution.is_optimal
 
 
 @pytest.mark.parametrize("split", ["axis", "hyperplane"])
@@ -60,10 +62,12 @@ def test_a_placement_is_never_worse_than_the_choices_it_starts_from(split):
 def test_a_placement_on_given_sensors_reads_no_others_and_is_the_same_tree_on_its_own_choice():
     problem = readings()
     chosen = placement_on(problem, ("s3", "s1"))
-    assert chosen.sensors == ("s1", "s3") and chosen.problem.n_features == 4
+    assert chosen.sensors == ("s1", "s3")
+    assert chosen.problem.n_features == 4
     assert chosen.solution.objective == 0
     worse = placement_on(problem, ("s0", "s2"))
-    assert worse.cost == 2.0 and worse.solution.objective > 0
+    assert worse.cost == 2.0
+    assert worse.solution.objective > 0
     assert certify(worse.problem, worse.solution).sensors
     with pytest.raises(ProblemError, match="s9"):
         placement_on(problem, ("s9",))
@@ -72,7 +76,8 @@ def test_a_placement_on_given_sensors_reads_no_others_and_is_the_same_tree_on_it
 def test_a_part_of_a_problem_keeps_which_features_may_meet():
     problem = replace(readings(), split="hyperplane", allowed_splits=[[0, 2], [3, 6], [0, 1]])
     part = problem_on(problem, ["s1", "s3"])
-    assert part.allowed_splits == ((0,), (1, 2)) and part.feature_names == ("x2", "x3", "x6", "x7")
+    assert part.allowed_splits == ((0,), (1, 2))
+    assert part.feature_names == ("x2", "x3", "x6", "x7")
     assert part.sensor_costs.tolist() == [2.0, 4.0]
 
 
@@ -84,7 +89,8 @@ def test_the_frontier_is_proven_for_every_number_and_every_cost():
     assert by_number[1].solution.objective == 0
     by_cost = placement_frontier(problem, "cost", [1, 2, 5, 6])
     objectives = [point.solution.objective for point in by_cost]
-    assert objectives == sorted(objectives, reverse=True) and objectives[-1] == 0 < objectives[-2]
+    assert objectives == sorted(objectives, reverse=True)
+    assert objectives[-1] == 0 < objectives[-2]
     for point in by_cost:
         assert point.problem.sensor_cost_of(point.solution.tree) <= point.value
     with pytest.raises(ProblemError, match="name the values"):
@@ -158,7 +164,8 @@ def test_the_d_optimal_design_is_near_the_best_of_all_and_below_its_relaxation()
 
     values = {chosen: log_det(chosen) for chosen in combinations(range(7), 3)}
     mine = tuple(problem.sensors.index(name) for name in design.sensors)
-    assert len(design.sensors) == 3 and design.log_det == pytest.approx(values[mine])
+    assert len(design.sensors) == 3
+    assert design.log_det == pytest.approx(values[mine])
     assert max(values.values()) <= design.relaxed_log_det + 1e-6
     assert design.log_det > np.median(list(values.values()))
     assert math.isclose(sum(design.shares), 3.0, rel_tol=1e-5)

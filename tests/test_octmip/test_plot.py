@@ -35,7 +35,9 @@ def test_figures_can_be_saved(tree, kind):
 
 def test_a_tree_says_its_conditions_classes_and_errors():
     words = texts(tree_figure(PROBLEM, AXIS))
-    assert "g01 ≤ 4" in words and "g02 ≤ 700" in words and "yes" in words
+    assert "g01 ≤ 4" in words
+    assert "g02 ≤ 700" in words
+    assert "yes" in words
     wrong = int((predict(AXIS, POINTS) != PROBLEM.codes).sum())
     said = [int(line.split(", ")[1].split()[0]) for line in words.splitlines() if line.endswith("wrong")]
     assert sum(said) == wrong
@@ -58,7 +60,8 @@ def test_split_lines_end_where_their_cell_ends():
     assert len(lines) == 4
     horizontal = [line for line in lines if line[0, 1] == line[1, 1]]
     assert [line[0, 1] for line in horizontal] == [300.0, 700.0]
-    assert max(horizontal[0][:, 0]) == pytest.approx(4.0) and min(horizontal[1][:, 0]) == pytest.approx(8.0)
+    assert max(horizontal[0][:, 0]) == pytest.approx(4.0)
+    assert min(horizontal[1][:, 0]) == pytest.approx(8.0)
 
 
 def test_the_plane_of_a_tree_over_three_features_is_refused():
@@ -86,7 +89,8 @@ def test_classes_have_distinct_colours_and_numbers_keep_their_order():
 def test_progress_shows_bound_and_objective():
     states = [Progress(0.1, 9.0, -np.inf, 1), Progress(1.0, 7.0, 5.0, 10), Progress(2.0, 7.0, 7.0, 20)]
     lines = progress_figure(states, "run").axes[0].lines
-    assert lines[0].get_ydata().tolist() == [9, 7, 7] and np.isnan(lines[1].get_ydata()[0])
+    assert lines[0].get_ydata().tolist() == [9, 7, 7]
+    assert np.isnan(lines[1].get_ydata()[0])
     with pytest.raises(ProblemError, match="no progress"):
         progress_figure([])
 

@@ -20,11 +20,16 @@ def problem(**changes):
 
 def test_what_is_left_out_is_filled_in():
     p = problem()
-    assert p.class_names == ("a", "b") and p.codes.tolist() == [1, 0, 1, 0]
-    assert p.feature_names == ("x0", "x1", "x2") == p.sensors and p.sensor_costs.tolist() == [1, 1, 1]
-    assert p.weights.tolist() == [1] * 4 and p.costs.tolist() == [[0, 1], [1, 0]]
+    assert p.class_names == ("a", "b")
+    assert p.codes.tolist() == [1, 0, 1, 0]
+    assert p.feature_names == ("x0", "x1", "x2") == p.sensors
+    assert p.sensor_costs.tolist() == [1, 1, 1]
+    assert p.weights.tolist() == [1] * 4
+    assert p.costs.tolist() == [[0, 1], [1, 0]]
     assert (p.n_samples, p.n_features, p.n_classes, p.max_split_size) == (4, 3, 2, 1)
-    assert p.baseline == 2 and p.has_integer_costs and p.sensor_limit == np.inf
+    assert p.baseline == 2
+    assert p.has_integer_costs
+    assert p.sensor_limit == np.inf
 
 
 def test_arrays_are_copied_in_and_read_only():
@@ -42,27 +47,32 @@ def test_the_objective_is_cost_times_weight_plus_penalty_for_each_feature_of_eac
     tree = Split(0, 1.0, Leaf(0), HyperplaneSplit((0, 2), (1.0, 1.0), 9.0, Leaf(1), Leaf(0)))
     assert p.objective_of(tree, np.array([0, 1, 1, 0])) == 1 * 1 + 2 * 10 + 0 + 0 + 0.5 * 3
     assert p.objective(tree) == p.objective_of(tree, predict(tree, p.features))
-    assert p.class_costs().tolist() == [4.0, 60.0] and p.baseline == 4.0
+    assert p.class_costs().tolist() == [4.0, 60.0]
+    assert p.baseline == 4.0
     assert p.class_costs(np.array([1])).tolist() == [0.0, 20.0]
 
 
 def test_a_sensor_is_paid_once_however_many_features_it_gives():
     p = problem(sensor_of_feature=["l", "l", "r"], sensor_cost={"r": 2, "l": 0.5}, sensor_budget=2)
     tree = Split(0, 1.0, Split(1, 1.0, Leaf(0), Leaf(1)), Leaf(1))
-    assert p.sensors == ("l", "r") and p.sensors_used(tree) == ("l",) and p.sensor_cost_of(tree) == 0.5
+    assert p.sensors == ("l", "r")
+    assert p.sensors_used(tree) == ("l",)
+    assert p.sensor_cost_of(tree) == 0.5
     assert p.sensor_cost_of(Split(2, 1.0, tree, Leaf(0))) == 2.5 > p.sensor_limit
 
 
 def test_decimal_costs_that_add_up_to_the_budget_are_within_it():
     p = problem(sensor_cost=[0.1, 0.2, 5], sensor_budget=0.3)
-    assert (
-        0.1 + 0.2 > 0.3 and p.sensor_cost_of(Split(0, 1.0, Split(1, 1.0, Leaf(0), Leaf(1)), Leaf(1))) <= p.sensor_limit
-    )
+    assert 0.1 + 0.2 > 0.3
+    assert p.sensor_cost_of(Split(0, 1.0, Split(1, 1.0, Leaf(0), Leaf(1)), Leaf(1))) <= p.sensor_limit
 
 
 def test_features_may_meet_only_in_allowed_groups():
     p = problem(split="hyperplane", split_size=2, allowed_splits=[["x0", 2], [1]])
-    assert p.is_allowed((0, 2)) and p.is_allowed((1,)) and not p.is_allowed((0, 1)) and not p.is_allowed((0, 1, 2))
+    assert p.is_allowed((0, 2))
+    assert p.is_allowed((1,))
+    assert not p.is_allowed((0, 1))
+    assert not p.is_allowed((0, 1, 2))
     assert "x1" in (p.first_forbidden_split(HyperplaneSplit((0, 1), (1.0, 1.0), 0.0, Leaf(0), Leaf(1))) or "")
 
 

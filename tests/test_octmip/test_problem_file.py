@@ -29,8 +29,10 @@ def test_the_checker_computes_the_digests_that_a_log_names() -> None:
 def test_a_file_holds_every_number_to_the_last_bit() -> None:
     for problem in problems():
         file = json.loads(json.dumps(encode(problem), allow_nan=False))
-        assert np.array_equal(file["features"], problem.features) and np.array_equal(file["weights"], problem.weights)
-        assert np.array_equal(file["costs"], problem.costs) and file["labels"] == problem.codes.tolist()
+        assert np.array_equal(file["features"], problem.features)
+        assert np.array_equal(file["weights"], problem.weights)
+        assert np.array_equal(file["costs"], problem.costs)
+        assert file["labels"] == problem.codes.tolist()
         assert file["sensor_limit"] == (problem.sensor_limit if np.isfinite(problem.sensor_limit) else None)
 
 

@@ -41,9 +41,8 @@ def test_a_tree_in_words():
 def test_a_solution_in_three_lines():
     solution = greedy_tree(problem())
     lines = solution_text(solution, certify(problem(), solution), 4).splitlines()
-    assert lines[0] == "objective 0, bound -: no proof" and lines[1].startswith(
-        "0 of 4 samples wrong (0 %); depth 2, 2"
-    )
+    assert lines[0] == "objective 0, bound -: no proof"
+    assert lines[1].startswith("0 of 4 samples wrong (0 %); depth 2, 2")
 
 
 def test_a_bound_over_some_trees_says_over_which():
@@ -55,7 +54,8 @@ def test_a_bound_over_some_trees_says_over_which():
 
 def test_dot_has_every_node_and_edge_once_and_quotes_names():
     text = tree_dot(TREE, FEATURES, CLASSES)
-    assert len(re.findall(r"-> n\d", text)) == 4 and len(re.findall(r"shape=ellipse", text)) == 3
+    assert len(re.findall(r"-> n\d", text)) == 4
+    assert len(re.findall(r"shape=ellipse", text)) == 3
     assert r'label="a\"1 <= 0.5"' in text
 
 
@@ -76,7 +76,9 @@ def page():
 
 
 def test_a_page_is_whole_in_itself(page):
-    assert not re.search(r"(src|href)\s*=\s*[\"'](?!#)", page) and "<script" not in page and "@import" not in page
+    assert not re.search(r"(src|href)\s*=\s*[\"'](?!#)", page)
+    assert "<script" not in page
+    assert "@import" not in page
     outside = set(re.findall(r"https?://[^\s\"'<]+", page))
     assert all("w3.org" in address for address in outside)  # names of XML vocabularies, never fetched
 
@@ -84,7 +86,9 @@ def test_a_page_is_whole_in_itself(page):
 def test_a_page_is_well_formed_and_escapes_names(page):
     body = page.removeprefix("<!doctype html>\n").replace('<meta charset="utf-8">', "")
     ElementTree.fromstring(body)
-    assert "<tree>" not in page and "&lt;tree&gt;.json" in page and "no &amp; never" in page
+    assert "<tree>" not in page
+    assert "&lt;tree&gt;.json" in page
+    assert "no &amp; never" in page
 
 
 def test_the_confusion_has_the_true_class_in_rows():
@@ -93,10 +97,12 @@ def test_the_confusion_has_the_true_class_in_rows():
     page = tree_page(file, "t.json")
     assert '<th>yes</th><td class="n">2</td><td class="n">1</td>' in page
     assert '<th>no &amp; never</th><td class="n">1</td><td class="n">0</td>' in page
-    assert "2 of 4 training samples wrong" in page and "among trees of this kind none is below 0" in page
+    assert "2 of 4 training samples wrong" in page
+    assert "among trees of this kind none is below 0" in page
 
 
 def test_a_page_says_claims_settings_and_confusion(page):
-    assert "0 of 4 training samples wrong" in page and "without a proof" in page
+    assert "0 of 4 training samples wrong" in page
+    assert "without a proof" in page
     assert "<th>depth</th><td>2</td>" in page
     assert '<th>yes</th><td class="n">0</td><td class="n">3</td>' in page

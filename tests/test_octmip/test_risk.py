@@ -37,7 +37,9 @@ def test_a_fragility_is_one_half_at_the_limit_and_the_step_where_its_spread_vani
     model = RiskModel(spread=0.1, shape=shape)
     assert model.failure_probability([[0.4]], 3.0)[0] == pytest.approx(0.5)
     rising = model.failure_probability(np.linspace(0, 1, 50)[:, None], 3.0)
-    assert (np.diff(rising) >= 0).all() and rising[0] < 0.02 and rising[-1] > 0.98
+    assert (np.diff(rising) >= 0).all()
+    assert rising[0] < 0.02
+    assert rising[-1] > 0.98
     sharp = replace(model, spread=1e-6)
     assert np.allclose(sharp.failure_probability(LOSSES[[0, 2, 3]], 3.0), [0, 1, 1])
 
@@ -84,7 +86,9 @@ def test_every_solver_answers_the_same_objective_and_its_certificate_says_it(ask
         paid = problem.weights * problem.costs[problem.codes, predicted]
         assert certificate.objective == pytest.approx(paid.sum()), method
         assert certificate.objective >= exact.bound - 1e-9 and solution.bound <= exact.objective + 1e-9, method
-    assert exact.is_optimal and found["flow"].is_optimal and found["search"].objective == exact.objective
+    assert exact.is_optimal
+    assert found["flow"].is_optimal
+    assert found["search"].objective == exact.objective
     if not asks_states:  # the objective is the regret over all samples, recounted from the losses alone
         assert model.rates(losses, predict(exact.tree, features)).regret * len(losses) == exact.objective
 
@@ -108,7 +112,9 @@ def test_along_the_frontier_fewer_critical_states_are_missed_and_every_point_bou
     assert all(point.solution.is_optimal for point in points)
     missed = [point.rates.missed_critical * point.rates.n_critical for point in points]
     alarms = [point.rates.false_alarm * point.rates.n_sound for point in points]
-    assert missed == sorted(missed, reverse=True) and alarms == sorted(alarms) and missed[0] > missed[-1]
+    assert missed == sorted(missed, reverse=True)
+    assert alarms == sorted(alarms)
+    assert missed[0] > missed[-1]
     for point in points:  # the line of each proof lies below every tree
         price = point.model.failure_loss - 1
         assert all(price * m + a >= point.solution.bound - 1e-9 for m, a in zip(missed, alarms, strict=True))

@@ -71,7 +71,8 @@ def _complications(problem):
 def test_one_seed_is_one_tree_for_any_number_of_threads():
     alone = local_search(LARGE, seed=7, restarts=6, kicks=3)
     together = local_search(LARGE, seed=7, restarts=6, kicks=3, n_jobs=4)
-    assert alone.tree == together.tree and alone.objective == together.objective
+    assert alone.tree == together.tree
+    assert alone.objective == together.objective
 
 
 def test_one_seed_is_one_tree_for_any_number_of_threads_even_when_the_bound_is_reached_early():
@@ -86,9 +87,12 @@ def test_one_seed_is_one_tree_for_any_number_of_threads_even_when_the_bound_is_r
 def test_no_cost_left_is_a_proof_and_any_other_tree_has_no_bound():
     separable = Problem([[0.0], [1.0]], [0, 1], depth=1)
     solved = local_search(separable)
-    assert solved.is_optimal and solved.bound == 0.0 and solved.stop is Stop.OPTIMAL
+    assert solved.is_optimal
+    assert solved.bound == 0.0
+    assert solved.stop is Stop.OPTIMAL
     open_end = local_search(LARGE, restarts=1, kicks=0)
-    assert open_end.bound == -math.inf and open_end.stop is Stop.FINISHED
+    assert open_end.bound == -math.inf
+    assert open_end.stop is Stop.FINISHED
 
 
 def test_neighbours_that_float32_cannot_tell_apart_are_separated_and_thresholds_lie_in_mid_gap():
@@ -131,7 +135,8 @@ def test_control_c_returns_the_best_tree_so_far():
 def test_progress_is_reported_and_what_it_raises_is_raised():
     seen = []
     local_search(LARGE, restarts=10**6, limits=Limits(seconds=0.4), progress=seen.append)
-    assert seen and all(state.seconds >= 0 for state in seen)
+    assert seen
+    assert all(state.seconds >= 0 for state in seen)
 
     def fail(state):
         raise ValueError("from the callback")

@@ -33,7 +33,8 @@ def test_one_hyperplane_separates_what_one_can():
     features = rng.normal(size=(200, 5))
     labels = features @ [1.0, -2.0, 0.5, 0.0, 3.0] > 0.3
     solution = local_search(Problem(features, labels, depth=1, split="hyperplane"))
-    assert solution.objective == 0 and solution.is_optimal
+    assert solution.objective == 0
+    assert solution.is_optimal
     assert isinstance(solution.tree, HyperplaneSplit)
 
 
@@ -41,7 +42,8 @@ def test_one_seed_is_one_hyperplane_tree_for_any_number_of_threads():
     rng = np.random.default_rng(14)
     problem = Problem(rng.normal(size=(150, 4)), rng.integers(0, 3, 150), depth=3, split="hyperplane")
     alone, together = (local_search(problem, seed=3, restarts=4, kicks=5, n_jobs=n) for n in (1, 3))
-    assert alone.tree == together.tree and alone.objective == together.objective
+    assert alone.tree == together.tree
+    assert alone.objective == together.objective
 
 
 def test_an_incumbent_is_never_lost():

@@ -84,7 +84,8 @@ def test_a_tree_that_does_not_read_the_failed_sensor_loses_nothing():
     asked = FailureProblem(problem, failures(problem))
     tree = Split(0, 530.0, Leaf(0), Leaf(2))
     objectives = asked.objectives(tree)
-    assert (objectives[2:] == objectives[0]).all() and objectives[1] > objectives[0]
+    assert (objectives[2:] == objectives[0]).all()
+    assert objectives[1] > objectives[0]
 
 
 def test_robust_trees_lose_less_in_what_they_were_made_for():
@@ -120,7 +121,8 @@ def test_two_failures_together_are_one_scenario():
     assert len(failures(problem, n_failed=2)) == 6
     asked = FailureProblem(problem, failures(problem, n_failed=2, probability=0.6))
     assert asked.probabilities.sum() == pytest.approx(1.0)
-    assert (asked.readings(1)[:, :2] == 0).all() and (asked.readings(1)[:, 2:] == readings[:, 2:]).all()
+    assert (asked.readings(1)[:, :2] == 0).all()
+    assert (asked.readings(1)[:, 2:] == readings[:, 2:]).all()
 
 
 def test_a_false_claim_about_failures_is_refuted():
@@ -232,7 +234,8 @@ def test_the_false_alarm_rate_is_the_stated_one(detector):
 
 def test_power_rises_with_the_fault_and_names_the_gauge(detector):
     found, right = power(detector, [0.0, 20.0, 40.0, 80.0], 200, np.random.default_rng(6))
-    assert (np.diff(found.mean(axis=1)) > 0).all() and found[3].min() > 0.99
+    assert (np.diff(found.mean(axis=1)) > 0).all()
+    assert found[3].min() > 0.99
     assert right[3].min() > 0.99
 
 

@@ -61,7 +61,8 @@ def test_the_proven_optimum_is_that_of_enumeration(seed):
     weights = [1.0] * len(problems) if rng.random() < 0.5 else rng.choice([0.5, 1.0, 3.0], len(problems)).tolist()
     budget = float(rng.integers(0, 4))
     joint = shared_budget(problems, budget, weights=weights)
-    assert joint.stop is Stop.OPTIMAL and joint.is_optimal
+    assert joint.stop is Stop.OPTIMAL
+    assert joint.is_optimal
     assert joint.objective == pytest.approx(joint_optimum(problems, weights, budget), rel=1e-9, abs=1e-9)
 
 
@@ -113,8 +114,10 @@ def gauges_for_two(n_each: int = 12) -> list[Problem]:
 def test_a_gauge_that_serves_both_is_bought_where_no_split_by_hand_would():
     problems = gauges_for_two()
     joint = shared_budget(problems, 1.0)
-    assert joint.is_optimal and joint.objective < joint.hand_split.objective
-    assert len(joint.sensors) == 1 and joint.sensor_cost == 1.0
+    assert joint.is_optimal
+    assert joint.objective < joint.hand_split.objective
+    assert len(joint.sensors) == 1
+    assert joint.sensor_cost == 1.0
     assert shared_budget(problems, 2.0).sensors == ("a", "b")
     assert shared_budget(problems, 1.0, method="search").objective == joint.objective
 
@@ -142,7 +145,8 @@ def test_hyperplanes_share_a_budget_by_search():
     labels = [(features[:, 0] + features[:, 1] > 0).astype(int), (features[:, 1] > features[:, 2]).astype(int)]
     problems = [Problem(features, y, depth=1, split="hyperplane", split_size=2) for y in labels]
     joint = shared_budget(problems, 3.0, options={"restarts": 1})
-    assert joint.objective == 0 and joint.stop is Stop.OPTIMAL
+    assert joint.objective == 0
+    assert joint.stop is Stop.OPTIMAL
     assert set(joint.sensors) == {"x0", "x1", "x2"}
 
 
@@ -181,7 +185,8 @@ def forged(joint: JointSolution) -> dict[str, JointSolution]:
 def test_the_certificate_refutes_a_forged_joint_solution(what):
     joint = shared_budget(gauges_for_two(), 1.0)
     certificate = certify_joint(joint)
-    assert certificate.objective == joint.objective and certificate.sensors == joint.sensors
+    assert certificate.objective == joint.objective
+    assert certificate.sensors == joint.sensors
     with pytest.raises(CertificateError):
         certify_joint(forged(joint)[what])
 
@@ -213,4 +218,5 @@ def test_wrong_input_is_named():
 
 def test_a_leaf_is_the_answer_without_a_budget():
     joint = shared_budget(gauges_for_two(), 0.0)
-    assert all(isinstance(tree, Leaf) for tree in joint.trees) and joint.is_optimal
+    assert all(isinstance(tree, Leaf) for tree in joint.trees)
+    assert joint.is_optimal

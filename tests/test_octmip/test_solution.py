@@ -15,20 +15,24 @@ def solution(objective=10.0, bound=8.0, tree=Leaf(0), **changes):  # noqa: B008 
 
 
 def test_the_gap_is_relative_to_the_objective():
-    assert solution().gap == pytest.approx(0.2) and not solution().is_optimal
+    assert solution().gap == pytest.approx(0.2)
+    assert not solution().is_optimal
     assert solution(bound=-math.inf).gap == math.inf
-    assert solution(objective=0.0, bound=0.0).gap == 0 and solution(objective=0.0, bound=0.0).is_optimal
+    assert solution(objective=0.0, bound=0.0).gap == 0
+    assert solution(objective=0.0, bound=0.0).is_optimal
 
 
 def test_a_bound_within_the_tolerance_meets_the_objective():
     assert not solution(bound=9.9999).is_optimal
     within = solution(bound=9.9999, tolerance=0.001)
-    assert within.is_optimal and within.gap == 0
+    assert within.is_optimal
+    assert within.gap == 0
 
 
 def test_without_a_tree_there_is_no_optimum():
     nothing = solution(objective=math.inf, bound=3.0, tree=None)
-    assert nothing.gap == math.inf and not nothing.is_optimal
+    assert nothing.gap == math.inf
+    assert not nothing.is_optimal
 
 
 @pytest.mark.parametrize(

@@ -44,7 +44,8 @@ def registered(monkeypatch):
 
 def test_cart_answers_as_cart():
     solution = solve(STRIPES, method="cart")
-    assert solution.solver == "cart" and solution.bound == -math.inf
+    assert solution.solver == "cart"
+    assert solution.bound == -math.inf
     assert solution.tree == greedy_tree(STRIPES).tree
 
 
@@ -65,7 +66,9 @@ def test_a_proof_starts_from_a_tree_of_search(registered):
     registered("search", answering(bound=-math.inf, stop=Stop.FINISHED), proves=False)
     solve(dataclasses.replace(STRIPES, depth=5), limits=Limits(seconds=100), seed=3, n_jobs=2)
     call = exact.calls[0]
-    assert call["incumbent"] == ZERO_ERRORS and call["seed"] == 3 and call["n_jobs"] == 2
+    assert call["incumbent"] == ZERO_ERRORS
+    assert call["seed"] == 3
+    assert call["n_jobs"] == 2
     assert 99 < call["limits"].seconds < 100
 
 
@@ -73,7 +76,8 @@ def test_a_shallow_exact_proof_starts_at_once(registered):
     exact = registered("exact", answering())
     search = registered("search", answering(), proves=False)
     solve(STRIPES)
-    assert not search.calls and exact.calls[0]["incumbent"] is None
+    assert not search.calls
+    assert exact.calls[0]["incumbent"] is None
 
 
 def test_a_two_feature_proof_starts_from_the_best_axis_aligned_tree():
@@ -82,7 +86,8 @@ def test_a_two_feature_proof_starts_from_the_best_axis_aligned_tree():
     labels = (features[:, 0] + features[:, 1] > 0) + 2 * (features[:, 2] - features[:, 3] > 0.5)
     axis = solve(Problem(features, labels, depth=2))
     stopped = solve(Problem(features, labels, depth=2, split="hyperplane", split_size=2), "exact", Limits(nodes=0))
-    assert axis.is_optimal and stopped.objective <= axis.objective
+    assert axis.is_optimal
+    assert stopped.objective <= axis.objective
 
 
 def test_an_incumbent_of_the_user_spares_the_search(registered):
@@ -90,14 +95,17 @@ def test_an_incumbent_of_the_user_spares_the_search(registered):
     search = registered("search", answering(), proves=False)
     stump = Split(0, 0.5, Leaf(0), Leaf(1))
     solve(STRIPES, incumbent=stump)
-    assert not search.calls and exact.calls[0]["incumbent"] == stump
+    assert not search.calls
+    assert exact.calls[0]["incumbent"] == stump
 
 
 def test_the_better_of_incumbent_and_proof_comes_back(registered):
     leaf = answering(tree=Leaf(0), objective=2.0, bound=0.0, stop=Stop.TIME)
     registered("exact", leaf)
     solution = solve(STRIPES, incumbent=ZERO_ERRORS)
-    assert solution.tree == ZERO_ERRORS and solution.objective == 0 and solution.stop is Stop.OPTIMAL
+    assert solution.tree == ZERO_ERRORS
+    assert solution.objective == 0
+    assert solution.stop is Stop.OPTIMAL
 
 
 @pytest.mark.parametrize(
@@ -123,7 +131,9 @@ def test_ctrl_c_in_a_proof_returns_the_incumbent(registered):
 
     registered("exact", interrupted)
     solution = solve(STRIPES, incumbent=ZERO_ERRORS)
-    assert solution.tree == ZERO_ERRORS and solution.stop is Stop.INTERRUPTED and solution.bound == -math.inf
+    assert solution.tree == ZERO_ERRORS
+    assert solution.stop is Stop.INTERRUPTED
+    assert solution.bound == -math.inf
 
 
 def test_ctrl_c_in_the_search_returns_a_tree_without_starting_the_proof(registered):
@@ -133,7 +143,8 @@ def test_ctrl_c_in_the_search_returns_a_tree_without_starting_the_proof(register
     registered("search", interrupted, proves=False)
     exact = registered("exact", answering())
     solution = solve(dataclasses.replace(STRIPES, depth=5))
-    assert not exact.calls and solution.stop is Stop.INTERRUPTED
+    assert not exact.calls
+    assert solution.stop is Stop.INTERRUPTED
     certify(STRIPES, solution)
 
 
@@ -146,7 +157,8 @@ def test_progress_counts_from_the_start_of_solve(registered):
 
     registered("exact", reporting)
     solution = solve(STRIPES, incumbent=ZERO_ERRORS, progress=seen.append)
-    assert len(seen) == 1 and 0 < seen[0].seconds <= solution.seconds
+    assert len(seen) == 1
+    assert 0 < seen[0].seconds <= solution.seconds
 
 
 def test_an_option_that_the_solver_does_not_take_is_refused():

@@ -28,7 +28,8 @@ def test_columns_come_as_numbers_and_labels(tmp_path, suffix):
     table = read_table(path)
     assert table.numbers(["n", "x", "b"]).tolist() == [[1, 1.5, 1], [2, 2.5, 0]]
     assert table.labels("y").tolist() == ["NA", "None"]  # names of classes, not missing values
-    assert table.labels("n").tolist() == [1, 2] and table.labels("b").tolist() == [True, False]
+    assert table.labels("n").tolist() == [1, 2]
+    assert table.labels("b").tolist() == [True, False]
 
 
 @pytest.mark.parametrize(
@@ -97,7 +98,8 @@ def test_a_word_for_missing_among_numbers_is_no_class(tmp_path, word):
 @pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
 def test_lines_may_end_as_on_any_machine(tmp_path, end):
     table = read_table(csv_file(tmp_path, end.join(["x,y", "1,a", "2,b", ""])))
-    assert table.columns == ("x", "y") and table.numbers(["x"]).tolist() == [[1], [2]]
+    assert table.columns == ("x", "y")
+    assert table.numbers(["x"]).tolist() == [[1], [2]]
 
 
 def test_labels_of_mixed_kind_are_text(tmp_path):
@@ -146,13 +148,15 @@ def test_wrong_costs_are_refused(tmp_path, text, sentence):
 
 def test_sensors_of_single_features(tmp_path):
     sensors = read_sensors(csv_file(tmp_path, "sensor,cost\nb,2\na,1\nunused,9\n"), ["a", "b"])
-    assert sensors.of_feature == ("a", "b") and sensors.cost == {"a": 1, "b": 2}
+    assert sensors.of_feature == ("a", "b")
+    assert sensors.cost == {"a": 1, "b": 2}
 
 
 def test_sensors_that_give_several_features(tmp_path):
     text = "feature,sensor,cost\na,left,1\nb,left,1\nc,right,2\n"
     sensors = read_sensors(csv_file(tmp_path, text), ["a", "b", "c"])
-    assert sensors.of_feature == ("left", "left", "right") and sensors.cost == {"left": 1, "right": 2}
+    assert sensors.of_feature == ("left", "left", "right")
+    assert sensors.cost == {"left": 1, "right": 2}
 
 
 @pytest.mark.parametrize(

@@ -49,13 +49,15 @@ def test_leaves_are_numbered_from_the_left():
 
 def test_splits_depth_complexity_and_features_are_counted():
     assert (n_splits(TREE), depth(TREE), complexity(TREE)) == (3, 2, 4)
-    assert features_used(TREE) == (0, 1, 2) and len(list(nodes(TREE))) == 7
+    assert features_used(TREE) == (0, 1, 2)
+    assert len(list(nodes(TREE))) == 7
     assert (n_splits(Leaf(0)), depth(Leaf(0)), complexity(Leaf(0)), features_used(Leaf(0))) == (0, 0, 0, ())
 
 
 def test_splits_whose_sides_agree_are_simplified_from_the_bottom_up():
     agreeing = Split(0, 1.0, Split(1, 1.0, Leaf(1), Leaf(1)), Leaf(1))
-    assert simplify(agreeing) == Leaf(1) and simplify(TREE) == TREE
+    assert simplify(agreeing) == Leaf(1)
+    assert simplify(TREE) == TREE
 
 
 def test_splits_that_send_all_samples_to_one_side_are_taken_out():

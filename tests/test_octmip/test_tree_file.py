@@ -52,7 +52,9 @@ def test_everything_comes_back_the_same(tmp_path):
     write_tree_file(tmp_path / "t.json", file)
     back = read_tree_file(tmp_path / "t.json")
     assert encode(back) == encode(file)
-    assert back.solution == solution and back.label_column == "y" and back.weights_column == "w"
+    assert back.solution == solution
+    assert back.label_column == "y"
+    assert back.weights_column == "w"
     again = back.problem(problem.features, problem.labels, problem.weights)
     assert again.digest() == problem.digest() == back.sha256
     assert certify(again, back.solution) == certify(problem, solution)
@@ -72,7 +74,8 @@ def test_hyperplanes_come_back_to_the_last_bit(tmp_path):
     solution = Solution(tree, 9.0, 1.5, Stop.TIME, 0.1, 5, "search", "1", 0)
     write_tree_file(tmp_path / "t.json", record_tree(problem, solution))
     back = read_tree_file(tmp_path / "t.json")
-    assert back.tree == tree and back.solution == solution
+    assert back.tree == tree
+    assert back.solution == solution
     assert columns_read(back) == ("a", "b", "c")
 
 

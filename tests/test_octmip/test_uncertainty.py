@@ -135,7 +135,8 @@ def test_thresholds_have_the_coverage_that_they_are_assured_of():
 
 def test_too_few_samples_put_the_class_into_every_set():
     found = calibrate_sets([[0.9, 0.1]] * 5, [0] * 5, coverage=0.9, by_class=True)
-    assert np.isinf(found.thresholds).all() and found.sets([[1.0, 0.0]]).all()
+    assert np.isinf(found.thresholds).all()
+    assert found.sets([[1.0, 0.0]]).all()
     assert found.assured().tolist() == [1.0, 1.0]
 
 

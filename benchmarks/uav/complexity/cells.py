@@ -33,13 +33,20 @@ axis-aligned search for the MAE of mu2 takes 11 CPU seconds at depth 4 and over 
 class Cell:
     """One tree that is asked for.
 
-    Attributes:
-        label: "mu1" or "mu2".
-        gauge_set: "all" twenty, or "two": gauges 1 and 2 for mu1 as in the paper, the best pair for mu2.
-        depth: levels of splits.
-        split_size: features in one split; None: no limit.
-        objective: what it is trained for, "errors" as in the paper or "mae" by the cost matrix |mu_i - mu_k|.
-        seed: of readings and search.
+    Attributes
+    ----------
+    label
+        "mu1" or "mu2".
+    gauge_set
+        "all" twenty, or "two": gauges 1 and 2 for mu1 as in the paper, the best pair for mu2.
+    depth
+        levels of splits.
+    split_size
+        features in one split; None: no limit.
+    objective
+        what it is trained for, "errors" as in the paper or "mae" by the cost matrix |mu_i - mu_k|.
+    seed
+        of readings and search.
     """
 
     label: str

@@ -45,13 +45,20 @@ MISS = 5.0
 class Aircraft:
     """Everything that flies.
 
-    Attributes:
-        source: where the strains come from.
-        wing: femlib's, for places and suspects.
-        twin: its strains.
-        gauges: that are read.
-        trees: the trees for mu1 and mu2 of least absolute error; risk_trees: those that fear to miss.
-        selector, risk_selector: each pair as one tree.
+    Attributes
+    ----------
+    source
+        where the strains come from.
+    wing
+        femlib's, for places and suspects.
+    twin
+        its strains.
+    gauges
+        that are read.
+    trees
+        the trees for mu1 and mu2 of least absolute error; risk_trees: those that fear to miss.
+    selector, risk_selector
+        each pair as one tree.
     """
 
     source: str

@@ -41,7 +41,8 @@ def recorded(aircraft: Aircraft, kind: str, seed: int) -> dict[str, Any]:
         truth = damage_at(histories, k)
         readings = readings_at(aircraft, histories, k, load, rng, trace)
         is_cautious = pilot.decide(readings, load, truth)
-        assert pilot.belief is not None and pilot.vigil is not None
+        assert pilot.belief is not None
+        assert pilot.vigil is not None
         row = readings[0] / load[0]
         paths = [tree.path_to(tree.node(row)) for tree in compiled]
         told = [file.class_names[tree.label(row)] / 100 for file, tree in zip(aircraft.trees, compiled, strict=True)]

@@ -18,13 +18,20 @@ KINDS = ("paper", "own pace", "sudden", "dead gauge", "outside")
 class Histories:
     """What happens to n aircraft.
 
-    Attributes:
-        kind: one of KINDS.
-        damage: (n, MOST_STEPS, 2) fractions of mu1 and mu2.
-        dead_gauge: (n,) index of a gauge that reads nothing but 0 microstrain, -1: none; dead_from: (n,) step.
-        outside: (n,) damage of a third region from `outside_from` on; 0: none.
-        outside_from: (n,) step.
-        reserve: (n,) what each wing bears beyond the capability [g].
+    Attributes
+    ----------
+    kind
+        one of KINDS.
+    damage
+        (n, MOST_STEPS, 2) fractions of mu1 and mu2.
+    dead_gauge
+        (n,) index of a gauge that reads nothing but 0 microstrain, -1: none; dead_from: (n,) step.
+    outside
+        (n,) damage of a third region from `outside_from` on; 0: none.
+    outside_from
+        (n,) step.
+    reserve
+        (n,) what each wing bears beyond the capability [g].
     """
 
     kind: str

@@ -29,11 +29,16 @@ STEP_PRICE = 0.105
 class Policy:
     """How to decide.
 
-    Attributes:
-        name: in the table.
-        estimator: "truth", "nothing", "trees", "risk trees" or "filter".
-        rule: "paper", "loss", "always" or "never".
-        has_watch: whether an alarm, too, leads to caution, and a faulty gauge is left out.
+    Attributes
+    ----------
+    name
+        in the table.
+    estimator
+        "truth", "nothing", "trees", "risk trees" or "filter".
+    rule
+        "paper", "loss", "always" or "never".
+    has_watch
+        whether an alarm, too, leads to caution, and a faulty gauge is left out.
     """
 
     name: str
@@ -123,7 +128,9 @@ class Pilot:
         return readings
 
     def _decide_by_belief(self, readings: Floats, loads: Floats) -> Flags:
-        assert self.chain is not None and self.belief is not None and self.loss is not None
+        assert self.chain is not None
+        assert self.belief is not None
+        assert self.loss is not None
         self.belief = self.chain.step(self.belief, readings, loads)
         if self.policy.rule == "loss":
             return np.asarray(LOST * self.belief.expectation(self.loss) > STEP_PRICE) | self.is_outside

@@ -17,11 +17,16 @@ Floats = NDArray[np.float64]
 class Flights:
     """What became of n missions.
 
-    Attributes:
-        is_lost: (n,) whether the wing was asked for more than it could bear.
-        steps: (n,) to the goal, or to the loss.
-        missed: (n,) steps flown at 3 g with a damage over the critical one; critical: (n,) steps with such damage.
-        cautious: (n,) steps flown at 2 g without need.
+    Attributes
+    ----------
+    is_lost
+        (n,) whether the wing was asked for more than it could bear.
+    steps
+        (n,) to the goal, or to the loss.
+    missed
+        (n,) steps flown at 3 g with a damage over the critical one; critical: (n,) steps with such damage.
+    cautious
+        (n,) steps flown at 2 g without need.
     """
 
     is_lost: NDArray[np.bool_]

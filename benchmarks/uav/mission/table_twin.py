@@ -25,11 +25,16 @@ STEP = 0.01
 class TableTwin:
     """The strains of a grid of states, at any state between them and any load.
 
-    Attributes:
-        gauges: names.
-        levels: of each of two damage parameters, ascending from 0.
-        strains: (n_levels1, n_levels2, n_gauges) microstrain per unit of load factor.
-        effects: what the table lacks.
+    Attributes
+    ----------
+    gauges
+        names.
+    levels
+        of each of two damage parameters, ascending from 0.
+    strains
+        (n_levels1, n_levels2, n_gauges) microstrain per unit of load factor.
+    effects
+        what the table lacks.
     """
 
     gauges: tuple[str, ...]

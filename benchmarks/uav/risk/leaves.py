@@ -25,12 +25,17 @@ FLEET = (0.5, 0.2, 0.15, 0.1, 0.05)
 class Trust:
     """One tree on test rows: half of them set the credible sets, all else is counted on the other half.
 
-    Attributes:
-        raw, laplace: calibration error and Brier score of plain and smoothed leaves.
-        bins: of the reliability diagram, plain and smoothed.
-        coverage, size: share of sets that hold the truth, and how many states they hold; by_class: the same where each
-            state has its own threshold, then the least coverage of a state.
-        fleet: Brier score on rows drawn in the shares of `FLEET`, with the training prior and with the fleet's.
+    Attributes
+    ----------
+    raw, laplace
+        calibration error and Brier score of plain and smoothed leaves.
+    bins
+        of the reliability diagram, plain and smoothed.
+    coverage, size
+        share of sets that hold the truth, and how many states they hold; by_class: the same where each
+        state has its own threshold, then the least coverage of a state.
+    fleet
+        Brier score on rows drawn in the shares of `FLEET`, with the training prior and with the fleet's.
     """
 
     label: str

@@ -19,15 +19,24 @@ FEWEST_REPEATS = 3
 class Cell:
     """The mean of the repeats of one test at one load.
 
-    Attributes:
-        test: name of the test.
-        load_factor: load factor of all its rows.
-        state: (n_parameters,) values; NaN where unknown.
-        rows: (n_repeats,) rows of the campaign, in the order of recording.
-        mean: (n_gauges,) mean reading [microstrain]; NaN where nothing was recorded.
-        count: (n_gauges,) recorded repeats.
-        time: mean time since the first reading of the campaign [s]; 0 where no time was recorded.
-        temperature: mean temperature [deg C]; NaN where none was recorded.
+    Attributes
+    ----------
+    test
+        name of the test.
+    load_factor
+        load factor of all its rows.
+    state
+        (n_parameters,) values; NaN where unknown.
+    rows
+        (n_repeats,) rows of the campaign, in the order of recording.
+    mean
+        (n_gauges,) mean reading [microstrain]; NaN where nothing was recorded.
+    count
+        (n_gauges,) recorded repeats.
+    time
+        mean time since the first reading of the campaign [s]; 0 where no time was recorded.
+    temperature
+        mean temperature [deg C]; NaN where none was recorded.
     """
 
     test: str
@@ -54,17 +63,28 @@ class Cell:
 class Campaign:
     """Readings of the real asset.
 
-    Attributes:
-        gauges: (n_gauges,) names, as the twin names them.
-        parameters: (n_parameters,) names of the state parameters.
-        test: (n_rows,) name of the test of each row.
-        load_factor: (n_rows,).
-        states: (n_rows, n_parameters); NaN is unknown.
-        readings: (n_rows, n_gauges) [microstrain]; NaN is missing.
-        time: (n_rows,) [s], or all NaN.
-        temperature: (n_rows,) [deg C], or all NaN.
-        notes: what the reader should know about the file, as sentences.
-        numbers: (n_rows,) line of each row in its file; empty when it came from no file.
+    Attributes
+    ----------
+    gauges
+        (n_gauges,) names, as the twin names them.
+    parameters
+        (n_parameters,) names of the state parameters.
+    test
+        (n_rows,) name of the test of each row.
+    load_factor
+        (n_rows,).
+    states
+        (n_rows, n_parameters); NaN is unknown.
+    readings
+        (n_rows, n_gauges) [microstrain]; NaN is missing.
+    time
+        (n_rows,) [s], or all NaN.
+    temperature
+        (n_rows,) [deg C], or all NaN.
+    notes
+        what the reader should know about the file, as sentences.
+    numbers
+        (n_rows,) line of each row in its file; empty when it came from no file.
     Derived:
         cells: the means, in the order of first appearance.
     """

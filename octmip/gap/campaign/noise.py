@@ -37,18 +37,30 @@ SCALE_SIGNIFICANT = 1.08
 class Noise:
     """What the repeats say of the noise.
 
-    Attributes:
-        gauges: names.
-        covariance: (n_gauges, n_gauges) of one reading [microstrain^2].
-        inflation: factor on the variance of means for serial correlation.
-        scale: variance ratio by load factor.
-        lag1: mean lag-1 correlation of successive repeats.
-        kurtosis: excess kurtosis, 0 for a normal distribution.
-        step: quantisation step [microstrain], 0 when none is seen.
-        stuck: gauges whose repeats never change.
-        findings: names of what is not plain white noise, of the effects' list.
-        clipped: by gauge that met the end of its range, where that lies [microstrain].
-        degrees: repeats less cells, over the gauges' mean.
+    Attributes
+    ----------
+    gauges
+        names.
+    covariance
+        (n_gauges, n_gauges) of one reading [microstrain^2].
+    inflation
+        factor on the variance of means for serial correlation.
+    scale
+        variance ratio by load factor.
+    lag1
+        mean lag-1 correlation of successive repeats.
+    kurtosis
+        excess kurtosis, 0 for a normal distribution.
+    step
+        quantisation step [microstrain], 0 when none is seen.
+    stuck
+        gauges whose repeats never change.
+    findings
+        names of what is not plain white noise, of the effects' list.
+    clipped
+        by gauge that met the end of its range, where that lies [microstrain].
+    degrees
+        repeats less cells, over the gauges' mean.
     """
 
     gauges: tuple[str, ...]
@@ -84,8 +96,10 @@ class Noise:
 def estimate_noise(campaign: Campaign, fallback: Campaign | None = None) -> Noise:
     """Return the noise of the campaign's repeats, those of `fallback` (the commissioning run) added where they are few.
 
-    Raises:
-        DataError: neither has repeats.
+    Raises
+    ------
+    DataError
+        neither has repeats.
     """
     source = campaign
     if fallback is not None and len(campaign.test) - len(campaign.cells) < FEW_DEGREES:
@@ -133,11 +147,16 @@ def _no_repeats(campaign: Campaign) -> str:
 class _Scatter:
     """How the repeats scatter about the means of their cells.
 
-    Attributes:
-        scaled: for each cell (n_repeats, n_gauges) in standard deviations; NaN where nothing was recorded.
-        own, variance: (n_gauges,) variance of one reading, as it scatters and drawn toward all gauges [microstrain^2].
-        degrees: (n_gauges,) repeats less cells.
-        usable, stuck: (n_gauges,) gauges that scatter, and those whose repeats never change.
+    Attributes
+    ----------
+    scaled
+        for each cell (n_repeats, n_gauges) in standard deviations; NaN where nothing was recorded.
+    own, variance
+        (n_gauges,) variance of one reading, as it scatters and drawn toward all gauges [microstrain^2].
+    degrees
+        (n_gauges,) repeats less cells.
+    usable, stuck
+        (n_gauges,) gauges that scatter, and those whose repeats never change.
     """
 
     scaled: tuple[NDArray[np.float64], ...]
@@ -165,8 +184,10 @@ def _scatter(campaign: Campaign) -> _Scatter:
 def given_noise(gauges: tuple[str, ...], sd: float | Mapping[str, float]) -> Noise:
     """Return white noise of a known standard deviation [microstrain], of all gauges or by gauge.
 
-    Raises:
-        DataError: no positive number for some gauge.
+    Raises
+    ------
+    DataError
+        no positive number for some gauge.
     """
     wanted = [sd.get(name, float("nan")) if isinstance(sd, Mapping) else sd for name in gauges]
     for name, value in zip(gauges, wanted, strict=True):

@@ -35,13 +35,20 @@ DISTINCT = 6
 class Sheet:
     """Readings beside predictions.
 
-    Attributes:
-        numbers: (n_rows,) line of each row in the file.
-        tests: (n_rows,) names.
-        gauges: (n_gauges,) names.
-        loads: (n_rows,) load factors.
-        readings: (n_rows, n_gauges) [microstrain]; NaN is missing.
-        healthy: (n_rows, n_gauges) what the twin predicts of the healthy state [microstrain].
+    Attributes
+    ----------
+    numbers
+        (n_rows,) line of each row in the file.
+    tests
+        (n_rows,) names.
+    gauges
+        (n_gauges,) names.
+    loads
+        (n_rows,) load factors.
+    readings
+        (n_rows, n_gauges) [microstrain]; NaN is missing.
+    healthy
+        (n_rows, n_gauges) what the twin predicts of the healthy state [microstrain].
     """
 
     numbers: tuple[int, ...]

@@ -26,9 +26,11 @@ MOST_LOAD = 1e9
 def read_campaign(path: str | Path, twin: Twin) -> Campaign:
     """Return the campaign in a CSV file, its columns matched with the twin's gauges and state parameters.
 
-    Raises:
-        DataError: an unknown or missing column, a cell that is no number, a load factor left out, a test of two states,
-            units a factor off, a turned sign, all readings equal; the message names the row and the column.
+    Raises
+    ------
+    DataError
+        an unknown or missing column, a cell that is no number, a load factor left out, a test of two states,
+        units a factor off, a turned sign, all readings equal; the message names the row and the column.
     """
     table = read_table(path)
     parameters = state_parameters(twin)

@@ -21,11 +21,16 @@ OTHER_SEPARATORS = {";": "semicolons", "\t": "tabs", "|": "bars"}
 class Table:
     """The cells of a file.
 
-    Attributes:
-        header: (n_columns,) names, spaces stripped.
-        header_number: line of the header.
-        rows: (n_rows,) cells (n_columns,) of each row.
-        numbers: (n_rows,) line of each row.
+    Attributes
+    ----------
+    header
+        (n_columns,) names, spaces stripped.
+    header_number
+        line of the header.
+    rows
+        (n_rows,) cells (n_columns,) of each row.
+    numbers
+        (n_rows,) line of each row.
     """
 
     header: tuple[str, ...]
@@ -41,8 +46,10 @@ class Table:
     def floats(self, name: str) -> NDArray[np.float64]:
         """Return the numbers (n_rows,) of a column, NaN where the cell is empty.
 
-        Raises:
-            DataError: a cell is no finite number.
+        Raises
+        ------
+        DataError
+            a cell is no finite number.
         """
         return np.array([_number(text, k, name) for text, k in zip(self.texts(name), self.numbers, strict=True)])
 
@@ -50,9 +57,11 @@ class Table:
 def read_table(path: str | Path) -> Table:
     """Return the table in a file.
 
-    Raises:
-        DataError: no such file, not UTF-8, nothing in it, another separator, a row with more or fewer cells than the
-            header.
+    Raises
+    ------
+    DataError
+        no such file, not UTF-8, nothing in it, another separator, a row with more or fewer cells than the
+        header.
     """
     path = Path(path)
     rows = list(_parsed(_text(path)))

@@ -7,8 +7,10 @@ from octmip.twin import Twin
 def pair_of(twin: Twin, place: str, separator: str) -> tuple[int, int]:
     """Return the numbers of the two gauges of a place, which may have the separator in their own names.
 
-    Raises:
-        DataError: no two gauges of the twin, or several pairs, give the place.
+    Raises
+    ------
+    DataError
+        no two gauges of the twin, or several pairs, give the place.
     """
     number = {name: k for k, name in enumerate(twin.gauges)}
     cuts = [k for k, letter in enumerate(place) if letter == separator]

@@ -47,9 +47,12 @@ class Moment:
 class PerGauge:
     """An effect on one gauge; it may act on each.
 
-    Attributes:
-        formula: change of the gauge's reading [microstrain] per unit of size.
-        needs_positions: whether the twin must say where its gauges lie.
+    Attributes
+    ----------
+    formula
+        change of the gauge's reading [microstrain] per unit of size.
+    needs_positions
+        whether the twin must say where its gauges lie.
 
     The others are those of `octmip.twin.Effect`.
     """

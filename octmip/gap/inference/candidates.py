@@ -21,10 +21,14 @@ SCALES = (1 / 3, 1.0, 3.0)
 class Candidate:
     """One effect at one place.
 
-    Attributes:
-        effect: the effect.
-        place: where it acts, "" for the whole.
-        weight: share of the effect's prior probability, the look-elsewhere correction.
+    Attributes
+    ----------
+    effect
+        the effect.
+    place
+        where it acts, "" for the whole.
+    weight
+        share of the effect's prior probability, the look-elsewhere correction.
     """
 
     effect: Effect
@@ -66,12 +70,18 @@ class Candidate:
 class Priors:
     """The priors of all candidates as arrays (n_candidates,).
 
-    Attributes:
-        mean, sd: of the size.
-        one_sided, is_discrete: as the candidates say.
-        log_weight: log of the candidates' shares.
-        name: index of each candidate's effect among the effects.
-        n_effects: number of effects.
+    Attributes
+    ----------
+    mean, sd
+        of the size.
+    one_sided, is_discrete
+        as the candidates say.
+    log_weight
+        log of the candidates' shares.
+    name
+        index of each candidate's effect among the effects.
+    n_effects
+        number of effects.
     """
 
     mean: NDArray[np.float64]
@@ -100,8 +110,10 @@ def priors_of(candidates: Sequence[Candidate]) -> Priors:
 def candidates_of(effects: Mapping[str, Effect], twin: Twin, gauges: Sequence[str]) -> tuple[Candidate, ...]:
     """Return the candidates of all effects, those that act on gauges outside `gauges` left out.
 
-    Raises:
-        DataError: an effect lacks a positive prior sd.
+    Raises
+    ------
+    DataError
+        an effect lacks a positive prior sd.
     """
     found = []
     absent = set(twin.gauges) - set(gauges)

@@ -36,10 +36,14 @@ POWER = 3.3 + 1.645
 class Confounder:
     """A candidate that imitates another one.
 
-    Attributes:
-        candidate: the confounder.
-        d_prime: what it leaves, in standard deviations.
-        size: the size that it would need, in its unit.
+    Attributes
+    ----------
+    candidate
+        the confounder.
+    d_prime
+        what it leaves, in standard deviations.
+    size
+        the size that it would need, in its unit.
     """
 
     candidate: int

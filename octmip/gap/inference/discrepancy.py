@@ -34,12 +34,18 @@ DAMAGE = 0.04
 class Discrepancy:
     """The difference d between twin and healthy asset at the reference load.
 
-    Attributes:
-        mean: (n_gauges,) [microstrain].
-        covariance: (n_gauges, n_gauges) [microstrain^2].
-        reference: root mean square healthy prediction at the reference load [microstrain].
-        damage: relative sd of the change that damage makes.
-        is_calibrated: whether a commissioning run stands behind it.
+    Attributes
+    ----------
+    mean
+        (n_gauges,) [microstrain].
+    covariance
+        (n_gauges, n_gauges) [microstrain^2].
+    reference
+        root mean square healthy prediction at the reference load [microstrain].
+    damage
+        relative sd of the change that damage makes.
+    is_calibrated
+        whether a commissioning run stands behind it.
     """
 
     mean: NDArray[np.float64]
@@ -63,8 +69,10 @@ def uncalibrated(healthy: NDArray[np.float64]) -> Discrepancy:
 def calibrated(run: Campaign, twin: CachedTwin, gauges: tuple[str, ...], load: float) -> Discrepancy:
     """Return the difference that a commissioning run shows for these gauges, at the reference load factor `load`.
 
-    Raises:
-        DataError: the run lacks a gauge of the campaign, holds an unknown state, or no load.
+    Raises
+    ------
+    DataError
+        the run lacks a gauge of the campaign, holds an unknown state, or no load.
     """
     _check_run(run, gauges)
     order = [run.gauges.index(name) for name in gauges]

@@ -29,12 +29,18 @@ Members = tuple[int, ...]
 class Fit:
     """What the readings say if exactly the candidates `members` act.
 
-    Attributes:
-        members: ascending candidate indices.
-        log_factor: log evidence over that of no effect, given the linear model.
-        size: (n_members,) posterior means, in each effect's unit.
-        covariance: (n_members, n_members).
-        scales: evidence with one factor on the prior sd of all members, over the mixture's, for each of `SCALES`.
+    Attributes
+    ----------
+    members
+        ascending candidate indices.
+    log_factor
+        log evidence over that of no effect, given the linear model.
+    size
+        (n_members,) posterior means, in each effect's unit.
+    covariance
+        (n_members, n_members).
+    scales
+        evidence with one factor on the prior sd of all members, over the mixture's, for each of `SCALES`.
     """
 
     members: Members

@@ -29,8 +29,10 @@ class Inference:
 
     Sets are fitted together where they can be: one by one they cost several times as much.
 
-    Attributes:
-        model: the linear model.
+    Attributes
+    ----------
+    model
+        the linear model.
     """
 
     def __init__(self, model: LinearModel) -> None:

@@ -30,10 +30,14 @@ ENOUGH_FOR_HALVES = 16
 class AveragedCell:
     """Repeats that are averaged together: a cell of the campaign, or half of one where time matters.
 
-    Attributes:
-        cell: index of the campaign's cell.
-        mean, count: (n_gauges,) of these repeats.
-        time: mean time [s].
+    Attributes
+    ----------
+    cell
+        index of the campaign's cell.
+    mean, count
+        (n_gauges,) of these repeats.
+    time
+        mean time [s].
     """
 
     cell: int
@@ -46,11 +50,16 @@ class AveragedCell:
 class Inputs:
     """What an inference starts from.
 
-    Attributes:
-        campaign, twin, noise, discrepancy, candidates: as named.
-        averages: the campaign's repeats, averaged.
-        reference: load factor of the greatest healthy strain.
-        groups: cells that share one unknown state, each a tuple of cell indices.
+    Attributes
+    ----------
+    campaign, twin, noise, discrepancy, candidates
+        as named.
+    averages
+        the campaign's repeats, averaged.
+    reference
+        load factor of the greatest healthy strain.
+    groups
+        cells that share one unknown state, each a tuple of cell indices.
     Derived:
         order: position in the twin's gauges of each of the campaign's.
         priors: of the candidates.
@@ -104,8 +113,10 @@ def prepare(
 ) -> tuple[Inputs, list[str]]:
     """Return the inputs of an inference, and notes for the reader.
 
-    Raises:
-        DataError: a gauge that the twin does not know, no repeats at all, or a commissioning run that does not fit.
+    Raises
+    ------
+    DataError
+        a gauge that the twin does not know, no repeats at all, or a commissioning run that does not fit.
     """
     unknown = [name for name in campaign.gauges if name not in twin.gauges]
     if unknown:

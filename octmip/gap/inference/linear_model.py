@@ -36,10 +36,14 @@ OWN_STATE = 0.7
 class Whitened:
     """Signatures and residual in units of C0's Cholesky factor.
 
-    Attributes:
-        signatures: (n, n_candidates) factor^-1 S.
-        residual: (n,) factor^-1 r.
-        log_none: log p0.
+    Attributes
+    ----------
+    signatures
+        (n, n_candidates) factor^-1 S.
+    residual
+        (n,) factor^-1 r.
+    log_none
+        log p0.
     Derived:
         lengths: (n_candidates,) diagonal of G.
         projection: (n_candidates,) b.
@@ -69,10 +73,14 @@ class Whitened:
 class OpenStates:
     """What the readings say of the unknown states, about the point of linearisation.
 
-    Attributes:
-        sensitivity: (n_open, n_candidates) how far they move per unit of each candidate's size, sign turned.
-        shift: (n_open,) how far they move when no candidate acts.
-        covariance: (n_open, n_open) when no candidate acts.
+    Attributes
+    ----------
+    sensitivity
+        (n_open, n_candidates) how far they move per unit of each candidate's size, sign turned.
+    shift
+        (n_open,) how far they move when no candidate acts.
+    covariance
+        (n_open, n_open) when no candidate acts.
     """
 
     sensitivity: Floats
@@ -88,18 +96,30 @@ class OpenStates:
 class LinearModel:
     """The model about one assignment of states; all its arrays are read only.
 
-    Attributes:
-        inputs: what it was made of.
-        states: (n_cells, n_parameters), all known.
-        average, gauge: (n,) indices of every row: averaged cell and gauge of the campaign.
-        predicted: (n,) twin and discrepancy [microstrain].
-        residual: (n,) readings less `predicted` [microstrain].
-        covariance: (n, n) C0 [microstrain^2].
-        factor: (n, n) lower Cholesky factor of C0.
-        signatures: (n, n_candidates) S.
-        tangents: (n, n_open) J of all groups' parameters.
-        whitened: signatures and residual in units of `factor`.
-        open_states: what the readings say of the unknown states.
+    Attributes
+    ----------
+    inputs
+        what it was made of.
+    states
+        (n_cells, n_parameters), all known.
+    average, gauge
+        (n,) indices of every row: averaged cell and gauge of the campaign.
+    predicted
+        (n,) twin and discrepancy [microstrain].
+    residual
+        (n,) readings less `predicted` [microstrain].
+    covariance
+        (n, n) C0 [microstrain^2].
+    factor
+        (n, n) lower Cholesky factor of C0.
+    signatures
+        (n, n_candidates) S.
+    tangents
+        (n, n_open) J of all groups' parameters.
+    whitened
+        signatures and residual in units of `factor`.
+    open_states
+        what the readings say of the unknown states.
     """
 
     inputs: Inputs

@@ -35,11 +35,16 @@ BEHIND = 20
 class Judged:
     """A hypothesis with its posterior probability and where it was judged.
 
-    Attributes:
-        members: candidates.
-        has_unknown: whether the unknown acts beside them.
-        probability: posterior probability.
-        inference: in which it was judged.
+    Attributes
+    ----------
+    members
+        candidates.
+    has_unknown
+        whether the unknown acts beside them.
+    probability
+        posterior probability.
+    inference
+        in which it was judged.
     """
 
     members: Members
@@ -73,10 +78,14 @@ class Judged:
 class Posterior:
     """All hypotheses, most probable first.
 
-    Attributes:
-        judged: ordered hypotheses; probabilities sum to 1.
-        unknown: the unknown's evidence in the main model.
-        inference: the main one (of the most probable hypothesis).
+    Attributes
+    ----------
+    judged
+        ordered hypotheses; probabilities sum to 1.
+    unknown
+        the unknown's evidence in the main model.
+    inference
+        the main one (of the most probable hypothesis).
     """
 
     judged: tuple[Judged, ...]

@@ -42,10 +42,14 @@ NEGLIGIBLE = 0.05
 class Judgement:
     """A set judged under the errors of its own signatures.
 
-    Attributes:
-        fit: sizes and evidence over that of no effect under the same errors.
-        log_shift: what those errors change in the evidence of no effect.
-        root: (n, r) whitened Q; r is 0 where the errors are negligible.
+    Attributes
+    ----------
+    fit
+        sizes and evidence over that of no effect under the same errors.
+    log_shift
+        what those errors change in the evidence of no effect.
+    root
+        (n, r) whitened Q; r is 0 where the errors are negligible.
     """
 
     fit: Fit
@@ -62,9 +66,12 @@ class Judgement:
 class SignatureError:
     """The error of one candidate's signature per unit of its size.
 
-    Attributes:
-        root: (n, r) whitened E.
-        squared: sum of its squares.
+    Attributes
+    ----------
+    root
+        (n, r) whitened E.
+    squared
+        sum of its squares.
     """
 
     root: Floats
@@ -75,10 +82,14 @@ class SignatureError:
 class Reduced:
     """A set's part of the linear model under errors Q.
 
-    Attributes:
-        gram: (m, m) G'.
-        projection: (m,) b'.
-        log_shift: log p0' - log p0.
+    Attributes
+    ----------
+    gram
+        (m, m) G'.
+    projection
+        (m,) b'.
+    log_shift
+        log p0' - log p0.
     """
 
     gram: Floats

@@ -41,10 +41,14 @@ Kind = tuple[str, int, float]
 class Unknown:
     """The evidence of the unknown in a linear model.
 
-    Attributes:
-        log_factor: log evidence over that of no effect, all kinds and sizes summed.
-        words: the kind that explains most.
-        allowing: the inference with that kind's covariance added to C0.
+    Attributes
+    ----------
+    log_factor
+        log evidence over that of no effect, all kinds and sizes summed.
+    words
+        the kind that explains most.
+    allowing
+        the inference with that kind's covariance added to C0.
     """
 
     log_factor: float
@@ -56,9 +60,12 @@ class Unknown:
 class _Field:
     """A field of unit size, whitened.
 
-    Attributes:
-        u, s: its left singular vectors (n, r) and singular values (r,).
-        c: (r,) components of the whitened residual along u.
+    Attributes
+    ----------
+    u, s
+        its left singular vectors (n, r) and singular values (r,).
+    c
+        (r,) components of the whitened residual along u.
     """
 
     u: Floats

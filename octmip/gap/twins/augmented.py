@@ -18,10 +18,14 @@ MOST_RELATIVE = 0.1
 class Addition:
     """One effect at one place with its size.
 
-    Attributes:
-        effect: the effect.
-        place: where it acts.
-        size: in the effect's unit.
+    Attributes
+    ----------
+    effect
+        the effect.
+    place
+        where it acts.
+    size
+        in the effect's unit.
     """
 
     effect: Effect
@@ -33,12 +37,17 @@ class Addition:
 class AugmentedTwin:
     """A twin with additions, applied in their order: what the structure does first, what the measuring chain does last.
 
-    Attributes:
-        twin: the model.
-        additions: what it lacked.
-        calibration: (n_gauges,) difference to the healthy asset at `calibration_load` [microstrain], 0 if None.
-        calibration_load: its load factor; the difference grows with the healthy strain, and in a damaged state with the
-            gauge's own.
+    Attributes
+    ----------
+    twin
+        the model.
+    additions
+        what it lacked.
+    calibration
+        (n_gauges,) difference to the healthy asset at `calibration_load` [microstrain], 0 if None.
+    calibration_load
+        its load factor; the difference grows with the healthy strain, and in a damaged state with the
+        gauge's own.
     """
 
     twin: Twin

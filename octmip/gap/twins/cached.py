@@ -13,8 +13,10 @@ Key = tuple[tuple[tuple[str, float], ...], float]
 class CachedTwin:
     """The twin with its predictions and signatures kept; itself a Twin.
 
-    Attributes:
-        twin: the model that is asked once for each state and load.
+    Attributes
+    ----------
+    twin
+        the model that is asked once for each state and load.
     """
 
     def __init__(self, twin: Twin) -> None:

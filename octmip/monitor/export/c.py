@@ -16,9 +16,58 @@ from octmip.monitor.export.fit import check_fit
 from octmip.tree import HyperplaneSplit, Leaf, Node, Split, splits
 
 KEYWORDS = frozenset(
-    "auto break case char const continue default do double else enum extern float for goto if inline int long register "
-    "restrict return short signed sizeof static struct switch typedef union unsigned void volatile while "
-    "bool true false nullptr class new delete this template typename namespace using try catch throw operator".split()
+    [
+        "auto",
+        "break",
+        "case",
+        "char",
+        "const",
+        "continue",
+        "default",
+        "do",
+        "double",
+        "else",
+        "enum",
+        "extern",
+        "float",
+        "for",
+        "goto",
+        "if",
+        "inline",
+        "int",
+        "long",
+        "register",
+        "restrict",
+        "return",
+        "short",
+        "signed",
+        "sizeof",
+        "static",
+        "struct",
+        "switch",
+        "typedef",
+        "union",
+        "unsigned",
+        "void",
+        "volatile",
+        "while",
+        "bool",
+        "true",
+        "false",
+        "nullptr",
+        "class",
+        "new",
+        "delete",
+        "this",
+        "template",
+        "typename",
+        "namespace",
+        "using",
+        "try",
+        "catch",
+        "throw",
+        "operator",
+    ]
 )
 """Of C, and those of C++ that a header would meet."""
 
@@ -28,8 +77,10 @@ def c_source(tree: Node, feature_names: Sequence[str], class_names: Sequence[Any
 
     A reading holds the features in the order of `feature_names`; the answer is an index of `class_names`, or -1.
 
-    Raises:
-        TreeError: `name` is no C name, or the names do not cover the tree.
+    Raises
+    ------
+    TreeError
+        `name` is no C name, or the names do not cover the tree.
     """
     if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", name) or name in KEYWORDS:
         raise TreeError(

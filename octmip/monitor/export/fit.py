@@ -32,8 +32,10 @@ def _is_json_number(value: Any) -> bool:
 def check_fit(tree: Node, feature_names: Sequence[str], class_names: Sequence[Any] | None = None) -> None:
     """Refuse a tree that the names do not cover, or deeper than any problem allows.
 
-    Raises:
-        TreeError: it reads a feature or answers a class without a name, or has more than `MAX_DEPTH` levels.
+    Raises
+    ------
+    TreeError
+        it reads a feature or answers a class without a name, or has more than `MAX_DEPTH` levels.
     """
     _check_depth(tree)
     highest = max((split.features[-1] for split in splits(tree)), default=-1)
@@ -66,8 +68,10 @@ def _check_depth(tree: Node) -> None:
 def check_column(name: str) -> str:
     """Return a feature's name, refused where no database takes it for a column.
 
-    Raises:
-        TreeError: it holds a NUL character or half of a surrogate pair.
+    Raises
+    ------
+    TreeError
+        it holds a NUL character or half of a surrogate pair.
     """
     name = str(name)
     if "\0" in name or any(0xD800 <= ord(character) < 0xE000 for character in name):

@@ -28,9 +28,12 @@ def onnx_model(tree: Node, feature_names: Sequence[str], class_names: Sequence[A
 
     Its metadata "features" and "classes" are JSON lists, pure ASCII.
 
-    Raises:
-        SolverError: the package onnx is not installed.
-        TreeError: the names do not cover the tree.
+    Raises
+    ------
+    SolverError
+        the package onnx is not installed.
+    TreeError
+        the names do not cover the tree.
     """
     check_fit(tree, feature_names, class_names)
     try:

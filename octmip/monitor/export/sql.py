@@ -39,8 +39,10 @@ def sql_expression(
     PostgreSQL tells columns apart by their first 63 bytes, and stops with an error where a product of a hyperplane
     leaves the range of float64, which the other databases and the tree carry on as infinite or zero.
 
-    Raises:
-        TreeError: the names do not cover the tree, or a feature that it reads has a name that no database takes.
+    Raises
+    ------
+    TreeError
+        the names do not cover the tree, or a feature that it reads has a name that no database takes.
     """
     check_fit(tree, feature_names, class_names)
     _check_columns(tree, feature_names)
