@@ -57,7 +57,7 @@ def _octmip(problem: Problem) -> Fit:
 
 
 def _octmip_core(problem: Problem) -> Fit:
-    from octmip.exact import branch_and_bound
+    from octmip.methods.exact import branch_and_bound
 
     def fit(seconds: float, threads: int) -> Answer:
         solution = branch_and_bound(problem, limits=Limits(seconds=seconds), n_jobs=threads)

@@ -10,7 +10,7 @@ import numpy as np
 
 from benchmarks.data import Table, published, uci
 from octmip.certificate import certify
-from octmip.oblique import two_feature_branch_and_bound
+from octmip.methods.two_feature import two_feature_branch_and_bound
 from octmip.problem import Problem
 from octmip.solution import Limits
 

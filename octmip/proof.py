@@ -4,7 +4,7 @@ The header binds the log to one problem and names whole numbers that its costs a
 is one of the problem: weights and costs times powers of two, rounded down, or numbers that are compared with the true
 ones one by one. Header and body are checked by the crate octmip-check, which depends on no other and holds no solver;
 here it is handed the problem as it was given. Format and proofs: docs/theory/proof.md; for splits over two features,
-docs/theory/oblique.md.
+docs/theory/two-feature.md.
 """
 
 import math
@@ -17,9 +17,9 @@ import numpy as np
 from octmip import _native
 from octmip.encoding import IntegerCosts
 from octmip.errors import CertificateError, ProblemError
-from octmip.files import read_bytes
+from octmip.formats.files import read_bytes
+from octmip.formats.problem_file import data_digest, question_digest
 from octmip.problem import Problem
-from octmip.problem_file import data_digest, question_digest
 
 # First line of a log, by the kind of split.
 FORMATS = {"axis": "octmip-proof 3", "hyperplane": "octmip-proof 3 two-feature"}

@@ -87,16 +87,16 @@ class Registration:
 
 
 REGISTRY = {
-    "cart": Registration("octmip.cart", "greedy_tree", proves=False),
-    "search": Registration("octmip.search", "local_search", proves=False),
-    "exact": Registration("octmip.exact", "branch_and_bound", proves=True),
+    "cart": Registration("octmip.methods.cart", "greedy_tree", proves=False),
+    "search": Registration("octmip.methods.search", "local_search", proves=False),
+    "exact": Registration("octmip.methods.exact", "branch_and_bound", proves=True),
     "oct": Registration("octmip.mip.oct", "solve_oct", proves=True, is_mixed_integer=True),
     "oct_h": Registration("octmip.mip.oct_h", "solve_oct_h", proves=True, is_mixed_integer=True),
     "flow": Registration("octmip.mip.flow", "solve_flow", proves=True, is_mixed_integer=True),
 }
 METHODS = ("auto", *REGISTRY)
 # What "exact" means for splits over one or two features.
-TWO_FEATURE = Registration("octmip.oblique", "two_feature_branch_and_bound", proves=True)
+TWO_FEATURE = Registration("octmip.methods.two_feature", "two_feature_branch_and_bound", proves=True)
 
 
 def solve(
@@ -274,7 +274,7 @@ def _assisted(call: _Call, name: str, first: Solution | None, options: Mapping[s
         tree, own["lower_bound"] = proven.tree, proven.bound
     if "search" not in options["assist"]:
         return call.run(name, tree, options=own)
-    from octmip.mip.feed import Feed
+    from octmip.mip.highs.feed import Feed
 
     with Feed(lambda turn: call.run("search", None, turn=turn + 1, options={"restarts": FIRST_RESTARTS}).tree) as feed:
         return call.run(name, tree, options=own | {"inject": feed})

@@ -20,7 +20,7 @@ from benchmarks.blind import forces
 from benchmarks.blind.asset import PARAMETERS, STATES, THICKER, Asset, neighbours
 from femlib.components import DamagedStructure
 from femlib.wing import uav_wing
-from femlib.wing.calculix import read_gauges, write_deck
+from femlib.wing.export.calculix import read_gauges, write_deck
 from femlib.wing.structure import WingMaterials
 
 REFINEMENT = 0.6

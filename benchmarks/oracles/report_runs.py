@@ -18,7 +18,8 @@ import numpy as np
 from PIL import Image
 
 from benchmarks.oracles.export_runs import EXACT
-from octmip.names import END_ISOLATE, ISOLATE, PAGE_POLICY, shown
+from octmip.formats.names import END_ISOLATE, ISOLATE, PAGE_POLICY, shown
+from octmip.formats.tree_file import SETTINGS, TreeFile, decode_tree, encode_tree
 from octmip.plot import counted_tree_figure
 from octmip.report.dot import tree_dot
 from octmip.report.html import tree_page
@@ -26,7 +27,6 @@ from octmip.report.markdown import code_block, markdown_table
 from octmip.report.text import tree_text
 from octmip.solution import Solution, Stop
 from octmip.tree import Leaf, Node, Split
-from octmip.tree_file import SETTINGS, TreeFile, decode_tree, encode_tree
 
 ALLOWED = {ISOLATE, END_ISOLATE, "\n"}
 

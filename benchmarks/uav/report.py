@@ -17,7 +17,7 @@ from benchmarks.uav.study import LABELS, Outcome, pick, problem_of
 from benchmarks.uav.tables import answers, markdown
 from femlib.dataset import Dataset, MeanStrains
 from femlib.wing import Wing
-from octmip.files import write_bytes
+from octmip.formats.files import write_bytes
 from octmip.plot import partition_figure, tree_figure
 
 PACKAGES = ("octmip", "numpy", "scipy", "pandas", "scikit-learn", "pyomo", "highspy", "pyfe3d", "matplotlib")

@@ -14,7 +14,7 @@ from importlib.metadata import version
 
 from octmip.cli.arguments import Parser
 from octmip.errors import CertificateError, DataError, OctmipError, SolverError
-from octmip.names import visible
+from octmip.formats.names import visible
 
 COMMANDS = {
     "solve": "find the best tree of a table, and prove it",

@@ -8,10 +8,10 @@ from types import TracebackType
 from typing import Any
 
 from octmip.certificate import Certificate
+from octmip.formats.tree_file import encode_tree, finite_or_none
 from octmip.problem import Problem
 from octmip.report.text import number, percent
 from octmip.solution import Progress, Solution, relative_gap
-from octmip.tree_file import encode_tree, finite_or_none
 
 INTERVAL = 0.1  # seconds between two progress lines
 

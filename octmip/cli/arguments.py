@@ -4,8 +4,8 @@ import argparse
 import math
 from typing import NoReturn
 
-from octmip.checked import shown
 from octmip.errors import DataError
+from octmip.formats.checked import shown
 from octmip.solution import Limits
 from octmip.solver import METHODS
 

@@ -8,15 +8,15 @@ import argparse
 import dataclasses
 
 from octmip.certificate import Certificate, certify
-from octmip.checked import shown
 from octmip.cli.answer import print_json, printable
 from octmip.cli.arguments import MOST_THREADS, add_json_argument
 from octmip.errors import CertificateError, DataError
+from octmip.formats.checked import shown
+from octmip.formats.table import read_table
+from octmip.formats.tree_file import TreeFile, finite_or_none, read_tree_file
 from octmip.problem import Problem
 from octmip.proof import ProofReport, check_proof
 from octmip.report.text import number, solution_text
-from octmip.table import read_table
-from octmip.tree_file import TreeFile, finite_or_none, read_tree_file
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -13,13 +13,13 @@ from octmip.cli.answer import ProgressLine, describe, print_json
 from octmip.cli.arguments import add_problem_arguments, add_run_arguments, limits_of
 from octmip.cli.question import ask
 from octmip.errors import DataError, ProblemError, SolverError
-from octmip.names import visible
+from octmip.formats.names import visible
+from octmip.formats.tree_file import finite_or_none
 from octmip.problem import Problem
 from octmip.report.markdown import markdown_table
 from octmip.report.text import narrow_scope
 from octmip.solution import Limits, Stop, relative_gap
 from octmip.solver import REGISTRY, solve
-from octmip.tree_file import finite_or_none
 
 DEFAULTS = {"axis": ("cart", "search", "exact", "flow", "oct"), "hyperplane": ("cart", "search", "flow", "oct_h")}
 

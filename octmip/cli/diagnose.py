@@ -12,8 +12,8 @@ from typing import Any
 from octmip.cli.answer import print_json
 from octmip.cli.arguments import add_json_argument
 from octmip.errors import DataError
-from octmip.files import check_writable, write_bytes
-from octmip.names import visible
+from octmip.formats.files import check_writable, write_bytes
+from octmip.formats.names import visible
 from octmip.twin import Twin
 
 
@@ -34,12 +34,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Diagnose and show."""
+    from octmip.formats.tree_file import read_tree_file
     from octmip.gap import diagnose, read_campaign  # scikit-learn's covariance behind it takes half a second
     from octmip.gap.twins.cached import CachedTwin
     from octmip.report.diagnosis.as_json import as_object
     from octmip.report.diagnosis.page import report_page
     from octmip.report.diagnosis.words import page_of_words
-    from octmip.tree_file import read_tree_file
 
     if arguments.out:
         check_writable(arguments.out)

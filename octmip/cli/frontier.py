@@ -17,8 +17,8 @@ from octmip.cli.answer import ProgressLine, describe, print_json
 from octmip.cli.arguments import add_method_argument, add_problem_arguments, add_run_arguments, limits_of
 from octmip.cli.question import ask
 from octmip.errors import DataError
-from octmip.files import check_writable, write_bytes
-from octmip.names import shown
+from octmip.formats.files import check_writable, write_bytes
+from octmip.formats.names import shown
 from octmip.plot import frontier_figure
 from octmip.problem import Problem
 from octmip.report.markdown import markdown_table

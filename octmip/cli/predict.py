@@ -19,11 +19,11 @@ from numpy.typing import NDArray
 from octmip.cli.answer import print_json
 from octmip.cli.arguments import add_json_argument
 from octmip.errors import DataError
-from octmip.files import check_writable, write_bytes
-from octmip.names import visible, visible_lines
-from octmip.table import Table, read_table
+from octmip.formats.files import check_writable, write_bytes
+from octmip.formats.names import visible, visible_lines
+from octmip.formats.table import Table, read_table
+from octmip.formats.tree_file import TreeFile, columns_read, read_tree_file
 from octmip.tree import leaf_index, leaves
-from octmip.tree_file import TreeFile, columns_read, read_tree_file
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from octmip.errors import DataError
-from octmip.files import read_text
+from octmip.formats.files import read_text
+from octmip.formats.table import Table, read_costs, read_sensors, read_table
 from octmip.problem import Problem
-from octmip.table import Table, read_costs, read_sensors, read_table
 
 
 @dataclass(frozen=True, slots=True, eq=False)

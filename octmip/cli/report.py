@@ -9,14 +9,14 @@ from pathlib import Path
 
 from octmip.cli.answer import printable
 from octmip.errors import DataError
-from octmip.files import check_writable, write_bytes
-from octmip.names import visible
+from octmip.formats.files import check_writable, write_bytes
+from octmip.formats.names import visible
+from octmip.formats.tree_file import TreeFile, read_tree_file
 from octmip.plot import counted_tree_figure
 from octmip.report.dot import tree_dot
 from octmip.report.html import tree_page
 from octmip.report.markdown import code_block, markdown_table
 from octmip.report.text import number, percent, tree_text
-from octmip.tree_file import TreeFile, read_tree_file
 
 KINDS = (".html", ".md", ".dot", ".txt", ".svg", ".png", ".pdf")
 

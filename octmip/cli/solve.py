@@ -12,13 +12,13 @@ from octmip.cli.answer import ProgressLine, describe, print_json, printable
 from octmip.cli.arguments import add_method_argument, add_problem_arguments, add_run_arguments, limits_of
 from octmip.cli.question import Question, ask
 from octmip.errors import DataError, SolverError
-from octmip.files import check_writable
-from octmip.names import visible
-from octmip.problem_file import write_problem_file
+from octmip.formats.files import check_writable
+from octmip.formats.names import visible
+from octmip.formats.problem_file import write_problem_file
+from octmip.formats.tree_file import leaf_counts, read_tree_file, record_tree, tree_for, write_tree_file
 from octmip.report.text import solution_text, tree_text
 from octmip.solution import ProofError, Solution
 from octmip.solver import ASSISTANTS, solve
-from octmip.tree_file import leaf_counts, read_tree_file, record_tree, tree_for, write_tree_file
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -1,7 +1,7 @@
 """Answer: what is known at the end of a run, and the Solution that may be made of it.
 
 A tree is optimal only when its objective, recounted in the problem's own units, is met by a bound that holds there:
-HiGHS's, through `octmip.mip.claims` and `octmip.mip.prices`, or one given from elsewhere. All arithmetic between the
+HiGHS's, through `octmip.mip.highs.claims` and `octmip.mip.prices`, or one given from elsewhere. All arithmetic between the
 two is in fractions. Otherwise the run ends with the limit that was reached, or as `Stop.NUMERICS`.
 """
 
@@ -9,7 +9,7 @@ import math
 from dataclasses import dataclass
 from fractions import Fraction
 
-from octmip.mip.highs import VERSION
+from octmip.mip.highs.highs import VERSION
 from octmip.mip.prices import Prices
 from octmip.mip.rows import Rows
 from octmip.problem import Problem

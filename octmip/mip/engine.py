@@ -2,7 +2,7 @@
 
 HiGHS works in floating point with tolerances, so a "solution" of its model need not be one of the problem, and a bound
 need not hold. The objective that it is given is made of whole numbers of moderate size (`octmip.mip.prices`); its bound
-is lowered by what its tolerances allow (`octmip.mip.claims`); its splits become a tree, every sample is routed through
+is lowered by what its tolerances allow (`octmip.mip.highs.claims`); its splits become a tree, every sample is routed through
 that tree, and the objective is counted anew. If the count is worse than HiGHS claims, or better than HiGHS says any
 tree can be, the run is repeated with tighter tolerances. What is contradicted even then is not believed: the best tree
 known comes back with a bound that holds, and `Stop.NUMERICS` (`octmip.mip.answer`).
@@ -20,10 +20,10 @@ from numpy.typing import NDArray
 
 from octmip.certificate import checked_leaf_index
 from octmip.errors import CertificateError, ProblemError, SolverError
-from octmip.mip import highs, process
 from octmip.mip.answer import Answer, Known, solution_of
-from octmip.mip.claims import Accuracy, accuracy
-from octmip.mip.heap import Heap, Placed, lift, place
+from octmip.mip.blocks.heap import Heap, Placed, lift, place
+from octmip.mip.highs import highs, process
+from octmip.mip.highs.claims import Accuracy, accuracy
 from octmip.mip.incumbent import starting_tree, tidy
 from octmip.mip.prices import Prices, whole_prices
 from octmip.mip.rows import Rows
@@ -88,7 +88,7 @@ class Request:
     limits, incumbent, seed, n_jobs, progress
         as in `octmip.solver.solve`.
     lower_bound
-        a bound proven elsewhere, for instance by `octmip.exact`; enters the model as the bound of a column
+        a bound proven elsewhere, for instance by `octmip.methods.exact`; enters the model as the bound of a column
         that is the objective, and is named in the details.
     inject
         asked for a better tree while HiGHS runs, with the best objective so far; None when it has none.

@@ -19,9 +19,9 @@ once a leaf. Then, each valid because it only removes trees that another tree of
 * a left leaf names a class only if its parent splits;
 * of a hyperplane and its mirror image one is enough: one chosen sample is kept by the rightmost leaf or by none;
 * class counts (axis-aligned): the leaves below one side of a cut earn at most G_q of the class weights on that side,
-  for every branch node (the samples that reach it are a part of all): see `octmip.mip.classcount`. At depth 1 this
+  for every branch node (the samples that reach it are a part of all): see `octmip.mip.blocks.classcount`. At depth 1 this
   closes the root;
-* cuts that cannot lead to a better tree than the one known are left out: see `octmip.mip.fixing`.
+* cuts that cannot lead to a better tree than the one known are left out: see `octmip.mip.blocks.fixing`.
 
 Source: the flow of samples through a tree: Aghaei, Gomez & Vayanos (2021), Strong optimal classification trees.
 Thresholds as monotone columns, class counts and the fixing of cuts are this project's.
@@ -36,17 +36,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.encoding import rank_features
-from octmip.mip import extras
 from octmip.mip.answer import Known
-from octmip.mip.classcount import ClassCount
+from octmip.mip.blocks import extras
+from octmip.mip.blocks.classcount import ClassCount
+from octmip.mip.blocks.fixing import admissible_cuts
+from octmip.mip.blocks.groups import Groups, group_samples
+from octmip.mip.blocks.heap import Heap, Placed, place
+from octmip.mip.blocks.hyperplanes import Hyperplanes, add_hyperplanes, all_samples_band, choose_mu, space_of
+from octmip.mip.blocks.thresholds import Thresholds, add_thresholds
 from octmip.mip.engine import Request, drive
-from octmip.mip.fixing import admissible_cuts
-from octmip.mip.groups import Groups, group_samples
-from octmip.mip.heap import Heap, Placed, place
-from octmip.mip.hyperplanes import Hyperplanes, add_hyperplanes, all_samples_band, choose_mu, space_of
 from octmip.mip.prices import Prices, own_prices
 from octmip.mip.rows import Columns, Rows
-from octmip.mip.thresholds import Thresholds, add_thresholds
 from octmip.problem import Problem
 from octmip.solution import Limits, ProgressCallback, Solution
 from octmip.tree import HyperplaneSplit, Node, Split
@@ -131,7 +131,7 @@ def encode(
 
     Args:
         best: the best tree known; cuts that lead to nothing better are left out.
-        fix: 0 leaves every cut in, 1 and 2 leave out more and more: the levels of `octmip.mip.fixing`.
+        fix: 0 leaves every cut in, 1 and 2 leave out more and more: the levels of `octmip.mip.blocks.fixing`.
         class_count: False leaves the class-count rows out.
         max_splits: at most so many splits (features summed over the splits); None: no limit.
         mu: strictness of hyperplanes; None: chosen from the data.
@@ -260,8 +260,8 @@ def solve_flow(
     Args:
         incumbent: tree to start from; None: CART's.
         max_splits: at most so many splits (features summed over the splits).
-        mu: strictness of hyperplanes; None: chosen from the data by the rule of `octmip.mip.hyperplanes`.
-        fix: how far cuts are left out of the model beforehand: the levels of `octmip.mip.fixing`.
+        mu: strictness of hyperplanes; None: chosen from the data by the rule of `octmip.mip.blocks.hyperplanes`.
+        fix: how far cuts are left out of the model beforehand: the levels of `octmip.mip.blocks.fixing`.
         request: the other fields of `octmip.mip.engine.Request`.
 
     Raises

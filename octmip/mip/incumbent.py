@@ -1,8 +1,8 @@
 """Incumbents: the trees that a run starts from or finds, tidied, and what each costs."""
 
-from octmip.cart import greedy_tree
 from octmip.errors import ProblemError
-from octmip.native_call import relabelled
+from octmip.methods.cart import greedy_tree
+from octmip.methods.native_call import relabelled
 from octmip.problem import Problem
 from octmip.tree import Leaf, Node, depth, simplify, without_empty_sides
 

@@ -47,11 +47,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.encoding import Ranks, rank_features
-from octmip.mip import axis, extras, flow
+from octmip.mip import flow
 from octmip.mip.answer import Known
+from octmip.mip.blocks import axis, extras
+from octmip.mip.blocks.heap import Heap, Placed
+from octmip.mip.blocks.leaves import Leaves, add_leaves
 from octmip.mip.engine import Request, drive
-from octmip.mip.heap import Heap, Placed
-from octmip.mip.leaves import Leaves, add_leaves
 from octmip.mip.prices import Prices, own_prices
 from octmip.mip.rows import Columns, Rows
 from octmip.problem import Problem

@@ -21,8 +21,8 @@ An unsplit node does not leak here: d_m = 0 leaves mu <= 0 in the left row, so n
 What the printed form does not say, and what is done about it
 * OCT-H(mu) is no relaxation of OCT: an axis-aligned tree whose neighbouring samples are closer than mu is outside. The
   Solution is the best of both kinds (OCT-H's own tree, and the tree it started from), and `details["scope"]` says over
-  which trees the bound is proven. mu is chosen from the data: `octmip.mip.hyperplanes`.
-* split_size, allowed_splits, sensor budget and integer normals are more rows: `octmip.mip.hyperplanes`.
+  which trees the bound is proven. mu is chosen from the data: `octmip.mip.blocks.hyperplanes`.
+* split_size, allowed_splits, sensor budget and integer normals are more rows: `octmip.mip.blocks.hyperplanes`.
 * For integer normals the features are not scaled to [0, 1], and 2 becomes twice the reach of a'x.
 
 Source: Bertsimas & Dunn (2017), Optimal classification trees, Machine Learning 106, section 3, eq. 36.
@@ -35,18 +35,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
-from octmip.mip import extras, flow
+from octmip.mip import flow
 from octmip.mip.answer import Known
-from octmip.mip.engine import Request, drive
-from octmip.mip.heap import Heap, Placed, place
-from octmip.mip.hyperplanes import (
+from octmip.mip.blocks import extras
+from octmip.mip.blocks.heap import Heap, Placed, place
+from octmip.mip.blocks.hyperplanes import (
     Hyperplanes,
     add_hyperplanes,
     all_samples_band,
     choose_mu,
     space_of,
 )
-from octmip.mip.leaves import Leaves, add_leaves
+from octmip.mip.blocks.leaves import Leaves, add_leaves
+from octmip.mip.engine import Request, drive
 from octmip.mip.prices import Prices, own_prices
 from octmip.mip.rows import Rows
 from octmip.problem import Problem
@@ -151,7 +152,7 @@ def solve_oct_h(
         incumbent: tree to start from; None: CART's.
         max_splits: at most so many features summed over the splits.
         strengthen: use the rows of `octmip.mip.flow` instead of the printed ones.
-        mu: strictness; None: chosen from the data by the rule of `octmip.mip.hyperplanes`.
+        mu: strictness; None: chosen from the data by the rule of `octmip.mip.blocks.hyperplanes`.
         request: the other fields of `octmip.mip.engine.Request`.
 
     Raises

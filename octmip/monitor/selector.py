@@ -17,14 +17,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from octmip.checked import ListOf, Number, Record, Text, maybe, several, shown
 from octmip.errors import DataError, OctmipError, TreeError
-from octmip.files import PathLike, read_json_object, write_bytes
+from octmip.formats.checked import ListOf, Number, Record, Text, maybe, several, shown
+from octmip.formats.files import PathLike, read_json_object, write_bytes
+from octmip.formats.tree_file import NODE, TreeFile, decode_tree, different, encode_tree
 from octmip.monitor.compiled import CompiledTree
 from octmip.monitor.leaf_likelihood import LeafLikelihood
 from octmip.monitor.library import Library
 from octmip.tree import HyperplaneSplit, Leaf, Node, Split, features_used, leaves
-from octmip.tree_file import NODE, TreeFile, decode_tree, different, encode_tree
 from octmip.uncertainty import posterior
 
 Floats = NDArray[np.float64]

@@ -9,7 +9,7 @@ from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
-from octmip.names import shown
+from octmip.formats.names import shown
 from octmip.plot.names import drawn, name_entries, plain
 from octmip.plot.style import INK, PAPER, check_names, class_colours, quiet_frame
 from octmip.problem import Problem

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Any
 
-from octmip.names import shown
+from octmip.formats.names import shown
 from octmip.report.text import condition
 from octmip.tree import Leaf, Node
 

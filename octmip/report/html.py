@@ -11,11 +11,11 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from octmip.names import PAGE_POLICY, html_text, shown, visible
+from octmip.formats.names import PAGE_POLICY, html_text, shown, visible
+from octmip.formats.tree_file import TreeFile
 from octmip.plot import counted_tree_figure
 from octmip.report.text import narrow_scope, number, percent, tree_text
 from octmip.tree import leaves
-from octmip.tree_file import TreeFile
 
 STYLE = """
 body { font: 16px/1.5 system-ui, sans-serif; color: #1f2933; max-width: 60rem; margin: 2rem auto; padding: 0 1rem;

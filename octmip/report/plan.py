@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from octmip.names import shown
+from octmip.formats.names import shown
 from octmip.report.markdown import markdown_table
 from octmip.report.text import condition, narrow_scope, number, percent
-from octmip.sensing.inspection import Inspection, InspectionCertificate, certify_inspection
+from octmip.sensing.sequential.problem import Inspection, InspectionCertificate, certify_inspection
 from octmip.solution import Solution
 from octmip.tree import HyperplaneSplit, Leaf, Node, Split, leaf_index, leaves
 

@@ -7,7 +7,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 from octmip.certificate import Certificate
-from octmip.names import shown, visible
+from octmip.formats.names import shown, visible
 from octmip.solution import Solution
 from octmip.tree import HyperplaneSplit, Leaf, Node, Split
 

@@ -12,23 +12,10 @@ filling     a missing reading from the others
 detection   which gauge has failed, at a stated false-alarm rate
 """
 
-from octmip.sensing.designs import InformationDesign, by_chance, by_information, by_reading, by_tree
-from octmip.sensing.detection import FaultDetector, power
-from octmip.sensing.filling import Filling
-from octmip.sensing.inspection import Group, Inspection, InspectionCertificate, certify_inspection
-from octmip.sensing.joint_certificate import JointCertificate, certify_joint
-from octmip.sensing.joint_solution import HandSplit, JointSolution
-from octmip.sensing.placement import (
-    Placement,
-    label_bound,
-    place_sensors,
-    placement_frontier,
-    placement_on,
-    problem_on,
-    sample_bound,
-)
-from octmip.sensing.robust import solve_expected, solve_worst
-from octmip.sensing.scenarios import (
+from octmip.sensing.failure.detection import FaultDetector, power
+from octmip.sensing.failure.imputation import Filling
+from octmip.sensing.failure.robust import solve_expected, solve_worst
+from octmip.sensing.failure.scenarios import (
     DEAD,
     FailureCertificate,
     FailureProblem,
@@ -37,9 +24,22 @@ from octmip.sensing.scenarios import (
     certify_failures,
     failures,
 )
-from octmip.sensing.sequence import solve_inspection
-from octmip.sensing.shared import shared_budget
-from octmip.sensing.surrogates import GuardedSplit, GuardedTree, Surrogate, with_surrogates
+from octmip.sensing.failure.surrogates import GuardedSplit, GuardedTree, Surrogate, with_surrogates
+from octmip.sensing.placement.designs import InformationDesign, by_chance, by_information, by_reading, by_tree
+from octmip.sensing.placement.placement import (
+    Placement,
+    label_bound,
+    place_sensors,
+    placement_frontier,
+    placement_on,
+    problem_on,
+    sample_bound,
+)
+from octmip.sensing.sequential.problem import Group, Inspection, InspectionCertificate, certify_inspection
+from octmip.sensing.sequential.solve import solve_inspection
+from octmip.sensing.shared.budget import shared_budget
+from octmip.sensing.shared.certificate import JointCertificate, certify_joint
+from octmip.sensing.shared.solution import HandSplit, JointSolution
 
 __all__ = [
     "DEAD",

@@ -4,7 +4,11 @@ import shutil
 
 import pytest
 
-from benchmarks.cases import fem_calculix, fem_calibration, fem_dataset, fem_mesh, fem_shells
+from benchmarks.cases.fem import calculix as fem_calculix
+from benchmarks.cases.fem import calibration as fem_calibration
+from benchmarks.cases.fem import dataset as fem_dataset
+from benchmarks.cases.fem import mesh as fem_mesh
+from benchmarks.cases.fem import shells as fem_shells
 from femlib.wing import uav_wing
 
 needs_calculix = pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX (ccx) is not installed")

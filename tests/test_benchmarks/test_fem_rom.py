@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from benchmarks.cases.fem_rom import compared, random_states, summary
+from benchmarks.cases.fem.rom import compared, random_states, summary
 from femlib.rom import ReductionSettings
 
 QUICK = ReductionSettings(n_states=100, n_dual_states=4)
@@ -22,7 +22,7 @@ def test_the_reduced_model_is_within_its_aim_and_its_bound():
 
 def test_pymor_answers_the_same_question():
     pytest.importorskip("pymor", reason="pymor is an extra of the benchmarks")
-    from benchmarks.pymor_basis import pymor_basis
+    from benchmarks.wing.pymor_basis import pymor_basis
     from femlib.wing import uav_wing
 
     wing = uav_wing(refinement=0.15)

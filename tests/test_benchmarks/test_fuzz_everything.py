@@ -7,7 +7,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from benchmarks.cases.fuzz_everything import SHARE, answer, complaint, questions, summary, watched
+from benchmarks.cases.fuzz.everything import SHARE, answer, complaint, questions, summary, watched
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.rational import cost_of, least_cost
 from benchmarks.oracles.wide_problems import wide_problem

@@ -5,9 +5,9 @@ import warnings
 
 import pytest
 
-from benchmarks.cases import fuzz_files
-from benchmarks.cases.fuzz_files import READERS, outcome, summary
-from benchmarks.file_reader import Reader
+from benchmarks.cases.fuzz import files as fuzz_files
+from benchmarks.cases.fuzz.files import READERS, outcome, summary
+from benchmarks.readers.file_reader import Reader
 from octmip.errors import DataError
 
 N_FILES = 25

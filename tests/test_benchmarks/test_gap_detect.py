@@ -2,7 +2,7 @@
 
 import pytest
 
-from benchmarks.cases import gap_detect
+from benchmarks.cases.gap import detect as gap_detect
 
 
 @pytest.fixture(scope="module")

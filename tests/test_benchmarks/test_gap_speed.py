@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from benchmarks.cases import gap_speed
+from benchmarks.cases.gap import speed as gap_speed
 
 
 def test_every_campaign_can_be_made():

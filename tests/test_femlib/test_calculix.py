@@ -10,7 +10,7 @@ import pytest
 from femlib.assembly import thermal_load
 from femlib.errors import InputError
 from femlib.wing import Wing, uav_wing
-from femlib.wing.calculix import read_gauges, write_deck
+from femlib.wing.export.calculix import read_gauges, write_deck
 
 
 @pytest.fixture(scope="module")

@@ -8,8 +8,8 @@ import pytest
 
 from femlib.wing import Wing, bend, uav_wing
 from femlib.wing.damage import damage_library
-from femlib.wing.pictures import deformed_picture, main, region_picture, render, strain_picture
-from femlib.wing.vtu import far_shape, near_shape, write_vtu
+from femlib.wing.export.pictures import deformed_picture, main, region_picture, render, strain_picture
+from femlib.wing.export.vtu import far_shape, near_shape, write_vtu
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,7 @@ import pytest
 
 from femlib.errors import InputError
 from femlib.wing import Wing
-from femlib.wing.vtu import write_vtu
+from femlib.wing.export.vtu import write_vtu
 
 
 def test_the_file_holds_mesh_displacement_and_strain(coarse: Wing, tmp_path: Path) -> None:

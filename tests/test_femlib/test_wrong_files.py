@@ -19,7 +19,7 @@ from femlib.dataset.history import history_pieces
 from femlib.errors import InputError, frozen_ints, is_number
 from femlib.rom import ReducedModel
 from femlib.rom.bound import ErrorBound
-from femlib.wing.calculix import _centre_strains
+from femlib.wing.export.calculix import _centre_strains
 
 
 @pytest.fixture

@@ -31,11 +31,11 @@ from femlib.mesh import Mesh
 from femlib.rom import ReductionSettings
 from femlib.sensors import StrainGauge, strain_rows
 from femlib.wing import FlightPoint, Wing, WingTwin, bend, inertial_load, reduce_wing, uav_wing
-from femlib.wing.calculix import read_gauges, write_deck
 from femlib.wing.damage import UAV_REGIONS, DamageRegion
-from femlib.wing.pictures import strain_picture
+from femlib.wing.export.calculix import read_gauges, write_deck
+from femlib.wing.export.pictures import strain_picture
+from femlib.wing.export.vtu import write_vtu
 from femlib.wing.structure import WingMaterials
-from femlib.wing.vtu import write_vtu
 
 NAN = float("nan")
 SQUARE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=float)

@@ -6,7 +6,7 @@ from sklearn.datasets import load_iris, load_wine
 from sklearn.tree import DecisionTreeClassifier
 
 from octmip import Leaf, Limits, Problem, Solution, Split, Stop, certify, predict
-from octmip.cart import greedy_tree
+from octmip.methods.cart import greedy_tree
 from octmip.tree import features_used, leaf_index, n_splits
 
 

@@ -5,7 +5,7 @@ import math
 import jsonschema
 import pytest
 
-from octmip.checked import (
+from octmip.formats.checked import (
     Anything,
     AsItIs,
     Choice,

@@ -15,11 +15,12 @@ import pytest
 
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem, wide_problem
-from octmip import Limits, Problem, certify, exact, solve
-from octmip.checkpoint import FIRST
+from octmip import Limits, Problem, certify, solve
 from octmip.cli import main
 from octmip.errors import DataError, ProblemError
-from octmip.exact import branch_and_bound
+from octmip.methods import exact
+from octmip.methods.checkpoint import FIRST
+from octmip.methods.exact import branch_and_bound
 from octmip.solution import Stop
 
 
@@ -91,7 +92,7 @@ def test_a_finished_search_is_not_made_again(tmp_path):
 CHILD = """
 import sys
 import numpy as np
-from octmip import exact
+from octmip.methods import exact
 from octmip.problem import Problem
 exact.CHECKPOINT_SECONDS = 0.02
 rng = np.random.default_rng(3)

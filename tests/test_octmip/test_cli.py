@@ -12,8 +12,8 @@ from benchmarks.oracles.proof_log import proof_log
 from octmip import Problem, Solution, Stop, solver
 from octmip.cli import COMMANDS, main
 from octmip.cli.answer import ProgressLine
+from octmip.formats.tree_file import read_tree_file
 from octmip.solution import Progress
-from octmip.tree_file import read_tree_file
 
 
 @pytest.fixture
@@ -217,7 +217,7 @@ def test_compare_shows_every_method_and_the_gap_to_the_best_bound(data, run, mon
         raise solver.SolverError("out of luck")
 
     load = solver.Registration.load
-    replaced = {"octmip.exact": proves, "octmip.mip.oct": fails}
+    replaced = {"octmip.methods.exact": proves, "octmip.mip.oct": fails}
     monkeypatch.setattr(solver.Registration, "load", lambda self: replaced.get(self.module) or load(self))
     words = ["compare", data, "--label", "y", "--depth", 1, "--features", "a", "--methods", "cart,exact,oct"]
     code, out, _ = run(*words)

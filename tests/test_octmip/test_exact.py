@@ -6,9 +6,10 @@ import itertools
 import numpy as np
 import pytest
 
-from octmip import Solution, _native, certify, native_call
+from octmip import Solution, _native, certify
 from octmip.errors import ProblemError
-from octmip.exact import branch_and_bound
+from octmip.methods import native_call
+from octmip.methods.exact import branch_and_bound
 from octmip.problem import Problem
 from octmip.solution import Limits, Stop
 from octmip.tree import HyperplaneSplit, Leaf, Split, n_splits

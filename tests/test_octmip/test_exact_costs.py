@@ -5,8 +5,8 @@ import pytest
 
 from benchmarks.oracles.enumeration import optimum
 from octmip import certify
-from octmip.exact import branch_and_bound
-from octmip.native_call import without
+from octmip.methods.exact import branch_and_bound
+from octmip.methods.native_call import without
 from octmip.problem import Problem
 
 BLOCK = 50

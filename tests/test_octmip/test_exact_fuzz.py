@@ -1,9 +1,9 @@
-"""The exact solver against enumeration on random problems: a few hundred as in `benchmarks/cases/fuzz_exact.py`."""
+"""The exact solver against enumeration on random problems: a few hundred as in `benchmarks/cases/fuzz/exact.py`."""
 
 import numpy as np
 import pytest
 
-from benchmarks.cases.fuzz_exact import complaint
+from benchmarks.cases.fuzz.exact import complaint
 from benchmarks.oracles.strategies import random_problem
 
 N_PROBLEMS, BLOCK = 400, 20

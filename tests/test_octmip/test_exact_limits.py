@@ -8,7 +8,7 @@ import pytest
 
 from octmip import _native, certify
 from octmip.encoding import integer_costs, native_problem, rank_features
-from octmip.exact import branch_and_bound
+from octmip.methods.exact import branch_and_bound
 from octmip.problem import Problem
 from octmip.solution import Limits, Stop
 

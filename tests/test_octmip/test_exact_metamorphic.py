@@ -7,7 +7,7 @@ import pytest
 
 from benchmarks.oracles.strategies import random_problem
 from octmip import Problem, predict
-from octmip.exact import branch_and_bound
+from octmip.methods.exact import branch_and_bound
 
 SEEDS = range(12)
 

@@ -10,7 +10,7 @@ from benchmarks.oracles.strategies import wide_problem
 from octmip import Limits, Problem, certify, predict
 from octmip.encoding import closing_tolerance, grid
 from octmip.errors import CertificateError, ProblemError
-from octmip.exact import branch_and_bound
+from octmip.methods.exact import branch_and_bound
 from octmip.proof import check_proof
 from octmip.solution import Stop
 from octmip.tree import n_splits

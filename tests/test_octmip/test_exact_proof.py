@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from benchmarks.cases.fuzz_proofs import corrupted
+from benchmarks.cases.fuzz.exact_proofs import corrupted
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem
-from octmip.exact import branch_and_bound
+from octmip.methods.exact import branch_and_bound
 from octmip.proof import check_proof
 
 BLOCK = 20

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from benchmarks.oracles.hostile_names import hostile_names
+from octmip.formats.names import PAGE_POLICY, visible
 from octmip.gap import diagnose
-from octmip.names import PAGE_POLICY, visible
 from octmip.report.diagnosis.as_json import as_object
 from octmip.report.diagnosis.page import report_page
 from octmip.report.diagnosis.words import page_of_words

@@ -9,16 +9,17 @@ import pyarrow as pa
 import pytest
 from pyarrow import parquet
 
-from octmip import Leaf, Problem, Split, table
+from octmip import Leaf, Problem, Split
 from octmip.cli import main
 from octmip.errors import CertificateError, DataError, OctmipError, ProblemError, TreeError
-from octmip.exact import branch_and_bound
+from octmip.formats import table
+from octmip.formats.table import read_table
+from octmip.formats.tree_file import record_tree, write_tree_file
 from octmip.gap import read_campaign
+from octmip.methods.exact import branch_and_bound
+from octmip.methods.two_feature import two_feature_branch_and_bound
 from octmip.monitor import Library, ModelSelector
-from octmip.oblique import two_feature_branch_and_bound
 from octmip.proof import check_proof
-from octmip.table import read_table
-from octmip.tree_file import record_tree, write_tree_file
 
 SAMPLES = np.random.default_rng(0).normal(size=(12, 2))
 LABELS = np.random.default_rng(1).integers(0, 2, 12)

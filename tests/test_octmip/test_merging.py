@@ -5,8 +5,8 @@ import pytest
 
 from octmip import Problem, certify
 from octmip.encoding import rank_features
-from octmip.merging import merged
-from octmip.search import local_search
+from octmip.methods.merging import merged
+from octmip.methods.search import local_search
 
 FEATURES = [[1.0, 2.0], [0.0, 5.0], [1.0, 2.0], [1.0, 2.0], [-0.0, 5.0]]
 

@@ -12,10 +12,11 @@ from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem
 from octmip import Leaf, Limits, Problem, Split, Stop, certify
 from octmip.errors import ProblemError, SolverError
-from octmip.mip import engine, highs
+from octmip.methods.search import local_search
+from octmip.mip import engine
 from octmip.mip.flow import solve_flow
+from octmip.mip.highs import highs
 from octmip.mip.oct import encode, solve_oct
-from octmip.search import local_search
 
 SHARED = Path(__file__).resolve().parents[2].parent / "shared"
 SOLVERS = {"oct": solve_oct, "flow": solve_flow}

@@ -4,7 +4,7 @@ import pytest
 
 from octmip import Leaf, Limits, Split, certify, solve
 from octmip.errors import ProblemError
-from octmip.mip.feed import Feed
+from octmip.mip.highs.feed import Feed
 from octmip.mip.oct import solve_oct
 from tests.test_octmip.test_mip import stop_at_six, uci
 
@@ -38,7 +38,7 @@ def test_the_exact_core_assists_with_its_bound():
 
 def test_the_search_assists_while_highs_runs(monkeypatch):
     turns = []
-    monkeypatch.setattr("octmip.search.local_search", _counted(turns))
+    monkeypatch.setattr("octmip.methods.search.local_search", _counted(turns))
     solution = solve(
         uci("iris", depth=2),
         "oct",
@@ -52,7 +52,7 @@ def test_the_search_assists_while_highs_runs(monkeypatch):
 
 
 def _counted(turns):
-    from octmip.search import local_search
+    from octmip.methods.search import local_search
 
     def search(problem, **options):
         turns.append(options["seed"])

@@ -12,9 +12,9 @@ from pyomo.repn import generate_standard_repn
 from octmip import HyperplaneSplit, Leaf, Problem, Split, certify
 from octmip.errors import ProblemError
 from octmip.mip import flow, oct_h
+from octmip.mip.blocks.heap import Heap, lift, place
+from octmip.mip.blocks.hyperplanes import choose_mu, space_of
 from octmip.mip.flow import solve_flow
-from octmip.mip.heap import Heap, lift, place
-from octmip.mip.hyperplanes import choose_mu, space_of
 from octmip.mip.incumbent import tidy
 from octmip.mip.oct_h import solve_oct_h
 from octmip.mip.statements import oct_h as statement

@@ -10,9 +10,10 @@ import pytest
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.two_feature import best_objective
 from octmip import Leaf, Limits, Problem, Stop, certify, solve
-from octmip.mip import claims, engine, highs, prices
+from octmip.mip import engine, prices
+from octmip.mip.blocks.hyperplanes import space_of
 from octmip.mip.flow import solve_flow
-from octmip.mip.hyperplanes import space_of
+from octmip.mip.highs import claims, highs
 from octmip.mip.oct import solve_oct
 from octmip.mip.oct_h import solve_oct_h
 from octmip.tree import HyperplaneSplit, Split

@@ -14,8 +14,8 @@ import pytest
 
 from octmip import Leaf, Limits, Problem, Stop, certify
 from octmip.errors import SolverError
-from octmip.mip import highs, process, worker
 from octmip.mip.flow import solve_flow
+from octmip.mip.highs import highs, process, worker
 from octmip.mip.oct import encode, solve_oct
 from octmip.mip.oct_h import solve_oct_h
 from tests.test_octmip.test_mip import blobs
@@ -104,7 +104,7 @@ def children() -> list[int]:
     """Return the workers of this process that run; other children, such as multiprocessing's own, are left alone."""
     with open(f"/proc/self/task/{os.getpid()}/children") as file:
         pids = [int(pid) for pid in file.read().split()]
-    return [pid for pid in pids if b"octmip/mip/worker.py" in Path(f"/proc/{pid}/cmdline").read_bytes()]
+    return [pid for pid in pids if b"octmip/mip/highs/worker.py" in Path(f"/proc/{pid}/cmdline").read_bytes()]
 
 
 def test_an_idle_worker_is_used_again_and_closed_after_a_while(monkeypatch):
@@ -130,7 +130,7 @@ def test_a_worker_is_closed_when_the_caller_fails():
 @needs_proc
 def test_a_worker_does_not_outlive_its_parent():
     code = (
-        "from octmip.mip.process import lent_worker\n"
+        "from octmip.mip.highs.process import lent_worker\n"
         "import os, signal\n"
         "with lent_worker() as lent:\n"
         "    print(lent.process.pid, flush=True)\n"

@@ -10,7 +10,7 @@ from pyomo.repn import generate_standard_repn
 from benchmarks.oracles.strategies import random_problem, random_tree
 from octmip.encoding import rank_features, rows_from_tree, tree_from_rows
 from octmip.mip import flow, oct
-from octmip.mip.heap import Heap, lift, place
+from octmip.mip.blocks.heap import Heap, lift, place
 from octmip.mip.incumbent import tidy
 from octmip.mip.rows import Rows
 from octmip.mip.statements import oct as statement

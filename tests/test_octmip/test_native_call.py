@@ -8,10 +8,10 @@ import pytest
 from octmip import HyperplaneSplit, Leaf, Limits, Problem, Solution, Split
 from octmip.encoding import integer_costs
 from octmip.errors import DataError, ProblemError
-from octmip.exact import branch_and_bound
-from octmip.native_call import feasible_incumbent, native_progress, relabelled, without, write_log
-from octmip.oblique import two_feature_branch_and_bound
-from octmip.search import local_search
+from octmip.methods.exact import branch_and_bound
+from octmip.methods.native_call import feasible_incumbent, native_progress, relabelled, without, write_log
+from octmip.methods.search import local_search
+from octmip.methods.two_feature import two_feature_branch_and_bound
 from octmip.solution import Progress, Stop
 
 SOLVERS = (branch_and_bound, two_feature_branch_and_bound, local_search)

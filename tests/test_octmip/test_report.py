@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from octmip import HyperplaneSplit, Leaf, Problem, Solution, Split, Stop
-from octmip.cart import greedy_tree
 from octmip.certificate import certify
+from octmip.formats.tree_file import record_tree
+from octmip.methods.cart import greedy_tree
 from octmip.report.dot import tree_dot
 from octmip.report.html import tree_page
 from octmip.report.markdown import markdown_table
 from octmip.report.text import solution_text, tree_text
-from octmip.tree_file import record_tree
 
 TREE = Split(0, 0.5, Leaf(1), HyperplaneSplit((0, 1), (-2.0, 1.0), 1 / 3, Leaf(0), Leaf(1)))
 FEATURES, CLASSES = ('a"1', "b<2"), ("no & never", "yes")

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from octmip import HyperplaneSplit, Leaf, Limits, Problem, certify
-from octmip.cart import greedy_tree
-from octmip.polish import polished
-from octmip.search import local_search
+from octmip.methods.cart import greedy_tree
+from octmip.methods.polish import polished
+from octmip.methods.search import local_search
 from octmip.tree import leaf_index, predict
 
 LARGEST, TINIEST, NORMAL = np.finfo(np.float64).max, 5e-324, np.finfo(np.float64).tiny

@@ -7,7 +7,7 @@ import pytest
 
 from benchmarks.oracles.strategies import hyperplane_problem
 from octmip import HyperplaneSplit, Problem, certify
-from octmip.search import local_search
+from octmip.methods.search import local_search
 from octmip.tree import splits
 
 

@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 
 from benchmarks.oracles.strategies import hyperplane_problem
 from octmip import HyperplaneSplit, Leaf, Problem, Split, certify
-from octmip.margin import widened, width
-from octmip.polish import polished
-from octmip.search import local_search
+from octmip.methods.margin import widened, width
+from octmip.methods.polish import polished
+from octmip.methods.search import local_search
 from octmip.tree import Node, leaf_index, splits
 
 

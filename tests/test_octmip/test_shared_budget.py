@@ -11,9 +11,10 @@ from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem
 from octmip import Leaf, Limits, Problem, Stop
 from octmip.errors import CertificateError, ProblemError
-from octmip.sensing import HandSplit, JointSolution, certify_joint, shared, shared_budget
-from octmip.sensing.label_trees import LabelTrees
-from octmip.sensing.sensor_sets import SetSearch
+from octmip.sensing import HandSplit, JointSolution, certify_joint, shared_budget
+from octmip.sensing.shared import budget as shared
+from octmip.sensing.shared.label_trees import LabelTrees
+from octmip.sensing.shared.sensor_sets import SetSearch
 
 
 def random_labels(rng: np.random.Generator, n_labels: int) -> list[Problem]:

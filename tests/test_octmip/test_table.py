@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from octmip.errors import DataError
-from octmip.table import read_costs, read_sensors, read_table
+from octmip.formats.table import read_costs, read_sensors, read_table
 
 
 def csv_file(tmp_path, text):

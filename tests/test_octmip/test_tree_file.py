@@ -11,9 +11,17 @@ import pytest
 
 import octmip
 from octmip import HyperplaneSplit, Leaf, Problem, Solution, Split, Stop, certify, predict
-from octmip.cart import greedy_tree
 from octmip.errors import OctmipError, TreeError
-from octmip.tree_file import columns_read, encode, read_tree_file, record_tree, schema, tree_for, write_tree_file
+from octmip.formats.tree_file import (
+    columns_read,
+    encode,
+    read_tree_file,
+    record_tree,
+    schema,
+    tree_for,
+    write_tree_file,
+)
+from octmip.methods.cart import greedy_tree
 
 SCHEMA = Path(octmip.__file__).parent / "schemas" / "tree.schema.json"
 
@@ -226,7 +234,7 @@ def test_a_value_out_of_its_bounds_is_refused_with_its_place(tmp_path, keys, to,
 
 def test_the_published_schema_is_the_readers(tmp_path):
     published = json.loads(SCHEMA.read_text())
-    assert published == schema(), "write schema() of octmip.tree_file to octmip/schemas/tree.schema.json again"
+    assert published == schema(), "write schema() of octmip.formats.tree_file to octmip/schemas/tree.schema.json again"
     validator = jsonschema.Draft202012Validator(published)
     jsonschema.Draft202012Validator.check_schema(published)
     content = json.loads(written(tmp_path).read_text())

@@ -11,7 +11,7 @@ from benchmarks.uav.complexity.report import write_complexity
 from benchmarks.uav.complexity.tables import objectives_table, paper_table
 from femlib.dataset import MeanStrains, published_strains, simulated_strains
 from femlib.wing import uav_wing
-from octmip.files import write_bytes
+from octmip.formats.files import write_bytes
 
 
 def main() -> None:

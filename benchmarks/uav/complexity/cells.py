@@ -12,7 +12,7 @@ from benchmarks.uav.bayes import BayesLimit, bayes_limit
 from benchmarks.uav.study import best_pair
 from femlib.dataset import Dataset, MeanStrains, Recipe, build_dataset
 from octmip import Problem, certify, predict
-from octmip.search import EFFORT
+from octmip.methods.search import EFFORT
 from octmip.solver import Method, solve
 
 Line = dict[str, Any]

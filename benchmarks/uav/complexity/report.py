@@ -8,7 +8,7 @@ from benchmarks.uav.complexity.cells import LABELS, Objective
 from benchmarks.uav.complexity.figures import complexity_figure
 from benchmarks.uav.complexity.tables import Lines, complexity_table, overfitting
 from benchmarks.uav.report import write_figure
-from octmip.files import write_bytes
+from octmip.formats.files import write_bytes
 
 
 def write_complexity(

@@ -11,6 +11,7 @@ from benchmarks.uav.mission.table_twin import TableTwin
 from femlib.dataset import Dataset, MeanStrains, Recipe, build_dataset, published_strains
 from femlib.wing import Wing, uav_twin
 from octmip import Limits, OctmipError, Problem, certify, solve
+from octmip.formats.tree_file import TreeFile, read_tree_file, record_tree, write_tree_file
 from octmip.monitor import (
     Filter,
     GaussianLikelihood,
@@ -24,7 +25,6 @@ from octmip.monitor import (
     library_of,
     steady_growth,
 )
-from octmip.tree_file import TreeFile, read_tree_file, record_tree, write_tree_file
 
 Floats = NDArray[np.float64]
 

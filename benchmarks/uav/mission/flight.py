@@ -11,10 +11,10 @@ from benchmarks.uav.mission.histories import MOST_STEPS, Histories, draw
 from benchmarks.uav.mission.outside import example_trace
 from benchmarks.uav.mission.policies import Pilot, Policy
 from benchmarks.uav.mission.simulation import damage_at, readings_at
+from octmip.formats.tree_file import TreeFile
 from octmip.monitor import Belief, CompiledTree
 from octmip.report.text import condition
 from octmip.tree import Leaf, Node, depth, nodes
-from octmip.tree_file import TreeFile
 
 Floats = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from octmip.names import html_text
+from octmip.formats.names import html_text
 
 FOLDER = Path(__file__).parent
 SECTIONS = (

@@ -5,7 +5,7 @@ import time
 from pathlib import Path
 
 from benchmarks.uav.sensing import budget, failure, frontier, inspection, placement
-from octmip.files import write_bytes
+from octmip.formats.files import write_bytes
 
 STUDIES = {
     "placement": placement.report,

@@ -1,10 +1,10 @@
-"""What a Problem can say beyond Bertsimas & Dunn, as Pyomo constraints: the rows of `octmip.mip.extras`."""
+"""What a Problem can say beyond Bertsimas & Dunn, as Pyomo constraints: the rows of `octmip.mip.blocks.extras`."""
 
 from typing import Any
 
 import pyomo.environ as pyo
 
-from octmip.mip.extras import budget_shares
+from octmip.mip.blocks.extras import budget_shares
 from octmip.problem import Problem
 
 

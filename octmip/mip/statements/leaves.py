@@ -1,10 +1,10 @@
-"""The leaves of OCT and OCT-H as Pyomo constraints: the rows of `octmip.mip.leaves`, as on paper."""
+"""The leaves of OCT and OCT-H as Pyomo constraints: the rows of `octmip.mip.blocks.leaves`, as on paper."""
 
 from typing import Any
 
 import pyomo.environ as pyo
 
-from octmip.mip.heap import Heap
+from octmip.mip.blocks.heap import Heap
 from octmip.mip.prices import own_prices
 from octmip.problem import Problem
 

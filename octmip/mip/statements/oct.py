@@ -5,8 +5,8 @@ from typing import Any
 import pyomo.environ as pyo
 
 from octmip.encoding import rank_features
-from octmip.mip import axis
-from octmip.mip.heap import Heap
+from octmip.mip.blocks import axis
+from octmip.mip.blocks.heap import Heap
 from octmip.mip.oct import scaled_features
 from octmip.mip.statements.extras import state_extras
 from octmip.mip.statements.leaves import state_leaves

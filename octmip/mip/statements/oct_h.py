@@ -4,8 +4,8 @@ from typing import Any
 
 import pyomo.environ as pyo
 
-from octmip.mip.heap import Heap
-from octmip.mip.hyperplanes import space_of, usable_features
+from octmip.mip.blocks.heap import Heap
+from octmip.mip.blocks.hyperplanes import space_of, usable_features
 from octmip.mip.statements.extras import state_extras
 from octmip.mip.statements.leaves import state_leaves
 from octmip.problem import Problem

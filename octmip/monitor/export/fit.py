@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from octmip.errors import TreeError
-from octmip.names import shown
+from octmip.formats.names import shown
 from octmip.problem import MAX_DEPTH
 from octmip.tree import Leaf, Node, leaves, splits
 

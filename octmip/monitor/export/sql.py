@@ -18,8 +18,8 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from octmip.errors import TreeError
+from octmip.formats.names import shown
 from octmip.monitor.export.fit import check_column, check_fit
-from octmip.names import shown
 from octmip.tree import HyperplaneSplit, Leaf, Node, Split, depth, features_used, splits
 
 LARGEST = 62

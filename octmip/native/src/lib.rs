@@ -5,13 +5,13 @@
 #![warn(missing_docs)]
 #![cfg_attr(not(test), deny(clippy::unwrap_used))]
 
-pub mod acquisition;
 pub mod control;
 pub mod exact;
-pub mod oblique;
 pub mod ranks;
 pub mod search;
+pub mod sequential;
 pub mod tree;
+pub mod two_feature;
 
 pub use octmip_check::problem;
 

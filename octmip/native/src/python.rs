@@ -1,11 +1,11 @@
 //! The Python border: arrays in, a flat node table and counters out. No logic of trees lives here.
 
-mod acquisition;
 mod check;
 mod exact;
-mod oblique;
 mod ranks;
 mod search;
+mod sequential;
+mod two_feature;
 
 use std::time::{Duration, Instant};
 
@@ -169,10 +169,10 @@ pub fn keep_going<'a>(
 #[pymodule]
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-    module.add_function(wrap_pyfunction!(oblique::py_two_feature_branch_and_bound, module)?)?;
-    module.add_function(wrap_pyfunction!(oblique::two_feature_prunes, module)?)?;
-    module.add_function(wrap_pyfunction!(oblique::prove_lines, module)?)?;
-    module.add_function(wrap_pyfunction!(acquisition::acquisition, module)?)?;
+    module.add_function(wrap_pyfunction!(two_feature::py_two_feature_branch_and_bound, module)?)?;
+    module.add_function(wrap_pyfunction!(two_feature::two_feature_prunes, module)?)?;
+    module.add_function(wrap_pyfunction!(two_feature::prove_lines, module)?)?;
+    module.add_function(wrap_pyfunction!(sequential::sequential, module)?)?;
     module.add_function(wrap_pyfunction!(ranks::dense_ranks, module)?)?;
     module.add_function(wrap_pyfunction!(search::py_search, module)?)?;
     module.add_class::<PyProblem>()?;

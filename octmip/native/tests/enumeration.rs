@@ -4,8 +4,8 @@ mod oracle;
 
 use _native::control::Limits;
 use _native::exact;
-use _native::oblique;
 use _native::search;
+use _native::two_feature;
 use octmip_check::check;
 use octmip_check::question::Question;
 use oracle::{Case, cost_of, optimum, random_case};
@@ -49,20 +49,20 @@ fn exact_trees_cost_what_the_best_of_all_trees_does() {
 fn two_feature_trees_cost_what_the_best_of_all_trees_does() {
     for depth in 1..=2 {
         for (seed, Case { problem, question }) in cases(depth, 2) {
-            let options = oblique::Options {
+            let options = two_feature::Options {
                 limits: Limits::default(),
                 n_threads: 1,
                 known: None,
                 seed,
-                switches: oblique::switches::Switches::default(),
+                switches: two_feature::switches::Switches::default(),
                 whole_coefficients: None,
             };
-            let found = oblique::solve(&problem, &options, &mut |_| true).expect("depth 1 or 2");
+            let found = two_feature::solve(&problem, &options, &mut |_| true).expect("depth 1 or 2");
             let best = optimum(&problem);
             assert_eq!((found.objective, found.bound), (best, best), "depth {depth}, seed {seed}");
             assert_eq!(cost_of(&problem, &found.tree), Some(best), "depth {depth}, seed {seed}");
             let stop = std::sync::atomic::AtomicBool::new(false);
-            let body = oblique::proof::write(&problem, best, 1, &stop).expect("a proof");
+            let body = two_feature::proof::write(&problem, best, 1, &stop).expect("a proof");
             let report = check(&question, &log_of(&question, best, &body), 1);
             assert_eq!(report.map(|report| report.bound), Ok(best as f64), "depth {depth}, seed {seed}");
             assert!(check(&question, &log_of(&question, best + 1, &body), 1).is_err(), "depth {depth}, seed {seed}");

@@ -3,12 +3,12 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from octmip.formats.names import PAGE_POLICY
+from octmip.formats.names import html_text as escape
 from octmip.gap.causes import UNKNOWN
 from octmip.gap.diagnosis import Diagnosis
 from octmip.gap.inference.inputs import Inputs
 from octmip.gap.inference.linear_model import LinearModel
-from octmip.names import PAGE_POLICY
-from octmip.names import html_text as escape
 from octmip.report.diagnosis.pictures import bars, gauge_map
 from octmip.report.diagnosis.words import (
     cause_words,

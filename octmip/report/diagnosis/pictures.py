@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.names import html_text as escape
+from octmip.formats.names import html_text as escape
 
 Floats = NDArray[np.float64]
 

@@ -4,12 +4,12 @@ import math
 import textwrap
 from collections.abc import Sequence
 
+from octmip.formats.names import visible_lines
 from octmip.gap.causes import MISFIT, UNKNOWN, Cause
 from octmip.gap.diagnosis import Diagnosis
 from octmip.gap.location import Flip, Place
 from octmip.gap.shrinkage import Shrinkage
 from octmip.gap.sizes import Parameter
-from octmip.names import visible_lines
 
 FEW = 5
 """Places of one kind that a page lists."""

@@ -2,7 +2,7 @@
 //!
 //! It holds no solver and depends on no other crate. A log is checked against a [`question::Question`]: the problem as
 //! it was given, in float64. Formats and proofs: docs/theory/proof.md and, for splits over two features,
-//! docs/theory/oblique.md.
+//! docs/theory/two-feature.md.
 //!
 //! | module | holds |
 //! |---|---|

@@ -1,6 +1,6 @@
 //! The checker of logs of two-feature trees.
 //!
-//! Format and proofs: docs/theory/oblique.md. A line `x + t y = r` over two features is a point (t, r); a sample is the
+//! Format and proofs: docs/theory/two-feature.md. A line `x + t y = r` over two features is a point (t, r); a sample is the
 //! straight line r = x + t y and goes left where that runs below the point. Coordinates are wrong by 2^-53 at most and
 //! within -1 and 1, t within -1 and 1 (the features exchanged give the steeper lines), so a value x + t y is wrong by
 //! less than 2^-50: what is 2^-46 clear of an edge at both ends of a range of t is clear of it. Where that does not

@@ -265,7 +265,7 @@ mod tests {
         assert_eq!([question.is_allowed(0), question.is_allowed(1)], [false, true]);
     }
 
-    /// The digests that octmip.problem_file writes of the same problem, its penalty, names and sensors included.
+    /// The digests that octmip.formats.problem_file writes of the same problem, its penalty, names and sensors included.
     #[test]
     fn the_digests_are_those_of_the_writer() {
         let question = Question::from_json(FILE).expect("the file is right");

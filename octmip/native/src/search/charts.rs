@@ -3,15 +3,15 @@
 use std::sync::OnceLock;
 use std::sync::atomic::AtomicBool;
 
-use crate::oblique::chart::Chart;
-use crate::oblique::loss::Loss;
-use crate::oblique::plane::Plane;
-use crate::oblique::single::best_of_charts;
-use crate::oblique::switches::Switches;
-use crate::oblique::view::{Line, View};
 use crate::problem::Problem;
 use crate::ranks::Ranker;
 use crate::search::values::{Values, exponent_of, times_power};
+use crate::two_feature::chart::Chart;
+use crate::two_feature::loss::Loss;
+use crate::two_feature::plane::Plane;
+use crate::two_feature::single::best_of_charts;
+use crate::two_feature::switches::Switches;
+use crate::two_feature::view::{Line, View};
 
 /// Strips of a chart.
 const STRIPS: usize = 8;

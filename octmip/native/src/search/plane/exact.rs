@@ -1,10 +1,10 @@
-//! The best line over a pair of features, the rest of the tree fixed: the depth-1 solver of `oblique` as a move.
+//! The best line over a pair of features, the rest of the tree fixed: the depth-1 solver of `two_feature` as a move.
 
-use crate::oblique::view::Line;
 use crate::search::charts::{Asked, PairCharts};
 use crate::search::plane::PlaneAtWork;
 use crate::search::sensors::Room;
 use crate::search::view::View;
+use crate::two_feature::view::Line;
 
 /// Samples that the pairs of one visit may look at together, and pairs at most.
 const MOST_SAMPLES: usize = 6000;

@@ -1,0 +1,1 @@
+"""The exact core: proofs, budgets, growth."""

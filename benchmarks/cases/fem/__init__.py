@@ -1,0 +1,1 @@
+"""Finite elements, the reduced model and datasets."""

@@ -1,0 +1,1 @@
+"""Random problems, logs and files: nothing wrong is believed."""

@@ -1,0 +1,1 @@
+"""The gap's diagnosis: detection and speed."""

@@ -1,0 +1,64 @@
+"""Time to hand OCT at depth 2 on 1750 samples of 20 gauges to HiGHS: array rows beside the Pyomo statement."""
+
+import tempfile
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pyomo
+
+from benchmarks.cpu import cpu_seconds
+from benchmarks.data import first_rows, published
+from octmip.methods.cart import greedy_tree
+from octmip.mip import flow, oct, oct_h
+from octmip.mip.highs import highs, worker
+from octmip.mip.statements import oct as statement
+from octmip.problem import Problem
+
+Line = dict[str, Any]
+SIZES = (175, 1750)
+
+
+def results(limit: float, threads: list[int]) -> Iterator[Line]:
+    """Yield a line for each way and size; limit and threads have no part in it."""
+    for n in SIZES:
+        table = first_rows(published("mu2", 0), n)
+        problem = Problem(table.features, table.labels, depth=2)
+        planes = Problem(table.features, table.labels, depth=2, split="hyperplane")
+        start = greedy_tree(problem).tree
+        assert start is not None
+        ways: dict[str, Callable[[], object]] = {
+            "oct, rows": lambda p=problem: worker.load(highs.arrays(oct.encode(p).rows)),
+            "oct, Pyomo": lambda p=problem: _through_pyomo(p),
+            "oct_h, rows": lambda p=planes: worker.load(highs.arrays(oct_h.encode(p, 0.005).rows)),
+            "flow 1, rows": lambda p=problem, t=start: worker.load(highs.arrays(flow.encode(p, t, fix=1).rows)),
+        }
+        for way, build in ways.items():
+            before = cpu_seconds()
+            build()
+            cpu = cpu_seconds() - before
+            yield {
+                "size": f"published mu2, {n} rows, depth 2",
+                "seed": 0,
+                "way": way,
+                "cpu_seconds": round(cpu, 3),
+                "version": f"HiGHS {highs.VERSION}, Pyomo {pyomo.__version__}",
+            }
+
+
+def _through_pyomo(problem: Problem) -> None:
+    """State OCT in Pyomo and let HiGHS read what Pyomo writes."""
+    import highspy
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = str(Path(folder) / "oct.mps")
+        statement.paper_model(problem).write(path)
+        reader = highspy.Highs()
+        reader.setOptionValue("output_flag", False)
+        reader.readModel(path)
+
+
+def summary(lines: list[Line]) -> str:
+    """Return the table."""
+    rows = [f"| {line['size']} | {line['way']} | {line['cpu_seconds']:.3g} |" for line in lines]
+    return "\n".join(["| case | way | CPU s |", "|---|---|---|", *rows])

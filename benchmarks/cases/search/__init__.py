@@ -1,0 +1,1 @@
+"""Local search: how often the optimum is found, and how fast."""

@@ -1,0 +1,1 @@
+"""Proofs over splits of two features."""

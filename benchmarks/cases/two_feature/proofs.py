@@ -1,0 +1,62 @@
+"""Proof logs of two-feature trees: how large they are, and how long to write and to check beside the search itself."""
+
+import resource
+import tempfile
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from benchmarks.two_feature import CASES
+from octmip.methods.two_feature import two_feature_branch_and_bound
+from octmip.problem import Problem
+from octmip.proof import check_proof
+from octmip.solution import Limits
+
+LEFT_OUT = ("breast-cancer-wisconsin-diagnostic",)  # not proven
+
+
+def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
+    """Yield a line for each table of `two_feature_trees` that is proven within the limit."""
+    for (name, table), _, _ in CASES:
+        if name in LEFT_OUT:
+            continue
+        data = table()
+        problem = Problem(data.features, data.labels, depth=2, split="hyperplane", split_size=2)
+        yield {"size": name, "seed": 0, "threads": threads[0], "limit": limit} | _line(problem, limit, threads[0])
+
+
+def _line(problem: Problem, limit: float, n_threads: int) -> dict[str, Any]:
+    start = _cpu()
+    two_feature_branch_and_bound(problem, limits=Limits(seconds=limit), n_jobs=n_threads)
+    solved = _cpu()
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "proof.log"
+        solution = two_feature_branch_and_bound(problem, limits=Limits(seconds=limit), n_jobs=n_threads, proof=path)
+        written = _cpu()
+        report = check_proof(problem, path, bound=solution.bound, n_jobs=n_threads)
+    checked = _cpu()
+    return {
+        "objective": solution.objective,
+        "bound": report.bound,
+        "n_lines": report.n_lines,
+        "n_bytes": report.n_bytes,
+        "solve_seconds": round(solved - start, 3),
+        "write_seconds": round(written - solved - (solved - start), 3),
+        "check_seconds": round(checked - written, 3),
+    }
+
+
+def _cpu() -> float:
+    usage = resource.getrusage(resource.RUSAGE_SELF)
+    return usage.ru_utime + usage.ru_stime
+
+
+def summary(lines: Sequence[dict[str, Any]]) -> str:
+    """Return the table of sizes and CPU seconds."""
+    rows = [
+        f"| {line['size']} | {line['bound']:g} | {line['n_lines']} | {line['n_bytes'] / 1000:.1f} "
+        f"| {line['solve_seconds']:.2f} | {line['write_seconds']:.2f} | {line['check_seconds']:.2f} |"
+        for line in lines
+    ]
+    head = "| case | proven | lines | kB | search, CPU s | log, CPU s | check, CPU s |"
+    return "\n".join([head, "|" + "---|" * 7, *rows])

@@ -1,0 +1,39 @@
+"""Optimal two-feature trees of depth 2, proven: published strains and UCI sets, objective = misclassified samples.
+
+`python -m benchmarks.run two_feature_trees --limit 300 --threads 2`. A sample of n published rows (seed 0) is
+that of `default_rng(n).permutation(1750)[:n]`. Beside each result stands what a one-thread prototype of the same idea
+needed on its own rows of the same sets, so optima may differ by a few.
+"""
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from benchmarks.two_feature import CASES, measure
+from octmip.problem import Problem
+
+
+def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
+    """Yield a line for each case and number of threads."""
+    for (name, table), prototype, seconds in CASES:
+        data = table()
+        problem = Problem(data.features, data.labels, depth=2, split="hyperplane", split_size=2)
+        for count in threads:
+            yield (
+                {"size": name, "seed": 0, "threads": count, "limit": limit}
+                | measure(problem, limit, count)
+                | {
+                    "prototype": prototype,
+                    "prototype_cpu_seconds": seconds,
+                }
+            )
+
+
+def summary(lines: Sequence[dict[str, Any]]) -> str:
+    """Return the table: optimum, boxes and CPU seconds beside the prototype's."""
+    head = "| case | threads | objective | bound | boxes | CPU s | prototype | prototype, CPU s |"
+    rows = [
+        f"| {line['size']} | {line['threads']} | {line['objective']:g} | {line['bound']:g} | {line['n_nodes']} "
+        f"| {line['cpu_seconds']:.2f} | {line['prototype']} | {line['prototype_cpu_seconds']} |"
+        for line in lines
+    ]
+    return "\n".join([head, "|" + "---|" * 8, *rows])

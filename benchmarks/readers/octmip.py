@@ -1,0 +1,302 @@
+"""The readers of octmip's files, and the commands that read them, as the fuzz of files tries them."""
+
+import contextlib
+import functools
+import importlib
+import json
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from benchmarks.readers.file_reader import Reader, run
+from benchmarks.readers.mangled_arrays import mangled_parquet
+from benchmarks.readers.mangling import Generator, mangled_csv, mangled_json, mangled_tokens, pick
+from octmip.certificate import certify
+from octmip.errors import OctmipError
+from octmip.formats.files import read_json_object
+from octmip.formats.table import read_costs, read_sensors, read_table
+from octmip.formats.tree_file import CONTENT, FORMAT, read_tree_file, record_tree, write_tree_file
+from octmip.gap import read_campaign
+from octmip.methods.exact import branch_and_bound
+from octmip.methods.search import local_search
+from octmip.methods.two_feature import two_feature_branch_and_bound
+from octmip.monitor import Library, ModelSelector
+from octmip.problem import Problem
+from octmip.proof import check_proof
+from octmip.tree import HyperplaneSplit, Leaf, Split, predict
+
+# Trees.
+
+
+def problem_of(number: int) -> Problem:
+    """Return a small problem: odd numbers have words for classes, weights, costs, groups and sensors."""
+    rng = np.random.default_rng([90, number])
+    x = rng.normal(size=(24, 3)).round(3)
+    if number % 2 == 0:
+        return Problem(x, rng.integers(0, 3, 24), depth=2, feature_names=("a", "b", "c"))
+    return Problem(
+        x,
+        rng.choice(["low", "high"], 24),
+        depth=2,
+        split="hyperplane",
+        split_size=2,
+        weights=rng.random(24).round(2) + 0.1,
+        costs=[[0, 2.5], [1, 0]],
+        sensor_of_feature=["left", "left", "right"],
+        sensor_cost={"left": 1.5, "right": 2},
+        sensor_budget=4,
+        allowed_splits=[["a", "b"], ["c"]],
+        feature_names=("a", "b", "c"),
+    )
+
+
+def make_tree(number: int, folder: Path) -> None:
+    """Write a tree file and the table that it was trained on."""
+    problem = problem_of(number)
+    solution = branch_and_bound(problem) if problem.split == "axis" else local_search(problem)
+    weights = None if number % 2 == 0 else "w"
+    write_tree_file(folder / "tree.json", record_tree(problem, solution, "y", weights))
+    write_table(problem, folder / "table.csv")
+
+
+def write_table(problem: Problem, path: Path) -> None:
+    """Write the samples of a problem."""
+    frame = pd.DataFrame(problem.features, columns=list(problem.feature_names))
+    frame["y"], frame["w"] = problem.labels, problem.weights
+    frame.to_csv(path, index=False) if path.suffix == ".csv" else frame.to_parquet(path)
+
+
+HOSTILE_SAMPLES = np.array([[0.0, 0.0, 0.0], [1e308, -1e308, 1e308], [5e-324, -5e-324, 0.1], [-1e300, 1e300, -0.0]])
+
+
+def read_tree(rng: Generator, folder: Path) -> None:
+    """Read a tree file, predict by it, and certify it or say why not."""
+    agree_with_schema(folder / "tree.json")
+    file = read_tree_file(folder / "tree.json")
+    samples = np.resize(HOSTILE_SAMPLES, (4, len(file.feature_names)))
+    assert predict(file.tree, samples).max() < len(file.class_names)
+    with contextlib.suppress(OctmipError):
+        table = read_table(folder / "table.csv")
+        labels = table.labels(file.label_column or "y", file.class_names)
+        weights = table.numbers([file.weights_column])[:, 0] if file.weights_column else None
+        certify(file.problem(table.numbers(file.feature_names), labels, weights), file.solution)
+
+
+@functools.cache
+def _validator() -> Any:
+    schema = json.loads((Path(importlib.import_module("octmip").__file__ or "").parent / SCHEMA).read_text())
+    return importlib.import_module("jsonschema").Draft202012Validator(schema)
+
+
+SCHEMA = "schemas/tree.schema.json"
+
+
+class DisagreementError(Exception):
+    """The published schema and the reader differ on a value's kind or range."""
+
+
+def agree_with_schema(path: Path) -> None:
+    """Compare what the schema says of a tree file with what the reader says of its values' kinds and ranges."""
+    content = read_json_object(path)
+    try:
+        CONTENT.take(content)
+        takes = content.get("format") == FORMAT and type(content.get("version")) is not bool and content["version"] == 1
+    except (OctmipError, KeyError):
+        takes = False
+    if _validator().is_valid(content) != takes:
+        raise DisagreementError(f"the reader {'takes' if takes else 'refuses'} what the schema does not")
+
+
+BROAD = ("--split-size", 2, "--method", "search", "--seconds", 1)
+
+
+def tree_command(rng: Generator, folder: Path) -> None:
+    """Give a tree file to one of the commands that read one."""
+    tree, table = folder / "tree.json", folder / "table.csv"
+    out = folder / pick(rng, ("p.html", "p.md", "p.dot", "p.txt"))
+    commands = (
+        ("report", tree),
+        ("report", tree, "--out", out),
+        ("certify", tree, table),
+        ("certify", tree, table, "--json"),
+        ("predict", tree, table, "--probabilities", "--label", "y"),
+        ("predict", tree, table, "--json"),
+        ("solve", table, "--label", "y", "--depth", 2, "--features", "a,b,c", "--incumbent", tree, *BROAD),
+    )
+    if rng.random() < 0.03:
+        run("report", tree, "--out", folder / "p.svg")
+    run(*pick(rng, commands))
+
+
+# Tables, and what is said beside them.
+
+
+def make_table(suffix: str) -> Callable[[int, Path], None]:
+    """Return what writes a table and a tree for it."""
+
+    def make(number: int, folder: Path) -> None:
+        make_tree(number, folder)
+        write_table(problem_of(number), folder / f"data{suffix}")
+
+    return make
+
+
+def read_data(name: str) -> Callable[[Generator, Path], None]:
+    """Return what reads a table and takes every column for numbers and for labels."""
+
+    def read(rng: Generator, folder: Path) -> None:
+        table = read_table(folder / name)
+        for column in table.columns:
+            for take in (lambda c: table.numbers([c]), table.labels):
+                with contextlib.suppress(OctmipError):
+                    take(column)
+        with contextlib.suppress(OctmipError):
+            Problem(table.numbers(["a", "b"]), table.labels("y"), depth=1)
+
+    return read
+
+
+def table_command(name: str) -> Callable[[Generator, Path], None]:
+    """Return what gives a table to one of the commands."""
+
+    def read(rng: Generator, folder: Path) -> None:
+        data, tree = folder / name, folder / "tree.json"
+        solve = ("solve", data, "--label", "y", "--depth", 1, "--seconds", 1)
+        commands = (
+            (*solve, "--out", folder / "new.json"),
+            (*solve, "--weights", "w", "--method", "search", "--json"),
+            (*solve, "--features", "a,b", "--method", "cart"),
+            ("certify", tree, data),
+            ("predict", tree, data, "--label", "y"),
+            ("frontier", data, "--label", "y", "--depth", 1, "--over", "depth", "--seconds", 1, "--json"),
+        )
+        run(*pick(rng, commands))
+
+    return read
+
+
+def make_words(number: int, folder: Path) -> None:
+    """Write a table with its costs, sensors and groups of features."""
+    write_table(problem_of(2 * number), folder / "data.csv")
+    (folder / "costs.csv").write_text("true,0,1,2\n0,0,1,2.5\n1,10,0,1\n2,1,1,0\n")
+    rows = ("sensor,cost", "a,1", "b,2.5", "c,0") if number % 2 else ("feature,sensor,cost", "a,l,1", "b,l,1", "c,r,2")
+    (folder / "sensors.csv").write_text("\n".join(rows) + "\n")
+    (folder / "groups.txt").write_text("a,b\nc\n")
+
+
+def words_command(name: str, option: str) -> Callable[[Generator, Path], None]:
+    """Return what solves a problem with a file of costs, sensors or groups, and reads the file by itself."""
+
+    def read(rng: Generator, folder: Path) -> None:
+        readers: Mapping[str, Callable[[], object]] = {
+            "--costs": lambda: read_costs(folder / name, [0, 1, 2]),
+            "--sensor-cost": lambda: read_sensors(folder / name, ["a", "b", "c"]),
+        }
+        if option in readers and rng.random() < 0.5:
+            readers[option]()
+            return
+        budget = ("--budget", 2) if option == "--sensor-cost" else ()
+        solve = ("solve", folder / "data.csv", "--label", "y", "--features", "a,b,c", "--depth", 1, "--seconds", 1)
+        run(*solve, option, folder / name, *budget)
+
+    return read
+
+
+# Proof logs.
+
+
+def make_log(number: int, folder: Path) -> None:
+    """Write the log of a problem: of two-feature trees for odd numbers."""
+    problem = problem_of(2 * number)
+    if number % 2 == 0:
+        solution = branch_and_bound(problem, proof=folder / "proof.log")
+    else:
+        names = {"depth": 1, "split": "hyperplane", "split_size": 2, "feature_names": ("a", "b")}
+        problem = Problem(problem.features[:, :2], problem.labels, **names)  # type: ignore[arg-type]
+        solution = two_feature_branch_and_bound(problem, proof=folder / "proof.log")
+    write_tree_file(folder / "tree.json", record_tree(problem, solution, "y"))
+    write_table(problem, folder / "table.csv")
+
+
+def read_log(rng: Generator, folder: Path) -> None:
+    """Check a log, or have it checked by the command."""
+    if rng.random() < 0.1:
+        run("certify", folder / "tree.json", folder / "table.csv", "--proof", folder / "proof.log")
+    file, table = read_tree_file(folder / "tree.json"), read_table(folder / "table.csv")
+    problem = file.problem(table.numbers(file.feature_names), table.labels("y"), None)
+    assert check_proof(problem, folder / "proof.log").bound <= file.solution.objective
+
+
+# Monitoring and campaigns.
+
+
+def make_selector(number: int, folder: Path) -> None:
+    """Write a selector of four states."""
+    rng = np.random.default_rng([91, number])
+    states = np.array([[0.0, 0.0], [0.2, 0.0], [0.0, 0.4], [0.2, 0.4]])
+    slopes = rng.normal(size=(4, 2, 3)) if number % 2 else np.zeros(0)
+    gauges, strains = ("g1", "g2", "g3"), 100 * rng.normal(size=(4, 3))
+    library = Library(("mu1", "mu2"), states, gauges, strains, np.ones(3), slopes=slopes)
+    right = HyperplaneSplit((0, 2), (1.0, -0.5), 3.0, Leaf(2), Leaf(3))
+    ModelSelector(library, Split(1, 2.5, Split(0, 0.1, Leaf(0), Leaf(1)), right)).write(folder / "selector.json")
+
+
+def read_selector(rng: Generator, folder: Path) -> None:
+    """Read a selector and select by it."""
+    selector = ModelSelector.read(folder / "selector.json")
+    with contextlib.suppress(OctmipError):
+        selector.select(np.full(len(selector.library.gauges), pick(rng, (0.0, 1e6, -3.0))), 1.0)
+    selector.write(folder / "again.json")
+
+
+class Beam:
+    """A twin in a few lines: a cantilever with four gauges."""
+
+    gauges = ("g1", "g2", "g3", "g4")
+    parameters = ("mu1", "mu2")
+    is_linear_in_load = True
+    effects: Mapping[str, Any] = {}
+
+    def predict(self, state: Mapping[str, float], load_factor: float) -> np.ndarray:
+        """Return the strains [microstrain]."""
+        healthy = np.array([900.0, 700.0, 500.0, 300.0])
+        damage = np.array([state.get("mu1", 0.0), state.get("mu1", 0.0), state.get("mu2", 0.0), state.get("mu2", 0.0)])
+        return load_factor * healthy * (1.0 + damage)
+
+
+def make_campaign(number: int, folder: Path) -> None:
+    """Write a campaign of two loads, three repeats each."""
+    rng, twin = np.random.default_rng([92, number]), Beam()
+    lines = ["# a comment", "test,load_factor,mu1,mu2,time,temperature,g1,g2,g3,g4"]
+    for k, load in enumerate((1.0, 1.0, 1.0, 2.0, 2.0, 2.0)):
+        cells = twin.predict({}, load) + rng.normal(0.0, 5.0, 4)
+        lines.append(f"first,{load:g},0,0,{k},20," + ",".join(f"{cell:.2f}" for cell in cells))
+    (folder / "campaign.csv").write_text("\n".join(lines) + "\n")
+
+
+def read_gap(rng: Generator, folder: Path) -> None:
+    """Read a campaign, or have it diagnosed."""
+    read_campaign(folder / "campaign.csv", Beam())
+    if rng.random() < 0.02:
+        run("diagnose", folder / "campaign.csv", "--twin", "benchmarks.readers.octmip:Beam")
+
+
+OCTMIP = {
+    "tree file": Reader(make_tree, "tree.json", mangled_json, read_tree),
+    "tree file, commands": Reader(make_tree, "tree.json", mangled_json, tree_command),
+    "table .csv": Reader(make_table(".csv"), "data.csv", mangled_csv, read_data("data.csv")),
+    "table .csv, commands": Reader(make_table(".csv"), "data.csv", mangled_csv, table_command("data.csv")),
+    "table .parquet": Reader(make_table(".parquet"), "data.parquet", mangled_parquet, read_data("data.parquet")),
+    "table .parquet, commands": Reader(
+        make_table(".parquet"), "data.parquet", mangled_parquet, table_command("data.parquet")
+    ),
+    "costs": Reader(make_words, "costs.csv", mangled_csv, words_command("costs.csv", "--costs")),
+    "sensors": Reader(make_words, "sensors.csv", mangled_csv, words_command("sensors.csv", "--sensor-cost")),
+    "groups": Reader(make_words, "groups.txt", mangled_csv, words_command("groups.txt", "--allowed-splits")),
+    "proof log": Reader(make_log, "proof.log", mangled_tokens, read_log),
+    "selector": Reader(make_selector, "selector.json", mangled_json, read_selector),
+    "campaign": Reader(make_campaign, "campaign.csv", mangled_csv, read_gap),
+}

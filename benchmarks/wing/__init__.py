@@ -1,0 +1,1 @@
+"""The wing beside other codes and other loads."""

@@ -1,0 +1,84 @@
+"""The wing beside CalculiX: gauge strains, linear and with large deflection.
+
+    python -m benchmarks.wing.calculix [--refinement R] [--calculix-refinement R] [--mu 0.8] [--lattice] [--large]
+
+needs `ccx` (Debian package calculix-ccx). Prints Markdown: how far femlib's strains are from CalculiX's at load factor
+3, and with --large by how much large deflection changes the strain of each gauge in either.
+"""
+
+import argparse
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.cpu import Stopwatch
+from femlib.wing import Wing, bend, inertial_load, uav_wing, vortex_lattice
+from femlib.wing.export.calculix import read_gauges, write_deck
+
+LOAD_FACTOR = 3.0
+Floats = NDArray[np.float64]
+
+
+def main() -> None:
+    """Run both codes and print the tables."""
+    parser = argparse.ArgumentParser(prog="benchmarks.wing.calculix", description=__doc__)
+    parser.add_argument("--refinement", type=float, default=1.0)
+    parser.add_argument("--calculix-refinement", type=float, default=None, help="default: the same")
+    parser.add_argument("--mu", type=float, default=0.0, help="damage of both regions")
+    parser.add_argument("--lattice", action="store_true", help="vortex lattice and the wing's inertia, not the ellipse")
+    parser.add_argument("--large", action="store_true", help="large deflection besides (CalculiX takes minutes)")
+    options = parser.parse_args()
+    if shutil.which("ccx") is None:
+        sys.exit("ccx is not on the path; install CalculiX (Debian package calculix-ccx)")
+    wing = uav_wing(refinement=options.refinement)
+    other = options.calculix_refinement
+    deck_wing = wing if other in (None, options.refinement) else uav_wing(refinement=other)
+    state = {"mu1": options.mu, "mu2": options.mu}
+    ours = wing.strain_microstrain(state, LOAD_FACTOR, lift_of(wing, options.lattice))
+    theirs = calculix(deck_wing, state, options.lattice, large=False)
+    usable = wing.gauges.is_usable
+    error = np.sqrt(np.mean((ours / theirs - 1.0) ** 2)), np.abs(ours / theirs - 1.0).max()
+    print(f"linear, 24 gauges: {100 * error[0]:.2f} % rms, {100 * error[1]:.2f} % at most")
+    if options.large:
+        watch = Stopwatch()
+        bent = bend(wing, state, LOAD_FACTOR, lift=lift_of(wing, options.lattice))
+        print(f"femlib: {bent.deflection.n_iterations} iterations, {watch.read()[0]:.0f} CPU s, tip {bent.tip} m")
+        first = bent.strain_microstrain / ours - 1.0
+        second = calculix(deck_wing, state, options.lattice, large=True) / theirs - 1.0
+        print_changes(wing.gauges.names, first, second, usable)
+
+
+def lift_of(wing: Wing, lattice: bool) -> Floats | None:
+    """Return the nodal forces at load factor 1 that the strains at load factor 3 are those of."""
+    if not lattice:
+        return None
+    return vortex_lattice(wing, LOAD_FACTOR).forces / LOAD_FACTOR + inertial_load(wing)
+
+
+def calculix(wing: Wing, state: dict[str, float], lattice: bool, large: bool) -> Floats:
+    """Return the gauge strains that CalculiX finds [microstrain]."""
+    with tempfile.TemporaryDirectory() as folder:
+        deck = Path(folder) / "wing.inp"
+        write_deck(wing, deck, state, LOAD_FACTOR, large_deflection=large, lift=lift_of(wing, lattice))
+        one_thread = {**os.environ, "OMP_NUM_THREADS": "1"}
+        subprocess.run(["ccx", "wing"], cwd=folder, check=True, capture_output=True, env=one_thread)
+        return read_gauges(wing, Path(folder) / "wing.dat")
+
+
+def print_changes(names: tuple[str, ...], ours: Floats, theirs: Floats, usable: NDArray[np.bool_]) -> None:
+    """Print the change of each gauge's strain in per cent, and its difference."""
+    print("| gauge | femlib | CalculiX | difference |\n|---|---|---|---|")
+    for name, a, b in zip(names, 100 * ours, 100 * theirs, strict=True):
+        print(f"| {name} | {a:.2f} % | {b:.2f} % | {a - b:+.2f} % |")
+    gap = 100 * (ours - theirs)[usable]
+    print(f"\n20 gauges: {np.sqrt(np.mean(gap**2)):.2f} % of strain rms, {np.abs(gap).max():.2f} % at most")
+
+
+if __name__ == "__main__":
+    main()

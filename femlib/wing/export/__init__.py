@@ -1,0 +1,1 @@
+"""Export: the wing as a CalculiX deck, as VTU, as pictures."""

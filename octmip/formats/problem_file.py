@@ -1,0 +1,93 @@
+"""Problem files: a problem with its samples as JSON, for programs that know nothing of Python, such as `octmip-check`.
+
+    {"format": "octmip-problem", "version": 1, "feature_names": [...], "class_names": [...],
+     "features": [[...], ...], "labels": [...], "weights": [...], "costs": [[...], ...],
+     "depth": 3, "split": "axis", "split_size": 1, "leaf_size": 1, "leaf_penalty": 0.0,
+     "sensor_of_feature": [0, ...], "sensor_cost": [1.0, ...], "sensor_limit": null, "allowed_splits": null}
+
+Labels, sensors and features of groups are indices from 0. Floats are written with as many digits as float64 needs to
+come back the same. `sensor_limit` is the budget with its room for rounding, null without a budget.
+"""
+
+import hashlib
+import json
+import math
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.formats.files import PathLike, write_bytes
+from octmip.problem import Problem
+
+FORMAT, VERSION = "octmip-problem", 1
+
+
+def write_problem_file(path: PathLike, problem: Problem) -> None:
+    """Write a problem file, whole or not at all.
+
+    Raises
+    ------
+    DataError
+        it cannot be written.
+    """
+    write_bytes(path, (json.dumps(encode(problem), allow_nan=False) + "\n").encode())
+
+
+def encode(problem: Problem) -> dict[str, Any]:
+    """Return a problem as one JSON object."""
+    limit = problem.sensor_limit
+    return {
+        "format": FORMAT,
+        "version": VERSION,
+        "feature_names": list(problem.feature_names),
+        "class_names": [str(name) for name in problem.class_names],
+        "features": problem.features.tolist(),
+        "labels": problem.codes.tolist(),
+        "weights": problem.weights.tolist(),
+        "costs": problem.costs.tolist(),
+        "depth": problem.depth,
+        "split": problem.split,
+        "split_size": problem.max_split_size,
+        "leaf_size": problem.leaf_size,
+        "leaf_penalty": problem.leaf_penalty,
+        "sensor_of_feature": problem.sensor_index.tolist(),
+        "sensor_cost": problem.sensor_costs.tolist(),
+        "sensor_limit": limit if math.isfinite(limit) else None,
+        "allowed_splits": None if problem.allowed_splits is None else [list(group) for group in problem.allowed_splits],
+    }
+
+
+def data_digest(problem: Problem) -> str:
+    """Return the sha256 of samples, labels and weights that a proof log names."""
+    sha = hashlib.sha256()
+    _add(sha, "shape", np.array(problem.features.shape))
+    _add(sha, "features", problem.features)
+    _add(sha, "labels", problem.codes)
+    _add(sha, "weights", problem.weights)
+    return sha.hexdigest()
+
+
+def question_digest(problem: Problem) -> str:
+    """Return the sha256 of what is asked of the data: costs, depth, limits, sensors."""
+    sha = hashlib.sha256()
+    is_hyperplane = int(problem.split == "hyperplane")
+    sizes = [problem.n_classes, problem.depth, is_hyperplane, problem.max_split_size, problem.leaf_size]
+    _add(sha, "sizes", np.array(sizes))
+    _add(sha, "costs", problem.costs)
+    _add(sha, "limits", np.array([problem.leaf_penalty, problem.sensor_limit]))
+    _add(sha, "sensor_of_feature", problem.sensor_index)
+    _add(sha, "sensor_cost", problem.sensor_costs)
+    _add(sha, "is_limited", np.array([int(problem.allowed_splits is not None)]))
+    groups: Iterable[Iterable[Any]] = problem.allowed_splits or ()
+    for group in groups:
+        _add(sha, "group", np.array(list(group), dtype=np.int64))
+    return sha.hexdigest()
+
+
+def _add(sha: "hashlib._Hash", name: str, values: NDArray[Any]) -> None:
+    """Feed a field: its name and length as text, its numbers as 8 bytes each, the lowest first."""
+    kind = "<f8" if values.dtype.kind == "f" else "<i8"
+    sha.update(f"{name} {values.size}\n".encode())
+    sha.update(values.astype(kind).tobytes())

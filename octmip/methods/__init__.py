@@ -1,0 +1,1 @@
+"""Methods: each file answers one Problem with one Solution; beside them what they share on the way."""

@@ -1,0 +1,318 @@
+"""Branch and bound over thresholds: provably optimal axis-aligned trees. A thin wrapper of the native core.
+
+The core counts ranks and integers (see `octmip.encoding`); the algorithm, its bounds and their proofs are in
+docs/theory/exact.md. Categorical features: one column of 0/1 for each category, all columns reading one sensor
+(`sensor_of_feature`), so that a split asks "is it this category?" and the sensor is paid for once.
+"""
+
+import math
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from octmip import _native
+from octmip.encoding import (
+    IntegerCosts,
+    NodeRow,
+    Ranks,
+    closing_tolerance,
+    integer_costs,
+    native_problem,
+    rank_features,
+    rows_from_tree,
+    tree_from_rows,
+)
+from octmip.errors import ProblemError, SolverError
+from octmip.formats.files import check_writable
+from octmip.formats.problem_file import question_digest
+from octmip.methods.checkpoint import Kept, KnownRow, grid_digest, read_checkpoint, unusable, write_checkpoint
+from octmip.methods.native_call import (
+    feasible_incumbent,
+    native_progress,
+    relabelled,
+    remaining,
+    switched_off,
+    whole_cost,
+    write_log,
+)
+from octmip.methods.ties import UNBROKEN, Effort, break_ties
+from octmip.problem import Problem
+from octmip.proof import log_header
+from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop
+from octmip.tree import Node, centred
+
+SOLVER = "exact"
+CHECKPOINT_SECONDS = 30.0
+
+
+def branch_and_bound(
+    problem: Problem,
+    *,
+    limits: Limits = Limits(),  # noqa: B008 - frozen
+    incumbent: Node | Solution | None = None,
+    seed: int = 0,
+    n_jobs: int = 1,
+    progress: ProgressCallback | None = None,
+    proof: str | Path | None = None,
+    checkpoint: str | Path | None = None,
+    break_ties: bool = False,
+) -> Solution:
+    """Return the best axis-aligned tree of a problem and the proof's bound.
+
+    Parameters
+    ----------
+    problem
+        with ``split="axis"``; any weights, costs, depth, leaf size, penalty.
+    limits
+        seconds, relative gap, nodes (evaluated cuts), bytes of the core's own tables.
+    incumbent
+        a feasible tree to start from; a good one shortens the proof (`octmip.solver.solve` looks for one).
+    seed
+        of the start's random choices.
+    n_jobs
+        threads. Cost, bound and tree of a finished search do not depend on it.
+    progress
+        called with a `Progress` about every 50 ms.
+    proof
+        file for a log that `octmip.proof.check_proof` verifies; it takes a second search, about as long.
+    checkpoint
+        file in which what is proven is kept, every `CHECKPOINT_SECONDS` and at the end; where it exists the
+        search goes on from it, and the bound rests on it (`details["resumed_from"]`). From depth 3 on: what is
+        kept are solved cuts of the root.
+    break_ties
+        among the optimal trees return one of fewest splits, of those one of fewest sensors, each proven by
+        more searches; `details["ties_broken"]` says what was. Thresholds are centred in any case.
+
+    Raises
+    ------
+    ProblemError
+        the problem asks for hyperplanes, or the incumbent is not one of its trees.
+    SolverError
+        the proof was interrupted before it could be written.
+    DataError
+        the log cannot be written, or the checkpoint cannot be read or written, is damaged, or belongs to
+        another search.
+    """
+    started = time.perf_counter()
+    _check(problem, n_jobs)
+    start = feasible_incumbent(problem, incumbent)
+    if proof is not None:
+        check_writable(proof)
+    run = _Run(problem, limits, n_jobs, progress, started, checkpoint)
+    run.search(start)
+    ties = dict(UNBROKEN)
+    if break_ties and run.stop is Stop.OPTIMAL:
+        ties = run.smaller()
+    if proof is not None:
+        run.bound = run.write_proof(Path(proof))
+    assert run.tree is not None
+    return Solution(
+        tree=run.tree,
+        objective=run.objective,
+        bound=run.bound,
+        stop=run.stop,
+        seconds=time.perf_counter() - started,
+        n_nodes=run.n_nodes,
+        solver=SOLVER,
+        version=_native.__version__,
+        seed=seed,
+        tolerance=run.tolerance,
+        details={"ties_broken": ties} | run.resumed_from,
+    )
+
+
+@dataclass(slots=True)
+class _Run:
+    """A search, and again on a finer grid while rounding alone keeps the bound from the tree."""
+
+    problem: Problem
+    limits: Limits
+    n_jobs: int
+    progress: ProgressCallback | None
+    started: float
+    checkpoint: str | Path | None = None
+    ranks: Ranks = field(init=False)
+    off: list[str] = field(default_factory=switched_off)
+    tree: Node | None = None
+    objective: float = math.inf
+    bound: float = -math.inf
+    stop: Stop = Stop.INTERRUPTED
+    tolerance: float = 0.0
+    n_nodes: int = 0
+    proven: tuple[_native.Problem, IntegerCosts, int] | None = None  # of the best bound of this search
+    resumed: Kept | None = None
+    grid: Node | None = None  # the tree from which the costs on the grid were made
+    known: KnownRow | None = None  # what was last kept of this grid
+
+    def __post_init__(self) -> None:
+        self.ranks = rank_features(self.problem)
+
+    def search(self, start: Node | None) -> None:
+        """Search until the bound meets the tree, or no grid of whole numbers is finer."""
+        self._keep(start)
+        self.grid = self.tree
+        self._resume()
+        costs = integer_costs(self.problem, self.grid)
+        while True:
+            self.stop = self._search_grid(costs)
+            self._save(costs, self.known)
+            if self.stop is not Stop.OPTIMAL or self._is_proven(costs):
+                return
+            finer = integer_costs(self.problem, self.tree)
+            if finer.exponent <= costs.exponent:
+                self.stop = Stop.NUMERICS
+                return
+            costs, self.grid, self.known = finer, self.tree, None
+
+    def _resume(self) -> None:
+        """Take up what a checkpoint holds, if there is one."""
+        if self.checkpoint is None:
+            return
+        check_writable(self.checkpoint)
+        found = read_checkpoint(self.checkpoint, self._identity())
+        if found is None:
+            return
+        self.resumed, digest = found
+        try:
+            grid, tree = (self._tree(rows) for rows in (self.resumed.grid, self.resumed.tree))
+            costs = integer_costs(self.problem, grid)
+            if digest != grid_digest(costs):
+                raise unusable(self.checkpoint, "holds costs on another grid than its tree makes")
+            if self.resumed.known is not None:
+                *row, (_, rows), sets, n_nodes = self.resumed.known
+                best = self._tree(rows, is_within=False)
+                assert best is not None
+                known = (costs.whole_objective(self.problem, best), rows_from_tree(best, self.ranks))
+                self.known = (*row, known, sets, n_nodes)  # type: ignore[assignment]
+        except (ProblemError, IndexError) as error:
+            raise unusable(self.checkpoint, f"holds a tree that is none of this problem ({error})") from error
+        self._keep(tree)
+        self.grid, self.bound = grid, self.resumed.bound
+        if self.bound > self.objective:
+            raise unusable(self.checkpoint, f"claims the bound {self.bound} above its tree's {self.objective}")
+
+    @property
+    def resumed_from(self) -> dict[str, object]:
+        """What earlier searches have spent, for the details of a solution."""
+        kept = self.resumed
+        return {} if kept is None else {"resumed_from": {"seconds": kept.seconds, "nodes": kept.n_nodes}}
+
+    def _identity(self) -> dict[str, str]:
+        problem = self.problem
+        return {
+            "version": _native.__version__,
+            "data": problem.digest(),
+            "question": question_digest(problem),
+            "off": " ".join(sorted(self.off)),
+        }
+
+    def _tree(self, rows: Sequence[NodeRow] | None, *, is_within: bool = True) -> Node | None:
+        """Return the tree of a checkpoint's rows, refused where it is none of the problem."""
+        if rows is None:
+            return None
+        tree = tree_from_rows(rows, self.ranks)
+        return feasible_incumbent(self.problem if is_within else replace(self.problem, sensor_budget=None), tree)
+
+    def _save(self, costs: IntegerCosts, known: KnownRow | None) -> None:
+        """Write the checkpoint: what is known of the root, the best tree within the budget, what was spent."""
+        if self.checkpoint is None:
+            return
+        self.known = known
+        best, n_nodes = self.tree, self.n_nodes
+        if known is not None:
+            found = tree_from_rows(known[6][1], self.ranks)
+            if self.problem.sensor_cost_of(found) <= self.problem.sensor_limit:
+                best = min((tree for tree in (found, best) if tree is not None), key=self.problem.objective)
+            n_nodes = max(n_nodes, known[-1])
+        spent = self.resumed or Kept(0.0, 0, -math.inf, None, None, None)
+        kept = Kept(
+            seconds=spent.seconds + time.perf_counter() - self.started,
+            n_nodes=spent.n_nodes + n_nodes,
+            bound=self.bound,
+            tree=None if best is None else rows_from_tree(best, self.ranks),
+            grid=None if self.grid is None else rows_from_tree(self.grid, self.ranks),
+            known=known,
+        )
+        write_checkpoint(self.checkpoint, self._identity() | {"grid": grid_digest(costs)}, kept)
+
+    def _search_grid(self, costs: IntegerCosts) -> Stop:
+        native = native_problem(self.problem, self.ranks, costs)
+        now = time.perf_counter()
+        began = self.started if self.n_nodes else now
+        before = Progress(now - began, self.objective, self.bound, self.n_nodes)
+        first = None
+        if self.tree is not None:
+            first = whole_cost(self.problem, costs, self.tree), rows_from_tree(self.tree, self.ranks)
+        saving = (CHECKPOINT_SECONDS, lambda known: self._save(costs, known), self.known)
+        try:
+            rows, _, bound, stop, n_nodes = _native.branch_and_bound(
+                native,
+                remaining(self.limits, began, self.n_nodes),
+                self.n_jobs,
+                first,
+                self.off,
+                native_progress(self.progress, costs, before),
+                None if self.checkpoint is None else saving,
+            )
+        except ValueError as error:
+            if self.checkpoint is None or not str(error).startswith("known: "):
+                raise
+            raise unusable(self.checkpoint, f"holds what cannot be proven: {error}") from error
+        self.n_nodes += n_nodes
+        lower = costs.value(bound)
+        if self.proven is None or lower > self.bound:
+            self.proven = (native, costs, bound)
+        self.bound = max(self.bound, lower)
+        found = centred(tree_from_rows(rows, self.ranks), self.problem.features)
+        self._keep(found)
+        if costs.is_rounded:
+            # Samples too light for the grid still have labels; equal in float64, the grid's own are the better ones.
+            self._keep(relabelled(self.problem, found), least=math.ulp(0.0))
+        return Stop(stop)
+
+    def _keep(self, tree: Node | None, least: float = 0.0) -> None:
+        """Take up a tree that is better by so much, by the true costs: rounded ones can rank two the wrong way."""
+        if tree is None:
+            return
+        objective = self.problem.objective(tree)
+        if math.isinf(self.objective) or self.objective - objective >= least:
+            self.tree, self.objective = tree, objective
+
+    def _is_proven(self, costs: IntegerCosts) -> bool:
+        """Whether a search to its end proves the tree optimal: what rounding may hide is less than a sample's worth."""
+        if not costs.is_rounded:
+            return True
+        tolerance = closing_tolerance(self.problem, self.objective, self.bound)
+        self.tolerance = max(0.0, tolerance)
+        return tolerance >= 0
+
+    def smaller(self) -> dict[str, str]:
+        """Replace the tree by a smaller one that costs the same, and return what is proven of it."""
+        assert self.tree is not None
+        assert self.proven is not None
+        _, costs, _ = self.proven
+        effort = Effort(self.started + self.limits.seconds, self.limits, self.n_jobs)
+        rows, ties = break_ties(self.problem, self.ranks, costs, rows_from_tree(self.tree, self.ranks), effort)
+        smaller = centred(tree_from_rows(rows, self.ranks), self.problem.features)
+        self._keep(smaller)
+        return ties if self.tree is smaller else dict(UNBROKEN)
+
+    def write_proof(self, path: Path) -> float:
+        """Write a log that proves the best bound of this search, and return that bound."""
+        assert self.proven is not None
+        native, costs, claim = self.proven
+        body = _native.prove(native, claim)
+        if body is None:
+            raise SolverError(f"the proof of the bound {costs.value(claim)} was interrupted; {path} is not written")
+        write_log(path, log_header(self.problem, costs, claim) + body + "end\n")
+        return costs.value(claim)
+
+
+def _check(problem: Problem, n_jobs: int) -> None:
+    if problem.split != "axis":
+        raise ProblemError(
+            "the exact core finds axis-aligned trees but split is 'hyperplane'; use method 'search' or 'oct_h'"
+        )
+    if n_jobs < 1:
+        raise ProblemError(f"n_jobs is {n_jobs}; expected 1 or more")

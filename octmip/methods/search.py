@@ -1,0 +1,131 @@
+"""Local search: good trees of any depth and either kind of split, without a proof; a thin wrapper of the native core.
+
+    minimise  the objective of the Problem
+    by        restarts from greedy trees; at one node after the other, in random order, the best new split with the rest
+              of the tree fixed, a leaf in its place, or one of its children in its place; exact subtrees of up to
+              three levels at the bottom; kicks out of local optima, kept when they are no worse
+    planes    lines of hyperplanes, each swept exactly; logistic fits to what each sample would rather do; all the
+              planes of a subtree made soft and moved together ("melting"); see docs/theory/search.md
+
+Every restart draws from its own random stream, told by the seed and the restart's number, so one seed gives one tree
+for any number of threads unless time runs out. The first restart begins at the greedy tree without chance, looks ahead
+with exact subtrees, and is what a hyperplane tree starts from too, so that it is never worse than the axis-aligned one.
+What is searched is the problem of `merging.py`, so rows repeated and rows weighed give one tree, whatever their order.
+Source: Bertsimas & Dunn (2019), Machine Learning Under a Modern Optimization Lens, ch. 8, for the moves at one node.
+"""
+
+import math
+import time
+from collections.abc import Callable
+
+from octmip import _native
+from octmip.encoding import integer_costs, native_problem, rows_from_tree, tree_from_rows
+from octmip.errors import ProblemError
+from octmip.methods.merging import merged
+from octmip.methods.native_call import better, feasible_incumbent, native_progress, relabelled, remaining
+from octmip.methods.polish import polished
+from octmip.problem import Problem
+from octmip.solution import Limits, ProgressCallback, Solution, Stop
+from octmip.tree import Node, centred, simplify, without_empty_sides
+
+# Restarts, and kicks in a row without a better tree that end one: hyperplanes profit from longer restarts, and small
+# axis-aligned problems from both more and longer ones, for which there is time.
+EFFORT = {"axis": (9, 16), "hyperplane": (6, 60)}
+MOST_EFFORT = (36, 48)
+SMALL = (300_000, 200_000)  # samples x features x restarts, and x kicks, up to which there are more of them
+GRACE = 0.3
+"""Seconds beyond the limit within which planes are still polished."""
+
+
+def local_search(
+    problem: Problem,
+    *,
+    limits: Limits = Limits(),  # noqa: B008 (frozen)
+    incumbent: Node | Solution | None = None,
+    seed: int = 0,
+    n_jobs: int = 1,
+    progress: ProgressCallback | None = None,
+    restarts: int | None = None,
+    kicks: int | None = None,
+) -> Solution:
+    """Return the best tree that a local search finds.
+
+    Args:
+        problem: the problem.
+        limits: wall seconds and nodes (visits to a node of the tree); a proof's limits do not apply.
+        incumbent: a tree of this problem; the first restart begins there, so the result is never worse.
+        seed: of the restarts' random streams.
+        n_jobs: threads.
+        progress: called every few hundredths of a second.
+        restarts: independent starts; by default those of `EFFORT`, more for a small axis-aligned problem, as of kicks.
+        kicks: a restart ends after so many kicks in a row without a better tree (before the better restarts are chosen
+            a quarter of that with hyperplanes, none without; twice that for the last). With `restarts=1, kicks=0` the
+            answer is quick: one descent and exact blocks of two levels.
+
+    Returns
+    -------
+    The solution; its bound is -inf, or the objective where no cost at all is left (`Stop.OPTIMAL`).
+
+    Raises
+    ------
+    ProblemError
+        `restarts` or `n_jobs` is below 1, `kicks` below 0, or the incumbent is no tree of this problem.
+    """
+    for name, value, least in (("restarts", restarts, 1), ("n_jobs", n_jobs, 1), ("kicks", kicks, 0)):
+        if value is not None and value < least:
+            raise ProblemError(f"{name} is {value}; expected {least} or more")
+    start, known = time.perf_counter(), feasible_incumbent(problem, incumbent)
+    searched, ranks = merged(problem)
+    effort, costs = _effort(searched), integer_costs(searched)
+    first = None if known is None else rows_from_tree(without_empty_sides(known, searched.features), ranks)
+    rows, _, _, stop, n_nodes = _native.search(
+        native_problem(searched, ranks, costs),
+        effort[0] if restarts is None else restarts,
+        effort[1] if kicks is None else kicks,
+        seed % 2**64,
+        n_jobs,
+        # What was spent on ranks counts, too.
+        remaining(limits, start),
+        first,
+        native_progress(progress, costs),
+    )
+    latest = start + limits.seconds + GRACE
+    tree = _finished(searched, tree_from_rows(rows, ranks), lambda: time.perf_counter() < latest)
+    tree, objective = better(problem, tree, known)
+    return Solution(
+        tree=tree,
+        objective=objective,
+        bound=0.0 if objective == 0 else -math.inf,
+        stop=_stop(stop, objective),
+        seconds=time.perf_counter() - start,
+        n_nodes=n_nodes,
+        solver="search",
+        version=_native.__version__,
+        seed=seed,
+    )
+
+
+def _effort(problem: Problem) -> tuple[int, int]:
+    """Return restarts and kicks where the caller names none."""
+    least = EFFORT[problem.split]
+    if problem.split != "axis":
+        return least
+    restarts, kicks = (
+        max(few, min(many, small // problem.features.size))
+        for few, many, small in zip(least, MOST_EFFORT, SMALL, strict=True)
+    )
+    return restarts, kicks
+
+
+def _stop(name: str, objective: float) -> Stop:
+    """Return the stop as a Solution means it: the core calls a tree optimal when its rounded costs are 0."""
+    stop = Stop(name)
+    if objective == 0 and stop is not Stop.INTERRUPTED:
+        return Stop.OPTIMAL
+    return Stop.FINISHED if stop is Stop.OPTIMAL else stop
+
+
+def _finished(problem: Problem, tree: Node, goes_on: Callable[[], bool]) -> Node:
+    """Return the tree with leaves labelled by the true costs, no idle splits, thresholds in mid-gap, simple planes."""
+    simple = simplify(relabelled(problem, tree))
+    return polished(problem, centred(simple, problem.features), goes_on)

@@ -1,0 +1,202 @@
+"""Optimal trees whose splits use one or two features, proven by branch and bound: a thin wrapper of the native core.
+
+    minimise  the objective of the Problem
+    over      trees of depth 1 or 2 whose splits are lines  a x_f + b x_g = c  or thresholds  x_f = c
+
+The bound holds for every tree whose lines are taken in exact arithmetic over the float64 values as given: nothing is
+rounded to a grid. Coordinates scaled to [0, 1] settle all samples that keep 2^-42 clear of a line; the few others are
+parted in whole numbers of as many bits as it takes. A way of parting that no float64 line does with that much room
+counts for the bound but is not returned: `Stop.NUMERICS` and `Solution.details["thin"]` then say so. See
+docs/theory/two-feature.md.
+"""
+
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip import _native
+from octmip.encoding import (
+    IntegerCosts,
+    closing_tolerance,
+    integer_costs,
+    native_problem,
+    rank_features,
+    tree_from_rows,
+)
+from octmip.errors import CertificateError, ProblemError
+from octmip.formats.files import check_writable
+from octmip.methods.native_call import (
+    better,
+    feasible_incumbent,
+    native_progress,
+    relabelled,
+    remaining,
+    switched_off,
+    whole_cost,
+    write_log,
+)
+from octmip.problem import Problem
+from octmip.proof import check_proof, log_header
+from octmip.solution import Limits, ProgressCallback, ProofError, Solution, Stop
+from octmip.tree import HyperplaneSplit, Leaf, Node, Split, goes_left, midpoint
+
+MOST_DEPTH = 2
+MOST_FEATURES = 2
+
+
+def two_feature_branch_and_bound(
+    problem: Problem,
+    *,
+    limits: Limits = Limits(),  # noqa: B008 (frozen)
+    incumbent: Node | Solution | None = None,
+    seed: int = 0,
+    n_jobs: int = 1,
+    progress: ProgressCallback | None = None,
+    proof: str | Path | None = None,
+    check_log: bool = True,
+    whole_coefficients: int | None = None,
+) -> Solution:
+    """Return a proven optimal tree, or the best tree and the bound when a limit is reached.
+
+    Args:
+        problem: of depth 1 or 2 and at most two features a split (`split_size=2`, or no more than two features).
+        limits: when to stop early.
+        incumbent: a tree of this problem; the result is never worse.
+        seed: has no effect on the optimum; kept for the record.
+        n_jobs: threads; the result does not depend on them.
+        progress: called every few hundredths of a second.
+        proof: file for a log that `octmip.proof.check_proof` verifies; it takes a second search, about as long.
+        check_log: the log is written once that check accepts it, which takes up to ten times as long; without it, it is
+            written unchecked.
+        whole_coefficients: lines get whole-numbered coefficients of at most this size wherever some part the node's
+            samples alike. A wish; `Problem.integer_normals` is a condition.
+
+    Raises
+    ------
+    ProblemError
+        the problem is deeper, allows more features in a split, or the incumbent is none of its trees.
+    ProofError
+        the proof was interrupted, or rounding leaves no room for it: no log is written; the error holds the
+        solution.
+    DataError
+        the log cannot be written.
+    """
+    _check(problem, n_jobs)
+    if proof is not None:
+        check_writable(proof)
+    start, known = time.perf_counter(), feasible_incumbent(problem, incumbent)
+    ranks, costs = rank_features(problem), integer_costs(problem, known)
+    native = native_problem(problem, ranks, costs)
+    rows, _, bound, stop, n_nodes = _native.two_feature_branch_and_bound(
+        native,
+        n_jobs,
+        # What was spent on ranks counts, too.
+        remaining(limits, start),
+        None if known is None else whole_cost(problem, costs, known),
+        seed % 2**64,
+        switched_off(),
+        whole_coefficients,
+        native_progress(progress, costs),
+    )
+    found = _centred(relabelled(problem, tree_from_rows(rows, ranks)), problem.features)
+    tree, objective = better(problem, found, known)
+    lower = costs.value(bound)
+    # Unless a limit ended the search, only rounding is left between bound and tree: a proof where it hides no sample.
+    tolerance = max(0.0, closing_tolerance(problem, objective, lower)) if stop == Stop.OPTIMAL else 0.0
+    met = lower >= objective - tolerance
+    solution = Solution(
+        tree=tree,
+        objective=objective,
+        bound=lower,
+        stop=Stop.OPTIMAL if met else _open_stop(problem, stop),
+        seconds=time.perf_counter() - start,
+        n_nodes=n_nodes,
+        solver="two-feature exact",
+        version=_native.__version__,
+        seed=seed,
+        tolerance=tolerance,
+        details=_details(problem, is_open=not met and stop == "finished"),
+    )
+    if proof is not None:
+        _write_proof(problem, native, costs, bound, (solution, n_jobs, check_log), Path(proof))
+        return replace(solution, seconds=time.perf_counter() - start)
+    return solution
+
+
+def _open_stop(problem: Problem, stop: str) -> Stop:
+    """Return why a search that did not meet its bound ended: a limit, or all boxes done and rounding in the way."""
+    if stop not in ("optimal", "finished"):
+        return Stop(stop)
+    return Stop.NUMERICS if problem.integer_normals is None else Stop.FINISHED
+
+
+def _details(problem: Problem, *, is_open: bool) -> dict[str, object]:
+    details: dict[str, object] = {"arithmetic": "float64 as given"}
+    if problem.integer_normals is not None:
+        # Trees of real coefficients include those of whole ones: their bound holds, but need not be met.
+        return details | {"coefficients": "whole; the bound is that of real ones"}
+    return details | {"thin": is_open}
+
+
+def _check(problem: Problem, n_jobs: int) -> None:
+    if problem.depth > MOST_DEPTH:
+        raise ProblemError(
+            f"depth is {problem.depth} but two-feature trees are proven to depth {MOST_DEPTH}; take method='search'"
+        )
+    if problem.max_split_size > MOST_FEATURES:
+        raise ProblemError(
+            f"a split may have {problem.max_split_size} features; expected at most {MOST_FEATURES}; say split_size=2"
+        )
+    if n_jobs < 1:
+        raise ProblemError(f"n_jobs is {n_jobs}; expected 1 or more")
+
+
+def _write_proof(
+    problem: Problem,
+    native: _native.Problem,
+    costs: IntegerCosts,
+    claim: int,
+    given: tuple[Solution, int, bool],
+    path: Path,
+) -> None:
+    """Write the log of a claim, if the checker accepts it (or is not asked); else raise a `ProofError`."""
+    solution, n_jobs, check_log = given
+    body = _native.prove_lines(native, claim, n_jobs)
+    if body is None:
+        raise _no_log(
+            path, "it was interrupted, the budget allows too many sets of sensors, or rounding decides", solution
+        )
+    header = log_header(problem, costs, claim)
+
+    def check(draft: Path) -> None:
+        check_proof(problem, draft, bound=solution.bound, n_jobs=n_jobs)
+
+    try:
+        write_log(path, header + body + "end\n", check if check_log else None)
+    except CertificateError as error:
+        raise _no_log(path, f"the checker refuses it ({error})", solution) from error
+
+
+def _no_log(path: Path, reason: str, solution: Solution) -> ProofError:
+    return ProofError(
+        f"{path} is not written: expected a log of the bound {solution.bound}, but {reason}; tree and bound stand "
+        "without it: leave the proof out, or round values that differ by less than 1e-12 of their range",
+        solution,
+    )
+
+
+def _centred(tree: Node, features: NDArray[np.float64]) -> Node:
+    """Return the tree with planes over one feature as thresholds, and those midway between the node's own samples."""
+    if isinstance(tree, Leaf):
+        return tree
+    left = goes_left(tree, features)
+    below, above = _centred(tree.left, features[left]), _centred(tree.right, features[~left])
+    if isinstance(tree, HyperplaneSplit) and len(tree.features) == 2:
+        return replace(tree, left=below, right=above)
+    values = features[:, tree.features[0]]
+    if isinstance(tree, HyperplaneSplit) and tree.coefficients[0] < 0:
+        below, above, left = above, below, ~left
+    return Split(tree.features[0], midpoint(float(values[left].max()), float(values[~left].min())), below, above)

@@ -1,0 +1,1 @@
+"""Failure: trees and detectors for sensors that fail."""

@@ -1,0 +1,1 @@
+"""Placement: which sensors to install for one label."""

@@ -1,0 +1,275 @@
+"""Placement: of many places where a sensor could sit, the few that the best tree reads.
+
+    minimise   the objective of the tree
+    over       trees of the problem whose sensors cost the budget at most
+
+Every split of a tree names its sensors, so the best tree over all candidates *is* a placement: a combination of sensors
+chosen for what they tell together, where a rule of thumb ranks them one by one. `placement_frontier` says what each
+further sensor is worth, `placement_on` what another choice of sensors would have told.
+
+Bounds. Axis-aligned trees are proven by the exact core over all sets of sensors. For hyperplanes a bound of a wider
+problem serves: whatever the sensors, a tree of depth d predicts 2^d classes at most (`label_bound`), and costs of
+disjoint parts of the samples add up (`sample_bound`). Neither is tight where a tree has leaves enough for all classes.
+"""
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+from typing import Any, Literal
+
+import numpy as np
+
+from octmip.errors import ProblemError
+from octmip.problem import Problem
+from octmip.solution import Limits, Solution, Stop
+from octmip.solver import Method, solve
+from octmip.tradeoff import Point, trace_frontier
+from octmip.tradeoff.path import NO_OPTIONS
+from octmip.tree import Leaf, Node, Split
+
+MOST_LABEL_SETS = 20_000  # of which label_bound tries each
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Placement:
+    """Sensors that were chosen, and the tree that reads them.
+
+    Attributes
+    ----------
+    sensors
+        names of the sensors that are installed, in the order of the candidates.
+    cost
+        of those sensors.
+    problem
+        the problem with the features of those sensors alone, or of all candidates where the tree chose.
+    solution
+        its tree, in the features of `problem`.
+    """
+
+    sensors: tuple[str, ...]
+    cost: float
+    problem: Problem
+    solution: Solution
+
+
+def place_sensors(
+    problem: Problem,
+    *,
+    starts: Iterable[Iterable[str]] = (),
+    method: Method = "auto",
+    limits: Limits = Limits(),  # noqa: B008 (frozen)
+    seed: int = 0,
+    n_jobs: int = 1,
+    options: Mapping[str, Any] = NO_OPTIONS,
+) -> Placement:
+    """Return the sensors that the best tree over all candidates reads, within `problem.sensor_budget` if it has one.
+
+    Args:
+        problem: its features are those of all candidates.
+        starts: sets of sensors, for instance other ways to choose them (`octmip.sensing.placement.designs`), each within the
+            budget. Their trees are found first, and the best of them is where the search over all candidates begins:
+            so it is never worse than any of them, which a search by itself does not promise.
+        method, limits, seed, n_jobs, options: of each solve, see `octmip.solve`.
+
+    Raises
+    ------
+    ProblemError
+        a start names a sensor that is not there, or breaks the budget.
+    SolverError
+        a solver failed.
+    """
+    settings: dict[str, Any] = {"method": method, "limits": limits, "seed": seed, "n_jobs": n_jobs, "options": options}
+    known = [placement_on(problem, sensors, **settings) for sensors in starts]
+    known = [placement for placement in known if placement.solution.tree is not None]
+    best = min(known, key=lambda placement: placement.solution.objective, default=None)
+    first = None if best is None else _among_all(best, problem)
+    solution = solve(problem, method, limits, first, seed, n_jobs, None, options)
+    if solution.tree is None:
+        return Placement((), 0.0, problem, solution)
+    sensors = problem.sensors_used(solution.tree)
+    return Placement(sensors, problem.sensor_cost_of(solution.tree), problem, solution)
+
+
+def _among_all(placement: Placement, problem: Problem) -> Node:
+    """Return the tree of a placement on some sensors, its features those of the problem with all."""
+    index = [problem.feature_names.index(name) for name in placement.problem.feature_names]
+
+    def renamed(tree: Node) -> Node:
+        if isinstance(tree, Leaf):
+            return tree
+        left, right = renamed(tree.left), renamed(tree.right)
+        if isinstance(tree, Split):
+            return replace(tree, feature=index[tree.feature], left=left, right=right)
+        return replace(tree, features=tuple(index[j] for j in tree.features), left=left, right=right)
+
+    assert placement.solution.tree is not None  # those without are left out
+    return renamed(placement.solution.tree)
+
+
+def placement_on(
+    problem: Problem,
+    sensors: Iterable[str],
+    *,
+    method: Method = "auto",
+    limits: Limits = Limits(),  # noqa: B008 (frozen)
+    seed: int = 0,
+    n_jobs: int = 1,
+    options: Mapping[str, Any] = NO_OPTIONS,
+) -> Placement:
+    """Return these sensors with the best tree that reads no others; the other args are those of `octmip.solve`.
+
+    Raises
+    ------
+    ProblemError
+        a sensor is not one of the problem's, or there is none.
+    SolverError
+        as `octmip.solve`.
+    """
+    part = problem_on(problem, sensors)
+    return Placement(
+        part.sensors,
+        math.fsum(part.sensor_costs),
+        part,
+        solve(part, method, limits, None, seed, n_jobs, None, options),
+    )
+
+
+def problem_on(problem: Problem, sensors: Iterable[str]) -> Problem:
+    """Return the problem with the features of some sensors alone.
+
+    Raises
+    ------
+    ProblemError
+        a sensor is not one of the problem's, or there is none.
+    """
+    wanted = set(sensors)
+    unknown = sorted(wanted - set(problem.sensors))
+    if unknown or not wanted:
+        raise ProblemError(f"sensors names {unknown or 'none'}; expected some of the problem's {len(problem.sensors)}")
+    assert problem.sensor_of_feature is not None  # filled in by Problem
+    kept = [j for j, name in enumerate(problem.sensor_of_feature) if name in wanted]
+    groups: Any = problem.allowed_splits
+    if groups is not None:
+        groups = [[kept.index(j) for j in group if j in kept] for group in groups]
+        groups = [group for group in groups if group]
+    costs = dict(zip(problem.sensors, problem.sensor_costs.tolist(), strict=True))
+    return replace(
+        problem,
+        features=problem.features[:, kept],
+        feature_names=tuple(problem.feature_names[j] for j in kept),
+        sensor_of_feature=[problem.sensor_of_feature[j] for j in kept],
+        sensor_cost={name: cost for name, cost in costs.items() if name in wanted},
+        allowed_splits=groups,
+    )
+
+
+def placement_frontier(
+    problem: Problem,
+    over: Literal["number", "cost"] = "number",
+    values: Sequence[float] | None = None,
+    *,
+    method: Method = "auto",
+    limits: Limits = Limits(),  # noqa: B008 (frozen)
+    bound: float = 0.0,
+    seed: int = 0,
+    n_jobs: int = 1,
+    options: Mapping[str, Any] = NO_OPTIONS,
+) -> list[Point]:
+    """Return the best tree for each number of sensors, or for each cost that they may have together.
+
+    Args:
+        problem: its `sensor_budget` is not used.
+        over: "number": every sensor counts 1; "cost": the problem's sensor costs.
+        values: numbers or costs; None: 1, 2, ... to as many as a tree of this depth can read.
+        bound: a lower bound that is known for the problem without a budget, for instance from `sample_bound`.
+        method, limits, seed, n_jobs, options: of each solve, see `octmip.solve`.
+
+    Returns
+    -------
+    One point a value, ascending; the bound of each is the best of its solver's, of the wider points', of
+    `label_bound` and of `bound`.
+
+    Raises
+    ------
+    ProblemError
+        costs differ and no values are given, or a value makes no problem.
+    SolverError
+        as `octmip.solve`.
+    """
+    counted = replace(problem, sensor_cost=None) if over == "number" else problem
+    points = trace_frontier(
+        counted, "budget", values, method=method, limits=limits, seed=seed, n_jobs=n_jobs, options=options
+    )
+    known = max(bound, label_bound(problem))
+    return [replace(point, solution=_bounded(point.solution, known)) for point in points]
+
+
+def _bounded(solution: Solution, bound: float) -> Solution:
+    if bound <= solution.bound or solution.tree is None:
+        return solution
+    better = replace(solution, bound=min(bound, solution.objective))
+    return replace(better, stop=Stop.OPTIMAL) if better.is_optimal else better
+
+
+def label_bound(problem: Problem) -> float:
+    """Return what no tree of the problem's depth goes below, whatever it reads: it predicts 2^depth classes at most.
+
+    The least cost over the sets of so many classes when every sample gets the cheapest class of the set; 0 or more.
+    """
+    n_leaves, n_classes = 2**problem.depth, problem.n_classes
+    paid = np.bincount(problem.codes, problem.weights, n_classes)
+    size = min(n_leaves, n_classes)
+    if math.comb(n_classes, size) > MOST_LABEL_SETS:
+        return 0.0
+    sets = combinations(range(n_classes), size)
+    least = min(float(paid @ problem.costs[:, list(chosen)].min(axis=1)) for chosen in sets)
+    # Whole numbers are exact; each term of another sum may be rounded up, and a bound must not be.
+    return least if problem.has_integer_costs else least * (1 - (problem.n_samples + n_classes + 2) * 2.0**-52)
+
+
+def sample_bound(
+    problem: Problem,
+    block_size: int,
+    n_blocks: int = 1,
+    *,
+    method: Method = "flow",
+    limits: Limits = Limits(),  # noqa: B008 (frozen)
+    seed: int = 0,
+    n_jobs: int = 1,
+) -> float:
+    """Return a lower bound of a problem that is too large to be proven, from proofs on some of its samples.
+
+    A tree costs on all samples what it costs on disjoint blocks of them together, at least; on each block it is a tree
+    of the block's problem (splits that part nothing there left out; leaves of any size; no penalty). So the blocks'
+    bounds add up. With few samples and many features in a split a tree parts a block wholly, and the bound is 0.
+
+    Args:
+        problem: the problem; its budget holds for the blocks too where the method knows budgets.
+        block_size, n_blocks: rows of a block, drawn at random without return, and how many blocks.
+        method, limits, seed, n_jobs: of each block's solve. "flow" is the strengthened OCT-H, "oct_h" OCT-H as printed.
+
+    Raises
+    ------
+    ProblemError
+        the blocks are empty or hold more rows than there are.
+    """
+    if block_size < 1 or n_blocks < 1 or block_size * n_blocks > problem.n_samples:
+        raise ProblemError(
+            f"{n_blocks} blocks of {block_size} rows are {n_blocks * block_size}; expected 1 to {problem.n_samples}"
+        )
+    rows = np.random.default_rng(seed).permutation(problem.n_samples)[: block_size * n_blocks]
+    total = []
+    for block in rows.reshape(n_blocks, block_size):
+        if len(set(problem.codes[block])) > 1 and problem.weights[block].any():
+            part = replace(
+                problem,
+                features=problem.features[block],
+                labels=problem.labels[block],
+                weights=problem.weights[block],
+                leaf_size=1,
+                leaf_penalty=0.0,
+            )
+            total.append(max(0.0, solve(part, method, limits, None, seed, n_jobs).bound))
+    total_cost = math.fsum(total)
+    return total_cost if problem.has_integer_costs else math.nextafter(total_cost, -math.inf)

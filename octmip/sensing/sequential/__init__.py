@@ -1,0 +1,1 @@
+"""Sequential sensing: sensors read one after the other and paid for when they are read."""

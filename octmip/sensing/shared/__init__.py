@@ -1,0 +1,1 @@
+"""Shared sensors: trees for several labels under one budget."""

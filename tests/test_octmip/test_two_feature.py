@@ -1,0 +1,207 @@
+"""Two-feature splits: the proven optimum against enumeration, and what the returned tree must hold."""
+
+import signal
+import threading
+from typing import Any
+
+import numpy as np
+import pytest
+
+from benchmarks.oracles.two_feature import best_objective
+from benchmarks.oracles.two_feature_problems import random_two_feature_problem
+from octmip import Limits, Problem, Stop, certify
+from octmip.errors import ProblemError
+from octmip.methods.two_feature import two_feature_branch_and_bound
+from octmip.problem import Problem as AnyProblem
+from octmip.solver import solve
+from octmip.tree import HyperplaneSplit, Split, splits
+
+
+def solve_and_certify(problem: AnyProblem, **options: object) -> float:
+    solution = two_feature_branch_and_bound(problem, **options)  # type: ignore[arg-type]
+    certify(problem, solution)
+    assert solution.is_optimal, solution
+    return solution.objective
+
+
+@pytest.mark.parametrize(("depth", "max_samples", "n_problems"), [(1, 12, 150), (2, 9, 150)])
+def test_random_problems_reach_the_optimum_of_enumeration(depth: int, max_samples: int, n_problems: int) -> None:
+    for seed in range(n_problems):
+        problem = random_two_feature_problem(np.random.default_rng(seed), depth=depth, max_samples=max_samples)
+        assert solve_and_certify(problem) == best_objective(problem), f"seed {seed}"
+
+
+def test_a_point_one_unit_in_the_last_place_off_a_line_counts_as_off_it() -> None:
+    # The middle point lies above the diagonal by 2^-52: exact arithmetic parts it, and so does a float64 line.
+    options: dict[str, Any] = {"depth": 1, "split": "hyperplane", "leaf_penalty": 0.1}
+    problem = Problem([[0, 0], [1, np.nextafter(1, 2)], [2, 2]], [0, 1, 0], **options)
+    on_line = Problem([[0, 0], [1, 1], [2, 2]], [0, 1, 0], **options)
+    assert best_objective(problem) < best_objective(on_line) == solve_and_certify(on_line)
+    assert two_feature_branch_and_bound(problem).bound == pytest.approx(best_objective(problem), abs=1e-6)
+
+
+def test_the_line_is_the_one_with_the_widest_margin() -> None:
+    problem = Problem([[0, 0], [0, 2], [4, 0], [4, 2]], [0, 0, 1, 1], depth=1, split="hyperplane")
+    tree = two_feature_branch_and_bound(problem).tree
+    assert tree is not None
+    (split,) = splits(tree)
+    assert isinstance(split, Split)
+    assert (split.feature, split.threshold) == (0, 2.0)
+    # Stretched to a range of 1, the classes are a segment from (0, 0) to (0, 1/3) and a triangle beyond x + y = 1. The
+    # widest gap is from (0, 1/3) to that edge: the line is x + y = 2/3 there, x + y/3 = 2/3 here.
+    tilted = Problem([[0, 0], [1, 0], [0, 3], [1, 3], [0, 1], [1, 2]], [0, 1, 1, 1, 0, 1], depth=1, split="hyperplane")
+    tree = two_feature_branch_and_bound(tilted).tree
+    assert tree is not None
+    (split,) = splits(tree)
+    assert isinstance(split, HyperplaneSplit)
+    assert np.array(split.coefficients) / split.offset == pytest.approx([1.5, 0.5])
+    assert solve_and_certify(tilted) == 0
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"depth": 3}, "depth is 3"),
+        ({"depth": 1, "split_size": 3}, "3 features"),
+    ],
+)
+def test_what_is_not_proven_is_refused(options: dict[str, int], message: str) -> None:
+    problem = Problem(np.eye(4), [0, 1, 0, 1], split="hyperplane", **options)  # type: ignore[arg-type]
+    with pytest.raises(ProblemError, match=message):
+        two_feature_branch_and_bound(problem)
+
+
+def published_like(n: int, p: int) -> Problem:
+    """Return a problem of five overlapping classes, like the strains' damage levels."""
+    rng = np.random.default_rng(5)
+    level = rng.integers(0, 5, n)
+    gains = np.linspace(2.0, 0.5, p)
+    features = level[:, None] * gains + rng.normal(scale=1.5, size=(n, p))
+    return Problem(features, level, depth=2, split="hyperplane", split_size=2)
+
+
+def test_tree_bound_and_counters_do_not_depend_on_the_number_of_threads() -> None:
+    problem = published_like(120, 3)
+    one, two, three = (two_feature_branch_and_bound(problem, n_jobs=n) for n in (1, 2, 3))
+    assert one.is_optimal
+    assert one.tree == two.tree == three.tree
+    assert (one.objective, one.bound, one.n_nodes) == (two.objective, two.bound, two.n_nodes)
+    assert one.n_nodes == three.n_nodes
+
+
+def test_a_known_tree_is_never_made_worse_and_its_proof_needs_no_more_boxes() -> None:
+    problem = published_like(80, 2)
+    first = two_feature_branch_and_bound(problem)
+    again = two_feature_branch_and_bound(problem, incumbent=first.tree)
+    assert again.is_optimal
+    assert again.objective == first.objective
+    assert again.n_nodes <= first.n_nodes
+
+
+def test_the_bound_rises_and_stays_below_the_optimum_when_nodes_run_out() -> None:
+    problem = published_like(150, 3)
+    optimum = two_feature_branch_and_bound(problem).objective
+    bounds = [two_feature_branch_and_bound(problem, limits=Limits(nodes=n)).bound for n in (1, 300, 1000)]
+    assert bounds == sorted(bounds)
+    assert all(bound <= optimum for bound in bounds)
+
+
+def test_a_time_limit_of_nothing_returns_a_tree_and_a_valid_bound() -> None:
+    rng = np.random.default_rng(0)
+    problem = Problem(rng.normal(size=(3000, 8)), rng.integers(0, 3, 3000), depth=1, split="hyperplane", split_size=2)
+    solution = two_feature_branch_and_bound(problem, limits=Limits(seconds=0.0))
+    certify(problem, solution)
+    assert solution.stop in (Stop.TIME, Stop.OPTIMAL)
+
+
+def test_the_method_exact_proves_two_feature_trees() -> None:
+    problem = published_like(60, 2)
+    solution = solve(problem, "exact")
+    assert solution.is_optimal
+    assert solution.objective == two_feature_branch_and_bound(problem).objective
+
+
+def test_the_bound_shown_while_running_rises_and_never_passes_the_objective() -> None:
+    seen: list[tuple[float, float]] = []
+    two_feature_branch_and_bound(
+        published_like(1500, 8),
+        limits=Limits(seconds=2.0),
+        progress=lambda state: seen.append((state.bound, state.objective)),
+    )
+    bounds = [bound for bound, _ in seen]
+    assert bounds == sorted(bounds)
+    assert all(bound <= objective for bound, objective in seen)
+
+
+def test_ctrl_c_returns_the_best_tree_and_a_bound() -> None:
+    problem = published_like(1500, 8)
+    timer = threading.Timer(0.5, signal.raise_signal, [signal.SIGINT])
+    timer.start()
+    solution = two_feature_branch_and_bound(problem)
+    timer.join()
+    assert solution.stop is Stop.INTERRUPTED
+    certify(problem, solution)
+
+
+def parted_by(seed: int) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any], int]:
+    """Return samples, their sides of a line with whole-numbered coefficients, and the limit of these."""
+    rng = np.random.default_rng([80, seed])
+    most, n = int(rng.integers(1, 12)), int(rng.integers(4, 200))
+    features = rng.normal(size=(n, 2)) * rng.uniform(0.1, 100, 2)
+    reach = features @ rng.choice([-1, 1], 2) * most if seed % 9 == 0 else features @ rng.integers(-most, most + 1, 2)
+    return features, (reach > 0.3 * rng.normal() * np.abs(reach).mean()).astype(int), most
+
+
+def test_whole_numbered_coefficients_are_found_wherever_some_part_the_samples_alike() -> None:
+    asked = 0
+    for seed in range(60):
+        features, labels, most = parted_by(seed)
+        if len(set(labels.tolist())) == 2:
+            asked += 1
+            problem = Problem(features, labels, depth=1, split="hyperplane", integer_normals=most)
+            assert solve_and_certify(problem) == 0, f"seed {seed}"
+    assert asked > 50
+
+
+def test_whole_numbered_coefficients_may_be_a_wish() -> None:
+    features, labels, most = parted_by(3)
+    problem = Problem(features, labels, depth=1, split="hyperplane")
+    for wish in (most, 1):
+        tree = two_feature_branch_and_bound(problem, whole_coefficients=wish).tree
+        assert tree is not None
+        (split,) = splits(tree)
+        is_whole = isinstance(split, HyperplaneSplit) and all(c == round(c) for c in split.coefficients)
+        assert is_whole == (wish == most)
+
+
+def test_where_no_whole_numbered_coefficients_do_the_bound_is_that_of_real_ones() -> None:
+    features, labels, most = parted_by(3)
+    assert most > 1
+    solution = two_feature_branch_and_bound(
+        Problem(features, labels, depth=1, split="hyperplane", integer_normals=1, leaf_penalty=0)
+    )
+    assert solution.bound == 0 < solution.objective
+    assert solution.stop is Stop.FINISHED
+    assert solution.details["coefficients"] == "whole; the bound is that of real ones"
+
+
+@pytest.mark.parametrize("budget", [1.0, 2.0, 3.0])
+def test_a_sensor_budget_binds_the_whole_tree(budget: float) -> None:
+    rng = np.random.default_rng(8)
+    problem = Problem(
+        rng.integers(0, 5, (9, 3)),
+        rng.integers(0, 3, 9),
+        depth=2,
+        split="hyperplane",
+        split_size=2,
+        sensor_budget=budget,
+        class_names=(0, 1, 2),
+    )
+    assert solve_and_certify(problem) == best_objective(problem)
+
+
+def test_a_memory_limit_stops_the_search_with_a_tree_and_a_bound() -> None:
+    problem = published_like(400, 6)
+    solution = two_feature_branch_and_bound(problem, limits=Limits(memory=2e6))
+    certify(problem, solution)
+    assert solution.stop is Stop.MEMORY

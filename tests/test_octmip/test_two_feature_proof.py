@@ -1,0 +1,90 @@
+"""Proof logs of two-feature trees: accepted where they are true, refused with line and reason elsewhere."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from benchmarks.cases.fuzz.two_feature_proofs import corrupted
+from benchmarks.oracles.two_feature import best_objective
+from benchmarks.oracles.two_feature_problems import clouds, random_two_feature_problem
+from octmip import Problem
+from octmip.errors import CertificateError, ProblemError
+from octmip.methods.two_feature import two_feature_branch_and_bound
+from octmip.proof import check_proof
+
+
+@pytest.mark.parametrize(("depth", "first"), [(1, 0), (2, 0), (2, 75)])
+def test_every_log_proves_the_optimum_of_enumeration(depth: int, first: int, tmp_path: Path) -> None:
+    path = tmp_path / "proof.log"
+    for seed in range(first, first + 75):
+        rng = np.random.default_rng([71, depth, seed])
+        problem = random_two_feature_problem(rng, depth=depth, max_samples=9)
+        solution = two_feature_branch_and_bound(problem, proof=path)
+        report = check_proof(problem, path, bound=solution.bound)
+        assert report.bound == pytest.approx(best_objective(problem), rel=1e-12), f"seed {seed}"
+
+
+@pytest.mark.parametrize("first", [2000, 2040, 2080])
+def test_no_corruption_that_changes_the_claim_is_accepted(first: int) -> None:
+    assert not [seed for seed in range(first, first + 40) if corrupted(seed)[1] == "wrong"]
+
+
+def test_logs_of_larger_problems_are_checked_on_several_threads(tmp_path: Path) -> None:
+    path = tmp_path / "proof.log"
+    for seed in (2, 6, 9):
+        problem = clouds(seed, most_samples=140)
+        solution = two_feature_branch_and_bound(problem, proof=path, n_jobs=2)
+        assert check_proof(problem, path, n_jobs=2).bound == solution.objective
+
+
+def log_of(problem: Problem, path: Path) -> list[str]:
+    two_feature_branch_and_bound(problem, proof=path)
+    return path.read_text().split("\n")
+
+
+@pytest.mark.parametrize(
+    ("change", "complaint"),
+    [
+        (lambda lines: ["octmip-proof 3", *lines[1:]], 'line 1: got "octmip-proof 3", expected "octmip-proof 3 two-f'),
+        (lambda lines: [*lines[:5], *lines[6:]], 'line 6: got .*, expected "C 0 1"'),
+        (lambda lines: [*lines[:-2], ""], "expected end"),
+        (lambda lines: [*lines[:6], "N 99 99", *lines[7:]], "is not proven to cost 99|expected the next chart"),
+        (lambda lines: [*lines[:6], "F", *lines[7:]], "line 7: both children may hold 1 samples"),
+        (lambda lines: [*lines[:6], "T 3", *lines[7:]], "line 7: t = 3 is outside the cell"),
+        (lambda lines: [*lines[:6], "T up", *lines[7:]], 'line 7: expected 1 numbers, got "up"'),
+        (lambda lines: [*lines[:4], f"claim {int(lines[4][6:]) + 1}", *lines[5:]], "line .*: "),
+    ],
+)
+def test_a_log_is_refused_with_its_line_and_the_reason(change, complaint, tmp_path) -> None:  # type: ignore[no-untyped-def]
+    problem = clouds(2, most_samples=100)
+    path = tmp_path / "proof.log"
+    lines = log_of(problem, path)
+    path.write_text("\n".join(change(lines)))
+    with pytest.raises(CertificateError, match=complaint):
+        check_proof(problem, path)
+
+
+def test_a_log_is_bound_to_its_samples_and_its_question(tmp_path: Path) -> None:
+    problem = clouds(2, most_samples=100)
+    path = tmp_path / "proof.log"
+    log_of(problem, path)
+    other = Problem(problem.features * 2, problem.labels, depth=2, split="hyperplane", split_size=2)
+    with pytest.raises(CertificateError, match="line 2"):
+        check_proof(other, path)
+    dearer = Problem(problem.features, problem.labels, depth=2, split="hyperplane", split_size=2, leaf_penalty=1)
+    with pytest.raises(CertificateError, match="line 3"):
+        check_proof(dearer, path)
+
+
+def test_values_however_far_apart_are_proven(tmp_path: Path) -> None:
+    problem = Problem([[1e-200, 0], [1e200, 1], [1, 2]], [0, 1, 0], depth=1, split="hyperplane")
+    path = tmp_path / "proof.log"
+    log_of(problem, path)
+    assert check_proof(problem, path).bound == best_objective(problem) == 0
+
+
+def test_deeper_trees_have_no_logs() -> None:
+    problem = Problem(np.eye(4), [0, 1, 0, 1], depth=3, split="hyperplane", split_size=2)
+    with pytest.raises(ProblemError, match="depth 3 with 2 features a split has no proof log"):
+        check_proof(problem, "nowhere.log")

@@ -1,0 +1,189 @@
+"""Two-feature trees and their logs over the whole range of float64: bounds that were wrong, logs that were refused."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from benchmarks.oracles.two_feature import best_objective
+from octmip import Limits, Problem, Stop, certify
+from octmip.cli import main
+from octmip.errors import CertificateError
+from octmip.methods.two_feature import two_feature_branch_and_bound
+from octmip.proof import check_proof
+from octmip.solution import ProofError
+
+# Features, labels, options of small problems; the name says what was wrong.
+CASES: dict[str, tuple[list[list[float]], list[int], dict[str, Any]]] = {
+    # An empty side was learnt to cost as much as was asked of it, and with it every set of samples.
+    "one split is the optimum but two were proven": (
+        [
+            [1.7976931348623157e308, 0.10000000000000002],
+            [1e-13, -0.0],
+            [0.9999999999999999, 2.0],
+            [0.9999999999999999, 2.0],
+            [5e-324, 0.09999999999999999],
+            [1e-300, -5e-324],
+            [-1e300, 2.0000000000000004],
+        ],
+        [0, 0, 0, 1, 1, 1, 1],
+        {"weights": [7.0, 6.0, 10.0, 9.0, 6.0, 7.0, 8.0], "leaf_penalty": 0.5, "class_names": (0, 1)},
+    ),
+    # The writer took a sample for open that the checker had settled, so their ways had other names.
+    "a sample 1e-13 from an edge": (
+        [
+            [0.0, 1.0000000000000002, 3.8560894053302093e-10],
+            [-4.440892098500626e-16, 0.10000000000000002, -1.9280447026651046e-10],
+            [0.0, 1.0000000000000002, 3.8560894053302093e-10],
+            [-1.52587890625e-05, 0.1, 1.0],
+            [0.001953125, 2.0000000000000004, 1.0],
+            [7.62939453125e-06, 1.0000000000000002, 1.0],
+            [0.0, 1.0000000000000004, 2.0],
+        ],
+        [0, 1, 2, 1, 0, 0, 1],
+        {"leaf_size": 2, "sensor_budget": 2.0},
+    ),
+    "values from 1e-190 to 1e141": (
+        [
+            [4.0, -6.716626944277633e-87],
+            [1.0, -1.1172399968126179e83],
+            [5.0, -1.3237868910387924e-184],
+            [5.0, 9.289304146671652e92],
+            [3.0, 8.075412053833495e141],
+            [0.0, 8.832015700196747e-191],
+        ],
+        [0, 2, 1, 2, 3, 0],
+        {},
+    ),
+    "lines that cross at t = 1e-300": (
+        [[0, 1.0000000000000002], [2, 2.2250738585072014e-308], [1, -1e300], [0, -5e-324], [3, 3], [1, 3], [3, 3]],
+        [0, 0, 1, 0, 2, 1, 1],
+        {"weights": [10.0, 9.0, 6.0, 40.0, 42.0, 43.0, 37.0], "sensor_budget": 2.0},
+    ),
+    "the least numbers there are": (
+        [[-1e-323, -5e-324], [2e-323, 1e-323], [1e-323, 5e-324], [-2e-323, -1e-323], [3e-323, 1.5e-323], [0, 0]],
+        [0, 2, 0, 2, 1, 1],
+        {},
+    ),
+    "the least numbers there are, none of them zero": (
+        [[5e-324, 1e-323], [1e-323, 5e-324], [1.5e-323, 1.5e-323], [2e-323, 5e-324], [5e-324, 2e-323]],
+        [0, 1, 0, 2, 1],
+        {},
+    ),
+    "thirty points on one line, half of them of each class": (
+        [[k / 8, 1e-200 * k] for k in range(30)],
+        [k % 2 for k in range(30)],
+        {"depth": 1},
+    ),
+}
+
+
+def problem_of(case: str) -> Problem:
+    features, labels, options = CASES[case]
+    options = {"depth": 2, "split": "hyperplane", "split_size": 2, "class_names": tuple(range(5))} | options
+    return Problem(features, labels, **options)
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_the_bound_is_true_and_its_log_is_accepted(case: str, tmp_path: Path) -> None:
+    problem = problem_of(case)
+    solution = two_feature_branch_and_bound(problem, proof=tmp_path / "log", check_log=False)
+    certify(problem, solution)
+    optimum = best_objective(problem) if problem.n_samples < 20 else 14.0
+    assert solution.bound <= optimum <= solution.objective
+    assert solution.is_optimal or solution.stop is Stop.NUMERICS
+    assert check_proof(problem, tmp_path / "log", bound=solution.bound).bound == solution.bound
+
+
+def wide_problem(rng: np.random.Generator) -> Problem:
+    """Return a problem of up to five samples with clusters, one-ulp neighbours and values of any size."""
+    n = int(rng.integers(3, 6))
+    kinds = [
+        lambda: rng.choice([-1, 1], n) * 10.0 ** rng.uniform(-300, 300, n),
+        lambda: np.nextafter(rng.integers(0, 3, n), rng.choice([-9, 9], n)),
+        lambda: rng.choice([0, 5e-324, -5e-324, 1e-300, 1, 1 - 2**-53, 1e300, -1.7976931348623157e308], n),
+        lambda: rng.integers(0, 3, n) + rng.integers(-2, 3, n) * 10.0 ** rng.uniform(-16, -9),
+        lambda: rng.integers(0, 3, n).astype(float),
+    ]
+    x = kinds[rng.integers(len(kinds))]()
+    y = kinds[rng.integers(len(kinds))]()
+    if rng.random() < 0.3:
+        y = x / 2 + rng.integers(-1, 2, n) * 1e-13
+    labels = rng.integers(0, 3, n)
+    labels[:2] = 0, 1
+    options: dict[str, Any] = {"leaf_penalty": float(rng.integers(0, 2))}
+    if rng.random() < 0.3:
+        options["leaf_size"] = 2
+    return Problem(
+        np.column_stack([x, y]), labels, depth=2, split="hyperplane", class_names=(0, 1, 2), split_size=2, **options
+    )
+
+
+def test_random_problems_over_all_of_float64_have_true_bounds_and_accepted_logs(tmp_path: Path) -> None:
+    for seed in range(60):
+        problem = wide_problem(np.random.default_rng([90, seed]))
+        path = tmp_path / "log"
+        solution = two_feature_branch_and_bound(problem, proof=path, check_log=False, limits=Limits(nodes=500))
+        optimum = best_objective(problem)
+        assert solution.bound <= optimum <= solution.objective, f"seed {seed}"
+        assert not solution.is_optimal or solution.objective == optimum, f"seed {seed}"
+        assert check_proof(problem, path).bound == solution.bound, f"seed {seed}"
+
+
+def test_a_tolerance_that_a_sample_could_hide_in_proves_nothing() -> None:
+    problem = Problem(
+        [[0, 0], [1, 1], [2, 0], [3, 1]], [0, 1, 0, 1], weights=[1e17, 1e-9, 3e17, 0.1], depth=1, split="hyperplane"
+    )
+    solution = two_feature_branch_and_bound(problem)
+    certify(problem, solution)
+    assert solution.is_optimal or (solution.stop is Stop.NUMERICS and solution.tolerance == 0)
+
+
+def test_a_bound_of_more_digits_than_float64_holds_is_rounded_down() -> None:
+    # One leaf is wrong by 2^54 + 2 + 1, which float64 would round up.
+    problem = Problem(
+        [[0, 0], [0, 0], [0, 0], [1, 1]],
+        [0, 1, 1, 1],
+        weights=[2.0**55, 2.0**54 + 4, 3.0, 0.5],
+        depth=1,
+        split="hyperplane",
+        leaf_penalty=2.0**56,
+    )
+    solution = two_feature_branch_and_bound(problem)
+    assert int(2 * solution.bound) <= 2 * (2**54 + 4 + 3) + 1
+
+
+def test_a_log_that_the_checker_refuses_is_not_written_and_the_solution_stays(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise CertificateError("line 7: a child is not proven to cost 5")
+
+    monkeypatch.setattr("octmip.methods.two_feature.check_proof", refuse)
+    problem = problem_of("the least numbers there are")
+    path = tmp_path / "proof.log"
+    with pytest.raises(ProofError, match=r"not written: expected a log of the bound .*not proven to cost 5"):
+        two_feature_branch_and_bound(problem, proof=path)
+    assert list(tmp_path.iterdir()) == []
+    table, tree = tmp_path / "data.csv", tmp_path / "tree.json"
+    table.write_text("a,b,y\n0,0,x\n1,0,z\n0,1,z\n1,1,x\n")
+    words = ["--label", "y", "--depth", "1", "--split", "hyperplane", "--split-size", "2", "--method", "exact"]
+    code = main(["solve", str(table), *words, "--proof", str(path), "--out", str(tree)])
+    said = capsys.readouterr()
+    assert code == 1
+    assert tree.exists()
+    assert not path.exists()
+    assert "samples wrong" in said.out
+    assert "proof.log is not written" in said.err
+
+
+def test_boxes_within_boxes_without_end_are_refused(tmp_path: Path) -> None:
+    problem = problem_of("a sample 1e-13 from an edge")
+    path = tmp_path / "proof.log"
+    two_feature_branch_and_bound(problem, proof=path)
+    lines = path.read_text().split("\n")
+    first = next(row for row, line in enumerate(lines) if line.startswith(("T ", "R ")))
+    path.write_text("\n".join([*lines[:first], *["R 0 0"] * 200_000, *lines[first:]]))
+    with pytest.raises(CertificateError, match="expected 1000 boxes in one another at most"):
+        check_proof(problem, path)
