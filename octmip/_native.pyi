@@ -110,7 +110,7 @@ def two_feature_prunes() -> list[str]:
 def prove_lines(problem: Problem, claim: int, n_threads: int) -> str | None:
     """Return the body of a log that proves a claim about two-feature trees, None when stopped or not shown."""
 
-def acquisition(
+def sequential(
     ranks: NDArray[np.uint32],
     paid: NDArray[np.float64],
     frequency: NDArray[np.float64],
