@@ -3,10 +3,10 @@
 import dataclasses
 from collections import Counter
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
+from benchmarks.tables import Line
 from octmip.problem import Problem
 
 HEADER = 5  # lines
@@ -58,21 +58,21 @@ def number(rng: np.random.Generator, lines: list[str]) -> None:
 
 def changed_data(rng: np.random.Generator, problem: Problem) -> Problem:
     """Return the problem with one feature value, label or weight changed."""
-    arrays = {"features": problem.features.copy(), "codes": problem.codes.copy(), "weights": problem.weights.copy()}
+    features, codes, weights = problem.features.copy(), problem.codes.copy(), problem.weights.copy()
     row = int(rng.integers(problem.n_samples))
-    name = str(rng.choice(list(arrays)))
+    name = str(rng.choice(["features", "codes", "weights"]))
     if name == "features":
-        arrays[name][row, int(rng.integers(problem.n_features))] = rng.normal()
+        features[row, int(rng.integers(problem.n_features))] = rng.normal()
     elif name == "codes":
-        arrays[name][row] = (arrays[name][row] + 1) % problem.n_classes
-        arrays[name] = problem.codes if len(set(arrays[name].tolist())) < 2 else arrays[name]
+        codes[row] = (codes[row] + 1) % problem.n_classes
+        codes = problem.codes if len(set(codes.tolist())) < 2 else codes
     else:
-        arrays[name][row] += 1.0
-    labels = np.array(problem.class_names)[arrays["codes"]]
-    return dataclasses.replace(problem, features=arrays["features"], labels=labels, weights=arrays["weights"])
+        weights[row] += 1.0
+    labels = np.array(problem.class_names)[codes]
+    return dataclasses.replace(problem, features=features, labels=labels, weights=weights)
 
 
-def summary(lines: Sequence[dict[str, Any]]) -> str:
+def summary(lines: Sequence[Line]) -> str:
     """Return what became of the corruptions."""
     counts = sum((Counter(line["counts"]) for line in lines), Counter[str]())
     wrong = [seed for line in lines for seed in line["wrong"]]
