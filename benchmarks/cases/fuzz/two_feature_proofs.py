@@ -8,13 +8,13 @@ import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from benchmarks.corruptions import HEADER, LINE_CHANGES, changed_data, summary
 from benchmarks.oracles.two_feature import best_objective
 from benchmarks.oracles.two_feature_problems import random_two_feature_problem
+from benchmarks.tables import Line
 from octmip.certificate import certify
 from octmip.errors import OctmipError
 from octmip.formats.problem_file import data_digest
@@ -30,7 +30,7 @@ STREAM = 41  # of seeds: corruption i is drawn from default_rng([STREAM, i])
 Generator = np.random.Generator
 
 
-def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
+def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
     """Yield a line for each chunk of corruptions: what was refused, what accepted, and what wrongly so."""
     for first in range(0, N_CORRUPTIONS, CHUNK):
         outcomes = [corrupted(seed) for seed in range(first, first + CHUNK)]
@@ -123,8 +123,9 @@ def _other_tree(rng: Generator, problem: Problem, tree: Node) -> Node:
         if isinstance(tree, HyperplaneSplit):
             return dataclasses.replace(tree, offset=tree.offset + float(rng.normal()))
         return Leaf(int(rng.integers(problem.n_classes)))
-    side = str(rng.choice(["left", "right"]))
-    return dataclasses.replace(tree, **{side: _other_tree(rng, problem, getattr(tree, side))})
+    if str(rng.choice(["left", "right"])) == "left":
+        return dataclasses.replace(tree, left=_other_tree(rng, problem, tree.left))
+    return dataclasses.replace(tree, right=_other_tree(rng, problem, tree.right))
 
 
 KINDS: dict[str, Callable[[Generator, Problem, Solution, Path], str]] = {
