@@ -1,15 +1,28 @@
 """What the fuzzers of proof logs share: ways to corrupt the lines of a log or the data, and the table of outcomes."""
 
 import dataclasses
+import tempfile
 from collections import Counter
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
+from benchmarks.tables import Line
+from octmip.certificate import certify
+from octmip.errors import OctmipError
+from octmip.formats.problem_file import data_digest
 from octmip.problem import Problem
+from octmip.proof import check_proof
+from octmip.solution import Solution
+from octmip.tree import Leaf, Node
 
+Generator = np.random.Generator
 HEADER = 5  # lines
+N_CORRUPTIONS, CHUNK = 1000, 100
+KINDS = ("log", "claim raised", "data", "data and header", "tree")
+LOGS = 3  # a log is corrupted so many times as often as each other kind
 
 
 def body_row(rng: np.random.Generator, lines: list[str]) -> int:
@@ -58,21 +71,21 @@ def number(rng: np.random.Generator, lines: list[str]) -> None:
 
 def changed_data(rng: np.random.Generator, problem: Problem) -> Problem:
     """Return the problem with one feature value, label or weight changed."""
-    arrays = {"features": problem.features.copy(), "codes": problem.codes.copy(), "weights": problem.weights.copy()}
+    features, codes, weights = problem.features.copy(), problem.codes.copy(), problem.weights.copy()
     row = int(rng.integers(problem.n_samples))
-    name = str(rng.choice(list(arrays)))
+    name = str(rng.choice(["features", "codes", "weights"]))
     if name == "features":
-        arrays[name][row, int(rng.integers(problem.n_features))] = rng.normal()
+        features[row, int(rng.integers(problem.n_features))] = rng.normal()
     elif name == "codes":
-        arrays[name][row] = (arrays[name][row] + 1) % problem.n_classes
-        arrays[name] = problem.codes if len(set(arrays[name].tolist())) < 2 else arrays[name]
+        codes[row] = (codes[row] + 1) % problem.n_classes
+        codes = problem.codes if len(set(codes.tolist())) < 2 else codes
     else:
-        arrays[name][row] += 1.0
-    labels = np.array(problem.class_names)[arrays["codes"]]
-    return dataclasses.replace(problem, features=arrays["features"], labels=labels, weights=arrays["weights"])
+        weights[row] += 1.0
+    labels = np.array(problem.class_names)[codes]
+    return dataclasses.replace(problem, features=features, labels=labels, weights=weights)
 
 
-def summary(lines: Sequence[dict[str, Any]]) -> str:
+def summary(lines: Sequence[Line]) -> str:
     """Return what became of the corruptions."""
     counts = sum((Counter(line["counts"]) for line in lines), Counter[str]())
     wrong = [seed for line in lines for seed in line["wrong"]]
@@ -87,3 +100,102 @@ def summary(lines: Sequence[dict[str, Any]]) -> str:
 
 # Any one of these is done to the lines of a log.
 LINE_CHANGES = (character, delete, repeat, swap, cut_short, number)
+
+
+@dataclass(frozen=True)
+class ProofFuzz:
+    """Corruption of one solver's proof logs, trees and data.
+
+    Attributes
+    ----------
+    stream
+        of seeds: corruption i is drawn from default_rng([stream, i]).
+    draw
+        returns a small random problem.
+    solve
+        solves it and writes the log.
+    least
+        returns the least objective of a problem, by enumeration.
+    line_changes
+        ways to corrupt the lines of a log.
+    raise_claim
+        raises the claim of a log, and with it the bounds that bear it.
+    changed_split
+        returns the node with another split, or another leaf.
+    """
+
+    stream: int
+    draw: Callable[[Generator], Problem]
+    solve: Callable[[Problem, Path], Solution]
+    least: Callable[[Problem], float]
+    line_changes: Sequence[Callable[[Generator, list[str]], None]]
+    raise_claim: Callable[[Generator, list[str]], None]
+    changed_split: Callable[[Generator, Problem, Node], Node]
+
+    def results(self) -> Iterator[Line]:
+        """Yield a line for each chunk of corruptions: counts by kind and outcome, and those wrongly accepted."""
+        for first in range(0, N_CORRUPTIONS, CHUNK):
+            outcomes = [self.corrupted(seed) for seed in range(first, first + CHUNK)]
+            wrong = [first + i for i, (_, outcome) in enumerate(outcomes) if outcome == "wrong"]
+            counts = Counter(f"{kind}: {outcome}" for kind, outcome in outcomes)
+            size = f"corruptions {first} to {first + CHUNK - 1}"
+            yield {"size": size, "seed": self.stream, "counts": counts, "wrong": wrong}
+
+    def corrupted(self, seed: int) -> tuple[str, str]:
+        """Corrupt one thing and return its kind and "refused", "true" (accepted, and still true) or "wrong"."""
+        rng = np.random.default_rng([self.stream, seed])
+        problem = self.draw(rng)
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "proof.log"
+            solution = self.solve(problem, path)
+            check_proof(problem, path, bound=solution.bound)
+            kind = str(rng.choice([*[KINDS[0]] * LOGS, *KINDS]))
+            return kind, self._outcome(kind, rng, problem, solution, path)
+
+    def _outcome(self, kind: str, rng: Generator, problem: Problem, solution: Solution, path: Path) -> str:
+        if kind == "tree":
+            return self._of_tree(rng, problem, solution)
+        if kind.startswith("data"):
+            return self._of_data(rng, problem, path, kind == "data and header")
+        lines = path.read_text().split("\n")
+        if kind == "log":
+            self.line_changes[int(rng.integers(len(self.line_changes)))](rng, lines)
+        else:
+            self.raise_claim(rng, lines)
+        path.write_text("\n".join(lines))
+        return self._judged(problem, path)
+
+    def _judged(self, problem: Problem, path: Path) -> str:
+        """Return whether a log is refused, or accepted for a bound that is true or wrong."""
+        try:
+            bound = check_proof(problem, path).bound
+        except OctmipError:
+            return "refused"
+        return "true" if bound <= self.least(problem) * (1 + 1e-15) else "wrong"
+
+    def _of_data(self, rng: Generator, problem: Problem, path: Path, is_header_changed: bool) -> str:
+        changed = changed_data(rng, problem)
+        if is_header_changed:
+            lines = path.read_text().split("\n")
+            lines[1] = f"data {data_digest(changed)}"
+            path.write_text("\n".join(lines))
+            return self._judged(changed, path)
+        outcome = self._judged(changed, path)
+        # Any change of the data is to be refused, even where the bound stays true.
+        return "wrong" if outcome != "refused" and changed.digest() != problem.digest() else outcome
+
+    def _of_tree(self, rng: Generator, problem: Problem, solution: Solution) -> str:
+        assert solution.tree is not None
+        tree = self._other_tree(rng, problem, solution.tree)
+        try:
+            certificate = certify(problem, dataclasses.replace(solution, tree=tree))
+        except OctmipError:
+            return "refused"
+        return "true" if certificate.objective == solution.objective else "wrong"
+
+    def _other_tree(self, rng: Generator, problem: Problem, tree: Node) -> Node:
+        if isinstance(tree, Leaf) or rng.random() < 0.3:
+            return self.changed_split(rng, problem, tree)
+        if str(rng.choice(["left", "right"])) == "left":
+            return dataclasses.replace(tree, left=self._other_tree(rng, problem, tree.left))
+        return dataclasses.replace(tree, right=self._other_tree(rng, problem, tree.right))

@@ -2,12 +2,20 @@
 
 import resource
 import time
-from typing import Any
+from collections.abc import Callable
+from typing import TypedDict
 
 from octmip.solution import Limits, Progress
 
 
-def cpu_limit(seconds: float) -> dict[str, Any]:
+class Supervision(TypedDict):
+    """Arguments by which any solver is watched and stopped."""
+
+    limits: Limits
+    progress: Callable[[Progress], None]
+
+
+def cpu_limit(seconds: float) -> Supervision:
     """Return the arguments that stop a form after so many CPU seconds of this process, and at last by the clock."""
     before = cpu_seconds()
 

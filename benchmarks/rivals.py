@@ -135,17 +135,23 @@ def _odtlearn(problem: Problem) -> Fit:
     return fit
 
 
-def _mixed_integer(name: str, **options: int) -> Callable[[Problem], Fit]:
+def _oct(problem: Problem) -> Fit:
+    from octmip.mip.oct import solve_oct
+
+    def fit(seconds: float, threads: int) -> Answer:
+        solution = solve_oct(problem, limits=Limits(seconds=seconds), n_jobs=threads)
+        return Answer(solution.objective, solution.bound, "oct", solution.n_nodes)
+
+    return fit
+
+
+def _flow(fix: int) -> Callable[[Problem], Fit]:
     def prepare(problem: Problem) -> Fit:
         from octmip.mip.flow import solve_flow
-        from octmip.mip.oct import solve_oct
-
-        solver = {"oct": solve_oct, "flow": solve_flow}[name]
 
         def fit(seconds: float, threads: int) -> Answer:
-            solution = solver(problem, limits=Limits(seconds=seconds), n_jobs=threads, **options)
-            settings = " ".join([name, *(f"{key}={value}" for key, value in options.items())])
-            return Answer(solution.objective, solution.bound, settings, solution.n_nodes)
+            solution = solve_flow(problem, limits=Limits(seconds=seconds), n_jobs=threads, fix=fix)
+            return Answer(solution.objective, solution.bound, f"flow fix={fix}", solution.n_nodes)
 
         return fit
 
@@ -153,7 +159,7 @@ def _mixed_integer(name: str, **options: int) -> Callable[[Problem], Fit]:
 
 
 def can_be_binary(features: NDArray[np.float64]) -> bool:
-    """Whether one binary feature for each threshold is few enough for the binary solvers."""
+    """Return whether one binary feature for each threshold is few enough for the binary solvers."""
     return sum(len(np.unique(column)) - 1 for column in features.T) <= MOST_BINARY_FEATURES
 
 
@@ -164,7 +170,7 @@ RIVALS = {
     "pystreed": Rival(_pystreed, "pystreed"),
     "pydl8.5": Rival(_pydl85, "pydl8.5"),
     "odtlearn": Rival(_odtlearn, "odtlearn"),
-    "octmip-oct": Rival(_mixed_integer("oct"), "octmip"),
-    "octmip-flow1": Rival(_mixed_integer("flow", fix=1), "octmip"),
-    "octmip-flow2": Rival(_mixed_integer("flow", fix=2), "octmip"),
+    "octmip-oct": Rival(_oct, "octmip"),
+    "octmip-flow1": Rival(_flow(fix=1), "octmip"),
+    "octmip-flow2": Rival(_flow(fix=2), "octmip"),
 }

@@ -19,13 +19,14 @@ import sys
 import time
 import warnings
 from collections.abc import Iterator
+from contextlib import nullcontext
 from pathlib import Path
-from typing import Any
+from typing import TextIO
 
 from benchmarks.registry import FAMILIES, Case, family
 from benchmarks.rivals import RIVALS
+from benchmarks.tables import Line
 
-Line = dict[str, Any]
 GRACE = 60.0  # seconds to start, build the data and stop politely before a solver is killed
 SHORT = 0.5  # a solving call is repeated until so many seconds have passed, at most 5 times
 
@@ -44,16 +45,19 @@ def main() -> None:
         lines = module.results(options.limit, threads)
     else:
         lines = _race(module.cases(), options, threads)
-    out = open(options.out, "a") if options.out else None
-    shown = []
-    for line in lines:
-        shown.append({"case": options.name, **line, **_context()})
-        for file in filter(None, (sys.stdout, out)):
-            print(json.dumps(shown[-1]), file=file, flush=True)
+    with open(options.out, "a") if options.out else nullcontext() as out:
+        shown = [_printed({"case": options.name, **line, **_context()}, out) for line in lines]
     if options.picture:
         module.picture(shown, Path(options.picture))
     if hasattr(module, "summary"):
         print(module.summary(shown), file=sys.stderr)
+
+
+def _printed(line: Line, out: TextIO | None) -> Line:
+    """Return a line once it stands on standard output and, where there is one, in the file."""
+    for file in (sys.stdout, *([] if out is None else [out])):
+        print(json.dumps(line), file=file, flush=True)
+    return line
 
 
 def _options() -> argparse.Namespace:
@@ -99,11 +103,12 @@ def _in_own_process(case: Case, solver: str, threads: int, options: argparse.Nam
 
 
 def _measure(case: Case, options: argparse.Namespace) -> Line:
-    """Solve one case in this process and return what came of it."""
+    """Solve one case in this process and return its figures."""
     warnings.simplefilter("ignore")  # rivals warn of their time limits
     rival = RIVALS[options.solver]
     fit = rival.prepare(case.build())
-    cpu, wall = [], []
+    cpu: list[float] = []
+    wall: list[float] = []
     while sum(wall) < SHORT and len(wall) < 5:
         before, start = resource.getrusage(resource.RUSAGE_SELF), time.perf_counter()
         answer = fit(options.limit, int(options.threads))

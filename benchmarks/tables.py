@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from typing import Any
 
 Line = dict[str, Any]
+"""One result: a JSON object, printed as one line. Its keys are the family's own, whose summary reads them back."""
 OURS, PEER = "octmip", "pycontree"
 
 

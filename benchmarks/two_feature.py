@@ -4,11 +4,11 @@ import resource
 import time
 from collections.abc import Callable
 from functools import partial
-from typing import Any
 
 import numpy as np
 
 from benchmarks.data import Table, published, uci
+from benchmarks.tables import Line
 from octmip.certificate import certify
 from octmip.methods.two_feature import two_feature_branch_and_bound
 from octmip.problem import Problem
@@ -55,7 +55,7 @@ CASES: tuple[tuple[tuple[str, Callable[[], Table]], str, str], ...] = (
 )
 
 
-def measure(problem: Problem, limit: float, n_threads: int) -> dict[str, Any]:
+def measure(problem: Problem, limit: float, n_threads: int) -> Line:
     """Solve, certify, and return the figures of one result line."""
     before, start = resource.getrusage(resource.RUSAGE_SELF), time.perf_counter()
     solution = two_feature_branch_and_bound(problem, limits=Limits(seconds=limit), n_jobs=n_threads)

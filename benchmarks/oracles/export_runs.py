@@ -93,7 +93,7 @@ def run_c(names: Sequence[str]) -> list[str]:
 
 def _compiled(source: str, folder: Path) -> CDLL | str:
     (folder / "trees.c").write_text(source)
-    command = ["cc", *C_FLAGS, "-shared", "-fPIC", "-o", folder / "trees.so", folder / "trees.c"]
+    command = ["cc", *C_FLAGS, "-shared", "-fPIC", "-o", str(folder / "trees.so"), str(folder / "trees.c")]
     done = subprocess.run(command, capture_output=True, text=True)
     return CDLL(str(folder / "trees.so")) if done.returncode == 0 else f"cc: {done.stderr.splitlines()[0]}"
 

@@ -20,7 +20,14 @@ def losses(readings: list[Floats], codes: NDArray[np.int64], weights: Floats, co
     return np.concatenate(found)
 
 
-def _options(readings, codes, weights, costs, cuts, inside) -> Floats:
+def _options(
+    readings: list[Floats],
+    codes: NDArray[np.int64],
+    weights: Floats,
+    costs: Floats,
+    cuts: list[tuple[int, float]],
+    inside: list[NDArray[np.bool_]],
+) -> Floats:
     """Return the losses of every leaf and stump on the samples that are `inside` in each scenario."""
 
     def leaf(masks: list[NDArray[np.bool_]]) -> Floats:

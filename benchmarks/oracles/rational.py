@@ -68,7 +68,7 @@ def _best_cost(problem: Problem, sizes: dict[int, int], prices: list[list[int]])
     @cache
     def best(samples: int, depth: int) -> int:
         rows = [row for i, row in enumerate(prices[:-1]) if samples >> i & 1]
-        found = min(sum(column) for column in zip(*rows, strict=True))
+        found: int = min(sum(column) for column in zip(*rows, strict=True))
         if depth == 0:
             return found
         for left, size in sides(samples).items():

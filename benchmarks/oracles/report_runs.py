@@ -11,7 +11,7 @@ import unicodedata
 import warnings
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 from xml.etree import ElementTree
 
 import numpy as np
@@ -27,6 +27,9 @@ from octmip.report.markdown import code_block, markdown_table
 from octmip.report.text import tree_text
 from octmip.solution import Solution, Stop
 from octmip.tree import Leaf, Node, Split
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, Dialog
 
 ALLOWED = {ISOLATE, END_ISOLATE, "\n"}
 
@@ -123,7 +126,7 @@ def run_picture(names: Sequence[str]) -> list[str]:
     return [EXACT if Image.open(buffer).width > 100 else "empty"] * len(names)
 
 
-def run_page(names: Sequence[str], browser: Any, folder: Path) -> list[str]:
+def run_page(names: Sequence[str], browser: "Browser", folder: Path) -> list[str]:
     """Open the page of a tree in a browser, without the policy that would stop a script anyway."""
     path = folder / "tree.html"
     text = tree_page(tree_file(names), names[0])
@@ -131,7 +134,12 @@ def run_page(names: Sequence[str], browser: Any, folder: Path) -> list[str]:
     path.write_text(text.replace(PAGE_POLICY, ""))
     page = browser.new_page()
     said: list[str] = []
-    page.on("dialog", lambda dialog: (said.append(f"dialog {dialog.message}"), dialog.dismiss()))
+
+    def dismiss(dialog: "Dialog") -> None:
+        said.append(f"dialog {dialog.message}")
+        dialog.dismiss()
+
+    page.on("dialog", dismiss)
     page.on("console", lambda message: said.append(f"console {message.text}"))
     page.on("pageerror", lambda error: said.append(f"error {error}"))
     page.on("request", lambda request: said.append(f"request {request.url}"))

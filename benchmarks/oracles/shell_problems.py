@@ -36,7 +36,8 @@ def mapped(
 
 def hold(nodes: IntArray, directions: str) -> IntArray:
     """Return degrees of freedom of nodes: u, v, w translations, x, y, z rotations, in the order of "uvwxyz"."""
-    return (DOFS_PER_NODE * nodes.ravel()[:, None] + np.array(["uvwxyz".index(d) for d in directions])).ravel()
+    numbers = np.array(["uvwxyz".index(d) for d in directions], dtype=np.int64)
+    return np.asarray(DOFS_PER_NODE * nodes.ravel()[:, None] + numbers).ravel()
 
 
 def solved(shells: Shells, held: list[IntArray], load: FloatArray) -> FloatArray:
@@ -158,7 +159,7 @@ def straight_beam(shape: str, direction: str, n: int = 6, n_across: int = 1) -> 
     if direction == "x":
         load = force(shells, int(tip[1]), "w", 2.5) + force(shells, int(tip[0]), "w", -2.5)  # a couple of 0.5
     else:
-        load = sum(force(shells, int(k), direction, 0.5) for k in tip)  # type: ignore[assignment]
+        load = np.sum([force(shells, int(k), direction, 0.5) for k in tip], axis=0)
     moved = solved(shells, [hold(node[0], "uvwxyz")], load)
     exact = {"u": 3e-5, "v": 0.1081, "w": 0.4321, "x": 0.03208 * 0.5}[direction]
     if direction == "x":
@@ -174,8 +175,8 @@ def curved_beam(direction: str, n: int = 6, n_across: int = 1) -> float:
         return np.stack([radius * np.cos(angle), radius * np.sin(angle), 0.0 * u], axis=-1)
 
     shells, node = mapped(place, n, n_across, isotropic_plate(1e7, 0.25, 0.1))
-    load = sum(force(shells, int(k), direction, 0.5) for k in node[-1, [0, -1]])
-    moved = solved(shells, [hold(node[0], "uvwxyz")], load)  # type: ignore[arg-type]
+    load = np.sum([force(shells, int(k), direction, 0.5) for k in node[-1, [0, -1]]], axis=0)
+    moved = solved(shells, [hold(node[0], "uvwxyz")], load)
     exact = {"u": 0.08734, "w": 0.5022}[direction]
     return float(moved[node[-1], "uvw".index(direction)].mean() / exact)
 

@@ -4,12 +4,11 @@ Ties, duplicate samples, constant features, weights of zero, integer and real we
 penalties, sensors that several features share, budgets, forbidden features, two to six classes.
 """
 
-from typing import Any
-
 import numpy as np
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from benchmarks.problem_options import ProblemOptions
 from octmip.problem import Problem
 from octmip.tree import Leaf, Node, Split
 
@@ -21,7 +20,7 @@ def random_problem(rng: Generator, *, max_samples: int = 10, max_features: int =
     n, p = int(rng.integers(2, max_samples + 1)), int(rng.integers(1, max_features + 1))
     labels = _labels(rng, n)
     n_classes = int(labels.max()) + 1
-    options: dict[str, Any] = {"depth": int(rng.integers(1, max_depth + 1)), "class_names": tuple(range(n_classes))}
+    options: ProblemOptions = {"depth": int(rng.integers(1, max_depth + 1)), "class_names": tuple(range(n_classes))}
     if rng.random() < 0.4:
         options["weights"] = _weights(rng, n)
     if rng.random() < 0.3:
@@ -49,12 +48,13 @@ def wide_problem(rng: Generator, *, orders: float = 12.0, max_samples: int = 10,
     labels[:2] = [0, 1]
     power = 10.0 ** float(rng.integers(-int(orders), int(orders)))
     weights = [spread(n), spread(n, 2), rng.integers(0, 4, n) * power, np.where(rng.random(n) < 0.5, 1.0, power)]
-    options: dict[str, Any] = {"weights": weights[rng.integers(4)], "depth": int(rng.integers(1, max_depth + 1))}
+    options: ProblemOptions = {"weights": weights[rng.integers(4)], "depth": int(rng.integers(1, max_depth + 1))}
     options["weights"][0] = max(options["weights"][0], 1e-3)
     off_diagonal, state = 1 - np.eye(k), np.arange(k)
     steps = np.abs(state[:, None] - state[None, :]) * power
     costs = [None, spread((k, k)) * off_diagonal, spread((k, k)), spread((k, k), 1) * off_diagonal, steps]
-    options["costs"] = costs[rng.integers(5)]
+    if (chosen := costs[rng.integers(5)]) is not None:
+        options["costs"] = chosen
     if rng.random() < 0.3:
         options["leaf_penalty"] = float(spread(1, 1.5 * orders)[0])
     if rng.random() < 0.3:
@@ -62,23 +62,25 @@ def wide_problem(rng: Generator, *, orders: float = 12.0, max_samples: int = 10,
     if rng.random() < 0.2:
         options["sensor_budget"] = float(rng.integers(0, p + 1))
     features = rng.integers(0, rng.integers(2, 8), (n, p)).astype(float)
-    return Problem(features, labels, class_names=tuple(range(k)), **options)
+    options["class_names"] = tuple(range(k))
+    return Problem(features, labels, **options)
 
 
 def hyperplane_problem(rng: Generator, **sizes: int) -> Problem:
     """Return a random problem with hyperplane splits: sizes, groups and integer normals as they come."""
     axis = random_problem(rng, **sizes)
-    options: dict[str, Any] = {"split_size": int(rng.integers(2, 5))} if rng.random() < 0.5 else {}
-    if rng.random() < 0.3:
-        options["integer_normals"] = int(rng.integers(1, 8))
+    size = int(rng.integers(2, 5)) if rng.random() < 0.5 else None
+    largest = int(rng.integers(1, 8)) if rng.random() < 0.3 else None
+    allowed: list[list[int]] | None = None
     if rng.random() < 0.3:
         groups = [np.flatnonzero(rng.random(axis.n_features) < 0.6).tolist() for _ in range(2)]
-        options["allowed_splits"] = [group for group in groups if group] or [[0]]
+        allowed = [group for group in groups if group] or [[0]]
     return Problem(
         axis.features,
         axis.labels,
         depth=axis.depth,
         split="hyperplane",
+        split_size=size,
         leaf_size=axis.leaf_size,
         leaf_penalty=axis.leaf_penalty,
         weights=axis.weights,
@@ -86,13 +88,14 @@ def hyperplane_problem(rng: Generator, **sizes: int) -> Problem:
         sensor_of_feature=axis.sensor_of_feature,
         sensor_cost=axis.sensor_costs.tolist(),
         sensor_budget=axis.sensor_budget,
+        allowed_splits=allowed,
+        integer_normals=largest,
         class_names=axis.class_names,
-        **options,
     )
 
 
 def _features(rng: Generator, n: int, p: int) -> NDArray[np.float64]:
-    columns = []
+    columns: list[NDArray[np.float64]] = []
     for _ in range(p):
         kind = rng.integers(5)
         if kind == 0:
@@ -100,7 +103,8 @@ def _features(rng: Generator, n: int, p: int) -> NDArray[np.float64]:
         elif kind == 1:
             columns.append(np.full(n, rng.normal()))
         elif kind == 2:
-            columns.append(900 + 1e-6 * rng.integers(0, n, n))  # neighbours that float32 cannot tell apart
+            steps = rng.integers(0, n, n).astype(np.float64)
+            columns.append(900 + 1e-6 * steps)  # neighbours that float32 cannot tell apart
         else:
             columns.append(rng.integers(0, rng.integers(2, 6), n).astype(float))
     features = np.column_stack(columns)
@@ -133,7 +137,7 @@ def _costs(rng: Generator, k: int) -> NDArray[np.float64]:
     kind = rng.integers(4)
     if kind == 0:
         state = np.arange(k)
-        return np.abs(state[:, None] - state[None, :]) * 20.0
+        return np.asarray(np.abs(state[:, None] - state[None, :]) * 20.0)
     if kind == 1:
         return rng.integers(0, 5, (k, k)).astype(float)  # the diagonal too: a right answer may cost something
     if kind == 2:
@@ -141,10 +145,10 @@ def _costs(rng: Generator, k: int) -> NDArray[np.float64]:
     return rng.choice([1.0, 10.0, 0.25], (k, k)) * (1 - np.eye(k))
 
 
-def _sensors(rng: Generator, p: int) -> dict[str, Any]:
+def _sensors(rng: Generator, p: int) -> ProblemOptions:
     of_feature = [f"g{rng.integers(p)}" for _ in range(p)] if rng.random() < 0.5 else [f"g{j}" for j in range(p)]
     sensors = tuple(dict.fromkeys(of_feature))
-    options: dict[str, Any] = {"sensor_of_feature": of_feature, "sensor_budget": float(rng.integers(0, p + 1))}
+    options: ProblemOptions = {"sensor_of_feature": of_feature, "sensor_budget": float(rng.integers(0, p + 1))}
     if rng.random() < 0.5:
         options["sensor_cost"] = {name: float(rng.choice([0.0, 0.5, 1.0, 2.0, 0.1])) for name in sensors}
     return options
@@ -159,7 +163,7 @@ def random_tree(rng: Generator, n_features: int, n_classes: int, depth: int) -> 
 
 
 @st.composite
-def problems(draw: st.DrawFn, **limits: int) -> Problem:
+def problems(draw: st.DrawFn, /, **limits: int) -> Problem:
     """Draw a problem; what hypothesis shrinks is the seed, so that a failing case is named by one number."""
     seed = draw(st.integers(0, 2**32 - 1))
     return random_problem(np.random.default_rng(seed), **limits)

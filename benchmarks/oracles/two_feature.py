@@ -5,6 +5,7 @@ of them, turned a little about a place on it, so the points on it come apart as 
 """
 
 import math
+from collections.abc import Iterable
 from fractions import Fraction
 from itertools import combinations
 
@@ -34,14 +35,14 @@ def partings(problem: Problem) -> dict[int, set[tuple[int, frozenset[int]]]]:
                 normal = (b[1] - a[1], a[0] - b[0])
                 turn = [normal[0] * (p[0] - a[0]) + normal[1] * (p[1] - a[1]) for p in points]
                 for end in {p for p, t in zip(points, turn, strict=True) if t == 0}:
-                    for goes_left in (lambda p, end=end: p <= end, lambda p, end=end: p > end):
+                    for is_upper in (False, True):
                         sides = zip(points, turn, strict=True)
-                        add(_mask(t > 0 or (t == 0 and goes_left(p)) for p, t in sides), (f, g))
+                        add(_mask(t > 0 or (t == 0 and (p > end) == is_upper) for p, t in sides), (f, g))
     return found
 
 
-def _mask(bits: object) -> int:
-    return sum(1 << i for i, bit in enumerate(bits) if bit)  # type: ignore[call-overload]
+def _mask(bits: Iterable[bool]) -> int:
+    return sum(1 << i for i, bit in enumerate(bits) if bit)
 
 
 def best_objective(problem: Problem) -> float:
@@ -54,7 +55,7 @@ def best_objective(problem: Problem) -> float:
 
     def affordable(features: frozenset[int]) -> bool:
         sensors = {int(problem.sensor_index[f]) for f in features}
-        return sum(problem.sensor_costs[s] for s in sensors) <= problem.sensor_limit
+        return bool(sum(problem.sensor_costs[s] for s in sensors) <= problem.sensor_limit)
 
     def best(samples: int, depth: int) -> dict[frozenset[int], float]:
         options = {frozenset[int](): leaf(samples)}

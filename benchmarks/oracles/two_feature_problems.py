@@ -1,9 +1,9 @@
 """Random problems for splits over one or two features: grids, duplicates, points on lines, ties, all the options."""
 
-from typing import Any
-
 import numpy as np
+from numpy.typing import NDArray
 
+from benchmarks.problem_options import ProblemOptions
 from octmip.problem import Problem
 
 
@@ -12,7 +12,12 @@ def random_two_feature_problem(rng: np.random.Generator, *, depth: int, max_samp
     n, p, k = int(rng.integers(2, max_samples + 1)), int(rng.integers(1, 4)), int(rng.integers(2, 6))
     labels = rng.integers(0, k, n)
     labels[0], labels[-1] = 0, 1
-    options: dict[str, Any] = {}
+    options: ProblemOptions = {
+        "depth": depth,
+        "split": "hyperplane",
+        "split_size": min(2, p),
+        "class_names": tuple(range(k)),
+    }
     if rng.random() < 0.4:
         options["weights"] = rng.integers(0, 5, n).astype(float)
         options["weights"][0] = 1.0
@@ -28,15 +33,7 @@ def random_two_feature_problem(rng: np.random.Generator, *, depth: int, max_samp
         options["sensor_of_feature"] = ["a", "a", "b"]
     if p == 3 and rng.random() < 0.2:
         options["allowed_splits"] = [[0, 1], [2]]
-    return Problem(
-        _features(rng, n, p),
-        labels,
-        depth=depth,
-        split="hyperplane",
-        split_size=min(2, p),
-        class_names=tuple(range(k)),
-        **options,
-    )
+    return Problem(_features(rng, n, p), labels, **options)
 
 
 def clouds(seed: int, *, most_samples: int = 260) -> Problem:
@@ -49,7 +46,7 @@ def clouds(seed: int, *, most_samples: int = 260) -> Problem:
     return Problem(features, level, depth=2, split="hyperplane", split_size=2, class_names=tuple(range(k)))
 
 
-def _features(rng: np.random.Generator, n: int, p: int) -> np.ndarray[Any, np.dtype[np.float64]]:
+def _features(rng: np.random.Generator, n: int, p: int) -> NDArray[np.float64]:
     kind = rng.integers(4)
     if kind == 0:  # a small grid: duplicates and many points on one line
         return rng.integers(0, 4, (n, p)).astype(float)

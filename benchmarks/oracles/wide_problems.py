@@ -4,11 +4,12 @@ Features from denormals to the largest number, neighbours one last place apart, 
 costs and penalties from 1e-12 to 1e12 within one problem; rare classes; all settings of a Problem.
 """
 
-from typing import Any
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.problem_options import ProblemOptions
 from octmip.problem import Problem
 
 Generator = np.random.Generator
@@ -18,7 +19,7 @@ TINY = (5e-324, -5e-324, 2.2250738585072014e-308, 1e-300, -1e-300)
 EXTREMES = np.array([0.0, -0.0, *TINY, np.nextafter(1.0, 0.0), 1.0, 1e300, -1e300, LARGEST, -LARGEST])
 
 
-def wide_problem(rng: Generator, *, split: str, max_samples: int = 7) -> Problem:
+def wide_problem(rng: Generator, *, split: Literal["axis", "hyperplane"], max_samples: int = 7) -> Problem:
     """Return a random problem of the kind "axis" or "hyperplane" that exact enumeration can answer.
 
     Hyperplanes have at most two features a split and depth 2 at most, axis-aligned trees depth 3 at most.
@@ -26,7 +27,7 @@ def wide_problem(rng: Generator, *, split: str, max_samples: int = 7) -> Problem
     n, p = int(rng.integers(2, max_samples + 1)), int(rng.integers(1, 4))
     is_axis = split == "axis"
     labels, n_classes = _labels(rng, n)
-    options: dict[str, Any] = {"class_names": tuple(range(n_classes)), "split": split}
+    options: ProblemOptions = {"class_names": tuple(range(n_classes)), "split": split}
     options["depth"] = int(rng.integers(1, 4 if is_axis and n <= 6 else 3))
     if not is_axis:
         options["split_size"] = int(rng.integers(1, 3))
@@ -54,11 +55,11 @@ def numbers(rng: Generator, n: int) -> Floats:
     if kind == 0:
         return rng.integers(0, 4, n).astype(float)
     if kind == 1:
-        return np.floor(10.0 ** rng.uniform(0, 12, n))
+        return np.asarray(np.floor(10.0 ** rng.uniform(0, 12, n)), dtype=np.float64)
     if kind == 2:
         return np.round(10.0 ** rng.uniform(11.9, 12.1, n))
     if kind == 3:
-        return 10.0 ** rng.uniform(-12, 12) * rng.random(n)
+        return np.asarray(10.0 ** rng.uniform(-12, 12) * rng.random(n), dtype=np.float64)
     if kind == 4:
         return np.asarray(rng.choice([0.1, 0.2, 0.3, 0.7], n))
     return 10.0 ** rng.uniform(-12, 12, n)
@@ -78,7 +79,7 @@ def _costs(rng: Generator, k: int) -> Floats:
     return costs
 
 
-def _sensors(rng: Generator, p: int) -> dict[str, Any]:
+def _sensors(rng: Generator, p: int) -> ProblemOptions:
     names = [f"s{int(rng.integers(p))}" for _ in range(p)] if rng.random() < 0.5 else [f"s{j}" for j in range(p)]
     sensors = list(dict.fromkeys(names))
     prices = numbers(rng, len(sensors)).tolist() if rng.random() < 0.3 else [1.0] * len(sensors)
@@ -103,7 +104,7 @@ def _column(rng: Generator, n: int) -> Floats:
         return rng.integers(0, 4, n).astype(float)
     if kind == 3:  # neighbours one last place apart
         start = float(rng.choice([1.0, 900.1, 1e-310, -1e300, 0.1]))
-        return start + np.spacing(start) * rng.integers(0, 4, n)
+        return np.asarray(start + np.spacing(start) * rng.integers(0, 4, n), dtype=np.float64)
     if kind == 4:
         return np.asarray(rng.choice(EXTREMES, n))
     if kind == 5:
@@ -111,5 +112,5 @@ def _column(rng: Generator, n: int) -> Floats:
     if kind == 6:  # all of one sign at the end of the range
         return LARGEST * rng.uniform(0.4, 1.0, n)
     if kind == 7:
-        return 5e-324 * rng.integers(-4, 5, n)
-    return 900 + 1e-6 * rng.integers(0, n, n)
+        return np.asarray(5e-324 * rng.integers(-4, 5, n), dtype=np.float64)
+    return np.asarray(900 + 1e-6 * rng.integers(0, n, n), dtype=np.float64)

@@ -13,6 +13,7 @@ import numpy as np
 from benchmarks.readers.file_reader import Reader
 from benchmarks.readers.mangled_arrays import mangled_archive, mangled_parquet
 from benchmarks.readers.mangling import Generator, mangled_csv, mangled_json, mangled_tokens
+from femlib.arrays import FloatArray
 from femlib.dataset import (
     MeanStrains,
     Recipe,
@@ -84,9 +85,9 @@ class Slope:
         names = ("g1", "g2", "g3")
         is_usable = np.array([True, True, True])
 
-    def strains_microstrain(self, states: np.ndarray, load_factor: float) -> np.ndarray:
+    def strains_microstrain(self, states: FloatArray, load_factor: float) -> FloatArray:
         """Return the strains."""
-        return load_factor * (1000.0 + states @ np.array([[300.0, 1.0, 2.0], [0.0, 200.0, 0.0]]))
+        return np.asarray(load_factor * (1000.0 + states @ np.array([[300.0, 1.0, 2.0], [0.0, 200.0, 0.0]])))
 
 
 def make_stream(number: int, folder: Path) -> None:

@@ -62,11 +62,12 @@ class Reader:
 
 def run(*words: object) -> None:
     """Run a command in this process; refuse as it refuses, and complain where it does neither that nor its work."""
-    out, err = io.TextIOWrapper(io.BytesIO(), "utf-8"), io.TextIOWrapper(io.BytesIO(), "utf-8")
+    raw = io.BytesIO()
+    out, err = io.TextIOWrapper(io.BytesIO(), "utf-8"), io.TextIOWrapper(raw, "utf-8")
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
         code = main([str(word) for word in words])
     err.flush()
-    said = err.buffer.getvalue().decode()  # type: ignore[attr-defined]
+    said = raw.getvalue().decode()
     if code not in (0, 1, 2) or (code and said.count("\n") != 1) or "standard output cannot" in said:
         raise CommandError(f"{words[0]} ended with {code} and said {said[:300]!r}")
     if code and (not said.startswith("octmip") or not said[:-1].isprintable() or len(said) > 2200):

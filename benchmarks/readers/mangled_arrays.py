@@ -6,6 +6,7 @@ import io
 import os
 import pickle
 import zipfile
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,7 @@ CANARY = "OCTMIP_FUZZ_CANARY"
 class Canary:
     """An object whose unpickling leaves a trace."""
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[Callable[[str, str], None], tuple[str, str]]:
         return os.putenv, (CANARY, "sung")
 
 
@@ -128,7 +129,7 @@ def _other_array(rng: Generator, content: bytes) -> bytes:
     except (ValueError, EOFError, TypeError, MemoryError):  # mangled before
         return content
     number = float(pick(rng, ("nan", "inf", "1e308", "-1", "0", "1e-300")))
-    forms = (
+    forms: tuple[Callable[[], bytes], ...] = (
         lambda: _saved(np.array([Canary()], dtype=object)),
         lambda: pickle.dumps(Canary()),
         lambda: _saved(np.asarray(array, dtype=object)),

@@ -6,11 +6,12 @@ Each function takes a generator and a content, and returns another content; noth
 import csv
 import io
 import json
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import Any, TypeVar
 
 import numpy as np
 
+T = TypeVar("T")
 Generator = np.random.Generator
 Mangler = Callable[[Generator, bytes], bytes]
 
@@ -42,7 +43,7 @@ TOKENS = (*NUMBERS, *LONG, *MARKS, "", "-", "x" * 100_000, "R", "T", "N", "E", "
 CELLS = (*NUMBERS, *LONG, *NAMES, *MARKS, '"', '""', "'", "a\nb", "a,b", ";", "\t", "2020-01-01", "True", "1+2j", " ")
 
 
-def pick(rng: Generator, values: Any) -> Any:
+def pick(rng: Generator, values: Sequence[T]) -> T:
     """Return one of some values."""
     return values[int(rng.integers(len(values)))]
 
@@ -82,14 +83,14 @@ def _splice(rng: Generator, content: bytes) -> bytes:
 
 def _recode(rng: Generator, content: bytes) -> bytes:
     text = content.decode("utf-8", errors="replace")
-    forms = (
+    forms: tuple[Callable[[], bytes], ...] = (
         lambda: text.encode("utf-16"),
         lambda: b"\xef\xbb\xbf" * int(rng.integers(1, 3)) + content,
         lambda: text.replace("\n", pick(rng, ("\r\n", "\r", "\n\n", "\x85", "\x0b"))).encode(),
         lambda: content + b"\0" * int(rng.integers(1, 9)),
         lambda: content * 2,
     )
-    return bytes(pick(rng, forms)())
+    return pick(rng, forms)()
 
 
 def mangled_json(rng: Generator, content: bytes) -> bytes:
@@ -135,7 +136,7 @@ def _change_entry(rng: Generator, holder: Any, holders: list[Any], raw: dict[str
 def mangled_csv(rng: Generator, content: bytes) -> bytes:
     """Return a CSV table with one to three of its cells, columns, rows, separators or line ends changed."""
     rows = list(csv.reader(io.StringIO(content.decode("utf-8-sig"), newline="")))
-    separator, end, quoting = ",", "\n", csv.QUOTE_MINIMAL
+    separator, end, is_quoted = ",", "\n", False
     for _ in range(int(rng.integers(1, 4))):
         action = int(rng.integers(12))
         if action < 8:
@@ -145,11 +146,12 @@ def mangled_csv(rng: Generator, content: bytes) -> bytes:
         elif action == 9:
             end = pick(rng, ("\r\n", "\r", "\n\n", "\n,\n"))
         elif action == 10:
-            quoting = csv.QUOTE_ALL
+            is_quoted = True
         else:
             return _raw_cell(rng, content)
     out = io.StringIO()
-    csv.writer(out, delimiter=separator, lineterminator=end, quoting=quoting).writerows(rows)
+    form: type[csv.Dialect] = csv.unix_dialect if is_quoted else csv.excel  # every cell quoted, or where it must be
+    csv.writer(out, form, delimiter=separator, lineterminator=end).writerows(rows)
     return out.getvalue().encode("utf-8", errors="surrogatepass")
 
 

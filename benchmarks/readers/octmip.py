@@ -44,7 +44,7 @@ def problem_of(number: int) -> Problem:
         split="hyperplane",
         split_size=2,
         weights=rng.random(24).round(2) + 0.1,
-        costs=[[0, 2.5], [1, 0]],
+        costs=np.array([[0, 2.5], [1, 0]]),
         sensor_of_feature=["left", "left", "right"],
         sensor_cost={"left": 1.5, "right": 2},
         sensor_budget=4,
@@ -214,8 +214,10 @@ def make_log(number: int, folder: Path) -> None:
     if number % 2 == 0:
         solution = branch_and_bound(problem, proof=folder / "proof.log")
     else:
-        names = {"depth": 1, "split": "hyperplane", "split_size": 2, "feature_names": ("a", "b")}
-        problem = Problem(problem.features[:, :2], problem.labels, **names)  # type: ignore[arg-type]
+        names = ("a", "b")
+        problem = Problem(
+            problem.features[:, :2], problem.labels, depth=1, split="hyperplane", split_size=2, feature_names=names
+        )
         solution = two_feature_branch_and_bound(problem, proof=folder / "proof.log")
     write_tree_file(folder / "tree.json", record_tree(problem, solution, "y"))
     write_table(problem, folder / "table.csv")

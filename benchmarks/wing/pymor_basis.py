@@ -7,12 +7,17 @@ estimator, since its residual needs a solve for each region and mode.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.sparse as sparse
 from numpy.typing import NDArray
 
 from femlib.wing import Wing
+
+if TYPE_CHECKING:
+    from pymor.models.basic import StationaryModel
+    from pymor.parameters.functionals import ExpressionParameterFunctional
 
 MICRO = 1e6
 N_TRAIN = 60
@@ -68,7 +73,7 @@ def pymor_basis(wing: Wing, most_damage: float, n_train: int = N_TRAIN, n_greedy
     return PymorBasis(model.solution_space.dim, query, estimate if n <= FEW_REGIONS else None)
 
 
-def _full_model(wing: Wing):
+def _full_model(wing: Wing) -> tuple["StationaryModel", list["ExpressionParameterFunctional"]]:
     """Return pyMOR's full model and the regions' factors 1 - mu_i."""
     from pymor.models.basic import StationaryModel
     from pymor.operators.constructions import LincombOperator
@@ -78,7 +83,7 @@ def _full_model(wing: Wing):
     supports, shells = wing.structure.supports, wing.structure.shells
     regions = [supports.reduce(shells.stiffness(component.elements)) for component in wing.structure.components]
     whole = supports.reduce(shells.stiffness())
-    blocks = [whole - sum(regions), *regions]
+    blocks = [whole - sum(regions[1:], regions[0]), *regions]
     n = len(regions)
     thetas = [ExpressionParameterFunctional(f"1 - mu[{i}]", {"mu": n}) for i in range(n)]
     stiffness = LincombOperator([NumpyMatrixOperator(sparse.csc_matrix(block)) for block in blocks], [1.0, *thetas])

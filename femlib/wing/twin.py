@@ -74,7 +74,7 @@ class WingTwin:
     """
 
     model: WingModel
-    effects: Mapping[str, object] = field(default_factory=dict)
+    effects: Mapping[str, WingEffect] = field(default_factory=dict)
     make_wing: Callable[[], Wing] | None = None
 
     @property

@@ -9,13 +9,14 @@ from typing import Any
 import numpy as np
 
 from benchmarks.data import published, synthetic_uav
+from benchmarks.tables import Line
 from octmip.problem import Problem
 from octmip.solver import solve
 
 CALLS = 21
 
 
-def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
+def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
     """Yield the median of many calls, problem and certificate included, and one call on a million samples."""
     for size, table in (
         ("a call on the published strains, mu1, depth 2", published("mu1", 0)),
@@ -40,7 +41,7 @@ def _million() -> tuple[Any, Any]:
     return features, np.where(noise, rng.integers(0, 3, 1_000_000), score)
 
 
-def _call(features: Any, labels: Any, n_jobs: int) -> dict[str, Any]:
+def _call(features: Any, labels: Any, n_jobs: int) -> Line:
     usage, start = resource.getrusage(resource.RUSAGE_SELF), time.perf_counter()
     solution = solve(Problem(features, labels, depth=2), n_jobs=n_jobs)
     wall, after = time.perf_counter() - start, resource.getrusage(resource.RUSAGE_SELF)
@@ -54,7 +55,7 @@ def _call(features: Any, labels: Any, n_jobs: int) -> dict[str, Any]:
     }
 
 
-def summary(lines: Sequence[dict[str, Any]]) -> str:
+def summary(lines: Sequence[Line]) -> str:
     """Return the table of calls."""
     rows = [
         f"| {line['size']} | {line['threads']} | {line['objective']:g}, {line['outcome']} | {line['cpu_seconds']:.3g} "

@@ -5,12 +5,12 @@ import resource
 import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
+from benchmarks.tables import Line
 from octmip.methods.exact import branch_and_bound
 from octmip.problem import Problem
 from octmip.solution import Limits
@@ -19,7 +19,7 @@ SAMPLES = (1_000, 2_000, 5_000, 10_000, 20_000, 50_000, 100_000)
 FEATURES = (5, 10, 20, 40, 80)
 
 
-def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
+def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
     """Yield a line for each size; a row of sizes ends where one is not proven within the limit."""
     for depth in (2, 3):
         for over, sizes in (("samples", [(n, 10) for n in SAMPLES]), ("features", [(2_000, p) for p in FEATURES])):
@@ -38,7 +38,7 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
                     break
 
 
-def _measured(n: int, p: int, depth: int, limit: float) -> dict[str, Any]:
+def _measured(n: int, p: int, depth: int, limit: float) -> Line:
     rng = np.random.default_rng(0)
     features = rng.normal(size=(n, p))
     score = (features[:, 0] > 0.3).astype(int) + (features[:, 1] > -0.5) * (features[:, 2] > 0)
@@ -56,7 +56,7 @@ def _measured(n: int, p: int, depth: int, limit: float) -> dict[str, Any]:
     }
 
 
-def exponent(lines: Sequence[dict[str, Any]], over: str, depth: int) -> float:
+def exponent(lines: Sequence[Line], over: str, depth: int) -> float:
     """Return b of seconds = a size^b, least squares on logarithms of the proven sizes."""
     key = "n" if over == "samples" else "p"
     chosen = [line for line in lines if (line["over"], line["depth"], line["outcome"]) == (over, depth, "proven")]
@@ -66,7 +66,7 @@ def exponent(lines: Sequence[dict[str, Any]], over: str, depth: int) -> float:
     return float(np.polyfit(logs[:, 0], logs[:, 1], 1)[0])
 
 
-def picture(lines: Sequence[dict[str, Any]], path: Path) -> None:
+def picture(lines: Sequence[Line], path: Path) -> None:
     """Draw CPU seconds against samples and against features, both axes logarithmic, with the fitted lines."""
     figure = Figure(figsize=(9, 3.6), layout="constrained")
     for axes, over, key in zip(figure.subplots(1, 2), ("samples", "features"), ("n", "p"), strict=True):
@@ -90,7 +90,7 @@ def picture(lines: Sequence[dict[str, Any]], path: Path) -> None:
         figure.savefig(path)
 
 
-def summary(lines: Sequence[dict[str, Any]]) -> str:
+def summary(lines: Sequence[Line]) -> str:
     """Return the table of sizes and the fitted exponents."""
     rows = [
         f"| {line['size']} | {line['objective']:g}, {line['outcome']} | {line['cpu_seconds']:.3g} |" for line in lines

@@ -4,15 +4,15 @@ import resource
 import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
 
 from benchmarks.data import Table, published, synthetic_uav, uci
+from benchmarks.tables import Line
 from octmip.methods.exact import branch_and_bound
 from octmip.problem import Problem
 from octmip.proof import check_proof
 
 
-def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
+def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
     """Yield a line for each logged proof."""
     cancer = uci("breast-cancer-wisconsin-diagnostic")
     for size, table, depth in (
@@ -25,7 +25,7 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
         yield {"size": size, "seed": 0, "threads": 1, **_measured(table, depth)}
 
 
-def _measured(table: Table, depth: int) -> dict[str, Any]:
+def _measured(table: Table, depth: int) -> Line:
     problem = Problem(table.features, table.labels, depth=depth)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "proof.log"
@@ -52,7 +52,7 @@ def _cpu_seconds() -> float:
     return usage.ru_utime + usage.ru_stime
 
 
-def summary(lines: Sequence[dict[str, Any]]) -> str:
+def summary(lines: Sequence[Line]) -> str:
     """Return the table of sizes and seconds."""
     head = "| case | proven | log, kB | solve, CPU s | solve again and write | check | check / solve |"
     rows = [

@@ -2,10 +2,10 @@
 
 import shutil
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 import numpy as np
 
+from benchmarks.tables import Line
 from benchmarks.wing.calculix import LOAD_FACTOR, calculix
 from femlib.wing import Wing, bend, uav_wing
 
@@ -15,7 +15,7 @@ LINEAR = ((HEALTHY, 1.0), (DAMAGED, 1.0), (HEALTHY, 0.5))
 BENT = ((HEALTHY, 0.5), (DAMAGED, 0.5))
 
 
-def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
+def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
     """Yield a line a state and mesh; one line that says so where CalculiX (ccx) is not installed."""
     if shutil.which("ccx") is None:
         yield {"size": "all", "seed": 0, "outcome": "skipped: CalculiX (ccx) is not installed"}
@@ -26,7 +26,7 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
         yield bent(state, refinement)
 
 
-def linear(state: dict[str, float], refinement: float) -> dict[str, Any]:
+def linear(state: dict[str, float], refinement: float) -> Line:
     """Return how far the strains of a state are from CalculiX [%], over all 24 gauges and over the usable ones."""
     wing = uav_wing(refinement=refinement)
     theirs = calculix(wing, state, False, False)
@@ -36,7 +36,7 @@ def linear(state: dict[str, float], refinement: float) -> dict[str, Any]:
     )
 
 
-def bent(state: dict[str, float], refinement: float) -> dict[str, Any]:
+def bent(state: dict[str, float], refinement: float) -> Line:
     """Return by how much the change of strain through large deflection differs from CalculiX's [% of strain]."""
     wing = uav_wing(refinement=refinement)
     before = wing.strain_microstrain(state, LOAD_FACTOR)
@@ -47,7 +47,7 @@ def bent(state: dict[str, float], refinement: float) -> dict[str, Any]:
     return line | {"change_least": float(theirs[usable].max()), "change_most": float(theirs[usable].min())}
 
 
-def _line(kind: str, state: dict[str, float], refinement: float, wing: Wing) -> dict[str, Any]:
+def _line(kind: str, state: dict[str, float], refinement: float, wing: Wing) -> Line:
     words = ", ".join(f"{name} {loss:.0%}" for name, loss in state.items()) or "healthy"
     unknowns = wing.structure.shells.mesh.n_dofs
     size = f"{kind}, {words}, refinement {refinement:g}"
@@ -58,7 +58,7 @@ def _sizes(name: str, error: np.ndarray) -> dict[str, float]:
     return {f"{name}_rms": float(np.sqrt(np.mean(error**2))), f"{name}_most": float(np.abs(error).max())}
 
 
-def summary(lines: Sequence[dict[str, Any]]) -> str:
+def summary(lines: Sequence[Line]) -> str:
     """Return the table of docs/wing.md."""
     rows = ["| what | state | refinement | rms of 24 | most of 24 | rms of 20 | most of 20 |", "|" + "---|" * 7]
     for line in lines:

@@ -2,13 +2,13 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 
 from benchmarks.data import SHARED
+from benchmarks.tables import Line
 from femlib.assembly import natural_modes, point_masses
 from femlib.dataset import MeanStrains, build_dataset, published_strains, simulated_strains
 from femlib.wing import Wing, uav_wing
@@ -28,7 +28,7 @@ SEEDS = (0, 1, 2)
 FREQUENCY_REFINEMENT = 0.5
 
 
-def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
+def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
     """Yield a line a gauge, then lines on increments, all states, best possible errors, stiffness and frequencies."""
     wing = uav_wing()
     ours, theirs = simulated_strains(wing), published_strains(FOLDER / "strains.csv")
@@ -38,17 +38,17 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
     yield from frequencies(uav_wing(refinement=FREQUENCY_REFINEMENT))
 
 
-def gauges(ours: MeanStrains, theirs: MeanStrains) -> Iterator[dict[str, Any]]:
+def gauges(ours: MeanStrains, theirs: MeanStrains) -> Iterator[Line]:
     """Yield strains and increments [microstrain] at load factor 3, published and ours, gauge by gauge."""
     for number, name in enumerate(theirs.gauges):
-        line: dict[str, Any] = {"size": f"gauge {name}", "seed": 0, "gauge": name}
+        line: Line = {"size": f"gauge {name}", "seed": 0, "gauge": name}
         line["is_usable"] = bool(theirs.is_usable[number])
         for key, (mu1, mu2) in {"pristine": (0, 0), "mu1": (80, 0), "mu2": (0, 80)}.items():
             line[key] = [float(_change(means, mu1, mu2)[number]) for means in (theirs, ours)]
         yield line
 
 
-def distances(ours: MeanStrains, theirs: MeanStrains) -> Iterator[dict[str, Any]]:
+def distances(ours: MeanStrains, theirs: MeanStrains) -> Iterator[Line]:
     """Yield the figures of the distance between two libraries of mean strains."""
     usable = theirs.is_usable
     ratio = 100.0 * (_change(ours, 0, 0) / _change(theirs, 0, 0) - 1.0)[usable]
@@ -68,7 +68,7 @@ def distances(ours: MeanStrains, theirs: MeanStrains) -> Iterator[dict[str, Any]
             yield _figure(f"least possible errors on {target}, {name}, seeds 0 to 2", "%", low, high)
 
 
-def tip(wing: Wing) -> dict[str, Any]:
+def tip(wing: Wing) -> Line:
     """Return the tip stiffness beside the published model's and the one measured [N/mm]."""
     slopes = []
     for source in ("model", "measurements"):
@@ -79,7 +79,7 @@ def tip(wing: Wing) -> dict[str, Any]:
     return {"size": "tip stiffness", "seed": 0, "unit": "N/mm", **values}
 
 
-def frequencies(wing: Wing) -> Iterator[dict[str, Any]]:
+def frequencies(wing: Wing) -> Iterator[Line]:
     """Yield the two lowest frequencies [Hz] without point masses and with the published ones at assumed places."""
     table = pd.read_csv(FOLDER / "mass_optimization_results.csv")
     shells = wing.structure.shells
@@ -132,11 +132,11 @@ def _rms(values: np.ndarray) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
 
 
-def _figure(size: str, unit: str, low: float, high: float) -> dict[str, Any]:
+def _figure(size: str, unit: str, low: float, high: float) -> Line:
     return {"size": size, "seed": 0, "unit": unit, "figures": [low, high]}
 
 
-def summary(lines: Sequence[dict[str, Any]]) -> str:
+def summary(lines: Sequence[Line]) -> str:
     """Return the tables of docs/wing.md: figures (rms and most; of seeds least and most), then gauges."""
     table = ["| figure | value |", "|---|---|"]
     for line in lines:
@@ -159,7 +159,7 @@ def _words(values: float | Sequence[float]) -> str:
     return f"{values:.3f}" if isinstance(values, float) else ", ".join(f"{value:.2f}" for value in values)
 
 
-def picture(lines: Sequence[dict[str, Any]], path: Path) -> None:
+def picture(lines: Sequence[Line], path: Path) -> None:
     """Draw the residual of each gauge: pristine in percent, both increments in microstrain."""
     rows = [line for line in lines if "gauge" in line]
     figure, axes = plt.subplots(3, 1, figsize=(9, 7), sharex=True, layout="constrained")

@@ -6,9 +6,9 @@ import tempfile
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
-from typing import Any
 
 from benchmarks.cpu import Stopwatch
+from benchmarks.tables import Line
 from femlib.dataset import Sampling, random_states, stream_dataset
 from femlib.wing import reduce_wing, uav_wing
 
@@ -22,14 +22,14 @@ SIZES = (
 )
 
 
-def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
+def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
     """Yield a line a size, each measured in a process of its own."""
     for model, n_states, n_readings, n_jobs in SIZES:
         with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as process:
             yield process.submit(streamed, model, n_states, n_readings, n_jobs, 1.0).result()
 
 
-def streamed(model: str, n_states: int, n_readings: int, n_jobs: int, refinement: float) -> dict[str, Any]:
+def streamed(model: str, n_states: int, n_readings: int, n_jobs: int, refinement: float) -> Line:
     """Stream random joint damage of two regions and return seconds, the file's size and this process's peak memory."""
     wing = uav_wing(refinement=refinement)
     solved = reduce_wing(wing) if model == "reduced wing" else wing
@@ -56,7 +56,7 @@ def streamed(model: str, n_states: int, n_readings: int, n_jobs: int, refinement
     }
 
 
-def summary(lines: Sequence[dict[str, Any]]) -> str:
+def summary(lines: Sequence[Line]) -> str:
     """Return the table of docs/wing.md."""
     head = "| model, states, readings | rows | jobs | CPU s | clock s | file, MB | before, MB | at most, MB |"
     rows = [

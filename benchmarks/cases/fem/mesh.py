@@ -1,11 +1,11 @@
 """Mesh convergence of the wing: pristine strain and both damage increments against a mesh many times finer."""
 
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 import numpy as np
 
 from benchmarks.cpu import Stopwatch
+from benchmarks.tables import Line
 from femlib.wing import uav_wing
 
 REFINEMENTS = (0.5, 0.7, 1.0, 1.4, 2.0)
@@ -14,12 +14,12 @@ STATES = np.array([[0.0, 0.0], [0.8, 0.0], [0.0, 0.8]])
 LOAD_FACTOR = 3.0
 
 
-def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
+def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
     """Yield a line a mesh; CPU seconds are those of building the wing and solving three states."""
     yield from compared(REFINEMENTS, REFERENCE)
 
 
-def compared(refinements: Sequence[float], reference: float) -> Iterator[dict[str, Any]]:
+def compared(refinements: Sequence[float], reference: float) -> Iterator[Line]:
     """Yield how far each mesh is from the reference: rms and most over the 20 usable gauges [%]."""
     exact, n_reference, _ = _increments(reference)
     for refinement in refinements:
@@ -43,7 +43,7 @@ def _increments(refinement: float) -> tuple[np.ndarray, int, float]:
     return strains, wing.structure.shells.mesh.n_dofs, watch.read()[0]
 
 
-def summary(lines: Sequence[dict[str, Any]]) -> str:
+def summary(lines: Sequence[Line]) -> str:
     """Return the table of docs/wing.md."""
     head = "| refinement | unknowns | finer by | pristine strain (most) | mu1 increment | mu2 increment | CPU s |"
     rows = [

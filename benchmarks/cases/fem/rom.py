@@ -10,11 +10,12 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from importlib.metadata import PackageNotFoundError, version
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.tables import Line
+from benchmarks.wing.pymor_basis import PymorBasis, pymor_basis
 from femlib.components import PortFlexibility, port_flexibility
 from femlib.rom import ReducedModel, ReductionSettings, reduce_ports
 from femlib.wing import Wing, uav_wing
@@ -35,7 +36,7 @@ LONG = 300.0
 """Seconds that 28 regions on the default mesh need."""
 
 
-def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
+def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
     """Yield the lines of each number of regions and mesh."""
     for refinement in (COARSE, DEFAULT):
         for n_regions in KINDS:
@@ -45,7 +46,7 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
 
 def compared(
     n_regions: int, refinement: float, n_states: int, with_pymor: bool, settings: ReductionSettings | None = None
-) -> Iterator[dict[str, Any]]:
+) -> Iterator[Line]:
     """Yield a line for each model and kind of state."""
     wing = uav_wing(refinement=refinement, regions=UAV_REGIONS if n_regions == 2 else damage_library())
     begin = time.process_time()
@@ -68,7 +69,7 @@ def compared(
             yield kind | _pymor(peer, states[:N_PEER], truth[:N_PEER])
 
 
-def _reduced(model: ReducedModel, states: Floats, truth: Floats, batch: Floats) -> dict[str, Any]:
+def _reduced(model: ReducedModel, states: Floats, truth: Floats, batch: Floats) -> Line:
     """Return errors, bounds and times of femlib's reduced model."""
     error, bound = np.abs(model.solve(states) - truth), model.error_bound(states)
     return {
@@ -87,14 +88,14 @@ def _reduced(model: ReducedModel, states: Floats, truth: Floats, batch: Floats) 
     }
 
 
-def _pymor(peer: tuple[float, Any, int], states: Floats, truth: Floats) -> dict[str, Any]:
+def _pymor(peer: tuple[float, PymorBasis], states: Floats, truth: Floats) -> Line:
     """Return error and times of pymor's reduced basis."""
-    built, basis, count = peer
+    built, basis = peer
     error = np.abs(np.array([basis.query(state) for state in states]) - truth)
     return {
         "solver": "pymor",
         "version": f"pymor {version('pymor')}",
-        "modes": count,
+        "modes": basis.n_modes,
         "offline_cpu_seconds": round(built, 2),
         "worst_error": LOAD_FACTOR * float(error.max()),
         "states": len(error),
@@ -111,7 +112,7 @@ def random_states(rng: np.random.Generator, n: int, n_regions: int, n_damaged: i
     return states
 
 
-def _full(wing: Wing, exact: PortFlexibility, at_ports: float) -> dict[str, Any]:
+def _full(wing: Wing, exact: PortFlexibility, at_ports: float) -> Line:
     """Return the line of the full model: its time, and how far the structure at its ports is from it."""
     states = random_states(np.random.default_rng(2), 5, len(wing.parameters), len(wing.parameters), 0.8)
     strains = wing.strains_microstrain(states, 1.0)  # once before: few regions share one factorisation
@@ -129,20 +130,18 @@ def _full(wing: Wing, exact: PortFlexibility, at_ports: float) -> dict[str, Any]
     }
 
 
-def _peer(wing: Wing) -> tuple[float, Any, int] | None:
-    """Return pyMOR's CPU seconds to build, its model and its number of modes, or None where it is not installed."""
+def _peer(wing: Wing) -> tuple[float, PymorBasis] | None:
+    """Return pyMOR's CPU seconds to build and its model, or None where it is not installed."""
     try:
         version("pymor")
     except PackageNotFoundError:
         return None
-    from benchmarks.wing.pymor_basis import pymor_basis
-
     begin = time.process_time()
     basis = pymor_basis(wing, 0.95)
-    return time.process_time() - begin, basis, basis.n_modes
+    return time.process_time() - begin, basis
 
 
-def _microseconds(call: Callable[[Floats], Any], states: Floats, calls: int = N_CALLS) -> float:
+def _microseconds(call: Callable[[Floats], object], states: Floats, calls: int = N_CALLS) -> float:
     """Return the median over states of the processor time of a call [microseconds]."""
     call(states[0])
     spent = []
@@ -154,7 +153,7 @@ def _microseconds(call: Callable[[Floats], Any], states: Floats, calls: int = N_
     return 1e6 * float(np.median(spent))
 
 
-def _median_seconds(call: Callable[[], Any], times: int) -> float:
+def _median_seconds(call: Callable[[], object], times: int) -> float:
     """Return the median processor time of a call [s]."""
     spent = []
     for _ in range(times):
@@ -164,7 +163,7 @@ def _median_seconds(call: Callable[[], Any], times: int) -> float:
     return float(np.median(spent))
 
 
-def summary(lines: Sequence[dict[str, Any]]) -> str:
+def summary(lines: Sequence[Line]) -> str:
     """Return the table: a row for each model and kind of state."""
     rows = [
         "| wing | model | modes | set-up, CPU s | damaged | worst error | bound below error | largest bound, bound / "

@@ -30,12 +30,13 @@ from dataclasses import dataclass
 from fractions import Fraction
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Any
+from typing import Literal
 
 import numpy as np
 
 from benchmarks.oracles.rational import cost_of, least_cost
 from benchmarks.oracles.wide_problems import wide_problem
+from benchmarks.tables import Line
 from octmip.certificate import certify
 from octmip.errors import CertificateError, OctmipError
 from octmip.problem import Problem
@@ -48,7 +49,7 @@ CHUNK = 100
 PATIENCE = 60.0  # seconds without a word from a chunk's process before its problem is called a hang
 LATE = 1.0  # seconds over a limit
 ROUNDING = Fraction(1, 2**44)  # relative: an objective is a sum of rounded products, rounded again
-METHODS: dict[str, tuple[Method, ...]] = {
+METHODS: dict[Literal["axis", "hyperplane"], tuple[Method, ...]] = {
     "axis": ("exact", "search", "cart", "oct", "flow"),
     "hyperplane": ("exact", "search", "oct_h"),
 }
@@ -72,7 +73,7 @@ class Question:
         return f"seed {self.seed} {self.split} {self.method} ({limits}{', proof' if self.proof else ''})"
 
 
-def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
+def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
     """Yield a line per chunk of seeds until the time is up."""
     start = time.perf_counter()
     with ThreadPoolExecutor(max(threads)) as pool:
@@ -83,10 +84,10 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
             first = firsts.stop
 
 
-def watched(seeds: range) -> dict[str, Any]:
+def watched(seeds: range) -> Line:
     """Return the line of a chunk, answered in a process of its own that is ended where it no longer moves."""
     context = multiprocessing.get_context("spawn")
-    answers: list[dict[str, Any]] = []
+    answers: list[Line] = []
     rest = seeds
     while rest:
         ours, theirs = context.Pipe(duplex=False)
@@ -120,7 +121,7 @@ def _seed_of(asked: str, rest: range) -> int:
     return int(asked.split()[1]) if asked else rest.start
 
 
-def _line(seeds: range, answers: Sequence[dict[str, Any]]) -> dict[str, Any]:
+def _line(seeds: range, answers: Sequence[Line]) -> Line:
     counts = Counter((a["method"], a["outcome"]) for a in answers if "outcome" in a)
     return {
         "size": f"seeds {seeds.start} to {seeds.stop - 1}",
@@ -168,10 +169,10 @@ def _limits(rng: np.random.Generator, method: str) -> Limits:
     return Limits(seconds=5.0)
 
 
-def answer(question: Question, problem: Problem, least: Fraction) -> dict[str, Any]:
+def answer(question: Question, problem: Problem, least: Fraction) -> Line:
     """Ask once and return the outcome, with a sentence where something is wrong."""
     began = time.perf_counter()
-    said: dict[str, Any] = {"question": str(question), "method": f"{question.split} {question.method}"}
+    said: Line = {"question": str(question), "method": f"{question.split} {question.method}"}
     with warnings.catch_warnings(record=True) as heard, tempfile.TemporaryDirectory() as folder:
         warnings.simplefilter("always")
         log = Path(folder) / "log.txt"
@@ -233,7 +234,7 @@ def _proof_complaint(problem: Problem, log: Path, solution: Solution, least: Fra
     return f"proof: accepted for {report.bound}" if Fraction(report.bound) > least * (1 + ROUNDING) else ""
 
 
-def summary(lines: Sequence[dict[str, Any]]) -> str:
+def summary(lines: Sequence[Line]) -> str:
     """Return the table of outcomes per solver, and every wrong answer."""
     counts = sum((Counter(line["counts"]) for line in lines), Counter[str]())
     wrong = {question: reason for line in lines for question, reason in line["wrong"].items()}

@@ -4,14 +4,14 @@
 """
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from typing import Any
 
 import numpy as np
 
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem
+from benchmarks.tables import Line
 from octmip.certificate import certify
 from octmip.errors import OctmipError
 from octmip.methods.exact import branch_and_bound
@@ -23,7 +23,7 @@ FEWEST = 10_000
 STREAM = 20  # of seeds: problem i is random_problem(default_rng([STREAM, i]))
 
 
-def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
+def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
     """Yield a line for each chunk until the time is up, but for `FEWEST` problems at least."""
     start = time.perf_counter()
     with ProcessPoolExecutor(max(threads)) as pool:
@@ -34,7 +34,7 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
             first = firsts.stop
 
 
-def _chunk(first: int) -> dict[str, Any]:
+def _chunk(first: int) -> Line:
     seeds = range(first, first + CHUNK)
     wrong = {
         seed: reason for seed in seeds if (reason := complaint(random_problem(np.random.default_rng([STREAM, seed]))))
@@ -61,12 +61,14 @@ def complaint(problem: Problem) -> str | None:
     if (fewest.objective, fewest.n_splits) != (best.objective, best.n_splits):
         return f"tie: {fewest.n_splits} splits, enumeration finds {best.n_splits}"
     n_sensors = len(problem.sensors_used(tied.tree or Leaf(0)))
-    if tied.details["ties_broken"]["sensors"] == "fewest, proven" and n_sensors != best.n_sensors:
+    ties = tied.details["ties_broken"]
+    assert isinstance(ties, Mapping)
+    if ties["sensors"] == "fewest, proven" and n_sensors != best.n_sensors:
         return f"tie: {n_sensors} sensors, enumeration finds {best.n_sensors}"
     return None
 
 
-def summary(lines: Sequence[dict[str, Any]]) -> str:
+def summary(lines: Sequence[Line]) -> str:
     """Return how many problems were compared, and the mismatches."""
     wrong = [f"seed {seed}: {reason}" for line in lines for seed, reason in line["mismatches"].items()]
     n_problems = sum(line["n_problems"] for line in lines)

@@ -9,11 +9,11 @@ import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
 
 from benchmarks.oracles.export_runs import EXACT, EXPORTS, REFUSED
 from benchmarks.oracles.hostile_names import hostile_names
 from benchmarks.oracles.report_runs import REPORTS, run_page
+from benchmarks.tables import Line
 from octmip.report.markdown import markdown_table
 
 COUNT = 500
@@ -23,7 +23,7 @@ BATCH = 25
 Run = Callable[[Sequence[str]], list[str]]
 
 
-def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
+def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
     """Yield a line for each kind of name and target; it has no limit, and one thread."""
     pairs = hostile_names(COUNT)
     for target, run in _targets():
@@ -51,7 +51,7 @@ def _targets() -> Iterator[tuple[str, Run]]:
         browser.close()
 
 
-def summary(lines: Sequence[dict[str, Any]]) -> str:
+def summary(lines: Sequence[Line]) -> str:
     """Return kinds by targets: names that came out exact, and in brackets those refused or wrong, if any."""
     rows = []
     for kind in dict.fromkeys(line["kind"] for line in lines):
@@ -61,17 +61,17 @@ def summary(lines: Sequence[dict[str, Any]]) -> str:
     return markdown_table(rows)
 
 
-def _totals(lines: Sequence[dict[str, Any]]) -> dict[str, str]:
+def _totals(lines: Sequence[Line]) -> dict[str, str]:
     totals = {}
     for target in dict.fromkeys(line["target"] for line in lines):
         of_target = [line for line in lines if line["target"] == target]
-        faults = sum((Counter(line["faults"]) for line in of_target), Counter())
+        faults = sum((Counter(line["faults"]) for line in of_target), Counter[str]())
         sums = {what: sum(line[what] for line in of_target) for what in ("exact", "refused")}
         totals[target] = _cell(sums | {"faults": faults})
     return totals
 
 
-def _cell(line: dict[str, Any]) -> str:
+def _cell(line: Line) -> str:
     notes = [f"{line['refused']} refused"] if line["refused"] else []
     notes += [f"{sum(line['faults'].values())} WRONG"] if line["faults"] else []
     return f"{line['exact']}" + (f" ({', '.join(notes)})" if notes else "")

@@ -8,9 +8,9 @@ time, `LARGEST` bytes of memory, anything executed, a command with another exit 
 
 All readers of the two packages, each a line of the table:
 
-    octmip.formats.tree_file.read_tree_file             tree file; with certify, predict, report, solve --incumbent
-    octmip.formats.table.read_table                     tables, .csv and .parquet; with solve, certify, predict, frontier
-    octmip.formats.table.read_costs, read_sensors       solve --costs, solve --sensor-cost
+    octmip.formats.tree_file.read_tree_file     tree file; with certify, predict, report, solve --incumbent
+    octmip.formats.table.read_table             tables, .csv and .parquet; with solve, certify, predict, frontier
+    octmip.formats.table.read_costs, .read_sensors  solve --costs, solve --sensor-cost
     octmip.cli.question._groups                 solve --allowed-splits
     octmip.proof.check_proof                    proof logs, both kinds; with certify --proof
     octmip.monitor.ModelSelector.read           selector
@@ -20,7 +20,7 @@ All readers of the two packages, each a line of the table:
     femlib.dataset.history.history_pieces       historical readings, .csv and .parquet
     femlib.dataset.published_strains            published table
     femlib.rom.ReducedModel.load_file           reduced model; ReducedWing.load_file reads by it
-    femlib.wing.export.calculix.read_gauges            result of CalculiX
+    femlib.wing.export.calculix.read_gauges     result of CalculiX
 
 Left out: what reads its own working copies under benchmarks/, /proc/self/statm, and files that ship with the package.
 """
@@ -35,9 +35,8 @@ import time
 import traceback
 import warnings
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from joblib import Parallel, delayed
@@ -47,6 +46,7 @@ from benchmarks.readers.file_reader import Reader
 from benchmarks.readers.mangled_arrays import CANARY
 from benchmarks.readers.mangling import mangled_bytes, pick
 from benchmarks.readers.octmip import OCTMIP
+from benchmarks.tables import Line
 from femlib.errors import FemlibError
 from octmip.errors import OctmipError
 
@@ -65,7 +65,7 @@ class Hanging(BaseException):
     """A reader that does not come back."""
 
 
-def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
+def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
     """Yield a line for each reader, after so many files or `limit` seconds: what was taken, refused, or neither."""
     for name in READERS:
         start, counts, others, done = time.monotonic(), Counter[str](), [], 0
@@ -113,7 +113,7 @@ def place(reader: Reader, rng: np.random.Generator, folder: Path) -> bool:
 
 
 def _other_form(rng: np.random.Generator, target: Path) -> None:
-    forms = (
+    forms: tuple[Callable[[], object], ...] = (
         lambda: os.mkfifo(target),
         lambda: target.mkdir(),
         lambda: target.symlink_to("/dev/zero"),
@@ -183,7 +183,7 @@ def _hangs(*_: object) -> None:
     raise Hanging(f"no end after {HANGING} s")
 
 
-def summary(lines: Sequence[dict[str, Any]]) -> str:
+def summary(lines: Sequence[Line]) -> str:
     """Return what became of the files, a row a reader."""
     kinds = ("accepted", "refused", "other")
     counts = [[line["counts"].get(kind, 0) for kind in kinds] for line in lines]

@@ -1,12 +1,12 @@
 """Two-feature trees against exhaustive enumeration on 2,000 random problems, depth 1 and 2."""
 
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 import numpy as np
 
 from benchmarks.oracles.two_feature import best_objective
 from benchmarks.oracles.two_feature_problems import random_two_feature_problem
+from benchmarks.tables import Line
 from octmip.certificate import certify
 from octmip.errors import OctmipError
 from octmip.methods.two_feature import two_feature_branch_and_bound
@@ -17,7 +17,7 @@ STREAM = 60  # of seeds: problem i is random_two_feature_problem(default_rng([ST
 MOST_SAMPLES = {1: 14, 2: 10}
 
 
-def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
+def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
     """Yield a line for each chunk of 250 problems, four chunks a depth; `limit` has no effect."""
     for depth in (1, 2):
         for first in range(0, 4 * CHUNK, CHUNK):
@@ -46,7 +46,7 @@ def complaint(problem: Problem, n_threads: int) -> str | None:
     return None
 
 
-def summary(lines: Sequence[dict[str, Any]]) -> str:
+def summary(lines: Sequence[Line]) -> str:
     """Return how many problems were compared, and the mismatches."""
     wrong = [f"{line['size']}, {seed}: {reason}" for line in lines for seed, reason in line["mismatches"].items()]
     n_problems = sum(line["n_problems"] for line in lines)

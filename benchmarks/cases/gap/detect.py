@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.cpu import Stopwatch
+from benchmarks.tables import Line
 from femlib.wing import WingTwin, uav_wing
 from femlib.wing.effects import wing_effects
 from octmip.gap import CHAIN, Campaign
@@ -29,12 +30,12 @@ SETUPS = {
 }
 
 
-def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
+def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
     """Yield a line for each set-up, with and without a commissioning run."""
     yield from detected(1.0)
 
 
-def detected(refinement: float) -> Iterator[dict[str, Any]]:
+def detected(refinement: float) -> Iterator[Line]:
     """Yield d' of every effect, its nearest confounder and d' from that (name: [d', confounder, d']) for a mesh."""
     wing = uav_wing(refinement=refinement)
     twin = CachedTwin(WingTwin(wing, wing_effects(wing)))
@@ -90,12 +91,12 @@ def _campaign(
         load_factor=load,
         states=np.tile(np.array(state) if is_known else np.full(len(state), np.nan), (n, 1)),
         readings=mean + SD * rng.standard_normal(mean.shape),
-        time=6.0 * np.arange(n),
+        time=6.0 * np.arange(n, dtype=np.float64),
         temperature=np.full(n, np.nan),
     )
 
 
-def summary(lines: Sequence[dict[str, Any]]) -> str:
+def summary(lines: Sequence[Line]) -> str:
     """Return the table of docs/theory/gap.md: d' with / without commissioning, in brackets that from the confounder."""
     pairs = [(lines[k], lines[k + 1]) for k in range(0, len(lines), 2)]
     head = "| effect at its prior scale | " + " | ".join(words for words in SETUPS) + " |"

@@ -10,11 +10,11 @@ import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
-from typing import Any
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from benchmarks.tables import Line
 from femlib.wing import WingTwin, uav_wing
 from femlib.wing.effects import wing_effects
 from octmip.gap import CachedTwin, Campaign, diagnose
@@ -47,13 +47,13 @@ CAMPAIGNS = (
 )
 
 
-def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
+def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
     """Yield a line for each kind of state's twin and each campaign."""
     with threadpool_limits(1):
         yield from measured(DEFAULT, CAMPAIGNS)
 
 
-def measured(refinement: float, asked: Sequence[Asked], again: int = AGAIN) -> Iterator[dict[str, Any]]:
+def measured(refinement: float, asked: Sequence[Asked], again: int = AGAIN) -> Iterator[Line]:
     """Yield the lines of the campaigns on one mesh, known states first."""
     for is_known in (True, False):
         begin = time.process_time()
@@ -68,7 +68,7 @@ def measured(refinement: float, asked: Sequence[Asked], again: int = AGAIN) -> I
                 built = 0.0
 
 
-def _line(twin: CachedTwin, one: Asked, readings: Campaign, commissioning: Campaign, again: int) -> dict[str, Any]:
+def _line(twin: CachedTwin, one: Asked, readings: Campaign, commissioning: Campaign, again: int) -> Line:
     """Return the times of the first diagnosis and of the next ones."""
     spent = []
     for _ in range(1 + again):
@@ -108,12 +108,12 @@ def campaign(twin: WingTwin, one: Asked, seed: int) -> Campaign:
         load_factor=np.repeat(LOADS, REPEATS),
         states=np.tile(one.state if one.is_known else (np.nan, np.nan), (n, 1)),
         readings=np.repeat(means, REPEATS, axis=0) + NOISE_SD * rng.standard_normal((n, len(twin.gauges))),
-        time=INTERVAL * np.arange(n),
+        time=INTERVAL * np.arange(n, dtype=np.float64),
         temperature=np.full(n, np.nan),
     )
 
 
-def summary(lines: Sequence[dict[str, Any]]) -> str:
+def summary(lines: Sequence[Line]) -> str:
     """Return the table: a row for each campaign."""
     rows = [
         "| state | truth | found | twin built, CPU s | first diagnosis, CPU s | again, CPU s |",

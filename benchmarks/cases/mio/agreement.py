@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
 from itertools import chain, combinations
-from typing import Any
 
 import numpy as np
 
@@ -16,6 +15,7 @@ from benchmarks.cpu import cpu_limit
 from benchmarks.data import Table, first_rows, published, uci
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem
+from benchmarks.tables import Line
 from octmip.certificate import certify
 from octmip.methods.exact import branch_and_bound
 from octmip.methods.search import local_search
@@ -24,7 +24,6 @@ from octmip.problem import Problem
 from octmip.solution import Limits, Solution, Stop
 from octmip.tree import Leaf
 
-Line = dict[str, Any]
 RANDOM = 50  # small random problems of every kind, depth 1 to 3
 
 
@@ -53,7 +52,7 @@ def _variants(table: Table) -> Iterator[tuple[str, Problem]]:
     """Yield the problem with risk weights, with graded costs, with a sensor budget, with a penalty and a leaf size."""
     features, labels = table.features, table.labels
     order = np.unique(labels, return_inverse=True)[1]
-    yield "weights", Problem(features, labels, depth=2, weights=1 + order)
+    yield "weights", Problem(features, labels, depth=2, weights=(1 + order).astype(np.float64))
     graded = np.abs(np.subtract.outer(np.arange(order.max() + 1), np.arange(order.max() + 1)))
     yield "costs |i - k|", Problem(features, labels, depth=2, costs=graded)
     yield "one sensor", Problem(features, labels, depth=2, sensor_budget=1)

@@ -3,19 +3,19 @@
 import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
 
 import pyomo
 
 from benchmarks.cpu import cpu_seconds
 from benchmarks.data import first_rows, published
+from benchmarks.tables import Line
 from octmip.methods.cart import greedy_tree
 from octmip.mip import flow, oct, oct_h
 from octmip.mip.highs import highs, worker
 from octmip.mip.statements import oct as statement
 from octmip.problem import Problem
+from octmip.tree import Node
 
-Line = dict[str, Any]
 SIZES = (175, 1750)
 
 
@@ -27,13 +27,7 @@ def results(limit: float, threads: list[int]) -> Iterator[Line]:
         planes = Problem(table.features, table.labels, depth=2, split="hyperplane")
         start = greedy_tree(problem).tree
         assert start is not None
-        ways: dict[str, Callable[[], object]] = {
-            "oct, rows": lambda p=problem: worker.load(highs.arrays(oct.encode(p).rows)),
-            "oct, Pyomo": lambda p=problem: _through_pyomo(p),
-            "oct_h, rows": lambda p=planes: worker.load(highs.arrays(oct_h.encode(p, 0.005).rows)),
-            "flow 1, rows": lambda p=problem, t=start: worker.load(highs.arrays(flow.encode(p, t, fix=1).rows)),
-        }
-        for way, build in ways.items():
+        for way, build in _ways(problem, planes, start).items():
             before = cpu_seconds()
             build()
             cpu = cpu_seconds() - before
@@ -46,6 +40,16 @@ def results(limit: float, threads: list[int]) -> Iterator[Line]:
             }
 
 
+def _ways(problem: Problem, planes: Problem, start: Node) -> dict[str, Callable[[], object]]:
+    """Return what hands each form to HiGHS, by name."""
+    return {
+        "oct, rows": lambda: worker.load(highs.arrays(oct.encode(problem).rows)),
+        "oct, Pyomo": lambda: _through_pyomo(problem),
+        "oct_h, rows": lambda: worker.load(highs.arrays(oct_h.encode(planes, 0.005).rows)),
+        "flow 1, rows": lambda: worker.load(highs.arrays(flow.encode(problem, start, fix=1).rows)),
+    }
+
+
 def _through_pyomo(problem: Problem) -> None:
     """State OCT in Pyomo and let HiGHS read what Pyomo writes."""
     import highspy
@@ -53,7 +57,7 @@ def _through_pyomo(problem: Problem) -> None:
     with tempfile.TemporaryDirectory() as folder:
         path = str(Path(folder) / "oct.mps")
         statement.paper_model(problem).write(path)
-        reader = highspy.Highs()
+        reader = highspy.Highs()  # type: ignore[no-untyped-call]  # a compiled class without annotations
         reader.setOptionValue("output_flag", False)
         reader.readModel(path)
 

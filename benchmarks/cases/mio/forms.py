@@ -16,6 +16,7 @@ from typing import Any
 
 from benchmarks.cpu import cpu_limit, cpu_seconds
 from benchmarks.data import Table, first_rows, published, synthetic_uav, uci
+from benchmarks.tables import Line
 from octmip.certificate import certify
 from octmip.methods.search import local_search
 from octmip.mip.flow import solve_flow
@@ -25,7 +26,6 @@ from octmip.problem import Problem
 from octmip.solution import Limits, Solution, Stop
 from octmip.tree import Node
 
-Line = dict[str, Any]
 Form = Callable[..., Solution]
 
 AXIS: dict[str, Form] = {

@@ -9,14 +9,16 @@ Convergence: one restart of default kicks, which ends when they have not helped 
 import math
 import statistics
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Literal
 
 import numpy as np
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 from benchmarks.cpu import Stopwatch, cpu_limit
+from benchmarks.tables import Line
 from octmip.methods.cart import greedy_tree
 from octmip.methods.search import local_search
 from octmip.problem import Problem
@@ -27,16 +29,17 @@ DEPTH = 4
 REPEATS = 3
 SHORT = 10_000  # longer runs are measured once
 KICKS = 4  # of the restart whose time is held against n log n
+SPLITS: tuple[Literal["axis", "hyperplane"], ...] = ("axis", "hyperplane")
 KINDS = ("CART", "first answer", "one restart", "converged")
 ENDED = (str(Stop.FINISHED), str(Stop.OPTIMAL))
 
 
-def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
+def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
     """Yield a line for each size and kind of answer; CPU seconds are the median of three runs where they are short."""
     for n in SAMPLES:
-        for split in ("axis", "hyperplane"):
+        for split in SPLITS:
             problem = _problem(n, split)
-            yield _measured(n, split, "CART", lambda p=problem: greedy_tree(p))
+            yield _measured(n, split, "CART", partial(greedy_tree, problem))
             yield _measured(n, split, "first answer", _answer(problem, limit, 0))
             yield _measured(n, split, "one restart", _answer(problem, limit, KICKS), 1)
             yield _measured(n, split, "converged", _answer(problem, limit, None), 1)
@@ -46,7 +49,7 @@ def _answer(problem: Problem, limit: float, kicks: int | None) -> Callable[[], S
     return lambda: local_search(problem, restarts=1, kicks=kicks, **cpu_limit(limit))
 
 
-def _problem(n: int, split: Any) -> Problem:
+def _problem(n: int, split: Literal["axis", "hyperplane"]) -> Problem:
     """Return 20 normal features, five classes by four of them along slopes, and a tenth of the labels drawn anew."""
     rng = np.random.default_rng(0)
     features = rng.normal(size=(n, 20))
@@ -56,7 +59,7 @@ def _problem(n: int, split: Any) -> Problem:
     return Problem(features, np.where(noisy, rng.integers(0, 5, n), labels), depth=DEPTH, split=split)
 
 
-def _measured(n: int, split: str, kind: str, answer: Callable[[], Solution], repeats: int = REPEATS) -> dict[str, Any]:
+def _measured(n: int, split: str, kind: str, answer: Callable[[], Solution], repeats: int = REPEATS) -> Line:
     cpu = []
     for _ in range(repeats if n <= SHORT else 1):
         watch = Stopwatch()
@@ -74,7 +77,7 @@ def _measured(n: int, split: str, kind: str, answer: Callable[[], Solution], rep
     }
 
 
-def exponent(lines: Sequence[dict[str, Any]], split: str, kind: str) -> float:
+def exponent(lines: Sequence[Line], split: str, kind: str) -> float:
     """Return b of seconds = a n^b, least squares on logarithms of the runs that ended by themselves."""
     chosen = [line for line in lines if (line["split"], line["kind"]) == (split, kind) and line["stop"] in ENDED]
     if len(chosen) < 2:
@@ -83,10 +86,10 @@ def exponent(lines: Sequence[dict[str, Any]], split: str, kind: str) -> float:
     return float(np.polyfit(logs[:, 0], logs[:, 1], 1)[0])
 
 
-def picture(lines: Sequence[dict[str, Any]], path: Path) -> None:
+def picture(lines: Sequence[Line], path: Path) -> None:
     """Draw CPU seconds against samples, both axes logarithmic, one panel for each kind of split."""
     figure = Figure(figsize=(9, 3.6), layout="constrained")
-    for axes, split in zip(figure.subplots(1, 2, sharey=True), ("axis", "hyperplane"), strict=True):
+    for axes, split in zip(figure.subplots(1, 2, sharey=True), SPLITS, strict=True):
         for kind in KINDS:
             chosen = [line for line in lines if (line["split"], line["kind"]) == (split, kind)]
             sizes, seconds = [line["n"] for line in chosen], [line["cpu_seconds"] for line in chosen]
@@ -102,14 +105,14 @@ def picture(lines: Sequence[dict[str, Any]], path: Path) -> None:
         figure.savefig(path)
 
 
-def _at_least(line: dict[str, Any]) -> str:
+def _at_least(line: Line) -> str:
     return "" if line["stop"] in ENDED else "> "
 
 
-def summary(lines: Sequence[dict[str, Any]]) -> str:
+def summary(lines: Sequence[Line]) -> str:
     """Return the table of sizes with the ratios to CART, and the fitted exponents."""
     rows = []
-    for split in ("axis", "hyperplane"):
+    for split in SPLITS:
         for n in dict.fromkeys(line["n"] for line in lines):
             found = {line["kind"]: line for line in lines if (line["n"], line["split"]) == (n, split)}
             cart = found["CART"]["cpu_seconds"]
@@ -123,7 +126,7 @@ def summary(lines: Sequence[dict[str, Any]]) -> str:
             rows.append(f"| {split}, {n:,} | {found['CART']['objective']:g} | {cart:.3g} | {' | '.join(cells)} |")
     fits = [
         f"{split}, {kind}: CPU seconds grow as n^{exponent(lines, split, kind):.2f}."
-        for split in ("axis", "hyperplane")
+        for split in SPLITS
         for kind in KINDS[1:]
     ]
     head = "| | CART errors | CPU s | first: errors | CPU s | x CART | converged: errors | CPU s | x CART |"

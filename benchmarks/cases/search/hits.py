@@ -9,10 +9,10 @@ import os
 import statistics
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from benchmarks.cpu import Stopwatch
 from benchmarks.data import Table, numeric_sets, published, synthetic_uav, uci
+from benchmarks.tables import Line
 from octmip.methods.search import local_search
 from octmip.problem import Problem
 from octmip.solution import Limits, Progress
@@ -39,7 +39,7 @@ class _Question:
         return Problem(self.table.features, self.table.labels, depth=self.depth)
 
 
-def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
+def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
     """Yield a line for each case, seed and number of threads, and one for each case without a known optimum."""
     for question in _questions():
         head = _head(question)
@@ -68,7 +68,7 @@ def _questions() -> Iterator[_Question]:
             yield _Question(name, table, depth)
 
 
-def _head(question: _Question) -> dict[str, Any]:
+def _head(question: _Question) -> Line:
     n, p = question.table.features.shape
     return {"size": f"{question.name}, depth {question.depth}", "n": n, "p": p, "depth": question.depth}
 
@@ -81,7 +81,7 @@ def _optimum(question: _Question, limit: float) -> float | None:
     return solution.objective if solution.is_optimal else None
 
 
-def _searched(problem: Problem, optimum: float, seed: int, n_jobs: int) -> dict[str, Any]:
+def _searched(problem: Problem, optimum: float, seed: int, n_jobs: int) -> Line:
     hit: tuple[float, float] | None = None
     watch = Stopwatch()
 
@@ -109,7 +109,7 @@ def _searched(problem: Problem, optimum: float, seed: int, n_jobs: int) -> dict[
     }
 
 
-def summary(lines: Sequence[dict[str, Any]]) -> str:
+def summary(lines: Sequence[Line]) -> str:
     """Return the shares by depth, what was left out and why, then every case that is missed or slow."""
     runs = [line for line in lines if "optimum" in line]
     depths = [_shares(f"{depth}", [line for line in runs if line["depth"] == depth]) for depth in DEPTHS]
@@ -134,7 +134,7 @@ def summary(lines: Sequence[dict[str, Any]]) -> str:
     )
 
 
-def _shares(name: str, runs: Sequence[dict[str, Any]]) -> str:
+def _shares(name: str, runs: Sequence[Line]) -> str:
     """Return a row of counts, with percentages of the searches."""
     counts = [
         sum(line["objective"] <= line["optimum"] for line in runs),
@@ -146,15 +146,15 @@ def _shares(name: str, runs: Sequence[dict[str, Any]]) -> str:
     return f"| {name} | {len(_sizes(runs))} | {len(runs)} | {' | '.join(cells)} |"
 
 
-def _is_in_time(line: dict[str, Any]) -> bool:
+def _is_in_time(line: Line) -> bool:
     return line["hit_cpu_seconds"] is not None and line["hit_cpu_seconds"] <= line["wanted_cpu_seconds"]
 
 
-def _sizes(runs: Sequence[dict[str, Any]]) -> list[str]:
+def _sizes(runs: Sequence[Line]) -> list[str]:
     return list(dict.fromkeys(line["size"] for line in runs))
 
 
-def _row(size: str, runs: Sequence[dict[str, Any]]) -> str:
+def _row(size: str, runs: Sequence[Line]) -> str:
     """Return a case's row; nothing for one that every seed solves to the end in a quarter of a second."""
     optimum, first = runs[0]["optimum"], runs[0]
     hits = [line["hit_cpu_seconds"] for line in runs if line["hit_cpu_seconds"] is not None]

@@ -6,9 +6,9 @@ seeds of the search, or `SEARCH_SEEDS`. The optimum is `oblique`'s, proven in th
 
 import os
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 from benchmarks.cpu import cpu_limit
+from benchmarks.tables import Line
 from benchmarks.two_feature import CASES
 from octmip.methods.search import local_search
 from octmip.methods.two_feature import two_feature_branch_and_bound
@@ -19,7 +19,7 @@ LEFT_OUT = ("breast-cancer-wisconsin-diagnostic", "published mu1, 1750 x 20")  #
 ENDLESS = 10**6
 
 
-def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
+def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
     """Yield a line for each case with what every seed found."""
     for (name, table), _, _ in CASES:
         if name in LEFT_OUT:
@@ -31,7 +31,7 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
         yield {"size": name, "seed": 0, "limit": limit, "optimum": best, "found": [s.objective for s in searches]}
 
 
-def summary(lines: Sequence[dict[str, Any]]) -> str:
+def summary(lines: Sequence[Line]) -> str:
     """Return the table of hits, and their sum with the mean excess over the optimum."""
     rows = ["| case | optimum | found | hits |", "|---|---|---|---|"]
     n_hits = n_searches = 0

@@ -10,10 +10,10 @@ import os
 import statistics
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from benchmarks.cpu import Stopwatch, cpu_limit
 from benchmarks.data import Table, published_earlier, synthetic_uav, uci
+from benchmarks.tables import Line
 from octmip.methods.search import local_search
 from octmip.problem import Problem
 
@@ -65,7 +65,7 @@ ROWS = (
 )
 
 
-def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
+def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
     """Yield a line for each cell, number of threads and seed."""
     for row in ROWS:
         for size, before in zip(SIZES, row.before, strict=True):
@@ -76,7 +76,7 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
                     yield _cell(row, size, before) | _searched(row, size, limit, seed, count)
 
 
-def _cell(row: _Row, size: int | None, before: int) -> dict[str, Any]:
+def _cell(row: _Row, size: int | None, before: int) -> Line:
     features = "all" if size is None else size
     return {
         "size": f"{row.name}, depth {row.depth}, {features} features",
@@ -93,10 +93,9 @@ def _table(name: str) -> Table:
     return synthetic_uav(name[-1]) if name.startswith("synthetic") else uci(name)
 
 
-def _searched(row: _Row, size: int | None, limit: float, seed: int, n_jobs: int) -> dict[str, Any]:
+def _searched(row: _Row, size: int | None, limit: float, seed: int, n_jobs: int) -> Line:
     table = _table(row.name)
-    sizes = {} if size is None else {"split_size": size}
-    problem = Problem(table.features, table.labels, depth=row.depth, split="hyperplane", **sizes)
+    problem = Problem(table.features, table.labels, depth=row.depth, split="hyperplane", split_size=size)
     seconds = limit * n_jobs * (1.0 if row.is_long else SHORT_SHARE)
     watch = Stopwatch()
     solution = local_search(problem, seed=seed, n_jobs=n_jobs, restarts=ENDLESS, **cpu_limit(seconds))
@@ -110,19 +109,19 @@ def _searched(row: _Row, size: int | None, limit: float, seed: int, n_jobs: int)
     }
 
 
-def summary(lines: Sequence[dict[str, Any]]) -> str:
+def summary(lines: Sequence[Line]) -> str:
     """Return the table of cells: median, best and worst of the seeds, and the ratios to the axis-aligned tree."""
     head = [
         "| case | threads | axis | median (best, worst) | ratio | before: axis, errors | ratio | greedy | |",
         "|---|---|---|---|---|---|---|---|---|",
     ]
-    groups: dict[tuple[str, int], list[dict[str, Any]]] = {}
+    groups: dict[tuple[str, int], list[Line]] = {}
     for line in lines:
         groups.setdefault((line["size"], line["threads"]), []).append(line)
     return "\n".join([*head, *(_summary_row(size, count, runs) for (size, count), runs in groups.items())])
 
 
-def _summary_row(size: str, count: int, runs: Sequence[dict[str, Any]]) -> str:
+def _summary_row(size: str, count: int, runs: Sequence[Line]) -> str:
     first, objectives = runs[0], [line["objective"] for line in runs]
     median = statistics.median(objectives)
     found = f"{median:g} ({min(objectives):g}, {max(objectives):g})"

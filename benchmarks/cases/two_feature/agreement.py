@@ -7,7 +7,6 @@ of fewer trees. Each side starts from a local search of its own and is told noth
 
 from collections.abc import Callable, Iterator
 from functools import partial
-from typing import Any
 
 import numpy as np
 
@@ -15,6 +14,7 @@ from benchmarks.cpu import cpu_limit
 from benchmarks.data import Table, first_rows, uci
 from benchmarks.oracles.two_feature import best_objective
 from benchmarks.oracles.two_feature_problems import random_two_feature_problem
+from benchmarks.tables import Line
 from benchmarks.two_feature import strains
 from octmip.certificate import certify
 from octmip.methods.search import local_search
@@ -24,7 +24,6 @@ from octmip.mip.oct_h import solve_oct_h
 from octmip.problem import Problem
 from octmip.solution import Limits, Solution
 
-Line = dict[str, Any]
 RANDOM = 60  # small random problems of every kind, half of depth 1 and half of depth 2
 MIO: dict[str, Callable[..., Solution]] = {"flow": solve_flow, "oct_h": solve_oct_h}
 

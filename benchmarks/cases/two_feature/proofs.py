@@ -4,8 +4,8 @@ import resource
 import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
 
+from benchmarks.tables import Line
 from benchmarks.two_feature import CASES
 from octmip.methods.two_feature import two_feature_branch_and_bound
 from octmip.problem import Problem
@@ -15,7 +15,7 @@ from octmip.solution import Limits
 LEFT_OUT = ("breast-cancer-wisconsin-diagnostic",)  # not proven
 
 
-def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
+def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
     """Yield a line for each table of `two_feature_trees` that is proven within the limit."""
     for (name, table), _, _ in CASES:
         if name in LEFT_OUT:
@@ -25,7 +25,7 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
         yield {"size": name, "seed": 0, "threads": threads[0], "limit": limit} | _line(problem, limit, threads[0])
 
 
-def _line(problem: Problem, limit: float, n_threads: int) -> dict[str, Any]:
+def _line(problem: Problem, limit: float, n_threads: int) -> Line:
     start = _cpu()
     two_feature_branch_and_bound(problem, limits=Limits(seconds=limit), n_jobs=n_threads)
     solved = _cpu()
@@ -51,7 +51,7 @@ def _cpu() -> float:
     return usage.ru_utime + usage.ru_stime
 
 
-def summary(lines: Sequence[dict[str, Any]]) -> str:
+def summary(lines: Sequence[Line]) -> str:
     """Return the table of sizes and CPU seconds."""
     rows = [
         f"| {line['size']} | {line['bound']:g} | {line['n_lines']} | {line['n_bytes'] / 1000:.1f} "

@@ -5,11 +5,12 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.tables import Line
 from benchmarks.two_feature import measure, strains
 from octmip.problem import Problem
 
 
-def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
+def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
     """Yield a line for each case; one thread does all the work, whatever is asked for."""
     for target in ("mu1", "mu2"):
         table = strains(target, 1750, 20)
@@ -20,12 +21,12 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
     yield _line("normal, 100000 x 10", features, labels, limit)
 
 
-def _line(size: str, features: Any, labels: Any, limit: float) -> dict[str, Any]:
+def _line(size: str, features: Any, labels: Any, limit: float) -> Line:
     problem = Problem(features, labels, depth=1, split="hyperplane", split_size=2)
     return {"size": size, "seed": 0, "threads": 1, "limit": limit} | measure(problem, limit, 1)
 
 
-def summary(lines: Sequence[dict[str, Any]]) -> str:
+def summary(lines: Sequence[Line]) -> str:
     """Return the table of optima and CPU seconds."""
     rows = [f"| {line['size']} | {line['objective']:g} | {line['cpu_seconds']:.3f} |" for line in lines]
     return "\n".join(["| case | optimum | CPU s |", "|---|---|---|", *rows])

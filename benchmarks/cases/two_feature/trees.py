@@ -6,13 +6,13 @@ needed on its own rows of the same sets, so optima may differ by a few.
 """
 
 from collections.abc import Iterator, Sequence
-from typing import Any
 
+from benchmarks.tables import Line
 from benchmarks.two_feature import CASES, measure
 from octmip.problem import Problem
 
 
-def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
+def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
     """Yield a line for each case and number of threads."""
     for (name, table), prototype, seconds in CASES:
         data = table()
@@ -28,7 +28,7 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
             )
 
 
-def summary(lines: Sequence[dict[str, Any]]) -> str:
+def summary(lines: Sequence[Line]) -> str:
     """Return the table: optimum, boxes and CPU seconds beside the prototype's."""
     head = "| case | threads | objective | bound | boxes | CPU s | prototype | prototype, CPU s |"
     rows = [

@@ -3,11 +3,13 @@
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from itertools import product
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
 from benchmarks.cpu import cpu_seconds
+from benchmarks.problem_options import ProblemOptions
+from benchmarks.tables import Line
 from benchmarks.uav.bayes import BayesLimit, bayes_limit
 from benchmarks.uav.study import best_pair
 from femlib.dataset import Dataset, MeanStrains, Recipe, build_dataset
@@ -15,7 +17,6 @@ from octmip import Problem, certify, predict
 from octmip.methods.search import EFFORT
 from octmip.solver import Method, solve
 
-Line = dict[str, Any]
 Objective = Literal["errors", "mae"]
 
 LABELS = ("mu1", "mu2")
@@ -85,16 +86,16 @@ def problem_of(cell: Cell, data: Dataset, gauges: Sequence[str]) -> Problem:
     """Return the training problem of a cell."""
     labels = getattr(data, cell.label)[data.is_train]
     levels = np.unique(getattr(data, cell.label)).astype(float)
-    return Problem(
-        data.features[data.is_train][:, columns_of(data, gauges)],
-        labels,
-        depth=cell.depth,
-        split="axis" if cell.split_size == 1 else "hyperplane",
-        split_size=cell.split_size,
-        costs=np.abs(levels[:, None] - levels) if cell.objective == "mae" else None,
-        feature_names=tuple(gauges),
-        class_names=tuple(int(level) for level in levels),
-    )
+    options: ProblemOptions = {
+        "depth": cell.depth,
+        "split": "axis" if cell.split_size == 1 else "hyperplane",
+        "split_size": cell.split_size,
+        "feature_names": tuple(gauges),
+        "class_names": tuple(int(level) for level in levels),
+    }
+    if cell.objective == "mae":
+        options["costs"] = np.abs(levels[:, None] - levels)
+    return Problem(data.features[data.is_train][:, columns_of(data, gauges)], labels, **options)
 
 
 def effort_of(cell: Cell, restarts: int) -> tuple[Method, dict[str, int]]:

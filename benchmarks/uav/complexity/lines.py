@@ -13,7 +13,8 @@ from pathlib import Path
 
 from joblib import Parallel, delayed
 
-from benchmarks.uav.complexity.cells import Cell, Line, effort_of, run_cells
+from benchmarks.tables import Line
+from benchmarks.uav.complexity.cells import Cell, effort_of, run_cells
 from femlib.dataset import MeanStrains, Recipe
 from octmip import _native
 

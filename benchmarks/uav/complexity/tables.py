@@ -6,8 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.tables import Line
 from benchmarks.uav.bayes import BayesLimit
-from benchmarks.uav.complexity.cells import DEPTHS, LABELS, OBJECTIVES, SPLIT_SIZES, Cell, Line, Objective
+from benchmarks.uav.complexity.cells import DEPTHS, LABELS, OBJECTIVES, SPLIT_SIZES, Cell, Objective
 
 Lines = dict[Cell, Line]
 SIZE_NAMES = {1: "1", 2: "2", 4: "4", None: "unlimited"}

@@ -69,11 +69,13 @@ def trust(data: Dataset, label: str, seed: int, depth: int) -> Trust:
     least = min(float(is_own_hit[codes[rest] == k].mean()) for k in range(problem.n_classes))
     share = np.array(FLEET)[codes] / np.bincount(codes)[codes]
     fleet = [brier_score(smooth.predict(features, prior), codes, weights=share).score for prior in (None, FLEET)]
-    tables = {"shares of the training rows": plain.predict(features), "Laplace": table}
+    raw = plain.predict(features)
+    tables = {"shares of the training rows": raw, "Laplace": table}
     return Trust(
         label,
         seed,
-        *((calibration_error(t, codes), brier_score(t, codes)) for t in tables.values()),
+        (calibration_error(raw, codes), brier_score(raw, codes)),
+        (calibration_error(table, codes), brier_score(table, codes)),
         {name: reliability(t, codes) for name, t in tables.items()},
         float(is_hit.mean()),
         float(held.sum(axis=1).mean()),

@@ -30,7 +30,7 @@ from octmip.sensing import (
     solve_worst,
     with_surrogates,
 )
-from octmip.solution import Limits
+from octmip.solution import Limits, Solution
 from octmip.tree import Node, predict
 
 Floats = NDArray[np.float64]
@@ -81,7 +81,7 @@ def means_of(data: Dataset, step: int) -> Floats:
     return interpolated(data, states)
 
 
-def interpolated(data: Dataset, states: NDArray[np.generic]) -> Floats:
+def interpolated(data: Dataset, states: NDArray[np.integer | np.floating]) -> Floats:
     """Return the mean features (n, n_gauges) at states (n, 2) in percent, linear between the library's."""
     grid = data.mean_features[:, _columns(data)].reshape(len(LEVELS), len(LEVELS), -1)
     return np.asarray(RegularGridInterpolator((LEVELS, LEVELS), grid)(states))
@@ -93,7 +93,7 @@ def _columns(data: Dataset) -> list[int]:
 
 def detector_of(data: Dataset, step: int = 20, n_averaged: int = 1) -> FaultDetector:
     """Return the detector of the installed gauges over states `step` percent apart."""
-    return FaultDetector(means_of(data, step), data.noise_sd, installed(data), RATE, n_averaged)
+    return FaultDetector(means_of(data, step), np.array(data.noise_sd), installed(data), RATE, n_averaged)
 
 
 def detection_tables(data: Dataset, n: int) -> tuple[str, Figure]:
@@ -229,7 +229,7 @@ def trained_rows(data: Dataset, label: str, seconds: float) -> list[Row]:
     assert ordinary.tree is not None
     base = unseen.error(predict(ordinary.tree, unseen.features))
     failed = unseen.with_failed(FAULTS[TRAINED_ON])
-    solvers = {
+    solvers: dict[str, Callable[[], Solution]] = {
         "ordinary": lambda: ordinary,
         "least expected error": lambda: solve_expected(asked, limits=Limits(seconds=seconds)),
         "least worst error": lambda: solve_worst(asked, limits=Limits(seconds=seconds)),

@@ -78,9 +78,19 @@ def _mark_chosen(axes: Axes, wing: Wing, chosen: Sequence[str]) -> None:
     for k, x in zip(order, at, strict=True):
         place = float(places[k, 1]), -float(places[k, 0])
         axes.scatter(*place, 120, facecolors="none", edgecolors=CHOSEN, linewidths=1.6, zorder=3)
-        style = {"ha": "center", "va": "bottom", "fontsize": 8, "rotation": 90, "color": CHOSEN}
         arrow = {"arrowstyle": "-", "color": CHOSEN, "lw": 0.6, "shrinkB": 5, "shrinkA": 1}
-        axes.annotate(chosen[k], place, (float(x), NAME_HEIGHT), arrowprops=arrow, zorder=4, **style)
+        axes.annotate(
+            chosen[k],
+            place,
+            (float(x), NAME_HEIGHT),
+            arrowprops=arrow,
+            zorder=4,
+            ha="center",
+            va="bottom",
+            fontsize=8,
+            rotation=90,
+            color=CHOSEN,
+        )
     axes.set_ylim(top=NAME_HEIGHT + 0.09)
 
 

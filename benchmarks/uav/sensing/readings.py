@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.data import SHARED
+from benchmarks.problem_options import ProblemOptions
 from femlib.dataset import Dataset, MeanStrains, Recipe, build_dataset, published_strains, simulated_strains
 from femlib.wing import Wing, uav_wing
 from octmip import Problem
@@ -46,16 +47,17 @@ def problem_of(
 ) -> Problem:
     """Return the training problem: misclassified samples as objective, or the absolute error in percent stiffness."""
     levels = np.array(LEVELS, dtype=float)
-    return Problem(
-        data.features[data.is_train][:, [data.gauges.index(gauge) for gauge in gauges]],
-        getattr(data, label)[data.is_train],
-        depth=depth,
-        split="axis" if split_size == 1 else "hyperplane",
-        split_size=split_size,
-        costs=np.abs(levels[:, None] - levels) if for_mae else None,
-        feature_names=tuple(gauges),
-        class_names=LEVELS,
-    )
+    options: ProblemOptions = {
+        "depth": depth,
+        "split": "axis" if split_size == 1 else "hyperplane",
+        "split_size": split_size,
+        "feature_names": tuple(gauges),
+        "class_names": LEVELS,
+    }
+    if for_mae:
+        options["costs"] = np.abs(levels[:, None] - levels)
+    features = data.features[data.is_train][:, [data.gauges.index(gauge) for gauge in gauges]]
+    return Problem(features, getattr(data, label)[data.is_train], **options)
 
 
 def mean_absolute_error(data: Dataset, label: str, gauges: Sequence[str], tree: Node, rows: NDArray[np.bool_]) -> float:
