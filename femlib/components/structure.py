@@ -139,7 +139,7 @@ class DamagedStructure:
         return tuple(int(k) for k in np.flatnonzero(damage.any(axis=0)))
 
     def n_ports(self, active: tuple[int, ...]) -> int:
-        """Number of port degrees of freedom of the components `active`."""
+        """Return the number of port degrees of freedom of the components `active`."""
         return len(_all_ports([self._condensed[k] for k in active]))
 
     def eliminated(self, active: tuple[int, ...]) -> Eliminated:

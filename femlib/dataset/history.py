@@ -11,7 +11,8 @@ import numpy as np
 import pandas as pd
 
 from femlib.checked import shown
-from femlib.dataset.disk import csv_pieces, floats, parquet_file
+from femlib.dataset.parquet import parquet_file
+from femlib.dataset.storage import csv_pieces, floats
 from femlib.errors import InputError
 
 ROWS_AT_A_TIME = 8192

@@ -67,9 +67,9 @@ def place_sensors(
 
     Args:
         problem: its features are those of all candidates.
-        starts: sets of sensors, for instance other ways to choose them (`octmip.sensing.placement.designs`), each within the
-            budget. Their trees are found first, and the best of them is where the search over all candidates begins:
-            so it is never worse than any of them, which a search by itself does not promise.
+        starts: sets of sensors within the budget, for instance chosen as in `octmip.sensing.placement.designs`. Their
+            trees are found first, and the search over all candidates begins at the best of them: so it is never worse
+            than any of them, which a search by itself does not promise.
         method, limits, seed, n_jobs, options: of each solve, see `octmip.solve`.
 
     Raises
