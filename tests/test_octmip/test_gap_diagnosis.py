@@ -22,7 +22,7 @@ def effect(name, size, place=""):
     strained = Asset() if name in CHAIN else TWIN  # the chain acts on what the asset's gauges see
 
     def change(state, load, time):
-        return size * source.signature(strained, state, load, variant=place, time=time)
+        return size * source.signature(strained, state, load, place=place, time=time)
 
     return change
 

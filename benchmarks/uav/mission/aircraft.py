@@ -108,10 +108,10 @@ class _SuspectsOfWing:
         return getattr(self.effect, name)
 
     def signature(
-        self, twin: object, state: object, load_factor: float, variant: str = "", time: float = 0.0
+        self, twin: object, state: object, load_factor: float, place: str = "", time: float = 0.0
     ) -> Floats:
         """Return the trace (n_gauges,) of the wing's own gauges, which the table's are named after."""
-        return np.asarray(self.effect.signature(self.twin, {}, load_factor, variant))  # type: ignore[attr-defined]
+        return np.asarray(self.effect.signature(self.twin, {}, load_factor, place))  # type: ignore[attr-defined]
 
 
 def build_aircraft(folder: Path, strains: str | None = None, seed: int = 0, depth: int = 3) -> Aircraft:
