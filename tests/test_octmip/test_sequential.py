@@ -54,7 +54,8 @@ def test_every_question_has_the_answer_of_enumeration(block):
             asked = replace(inspection, price=price)
             solution = solve_inspection(asked)
             found = certify_inspection(asked, solution)
-            assert solution.is_optimal and solution.stop is Stop.OPTIMAL, seed
+            assert solution.is_optimal, seed
+            assert solution.stop is Stop.OPTIMAL, seed
             best = min(pairs, key=lambda pair: (pair[0] + price * pair[1], pair[1]))
             assert found.objective == pytest.approx(best[0] + price * best[1], abs=TOLERANCE), (seed, price)
             if price == 0:

@@ -107,9 +107,7 @@ class _SuspectsOfWing:
     def __getattr__(self, name: str) -> object:
         return getattr(self.effect, name)
 
-    def signature(
-        self, twin: object, state: object, load_factor: float, place: str = "", time: float = 0.0
-    ) -> Floats:
+    def signature(self, twin: object, state: object, load_factor: float, place: str = "", time: float = 0.0) -> Floats:
         """Return the trace (n_gauges,) of the wing's own gauges, which the table's are named after."""
         return np.asarray(self.effect.signature(self.twin, {}, load_factor, place))  # type: ignore[attr-defined]
 
