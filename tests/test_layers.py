@@ -16,6 +16,7 @@ LEVELS = {
     "octmip": {
         "errors": 0,
         "_native": 0,
+        "formats.cells": 1,
         "formats.checked": 1,
         "formats.files": 1,
         "methods.margin": 1,
