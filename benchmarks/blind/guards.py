@@ -91,5 +91,5 @@ def _name(answer):
 
 
 def _group(name):
-    """Return the fixed group of a name: itself where it has no rivals."""
+    """Return the fixed group of a name: itself where it has no confounders."""
     return next((frozenset(group) for group in GROUPS if name in group), frozenset({name}))

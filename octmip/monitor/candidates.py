@@ -65,12 +65,12 @@ def effect_candidates(
     both = tuple(sign * size for size in chosen for sign in signs)
     return tuple(
         Candidate(
-            variant or effect.name,
+            place or effect.name,
             effect.name,
-            np.asarray(effect.signature(twin, {}, 1.0, variant)[columns]),
+            np.asarray(effect.signature(twin, {}, 1.0, place)[columns]),
             both,
             effect.unit,
             1 if effect.load_power is None else effect.load_power,
         )
-        for variant in effect.variants(twin)
+        for place in effect.places(twin)
     )

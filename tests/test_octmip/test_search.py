@@ -106,8 +106,12 @@ def test_neighbours_that_float32_cannot_tell_apart_are_separated_and_thresholds_
 def test_the_penalty_buys_no_split_that_does_not_pay():
     features = np.arange(10.0)[:, None]
     labels = np.arange(10) == 9
-    assert isinstance(local_search(Problem(features, labels, depth=2, leaf_penalty=1.0)).tree, Leaf | Split)
-    assert isinstance(local_search(Problem(features, labels, depth=2, leaf_penalty=1.5)).tree, Leaf)
+    cheap, even, expensive = (
+        local_search(Problem(features, labels, depth=2, leaf_penalty=penalty)) for penalty in (0.5, 1.0, 1.5)
+    )
+    assert isinstance(cheap.tree, Split)
+    assert even.objective == 1.0  # with the split and without it
+    assert isinstance(expensive.tree, Leaf)
 
 
 def test_a_time_limit_ends_the_search_with_a_tree():

@@ -107,11 +107,9 @@ class _EffectOfWing:
     def __getattr__(self, name: str) -> object:
         return getattr(self.effect, name)
 
-    def signature(
-        self, twin: object, state: object, load_factor: float, variant: str = "", time: float = 0.0
-    ) -> Floats:
+    def signature(self, twin: object, state: object, load_factor: float, place: str = "", time: float = 0.0) -> Floats:
         """Return the trace (n_gauges,) of the wing's own gauges, which the table's are named after."""
-        return np.asarray(self.effect.signature(self.twin, {}, load_factor, variant))
+        return np.asarray(self.effect.signature(self.twin, {}, load_factor, place))
 
 
 def build_aircraft(folder: Path, strains: str | None = None, seed: int = 0, depth: int = 3) -> Aircraft:

@@ -14,7 +14,7 @@ class Modulus(FixedForce):
     __slots__ = ()
 
     def predict(
-        self, twin: Any, state: Mapping[str, float], load_factor: float, size: float, variant: str, time: float
+        self, twin: Any, state: Mapping[str, float], load_factor: float, size: float, place: str, time: float
     ) -> FloatArray:
         """Return the strains (n_gauges,) of a wing whose moduli are 1 + size / 100 times the model's."""
         strain: FloatArray = twin.predict(state, load_factor)

@@ -35,7 +35,7 @@ class AsManufactured(WingEffect):
     built: Callable[[], Response]
 
     def signature(
-        self, twin: Any, state: Mapping[str, float], load_factor: float, variant: str = "", time: float = 0.0
+        self, twin: Any, state: Mapping[str, float], load_factor: float, place: str = "", time: float = 0.0
     ) -> FloatArray:
         """Return the change of the gauge strains (n_gauges,) in microstrain per unit of size."""
         return load_factor * (self.built().lift_strains(state) - self.response.lift_strains(state))

@@ -77,7 +77,7 @@ class SkinEffect(WingEffect):
     factor: float
 
     def signature(
-        self, twin: Any, state: Mapping[str, float], load_factor: float, variant: str = "", time: float = 0.0
+        self, twin: Any, state: Mapping[str, float], load_factor: float, place: str = "", time: float = 0.0
     ) -> FloatArray:
         """Return the change of the gauge strains (n_gauges,) in microstrain per unit of size."""
         return self.factor * load_factor * self.skins.strains(state)
