@@ -4,6 +4,7 @@ What is frozen keeps nothing, folders stay small, and octmip knows nothing of fe
 """
 
 import ast
+import re
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
@@ -121,6 +122,13 @@ def test_a_circle_is_found(tmp_path):
     (tmp_path / "parent").mkdir()
     (tmp_path / "parent" / "child.rs").write_text("use super::f;\npub fn g() {}\n")
     assert circles(rust_arrows({"native": tmp_path})) == [["native.parent", "native.parent.child"]]
+
+
+def test_every_file_that_the_documentation_walks_through_exists():
+    text = (ROOT / "docs" / "developing.md").read_text()
+    named = re.findall(r"`((?:octmip|femlib|benchmarks|tests)/[\w/]+\.(?:py|rs|md))`", text)
+    assert len(named) > 60
+    assert not [name for name in named if not (ROOT / name).is_file() and "NAME" not in name]
 
 
 def test_no_line_of_a_comment_is_long():
