@@ -6,25 +6,18 @@
 //! whatever the number of threads.
 
 mod axis;
-mod blocks;
-mod charts;
-mod climb;
-mod ground;
-mod kick;
-mod line;
+mod gains;
+mod greedy;
+mod local_search;
 mod logistic;
-mod melt;
-mod orders;
-mod plane;
-mod plant;
+mod options;
+mod perturbation;
+mod planes;
+mod prepared;
+mod rebuild;
 mod restart;
-mod roots;
-mod sensors;
-mod start;
-mod state;
-mod tally;
-mod values;
-mod view;
+mod soft_tree;
+mod tree;
 mod watch;
 
 use std::sync::Mutex;
@@ -37,23 +30,11 @@ use crate::exact::samples::Samples;
 use crate::problem::Problem;
 use crate::tree::Tree;
 
-use ground::Ground;
-use restart::{Restart, Round};
-use state::State;
-use watch::{TRIVIAL_BOUND, Watch};
+use crate::search::prepared::Ground;
+use crate::search::restart::{Restart, Round};
+use crate::search::watch::{TRIVIAL_BOUND, Watch};
 
-/// How hard to search.
-#[derive(Debug, Clone, Copy)]
-pub struct Options {
-    /// Number of restarts.
-    pub n_restarts: usize,
-    /// Kicks in a row without a better tree that end a restart.
-    pub n_kicks: usize,
-    /// Of the random choices.
-    pub seed: u64,
-    /// Threads.
-    pub n_threads: usize,
-}
+pub use options::Options;
 
 /// Restarts that begin together, and how many of them there are for one that goes on.
 const GROUP: usize = 9;
@@ -147,11 +128,4 @@ fn run<'a>(
         done.sort_by_key(Restart::rank);
         done
     })
-}
-
-/// A leaf, which is what a restart begins with.
-fn leaf_of(ground: &Ground) -> (State, i64) {
-    let state = State::leaf(ground.problem);
-    let objective = state.objective(&ground.prices);
-    (state, objective)
 }

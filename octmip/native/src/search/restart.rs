@@ -2,12 +2,12 @@
 
 use crate::exact::samples::Samples;
 use crate::problem::Problem;
-use crate::search::Options;
-use crate::search::climb::Climber;
-use crate::search::ground::Ground;
-use crate::search::melt::{Heat, Opening};
-use crate::search::start::Soil;
-use crate::search::state::State;
+use crate::search::greedy::Soil;
+use crate::search::local_search::Climber;
+use crate::search::options::Options;
+use crate::search::prepared::Ground;
+use crate::search::soft_tree::schedule::{Heat, Opening};
+use crate::search::tree::state::State;
 use crate::search::watch::Watch;
 use crate::tree::Tree;
 
@@ -24,7 +24,7 @@ const NEAR: f64 = 0.75;
 
 /// What the restarts of one round do.
 #[derive(Debug, Clone, Copy)]
-pub struct Round<'t> {
+pub(crate) struct Round<'t> {
     /// Kicks in a row without a better tree that end the turn.
     n_kicks: usize,
     /// Samples x features that one exact block of three levels and more may look at.
@@ -42,7 +42,7 @@ impl<'t> Round<'t> {
     ///
     /// An axis-aligned restart is known by its beginning, which exact blocks of three levels bring near its best; one
     /// of hyperplanes has to be kicked first.
-    pub fn all(options: Options, known: Option<&'t Tree>, problem: &Problem) -> [Self; 3] {
+    pub(crate) fn all(options: Options, known: Option<&'t Tree>, problem: &Problem) -> [Self; 3] {
         let n = options.n_kicks;
         let round = |n_kicks, work| Self { n_kicks, work, deepest: 3, deep: None, known };
         // Deeper trees have more blocks.
@@ -58,15 +58,15 @@ impl<'t> Round<'t> {
 }
 
 /// A restart with the best tree that it has found.
-pub struct Restart<'a> {
+pub(crate) struct Restart<'a> {
     /// Its number; its random stream depends on this and the seed alone.
-    pub number: usize,
+    pub(crate) number: usize,
     /// Its place in the present round.
-    pub place: usize,
+    pub(crate) place: usize,
     /// The tree.
-    pub state: State,
+    pub(crate) state: State,
     /// What it costs.
-    pub objective: i64,
+    pub(crate) objective: i64,
     ground: &'a Ground<'a>,
     watch: &'a Watch,
     climber: Climber<'a>,
@@ -76,9 +76,16 @@ pub struct Restart<'a> {
 
 impl<'a> Restart<'a> {
     /// Restart `number`, not begun yet.
-    pub fn new(ground: &'a Ground<'a>, samples: &'a Samples, watch: &'a Watch, seed: u64, number: usize) -> Self {
+    pub(crate) fn new(
+        ground: &'a Ground<'a>,
+        samples: &'a Samples,
+        watch: &'a Watch,
+        seed: u64,
+        number: usize,
+    ) -> Self {
         let stream = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(number as u64);
-        let (state, objective) = super::leaf_of(ground);
+        let state = State::leaf(ground.problem);
+        let objective = state.objective(&ground.prices);
         Self {
             number,
             place: number,
@@ -93,12 +100,12 @@ impl<'a> Restart<'a> {
     }
 
     /// What restarts are ordered by, the best first.
-    pub fn rank(&self) -> (i64, usize) {
+    pub(crate) fn rank(&self) -> (i64, usize) {
         (self.objective, self.number)
     }
 
     /// Take a turn; nothing once the restarts before it are out of reach, or a limit is.
-    pub fn run(&mut self, round: &Round) {
+    pub(crate) fn run(&mut self, round: &Round) {
         self.climber.take_place(self.place);
         if !self.climber.goes_on() {
             return;

@@ -1,7 +1,7 @@
 //! Which features a logistic regression can spare.
 
-use crate::search::logistic::{Fitted, GoOn, Pull, WORK_OF_A_LOOK, cholesky, solve};
-use crate::search::values::Values;
+use crate::search::logistic::regression::{Fitted, GoOn, Pull, WORK_OF_A_LOOK, cholesky, solve};
+use crate::search::prepared::values::Values;
 
 /// A removal's price is multiplied by up to this power of e at random.
 const NOISE: f64 = 1.0;
@@ -12,7 +12,7 @@ const NOISE: f64 = 1.0;
 /// least goes first, that of least `beta_j^2 / (H^-1)_jj`; beta and `H^-1` follow. The rises are disturbed at random, so
 /// that fits to the same samples do not always give the same features. Source: Hassibi & Stork (1993), Second order
 /// derivatives for network pruning: Optimal Brain Surgeon.
-pub fn leading(
+pub(crate) fn leading(
     values: &Values,
     pulls: &[Pull],
     features: &[u32],
