@@ -3,12 +3,12 @@
     minimise  the objective of the Problem
     by        restarts from greedy trees; at one node after the other, in random order, the best new split with the rest
               of the tree fixed, a leaf in its place, or one of its children in its place; exact subtrees of up to
-              three levels at the bottom; kicks out of local optima, kept when they are no worse
-    planes    lines of hyperplanes, each swept exactly; logistic fits to what each sample would rather do; all the
-              planes of a subtree made soft and moved together ("melting"); see docs/theory/search.md
+              three levels at the bottom; perturbations of local optima, kept when they are no worse
+    planes    lines of hyperplanes, each swept exactly; logistic fits to the sides that the samples prefer; all planes
+              of a subtree moved together as a soft tree; see docs/theory/search.md
 
-Every restart draws from its own random stream, told by the seed and the restart's number, so one seed gives one tree
-for any number of threads unless time runs out. The first restart begins at the greedy tree without chance, looks ahead
+Every restart draws from its own random stream, given by the seed and the restart's number, so one seed gives one tree
+for any number of threads unless time runs out. The first restart begins at the greedy tree, not randomised, looks ahead
 with exact subtrees, and is what a hyperplane tree starts from too, so that it is never worse than the axis-aligned one.
 What is searched is the problem of `merging.py`, so rows repeated and rows weighed give one tree, whatever their order.
 Source: Bertsimas & Dunn (2019), Machine Learning Under a Modern Optimization Lens, ch. 8, for the moves at one node.
@@ -28,11 +28,11 @@ from octmip.problem import Problem
 from octmip.solution import Limits, ProgressCallback, Solution, Stop
 from octmip.tree import Node, centred, simplify, without_empty_sides
 
-# Restarts, and kicks in a row without a better tree that end one: hyperplanes profit from longer restarts, and small
-# axis-aligned problems from both more and longer ones, for which there is time.
+# Restarts, and perturbations in a row without a better tree that end one: hyperplanes profit from longer restarts, and
+# small axis-aligned problems from both more and longer ones, for which there is time.
 EFFORT = {"axis": (9, 16), "hyperplane": (6, 60)}
 MOST_EFFORT = (36, 48)
-SMALL = (300_000, 200_000)  # samples x features x restarts, and x kicks, up to which there are more of them
+SMALL = (300_000, 200_000)  # samples x features x restarts, and x perturbations, up to which there are more
 GRACE = 0.3
 """Seconds beyond the limit within which planes are still polished."""
 

@@ -43,13 +43,13 @@ def test_larger_random_problems_get_feasible_trees_no_worse_than_cart_that_they_
         assert solution.objective <= cart.objective
 
 
-def test_kicks_of_deep_trees_keep_every_constraint_and_the_objective_of_the_certificate():
+def test_perturbations_of_deep_trees_keep_every_constraint_and_the_objective_of_the_certificate():
     rng = np.random.default_rng(5)
     seen = set()
     for seed in range(60):
         problem = random_problem(rng, max_samples=80, max_features=5, max_depth=5)
         if problem.depth < 3:
-            continue  # cuts are shifted and planted from three levels on
+            continue  # cuts are shifted and subtrees rebuilt from three levels on
         solution = local_search(problem, seed=seed, restarts=3, kicks=12)
         certificate = certify(problem, solution)
         assert certificate.objective == pytest.approx(solution.objective)

@@ -135,7 +135,7 @@ def test_a_large_hyperplane_problem_ends_with_its_limit(seconds):
     assert time.process_time() - start < 5.0
 
 
-def test_polishing_stops_when_it_is_told_to_and_keeps_the_planes():
+def test_polishing_stops_when_asked_to_and_keeps_the_planes():
     rng = np.random.default_rng(26)
     problem = Problem(rng.normal(size=(30, 3)), rng.integers(0, 2, 30), depth=1, split="hyperplane")
     plane = HyperplaneSplit((0, 1), (0.123456789, 1.0), 0.0, Leaf(0), Leaf(1))

@@ -1,9 +1,9 @@
 //! Local search: good trees of any size, without a proof.
 //!
-//! Independent restarts, each a descent from a tree of its own and kicks out of its local optimum (`climb`), in groups:
-//! all of a group begin, the better ones go on; the best of all groups goes on longest. A restart's random stream depends on the seed and its
-//! number alone, rounds end together, and the best restart of lowest number wins, so that one seed gives one tree
-//! whatever the number of threads.
+//! Independent restarts (`restart`), each a descent from a tree of its own and perturbations of its local optimum, in
+//! groups: all of a group begin, the better ones go on; the best of all groups goes on longest. A restart's random
+//! stream depends on the seed and its number alone, rounds end together, and the best restart of lowest number wins, so
+//! that one seed gives one tree whatever the number of threads.
 
 mod axis;
 mod gains;
@@ -30,18 +30,18 @@ use crate::exact::samples::Samples;
 use crate::problem::Problem;
 use crate::tree::Tree;
 
-use crate::search::prepared::Ground;
+use crate::search::prepared::Prepared;
 use crate::search::restart::{Restart, Round};
 use crate::search::watch::{TRIVIAL_BOUND, Watch};
 
 pub use options::Options;
 
-/// Restarts that begin together, and how many of them there are for one that goes on.
+/// Number of restarts that begin together; one in so many of them goes on.
 const GROUP: usize = 9;
 const GOES_ON_ONE_IN: usize = 3;
 
-/// How often the calling thread looks whether to go on.
-const LOOK: Duration = Duration::from_millis(10);
+/// Time between two polls of the calling thread, which ask whether to go on.
+const POLL: Duration = Duration::from_millis(10);
 
 /// Search for a tree of low objective, from `start` too when one is given.
 ///
@@ -53,10 +53,10 @@ pub fn search(
     limits: Limits,
     keep_going: KeepGoing,
 ) -> Outcome {
-    let ground = Ground::new(problem);
+    let prepared = Prepared::new(problem);
     let samples = Samples::new(problem);
     let watch = Watch::new(limits);
-    let new = |k| Restart::new(&ground, &samples, &watch, options.seed, k);
+    let new = |k| Restart::new(&prepared, &samples, &watch, options.seed, k);
     let rounds = Round::all(options, start, problem);
     let mut turn = |restarts, round| run(restarts, round, options.n_threads, &watch, &mut *keep_going);
     let mut restarts: Vec<Restart> = Vec::new();
@@ -75,7 +75,7 @@ pub fn search(
     restarts = turn(last, &rounds[2]);
     let best = restarts.swap_remove(0);
     Outcome {
-        tree: best.state.to_tree(&ground.prices),
+        tree: best.state.to_tree(&prepared.prices),
         objective: best.objective,
         bound: TRIVIAL_BOUND,
         stop: match best.objective {
@@ -118,7 +118,7 @@ fn run<'a>(
         drop(sender);
         let mut done = Vec::with_capacity(n);
         loop {
-            match receiver.recv_timeout(LOOK) {
+            match receiver.recv_timeout(POLL) {
                 Ok(restart) => done.push(restart),
                 Err(RecvTimeoutError::Disconnected) => break,
                 Err(RecvTimeoutError::Timeout) => {}

@@ -10,13 +10,13 @@ type Found = (Vec<NodeRow>, i64, i64, &'static str, u64);
 
 /// Search for a tree of low objective.
 #[pyfunction(name = "search")]
-#[pyo3(signature = (problem, n_restarts, n_kicks, seed, n_threads, limit_values, start=None, progress=None))]
+#[pyo3(signature = (problem, n_restarts, n_perturbations, seed, n_threads, limit_values, start=None, progress=None))]
 #[allow(clippy::too_many_arguments)]
 pub fn py_search(
     py: Python<'_>,
     problem: &PyProblem,
     n_restarts: usize,
-    n_kicks: usize,
+    n_perturbations: usize,
     seed: u64,
     n_threads: usize,
     limit_values: (f64, f64, f64, f64),
@@ -24,7 +24,7 @@ pub fn py_search(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Found> {
     let start = start.map(tree_from_rows).transpose()?;
-    let options = Options { n_restarts, n_kicks, seed, n_threads };
+    let options = Options { n_restarts, n_perturbations, seed, n_threads };
     let mut error = None;
     let outcome = py.detach(|| {
         let mut go_on = keep_going(progress.as_ref(), &mut error);

@@ -1,14 +1,14 @@
 //! The options of a local search.
 
-/// How hard to search.
+/// The effort of a search.
 #[derive(Debug, Clone, Copy)]
 pub struct Options {
     /// Number of restarts.
     pub n_restarts: usize,
-    /// Kicks in a row without a better tree that end a restart.
-    pub n_kicks: usize,
-    /// Of the random choices.
+    /// Perturbations in a row without a better tree that end a restart.
+    pub n_perturbations: usize,
+    /// Seed of the random choices.
     pub seed: u64,
-    /// Threads.
+    /// Number of threads.
     pub n_threads: usize,
 }

@@ -1,4 +1,4 @@
-//! What all restarts share, made once.
+//! A problem prepared for searching: the data that all restarts share, made once.
 
 pub(crate) mod dual_planes;
 pub(crate) mod orders;
@@ -8,14 +8,14 @@ use std::sync::OnceLock;
 
 use crate::problem::Problem;
 use crate::search::gains::prices::Prices;
-use crate::search::prepared::dual_planes::PairCharts;
+use crate::search::prepared::dual_planes::DualPlanes;
 use crate::search::prepared::orders::Orders;
 use crate::search::prepared::values::{Terms, Values};
 use crate::search::tree::rule::{AxisCut, Rule};
 
 /// A problem prepared for searching.
 #[derive(Debug)]
-pub(crate) struct Ground<'a> {
+pub(crate) struct Prepared<'a> {
     /// The problem.
     pub(crate) problem: &'a Problem,
     /// Its gains.
@@ -30,12 +30,12 @@ pub(crate) struct Ground<'a> {
     pub(crate) deviations: Vec<f64>,
     /// Values less the mean, by the deviation, sample-major; empty without planes.
     standardised: Vec<f32>,
-    /// The most promising roots, looked for when they are first wanted.
-    pub(crate) roots: OnceLock<Vec<AxisCut>>,
-    charts: OnceLock<Option<PairCharts>>,
+    /// The most promising cuts of the root, looked for when they are first wanted.
+    pub(crate) root_cuts: OnceLock<Vec<AxisCut>>,
+    dual_planes: OnceLock<Option<DualPlanes>>,
 }
 
-impl<'a> Ground<'a> {
+impl<'a> Prepared<'a> {
     /// Prepare a problem.
     pub(crate) fn new(problem: &'a Problem) -> Self {
         let values = Values::new(problem);
@@ -50,14 +50,14 @@ impl<'a> Ground<'a> {
             means,
             deviations,
             standardised,
-            roots: OnceLock::new(),
-            charts: OnceLock::new(),
+            root_cuts: OnceLock::new(),
+            dual_planes: OnceLock::new(),
         }
     }
 
     /// Tables of the lines over pairs of features, where they are not too large.
-    pub(crate) fn charts(&self) -> Option<&PairCharts> {
-        self.charts.get_or_init(|| PairCharts::new(self.problem, &self.values)).as_ref()
+    pub(crate) fn dual_planes(&self) -> Option<&DualPlanes> {
+        self.dual_planes.get_or_init(|| DualPlanes::new(self.problem, &self.values)).as_ref()
     }
 
     /// The standardised values of a sample.

@@ -1,54 +1,56 @@
-//! Planting: another cut, and exact trees of two levels looked ahead below it.
+//! Subtrees rebuilt below another cut, by looking ahead with exact trees of two levels; restarts from a root cut.
 
 use crate::search::axis::root_cuts::promising;
 use crate::search::axis::scan::{Aim, best_cut};
 use crate::search::gains::tally::Worth;
-use crate::search::local_search::Climber;
+use crate::search::local_search::LocalSearch;
+use crate::search::tree::allowance::{Allowance, paid_features};
 use crate::search::tree::rule::{AxisCut, Rule};
 use crate::search::tree::state::State;
 
-/// Share of plantings that move the cut along its own feature, and how far, as a share of the samples, at most.
+/// Share of rebuilt subtrees whose cut moves along its own feature, and the share of the samples that it passes at
+/// most.
 const MOVED: f64 = 0.5;
 const FURTHEST: f64 = 0.2;
 /// The same where the subtree stays.
 const SHIFTED_FURTHEST: f64 = 0.05;
-/// Share of plantings elsewhere that take the feature's purest cut; the others take a random one.
+/// Share of rebuilt subtrees of another feature that take its purest cut; the others take a random one.
 const PUREST: f64 = 0.5;
 
-impl Climber<'_> {
-    /// The tree below the `k`-th most promising root; roots at random when there are no more.
-    pub(crate) fn plant(&mut self, k: usize, seed: u64) -> Option<State> {
-        let problem = self.ground.problem;
+impl LocalSearch<'_> {
+    /// The tree below the `k`-th most promising cut of the root; below a random cut when there are no more.
+    pub(crate) fn restart_from_root_cut(&mut self, k: usize, seed: u64) -> Option<State> {
+        let problem = self.prepared.problem;
         if problem.depth < 2 {
             return None;
         }
-        let (ground, samples, control) = (self.ground, self.samples, &self.watch.control);
-        let roots = ground.roots.get_or_init(|| promising(ground, samples, control, seed));
-        let root = match roots.get(k) {
-            Some(&root) => root,
+        let (prepared, samples, control) = (self.prepared, self.samples, &self.watch.control);
+        let root_cuts = prepared.root_cuts.get_or_init(|| promising(prepared, samples, control, seed));
+        let cut = match root_cuts.get(k) {
+            Some(&cut) => cut,
             None => {
-                let feature = roots.get(self.rng.usize(..roots.len().max(1)))?.feature;
+                let feature = root_cuts.get(self.rng.usize(..root_cuts.len().max(1)))?.feature;
                 let sample = self.rng.usize(..problem.n);
                 AxisCut { feature, cut: problem.feature(feature as usize)[sample] }
             }
         };
         let mut state = State::leaf(problem);
-        self.plant_below(&mut state, 0, root, self.deepest).then_some(state)
+        self.cut_and_look_ahead(&mut state, 0, cut, self.deepest).then_some(state)
     }
 
-    /// Plant anew one of the subtrees of three levels or more.
-    pub(crate) fn plant_at(&mut self, state: &mut State) {
+    /// Rebuild one of the subtrees of three levels or more below another cut.
+    pub(crate) fn rebuild_at(&mut self, state: &mut State) {
         if let Some(v) = self.deep_split(state)
-            && let Some(root) = self.other_cut(state, v)
+            && let Some(cut) = self.other_cut(state, v)
         {
             state.collapse(v);
-            self.plant_below(state, v, root, 2);
+            self.cut_and_look_ahead(state, v, cut, 2);
         }
     }
 
     /// Move the cut of one of the subtrees of three levels or more along its feature; what hangs below stays.
     pub(crate) fn shift_at(&mut self, state: &mut State) {
-        let problem = self.ground.problem;
+        let problem = self.prepared.problem;
         let Some(v) = self.deep_split(state) else {
             return;
         };
@@ -56,7 +58,7 @@ impl Climber<'_> {
             return;
         };
         let rule = Rule::Axis { feature, cut };
-        self.view.look(problem, &self.ground.prices, state, v);
+        self.view.look(problem, &self.prepared.prices, state, v);
         self.view.fill(&mut self.tally, |j| rule.goes_left(problem, self.view.samples[j]));
         if self.tally.is_large_enough() {
             self.view.apply(problem, state, rule);
@@ -65,23 +67,23 @@ impl Climber<'_> {
 
     /// A split that two levels at least may hang below.
     fn deep_split(&mut self, state: &State) -> Option<u32> {
-        let depth = self.ground.problem.depth;
+        let depth = self.prepared.problem.depth;
         let is_deep = |&v: &u32| !state.is_leaf(v) && state.path(v).is_some_and(|path| path.len() + 2 <= depth);
         let nodes: Vec<u32> = state.below(0).into_iter().filter(is_deep).collect();
         (!nodes.is_empty()).then(|| nodes[self.rng.usize(..nodes.len())])
     }
 
     /// Split leaf `v` and look ahead below; whether both sides are large enough.
-    fn plant_below(&mut self, state: &mut State, v: u32, root: AxisCut, deepest: usize) -> bool {
-        let problem = self.ground.problem;
-        let rule = Rule::Axis { feature: root.feature, cut: root.cut };
+    fn cut_and_look_ahead(&mut self, state: &mut State, v: u32, cut: AxisCut, deepest: usize) -> bool {
+        let problem = self.prepared.problem;
+        let rule = Rule::Axis { feature: cut.feature, cut: cut.cut };
         let samples = &state.nodes[v as usize].samples;
         let n_left = samples.iter().filter(|&&i| rule.goes_left(problem, i)).count();
         if n_left.min(samples.len() - n_left) < problem.leaf_size {
             return false;
         }
         let level = state.path(v).map_or(0, |path| path.len() - 1);
-        let mask = crate::search::tree::allowance::paid_features(problem, state);
+        let mask = paid_features(problem, state);
         for child in state.split(problem, v, rule) {
             self.blocks.look_ahead(state, child, problem.depth - level - 1, deepest, mask.as_deref());
         }
@@ -90,11 +92,11 @@ impl Climber<'_> {
 
     /// A cut near the present one, or one of another feature.
     fn other_cut(&mut self, state: &State, v: u32) -> Option<AxisCut> {
-        let problem = self.ground.problem;
+        let problem = self.prepared.problem;
         if self.rng.f64() < MOVED {
             return self.moved_cut(state, v, FURTHEST);
         }
-        let features = crate::search::tree::allowance::Room::at(problem, state, v).axis_features();
+        let features = Allowance::at(problem, state, v).axis_features();
         let feature = features[self.rng.usize(..features.len())];
         if self.rng.f64() < PUREST {
             return self.purest_cut(state, v, feature);
@@ -109,7 +111,7 @@ impl Climber<'_> {
         let Rule::Axis { feature, cut } = state.nodes[v as usize].rule else {
             return None;
         };
-        let ranks = self.ground.problem.feature(feature as usize);
+        let ranks = self.prepared.problem.feature(feature as usize);
         let mut samples = state.samples(v);
         samples.sort_unstable_by_key(|&i| (ranks[i as usize], i));
         let here = samples.partition_point(|&i| ranks[i as usize] <= cut);
@@ -120,11 +122,12 @@ impl Climber<'_> {
         Some(AxisCut { feature, cut: ranks[sample as usize] })
     }
 
+    /// The cut of a feature that leaves the purest sides, the subtree at `v` taken as a leaf.
     fn purest_cut(&mut self, state: &State, v: u32, feature: u32) -> Option<AxisCut> {
         let mut leaf = state.clone();
         leaf.collapse(v);
-        let (problem, orders) = (self.ground.problem, &self.ground.orders);
-        self.view.look(problem, &self.ground.prices, &leaf, v);
+        let (problem, orders) = (self.prepared.problem, &self.prepared.orders);
+        self.view.look(problem, &self.prepared.prices, &leaf, v);
         let floor = Worth { gain: i64::MIN / 2, purity: 0.0 };
         let scratch = (&mut self.tally, &mut self.node_order);
         match best_cut(problem, orders, &self.view, &[feature], (Aim::Purity, floor), scratch, &|| true)?.0 {

@@ -1,4 +1,4 @@
-//! Soft-tree refinement: all planes of a subtree moved together.
+//! SoftPlane-tree refinement: all planes of a subtree moved together.
 
 pub(crate) mod plane;
 pub(crate) mod refinement;

@@ -4,9 +4,9 @@ use crate::problem::Problem;
 use crate::search::gains::tally::{Tally, Worth};
 use crate::search::prepared::orders::{NodeOrder, Orders};
 use crate::search::tree::rule::Rule;
-use crate::search::tree::view::View;
+use crate::search::tree::view::NodeView;
 
-/// What a cut is chosen for.
+/// The aim by which a cut is chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Aim {
     /// Gain, purity among equals.
@@ -17,12 +17,12 @@ pub(crate) enum Aim {
 
 /// Scan every cut of the features given, as far as the caller lets it go on; return the best rule that beats `floor`.
 ///
-/// One pass a feature: all samples start on the right and cross to the left in the feature's order; a cut is judged
+/// One pass per feature: all samples start on the right and cross to the left in the feature's order; a cut is judged
 /// wherever the value changes, the last value left out (it would leave the right side empty).
 pub(crate) fn best_cut(
     problem: &Problem,
     orders: &Orders,
-    view: &View,
+    view: &NodeView,
     features: &[u32],
     (aim, floor): (Aim, Worth),
     scratch: (&mut Tally, &mut NodeOrder),

@@ -2,7 +2,7 @@
 
 use crate::problem::Problem;
 
-/// Gains of every class, and what a sample costs at worst.
+/// Gains of every class, and the highest cost of a sample.
 #[derive(Debug)]
 pub(crate) struct Prices {
     pub(super) n_classes: usize,
@@ -13,8 +13,8 @@ pub(crate) struct Prices {
     labels: Vec<u32>,
     weights: Vec<i64>,
     pub(super) leaf_size: u32,
-    /// Dearest cost of each class of sample.
-    dearest: Vec<i64>,
+    /// Highest cost of each class of sample.
+    highest_costs: Vec<i64>,
     /// Price of one feature in one split.
     penalty: i64,
     /// More than any tree of one leaf costs.
@@ -26,11 +26,15 @@ impl Prices {
     pub(crate) fn new(problem: &Problem) -> Self {
         let k = problem.n_classes;
         let rows: Vec<&[i64]> = problem.costs.chunks(k).collect();
-        let dearest: Vec<i64> = rows.iter().map(|row| row.iter().copied().max().unwrap_or(0)).collect();
-        let gains: Vec<i64> = rows.iter().zip(&dearest).flat_map(|(row, d)| row.iter().map(move |c| d - c)).collect();
+        let highest_costs: Vec<i64> = rows.iter().map(|row| row.iter().copied().max().unwrap_or(0)).collect();
+        let gains: Vec<i64> =
+            rows.iter().zip(&highest_costs).flat_map(|(row, d)| row.iter().map(move |c| d - c)).collect();
         let single = gains.chunks(k).map(only_gain).collect();
-        let costs =
-            problem.weights.iter().zip(&problem.labels).map(|(w, &label)| w.saturating_mul(dearest[label as usize]));
+        let costs = problem
+            .weights
+            .iter()
+            .zip(&problem.labels)
+            .map(|(w, &label)| w.saturating_mul(highest_costs[label as usize]));
         let above_all = costs.fold(1_i64, i64::saturating_add).min(i64::MAX / 4);
         Self {
             n_classes: k,
@@ -39,7 +43,7 @@ impl Prices {
             labels: problem.labels.clone(),
             weights: problem.weights.clone(),
             leaf_size: problem.leaf_size as u32,
-            dearest,
+            highest_costs,
             penalty: problem.penalty,
             above_all,
         }
@@ -55,14 +59,14 @@ impl Prices {
         self.penalty > 0
     }
 
-    /// What a sample costs at worst on average over the samples.
+    /// The highest cost of a sample, on average over the samples.
     pub(crate) fn mean_cost(&self) -> f64 {
         (self.above_all - 1) as f64 / self.labels.len() as f64
     }
 
-    /// What a sample costs at worst.
-    pub(crate) fn dearest_of(&self, sample: u32) -> i64 {
-        self.weights[sample as usize] * self.dearest[self.label(sample)]
+    /// The highest cost of a sample.
+    pub(crate) fn highest_cost_of(&self, sample: u32) -> i64 {
+        self.weights[sample as usize] * self.highest_costs[self.label(sample)]
     }
 
     /// Weight of a sample.
@@ -112,7 +116,7 @@ fn only_gain(row: &[i64]) -> Option<(usize, i64)> {
     positive.next().is_none().then_some(first)
 }
 
-/// What counts of a sample.
+/// Class and weight of a sample.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Weighed {
     /// Class.

@@ -1,13 +1,13 @@
-//! What the samples in each leaf below a node are worth, kept while samples change sides.
+//! The gains of the samples in each leaf below a node, kept while samples change sides.
 //!
-//! A sample of class `y` and weight `w` in a leaf that predicts `k` gains `w * (dearest cost of y - cost of k)`. A
+//! A sample of class `y` and weight `w` in a leaf that predicts `k` gains `w * (highest cost of y - cost of k)`. A
 //! leaf predicts the class of largest gain, so minimising cost is maximising the sum of the leaves' largest gains:
 //!
-//! `objective = sum of all samples' dearest costs - sum over leaves of max_k gain_k + penalty * features in splits`
+//! `objective = sum of all samples' highest costs - sum over leaves of max_k gain_k + penalty * features in splits`
 
 use crate::search::gains::prices::{Prices, Weighed};
 
-/// A sample of the view: the slots that it reaches by way of the left (0) and the right (1) child, and what it counts.
+/// A sample of a view: the slots that it reaches by way of the left (0) and the right (1) child, its class and weight.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Member {
     /// Slots by side.
@@ -25,15 +25,15 @@ impl Member {
     }
 }
 
-/// The way of a sample that gains in one class only: slots and their cells of that class, left and right.
+/// The way of a sample that gains in one class only: slots and their entries of that class, left and right.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Lane {
     slots: [u32; 2],
-    cells: [u32; 2],
+    entries: [u32; 2],
     gain: i64,
 }
 
-/// How good a placing of samples is: total gain first, then purity, which only breaks ties.
+/// The worth of a placing of samples: total gain first, then purity, which only breaks ties.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Worth {
     /// Sum of the leaves' largest gains, less the price of the splits.
@@ -145,7 +145,7 @@ impl<'a> Tally<'a> {
         self.counts[slot] -= 1;
     }
 
-    /// How each member crosses from right to left where it gains in one class only and leaves may be of any size.
+    /// The way of each member from right to left, where it gains in one class only and leaves may be of any size.
     pub(crate) fn lanes(&self, members: &[Member]) -> Option<Vec<Lane>> {
         let single = self.prices.single.as_ref().filter(|_| self.prices.leaf_size <= 1)?;
         let n_classes = self.prices.n_classes as u32;
@@ -153,7 +153,7 @@ impl<'a> Tally<'a> {
             let (class, gain) = single[member.weighed.label as usize];
             Lane {
                 slots: member.slots,
-                cells: member.slots.map(|slot| (slot * n_classes) + class as u32),
+                entries: member.slots.map(|slot| (slot * n_classes) + class as u32),
                 gain: gain * member.weighed.weight,
             }
         };
@@ -164,7 +164,7 @@ impl<'a> Tally<'a> {
     #[inline(always)]
     pub(crate) fn cross(&mut self, lane: &Lane) {
         let [left, right] = lane.slots.map(|slot| slot as usize);
-        let [to, from] = lane.cells.map(|cell| cell as usize);
+        let [to, from] = lane.entries.map(|entry| entry as usize);
         let before = self.gains[from];
         self.gains[from] = before - lane.gain;
         if before == self.best[right] {

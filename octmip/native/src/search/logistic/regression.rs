@@ -6,28 +6,28 @@
 
 use crate::search::prepared::values::{Values, exponent_of, times_power};
 
-/// One sample of a fit: its number, whether it should go right, its weight.
+/// The side that a sample of a fit prefers, and the weight of that preference.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Pull {
+pub(crate) struct PreferredSide {
     /// Sample.
     pub(crate) sample: u32,
-    /// Where it should go.
+    /// Whether it should go right.
     pub(crate) goes_right: bool,
-    /// How much that matters.
+    /// Weight in the fit.
     pub(crate) weight: f64,
 }
 
 /// Newton steps; more bring nothing, since only the direction is used and the offset is found exactly afterwards.
 const STEPS: usize = 6;
-/// Steps that compute the Hessian anew; the others keep it, which costs a tenth. Few samples can often be parted without
-/// an error, the curvature changes from step to step, and every step computes it.
+/// Steps that compute the Hessian again; the others keep it, which costs a tenth. Few samples can often be parted
+/// without an error, the curvature changes from step to step, and every step computes it.
 const CURVED_STEPS: usize = 2;
 const FEW: usize = 250;
 
 /// More features are not fitted at once: the Hessian would take more memory than all else.
 pub(crate) const MOST_FITTED: usize = 1000;
 /// Multiplications between two questions whether to go on.
-pub(super) const WORK_OF_A_LOOK: usize = 1 << 20;
+pub(super) const WORK_BETWEEN_POLLS: usize = 1 << 20;
 
 /// Whether to go on.
 pub(super) type GoOn<'a> = &'a dyn Fn() -> bool;
@@ -36,12 +36,12 @@ pub(super) type GoOn<'a> = &'a dyn Fn() -> bool;
 /// or the caller says stop.
 pub(crate) fn fit(
     values: &Values,
-    pulls: &[Pull],
+    sides: &[PreferredSide],
     features: &[u32],
     ridge: f64,
     go_on: GoOn,
 ) -> Option<(Vec<f64>, f64)> {
-    let fitted = Fitted::new(values, pulls, features, ridge, go_on)?;
+    let fitted = Fitted::new(values, sides, features, ridge, go_on)?;
     let q = features.len();
     let normal: Vec<f64> = fitted.beta[..q].iter().zip(&fitted.deviations).map(|(b, s)| b / s).collect();
     let offset = normal.iter().zip(&fitted.means).map(|(w, m)| w * m).sum::<f64>() - fitted.beta[q];
@@ -61,19 +61,25 @@ pub(super) struct Fitted {
 }
 
 impl Fitted {
-    pub(super) fn new(values: &Values, pulls: &[Pull], features: &[u32], ridge: f64, go_on: GoOn) -> Option<Self> {
-        let total: f64 = pulls.iter().map(|pull| pull.weight).sum();
+    pub(super) fn new(
+        values: &Values,
+        sides: &[PreferredSide],
+        features: &[u32],
+        ridge: f64,
+        go_on: GoOn,
+    ) -> Option<Self> {
+        let total: f64 = sides.iter().map(|side| side.weight).sum();
         if total <= 0.0 || features.is_empty() || features.len() > MOST_FITTED || !go_on() {
             return None;
         }
-        let (means, deviations) = moments(values, pulls, features, total);
+        let (means, deviations) = moments(values, sides, features, total);
         let m = features.len() + 1;
-        let scaled = standardise(values, pulls, features, &means, &deviations);
+        let scaled = standardise(values, sides, features, &means, &deviations);
         let (mut beta, mut hessian, mut factor) = (vec![0.0; m], vec![0.0; m * m], Vec::new());
         for step in 0..STEPS {
-            let is_curved = step < CURVED_STEPS || pulls.len() <= FEW;
+            let is_curved = step < CURVED_STEPS || sides.len() <= FEW;
             let curved = is_curved.then_some(&mut hessian);
-            let gradient = derivatives(pulls, &scaled, &beta, (total, ridge), curved, go_on)?;
+            let gradient = derivatives(sides, &scaled, &beta, (total, ridge), curved, go_on)?;
             if is_curved {
                 factor = cholesky(hessian.clone(), m, go_on)?;
             }
@@ -87,27 +93,33 @@ impl Fitted {
     }
 }
 
-fn moments(values: &Values, pulls: &[Pull], features: &[u32], total: f64) -> (Vec<f64>, Vec<f64>) {
+fn moments(values: &Values, sides: &[PreferredSide], features: &[u32], total: f64) -> (Vec<f64>, Vec<f64>) {
     let mut means = vec![0.0; features.len()];
     let mut squares = vec![0.0; features.len()];
-    for pull in pulls {
-        let row = values.row(pull.sample);
-        means.iter_mut().zip(features).for_each(|(m, &f)| *m += pull.weight * row[f as usize] / total);
+    for side in sides {
+        let row = values.row(side.sample);
+        means.iter_mut().zip(features).for_each(|(m, &f)| *m += side.weight * row[f as usize] / total);
     }
-    for pull in pulls {
-        let row = values.row(pull.sample);
+    for side in sides {
+        let row = values.row(side.sample);
         for ((square, mean), &f) in squares.iter_mut().zip(&means).zip(features) {
-            *square += pull.weight * (row[f as usize] - mean).powi(2) / total;
+            *square += side.weight * (row[f as usize] - mean).powi(2) / total;
         }
     }
     let deviation = |square: f64| if square > 0.0 { square.sqrt() } else { 1.0 };
     (means, squares.into_iter().map(deviation).collect())
 }
 
-fn standardise(values: &Values, pulls: &[Pull], features: &[u32], means: &[f64], deviations: &[f64]) -> Vec<f64> {
-    let mut scaled = Vec::with_capacity(pulls.len() * (features.len() + 1));
-    for pull in pulls {
-        let row = values.row(pull.sample);
+fn standardise(
+    values: &Values,
+    sides: &[PreferredSide],
+    features: &[u32],
+    means: &[f64],
+    deviations: &[f64],
+) -> Vec<f64> {
+    let mut scaled = Vec::with_capacity(sides.len() * (features.len() + 1));
+    for side in sides {
+        let row = values.row(side.sample);
         let terms = features.iter().zip(means).zip(deviations);
         scaled.extend(terms.map(|((&f, mean), deviation)| (row[f as usize] - mean) / deviation));
         scaled.push(1.0);
@@ -117,7 +129,7 @@ fn standardise(values: &Values, pulls: &[Pull], features: &[u32], means: &[f64],
 
 /// Gradient of the loss divided by the total weight; its Hessian (row-major, lower triangle) too where that is wanted.
 fn derivatives(
-    pulls: &[Pull],
+    sides: &[PreferredSide],
     scaled: &[f64],
     beta: &[f64],
     (total, ridge): (f64, f64),
@@ -125,16 +137,16 @@ fn derivatives(
     go_on: GoOn,
 ) -> Option<Vec<f64>> {
     let q = beta.len();
-    let (mut gradient, mut curvatures) = (vec![0.0; q], Vec::with_capacity(pulls.len()));
-    for (pull, z) in pulls.iter().zip(scaled.chunks_exact(q)) {
+    let (mut gradient, mut curvatures) = (vec![0.0; q], Vec::with_capacity(sides.len()));
+    for (side, z) in sides.iter().zip(scaled.chunks_exact(q)) {
         let height: f64 = z.iter().zip(beta).map(|(z, b)| z * b).sum();
         let chance = 1.0 / (1.0 + (-height).exp());
-        let weight = pull.weight / total;
-        let error = weight * (chance - f64::from(u8::from(pull.goes_right)));
+        let weight = side.weight / total;
+        let error = weight * (chance - f64::from(u8::from(side.goes_right)));
         curvatures.push(weight * chance * (1.0 - chance));
         gradient.iter_mut().zip(z).for_each(|(g, z)| *g += error * z);
     }
-    // A trace of ridge on the intercept too keeps the system solvable when all samples pull one way.
+    // A trace of ridge on the intercept too keeps the system solvable when all samples prefer one side.
     let own = |a: usize| if a + 1 < q { ridge } else { 1e-6 };
     (0..q).for_each(|a| gradient[a] += own(a) * beta[a]);
     if let Some(hessian) = hessian {
@@ -147,7 +159,7 @@ fn derivatives(
 /// The Hessian of the samples alone, lower triangle; none where the caller says stop.
 fn fill_curvatures(hessian: &mut [f64], curvatures: &[f64], scaled: &[f64], q: usize, go_on: GoOn) -> Option<()> {
     hessian.fill(0.0);
-    let stride = WORK_OF_A_LOOK / (q * q) + 1;
+    let stride = WORK_BETWEEN_POLLS / (q * q) + 1;
     for (row, (curvature, z)) in curvatures.iter().zip(scaled.chunks_exact(q)).enumerate() {
         if row % stride == stride - 1 && !go_on() {
             return None;
@@ -163,7 +175,7 @@ fn fill_curvatures(hessian: &mut [f64], curvatures: &[f64], scaled: &[f64], q: u
 /// The Cholesky factor (lower triangle) of a symmetric matrix; none where it is not positive definite or the caller
 /// says stop.
 pub(super) fn cholesky(mut matrix: Vec<f64>, q: usize, go_on: GoOn) -> Option<Vec<f64>> {
-    let stride = WORK_OF_A_LOOK / (q * q) + 1;
+    let stride = WORK_BETWEEN_POLLS / (q * q) + 1;
     for a in 0..q {
         if a % stride == stride - 1 && !go_on() {
             return None;

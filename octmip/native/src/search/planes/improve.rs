@@ -1,31 +1,31 @@
 //! One round of moves on the plane of a node: lines of many kinds in turn.
 
-use crate::search::planes::plane_search::PlaneAtWork;
-use crate::search::tree::allowance::Room;
-use crate::search::tree::view::View;
+use crate::search::planes::plane_search::PlaneSearch;
+use crate::search::tree::allowance::Allowance;
+use crate::search::tree::view::NodeView;
 
-/// How many random directions one visit tries.
+/// Random directions that one visit tries.
 const RANDOM_DIRECTIONS: usize = 4;
 /// Features that one visit tries one by one.
 const MOST_FEATURES: usize = 24;
 /// Pairs of features that one visit tries.
 const MOST_PAIRS: usize = 6;
 
-impl PlaneAtWork<'_> {
+impl PlaneSearch<'_> {
     /// Try lines of many kinds in turn; the gain never falls.
-    pub(crate) fn improve(&mut self, view: &View, room: &Room, rng: &mut fastrand::Rng) {
+    pub(crate) fn improve(&mut self, view: &NodeView, allowance: &Allowance, rng: &mut fastrand::Rng) {
         if rng.bool() {
-            self.lean_on_logistic(view, room, rng);
+            self.fit_logistic(view, allowance, rng);
         }
         self.shift(view, rng);
-        let mut features: Vec<u32> = (0..self.ground.problem.p as u32).collect();
+        let mut features: Vec<u32> = (0..self.prepared.problem.p as u32).collect();
         rng.shuffle(&mut features);
         features.truncate(MOST_FEATURES);
         for &f in &features {
             if !self.supervisor.goes_on() {
                 return;
             }
-            if room.admits(&self.support_with(f)) {
+            if allowance.admits(&self.support_with(f)) {
                 self.turn(view, &[(f, 1.0)], rng);
             }
         }
@@ -33,14 +33,14 @@ impl PlaneAtWork<'_> {
             if !self.supervisor.goes_on() {
                 return;
             }
-            let direction = self.random_direction(room, rng);
+            let direction = self.random_direction(allowance, rng);
             self.turn(view, &direction, rng);
         }
-        if features.iter().any(|&f| !room.admits(&self.support_with(f))) {
-            self.read_anew(view, room, rng);
+        if features.iter().any(|&f| !allowance.admits(&self.support_with(f))) {
+            self.swap_features(view, allowance, rng);
         }
-        if self.ground.split_size() == 2 && self.supervisor.goes_on() {
-            (0..MOST_PAIRS).for_each(|_| self.try_pair(view, room, rng));
+        if self.prepared.split_size() == 2 && self.supervisor.goes_on() {
+            (0..MOST_PAIRS).for_each(|_| self.try_pair(view, allowance, rng));
         }
     }
 }

@@ -5,7 +5,7 @@
 //! is the middle of the best gap between two neighbouring `d_j`, at random among equals: O(m log m) for m samples.
 
 use crate::search::gains::tally::Tally;
-use crate::search::tree::view::View;
+use crate::search::tree::view::NodeView;
 
 /// A hyperplane over the samples of one view.
 #[derive(Debug, Clone, Default)]
@@ -14,7 +14,7 @@ pub(crate) struct Plane {
     pub(crate) normal: Vec<f64>,
     /// Largest projection that goes left.
     pub(crate) offset: f64,
-    /// What the plane is shifted by over the values as given (see `values`).
+    /// Shift of the plane over the values as given (see `values`).
     pub(crate) shift: i32,
     /// `normal . x - offset` of each sample; left where at most 0.
     pub(crate) heights: Vec<f64>,
@@ -22,7 +22,7 @@ pub(crate) struct Plane {
     pub(crate) is_left: Vec<bool>,
 }
 
-/// Room for sorting and for going back.
+/// Memory for sorting and for going back.
 #[derive(Debug)]
 pub(crate) struct LineScratch<'a> {
     outwards: [Vec<u64>; 2],
@@ -36,12 +36,12 @@ impl<'a> LineScratch<'a> {
     }
 }
 
-/// Longer steps are none: they are about samples that a hyperplane cannot tell apart, and sums of shorter ones stay far
+/// Longer steps are none: they are about samples that a hyperplane cannot separate, and sums of shorter ones stay far
 /// from the end of the float64 range.
 const LONGEST_STEP: f64 = 1e100;
 
-/// The best place found: which way, how many samples change sides, the step.
-struct Place {
+/// The best step found: its way (forward or back), the number of samples that change sides, its length.
+struct BestStep {
     way: usize,
     n_flips: usize,
     step: f64,
@@ -51,7 +51,7 @@ struct Place {
 ///
 /// Tally, sides and heights follow; the caller moves normal and offset by the step returned.
 pub(crate) fn take_best_step<'a>(
-    view: &View,
+    view: &NodeView,
     plane: &mut Plane,
     slopes: &[f64],
     tally: &mut Tally<'a>,
@@ -61,7 +61,7 @@ pub(crate) fn take_best_step<'a>(
 ) -> Option<f64> {
     let index_mask = sort_by_way(plane, slopes, &mut scratch.outwards);
     scratch.saved.copy_from(tally);
-    let mut search = Search { best: tally.total, n_equal: 0, place: None, patience };
+    let mut search = LineSearch { best: tally.total, n_equal: 0, place: None, patience };
     for way in [0, 1] {
         search.sweep(view, plane, slopes, tally, (way, &mut scratch.outwards[way], index_mask), rng);
         tally.copy_from(&scratch.saved);
@@ -76,22 +76,22 @@ pub(crate) fn take_best_step<'a>(
     Some(place.step)
 }
 
-/// The best place so far.
-struct Search {
+/// The search for the best step along one line.
+struct LineSearch {
     best: i64,
     n_equal: u32,
-    place: Option<Place>,
+    place: Option<BestStep>,
     patience: i64,
 }
 
 /// Samples that are sorted first; most lines are given up within them.
 const FIRST_RUN: usize = 128;
 
-impl Search {
+impl LineSearch {
     /// Move samples across in the order of the steps of one way, sorted run by run, each run twice as long.
     fn sweep(
         &mut self,
-        view: &View,
+        view: &NodeView,
         plane: &Plane,
         slopes: &[f64],
         tally: &mut Tally,
@@ -128,7 +128,7 @@ impl Search {
             self.n_equal = if tally.total > self.best { 1 } else { self.n_equal + 1 };
             self.best = tally.total;
             if self.n_equal == 1 || rng.u32(..self.n_equal) == 0 {
-                self.place = Some(Place { way, n_flips: k, step });
+                self.place = Some(BestStep { way, n_flips: k, step });
             }
         }
     }

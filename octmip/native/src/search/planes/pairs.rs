@@ -1,22 +1,22 @@
 //! A new pair of features for a plane: all angles about one sample.
 
-use crate::search::planes::plane_search::PlaneAtWork;
-use crate::search::tree::allowance::Room;
-use crate::search::tree::view::View;
+use crate::search::planes::plane_search::PlaneSearch;
+use crate::search::tree::allowance::Allowance;
+use crate::search::tree::view::NodeView;
 
-/// How seldom a new pair keeps none of the features that are read now.
+/// One new pair in so many keeps none of the features that are read now.
 const FRESH_ONE_IN: u32 = 3;
 
-impl PlaneAtWork<'_> {
+impl PlaneSearch<'_> {
     /// Try the best line over a pair of features through a random sample, and its offset; keep it when it is no worse.
     ///
     /// The lines `z_f + d z_g = const` through the sample, over all d, are all angles but one.
-    pub(crate) fn try_pair(&mut self, view: &View, room: &Room, rng: &mut fastrand::Rng) {
-        let Some([f, g]) = self.random_pair(room, rng) else {
+    pub(crate) fn try_pair(&mut self, view: &NodeView, allowance: &Allowance, rng: &mut fastrand::Rng) {
+        let Some([f, g]) = self.random_pair(allowance, rng) else {
             return;
         };
-        let scale = [f, g].map(|f| 1.0 / self.ground.deviations[f]);
-        let anchor = self.ground.values.row(view.samples[rng.usize(..view.samples.len())]);
+        let scale = [f, g].map(|f| 1.0 / self.prepared.deviations[f]);
+        let anchor = self.prepared.values.row(view.samples[rng.usize(..view.samples.len())]);
         let (floor, before) = (self.gain(), (self.plane.clone(), self.tally.clone()));
         self.set(&[(f as u32, scale[0])], scale[0] * anchor[f]);
         self.place(view);
@@ -30,8 +30,8 @@ impl PlaneAtWork<'_> {
     }
 
     /// Two features that may be read together, one of them mostly read now.
-    pub(crate) fn random_pair(&self, room: &Room, rng: &mut fastrand::Rng) -> Option<[usize; 2]> {
-        let p = self.ground.problem.p;
+    pub(crate) fn random_pair(&self, allowance: &Allowance, rng: &mut fastrand::Rng) -> Option<[usize; 2]> {
+        let p = self.prepared.problem.p;
         let support = self.support();
         let f = match rng.u32(..FRESH_ONE_IN) {
             0 => rng.usize(..p),
@@ -39,6 +39,6 @@ impl PlaneAtWork<'_> {
         };
         let g = rng.usize(..p);
         let pair = [f.min(g) as u32, f.max(g) as u32];
-        (f != g && room.admits(&pair)).then_some([f, g])
+        (f != g && allowance.admits(&pair)).then_some([f, g])
     }
 }

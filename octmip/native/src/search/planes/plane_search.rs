@@ -3,17 +3,17 @@
 use crate::search::gains::tally::Tally;
 use crate::search::planes::line::{LineScratch, Plane, take_best_step};
 use crate::search::planes::random::normal;
-use crate::search::prepared::Ground;
+use crate::search::prepared::Prepared;
 use crate::search::prepared::values::{Terms, normalise};
-use crate::search::tree::allowance::Room;
+use crate::search::tree::allowance::Allowance;
 use crate::search::tree::rule::Rule;
-use crate::search::tree::view::View;
+use crate::search::tree::view::NodeView;
 use crate::search::watch::Supervisor;
 
-/// A node's plane at work: its view's samples on both sides of it, counted in the tally.
-pub(crate) struct PlaneAtWork<'a> {
-    pub(super) ground: &'a Ground<'a>,
-    /// Asked between two lines.
+/// The search for a node's plane: the present one, its view's samples on both sides, counted in the tally.
+pub(crate) struct PlaneSearch<'a> {
+    pub(super) prepared: &'a Prepared<'a>,
+    /// Asked between two lines whether to go on.
     pub(crate) supervisor: Supervisor<'a>,
     pub(super) plane: Plane,
     /// Sides counted by slot.
@@ -23,21 +23,21 @@ pub(crate) struct PlaneAtWork<'a> {
     kept: (Plane, Tally<'a>),
     /// Gain that a line may lose before it is given up.
     pub(super) patience: i64,
-    /// By sample, the side that it wants and how much.
-    pub(super) wishes: (Vec<u32>, Vec<i64>),
+    /// By sample, the side that it prefers and by how much.
+    pub(super) preferred: (Vec<u32>, Vec<i64>),
 }
 
-/// Share of the gain that a line may lose before it is given up, and how seldom it may lose all.
+/// Share of the gain that a line may lose before it is given up; one line in so many may lose all.
 const PATIENCE: f64 = 0.03;
 const PATIENT_ONE_IN: u32 = 8;
 
-impl<'a> PlaneAtWork<'a> {
-    /// Nothing at work yet.
-    pub(crate) fn new(ground: &'a Ground<'a>, supervisor: Supervisor<'a>) -> Self {
-        let tally = Tally::new(&ground.prices);
+impl<'a> PlaneSearch<'a> {
+    /// A search without a plane yet.
+    pub(crate) fn new(prepared: &'a Prepared<'a>, supervisor: Supervisor<'a>) -> Self {
+        let tally = Tally::new(&prepared.prices);
         let (line, kept) = (LineScratch::new(&tally), (Plane::default(), tally.clone()));
         Self {
-            ground,
+            prepared,
             supervisor,
             plane: Plane::default(),
             slopes: Vec::new(),
@@ -45,13 +45,13 @@ impl<'a> PlaneAtWork<'a> {
             kept,
             tally,
             patience: 0,
-            wishes: Default::default(),
+            preferred: Default::default(),
         }
     }
 
     /// Take up the rule of a node that is no leaf; whether it can be held here.
-    pub(crate) fn load(&mut self, view: &View, rule: &Rule) -> bool {
-        let values = &self.ground.values;
+    pub(crate) fn load(&mut self, view: &NodeView, rule: &Rule) -> bool {
+        let values = &self.prepared.values;
         let plane = match rule {
             Rule::Leaf => None,
             Rule::Axis { feature, .. } => {
@@ -63,7 +63,7 @@ impl<'a> PlaneAtWork<'a> {
             return false;
         };
         self.plane.normal.clear();
-        self.plane.normal.resize(self.ground.problem.p, 0.0);
+        self.plane.normal.resize(self.prepared.problem.p, 0.0);
         self.set(&terms, offset);
         self.plane.shift += shift;
         self.place(view);
@@ -71,8 +71,8 @@ impl<'a> PlaneAtWork<'a> {
         true
     }
 
-    fn middle_of_gap(&self, view: &View, f: u32) -> f64 {
-        let values = view.samples.iter().map(|&i| self.ground.values.row(i)[f as usize]);
+    fn middle_of_gap(&self, view: &NodeView, f: u32) -> f64 {
+        let values = view.samples.iter().map(|&i| self.prepared.values.row(i)[f as usize]);
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
         for (value, &is_left) in values.zip(&view.is_left) {
             if is_left { low = low.max(value) } else { high = high.min(value) }
@@ -82,9 +82,9 @@ impl<'a> PlaneAtWork<'a> {
     }
 
     /// Put all samples where normal and offset send them.
-    pub(super) fn place(&mut self, view: &View) {
+    pub(super) fn place(&mut self, view: &NodeView) {
         let (terms, offset) = (self.terms(), self.plane.offset);
-        let height = |&i: &u32| self.ground.values.project(&terms, i) - offset;
+        let height = |&i: &u32| self.prepared.values.project(&terms, i) - offset;
         self.plane.heights.clear();
         self.plane.heights.extend(view.samples.iter().map(height));
         self.plane.is_left.clear();
@@ -105,16 +105,16 @@ impl<'a> PlaneAtWork<'a> {
     ///
     /// Heights were summed up along the way, and in units of their own: what counts is what the rule itself says of the
     /// samples, which the tally is left with.
-    pub(crate) fn rule(&mut self, view: &View) -> Option<Rule> {
-        let rule = self.ground.values.rule(&self.terms(), self.plane.offset, self.plane.shift)?;
-        view.fill(&mut self.tally, |j| rule.goes_left(self.ground.problem, view.samples[j]));
+    pub(crate) fn rule(&mut self, view: &NodeView) -> Option<Rule> {
+        let rule = self.prepared.values.rule(&self.terms(), self.plane.offset, self.plane.shift)?;
+        view.fill(&mut self.tally, |j| rule.goes_left(self.prepared.problem, view.samples[j]));
         self.tally.is_large_enough().then_some(rule)
     }
 
     /// Gain of the sides as they stand, less the price of the features.
     pub(crate) fn gain(&self) -> i64 {
         let size = self.plane.normal.iter().filter(|c| **c != 0.0).count();
-        self.tally.total - self.ground.prices.price(size as i64)
+        self.tally.total - self.prepared.prices.price(size as i64)
     }
 
     /// The features read if `f` were read too.
@@ -127,7 +127,7 @@ impl<'a> PlaneAtWork<'a> {
     }
 
     /// Move the offset.
-    pub(super) fn shift(&mut self, view: &View, rng: &mut fastrand::Rng) {
+    pub(super) fn shift(&mut self, view: &NodeView, rng: &mut fastrand::Rng) {
         self.slopes.clear();
         self.slopes.resize(view.samples.len(), -1.0);
         let step = self.step(view, rng);
@@ -135,22 +135,28 @@ impl<'a> PlaneAtWork<'a> {
     }
 
     /// Turn about the points of the plane where `direction . x` is that of a random sample or of the mean.
-    pub(super) fn turn(&mut self, view: &View, direction: &[(u32, f64)], rng: &mut fastrand::Rng) {
+    pub(super) fn turn(&mut self, view: &NodeView, direction: &[(u32, f64)], rng: &mut fastrand::Rng) {
         let anchor = if rng.u32(..4) == 0 {
-            direction.iter().map(|&(f, c)| c * self.ground.means[f as usize]).sum()
+            direction.iter().map(|&(f, c)| c * self.prepared.means[f as usize]).sum()
         } else {
-            self.ground.values.project(direction, view.samples[rng.usize(..view.samples.len())])
+            self.prepared.values.project(direction, view.samples[rng.usize(..view.samples.len())])
         };
         self.turn_about(view, direction, anchor, rng);
     }
 
-    pub(super) fn turn_about(&mut self, view: &View, direction: &[(u32, f64)], anchor: f64, rng: &mut fastrand::Rng) {
-        let values = &self.ground.values;
+    pub(super) fn turn_about(
+        &mut self,
+        view: &NodeView,
+        direction: &[(u32, f64)],
+        anchor: f64,
+        rng: &mut fastrand::Rng,
+    ) {
+        let values = &self.prepared.values;
         self.slopes.clear();
         self.slopes.extend(view.samples.iter().map(|&i| values.project(direction, i) - anchor));
-        let grows = direction.iter().any(|&(f, _)| self.plane.normal[f as usize] == 0.0);
+        let reads_more = direction.iter().any(|&(f, _)| self.plane.normal[f as usize] == 0.0);
         let floor = self.gain();
-        let is_priced = grows && self.ground.prices.has_penalty();
+        let is_priced = reads_more && self.prepared.prices.has_penalty();
         if is_priced {
             self.keep();
         }
@@ -164,7 +170,7 @@ impl<'a> PlaneAtWork<'a> {
         }
     }
 
-    fn step(&mut self, view: &View, rng: &mut fastrand::Rng) -> f64 {
+    fn step(&mut self, view: &NodeView, rng: &mut fastrand::Rng) -> f64 {
         let patience = if rng.u32(..PATIENT_ONE_IN) == 0 { i64::MAX / 2 } else { self.patience };
         let (plane, line) = (&mut self.plane, &mut self.line);
         take_best_step(view, plane, &self.slopes, &mut self.tally, line, patience, rng).unwrap_or(0.0)
@@ -181,7 +187,7 @@ impl<'a> PlaneAtWork<'a> {
     }
 
     /// Try a plane of its own, offset refined; keep it when it gains no less and leaves stay large enough.
-    pub(super) fn try_plane(&mut self, view: &View, terms: &[(u32, f64)], offset: f64, rng: &mut fastrand::Rng) {
+    pub(super) fn try_plane(&mut self, view: &NodeView, terms: &[(u32, f64)], offset: f64, rng: &mut fastrand::Rng) {
         self.keep();
         let floor = self.gain();
         self.set(terms, offset);
@@ -205,17 +211,17 @@ impl<'a> PlaneAtWork<'a> {
     }
 
     /// A random direction over as many features as may be read.
-    pub(super) fn random_direction(&self, room: &Room, rng: &mut fastrand::Rng) -> Terms {
-        let features = self.some_features(room, rng);
-        features.into_iter().map(|f| (f, normal(rng) / self.ground.deviations[f as usize])).collect()
+    pub(super) fn random_direction(&self, allowance: &Allowance, rng: &mut fastrand::Rng) -> Terms {
+        let features = self.some_features(allowance, rng);
+        features.into_iter().map(|f| (f, normal(rng) / self.prepared.deviations[f as usize])).collect()
     }
 
     /// The features read now, and at random others that may be read beside them.
-    pub(super) fn some_features(&self, room: &Room, rng: &mut fastrand::Rng) -> Vec<u32> {
+    pub(super) fn some_features(&self, allowance: &Allowance, rng: &mut fastrand::Rng) -> Vec<u32> {
         let mut features = self.support();
         let first = features.len();
-        features.extend((0..self.ground.problem.p as u32).filter(|&f| self.plane.normal[f as usize] == 0.0));
+        features.extend((0..self.prepared.problem.p as u32).filter(|&f| self.plane.normal[f as usize] == 0.0));
         rng.shuffle(&mut features[first..]);
-        room.first_admitted(&features, self.ground.split_size())
+        allowance.first_admitted(&features, self.prepared.split_size())
     }
 }

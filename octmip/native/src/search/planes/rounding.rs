@@ -2,17 +2,17 @@
 
 use crate::search::gains::tally::Tally;
 use crate::search::planes::line::Plane;
-use crate::search::planes::plane_search::PlaneAtWork;
+use crate::search::planes::plane_search::PlaneSearch;
 use crate::search::prepared::values::{exponent_of, times_power};
-use crate::search::tree::view::View;
+use crate::search::tree::view::NodeView;
 
 /// Scales at which a normal is rounded to integers.
 const ROUNDINGS: usize = 6;
 
-impl<'a> PlaneAtWork<'a> {
-    /// Where coefficients must be integers, round them at some scale, the offset refined; whether a plane is left.
-    pub(crate) fn round(&mut self, view: &View, rng: &mut fastrand::Rng) -> bool {
-        let Some(most) = self.ground.values.most_integer() else {
+impl<'a> PlaneSearch<'a> {
+    /// Round the coefficients at some scale where they must be integers, the offset refined; whether a plane is left.
+    pub(crate) fn round(&mut self, view: &NodeView, rng: &mut fastrand::Rng) -> bool {
+        let Some(most) = self.prepared.values.most_integer() else {
             return true;
         };
         let (terms, offset) = (self.terms(), self.plane.offset);
@@ -38,7 +38,7 @@ impl<'a> PlaneAtWork<'a> {
     /// Set a plane whose coefficients over the values as given are rounded, the largest of them being `size`; whether
     /// any is left.
     fn set_rounded(&mut self, terms: &[(u32, f64)], offset: f64, size: f64) -> bool {
-        let values = &self.ground.values;
+        let values = &self.prepared.values;
         // Over the values as given, but for a common power of two that brings the largest to between a half and 1.
         let Some(top) = terms.iter().map(|&(f, c)| exponent_of(c) - values.exponent(f)).max() else {
             return false;

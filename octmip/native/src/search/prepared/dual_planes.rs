@@ -1,4 +1,5 @@
-//! Tables of the lines over pairs of features, each made when a search first asks for it and kept for all its nodes.
+//! Dual planes of pairs of features, the tables of all lines over a pair: each made when a search first asks for it and
+//! kept for all its nodes.
 
 use std::sync::OnceLock;
 use std::sync::atomic::AtomicBool;
@@ -13,30 +14,31 @@ use crate::two_feature::single::best_of_charts;
 use crate::two_feature::switches::Switches;
 use crate::two_feature::view::{Line, View};
 
-/// Strips of a chart.
-const STRIPS: usize = 8;
+/// Slope intervals of a dual plane.
+const SLOPE_INTERVALS: usize = 8;
 /// Regions of one pair that are split at most: what is left out is nearly always what could not win.
 const MOST_TRIED: usize = 24;
-/// Values closer than this share of their feature's range count as equal in the tables: cells are split little further.
+/// Values closer than this share of their feature's range count as equal in the tables: regions are split little
+/// further.
 const GRID: f64 = 1.0 / (1_u64 << 32) as f64;
 /// Tables of more bytes than this are not made at all.
 const MOST_BYTES: usize = 200_000_000;
 
-/// See the module.
+/// The dual planes of all pairs, made as they are asked for.
 #[derive(Debug)]
-pub(crate) struct PairCharts {
+pub(crate) struct DualPlanes {
     plane: Plane,
-    charts: Vec<OnceLock<Chart>>,
-    /// Costs of the problem, and its weights as these want them.
+    dual_planes: Vec<OnceLock<Chart>>,
+    /// Costs of the problem, and its weights in the unit of these costs.
     pub(crate) loss: Loss,
     pub(crate) weights: Vec<i64>,
     /// Right and wrong sides, where the leaves keep their labels.
     pub(crate) sides: Loss,
 }
 
-/// What is asked of a pair of features.
+/// A question to a pair of features: the best line for these samples, labels and weights.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Asked<'a> {
+pub(crate) struct PairQuestion<'a> {
     pub(crate) ids: &'a [u32],
     pub(crate) labels: &'a [u32],
     pub(crate) weights: &'a [i64],
@@ -46,26 +48,26 @@ pub(crate) struct Asked<'a> {
     pub(crate) cutoff: i64,
 }
 
-impl PairCharts {
+impl DualPlanes {
     /// No tables yet; None where they would be too large.
     pub(crate) fn new(problem: &Problem, own: &Values) -> Option<Self> {
-        let n_charts = problem.p * (problem.p - 1);
-        if n_charts.saturating_mul(problem.n * (STRIPS + 1)) > MOST_BYTES {
+        let n_dual_planes = problem.p * (problem.p - 1);
+        if n_dual_planes.saturating_mul(problem.n * (SLOPE_INTERVALS + 1)) > MOST_BYTES {
             return None;
         }
         problem.planes.as_ref()?;
         let (loss, unit) = Loss::of(problem);
         Some(Self {
             plane: plane_of(problem, own),
-            charts: (0..n_charts).map(|_| OnceLock::new()).collect(),
+            dual_planes: (0..n_dual_planes).map(|_| OnceLock::new()).collect(),
             loss,
             weights: problem.weights.iter().map(|weight| weight * unit).collect(),
             sides: Loss::two_sides(),
         })
     }
 
-    /// The best line over two features that costs less than the cutoff, as far as a few regions tell.
-    pub(crate) fn best_line(&self, pair: (usize, usize), asked: Asked, stop: &AtomicBool) -> Option<Line> {
+    /// The best line over two features that costs less than the cutoff, as far as a few regions show.
+    pub(crate) fn best_line(&self, pair: (usize, usize), asked: PairQuestion, stop: &AtomicBool) -> Option<Line> {
         let view = View {
             plane: &self.plane,
             labels: asked.labels,
@@ -73,15 +75,15 @@ impl PairCharts {
             loss: asked.loss,
             switches: Switches::default(),
         };
-        let charts = [pair, (pair.1, pair.0)].map(|features| self.chart(features));
-        let answer = best_of_charts(view, charts, asked.ids, asked.need, asked.cutoff, MOST_TRIED, stop);
+        let dual_planes = [pair, (pair.1, pair.0)].map(|features| self.dual_plane(features));
+        let answer = best_of_charts(view, dual_planes, asked.ids, asked.need, asked.cutoff, MOST_TRIED, stop);
         answer.line.filter(|_| answer.attained < asked.cutoff)
     }
 
-    fn chart(&self, (f, g): (usize, usize)) -> &Chart {
+    fn dual_plane(&self, (f, g): (usize, usize)) -> &Chart {
         let others = self.plane.p - 1;
         let slot = f * others + if g > f { g - 1 } else { g };
-        self.charts[slot].get_or_init(|| Chart::new(&self.plane, (f, g), STRIPS))
+        self.dual_planes[slot].get_or_init(|| Chart::new(&self.plane, (f, g), SLOPE_INTERVALS))
     }
 
     /// Whether a line sends a sample left.
@@ -96,7 +98,7 @@ impl PairCharts {
     }
 }
 
-/// The values in units of their own, on a grid where they lie so close that the splitting of cells would not end.
+/// The values in units of their own, on a grid where they lie so close that the splitting of regions would not end.
 fn plane_of(problem: &Problem, own: &Values) -> Plane {
     let mut ranker = Ranker::default();
     let (mut values, mut ranks) = (Vec::with_capacity(problem.n * problem.p), problem.ranks.clone());

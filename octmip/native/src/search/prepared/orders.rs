@@ -36,7 +36,7 @@ impl Orders {
 
 /// Positions of a node's samples in the order of one feature after the other.
 ///
-/// A node with most samples filters the order of all; a small one sorts its own: O(min(n, m log m)) a feature.
+/// A node with most samples filters the order of all; a small one sorts its own: O(min(n, m log m)) per feature.
 #[derive(Debug, Default)]
 pub(crate) struct NodeOrder {
     position: Vec<u32>,

@@ -1,7 +1,7 @@
 //! Feature values in units of their own, in which nothing that hyperplane moves compute overflows.
 //!
 //! Feature f is divided by the power of two `2^e_f` that brings its largest value to between a half and 1. Nothing is
-//! rounded but what lies 300 orders of magnitude below that largest value: such samples cannot be told apart by a
+//! rounded but what lies 300 orders of magnitude below that largest value: such samples cannot be separated by a
 //! hyperplane here, only by the ranks of axis-aligned cuts. A plane over these values,
 //!
 //! `sum_f c_f x_f / 2^e_f <= b`, is `sum_f (c_f 2^(s - e_f)) x_f <= b 2^s` over the values as given,
@@ -22,7 +22,7 @@ const LARGEST_SUM: i32 = 1010;
 /// Integers up to this are float64 values, all of them.
 const MOST_INTEGER: i64 = 1 << 53;
 
-/// See the module.
+/// The scaled values of a problem's features.
 #[derive(Debug, Default)]
 pub(crate) struct Values {
     p: usize,

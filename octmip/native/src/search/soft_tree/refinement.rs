@@ -1,7 +1,8 @@
-//! Melting: all hyperplanes of a subtree are made soft, moved together by gradient steps, and frozen again.
+//! Soft-tree refinement: all hyperplanes of a subtree are made soft, moved together by gradient steps, and hardened.
 //!
-//! At sharpness s a sample of height h = a . z - b (z standardised) goes left with chance p = 1 / (1 + exp(s h)). The
-//! expected gain of a sample, E(node) = p E(left) + (1 - p) E(right), is differentiable in all planes at once:
+//! At inverse temperature s a sample of height h = a . z - b (z standardised) goes left with chance
+//! p = 1 / (1 + exp(s h)). The expected gain of a sample, E(node) = p E(left) + (1 - p) E(right), is differentiable in
+//! all planes at once:
 //!
 //! `dE/dh = -s p (1 - p) reach (E(left) - E(right))`, reach = chance of coming to the node.
 //!
@@ -9,18 +10,17 @@
 //! predict the class of largest expected gain. One plane alone is what a line of hyperplanes improves; planes that
 //! must move together are what this finds.
 
-use crate::search::prepared::Ground;
+use crate::search::prepared::Prepared;
 use crate::search::prepared::values::{exponent_of, times_power};
+use crate::search::soft_tree::plane::SoftPlane;
+use crate::search::soft_tree::schedule::{Reselection, Schedule};
 use crate::search::tree::allowance::keeps_limits;
 use crate::search::tree::state::State;
 use crate::search::watch::Supervisor;
 
-use crate::search::soft_tree::plane::Soft;
-use crate::search::soft_tree::schedule::{Heat, Opening};
-
 /// Share of the steps after which no plane looks at more features than it may read.
-const CLOSED_AT: f32 = 0.7;
-const LAST_SHARPNESS: f32 = 40.0;
+const RESTRICTED_AT: f32 = 0.7;
+const LAST_INVERSE_TEMPERATURE: f32 = 40.0;
 const BATCH: usize = 200;
 /// Length of the first step, as a share of the normal; the last is a tenth of it.
 const STEP: f32 = 0.1;
@@ -28,61 +28,61 @@ const STEP: f32 = 0.1;
 const LEAST_REACH: f32 = 1e-3;
 /// Planes x features of a subtree from which on every sample of a batch is work enough to look at the watch again.
 const LARGE: usize = 1 << 16;
-/// Steps between two looks at which class each leaf predicts.
+/// Steps after which every leaf chooses its class again.
 const RELABEL: usize = 10;
 
 /// The subtree while it is soft.
-struct Molten<'a> {
-    ground: &'a Ground<'a>,
-    planes: Vec<Soft>,
+struct SoftTree<'a> {
+    prepared: &'a Prepared<'a>,
+    planes: Vec<SoftPlane>,
     /// Per node in preorder: index in `planes`, or of the leaf; children as positions in preorder.
-    shape: Vec<Place>,
+    shape: Vec<SoftNode>,
     labels: Vec<usize>,
-    merits: Vec<f64>,
+    label_gains: Vec<f64>,
     supervisor: Supervisor<'a>,
-    /// Brings what a sample costs at worst to about 1 on average, a power of two.
+    /// The power of two that brings the highest cost of a sample to about 1 on average.
     unit: f64,
 }
 
-enum Place {
+enum SoftNode {
     Leaf(usize),
     Split { plane: usize, children: [usize; 2] },
 }
 
-/// Melt the subtree at `v` and freeze it again; whether what came out keeps the limits of leaves and sensors. If not,
-/// the state is of no use any more.
-pub(crate) fn melt(
-    (ground, supervisor): (&Ground, Supervisor),
+/// Refine the subtree at `v` as a soft tree and harden it; whether the result keeps the limits of leaves and sensors.
+/// If not, the state is of no use any more.
+pub(crate) fn refine_soft_tree(
+    (prepared, supervisor): (&Prepared, Supervisor),
     state: &mut State,
     v: u32,
-    heat: Heat,
+    schedule: Schedule,
     rng: &mut fastrand::Rng,
 ) -> bool {
     let samples = state.samples(v);
-    let Some(mut molten) = Molten::new((ground, supervisor), state, v, &samples, heat, rng) else {
+    let Some(mut soft_tree) = SoftTree::new((prepared, supervisor), state, v, &samples, schedule, rng) else {
         return false;
     };
-    if !molten.run(&samples, heat, state, rng) {
+    if !soft_tree.run(&samples, schedule, state, rng) {
         return false;
     }
-    for soft in &molten.planes {
-        match soft.rule(ground) {
+    for soft in &soft_tree.planes {
+        match soft.rule(prepared) {
             Some(rule) => state.nodes[soft.v as usize].rule = rule,
             None => return false,
         }
     }
-    state.pour(ground.problem, v, samples);
+    state.reroute(prepared.problem, v, samples);
     state.remove_empty_sides(v);
-    keeps_limits(ground.problem, state)
+    keeps_limits(prepared.problem, state)
 }
 
-impl<'a> Molten<'a> {
+impl<'a> SoftTree<'a> {
     fn new(
-        (ground, supervisor): (&'a Ground<'a>, Supervisor<'a>),
+        (prepared, supervisor): (&'a Prepared<'a>, Supervisor<'a>),
         state: &State,
         v: u32,
         samples: &[u32],
-        heat: Heat,
+        schedule: Schedule,
         rng: &mut fastrand::Rng,
     ) -> Option<Self> {
         let order = state.below(v);
@@ -95,32 +95,32 @@ impl<'a> Molten<'a> {
                 return None;
             }
             if state.is_leaf(node) {
-                shape.push(Place::Leaf(n_leaves));
+                shape.push(SoftNode::Leaf(n_leaves));
                 n_leaves += 1;
             } else {
                 let children = state.nodes[node as usize].children.map(|child| position[child as usize]);
-                shape.push(Place::Split { plane: planes.len(), children });
-                planes.push(Soft::new(ground, state, node, heat, rng));
+                shape.push(SoftNode::Split { plane: planes.len(), children });
+                planes.push(SoftPlane::new(prepared, state, node, schedule, rng));
             }
         }
-        let n_classes = ground.problem.n_classes;
-        let merits = vec![0.0; n_leaves * n_classes];
-        let unit = times_power(1.0, -exponent_of(ground.prices.mean_cost() / std::f64::consts::SQRT_2));
-        let mut molten = Self { ground, planes, shape, labels: vec![0; n_leaves], merits, supervisor, unit };
-        molten.run_batch(samples, heat.first_sharpness);
-        molten.relabel();
-        Some(molten)
+        let n_classes = prepared.problem.n_classes;
+        let label_gains = vec![0.0; n_leaves * n_classes];
+        let unit = times_power(1.0, -exponent_of(prepared.prices.mean_cost() / std::f64::consts::SQRT_2));
+        let mut soft_tree = Self { prepared, planes, shape, labels: vec![0; n_leaves], label_gains, supervisor, unit };
+        soft_tree.run_batch(samples, schedule.first_inverse_temperature);
+        soft_tree.relabel();
+        Some(soft_tree)
     }
 
     /// Take all steps; false where the watch says stop before.
-    fn run(&mut self, samples: &[u32], heat: Heat, state: &State, rng: &mut fastrand::Rng) -> bool {
-        let growth = (LAST_SHARPNESS / heat.first_sharpness).max(1.0);
+    fn run(&mut self, samples: &[u32], schedule: Schedule, state: &State, rng: &mut fastrand::Rng) -> bool {
+        let growth = (LAST_INVERSE_TEMPERATURE / schedule.first_inverse_temperature).max(1.0);
         let mut batch = Vec::with_capacity(BATCH);
-        for step in 0..heat.n_steps {
+        for step in 0..schedule.n_steps {
             if !self.supervisor.goes_on() {
                 return false;
             }
-            let share = step as f32 / heat.n_steps as f32;
+            let share = step as f32 / schedule.n_steps as f32;
             batch.clear();
             if samples.len() <= BATCH {
                 batch.extend_from_slice(samples);
@@ -128,44 +128,44 @@ impl<'a> Molten<'a> {
                 batch.extend((0..BATCH).map(|_| samples[rng.usize(..samples.len())]));
             }
             self.planes.iter_mut().for_each(|soft| soft.gradient.fill(0.0));
-            self.run_batch(&batch, heat.first_sharpness * growth.powf(share));
+            self.run_batch(&batch, schedule.first_inverse_temperature * growth.powf(share));
             self.planes.iter_mut().for_each(|soft| soft.advance(STEP * 0.1_f32.powf(share), step));
             if step % RELABEL == RELABEL - 1 {
                 self.relabel();
             }
-            if heat.opening != Opening::None {
-                let size = n_open(self.ground, share);
-                self.planes.iter_mut().for_each(|soft| soft.close(self.ground, state, size));
+            if schedule.reselection != Reselection::None {
+                let size = n_active(self.prepared, share);
+                self.planes.iter_mut().for_each(|soft| soft.keep_leading(self.prepared, state, size));
             }
         }
         true
     }
 
-    /// Add the gradients and the merits of the leaves' classes over a batch.
-    fn run_batch(&mut self, batch: &[u32], sharpness: f32) {
+    /// Add the gradients, and the gains of the leaves' classes, over a batch.
+    fn run_batch(&mut self, batch: &[u32], inverse_temperature: f32) {
         let n = self.shape.len();
         let (mut reach, mut chance, mut expected) = (vec![0.0_f32; n], vec![0.0_f32; n], vec![0.0_f32; n]);
-        let n_classes = self.ground.problem.n_classes;
-        let is_large = n * self.ground.problem.p > LARGE;
+        let n_classes = self.prepared.problem.n_classes;
+        let is_large = n * self.prepared.problem.p > LARGE;
         for &i in batch {
             if is_large && !self.supervisor.goes_on() {
                 return;
             }
-            let z = self.ground.standardised(i);
+            let z = self.prepared.standardised(i);
             reach[0] = 1.0;
             for (k, place) in self.shape.iter().enumerate() {
                 match place {
-                    Place::Leaf(leaf) => {
-                        expected[k] = (self.unit * self.ground.prices.gain_of(i, self.labels[*leaf]) as f64) as f32;
+                    SoftNode::Leaf(leaf) => {
+                        expected[k] = (self.unit * self.prepared.prices.gain_of(i, self.labels[*leaf]) as f64) as f32;
                         if reach[k] >= LEAST_REACH {
-                            let merits = &mut self.merits[leaf * n_classes..(leaf + 1) * n_classes];
-                            self.ground.prices.add_gains(i, f64::from(reach[k]), merits);
+                            let label_gains = &mut self.label_gains[leaf * n_classes..(leaf + 1) * n_classes];
+                            self.prepared.prices.add_gains(i, f64::from(reach[k]), label_gains);
                         }
                     }
-                    Place::Split { plane, children } => {
+                    SoftNode::Split { plane, children } => {
                         chance[k] = 0.5;
                         if reach[k] >= LEAST_REACH {
-                            chance[k] = 1.0 / (1.0 + (sharpness * self.planes[*plane].height(z)).exp());
+                            chance[k] = 1.0 / (1.0 + (inverse_temperature * self.planes[*plane].height(z)).exp());
                         }
                         reach[children[0]] = reach[k] * chance[k];
                         reach[children[1]] = reach[k] * (1.0 - chance[k]);
@@ -173,32 +173,32 @@ impl<'a> Molten<'a> {
                 }
             }
             for (k, place) in self.shape.iter().enumerate().rev() {
-                if let Place::Split { plane, children } = place {
+                if let SoftNode::Split { plane, children } = place {
                     let [left, right] = children.map(|child| expected[child]);
                     expected[k] = chance[k] * left + (1.0 - chance[k]) * right;
-                    let pull = -sharpness * chance[k] * (1.0 - chance[k]) * reach[k] * (left - right);
-                    if pull.abs() > 1e-4 {
-                        self.planes[*plane].pull(z, pull);
+                    let slope = -inverse_temperature * chance[k] * (1.0 - chance[k]) * reach[k] * (left - right);
+                    if slope.abs() > 1e-4 {
+                        self.planes[*plane].add_gradient(z, slope);
                     }
                 }
             }
         }
     }
 
-    /// Let every leaf predict the class of largest merit, and fade the merits.
+    /// Let every leaf predict the class of largest gain, and fade the gains.
     fn relabel(&mut self) {
-        let n_classes = self.ground.problem.n_classes;
-        for (label, merits) in self.labels.iter_mut().zip(self.merits.chunks_mut(n_classes)) {
-            let best = (0..n_classes).max_by(|&a, &b| merits[a].total_cmp(&merits[b]));
+        let n_classes = self.prepared.problem.n_classes;
+        for (label, label_gains) in self.labels.iter_mut().zip(self.label_gains.chunks_mut(n_classes)) {
+            let best = (0..n_classes).max_by(|&a, &b| label_gains[a].total_cmp(&label_gains[b]));
             *label = best.unwrap_or(*label);
-            merits.iter_mut().for_each(|merit| *merit *= 0.5);
+            label_gains.iter_mut().for_each(|gain| *gain *= 0.5);
         }
     }
 }
 
-/// How many features a plane may look at when this share of the steps is done: all, falling to the split size.
-fn n_open(ground: &Ground, share: f32) -> usize {
-    let (most, least) = (ground.problem.p as f32, ground.split_size() as f32);
-    let left = ((CLOSED_AT - share) / CLOSED_AT).clamp(0.0, 1.0);
+/// Number of features that a plane may look at when this share of the steps is done: all, falling to the split size.
+fn n_active(prepared: &Prepared, share: f32) -> usize {
+    let (most, least) = (prepared.problem.p as f32, prepared.split_size() as f32);
+    let left = ((RESTRICTED_AT - share) / RESTRICTED_AT).clamp(0.0, 1.0);
     (least * (most / least).powf(left)).round() as usize
 }

@@ -1,22 +1,22 @@
 //! The schedule of a soft-tree refinement.
 
-/// How to melt.
+/// The gradient steps of a soft-tree refinement.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Heat {
+pub(crate) struct Schedule {
     /// Gradient steps.
     pub(crate) n_steps: usize,
-    /// Sharpness at first; at last it is `LAST_SHARPNESS`.
-    pub(crate) first_sharpness: f32,
-    /// Which planes may look at all features first; they keep fewer and fewer, the leading ones.
-    pub(crate) opening: Opening,
+    /// Inverse temperature at first; at last it is `LAST_INVERSE_TEMPERATURE`.
+    pub(crate) first_inverse_temperature: f32,
+    /// The planes that look at all features first; they keep fewer and fewer, the leading ones.
+    pub(crate) reselection: Reselection,
 }
 
-/// Which planes choose their features anew.
+/// The planes that choose their features again.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Opening {
+pub(crate) enum Reselection {
     /// All of them.
     All,
-    /// One node's.
+    /// That of one node.
     One(u32),
     /// None.
     None,

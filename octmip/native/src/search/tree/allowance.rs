@@ -1,19 +1,19 @@
-//! Which features one split may read, given what the rest of the tree reads.
+//! The features that one split may read, given what the rest of the tree reads.
 
 use crate::problem::Problem;
 use crate::search::tree::state::State;
 
-/// What the rest of the tree leaves to one split: sensors that are read anyway, budget, groups, size.
+/// The sensors that the rest of the tree reads, and what it leaves of the budget; groups and size are the problem's.
 #[derive(Debug)]
-pub(crate) struct Room<'a> {
+pub(crate) struct Allowance<'a> {
     problem: &'a Problem,
     used: Vec<bool>,
     spent: f64,
     has_budget: bool,
 }
 
-impl<'a> Room<'a> {
-    /// The room of the split at `v`; what `v` itself reads now is not counted.
+impl<'a> Allowance<'a> {
+    /// The allowance of the split at `v`; what `v` itself reads now is not counted.
     pub(crate) fn at(problem: &'a Problem, state: &State, v: u32) -> Self {
         let has_budget = problem.sensor_limit.is_finite();
         let used = if has_budget { used_sensors(problem, state, |node| node != v) } else { Vec::new() };
@@ -73,7 +73,7 @@ impl<'a> Room<'a> {
     }
 }
 
-/// Which sensors are read by the nodes that are counted.
+/// The sensors that are read by the nodes counted.
 pub(crate) fn used_sensors(problem: &Problem, state: &State, is_counted: impl Fn(u32) -> bool) -> Vec<bool> {
     let mut used = vec![false; problem.sensor_cost.len()];
     for node in state.below(0) {
@@ -86,7 +86,7 @@ pub(crate) fn used_sensors(problem: &Problem, state: &State, is_counted: impl Fn
     used
 }
 
-/// What these sensors cost together.
+/// Sum of the costs of these sensors.
 pub(crate) fn spent(problem: &Problem, used: &[bool]) -> f64 {
     used.iter().zip(&problem.sensor_cost).filter(|(used, _)| **used).map(|(_, cost)| cost).sum()
 }
@@ -109,7 +109,7 @@ pub(crate) fn features_of(problem: &Problem, sensors: &[bool]) -> Vec<bool> {
 }
 
 /// The sensors read now, one of them dropped, and others at random as long as they fit the budget.
-pub(crate) fn shuffled_sensors(problem: &Problem, state: &State, rng: &mut fastrand::Rng) -> Vec<bool> {
+pub(crate) fn redrawn_sensors(problem: &Problem, state: &State, rng: &mut fastrand::Rng) -> Vec<bool> {
     let mut chosen = used_sensors(problem, state, |_| true);
     let used: Vec<usize> = (0..chosen.len()).filter(|&s| chosen[s]).collect();
     let dropped = if used.is_empty() { None } else { Some(used[rng.usize(..used.len())]) };

@@ -2,10 +2,10 @@
 
 use crate::problem::Problem;
 
-/// Which way samples go at a node.
+/// The rule of a node, which sends its samples left or right.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Rule {
-    /// Nowhere: a leaf.
+    /// No rule: a leaf.
     Leaf,
     /// Left when the rank is at most `cut`.
     Axis {

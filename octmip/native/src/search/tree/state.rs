@@ -1,4 +1,4 @@
-//! A tree at work: nodes in an arena, every leaf holding the samples that reach it.
+//! The tree during a search: nodes in an arena, every leaf holding the samples that reach it.
 
 use crate::problem::Problem;
 use crate::search::gains::prices::Prices;
@@ -33,16 +33,16 @@ impl State {
     /// The state of a finished tree.
     pub(crate) fn from_tree(problem: &Problem, tree: &Tree) -> Self {
         let mut state = Self::leaf(problem);
-        state.graft(problem, 0, tree);
+        state.attach(problem, 0, tree);
         state
     }
 
     /// Put a finished tree in the place of leaf `v`; its samples go where the tree sends them, empty sides vanish.
-    pub(crate) fn graft(&mut self, problem: &Problem, v: u32, tree: &Tree) {
-        self.graft_row(problem, v, tree, 0);
+    pub(crate) fn attach(&mut self, problem: &Problem, v: u32, tree: &Tree) {
+        self.attach_row(problem, v, tree, 0);
     }
 
-    fn graft_row(&mut self, problem: &Problem, v: u32, tree: &Tree, row: u32) {
+    fn attach_row(&mut self, problem: &Problem, v: u32, tree: &Tree, row: u32) {
         let (rule, children) = match &tree.nodes[row as usize] {
             Row::Leaf { .. } => return,
             Row::Split { feature, cut, left, right } => (Rule::Axis { feature: *feature, cut: *cut }, [*left, *right]),
@@ -52,11 +52,11 @@ impl State {
         };
         let n_left = self.nodes[v as usize].samples.iter().filter(|&&i| rule.goes_left(problem, i)).count();
         if n_left == 0 || n_left == self.nodes[v as usize].samples.len() {
-            return self.graft_row(problem, v, tree, children[usize::from(n_left == 0)]);
+            return self.attach_row(problem, v, tree, children[usize::from(n_left == 0)]);
         }
         let [left, right] = self.split(problem, v, rule);
-        self.graft_row(problem, left, tree, children[0]);
-        self.graft_row(problem, right, tree, children[1]);
+        self.attach_row(problem, left, tree, children[0]);
+        self.attach_row(problem, right, tree, children[1]);
     }
 
     /// Split leaf `v`; returns its new leaves.
@@ -141,8 +141,8 @@ impl State {
         self.below(v).iter().map(|&node| self.nodes[node as usize].rule.size() as i64).sum()
     }
 
-    /// Send samples down from `v` anew, after rules at or below it have changed.
-    pub(crate) fn pour(&mut self, problem: &Problem, v: u32, samples: Vec<u32>) {
+    /// Send samples down from `v` again, after rules at or below it have changed.
+    pub(crate) fn reroute(&mut self, problem: &Problem, v: u32, samples: Vec<u32>) {
         for leaf in self.leaves(v) {
             self.nodes[leaf as usize].samples.clear();
         }
@@ -159,7 +159,7 @@ impl State {
     }
 
     /// Put the node `child` below `v` in the place of `v`; the caller has already moved the samples.
-    pub(crate) fn lift(&mut self, v: u32, child: u32) {
+    pub(crate) fn promote(&mut self, v: u32, child: u32) {
         let empty = Node { rule: Rule::Leaf, children: [0; 2], samples: Vec::new() };
         self.nodes[v as usize] = std::mem::replace(&mut self.nodes[child as usize], empty);
     }
@@ -172,8 +172,8 @@ impl State {
             self.remove_empty_sides(right);
             let is_empty = |node: u32| self.is_leaf(node) && self.nodes[node as usize].samples.is_empty();
             match (is_empty(left), is_empty(right)) {
-                (true, _) => self.lift(v, right),
-                (_, true) => self.lift(v, left),
+                (true, _) => self.promote(v, right),
+                (_, true) => self.promote(v, left),
                 _ => return,
             }
         }
@@ -198,7 +198,7 @@ impl State {
         self.cost_below(prices, 0)
     }
 
-    /// What the samples at and below `v` cost with the splits there.
+    /// Cost of the samples at and below `v`, with the price of the splits there.
     pub(crate) fn cost_below(&self, prices: &Prices, v: u32) -> i64 {
         let mut tally = Tally::new(prices);
         let mut cost = prices.price(self.complexity(v));
@@ -206,7 +206,7 @@ impl State {
             tally.clear(1);
             for &i in &self.nodes[leaf as usize].samples {
                 tally.add(0, prices.weighed(i));
-                cost += prices.dearest_of(i);
+                cost += prices.highest_cost_of(i);
             }
             cost -= tally.total;
         }

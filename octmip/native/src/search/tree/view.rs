@@ -1,4 +1,4 @@
-//! What node `v` sees: its samples, and for each the leaf it would reach below the left and below the right child.
+//! The view of node `v`: its samples, and for each the leaf it would reach below the left and below the right child.
 //!
 //! With these two leaves known, any new rule at `v`, the rest of the tree fixed, is judged by moving samples between
 //! two slots of a tally; leaves take their best class each time. A leaf is seen as a split that sends all its samples
@@ -12,12 +12,12 @@ use crate::search::tree::state::State;
 
 /// The samples of a node and where they would go.
 #[derive(Debug, Default)]
-pub(crate) struct View {
+pub(crate) struct NodeView {
     /// The node.
     pub(crate) v: u32,
     /// Its samples, in no particular order; the other arrays follow it.
     pub(crate) samples: Vec<u32>,
-    /// What each is and where it would go.
+    /// Class, weight and slots of each sample.
     pub(crate) members: Vec<Member>,
     /// Whether the sample goes left now.
     pub(crate) is_left: Vec<bool>,
@@ -27,7 +27,7 @@ pub(crate) struct View {
     is_leaf: bool,
 }
 
-impl View {
+impl NodeView {
     /// Look at node `v` of a state.
     pub(crate) fn look(&mut self, problem: &Problem, prices: &Prices, state: &State, v: u32) {
         self.v = v;
@@ -106,7 +106,7 @@ impl View {
         for (member, &i) in self.members.iter().zip(&self.samples) {
             state.nodes[self.leaves[member.slots[side] as usize] as usize].samples.push(i);
         }
-        state.lift(self.v, state.nodes[self.v as usize].children[side]);
+        state.promote(self.v, state.nodes[self.v as usize].children[side]);
         state.remove_empty_sides(self.v);
     }
 }
