@@ -2,14 +2,14 @@
 
 use std::collections::VecDeque;
 
-use crate::exact::Switches;
 use crate::exact::answer::{Answer, Reached};
 use crate::exact::axis::{Axis, Interval};
 use crate::exact::effort::Control;
+use crate::exact::log::Log;
 use crate::exact::plan::Plan;
-use crate::exact::proof::Log;
 use crate::exact::samples::Samples;
 use crate::exact::stumps::{Stumps, finder, width};
+use crate::exact::switches::Switches;
 use crate::exact::view::View;
 
 /// A cut to be solved.
@@ -58,7 +58,7 @@ pub struct Search<'a> {
     /// Whether any tree below the budget will do: the search ends with the first one at its root.
     pub takes_first: bool,
     /// The records of what is proven, when a proof is written.
-    pub log: Option<Log>,
+    pub(crate) log: Option<Log>,
     pub(super) axis: Axis,
     pub(super) positions: Vec<u32>,
     control: &'a Control,

@@ -16,11 +16,11 @@
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use crate::exact::Switches;
 use crate::exact::branch::Search;
 use crate::exact::effort::Control;
 use crate::exact::known::Held;
 use crate::exact::samples::Samples;
+use crate::exact::switches::Switches;
 use crate::exact::view::View;
 use crate::problem::Problem;
 use crate::tree::{Node, Tree};

@@ -3,6 +3,8 @@
 //! A later search takes it up where it was left. It believes the bounds of the cuts, which it could only check by the work
 //! that made them; what a glance can refute is refused (`Known::check`).
 
+use std::time::Instant;
+
 use crate::exact::answer::Reached;
 use crate::exact::samples::Samples;
 use crate::exact::view::View;
@@ -105,4 +107,34 @@ pub struct Saver<'a> {
     pub every: f64,
     /// Takes it; `false` means stop now.
     pub save: &'a mut dyn FnMut(&Known) -> bool,
+}
+
+/// A saver, and when it was last given something.
+pub struct Due<'a> {
+    saver: Option<Saver<'a>>,
+    saved: Instant,
+}
+
+impl Default for Due<'_> {
+    fn default() -> Self {
+        Self::new(None)
+    }
+}
+
+impl<'a> Due<'a> {
+    /// Next due after the saver's interval from now.
+    pub fn new(saver: Option<Saver<'a>>) -> Self {
+        Self { saver, saved: Instant::now() }
+    }
+
+    /// Hand out what is known, now or if it is time; whether to go on.
+    pub fn save(&mut self, now: bool, known: &dyn Fn() -> Known) -> bool {
+        let Some(saver) = &mut self.saver else { return true };
+        if !now && self.saved.elapsed().as_secs_f64() < saver.every {
+            return true;
+        }
+        let goes_on = (saver.save)(&known());
+        self.saved = Instant::now();
+        goes_on
+    }
 }

@@ -9,8 +9,8 @@ pub mod scan;
 pub mod sweep;
 pub mod table;
 
-use crate::exact::Switches;
 use crate::exact::samples::Samples;
+use crate::exact::switches::Switches;
 use crate::exact::view::View;
 use buckets::Buckets;
 use scan::Scan;

@@ -1,5 +1,6 @@
 //! The gain of every class on a sample, and the price of features in splits.
 
+use crate::costs::ClassCosts;
 use crate::problem::Problem;
 
 /// Gains of every class, and the highest cost of a sample.
@@ -25,11 +26,10 @@ impl Prices {
     /// The gains of a problem.
     pub(crate) fn new(problem: &Problem) -> Self {
         let k = problem.n_classes;
-        let rows: Vec<&[i64]> = problem.costs.chunks(k).collect();
-        let highest_costs: Vec<i64> = rows.iter().map(|row| row.iter().copied().max().unwrap_or(0)).collect();
-        let gains: Vec<i64> =
-            rows.iter().zip(&highest_costs).flat_map(|(row, d)| row.iter().map(move |c| d - c)).collect();
-        let single = gains.chunks(k).map(only_gain).collect();
+        let class_costs = ClassCosts::of(problem);
+        let highest_costs: Vec<i64> = (0..k).map(|class| class_costs.most(class)).collect();
+        let gains = (0..k).flat_map(|class| class_costs.gains(class).iter().copied()).collect();
+        let single = (0..k).map(|class| class_costs.only_gain(class)).collect();
         let costs = problem
             .weights
             .iter()
@@ -108,12 +108,6 @@ impl Prices {
     pub(crate) fn label(&self, sample: u32) -> usize {
         self.labels[sample as usize] as usize
     }
-}
-
-fn only_gain(row: &[i64]) -> Option<(usize, i64)> {
-    let mut positive = row.iter().enumerate().filter(|(_, gain)| **gain > 0);
-    let first = positive.next().map_or((0, 0), |(k, gain)| (k, *gain));
-    positive.next().is_none().then_some(first)
 }
 
 /// Class and weight of a sample.
