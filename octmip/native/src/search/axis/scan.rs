@@ -33,7 +33,7 @@ pub(crate) fn best_cut(
     node_order.enter(problem.n, &view.samples);
     view.fill(tally, |_| false);
     let all_right = tally.clone();
-    let lanes = tally.lanes(&view.members);
+    let crossings = tally.crossings(&view.members);
     let (mut best, mut found) = (floor, None);
     for &f in features {
         if !go_on() {
@@ -44,8 +44,8 @@ pub(crate) fn best_cut(
         let ranks = problem.feature(f as usize);
         for (k, &j) in node_order.order.iter().enumerate() {
             let (j, i) = (j as usize, view.samples[j as usize]);
-            match &lanes {
-                Some(lanes) => tally.cross(&lanes[j]),
+            match &crossings {
+                Some(crossings) => tally.cross(&crossings[j]),
                 None => view.members[j].cross(tally, false),
             }
             let gain = if aim == Aim::Gain { tally.total - penalty } else { floor.gain };

@@ -27,7 +27,7 @@ impl Member {
 
 /// The way of a sample that gains in one class only: slots and their entries of that class, left and right.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Lane {
+pub(crate) struct Crossing {
     slots: [u32; 2],
     entries: [u32; 2],
     gain: i64,
@@ -146,34 +146,34 @@ impl<'a> Tally<'a> {
     }
 
     /// The way of each member from right to left, where it gains in one class only and leaves may be of any size.
-    pub(crate) fn lanes(&self, members: &[Member]) -> Option<Vec<Lane>> {
+    pub(crate) fn crossings(&self, members: &[Member]) -> Option<Vec<Crossing>> {
         let single = self.prices.single.as_ref().filter(|_| self.prices.leaf_size <= 1)?;
         let n_classes = self.prices.n_classes as u32;
-        let lane = |member: &Member| {
+        let crossing = |member: &Member| {
             let (class, gain) = single[member.weighed.label as usize];
-            Lane {
+            Crossing {
                 slots: member.slots,
                 entries: member.slots.map(|slot| (slot * n_classes) + class as u32),
                 gain: gain * member.weighed.weight,
             }
         };
-        Some(members.iter().map(lane).collect())
+        Some(members.iter().map(crossing).collect())
     }
 
     /// Let a sample cross from right to left; counts of samples are left behind, as no leaf can be too small.
     #[inline(always)]
-    pub(crate) fn cross(&mut self, lane: &Lane) {
-        let [left, right] = lane.slots.map(|slot| slot as usize);
-        let [to, from] = lane.entries.map(|entry| entry as usize);
+    pub(crate) fn cross(&mut self, crossing: &Crossing) {
+        let [left, right] = crossing.slots.map(|slot| slot as usize);
+        let [to, from] = crossing.entries.map(|entry| entry as usize);
         let before = self.gains[from];
-        self.gains[from] = before - lane.gain;
+        self.gains[from] = before - crossing.gain;
         if before == self.best[right] {
             let k = self.prices.n_classes;
             let best = largest(&self.gains[right * k..(right + 1) * k]);
             self.total += best - before;
             self.best[right] = best;
         }
-        self.gains[to] += lane.gain;
+        self.gains[to] += crossing.gain;
         if self.gains[to] > self.best[left] {
             self.total += self.gains[to] - self.best[left];
             self.best[left] = self.gains[to];

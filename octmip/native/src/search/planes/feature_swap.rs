@@ -3,7 +3,7 @@
 use crate::search::gains::tally::Tally;
 use crate::search::logistic::ranking::leading;
 use crate::search::logistic::regression::{MOST_FITTED, fit};
-use crate::search::planes::line::Plane;
+use crate::search::planes::line::SampledPlane;
 use crate::search::planes::logistic_fit::RIDGES;
 use crate::search::planes::plane_search::PlaneSearch;
 use crate::search::planes::random::normal;
@@ -123,7 +123,7 @@ impl PlaneSearch<'_> {
             return false;
         }
         let added = (self.plane.clone(), self.tally.clone());
-        let mut best: Option<(i64, Plane, Tally)> = None;
+        let mut best: Option<(i64, SampledPlane, Tally)> = None;
         for dropped in candidates {
             if !self.supervisor.goes_on() {
                 break;

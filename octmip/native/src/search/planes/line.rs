@@ -9,7 +9,7 @@ use crate::search::tree::view::NodeView;
 
 /// A hyperplane over the samples of one view.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Plane {
+pub(crate) struct SampledPlane {
     /// Coefficient of every feature of the problem, most of them 0.
     pub(crate) normal: Vec<f64>,
     /// Largest projection that goes left.
@@ -52,7 +52,7 @@ struct BestStep {
 /// Tally, sides and heights follow; the caller moves normal and offset by the step returned.
 pub(crate) fn take_best_step<'a>(
     view: &NodeView,
-    plane: &mut Plane,
+    plane: &mut SampledPlane,
     slopes: &[f64],
     tally: &mut Tally<'a>,
     scratch: &mut LineScratch<'a>,
@@ -92,7 +92,7 @@ impl LineSearch {
     fn sweep(
         &mut self,
         view: &NodeView,
-        plane: &Plane,
+        plane: &SampledPlane,
         slopes: &[f64],
         tally: &mut Tally,
         (way, keys, index_mask): (usize, &mut [u64], u64),
@@ -139,7 +139,7 @@ impl LineSearch {
 ///
 /// A positive float orders as its bits do. The low bits make room for the position: steps that agree in the others
 /// (28 bits of mantissa for a million samples) count as equal, which only leaves out places between them.
-fn sort_by_way(plane: &Plane, slopes: &[f64], outwards: &mut [Vec<u64>; 2]) -> u64 {
+fn sort_by_way(plane: &SampledPlane, slopes: &[f64], outwards: &mut [Vec<u64>; 2]) -> u64 {
     let bits = usize::BITS - slopes.len().leading_zeros();
     let mask = (1_u64 << bits) - 1;
     outwards.iter_mut().for_each(Vec::clear);

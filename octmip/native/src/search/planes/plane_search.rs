@@ -1,7 +1,7 @@
 //! The best hyperplane of one node, the rest of the tree fixed: many lines of hyperplanes, one after the other.
 
 use crate::search::gains::tally::Tally;
-use crate::search::planes::line::{LineScratch, Plane, take_best_step};
+use crate::search::planes::line::{LineScratch, SampledPlane, take_best_step};
 use crate::search::planes::random::normal;
 use crate::search::prepared::Prepared;
 use crate::search::prepared::values::{Terms, normalise};
@@ -15,12 +15,12 @@ pub(crate) struct PlaneSearch<'a> {
     pub(super) prepared: &'a Prepared<'a>,
     /// Asked between two lines whether to go on.
     pub(crate) supervisor: Supervisor<'a>,
-    pub(super) plane: Plane,
+    pub(super) plane: SampledPlane,
     /// Sides counted by slot.
     pub(crate) tally: Tally<'a>,
     slopes: Vec<f64>,
     line: LineScratch<'a>,
-    kept: (Plane, Tally<'a>),
+    kept: (SampledPlane, Tally<'a>),
     /// Gain that a line may lose before it is given up.
     pub(super) patience: i64,
     /// By sample, the side that it prefers and by how much.
@@ -35,11 +35,11 @@ impl<'a> PlaneSearch<'a> {
     /// A search without a plane yet.
     pub(crate) fn new(prepared: &'a Prepared<'a>, supervisor: Supervisor<'a>) -> Self {
         let tally = Tally::new(&prepared.prices);
-        let (line, kept) = (LineScratch::new(&tally), (Plane::default(), tally.clone()));
+        let (line, kept) = (LineScratch::new(&tally), (SampledPlane::default(), tally.clone()));
         Self {
             prepared,
             supervisor,
-            plane: Plane::default(),
+            plane: SampledPlane::default(),
             slopes: Vec::new(),
             line,
             kept,

@@ -1,7 +1,7 @@
 //! The rounding of a plane to integer coefficients.
 
 use crate::search::gains::tally::Tally;
-use crate::search::planes::line::Plane;
+use crate::search::planes::line::SampledPlane;
 use crate::search::planes::plane_search::PlaneSearch;
 use crate::search::prepared::values::{exponent_of, times_power};
 use crate::search::tree::view::NodeView;
@@ -16,7 +16,7 @@ impl<'a> PlaneSearch<'a> {
             return true;
         };
         let (terms, offset) = (self.terms(), self.plane.offset);
-        let mut best: Option<(i64, Plane, Tally<'a>)> = None;
+        let mut best: Option<(i64, SampledPlane, Tally<'a>)> = None;
         for _ in 0..ROUNDINGS {
             let size = rng.i64(1..=most) as f64;
             if !self.set_rounded(&terms, offset, size) {

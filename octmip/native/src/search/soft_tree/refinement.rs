@@ -44,6 +44,7 @@ struct SoftTree<'a> {
     unit: f64,
 }
 
+/// A node of the subtree, by index.
 enum SoftNode {
     Leaf(usize),
     Split { plane: usize, children: [usize; 2] },
