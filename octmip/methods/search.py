@@ -46,7 +46,7 @@ def local_search(
     n_jobs: int = 1,
     progress: ProgressCallback | None = None,
     restarts: int | None = None,
-    kicks: int | None = None,
+    perturbations: int | None = None,
 ) -> Solution:
     """Return the best tree that a local search finds.
 
@@ -57,10 +57,11 @@ def local_search(
         seed: of the restarts' random streams.
         n_jobs: threads.
         progress: called every few hundredths of a second.
-        restarts: independent starts; by default those of `EFFORT`, more for a small axis-aligned problem, as of kicks.
-        kicks: a restart ends after so many kicks in a row without a better tree (before the better restarts are chosen
-            a quarter of that with hyperplanes, none without; twice that for the last). With `restarts=1, kicks=0` the
-            answer is quick: one descent and exact blocks of two levels.
+        restarts: independent starts; by default those of `EFFORT`, more for a small axis-aligned problem.
+        perturbations: a restart ends after so many perturbations in a row without a better tree (before the better
+            restarts are chosen a quarter of that with hyperplanes, none without; twice that for the last); by default
+            as `restarts`. With `restarts=1, perturbations=0` the answer is quick: one descent and exact blocks of two
+            levels.
 
     Returns
     -------
@@ -69,9 +70,9 @@ def local_search(
     Raises
     ------
     ProblemError
-        `restarts` or `n_jobs` is below 1, `kicks` below 0, or the incumbent is no tree of this problem.
+        `restarts` or `n_jobs` is below 1, `perturbations` below 0, or the incumbent is no tree of this problem.
     """
-    for name, value, least in (("restarts", restarts, 1), ("n_jobs", n_jobs, 1), ("kicks", kicks, 0)):
+    for name, value, least in (("restarts", restarts, 1), ("n_jobs", n_jobs, 1), ("perturbations", perturbations, 0)):
         if value is not None and value < least:
             raise ProblemError(f"{name} is {value}; expected {least} or more")
     start, known = time.perf_counter(), feasible_incumbent(problem, incumbent)
@@ -87,7 +88,7 @@ def local_search(
         seed % 2**64,
         native_progress(progress, costs),
         n_restarts=effort[0] if restarts is None else restarts,
-        n_perturbations=effort[1] if kicks is None else kicks,
+        n_perturbations=effort[1] if perturbations is None else perturbations,
     )
     latest = start + limits.seconds + GRACE
     tree = _finished(searched, tree_from_rows(rows, ranks), lambda: time.perf_counter() < latest)
@@ -106,15 +107,15 @@ def local_search(
 
 
 def _effort(problem: Problem) -> tuple[int, int]:
-    """Return restarts and kicks where the caller names none."""
+    """Return restarts and perturbations where the caller names none."""
     least = EFFORT[problem.split]
     if problem.split != "axis":
         return least
-    restarts, kicks = (
+    restarts, perturbations = (
         max(few, min(many, small // problem.features.size))
         for few, many, small in zip(least, MOST_EFFORT, SMALL, strict=True)
     )
-    return restarts, kicks
+    return restarts, perturbations
 
 
 def _stop(name: str, objective: float) -> Stop:

@@ -1,6 +1,7 @@
 """Local search against the number of samples, beside scikit-learn's CART: first answer and convergence.
 
-First answer: `restarts=1, kicks=0`, one descent from the greedy tree with exact blocks of two levels where they pay.
+First answer: `restarts=1, perturbations=0`, one descent from the greedy tree with exact blocks of two levels where they
+pay.
 One restart: that with four perturbations in a row, beginning, blocks and end included: what should grow as n log n.
 Convergence: one restart of default effort, which ends when so many perturbations in a row have not helped. Both kinds
 of splits.
@@ -43,8 +44,8 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
             yield _measured(n, split, "converged", _answer(problem, limit, None), 1)
 
 
-def _answer(problem: Problem, limit: float, kicks: int | None) -> Callable[[], Solution]:
-    return lambda: local_search(problem, restarts=1, kicks=kicks, **cpu_limit(limit))
+def _answer(problem: Problem, limit: float, perturbations: int | None) -> Callable[[], Solution]:
+    return lambda: local_search(problem, restarts=1, perturbations=perturbations, **cpu_limit(limit))
 
 
 def _problem(n: int, split: Any) -> Problem:
