@@ -1,18 +1,15 @@
 //! Branch and bound over thresholds: provably optimal axis-aligned trees.
+//!
+//! ```text
+//! samples, view    the problem as it is counted, and the samples of one node
+//! stumps           the best trees of one split left and right of a moving cut
+//! node             the search of one node: its cuts, their bounds, its plan and its proof
+//! root             the whole search: limits, threads, sensor budget, checkpoints
+//! subtree, proof   the same search for local search, and for a log
+//! ```
 
-pub mod answer;
-pub mod axis;
-pub mod branch;
-pub mod budget;
-pub mod depth_two;
-pub mod directions;
 pub mod effort;
-pub mod frontier;
-pub mod known;
-pub mod label_sets;
-pub mod log;
-pub mod memory;
-pub mod plan;
+pub mod node;
 pub mod proof;
 pub mod root;
 pub mod samples;

@@ -4,10 +4,10 @@
 //! searched without the bounds of their neighbours (`floor` 0), as a record must stand by itself; the checker carries
 //! bounds from cut to cut on its own.
 
-use crate::exact::branch::Search;
-use crate::exact::budget::{Relaxed, Sets};
 use crate::exact::effort::Control;
-use crate::exact::log::Log;
+use crate::exact::node::log::Log;
+use crate::exact::node::search::Search;
+use crate::exact::root::sensor_sets::{Relaxed, Sets};
 use crate::exact::samples::Samples;
 use crate::exact::switches::Switches;
 use crate::exact::view::View;

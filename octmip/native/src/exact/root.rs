@@ -1,21 +1,26 @@
 //! The whole search: incumbent, shallower depths, the root's frontier, limits.
 
+pub mod frontier;
+pub mod known;
+pub mod memory;
+pub mod sensor_sets;
+
 use crate::control::{KeepGoing, Limits, Outcome, Progress, Stop};
 use crate::costs::{base_cost, best_leaf};
-use crate::exact::answer::Reached;
-use crate::exact::branch::Search;
-use crate::exact::budget::{Sets, is_within};
 use crate::exact::effort::Control;
-use crate::exact::frontier::Frontier;
-use crate::exact::known::{Due, Known, Saver};
-use crate::exact::memory;
-use crate::exact::plan::Plan;
+use crate::exact::node::plan::Plan;
+use crate::exact::node::result::Reached;
+use crate::exact::node::search::Search;
 use crate::exact::samples::Samples;
 use crate::exact::switches::Switches;
 use crate::exact::view::View;
 use crate::problem::Problem;
 use crate::supervise::Supervision;
 use crate::tree::Tree;
+
+use frontier::Frontier;
+use known::{Due, Known, Saver};
+use sensor_sets::{Sets, is_within};
 
 /// How to search.
 #[derive(Debug, Clone)]

@@ -10,10 +10,14 @@
 //! and every bound reads as it does for counts of samples, with "number of samples" replaced by swing:
 //! adding a sample never lowers the cost of the best tree above the base, and raises it by at most its swing.
 
+pub mod directions;
+pub mod label_sets;
+
 use crate::costs::ClassCosts;
-use crate::exact::directions::doubled_spans;
-use crate::exact::label_sets::LabelSets;
 use crate::problem::Problem;
+
+use directions::doubled_spans;
+use label_sets::LabelSets;
 
 /// Samples, gains and limits; read by all threads.
 #[derive(Debug, Clone)]

@@ -4,11 +4,11 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::costs::base_cost;
-use crate::exact::answer::Reached;
 use crate::exact::effort::Control;
-use crate::exact::known::{Held, Known, Saver, Solved};
-use crate::exact::memory;
+use crate::exact::node::result::{Reached, Solved};
 use crate::exact::proof::write;
+use crate::exact::root::known::{Held, Known, Saver};
+use crate::exact::root::memory;
 use crate::exact::root::{Options, go_on};
 use crate::exact::switches::Switches;
 use crate::python::problem::PyProblem;

@@ -5,21 +5,10 @@
 
 use std::time::Instant;
 
-use crate::exact::answer::Reached;
+use crate::exact::node::result::{Reached, Solved};
 use crate::exact::samples::Samples;
 use crate::exact::view::View;
 use crate::tree::Tree;
-
-/// A solved cut of the root: usable feature, samples left of it, lower bounds of both children.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Solved {
-    /// Usable feature.
-    pub feature: usize,
-    /// Samples left of it.
-    pub position: usize,
-    /// Lower bounds of the children.
-    pub bounds: [i64; 2],
-}
 
 /// Sensors that a node of the search over sensor sets holds and bans.
 pub type Held = (Vec<bool>, Vec<bool>);

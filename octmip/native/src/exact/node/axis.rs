@@ -10,9 +10,9 @@
 //! * mixed labels: `e(L(k)) >= e(L(a)) + g(a, k)`, g the least cost of the samples between when only as many labels
 //!   may be predicted as the child has leaves: each of them lands in some leaf of the same tree. Needs monotone.
 
-use crate::exact::known::Solved;
-use crate::exact::label_sets::WIDTH;
+use crate::exact::node::result::Solved;
 use crate::exact::samples::Samples;
+use crate::exact::samples::label_sets::WIDTH;
 use crate::exact::switches::Switches;
 use crate::exact::view::View;
 
