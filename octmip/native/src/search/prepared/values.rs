@@ -167,7 +167,9 @@ fn power(exponent: i32) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use crate::problem::{Planes, Problem};
+    use crate::search::prepared::values::{Values, exponent_of, times_power};
+    use crate::search::tree::rule::Rule;
 
     #[test]
     fn exponents_are_those_of_the_next_power_of_two_for_denormals_too() {
@@ -189,7 +191,7 @@ mod tests {
     }
 
     fn values_of(rows: &[[f64; 2]], integer_normals: Option<i64>) -> Values {
-        let planes = crate::problem::Planes { values: rows.concat(), split_size: 2, groups: None, integer_normals };
+        let planes = Planes { values: rows.concat(), split_size: 2, groups: None, integer_normals };
         let problem = Problem {
             n: rows.len(),
             p: 2,
