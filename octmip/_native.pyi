@@ -91,7 +91,7 @@ def search(
     progress: NativeProgress | None = None,
     *,
     n_restarts: int,
-    n_kicks: int,
+    n_perturbations: int,
 ) -> tuple[list[NodeRow], int, int, str, int]:
     """Return node table, objective, bound, stop and number of visited nodes; the incumbent is a tree to begin with."""
 

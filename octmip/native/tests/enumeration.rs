@@ -75,7 +75,7 @@ fn local_search_returns_trees_that_are_allowed_and_mostly_the_best() {
     let (mut n_best, mut n_all) = (0, 0);
     for (depth, split_size) in [(1, 1), (2, 1), (3, 1), (1, 2), (2, 2)] {
         for (seed, Case { problem, .. }) in cases(depth, split_size) {
-            let options = search::Options { n_restarts: 4, n_kicks: 20, seed, n_threads: 1 };
+            let options = search::Options { n_restarts: 4, n_perturbations: 20, seed, n_threads: 1 };
             let found = search::search(&problem, options, None, Limits::default(), &mut |_| true);
             let best = optimum(&problem);
             assert_eq!(cost_of(&problem, &found.tree), Some(found.objective), "depth {depth}, seed {seed}");

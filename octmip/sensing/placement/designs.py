@@ -26,7 +26,7 @@ from octmip.sensing.placement.placement import problem_on
 from octmip.solution import Limits
 from octmip.solver import Method, solve
 
-QUICK: Mapping[str, Any] = {"restarts": 1, "kicks": 0}
+QUICK: Mapping[str, Any] = {"restarts": 1, "perturbations": 0}
 QUICK_NODES = 10  # visits to a node: the trial trees of a forward selection are many
 
 
