@@ -163,7 +163,7 @@ def solve_oct_h(
         HiGHS failed, or its solution does not survive decoding.
     """
     if problem.split != "hyperplane":
-        raise ProblemError(f"method 'oct_h' finds hyperplane trees but split is {problem.split!r}; say method='oct'")
+        raise ProblemError(f"method 'oct_h' finds hyperplane trees but split is {problem.split!r}; choose 'oct'")
     settings = Request("oct_h", limits, incumbent, seed, n_jobs, progress, **request)
 
     def build(known: Known) -> OctH | flow.Flow:

@@ -39,7 +39,7 @@ class Belief:
 
     def _axis(self, parameter: str) -> tuple[int, Floats, NDArray[np.int64]]:
         if parameter not in self.library.parameters:
-            raise ProblemError(f"the library has no parameter {parameter!r}; it has {self.library.parameters}")
+            raise ProblemError(f"the library has no parameter {parameter!r}; expected one of {self.library.parameters}")
         k = self.library.parameters.index(parameter)
         levels, at = np.unique(self.library.states[:, k], return_inverse=True)
         return k, levels, at.ravel()

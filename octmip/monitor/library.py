@@ -101,7 +101,7 @@ class Library:
         return int(found[0])
 
     def features(self, readings: Floats, load_factor: float) -> Floats:
-        """Return readings (n, n_gauges) per unit of load factor: what trees are trained on.
+        """Return readings (n, n_gauges) per unit of load factor, the features of the trees.
 
         Raises
         ------

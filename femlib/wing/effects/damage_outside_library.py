@@ -73,7 +73,7 @@ class _HealthyResponse(WingEffect):
 
 
 def element_traces(response: Response) -> FloatArray:
-    """Return Z' k_e u (n_elements, n_gauges) [microstrain]: what each element's loss of all its stiffness does."""
+    """Return Z' k_e u (n_elements, n_gauges) [microstrain]: the change by each element's loss of all its stiffness."""
     shells, supports = response.wing.structure.shells, response.wing.structure.supports
     moved, adjoint = response.displacements({}), supports.expand(response.adjoint())
     traces = []

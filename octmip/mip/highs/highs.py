@@ -156,7 +156,7 @@ def write(rows: Rows, path: Path) -> None:
         HiGHS could not write it.
     """
     if path.suffix not in (".mps", ".lp"):
-        raise SolverError(f"model file {path} ends in {path.suffix!r}; expected .mps or .lp")
+        raise SolverError(f"model file {path} ends in {path.suffix!r}; expected .mps or .lp; rename it")
     highs = worker.load(arrays(rows, named=True))
     if highs is None or highs.writeModel(str(path)) == highspy.HighsStatus.kError:
         raise SolverError(f"HiGHS {VERSION} could not write the model to {path}; expected a writable folder; create it")

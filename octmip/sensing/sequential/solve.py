@@ -57,7 +57,7 @@ def solve_sequential(
     """
     problem = sequential.problem
     if method not in ("auto", "exact", "search"):
-        raise ProblemError(f"method is {method!r}; expected auto, exact or search")
+        raise ProblemError(f"method is {method!r}; expected auto, exact or search; choose one")
     if method == "exact" and problem.split != "axis":
         raise ProblemError("the exact sequential search knows axis-aligned trees only; choose method 'search'")
     is_exact = method == "exact" or (method == "auto" and problem.split == "axis" and problem.depth <= 3)
@@ -215,12 +215,12 @@ class _Call:
 
     @property
     def is_whole(self) -> bool:
-        """Whether objectives without a price are whole, and sums of them far from losing that."""
+        """Whether objectives without a price are whole, also after the rounding of sums."""
         is_whole = self.problem.has_integer_costs and (self.sequential.delay_costs % 1 == 0).all()
         return bool(is_whole) and self.rounding(0.0) < 1e-3
 
     def rounding(self, price: float) -> float:
-        """Return what sums in float64 lose at most: the core adds and takes away costs of samples and readings."""
+        """Return the most that sums in float64 lose: the core adds and takes away costs of samples and readings."""
         budget = self.sequential.budget or 0.0
         cost = price * max(self.core.highest_cost_sum, budget * self.n_counts)
         delay = self.problem.depth * float(self.sequential.delay_costs.sum())
@@ -255,7 +255,7 @@ class _Call:
         )
 
     def tolerance(self, found: SequentialCertificate) -> float:
-        """Return what rounding and the price that breaks ties may hide; 0 where a sample is worth no more."""
+        """Return the tolerance for rounding and the price that breaks ties; 0 where a sample is worth no more."""
         price = self.sequential.price
         if price == 0 and self.is_whole:
             return 0.0

@@ -101,17 +101,18 @@ def shared_budget(
 
 def _shared(problems: Sequence[Problem], budget: float) -> tuple[Problem, ...]:
     if not problems:
-        raise ProblemError("problems is empty; expected one problem for each label")
+        raise ProblemError("problems is empty; expected one problem for each label; give one")
     budgeted = [k for k, problem in enumerate(problems) if problem.sensor_budget is not None]
     if budgeted:
         raise ProblemError(
-            f"problems {budgeted} have a sensor_budget of their own; expected none: the shared one holds for all"
+            f"problems {budgeted} have a sensor_budget of their own; expected none, as the shared "
+            "one holds for all; leave it out"
         )
     return tuple(replace(problem, sensor_budget=budget) for problem in problems)
 
 
 def _leaves(problems: Sequence[Problem], weights: Sequence[float]) -> Candidate:
-    """Return the best trees without a sensor: what there is before anything is found."""
+    """Return the best trees without a sensor, the first candidate."""
     trees = tuple(Leaf(int(problem.class_costs().argmin())) for problem in problems)
     return Candidate(trees, weighted_sum(weights, (problem.baseline for problem in problems)))
 

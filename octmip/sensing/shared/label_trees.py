@@ -1,4 +1,4 @@
-"""One label's best tree while some sensors are paid for, some banned, and the rest share what is left to spend.
+"""The best tree of one label while some sensors are paid for, some banned, and the rest must fit the budget left.
 
     z_l(H, B) = min objective_l(T)   over trees T that read no sensor of B, sensors outside H costing `left` at most
 

@@ -25,7 +25,7 @@ from octmip.tree import Node
 
 @dataclass(frozen=True, slots=True, order=True)
 class _Set:
-    """A node: what is held and what is banned, each label's answer, and their weighted bounds."""
+    """A node: held and banned sensors, each label's solution, and the weighted sum of their bounds."""
 
     bound: float
     number: int  # of its creation: of equal bounds the older comes first
@@ -60,7 +60,7 @@ class Proof:
 
 
 def least_saving(labels: LabelTrees) -> float:
-    """Return what one sample or split of one label alone can save of the weighted sum."""
+    """Return the least saving of the weighted sum by one sample or split of one label."""
     pairs = zip(labels.weights, labels.problems, strict=True)
     return min(weight * problem.least_saving for weight, problem in pairs if weight > 0)
 
