@@ -107,7 +107,7 @@ def calibrated_content(contents: Floats, coverage: float = 0.9) -> float:
     Parameters
     ----------
     contents
-        of any shape, `content_holding` the truth, over the steps of simulated histories like those to come. The answer
+        of any shape, `content_holding` the truth, over the steps of simulated histories like those to come. The result
         is their quantile, as in split-conformal prediction; how well it is known is a matter of the number of
         histories, not of their steps.
 
