@@ -1,6 +1,6 @@
 """Historical readings, appended to simulated ones: a campaign's table, read in pieces.
 
-A table has one row a reading: `load_factor`, a column for each damage parameter [fraction of stiffness lost], and one
+A table has one row per reading: `load_factor`, a column for each damage parameter [fraction of stiffness lost], and one
 for each gauge [microstrain at that load, compressive positive]. Other columns are left alone.
 """
 

@@ -38,7 +38,7 @@ class GaugePlaces(Protocol):
 
 @runtime_checkable
 class StrainModel(Protocol):
-    """What a dataset asks of a model."""
+    """A model that a dataset can be made of."""
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -121,7 +121,7 @@ def simulated_strains(model: StrainModel, load_factor: float = LOAD_FACTOR) -> M
 
 @dataclass(frozen=True, slots=True)
 class Recipe:
-    """How readings are drawn.
+    """The recipe of the readings of each state.
 
     Attributes
     ----------

@@ -251,7 +251,7 @@ def read_side(target: Path, version: int | str) -> dict[str, Any]:
         raise InputError(f"{path} does not exist; expected the side file of {target.name}; write the dataset again")
     side = parsed_object(read_bytes(path, "a side file"), str(path), "a dataset's side file; write the dataset again")
     if side.get("version") != version:
-        raise InputError(f"{path} is not a side file of version {version}; write the dataset again")
+        raise InputError(f"{path} is no side file of version {version}; write the dataset again")
     if file_sha256(target) != taken(side, "sha256", str(path)):
         raise InputError(f"{target} is not the file its side file describes (another sha256); write the dataset again")
     return side

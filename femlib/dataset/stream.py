@@ -77,7 +77,8 @@ class StoredDataset:
         with parquet_file(self.path) as file:
             unknown = [name for name in columns or () if name not in file.schema_arrow.names]
             if unknown:
-                raise InputError(f"{self.path} has no columns {unknown}; expected among {file.schema_arrow.names}")
+                known = file.schema_arrow.names
+                raise InputError(f"{self.path} has no columns {unknown}; expected some of {known}; correct the names")
             for batch in file.iter_batches(n_rows, columns=None if columns is None else list(columns)):
                 yield batch.to_pandas(ignore_metadata=True)
 

@@ -153,8 +153,10 @@ class _Clock:
 def solve_formulation(problem: Problem, encode: Callable[[Known], Formulation], request: Request) -> Solution:
     """Solve a formulation of a problem and return the Solution.
 
-    Args:
-        encode: builds the formulation.
+    Parameters
+    ----------
+    encode
+        builds the formulation.
 
     Raises
     ------
@@ -240,7 +242,7 @@ def _run_once(
     exact: Accuracy,
     start: NDArray[np.float64] | None,
 ) -> str:
-    """Run HiGHS once, keep in `result` what is believed of its outcome, and return why the rest is not, or ""."""
+    """Run HiGHS once, keep the believed part of its outcome in `result`, and return why the rest is not, or ""."""
     rows, prices = formulation.rows, formulation.prices
     options = highs.Options(
         limits=clock.left,

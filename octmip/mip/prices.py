@@ -67,7 +67,7 @@ class Prices:
 
     @property
     def is_zero_one(self) -> bool:
-        """Whether the costs are 0/1, so that the weight of class k in a leaf is what predicting k does not pay."""
+        """Whether the costs are 0/1, so that predicting k saves the weight of class k in a leaf."""
         return self.costs.shape[0] == self.costs.shape[1] and np.array_equal(self.costs, 1 - np.eye(len(self.costs)))
 
     @property
@@ -89,11 +89,11 @@ class Prices:
         return float(self.unit) * price if math.isfinite(price) else price
 
     def lower_bound(self, price: int) -> Fraction:
-        """Return what every tree costs at least in the problem's units when none is priced below `price`."""
+        """Return the least cost of a tree in the problem's units when none is priced below `price`."""
         return self.unit * price - self.above
 
     def priced_bound(self, bound: float) -> int:
-        """Return what every tree is priced at least, unless it is cut, when none truly costs less than `bound`."""
+        """Return the least price of a tree, unless it is cut, when none truly costs less than `bound`."""
         return math.ceil((Fraction(bound) - self.below) / self.unit - NEARLY_WHOLE)
 
 

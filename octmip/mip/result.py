@@ -80,11 +80,16 @@ def solution_of(
 ) -> Solution:
     """Return the Solution that follows from the result of a run.
 
-    Args:
-        method, seed: of the run, to be named.
-        seconds: that it took.
-        given_bound: a bound proven elsewhere; -inf without one.
-        gap: the relative gap that was asked for.
+    Parameters
+    ----------
+    method, seed
+        of the run, to be named.
+    seconds
+        that it took.
+    given_bound
+        a bound proven elsewhere; -inf without one.
+    gap
+        the relative gap that was asked for.
     """
     objective = problem.objective(result.tree)
     tolerance = _tolerance(problem, result.known.prices, objective)
@@ -133,7 +138,7 @@ def _believed_bound(problem: Problem, result: RunResult) -> Fraction:
 
 
 def _tolerance(problem: Problem, prices: Prices, objective: float) -> float:
-    """Return how far the bound may lie below the objective as prices are rounded; 0 if that would prove nothing."""
+    """Return the gap that rounded prices may leave between bound and objective; 0 if that would prove nothing."""
     if problem.has_integer_costs:
         return 0.0
     tolerance = float(prices.above + prices.below) * (1 + 1e-9) + 4e-16 * objective

@@ -128,7 +128,7 @@ class Rows:
 
     @property
     def is_integer(self) -> NDArray[np.bool_]:
-        """Which columns are integer."""
+        """Mask of the integer columns."""
         return self._stack(3) > 0
 
     @property

@@ -136,7 +136,7 @@ def _proposed(watch: Watch, monitor_state: MonitorState, row: int, state: int, c
 
 
 def _unknown(watch: Watch, monitor_state: MonitorState, row: int, state: int, window: int) -> Proposal:
-    """Return the state with the mean residual added: what the readings show, though no candidate explains it."""
+    """Return the state with the mean residual added, which no candidate explains."""
     library = watch.library
     squares = max(float(monitor_state.squared_loads[row, window]), 1e-300)
     change = monitor_state.loaded_sums[row, window] / squares * library.noise_sd

@@ -85,7 +85,7 @@ class LeafLikelihood:
         return found
 
     def open_leaves(self, features: Floats) -> NDArray[np.bool_]:
-        """Return which leaves features (n, n_gauges) may have reached, shape (n, n_leaves): one where none is missing.
+        """Return a mask (n, n_leaves) of the leaves that features (n, n_gauges) may have reached, one without gaps.
 
         Raises
         ------
@@ -118,7 +118,7 @@ class LeafLikelihood:
 
 
 def _open_leaves(tree: Node, features: Floats) -> NDArray[np.bool_]:
-    """Return which leaves, from the left, rows with missing values leave open, shape (n, n_leaves)."""
+    """Return the leaves, from the left, that rows with missing values leave open, as a mask (n, n_leaves)."""
     columns: list[NDArray[np.bool_]] = []
 
     def visit(node: Node, is_here: NDArray[np.bool_]) -> None:

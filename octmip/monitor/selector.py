@@ -1,4 +1,4 @@
-"""ModelSelector: trees at work, from a reading to the state of the library whose model the asset is taken to follow.
+"""Model selector: trees that map a reading to the state of the library whose model the asset is taken to follow.
 
 Several trees, one per parameter, are one tree: the second appended to every leaf of the first. The distribution of a
 selection is Bayes' rule over the library's states (`octmip.uncertainty.posterior`), where what was seen is the leaf
@@ -193,7 +193,9 @@ class ModelSelector:
         try:
             return _selector(CONTENT.take(content))
         except OctmipError as error:
-            raise TreeError(f"{path} holds no valid selector: {error}; was it changed by hand?") from error
+            raise TreeError(
+                f"{path} holds no valid selector: {error}; write it again with ModelSelector.write"
+            ) from error
 
 
 STRAIN = Number(-1e15, 1e15)  # microstrain, and slopes of it: what is beyond is no measured thing, and overflows

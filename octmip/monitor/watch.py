@@ -120,7 +120,7 @@ class Watch:
         self._log_prior = np.log(share / (3.0 if (~is_gauge).any() else 2.0))
 
     def _can_show(self, candidate: Candidate, size: float) -> bool:
-        """Return whether a whole horizon at the largest load could show it: others only dilute the rest."""
+        """Whether a whole horizon at the largest load could show it; what could not would only dilute the rest."""
         every = np.ones(len(self.library.gauges), dtype=bool)
         scale = size * self.largest_load**candidate.load_power
         shift = scale * candidate.signature / self.library.noise_sd @ self.parity.projector(every)
@@ -199,7 +199,7 @@ class Watch:
         return residuals, ratios, degrees
 
     def _shifts(self, is_known: NDArray[np.bool_], load: float) -> Floats:
-        """Return what every hypothesis adds to the residual of a reading, (n_hypotheses, n_gauges)."""
+        """Return the shift of the residual of a reading under every hypothesis, (n_hypotheses, n_gauges)."""
         key = (is_known.tobytes(), load)
         if key not in self._tables:
             if len(self._tables) >= MOST_TABLES:  # loads and missing gauges need not ever repeat

@@ -18,7 +18,7 @@ def require_axis(problem: Problem, method: str) -> None:
     """
     if problem.split != "axis":
         raise ProblemError(
-            f"method {method!r} finds axis-aligned trees but split is {problem.split!r}; say method='oct_h' or 'flow'"
+            f"method {method!r} finds axis-aligned trees but split is {problem.split!r}; choose 'oct_h' or 'flow'"
         )
 
 

@@ -63,7 +63,7 @@ class ClassCount:
         return np.asarray((weights @ np.array(sets).T).max(axis=1))
 
     def earned_by_side(self, j: int, n_leaves: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return what `n_leaves` leaves earn at most left and right of each cut of feature j, shapes (n_cuts,)."""
+        """Return the most that `n_leaves` leaves earn left and right of each cut of feature j, shapes (n_cuts,)."""
         left = self.left_of_cuts(j)
         return self.earned(left, n_leaves), self.earned(self.total() - left, n_leaves)
 

@@ -39,10 +39,14 @@ def admissible_cuts(
 ) -> dict[int, Cuts]:
     """Return the cuts of each branch node that a better tree than `best` may need, and those of `best` itself.
 
-    Args:
-        price: that of `best`.
-        level: 0 leaves every cut in; 1 boundary and class counts at the root; 2 class counts in pairs too.
-        check: called now and then; may raise when a limit is reached.
+    Parameters
+    ----------
+    price
+        that of `best`.
+    level
+        0 leaves every cut in; 1 boundary and class counts at the root; 2 class counts in pairs too.
+    check
+        called now and then; may raise when a limit is reached.
     """
     ranks = counts.ranks
     usable = axis.usable_features(problem, ranks)
@@ -120,7 +124,7 @@ class _Pairs:
 
     @property
     def first(self) -> dict[int, int]:
-        """Where each usable feature begins in the flat array."""
+        """Position of each usable feature's first value in the flat array."""
         return dict(zip(self.usable, np.cumsum([0, *self.sizes[:-1]]).tolist(), strict=True))
 
     def payable_with(self, j: int) -> NDArray[np.bool_]:
@@ -131,7 +135,7 @@ class _Pairs:
         return np.repeat(is_payable, self.sizes)
 
     def earned(self, rows: NDArray[np.bool_], payable: NDArray[np.bool_]) -> tuple[NDArray[np.float64], float]:
-        """Return what a child with the samples `rows` earns by each payable cut, shape (n_values,), and its most."""
+        """Return the earnings (n_values,) of a child with the samples `rows` by each payable cut, and their maximum."""
         prices, n_leaves = self.counts.prices, 2 ** (self.problem.depth - 2)
         n_profiles = prices.n_profiles
         first = np.array(list(self.first.values()))[:, None]

@@ -95,8 +95,10 @@ class Space:
 def space_of(problem: Problem, *, centred: bool = True) -> Space:
     """Return the space that the hyperplanes of a problem are written in.
 
-    Args:
-        centred: real normals: features in [-1/2, 1/2], which halves the big M; False: in [0, 1], as printed.
+    Parameters
+    ----------
+    centred
+        real normals: features in [-1/2, 1/2], which halves the big M; False: in [0, 1], as printed.
     """
     exponent = _extreme_exponents(problem.features)
     if problem.integer_normals is not None:
@@ -305,7 +307,7 @@ def add_hyperplanes(
 
 
 def usable_features(problem: Problem) -> list[bool]:
-    """Return which features a split may read: not constant, affordable, in some group of allowed_splits."""
+    """Return whether a split may read each feature: not constant, affordable, in some group of allowed_splits."""
     varies = problem.features.min(axis=0) < problem.features.max(axis=0)
     affordable = problem.sensor_costs[problem.sensor_index] <= problem.sensor_limit
     return [bool(varies[j] and affordable[j] and problem.is_allowed((j,))) for j in range(problem.n_features)]
@@ -335,6 +337,6 @@ def choose_mu(space: Space, placed: Placed, heap: Heap) -> float:
 
 
 def all_samples_band(placed: Placed, heap: Heap, m: int) -> Band:
-    """Return which samples lie below the left, and the right, child of node m."""
+    """Return masks of the samples below the left and the right child of node m."""
     left, right = (np.isin(placed.position, heap.leaves_under(child)) for child in (2 * m, 2 * m + 1))
     return left, right

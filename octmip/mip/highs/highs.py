@@ -117,10 +117,14 @@ def run(
 ) -> Outcome:
     """Solve a model and return the outcome.
 
-    Args:
-        start: (n_columns,) a full solution to start from.
-        progress: called in this thread while HiGHS runs; what it raises stops the run and is raised again.
-        inject: called in this thread with HiGHS's best objective; may return a better solution (n_columns,).
+    Parameters
+    ----------
+    start
+        (n_columns,) a full solution to start from.
+    progress
+        called in this thread while HiGHS runs; what it raises stops the run and is raised again.
+    inject
+        called in this thread with HiGHS's best objective; may return a better solution (n_columns,).
 
     Raises
     ------
@@ -156,7 +160,7 @@ def write(rows: Rows, path: Path) -> None:
         HiGHS could not write it.
     """
     if path.suffix not in (".mps", ".lp"):
-        raise SolverError(f"model file {path} ends in {path.suffix!r}; expected .mps or .lp")
+        raise SolverError(f"model file {path} ends in {path.suffix!r}; expected .mps or .lp; rename it")
     highs = worker.load(arrays(rows, named=True))
     if highs is None or highs.writeModel(str(path)) == highspy.HighsStatus.kError:
         raise SolverError(f"HiGHS {VERSION} could not write the model to {path}; expected a writable folder; create it")

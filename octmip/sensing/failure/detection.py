@@ -62,7 +62,8 @@ class FaultDetector:
         sd = np.broadcast_to(np.asarray(self.noise_sd, dtype=np.float64), means.shape[-1:]).copy()
         if means.ndim != 2 or means.shape[1] != len(self.gauges) or len(self.gauges) < 2:
             raise ProblemError(
-                f"means has shape {means.shape}; expected (n_states, {len(self.gauges)}), two gauges or more"
+                f"means has shape {means.shape}; expected (n_states, {len(self.gauges)}), two gauges or "
+                "more; give one column per gauge"
             )
         if not np.isfinite(means).all() or not (sd > 0).all() or not np.isfinite(sd).all():
             raise ProblemError(
@@ -72,7 +73,7 @@ class FaultDetector:
         if not 0 < self.rate < 1 or self.n_averaged < 1:
             raise ProblemError(
                 f"rate is {self.rate} and n_averaged {self.n_averaged}; expected a rate between 0 and 1, and 1 or more "
-                "readings"
+                "readings; correct them"
             )
         object.__setattr__(self, "means", means)
         object.__setattr__(self, "noise_sd", sd / np.sqrt(self.n_averaged))
@@ -96,7 +97,8 @@ class FaultDetector:
         readings = np.asarray(readings, dtype=np.float64)
         if readings.ndim != 2 or readings.shape[1] != len(self.gauges) or np.isinf(readings).any():
             raise DataError(
-                f"readings has shape {readings.shape} or an infinite entry; expected (n, {len(self.gauges)})"
+                f"readings has shape {readings.shape} or an infinite entry; expected finite numbers "
+                f"(n, {len(self.gauges)}), NaN where a reading is missing; correct them"
             )
         step = max(1, CHUNK // self.means.size)
         parts = [self._surprise(readings[k : k + step]) for k in range(0, len(readings), step)]
@@ -134,10 +136,14 @@ class FaultDetector:
 def power(detector: FaultDetector, biases: Sequence[float], n: int, rng: np.random.Generator) -> tuple[Floats, Floats]:
     """Return power and share of alarms that name the right gauge, both (n_biases, n_gauges), for an added bias.
 
-    Args:
-        detector: the detector.
-        biases: added to one gauge, in the unit of the readings.
-        n: readings drawn for each bias and gauge.
+    Parameters
+    ----------
+    detector
+        the detector.
+    biases
+        added to one gauge, in the unit of the readings.
+    n
+        readings drawn for each bias and gauge.
     """
     found, right = np.zeros((2, len(biases), len(detector.gauges)))
     for b, bias in enumerate(biases):

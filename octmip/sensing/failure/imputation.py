@@ -38,7 +38,7 @@ class Imputation:
             the features have another number of columns.
         """
         if features.ndim != 2 or features.shape[1] != len(self.mean):
-            raise DataError(f"features has shape {features.shape}; expected (n, {len(self.mean)})")
+            raise DataError(f"features has shape {features.shape}; expected (n, {len(self.mean)}); give every feature")
         out, is_missing = features.copy(), np.isnan(features)
         patterns, of_row = np.unique(is_missing, axis=0, return_inverse=True)
         for k, gone in enumerate(patterns):

@@ -73,8 +73,10 @@ def solve_worst(
 ) -> Solution:
     """Return a tree of least objective in the worst scenario, "nothing has failed" among them, and a lower bound.
 
-    Args:
-        rounds: stacked problems that are solved.
+    Parameters
+    ----------
+    rounds
+        stacked problems that are solved.
 
     Raises
     ------
@@ -84,7 +86,7 @@ def solve_worst(
         as `octmip.solve`.
     """
     if rounds < 1:
-        raise ProblemError(f"rounds is {rounds}; expected 1 or more")
+        raise ProblemError(f"rounds is {rounds}; expected 1 or more; give a number of rounds")
     start = time.perf_counter()
     each = replace(limits, seconds=limits.seconds / (4 * len(asked.scenarios)))
     game = _Game(asked, bound=bound_by_stuck_roots(asked, each, n_jobs))

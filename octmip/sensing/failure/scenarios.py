@@ -129,13 +129,13 @@ class FailureProblem:
             unknown = [name for name in scenario.sensors if name not in self.problem.sensors]
             if unknown or not scenario.sensors:
                 raise ProblemError(
-                    f"a scenario names {unknown or 'no sensor'}; expected among {list(self.problem.sensors)}"
+                    f"a scenario names {unknown or 'no sensor'}; expected some of {list(self.problem.sensors)}"
                 )
             if not 0 <= scenario.probability <= 1:
-                raise ProblemError(f"probability of {scenario} is outside its range; expected 0 to 1")
+                raise ProblemError(f"probability of {scenario} is outside its range; expected 0 to 1; correct it")
         total = math.fsum(scenario.probability for scenario in self.scenarios)
         if total > 1 + 1e-9:
-            raise ProblemError(f"the probabilities of the scenarios sum to {total}; expected at most 1")
+            raise ProblemError(f"the probabilities of the scenarios sum to {total}; expected at most 1; lower them")
         object.__setattr__(self, "scenarios", tuple(self.scenarios))
 
     @property
@@ -152,9 +152,12 @@ class FailureProblem:
     def readings(self, number: int, features: Floats | None = None) -> Floats:
         """Return the features (n, n_features) in scenario `number`, 0: nothing has failed.
 
-        Args:
-            number: of the scenario, from 1 on.
-            features: readings without a failure; None: the problem's own samples.
+        Parameters
+        ----------
+        number
+            of the scenario, from 1 on.
+        features
+            readings without a failure; None: the problem's own samples.
         """
         whole = self.problem.features if features is None else features
         if number == 0:
@@ -174,10 +177,12 @@ class FailureProblem:
         return out
 
     def stacked(self, shares: Floats) -> tuple[Problem, float]:
-        """Return the scenarios of positive share as one problem, and what its objective is divided by.
+        """Return the scenarios of positive share as one problem, and the divisor of its objective.
 
-        Args:
-            shares: (n_scenarios + 1,) summing to 1.
+        Parameters
+        ----------
+        shares
+            (n_scenarios + 1,) summing to 1.
         """
         chosen = np.flatnonzero(shares > 0)
         scale = _scale(shares[chosen])
@@ -192,7 +197,7 @@ class FailureProblem:
         ), scale
 
     def least_saving(self, *, over_worst: bool) -> float:
-        """Return what one sample or split alone can save, of the worst objective or of the mean over the scenarios."""
+        """Return the least saving by one sample or split, of the worst objective or of the mean over the scenarios."""
         shares = self.probabilities[self.probabilities > 0]
         return self.problem.least_saving * (1.0 if over_worst else float(shares.min()))
 

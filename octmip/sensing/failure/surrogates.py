@@ -51,14 +51,14 @@ GuardedNode = Leaf | GuardedSplit
 
 @dataclass(frozen=True, slots=True)
 class GuardedTree:
-    """A tree that answers readings with gaps.
+    """A tree that classifies readings with gaps.
 
     Attributes
     ----------
     root
         its nodes with surrogates.
     tree
-        the tree itself; without gaps both answer the same.
+        the tree itself; without gaps both predict the same.
     """
 
     root: GuardedNode
@@ -73,7 +73,10 @@ class GuardedTree:
             the features are no table, or hold an infinite number.
         """
         if features.ndim != 2 or np.isinf(features).any():
-            raise DataError(f"features has shape {features.shape} or an infinite entry; expected (n, n_features)")
+            raise DataError(
+                f"features has shape {features.shape} or an infinite entry; expected (n, n_features), "
+                "finite or NaN; correct it"
+            )
         out = np.zeros(len(features), dtype=np.int64)
         stack: list[tuple[GuardedNode, NDArray[np.int64]]] = [(self.root, np.arange(len(features)))]
         while stack:

@@ -121,13 +121,14 @@ class SequentialProblem:
             unknown = [name for name in given if name not in self.problem.class_names]
             if unknown:
                 raise ProblemError(
-                    f"{what} names the class {unknown[0]!r}; the problem has {list(self.problem.class_names)}"
+                    f"{what} names the class {unknown[0]!r}; expected some of {list(self.problem.class_names)}; "
+                    "correct the name"
                 )
             for name, value in given.items():
                 _check_number(value, f"{what} of class {name!r}")
         for name, most in self.within.items():
             if most != math.floor(most):
-                raise ProblemError(f"within of class {name!r} is {most}; expected a whole number of readings")
+                raise ProblemError(f"within of class {name!r} is {most}; expected a whole number of readings; round it")
 
     def _set_shares(self) -> None:
         n = self.problem.n_samples
@@ -188,7 +189,7 @@ class SequentialProblem:
 
 def _check_number(value: float, name: str) -> None:
     if isinstance(value, bool) or not isinstance(value, int | float | np.number) or not 0 <= value < math.inf:
-        raise ProblemError(f"{name} is {value!r}; expected a finite number of 0 or more")
+        raise ProblemError(f"{name} is {value!r}; expected a finite number of 0 or more; correct it")
 
 
 @dataclass(frozen=True, slots=True)
@@ -242,7 +243,9 @@ def recount(
     assert sequential.shares is not None
     expected_cost = math.fsum(sequential.shares * cost[leaf])
     if sequential.budget is not None and expected_cost > sequential.budget * (1 + 1e-9) + 1e-9:
-        raise CertificateError(f"the tree costs {expected_cost} in expectation; the budget is {sequential.budget}")
+        raise CertificateError(
+            f"the tree costs {expected_cost} in expectation; the budget is {sequential.budget}; expected no more"
+        )
     own = problem.objective_of(tree, labels[leaf])
     charges = sequential.delay_costs * n_read[leaf] + sequential.price * sequential.counts * cost[leaf]
     return SequentialCertificate(
@@ -292,6 +295,6 @@ def certify_sequential(sequential: SequentialProblem, solution: Solution) -> Seq
         raise CertificateError(f"{solution.solver} claims that no tree is below {solution.bound}; its own has less")
     if solution.stop is Stop.OPTIMAL and not solution.is_optimal:
         raise CertificateError(
-            f"{solution.solver} says optimal but bound {solution.bound} is not objective {found.objective}"
+            f"{solution.solver} says optimal but its bound {solution.bound} is not the objective {found.objective}"
         )
     return found

@@ -70,7 +70,7 @@ def _check_claims(joint: JointSolution, objective: float) -> None:
     least = weighted_sum(joint.weights, (problem.baseline for problem in joint.problems))
     if joint.bound > min(objective, least) + slack:
         raise CertificateError(
-            f"the joint solution claims that nothing is below {joint.bound} but its own trees have {objective} and "
+            f"the joint solution claims that no trees are below {joint.bound} but its own trees have {objective} and "
             f"leaves without a sensor {least}"
         )
     if objective > joint.baseline_split.objective + slack:

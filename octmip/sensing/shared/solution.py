@@ -99,7 +99,7 @@ class JointSolution:
 
     @property
     def sensor_cost(self) -> float:
-        """What those sensors cost, each paid for once."""
+        """Cost of those sensors, each paid for once."""
         prices = sensor_prices(self.problems)
         return math.fsum(prices[name] for name in self.sensors)
 
@@ -133,7 +133,7 @@ def sensor_prices(problems: Sequence[Problem]) -> dict[str, float]:
         for name, cost in zip(problem.sensors, problem.sensor_costs.tolist(), strict=True):
             if prices.setdefault(name, cost) != cost:
                 raise ProblemError(
-                    f"sensor {name!r} costs {cost} in problem {k} but {prices[name]} in one before it; "
-                    "give a sensor that is shared one cost"
+                    f"sensor {name!r} costs {cost} in problem {k} but {prices[name]} in one before; expected "
+                    "one cost for a sensor that is shared; correct it"
                 )
     return prices
