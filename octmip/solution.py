@@ -1,4 +1,4 @@
-"""What every solver returns: one tree, one bound, why it stopped."""
+"""The result of every solver: one tree, one bound, and why it stopped."""
 
 import enum
 import math

@@ -115,18 +115,27 @@ def solve(
     the proof is quicker without; the better of incumbent and proof's own tree is returned. Ctrl-C returns the best tree
     so far (`Stop.INTERRUPTED`).
 
-    Args:
-        problem: the problem.
-        method: see the table of the module. "auto" is "exact" for axis-aligned trees and "search" for hyperplanes.
-        limits: wall seconds, relative gap, nodes, memory; reaching one is no error.
-        incumbent: a tree of this problem to start from.
-        seed: of all random choices.
-        n_jobs: threads; the tree is the same for any number, unless time runs out.
-        progress: called now and then with the state of the solver.
-        options: what the method's own solver takes beyond all this, for instance ``restarts`` of the search. The
-            mixed-integer methods take ``assist`` too, some of `ASSISTANTS`: "exact" proves for at most a fifth of the
-            time first and its bound enters the model (`details["lower_bound_given"]`); "search" goes on in a thread of
-            its own and hands over better trees, so which of several optimal trees comes back may vary.
+    Parameters
+    ----------
+    problem
+        the problem.
+    method
+        see the table of the module. "auto" is "exact" for axis-aligned trees and "search" for hyperplanes.
+    limits
+        wall seconds, relative gap, nodes, memory; reaching one is no error.
+    incumbent
+        a tree of this problem to start from.
+    seed
+        of all random choices.
+    n_jobs
+        threads; the tree is the same for any number, unless time runs out.
+    progress
+        called now and then with the state of the solver.
+    options
+        what the method's own solver takes beyond all this, for instance ``restarts`` of the search. The
+        mixed-integer methods take ``assist`` too, some of `ASSISTANTS`: "exact" proves for at most a fifth of the
+        time first and its bound enters the model (`details["lower_bound_given"]`); "search" goes on in a thread of
+        its own and hands over better trees, so which of several optimal trees comes back may vary.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What monitor and gap know of any model: the Twin and the Effects that it may lack.
+"""Protocols through which monitor and gap know any model: a Twin, and an Effect that it may lack.
 
 A twin answers one question: which strains do the gauges show in a known state at a known load. An effect is something
 that a real structure or a real measuring chain has and the twin lacks; near the twin it changes the readings by
@@ -28,7 +28,7 @@ QUANTITIES = {
     "frequency": "the first natural frequencies",
     "thermal_zero": "readings at zero load and another temperature",
 }
-"""What can be measured beside strain under load; an effect says by `seen_by` which of these show it."""
+"""Quantities that can be measured beside strain under load; an effect's `seen_by` names those that show it."""
 
 
 @runtime_checkable

@@ -42,7 +42,7 @@ class CachedTwin:
 
     @property
     def gauge_positions(self) -> NDArray[np.float64] | None:
-        """Places (n_gauges, 2) [m], or None when the twin does not tell."""
+        """Places (n_gauges, 2) [m], or None when the twin does not say."""
         places = getattr(self.twin, "gauge_positions", None)
         return None if places is None else np.asarray(places, dtype=np.float64)
 
