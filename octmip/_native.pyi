@@ -110,11 +110,11 @@ def two_feature_prunes() -> list[str]:
 def prove_lines(problem: Problem, claim: int, n_threads: int) -> str | None:
     """Return the body of a log that proves a claim about two-feature trees, None when stopped or not shown."""
 
-def acquisition(
+def sequential(
     ranks: NDArray[np.uint32],
     paid: NDArray[np.float64],
     frequency: NDArray[np.float64],
-    haste: NDArray[np.float64],
+    delay_cost: NDArray[np.float64],
     shape: tuple[float, int, int, list[int], list[bool], list[int]],
     prices: tuple[list[float], list[int], list[float], list[int]],
     multiplier: float,
@@ -125,5 +125,5 @@ def acquisition(
     """Return the node table of the best tree below the room (None: there is none), bound, stop and evaluated cuts.
 
     `shape`: penalty, depth, leaf size, sensor of each feature, whether it may be used, most readings of each label.
-    `prices`: cost and group of each sensor, opening cost of each group, sensors read before the root.
+    `prices`: cost and group of each sensor, set-up cost of each group, sensors read before the root.
     """

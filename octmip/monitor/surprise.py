@@ -1,4 +1,4 @@
-"""Surprise: how often the tree would reach a leaf as unexpected as the one it reached, if the belief were right.
+"""Surprise: the p-value of the leaf that a reading reached, under the belief before the reading.
 
 With q_l = sum_s P(l | s, L) b(s) the chance of leaf l under the belief b *before* the reading, the p-value of leaf l is
 the sum of all q that are at most q_l. It is small when the asset moved within the library in a way that growth does not

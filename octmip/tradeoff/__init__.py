@@ -1,8 +1,8 @@
-"""Tradeoffs: what depth, sensors and a simpler tree cost, and which depth and leaf penalty hold on unseen samples.
+"""Tradeoffs: error against depth, sensors and simplicity, and the depth and leaf penalty that hold on unseen samples.
 
 frontier   the least cost against depth, sensor budget or leaf penalty, each point with its bound
 path       for every leaf penalty the best tree: all the trees that are best for some penalty
-risk       missed critical states against false alarms, over what a failure costs
+risk       missed critical states against false alarms, over the cost of a failure
 choice     depth and leaf penalty by cross-validation over those paths
 """
 

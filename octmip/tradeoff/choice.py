@@ -120,12 +120,12 @@ class Choice:
         if not steps:
             tried = sorted({step.depth for step in self.steps})
             raise ProblemError(
-                f"there is no step of depth {depth} and alpha {alpha}; depths {tried} were tried, from 0 on"
+                f"there is no step of depth {depth} and alpha {alpha}; expected a depth of {tried} and an alpha of 0 or more"
             )
         return steps[-1]
 
     def table(self) -> list[dict[str, float | bool]]:
-        """Return one row a step, plain numbers, for a data frame or a file."""
+        """Return one row per step, plain numbers, for a data frame or a file."""
         names = ("depth", "alpha_low", "alpha_high", "validation_cost", "standard_error", "complexity", "training_cost")
         return [{**{name: getattr(step, name) for name in names}, "chosen": step is self.chosen} for step in self.steps]
 
@@ -148,7 +148,7 @@ def choose_tree(
     Args:
         problem: its `leaf_penalty` is not used; its `depth` is the largest that is tried.
         depths: the depths that are tried; None: 1 to the problem's.
-        folds: how many stratified folds, or pairs of training and validation rows (a single pair is B&D's own way).
+        folds: the number of stratified folds, or pairs of training and validation rows (B&D use a single pair).
         rule: "least" validation cost, the simplest of equals; "one_se": the simplest within one standard error of it.
         method: of `octmip.solve`.
         limits: of each solve; there are at most (folds + 1) * depths * most_solves.
@@ -160,7 +160,7 @@ def choose_tree(
     Raises
     ------
     ProblemError
-        folds, depths or rule are not such as described, or the training rows of a fold make no problem.
+        folds, depths or rule are not as described, or the training rows of a fold make no problem.
     SolverError
         a solver failed.
     KeyboardInterrupt
@@ -215,11 +215,11 @@ def _held_costs(problem: Problem, path: PenaltyPath, rows: Rows) -> NDArray[np.f
     """Return the cost on the held-out rows of every candidate of a path, shape (n_candidates,)."""
     codes, weights = problem.codes[rows], problem.weights[rows]
     predicted = (predict(candidate.tree, problem.features[rows]) for candidate in path.candidates)
-    return np.array([math.fsum(weights * problem.costs[codes, told]) for told in predicted])
+    return np.array([math.fsum(weights * problem.costs[codes, labels]) for labels in predicted])
 
 
 def _index_at(path: PenaltyPath, alpha: float) -> int:
-    """Return which candidate is best at an alpha of the path's own problem."""
+    """Return the index of the candidate that is best at an alpha of the path's own problem."""
     lows = [candidate.penalty_low for candidate in path.candidates]
     return bisect_right(lows, alpha * path.problem.baseline) - 1
 

@@ -1,4 +1,4 @@
-"""The penalty path: for every price of a split, the best tree, and what is proven about it.
+"""The penalty path: the best tree for every price of a split, with its proof.
 
     z(lambda) = min over trees T of  R(T) + lambda C(T),     R cost without a penalty, C features summed over splits
 
@@ -101,7 +101,7 @@ class PenaltyPath:
             the penalty is negative or not a number.
         """
         if not penalty >= 0:
-            raise ProblemError(f"penalty is {penalty}; expected a number of 0 or more")
+            raise ProblemError(f"penalty is {penalty}; expected a number of 0 or more; correct it")
         return next(c for c in reversed(self.candidates) if c.penalty_low <= penalty)
 
     def bound_at(self, penalty: float) -> float:
@@ -139,7 +139,7 @@ def trace_path(
         a solver failed.
     """
     if most_solves < 1:
-        raise ProblemError(f"most_solves is {most_solves}; expected 1 or more")
+        raise ProblemError(f"most_solves is {most_solves}; expected 1 or more; raise it")
     free = replace(problem, leaf_penalty=0.0)
     settings = {"method": method, "limits": limits, "seed": seed, "n_jobs": n_jobs, "progress": progress}
     tracer = _Tracer(free, settings, options)
@@ -208,7 +208,7 @@ class _Known:
 
 @dataclass(slots=True)
 class _Tracer:
-    """Finds the hull of one problem; what it knows only grows."""
+    """The search for the hull of one problem; its known trees and bounds only grow."""
 
     free: Problem
     settings: Mapping[str, Any]  # of every solve

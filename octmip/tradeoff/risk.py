@@ -1,4 +1,4 @@
-"""The frontier of missed critical states against false alarms, over what a failure costs, each point with its proof.
+"""The frontier of missed critical states against false alarms, over the cost of a failure, each point with its proof.
 
 With two decisions a step model's objective is (failure_loss - caution) * missed + caution * false alarms. So the proven
 bound of a point is a line in the plane of the two numbers that no tree of the same depth lies below, and the points are
@@ -21,7 +21,7 @@ from octmip.tree import predict
 
 @dataclass(frozen=True, slots=True)
 class RiskPoint:
-    """One point: the model with its price of a failure, problem, solution, and what the tree does in training."""
+    """One point: the model with its price of a failure, problem, solution, and the tree's error rates in training."""
 
     model: RiskModel
     problem: Problem

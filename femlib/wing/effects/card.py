@@ -1,4 +1,4 @@
-"""What all effects of the wing share: the card that a diagnosis reads, and the way from nodal forces to gauge strains.
+"""Base of the effects of the wing: the card that a diagnosis reads, and gauge strains from nodal forces.
 
 Near the twin every structural effect acts like extra nodal forces f per unit of its size: thermal and inertial
 effects by their own forces, a change of stiffness dK by f = -dK u (first order, u the twin's displacements). The
@@ -23,7 +23,7 @@ Force = Callable[[Mapping[str, float], float, str], FloatArray]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WingEffect:
-    """One thing that a real wing may have and the model lacks.
+    """An effect that a real wing may have and the model lacks.
 
     Attributes
     ----------

@@ -57,7 +57,7 @@ def effect(response: Response) -> WingEffect:
         unit="-",
         prior_sd=1.0,
         prior_source="the published measurement of the built wing is 1; another wing of the mould may differ as much",
-        separated_by="strain proportional to load hardly tells it from a modulus; a tape measure does",
+        separated_by="strain proportional to load hardly separates it from a modulus; a tape measure does",
         seen_by=("deflection", "frequency"),
         load_power=1,
         response=response,

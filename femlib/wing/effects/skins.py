@@ -34,7 +34,7 @@ class SkinForces:
         return found
 
     def strains(self, state: Mapping[str, float]) -> FloatArray:
-        """Return the gauge strains (n_gauges,) [microstrain] under `of_state`, solved once a state."""
+        """Return the gauge strains (n_gauges,) [microstrain] under `of_state`, solved once per state."""
         key = tuple(damage_row(state, self.response.wing.parameters).tolist())
         if key not in self._strains:
             self._strains[key] = self.response.strains(state, self.of_state(state))

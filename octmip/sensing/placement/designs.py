@@ -1,4 +1,4 @@
-"""Sensors chosen without asking for the best tree: what a placement by the tree is compared with.
+"""Sensors chosen without the best tree, by rules and designs of experiment: the comparison for a placement by tree.
 
 by_reading      the highest readings: the ad-hoc choice, where the signal is strong
 by_chance       at random
@@ -173,7 +173,7 @@ def _thinned(problem: Problem, rows: int | None, seed: int) -> Problem:
     if rows is None or rows >= problem.n_samples:
         return problem
     if rows < 2:
-        raise ProblemError(f"rows is {rows}; expected 2 or more")
+        raise ProblemError(f"rows is {rows}; expected 2 or more; give None for all samples")
     shuffled = np.random.default_rng(seed).permutation(problem.n_samples)
     by_class = shuffled[np.argsort(problem.codes[shuffled], kind="stable")]
     kept = np.sort(by_class[np.linspace(0, problem.n_samples - 1, rows).round().astype(np.int64)])

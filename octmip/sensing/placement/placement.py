@@ -1,11 +1,11 @@
-"""Placement: of many places where a sensor could sit, the few that the best tree reads.
+"""Placement: the few of many possible sensors that the best tree reads.
 
     minimise   the objective of the tree
     over       trees of the problem whose sensors cost the budget at most
 
 Every split of a tree names its sensors, so the best tree over all candidates *is* a placement: a combination of sensors
-chosen for what they tell together, where a rule of thumb ranks them one by one. `placement_frontier` says what each
-further sensor is worth, `placement_on` what another choice of sensors would have told.
+chosen for what they tell together, where a rule of thumb ranks them one by one. `placement_frontier` gives the value
+of each further sensor, `placement_on` the best tree of another choice of sensors.
 
 Bounds. Axis-aligned trees are proven by the exact core over all sets of sensors. For hyperplanes a bound of a wider
 problem serves: whatever the sensors, a tree of depth d predicts 2^d classes at most (`label_bound`), and costs of
@@ -67,9 +67,9 @@ def place_sensors(
 
     Args:
         problem: its features are those of all candidates.
-        starts: sets of sensors, for instance other ways to choose them (`octmip.sensing.placement.designs`), each within the
-            budget. Their trees are found first, and the best of them is where the search over all candidates begins:
-            so it is never worse than any of them, which a search by itself does not promise.
+        starts: sets of sensors within the budget, for instance chosen as in `octmip.sensing.placement.designs`. Their
+            trees are found first, and the search over all candidates begins at the best of them: so it is never worse
+            than any of them, which a search by itself does not promise.
         method, limits, seed, n_jobs, options: of each solve, see `octmip.solve`.
 
     Raises
@@ -213,7 +213,7 @@ def _bounded(solution: Solution, bound: float) -> Solution:
 
 
 def label_bound(problem: Problem) -> float:
-    """Return what no tree of the problem's depth goes below, whatever it reads: it predicts 2^depth classes at most.
+    """Return a lower bound of every tree of the problem's depth, which predicts 2^depth classes at most.
 
     The least cost over the sets of so many classes when every sample gets the cheapest class of the set; 0 or more.
     """

@@ -1,10 +1,11 @@
 """Branch and bound over sets of sensors: the best trees of several labels under one budget, proven.
 
 A node holds some sensors (paid for, free to all labels) and bans others. Its bound is the sum over labels of
-weight * z_label(held, banned), see `octmip.sensing.shared.label_trees`: every label may spend all that is left as if it were
-alone, so nothing below the node costs less. Where the labels' trees keep the budget together the bound is met and the
-node closed; else a sensor that is read but not held is held in one child and banned in the other. Every child decides
-one sensor more, and trees that read held sensors alone keep the budget: so it ends. Nodes are taken least bound first.
+weight * z_label(held, banned), see `octmip.sensing.shared.label_trees`: every label may spend all that is left as if it
+were alone, so nothing below the node costs less. Where the labels' trees keep the budget together the bound is met and
+the node closed; else a sensor that is read but not held is held in one child and banned in the other. Every child
+decides one sensor more, and trees that read held sensors alone keep the budget: so it ends. Nodes are taken least bound
+first.
 
 A child is narrower than its parent. So a parent's tree that is still possible in the child is the child's answer too,
 bound and all, without a solve; and a label's bound is never below its parent's.
@@ -24,7 +25,7 @@ from octmip.tree import Node
 
 @dataclass(frozen=True, slots=True, order=True)
 class _Set:
-    """A node: what is held and what is banned, each label's answer, and their weighted bounds."""
+    """A node: held and banned sensors, each label's solution, and the weighted sum of their bounds."""
 
     bound: float
     number: int  # of its creation: of equal bounds the older comes first
@@ -35,7 +36,7 @@ class _Set:
 
 @dataclass(frozen=True, slots=True)
 class Proof:
-    """What was proven: no trees that keep the budget have a weighted sum below `bound`.
+    """The result of the search over sets: no trees that keep the budget have a weighted sum below `bound`.
 
     Attributes
     ----------
@@ -59,7 +60,7 @@ class Proof:
 
 
 def least_saving(labels: LabelTrees) -> float:
-    """Return what one sample or split of one label alone can save of the weighted sum."""
+    """Return the least saving of the weighted sum by one sample or split of one label."""
     pairs = zip(labels.weights, labels.problems, strict=True)
     return min(weight * problem.least_saving for weight, problem in pairs if weight > 0)
 
@@ -117,7 +118,7 @@ class SetSearch:
                     self._enter(held, banned, answers)
 
     def _undecided(self, node: _Set) -> str:
-        """Return the sensor to decide on: read by the fewest labels, the dearest of those, then the first by name.
+        """Return the sensor to decide on: read by the fewest labels, then the most expensive, then the first by name.
 
         Held, it takes money from all the labels that do not read it; banned, it takes itself from those that do.
         """

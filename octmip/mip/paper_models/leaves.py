@@ -9,7 +9,7 @@ from octmip.mip.prices import own_prices
 from octmip.problem import Problem
 
 
-def state_leaves(M: Any, problem: Problem, heap: Heap) -> Any:
+def add_leaves(M: Any, problem: Problem, heap: Heap) -> Any:
     """Add the leaves to a Pyomo model and return sum_t L_t."""
     own = own_prices(problem)
     w, y, costs, W, N_min = problem.weights, problem.codes, problem.costs, own.worst, problem.leaf_size

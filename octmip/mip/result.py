@@ -1,8 +1,8 @@
-"""Answer: what is known at the end of a run, and the Solution that may be made of it.
+"""The result of a run of HiGHS on a formulation, and the Solution that is made of it.
 
 A tree is optimal only when its objective, recounted in the problem's own units, is met by a bound that holds there:
-HiGHS's, through `octmip.mip.highs.claims` and `octmip.mip.prices`, or one given from elsewhere. All arithmetic between the
-two is in fractions. Otherwise the run ends with the limit that was reached, or as `Stop.NUMERICS`.
+HiGHS's, through `octmip.mip.highs.claims` and `octmip.mip.prices`, or one given from elsewhere. All arithmetic between
+the two is in fractions. Otherwise the run ends with the limit that was reached, or as `Stop.NUMERICS`.
 """
 
 import math
@@ -19,7 +19,7 @@ from octmip.tree import Node
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Known:
-    """What a formulation is built from beside the problem.
+    """The best tree, the prices and the empty model that a formulation is built from, beside the problem.
 
     Attributes
     ----------
@@ -30,7 +30,7 @@ class Known:
     prices
         what is to be minimised.
     rows
-        the empty model to build in; it watches the limits.
+        the empty model to build in; it checks the limits.
     """
 
     tree: Node
@@ -40,8 +40,8 @@ class Known:
 
 
 @dataclass(slots=True, eq=False)
-class Answer:
-    """What is known, and what is to be said: grows while a run goes on.
+class RunResult:
+    """The best tree, bound and details of a run; grows while the run goes on.
 
     Attributes
     ----------
@@ -57,8 +57,8 @@ class Answer:
         of HiGHS's tree.
     price_bound
         no tree of the model is priced below it.
-    doubt
-        why HiGHS is not believed, if so.
+    refuted
+        why HiGHS is not believed; "" if it is.
     """
 
     known: Known
@@ -67,7 +67,7 @@ class Answer:
     details: dict[str, object]
     n_nodes: int = 0
     price_bound: int = 0
-    doubt: str = ""
+    refuted: str = ""
 
     def better(self, problem: Problem, tree: Node) -> None:
         """Take a tree that is better than the best one."""
@@ -76,9 +76,9 @@ class Answer:
 
 
 def solution_of(
-    problem: Problem, answer: Answer, *, method: str, seed: int, seconds: float, given_bound: float, gap: float
+    problem: Problem, result: RunResult, *, method: str, seed: int, seconds: float, given_bound: float, gap: float
 ) -> Solution:
-    """Return the Solution that an answer is worth.
+    """Return the Solution that follows from the result of a run.
 
     Args:
         method, seed: of the run, to be named.
@@ -86,54 +86,54 @@ def solution_of(
         given_bound: a bound proven elsewhere; -inf without one.
         gap: the relative gap that was asked for.
     """
-    objective = problem.objective(answer.tree)
-    tolerance = _tolerance(problem, answer.known.prices, objective)
-    bound = max(_believed_bound(problem, answer), Fraction(max(given_bound, 0.0)))
+    objective = problem.objective(result.tree)
+    tolerance = _tolerance(problem, result.known.prices, objective)
+    bound = max(_believed_bound(problem, result), Fraction(max(given_bound, 0.0)))
     if problem.has_integer_costs:
         bound = Fraction(math.ceil(bound))
     bound = min(bound, Fraction(objective))
-    stop = answer.stop
+    stop = result.stop
     if bound >= Fraction(objective) - Fraction(tolerance):
         stop = Stop.OPTIMAL
-    elif answer.doubt:
-        stop, answer.details["numerics"] = Stop.NUMERICS, answer.doubt
+    elif result.refuted:
+        stop, result.details["numerics"] = Stop.NUMERICS, result.refuted
     elif stop is Stop.OPTIMAL:
         is_within_gap = 0 < gap >= relative_gap(objective, float(bound))
         stop = Stop.GAP if is_within_gap else Stop.NUMERICS
     return Solution(
-        tree=answer.tree,
+        tree=result.tree,
         objective=objective,
         bound=_rounded_down(bound),
         stop=stop,
         seconds=seconds,
-        n_nodes=answer.n_nodes,
+        n_nodes=result.n_nodes,
         solver=method,
         version=f"HiGHS {VERSION}",
         seed=seed,
         tolerance=tolerance,
-        details=answer.details | normalised(problem, objective),
+        details=result.details | normalised(problem, objective),
     )
 
 
-def _believed_bound(problem: Problem, answer: Answer) -> Fraction:
+def _believed_bound(problem: Problem, result: RunResult) -> Fraction:
     """Return the bound of a run in the problem's units; 0, which always holds, when a known tree contradicts it.
 
-    A tree that contradicts it may be one that the model leaves out (OCT-H's narrow bands): then the bound speaks about
-    trees that are not worth speaking about.
+    A tree that contradicts it may be one that the model leaves out (OCT-H's narrow bands): then the bound holds
+    for trees that are worse than a known one.
     """
-    prices = answer.known.prices
-    cheapest = min(prices.of_tree(problem, tree) for tree in (answer.tree, answer.known.tree))
-    if answer.price_bound > cheapest:
-        answer.doubt = answer.doubt or (
-            f"HiGHS claims that no tree of its model is priced below {answer.price_bound} but one of "
+    prices = result.known.prices
+    cheapest = min(prices.of_tree(problem, tree) for tree in (result.tree, result.known.tree))
+    if result.price_bound > cheapest:
+        result.refuted = result.refuted or (
+            f"HiGHS claims that no tree of its model is priced below {result.price_bound} but one of "
             f"{cheapest} is known"
         )
         return Fraction(0)
-    return max(min(prices.lower_bound(answer.price_bound), Fraction(answer.known.objective)), Fraction(0))
+    return max(min(prices.lower_bound(result.price_bound), Fraction(result.known.objective)), Fraction(0))
 
 
 def _tolerance(problem: Problem, prices: Prices, objective: float) -> float:
-    """Return how far the bound may lie below the objective as prices are rounded; 0 if that would prove nothing."""
+    """Return the gap that rounded prices may leave between bound and objective; 0 if that would prove nothing."""
     if problem.has_integer_costs:
         return 0.0
     tolerance = float(prices.above + prices.below) * (1 + 1e-9) + 4e-16 * objective

@@ -8,8 +8,8 @@ from octmip.encoding import rank_features
 from octmip.mip.blocks import axis
 from octmip.mip.blocks.heap import Heap
 from octmip.mip.oct import scaled_features
-from octmip.mip.statements.extras import state_extras
-from octmip.mip.statements.leaves import state_leaves
+from octmip.mip.paper_models.leaves import add_leaves
+from octmip.mip.paper_models.limits import add_limits
 from octmip.problem import Problem
 
 
@@ -25,7 +25,7 @@ def paper_model(problem: Problem, *, closed: bool = True, max_splits: int | None
     M.a = pyo.Var(J, T_B, domain=pyo.Binary, bounds=lambda _, j, t: (0, int(j in usable)))
     M.b = pyo.Var(T_B, bounds=(0, 1))
     M.d = pyo.Var(T_B, domain=pyo.Binary)
-    cost = state_leaves(M, problem, heap)
+    cost = add_leaves(M, problem, heap)
     M.cost = pyo.Objective(expr=cost + problem.leaf_penalty * sum(M.d.values()))
     M.one_feature = pyo.Constraint(T_B, rule=lambda M, t: sum(M.a[j, t] for j in J) == M.d[t])
     M.threshold = pyo.Constraint(T_B, rule=lambda M, t: M.b[t] <= M.d[t])
@@ -41,5 +41,5 @@ def paper_model(problem: Problem, *, closed: bool = True, max_splits: int | None
             sum(M.a[j, m] * (x[i, j] + eps[j] - shift) for j in J) + shift <= M.b[m] + (1 + eps_max) * (1 - M.z[i, t])
         ),
     )
-    state_extras(M, problem, M.a, None if max_splits is None else (sum(M.d.values()), max_splits))
+    add_limits(M, problem, M.a, None if max_splits is None else (sum(M.d.values()), max_splits))
     return M

@@ -1,4 +1,4 @@
-"""Suspects: what may act on readings from outside a library, each with the trace that it would leave."""
+"""Candidates: faults and damages outside a library, each with the change of a reading that it would cause."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,8 +16,8 @@ GAUGE_SIZES = (-30.0, -10.0, -3.0, -1.0, 1.0, 3.0, 10.0, 30.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Suspect:
-    """One thing outside the library.
+class Candidate:
+    """One fault or damage outside the library.
 
     Attributes
     ----------
@@ -43,18 +43,18 @@ class Suspect:
     load_power: int
 
 
-def gauge_suspects(library: Library) -> tuple[Suspect, ...]:
-    """Return one suspect a gauge: it reads too much or too little, by the same at every load."""
+def gauge_candidates(library: Library) -> tuple[Candidate, ...]:
+    """Return one candidate per gauge: it reads too much or too little, by the same at every load."""
     return tuple(
-        Suspect(gauge, "gauge", row, GAUGE_SIZES, "standard deviations", 0)
+        Candidate(gauge, "gauge", row, GAUGE_SIZES, "standard deviations", 0)
         for gauge, row in zip(library.gauges, np.diag(library.noise_sd), strict=True)
     )
 
 
-def effect_suspects(
+def effect_candidates(
     twin: Twin, effect: Effect, library: Library, sizes: Sequence[float] | None = None
-) -> tuple[Suspect, ...]:
-    """Return one suspect a place where an effect of the twin may act.
+) -> tuple[Candidate, ...]:
+    """Return one candidate per place where an effect of the twin may act.
 
     Args:
         sizes: in the effect's unit; None: 1, 2 and 4 times its prior scale.
@@ -64,7 +64,7 @@ def effect_suspects(
     signs = (1.0,) if effect.is_one_sided else (1.0, -1.0)
     both = tuple(sign * size for size in chosen for sign in signs)
     return tuple(
-        Suspect(
+        Candidate(
             place or effect.name,
             effect.name,
             np.asarray(effect.signature(twin, {}, 1.0, place)[columns]),

@@ -1,14 +1,14 @@
-"""What a Problem can say beyond Bertsimas & Dunn, as Pyomo constraints: the rows of `octmip.mip.blocks.extras`."""
+"""Sensor budget and number of splits as Pyomo constraints: the rows of `octmip.mip.blocks.sensor_rows`."""
 
 from typing import Any
 
 import pyomo.environ as pyo
 
-from octmip.mip.blocks.extras import budget_shares
+from octmip.mip.blocks.sensor_rows import budget_shares
 from octmip.problem import Problem
 
 
-def state_extras(M: Any, problem: Problem, uses: Any, splits: tuple[Any, int] | None) -> None:
+def add_limits(M: Any, problem: Problem, uses: Any, splits: tuple[Any, int] | None) -> None:
     """Add the sensor budget to a Pyomo model, and that the first of `splits` is at most the second."""
     if splits is not None:
         M.max_splits = pyo.Constraint(expr=splits[0] <= splits[1])

@@ -1,11 +1,13 @@
-"""Datasets on disk: CSV or Parquet beside a JSON side file, each written whole or not at all.
+"""Datasets in files: CSV or Parquet beside a JSON side file, both written whole or not at all.
 
 The side file has what the rows lack (seed, noise, model hash, units, mean strains) and the SHA-256 of the data file,
 so that a data file that was changed or cut off is refused.
 """
 
+import hashlib
 import json
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -15,19 +17,13 @@ import pandas as pd
 
 from femlib.arrays import FloatArray, IntArray
 from femlib.checked import names, number, rows, shown, taken, text, whole
-from femlib.dataset.disk import (
-    checked_target,
-    csv_pieces,
-    file_sha256,
-    floats,
-    parquet_file,
-    read_side,
-    side_path,
-)
+from femlib.dataset.parquet import parquet_file, pyarrow_modules
 from femlib.dataset.samples import Dataset, Recipe
 from femlib.errors import InputError, frozen_ints
-from femlib.files import whole_file
+from femlib.files import parsed_object, read_bytes, regular_file, whole_file
 
+PIECE_BYTES = 2**16
+"""Bytes of a file that are hashed at once."""
 VERSION = 1
 LEAST_LOAD = 1e-9
 ROWS_AT_A_TIME = 65_536
@@ -60,10 +56,12 @@ def write_dataset(data: Dataset, path: str | Path) -> None:
     table.insert(0, "mu1_percent", data.mu1)
     table.insert(1, "mu2_percent", data.mu2)
     table.insert(2, "is_train", data.is_train.astype(np.int64))
-    with whole_file(target) as rows_file, whole_file(side_path(target)) as side_file:
+
+    def write(rows_file: Path) -> dict[str, Any]:
         _WRITERS[target.suffix](table, rows_file)
-        side = _side(data, target) | {"sha256": file_sha256(rows_file)}
-        side_file.write_text(json.dumps(side, indent=1) + "\n", encoding="utf-8")
+        return _side(data, target) | {"sha256": file_sha256(rows_file)}
+
+    write_with_side(target, write)
 
 
 def read_dataset(path: str | Path) -> Dataset:
@@ -159,3 +157,121 @@ def _side(data: Dataset, target: Path) -> dict[str, Any]:
         "states_percent": data.states_percent.tolist(),
         "mean_features": data.mean_features.tolist(),
     }
+
+
+def csv_pieces(path: Path, n_rows: int, kind: type | None = None) -> Iterator[pd.DataFrame]:
+    """Yield a CSV table, at most `n_rows` at a time, every cell as `kind` or as what it looks like.
+
+    Raises
+    ------
+    InputError
+        If it is missing, no regular file, not UTF-8, or no table.
+    """
+    with regular_file(path, "a CSV table") as file:
+        try:
+            with pd.read_csv(file, chunksize=n_rows, dtype=kind, low_memory=False) as reader:
+                yield from reader
+        except (ValueError, LookupError, OSError, OverflowError, MemoryError) as error:  # pandas' own among them
+            reason = " ".join(str(error).split())[:300]
+            raise InputError(f"{path} cannot be read ({reason}); expected a CSV table; repair the file") from error
+
+
+def floats(column: "pd.Series[Any]") -> FloatArray:
+    """Return a column as numbers (n,), NaN where a cell is none."""
+    if column.dtype.kind in "biuf":
+        return np.asarray(column.to_numpy(dtype=np.float64, na_value=np.nan))
+    return np.array([_float(value) for value in column], dtype=np.float64)
+
+
+def _float(value: Any) -> float:
+    words = str(value)
+    if not words.isascii() or "_" in words:  # Python takes 1_000, and digits of any script
+        return math.nan
+    try:
+        return float(value)
+    except (TypeError, ValueError, OverflowError):
+        return math.nan
+
+
+def checked_target(path: str | Path, endings: Sequence[str]) -> Path:
+    """Return a path with one of the endings that is no folder.
+
+    Raises
+    ------
+    InputError
+        If the ending is another, the path is a folder, or it is Parquet and pyarrow is not installed.
+    """
+    target = Path(path)
+    if target.suffix not in endings:
+        raise InputError(f"dataset path {target} ends in {target.suffix!r}; expected {' or '.join(endings)}; rename it")
+    if target.suffix == ".parquet":
+        pyarrow_modules()
+    if target.is_dir():
+        raise InputError(f"dataset path {target} is a folder; expected a file; add a name to it")
+    return target
+
+
+def side_path(target: Path) -> Path:
+    """Return the path of a data file's side file."""
+    return target.with_name(target.name + ".json")
+
+
+def file_sha256(path: Path) -> str:
+    """Return the SHA-256 of a file, read piece by piece.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read.
+    """
+    with regular_file(path, "a dataset") as file:
+        digest = hashlib.sha256()
+        while piece := file.read(PIECE_BYTES):
+            digest.update(piece)
+        return digest.hexdigest()
+
+
+def read_side(target: Path, version: int | str) -> dict[str, Any]:
+    """Return the side file of a data file, after checking that it is the one that it describes.
+
+    Parameters
+    ----------
+    target : Path
+        The data file.
+    version : int or str
+        What its entry `version` must be.
+
+    Raises
+    ------
+    InputError
+        If a file is missing or broken, or the data file has changed.
+    """
+    path = side_path(target)
+    if not path.exists():
+        raise InputError(f"{path} does not exist; expected the side file of {target.name}; write the dataset again")
+    side = parsed_object(read_bytes(path, "a side file"), str(path), "a dataset's side file; write the dataset again")
+    if side.get("version") != version:
+        raise InputError(f"{path} is no side file of version {version}; write the dataset again")
+    if file_sha256(target) != taken(side, "sha256", str(path)):
+        raise InputError(f"{target} is not the file its side file describes (another sha256); write the dataset again")
+    return side
+
+
+def write_with_side(target: Path, write: Callable[[Path], dict[str, Any]]) -> None:
+    """Write a data file and its side file, both whole or not at all.
+
+    Parameters
+    ----------
+    target : Path
+        The data file.
+    write : callable
+        Fills the file whose path it is given with the rows, and returns the content of the side file.
+
+    Raises
+    ------
+    InputError
+        If the path cannot be written to.
+    """
+    with whole_file(target) as rows_file, whole_file(side_path(target)) as side_file:
+        side = write(rows_file)
+        side_file.write_text(json.dumps(side, indent=1) + "\n", encoding="utf-8")

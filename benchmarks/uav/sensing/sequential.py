@@ -1,4 +1,4 @@
-"""Sensors read in sequence: what fewer readings cost in errors, with the proof, and two plans."""
+"""Sensors read one after the other: what fewer readings cost in errors, with the proof, and two plans."""
 
 from pathlib import Path
 from typing import Any
@@ -7,7 +7,7 @@ from benchmarks.cpu import cpu_seconds
 from benchmarks.uav.sensing.readings import LABELS, installed, problem_of, readings
 from octmip.report.markdown import markdown_table
 from octmip.report.plan import Wording, plan_text
-from octmip.sensing import Group, Inspection, certify_inspection, solve_inspection
+from octmip.sensing import Group, SequentialProblem, certify_sequential, solve_sequential
 from octmip.solution import Limits
 
 Row = dict[str, object]
@@ -32,16 +32,16 @@ def report(source: str, folder: Path, seeds: int, is_smoke: bool) -> str:
         if (row := _row(source, label, depth, question, is_smoke))
     ]
     plans = "\n\n".join(f"```text\n{plan(source, label, is_smoke)}\n```" for label in LABELS)
-    return f"## Readings in sequence, {source}\n\n{markdown_table(rows)}\n\n{plans}\n"
+    return f"## Sequential sensing, {source}\n\n{markdown_table(rows)}\n\n{plans}\n"
 
 
 def _row(source: str, label: str, depth: int, question: dict[str, Any], is_smoke: bool) -> Row:
     data = readings(source, 0, is_smoke)
-    inspection = Inspection(problem_of(data, label, depth, installed(data)), **question)
+    sequential = SequentialProblem(problem_of(data, label, depth, installed(data)), **question)
     before = cpu_seconds()
-    solution = solve_inspection(inspection, limits=Limits(seconds=SECONDS))
+    solution = solve_sequential(sequential, limits=Limits(seconds=SECONDS))
     cpu = cpu_seconds() - before
-    found = certify_inspection(inspection, solution)
+    found = certify_sequential(sequential, solution)
     return {
         "label": label,
         "depth": depth,
@@ -58,11 +58,11 @@ def _row(source: str, label: str, depth: int, question: dict[str, Any], is_smoke
 
 
 def plan(source: str, label: str, is_smoke: bool) -> str:
-    """Return a plan with two cables, one for each row of gauges, and 80 % loss told within one reading."""
+    """Return a plan with two cables, one for each row of gauges, and 80 % loss recognised within one reading."""
     data = readings(source, 0, is_smoke)
     gauges = installed(data)
     inner = tuple(name for name in gauges if int(name[1:]) <= 8)
     outer = tuple(name for name in gauges if name not in inner)
     cables = {"inner": Group(inner, 1.0), "outer": Group(outer, 1.0)}
-    inspection = Inspection(problem_of(data, label, 2, gauges), price=0.01, groups=cables, within={80: 1})
-    return plan_text(inspection, solve_inspection(inspection), Wording("microstrain per g", label, "%"))
+    sequential = SequentialProblem(problem_of(data, label, 2, gauges), price=0.01, groups=cables, within={80: 1})
+    return plan_text(sequential, solve_sequential(sequential), Wording("microstrain per g", label, "%"))

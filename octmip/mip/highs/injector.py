@@ -1,7 +1,7 @@
-"""Feed: trees found elsewhere, handed to HiGHS while it runs.
+"""Incumbent injector: trees found elsewhere, handed to HiGHS while it runs.
 
-    with Feed(lambda turn: local_search(problem, seed=turn, limits=Limits(seconds=1)).tree) as feed:
-        solution = solve_flow(problem, inject=feed)
+    with IncumbentInjector(lambda turn: local_search(problem, seed=turn, limits=Limits(seconds=1)).tree) as injector:
+        solution = solve_flow(problem, inject=injector)
 
 The source runs in a thread of its own, turn after turn, and is asked for nothing more once HiGHS has ended.
 """
@@ -13,11 +13,11 @@ from types import TracebackType
 from octmip.tree import Node
 
 
-class Feed:
-    """Calls a source in a thread, and gives each tree once to whoever asks."""
+class IncumbentInjector:
+    """Calls a source in a thread, and gives each tree to HiGHS once."""
 
     def __init__(self, source: Callable[[int], Node | None], *, most_turns: int = 1000) -> None:
-        """Make a feed.
+        """Make an injector.
 
         Args:
             source: returns a tree or None; called with 0, 1, 2, ...
@@ -29,7 +29,7 @@ class Feed:
         self._error: BaseException | None = None
         self._thread = threading.Thread(target=self._work, daemon=True)
 
-    def __enter__(self) -> "Feed":
+    def __enter__(self) -> "IncumbentInjector":
         """Start the source."""
         self._thread.start()
         return self

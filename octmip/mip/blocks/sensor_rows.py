@@ -1,4 +1,4 @@
-"""Extras: what a Problem can say beyond Bertsimas & Dunn, as rows: sensor budget, number of splits."""
+"""Sensor rows: the sensor budget, which Bertsimas & Dunn lack, as columns and rows."""
 
 from collections.abc import Mapping, Sequence
 
@@ -26,7 +26,7 @@ def add_sensor_rows(rows: Rows, problem: Problem, uses: Sequence[Mapping[int, in
 
 
 def budget_shares(problem: Problem) -> NDArray[np.float64]:
-    """Return what each sensor takes of the budget, 2 where it alone exceeds it: numbers near 1 in any unit of cost."""
+    """Return each sensor's share of the budget, 2 where it alone exceeds it: numbers near 1 in any unit of cost."""
     limit = problem.sensor_limit
     return np.asarray(np.minimum(problem.sensor_costs, 2 * limit) / limit)
 

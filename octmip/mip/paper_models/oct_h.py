@@ -6,8 +6,8 @@ import pyomo.environ as pyo
 
 from octmip.mip.blocks.heap import Heap
 from octmip.mip.blocks.hyperplanes import space_of, usable_features
-from octmip.mip.statements.extras import state_extras
-from octmip.mip.statements.leaves import state_leaves
+from octmip.mip.paper_models.leaves import add_leaves
+from octmip.mip.paper_models.limits import add_limits
 from octmip.problem import Problem
 
 
@@ -24,7 +24,7 @@ def paper_model(problem: Problem, mu: float, *, max_splits: int | None = None) -
     M.s = pyo.Var(J, T_B, domain=pyo.Binary, bounds=lambda _, j, t: (0, int(usable[j])))
     M.b = pyo.Var(T_B, bounds=(-reach, reach))
     M.d = pyo.Var(T_B, domain=pyo.Binary)
-    cost = state_leaves(M, problem, heap)
+    cost = add_leaves(M, problem, heap)
     M.cost = pyo.Objective(expr=cost + problem.leaf_penalty * sum(M.s.values()))
     if not space.is_integer:
         M.a_hat = pyo.Var(J, T_B, bounds=(0, 1))
@@ -48,11 +48,11 @@ def paper_model(problem: Problem, mu: float, *, max_splits: int | None = None) -
         right,
         rule=lambda M, i, m, t: sum(M.a[j, m] * x[i, j] for j in J) >= M.b[m] - 2 * reach * (1 - M.z[i, t]),
     )
-    _state_extras(M, problem, max_splits)
+    _add_further_limits(M, problem, max_splits)
     return M
 
 
-def _state_extras(M: Any, problem: Problem, max_splits: int | None) -> None:
+def _add_further_limits(M: Any, problem: Problem, max_splits: int | None) -> None:
     """Add what the paper lacks: split_size, allowed_splits, sensor budget, number of splits."""
     J, T_B = range(problem.n_features), list(M.d.keys())
     if problem.max_split_size < problem.n_features:
@@ -66,4 +66,4 @@ def _state_extras(M: Any, problem: Problem, max_splits: int | None) -> None:
         M.read_in_group = pyo.Constraint(
             J, T_B, rule=lambda M, j, t: M.s[j, t] <= sum(M.group[q, t] for q in Q if j in groups[q])
         )
-    state_extras(M, problem, M.s, None if max_splits is None else (sum(M.s.values()), max_splits))
+    add_limits(M, problem, M.s, None if max_splits is None else (sum(M.s.values()), max_splits))
