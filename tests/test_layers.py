@@ -26,6 +26,7 @@ LEVELS = {
         "problem_values": 1,
         "problem": 2,
         "solution": 2,
+        "run": 3,
         "formats.table": 2,
         "encoding": 3,
         "formats.problem_file": 3,
