@@ -28,7 +28,7 @@ MOST_DEPTH, MOST_FEATURES = 2, 2  # of trees of two-feature splits that have log
 
 @dataclass(frozen=True, slots=True)
 class ProofReport:
-    """What a checked log proves.
+    """The result of a checked log.
 
     Attributes
     ----------

@@ -35,7 +35,7 @@ Shape = Literal["logistic", "lognormal"]
 
 @dataclass(frozen=True, slots=True)
 class ErrorRates:
-    """What decisions did to states whose truth is known.
+    """Error rates of decisions on states whose truth is known.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ class ErrorRates:
 
 @dataclass(frozen=True, slots=True)
 class RiskModel:
-    """When a state fails, and what failing and caution cost.
+    """Probability of failure of a state, and the costs of failure and of caution.
 
     Attributes
     ----------
@@ -113,7 +113,7 @@ class RiskModel:
 
     @property
     def decision_names(self) -> tuple[str, ...]:
-        """What each decision is called: "3 g allowed", "2 g only"."""
+        """Names of the decisions: "3 g allowed", "2 g only"."""
         boldest, *others = self.load_factors
         return (f"{boldest:g} g allowed", *(f"{load:g} g only" for load in others))
 

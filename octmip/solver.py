@@ -43,7 +43,7 @@ TURN_SECONDS = 5.0
 
 
 class Solver(Protocol):
-    """What every solver is called by."""
+    """The call that every solver answers."""
 
     def __call__(
         self,
@@ -61,7 +61,7 @@ class Solver(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Registration:
-    """Where a method's solver lives, whether it proves and so wants an incumbent first, and whether HiGHS does it."""
+    """A method's solver: module and function, whether it proves (and so wants an incumbent first), whether by HiGHS."""
 
     module: str
     function: str
@@ -193,7 +193,7 @@ def _wants_incumbent(problem: Problem, name: str) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class _Call:
-    """What all the solvers of one `solve` share."""
+    """The call that all solvers of one `solve` share."""
 
     problem: Problem
     run: Run

@@ -52,7 +52,7 @@ class Twin(Protocol):
 
     @property
     def effects(self) -> Mapping[str, "Effect"]:
-        """What a real structure of this kind may have and the model lacks, by name."""
+        """Effects that a real structure of this kind may have and the model lacks, by name."""
         ...
 
     def predict(self, state: State, load_factor: float) -> NDArray[np.float64]:
@@ -81,7 +81,7 @@ class Effect(Protocol):
 
     @property
     def parameter(self) -> str:
-        """What the size measures, in words."""
+        """Quantity that the size measures, in words."""
         ...
 
     @property
@@ -101,7 +101,7 @@ class Effect(Protocol):
 
     @property
     def prior_source(self) -> str:
-        """Why this scale."""
+        """Source of the prior scale."""
         ...
 
     @property
@@ -111,7 +111,7 @@ class Effect(Protocol):
 
     @property
     def separated_by(self) -> str:
-        """What separates the effect from its nearest confounder."""
+        """Observation that separates the effect from its nearest confounder."""
         ...
 
     @property

@@ -33,7 +33,7 @@ SIGNIFICANT = 3.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Lesson:
-    """What a tree is to learn.
+    """The task that a tree is to learn.
 
     Attributes
     ----------

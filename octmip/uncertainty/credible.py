@@ -31,7 +31,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CredibleSets:
-    """Thresholds of the scores, one a class.
+    """Thresholds of the scores, one per class.
 
     Attributes
     ----------

@@ -111,7 +111,7 @@ class LeafDistribution:
         if weights.ndim != 2 or len(weights) != len(leaves(self.tree)) or (weights < 0).any():
             raise ProblemError(
                 f"weights has shape {weights.shape} and the tree {len(leaves(self.tree))} leaves; "
-                "expected one row a leaf, weights of 0 or more"
+                "expected one row per leaf, weights of 0 or more"
             )
         for name, values in (
             ("weights", weights),

@@ -27,7 +27,7 @@ Members = tuple[int, ...]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Fit:
-    """What the readings say if exactly the candidates `members` act.
+    """Evidence and sizes if exactly the candidates `members` act.
 
     Attributes
     ----------

@@ -25,7 +25,7 @@ PASSES = 2
 
 
 class Inference:
-    """What a linear model says of sets of its candidates; answers are kept.
+    """Fits and judgements of sets of a linear model's candidates; each is made once and kept.
 
     Sets are fitted together where they can be: one by one they cost several times as much.
 

@@ -48,7 +48,7 @@ class AveragedCell:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Inputs:
-    """What an inference starts from.
+    """The inputs of an inference.
 
     Attributes
     ----------

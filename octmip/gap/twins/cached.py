@@ -80,7 +80,7 @@ class CachedTwin:
         """Return the effect's signatures (n_places, n_gauges) at its places.
 
         A pure power of the load is asked for at load factor 1 only; the time is passed on only where it matters.
-        Effects are told apart as objects: two of one name are two.
+        Effects are distinguished as objects: two of one name are two.
         """
         power: int | None = getattr(effect, "load_power", None)
         time = time if getattr(effect, "uses_time", False) else 0.0
