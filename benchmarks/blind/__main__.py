@@ -16,7 +16,7 @@ from pathlib import Path
 from benchmarks.blind.run import Plan, run
 
 
-def main():
+def main() -> None:
     """Run one set and print its tables in Markdown."""
     parser = argparse.ArgumentParser(prog="benchmarks.blind", description=__doc__)
     parser.add_argument("--cases", type=int, default=600)
@@ -47,7 +47,7 @@ def main():
         print(run(options.out or Path(scratch) / "set", plan))
 
 
-def _stop(*_):
+def _stop(*_: object) -> None:
     """End this process and those that diagnose, at once: what is done is written."""
     for process in multiprocessing.active_children():
         process.terminate()

@@ -1,24 +1,27 @@
 """Diagnose sealed cases: reads campaigns and the commissioning run, and nothing else."""
 
 import hashlib
+import importlib
 import time
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 import femlib
 import octmip
+from benchmarks.blind.records import AugmentedRecord, Found
 from femlib.wing import WingTwin, uav_wing
 from femlib.wing.effects import wing_effects
-from octmip.gap import AugmentedTwin, diagnose, read_campaign
+from octmip.gap import AugmentedTwin, Campaign, Diagnosis, diagnose, read_campaign
 from octmip.gap.twins.cached import CachedTwin
 from octmip.report.diagnosis.as_json import as_object
 
 HELD_LOAD = 2.5
 MOST_PROBABLE = 6
 """Causes that are written down."""
-_twins: dict = {}
+_twins: dict[float, CachedTwin] = {}
 
 
 @dataclass(frozen=True)
@@ -46,7 +49,7 @@ class Task:
     lasso: bool = False
 
 
-def twin(refinement=1.0):
+def twin(refinement: float = 1.0) -> CachedTwin:
     """Return this process's twin, made once; what it has answered serves all cases."""
     if refinement not in _twins:
         wing = uav_wing(refinement=refinement)
@@ -54,14 +57,14 @@ def twin(refinement=1.0):
     return _twins[refinement]
 
 
-def code():
+def code() -> str:
     """Return the SHA-256 (12 digits) of the code that diagnoses: octmip.gap and femlib."""
     folders = (Path(octmip.__file__).parent / "gap", Path(femlib.__file__).parent)
     files = sorted(path for folder in folders for path in folder.rglob("*.py"))
     return hashlib.sha256(b"".join(path.read_bytes() for path in files)).hexdigest()[:12]
 
 
-def answer(task: Task):
+def answer(task: Task) -> list[Found]:
     """Return what the scorer may see of one case: a diagnosis with the commissioning run, and one without."""
     model = twin(task.refinement)
     campaign = read_campaign(task.place / "campaigns" / f"{task.name}.csv", model)
@@ -72,7 +75,7 @@ def answer(task: Task):
     return found
 
 
-def _diagnosed(task, model, campaign, run):
+def _diagnosed(task: Task, model: CachedTwin, campaign: Campaign, run: Campaign | None) -> Found:
     start = time.process_time()
     diagnosis = diagnose(campaign, model, commissioning=run)
     seconds = time.process_time() - start
@@ -98,7 +101,7 @@ def _diagnosed(task, model, campaign, run):
     }
 
 
-def _correction(diagnosis, model):
+def _correction(diagnosis: Diagnosis, model: CachedTwin) -> list[float]:
     """Return what the first cause adds at the held load in the first test's state (n_gauges,)."""
     inputs = diagnosis.posterior.model.inputs
     state = inputs.named(diagnosis.which[0].judged.model.states[0])
@@ -106,21 +109,22 @@ def _correction(diagnosis, model):
     plain = AugmentedTwin(model, (), augmented.calibration, augmented.calibration_load)
     end = max(average.time for average in inputs.averages)
     moved = augmented.predict(state, HELD_LOAD, end) - plain.predict(state, HELD_LOAD)
-    return moved[list(inputs.order)].tolist()
+    correction: list[float] = moved[list(inputs.order)].tolist()
+    return correction
 
 
-def _augmented(diagnosis, model, campaign):
+def _augmented(diagnosis: Diagnosis, model: CachedTwin, campaign: Campaign) -> AugmentedRecord:
     """Return what makes the augmented twin, to be put together again once the keys are open."""
     augmented = diagnosis.augmented(model)
     return {
-        "additions": [[a.effect.name, a.place, a.size] for a in augmented.additions],
+        "additions": [(a.effect.name, a.place, a.size) for a in augmented.additions],
         "calibration": np.asarray(augmented.calibration).tolist(),
         "load": augmented.calibration_load,
         "end": float(np.nanmax(campaign.time) - np.nanmin(campaign.time)),
     }
 
 
-def _chi_squared_ranking(diagnosis):
+def _chi_squared_ranking(diagnosis: Diagnosis) -> str:
     """Return the effect whose best candidate leaves the least chi-squared: no prior, no look-elsewhere correction."""
     inputs, white = diagnosis.posterior.model.inputs, diagnosis.posterior.model.whitened
     length, projection = np.diag(white.gram), white.projection
@@ -129,7 +133,7 @@ def _chi_squared_ranking(diagnosis):
     return inputs.candidates[int(np.argmax(gain))].name
 
 
-def _features(diagnosis):
+def _features(diagnosis: Diagnosis) -> list[float]:
     """Return whitened residuals at no load and their slope with the load, for the classifier baseline."""
     model = diagnosis.posterior.model
     loads = model.load_factors
@@ -137,13 +141,13 @@ def _features(diagnosis):
     n = len(model.inputs.order)
     at_rest = [float(z[(model.gauge == g) & (loads == 0)].mean()) if (loads == 0).any() else 0.0 for g in range(n)]
     loaded = [float(z[(model.gauge == g) & (loads > 0)].mean()) if (loads > 0).any() else 0.0 for g in range(n)]
-    return np.nan_to_num([*at_rest, *loaded]).tolist()
+    features: list[float] = np.nan_to_num([*at_rest, *loaded]).tolist()
+    return features
 
 
-def group_lasso(diagnosis):
+def group_lasso(diagnosis: Diagnosis) -> str:
     """Return the effect that a group lasso keeps longest (cvxpy, columns in units of the prior sd), or "" for none."""
-    import cvxpy as cp
-
+    cp: Any = importlib.import_module("cvxpy")  # it takes a second, and few cases are asked
     inputs, white = diagnosis.posterior.model.inputs, diagnosis.posterior.model.whitened
     columns = white.signatures * np.where(inputs.priors.is_discrete, 1.0, inputs.priors.sd)
     names = [c.name for c in inputs.candidates]

@@ -5,22 +5,30 @@ act. It imports the wing's geometry and solver, never a signature of the diagnos
 """
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable, Hashable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from typing import ClassVar, TypeVar, cast
 
 import numpy as np
 from scipy.sparse.linalg import LinearOperator, cg
 
 from benchmarks.blind import forces
+from femlib.arrays import FloatArray, IntArray
 from femlib.assembly import thermal_load
 from femlib.mesh import DOFS_PER_NODE
-from femlib.wing import bend, uav_wing
+from femlib.wing import Wing, bend, uav_wing
 from femlib.wing.structure import WingMaterials
+
+State = tuple[float, ...]
+"""Damage by parameter, fractions."""
+Map = Callable[[FloatArray], FloatArray]
+T = TypeVar("T")
 
 REFINEMENT = 1.3
 COMMON, OWN = 0.006, 0.008
 """Relative difference of two good codes on one wing: common to all gauges, and each gauge's own."""
-STATES = ((0.0, 0.0), (0.2, 0.0), (0.0, 0.4), (0.25, 0.45), (0.6, 0.2), (0.1, 0.7), (0.35, 0.1))
-TREE_STATES = tuple((round(0.2 * i, 1), round(0.2 * j, 1)) for i in range(5) for j in range(5))
+STATES: tuple[State, ...] = ((0.0, 0.0), (0.2, 0.0), (0.0, 0.4), (0.25, 0.45), (0.6, 0.2), (0.1, 0.7), (0.35, 0.1))
+TREE_STATES: tuple[State, ...] = tuple((round(0.2 * i, 1), round(0.2 * j, 1)) for i in range(5) for j in range(5))
 PARAMETERS = ("mu1", "mu2")
 STEP = 0.02
 """Step of the damage that tells how strains change with it."""
@@ -52,7 +60,7 @@ class Flaw:
     size: float
 
 
-def neighbours(state):
+def neighbours(state: State) -> tuple[State, ...]:
     """Return the states a step of damage further, one for each parameter."""
     return tuple(tuple(round(v + STEP * (k == p), 9) for k, v in enumerate(state)) for p in range(len(state)))
 
@@ -74,11 +82,16 @@ class Asset(ABC):
         local faults that were drawn for it.
     """
 
-    family = ""
-    states: tuple = STATES
-    n_places = {"payload_inertia": 8, "hot_spot": 4, "damage_outside_library": 10, "spar_skin_debond": 8}  # noqa: RUF012
+    family: str = ""
+    states: tuple[State, ...] = STATES
+    n_places: ClassVar[Mapping[str, int]] = {
+        "payload_inertia": 8,
+        "hot_spot": 4,
+        "damage_outside_library": 10,
+        "spar_skin_debond": 8,
+    }
 
-    def __init__(self, seed, refinement):
+    def __init__(self, seed: int, refinement: float) -> None:
         self.refinement = refinement
         self.wing = uav_wing(refinement=refinement)
         gauges = self.wing.gauges
@@ -86,7 +99,7 @@ class Asset(ABC):
         self.gauges = tuple(gauges.names[k] for k in self.columns)
         self.eta = gauges.eta[self.columns]
         self.row = gauges.chord_fraction[self.columns]
-        self._kept = {}
+        self._kept: dict[Hashable, object] = {}
         rng = np.random.default_rng([seed, 77])
         self.own = 1.0 + COMMON * rng.standard_normal() + OWN * rng.standard_normal(len(self.gauges))
         self.payloads = [
@@ -96,47 +109,47 @@ class Asset(ABC):
         self.lifts = [f"lift_distribution:{kind}" for kind in forces.LIFT_KINDS]
         self.flaws = [*self._patches(rng), *self._debonds(rng)]
 
-    def _patches(self, rng):
+    def _patches(self, rng: np.random.Generator) -> Iterator[Flaw]:
         for _ in range(self.n_places["damage_outside_library"]):
             place = f"{rng.uniform(0.28, 0.74):.3f}:{rng.choice([0.2, 0.4, 0.6])}"
             yield Flaw("damage_outside_library", place, float(min(90.0, 25.0 * log_uniform(rng))))
 
-    def _debonds(self, rng):
+    def _debonds(self, rng: np.random.Generator) -> Iterator[Flaw]:
         for _ in range(self.n_places["spar_skin_debond"]):
             centre, width = rng.uniform(0.25, 0.75), LENGTH * log_uniform(rng)
             place = f"{rng.choice(['upper', 'lower'])}:{centre - width / 2:.3f}:{centre + width / 2:.3f}"
             yield Flaw("spar_skin_debond", place, 1.0)
 
     @property
-    def field_names(self):
+    def field_names(self) -> list[str]:
         """Names of all fields."""
         plain = ["temperature_uniform", "temperature_gradient", "torsion"]
         return [*plain, *self.lifts, *self.payloads, *self.hot_spots]
 
-    def kept(self, key, make):
+    def kept(self, key: Hashable, make: Callable[[], T]) -> T:
         """Return what `make` returns, made once."""
         if key not in self._kept:
             self._kept[key] = make()
-        return self._kept[key]
+        return cast(T, self._kept[key])
 
     @abstractmethod
-    def strain(self, state):
+    def strain(self, state: State) -> FloatArray:
         """Return the strains (n_gauges,) at load factor 1 [microstrain, compressive positive]."""
 
     @abstractmethod
-    def field(self, name, state):
+    def field(self, name: str, state: State) -> FloatArray:
         """Return the change of the strains (n_gauges,) per unit of a field, at load factor 1 or whatever the load."""
 
     @abstractmethod
-    def softness(self, state):
+    def softness(self, state: State) -> FloatArray:
         """Return b (n_gauges,) where skins stiffer by the share s have strain / (1 + b s)."""
 
     @abstractmethod
-    def flaw(self, flaw):
+    def flaw(self, flaw: Flaw) -> FloatArray:
         """Return the change of the healthy wing's strains (n_gauges,) by a flaw at load factor 1."""
 
-    def bending(self):
-        """Return the relative changes (n_gauges,) of strain by large deflection per L and per L^2."""
+    def bending(self) -> FloatArray:
+        """Return the relative changes (2, n_gauges) of strain by large deflection per L and per L^2."""
         return self.kept("bending", lambda: _bending(min(BENT_REFINEMENT, self.refinement), self.columns))
 
 
@@ -145,31 +158,35 @@ class FemlibAsset(Asset):
 
     family = "femlib, other mesh"
 
-    def __init__(self, seed, refinement=REFINEMENT):
+    def __init__(self, seed: int, refinement: float = REFINEMENT) -> None:
         super().__init__(seed, refinement)
         every = [*STATES, *TREE_STATES, *(near for state in STATES for near in neighbours(state))]
         self.every = tuple(dict.fromkeys(every))
 
-    def strain(self, state):
+    def strain(self, state: State) -> FloatArray:
+        """Return the strains (n_gauges,) at load factor 1 [microstrain, compressive positive]."""
         strains = self.kept("strain", lambda: self._answers(self.wing, self.wing.lift))
-        return self.own * strains[self.every.index(state)]
+        return np.asarray(self.own * strains[self.every.index(state)])
 
-    def field(self, name, state):
-        return self.kept(name, lambda: self._field(name))[self.every.index(state)]
+    def field(self, name: str, state: State) -> FloatArray:
+        """Return the change of the strains (n_gauges,) per unit of a field."""
+        return np.asarray(self.kept(name, lambda: self._field(name))[self.every.index(state)])
 
-    def softness(self, state):
-        return self.kept("softness", self._softness)[self.every.index(state)]
+    def softness(self, state: State) -> FloatArray:
+        """Return b (n_gauges,) where skins stiffer by the share s have strain / (1 + b s)."""
+        return np.asarray(self.kept("softness", self._softness)[self.every.index(state)])
 
-    def flaw(self, flaw):
+    def flaw(self, flaw: Flaw) -> FloatArray:
+        """Return the change of the healthy wing's strains (n_gauges,) by a flaw at load factor 1."""
         return self.kept(flaw, lambda: self._flaw(flaw))
 
-    def _answers(self, wing, force):
+    def _answers(self, wing: Wing, force: FloatArray) -> FloatArray:
         """Return the strains (n_states, n_gauges) of all states under nodal forces (n_dofs,)."""
         active = tuple(range(len(PARAMETERS)))
         answers = wing.structure.output_map(np.asarray(force), wing.strain_rows, active)
         return 1e6 * answers.solve(np.array(self.every))[:, self.columns]
 
-    def _field(self, name):
+    def _field(self, name: str) -> FloatArray:
         if not forces.is_thermal(name):
             return self._answers(self.wing, forces.force(self.wing, name))
         shells, warmth = self.wing.structure.shells, forces.warming(self.wing, name)
@@ -181,14 +198,14 @@ class FemlibAsset(Asset):
                 total = total - damage[:, None] * self._answers(self.wing, thermal_load(shells, lost, still))
         return total
 
-    def _softness(self):
+    def _softness(self) -> FloatArray:
         cards = WingMaterials()
         wing = uav_wing(
             refinement=self.refinement, materials=replace(cards, skin_young=cards.skin_young * (1 + THICKER))
         )
         return (self._answers(self.wing, self.wing.lift) / self._answers(wing, wing.lift) - 1.0) / THICKER
 
-    def _flaw(self, flaw):
+    def _flaw(self, flaw: Flaw) -> FloatArray:
         """Solve the flawed wing anew, by conjugate gradients that the sound wing's factors precondition."""
         structure = self.wing.structure
         supports = structure.supports
@@ -204,13 +221,13 @@ class FemlibAsset(Asset):
         moved = self.wing.strain_rows @ supports.expand(after - before)
         return 1e6 * moved[self.columns]
 
-    def _patch(self, flaw):
+    def _patch(self, flaw: Flaw) -> Map:
         """Return what a foreign damage takes from the stiffness, as a map of free displacements."""
         structure = self.wing.structure
         lost = structure.supports.reduce(structure.shells.stiffness(forces.foreign_patch(self.wing, flaw.place)))
         return lambda x: 0.01 * flaw.size * (lost @ x)
 
-    def _sliding(self, flaw):
+    def _sliding(self, flaw: Flaw) -> Map:
         """Return what sliding of the web along the skin takes from the stiffness, as a map of free displacements.
 
         The row of web elements at the flange gets spanwise freedoms of its own at the nodes of the length.
@@ -224,12 +241,12 @@ class FemlibAsset(Asset):
         return lambda x: columns @ np.linalg.solve(columns[at], columns.T @ x)
 
 
-def log_uniform(rng):
+def log_uniform(rng: np.random.Generator) -> float:
     """Return a factor between 0.3 and 3, its logarithm uniform."""
     return float(np.exp(rng.uniform(np.log(0.3), np.log(3.0))))
 
 
-def _bending(refinement, columns):
+def _bending(refinement: float, columns: IntArray) -> FloatArray:
     wing = uav_wing(refinement=refinement)
     straight = wing.strain_microstrain({}, 1.0)[columns]
     bent = [bend(wing, {}, load).strain_microstrain[columns] / (load * straight) - 1.0 for load in BENT_LOADS]

@@ -10,16 +10,19 @@ import os
 import shutil
 import subprocess
 import tempfile
+from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import ClassVar, TypedDict
 
 import numpy as np
 
 from benchmarks.blind import forces
-from benchmarks.blind.asset import PARAMETERS, STATES, THICKER, Asset, neighbours
+from benchmarks.blind.asset import PARAMETERS, STATES, THICKER, Asset, Flaw, State, neighbours
+from femlib.arrays import FloatArray
 from femlib.components import DamagedStructure
-from femlib.wing import uav_wing
+from femlib.wing import Wing, uav_wing
 from femlib.wing.export.calculix import read_gauges, write_deck
 from femlib.wing.structure import WingMaterials
 
@@ -30,9 +33,16 @@ WARMER = 10.0
 FORCE = 10.0
 
 
-def is_installed():
+def is_installed() -> bool:
     """Return whether CalculiX can be run."""
     return shutil.which("ccx") is not None
+
+
+class Settings(TypedDict, total=False):
+    """What acts beside, or instead of, the wing's own lift, as `write_deck` takes it."""
+
+    lift: FloatArray
+    warming: float | FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,9 +50,9 @@ class Deck:
     """One run: its name, and what `write_deck` needs."""
 
     key: str
-    wing: object
-    state: tuple
-    settings: dict
+    wing: Wing
+    state: State
+    settings: Settings
 
 
 class CalculixAsset(Asset):
@@ -50,27 +60,36 @@ class CalculixAsset(Asset):
 
     family = "CalculiX"
     states = tuple(STATES[k] for k in (0, 3, 4))
-    n_places = {"payload_inertia": 2, "hot_spot": 1, "damage_outside_library": 2, "spar_skin_debond": 0}  # noqa: RUF012
+    n_places: ClassVar[Mapping[str, int]] = {
+        "payload_inertia": 2,
+        "hot_spot": 1,
+        "damage_outside_library": 2,
+        "spar_skin_debond": 0,
+    }
 
-    def __init__(self, seed, refinement=REFINEMENT, store=None, jobs=2):
+    def __init__(self, seed: int, refinement: float = REFINEMENT, store: Path | None = None, jobs: int = 2) -> None:
         super().__init__(seed, refinement)
         self._strains = self._run(store, jobs)
 
-    def strain(self, state):
+    def strain(self, state: State) -> FloatArray:
+        """Return the strains (n_gauges,) at load factor 1 [microstrain, compressive positive]."""
         return self._strains[_key("lift", state)]
 
-    def field(self, name, state):
+    def field(self, name: str, state: State) -> FloatArray:
+        """Return the change of the strains (n_gauges,) per unit of a field."""
         unit = WARMER if forces.is_thermal(name) else FORCE
         return (self._strains[_key(name, state)] - self.strain(state)) / unit
 
-    def softness(self, state):
+    def softness(self, state: State) -> FloatArray:
+        """Return b (n_gauges,) where skins stiffer by the share s have strain / (1 + b s)."""
         return (self.strain(state) / self._strains[_key("stiffer skin", state)] - 1.0) / THICKER
 
-    def flaw(self, flaw):
+    def flaw(self, flaw: Flaw) -> FloatArray:
+        """Return the change of the healthy wing's strains (n_gauges,) by a flaw at load factor 1."""
         return self._strains[_key(flaw.place, STATES[0])] - self.strain(STATES[0])
 
-    def _run(self, store, jobs):
-        known = json.loads(store.read_text()) if store is not None and store.exists() else {}
+    def _run(self, store: Path | None, jobs: int) -> dict[str, FloatArray]:
+        known: dict[str, list[float]] = json.loads(store.read_text()) if store is not None and store.exists() else {}
         decks = [deck for deck in self._decks() if deck.key not in known]
         with ThreadPoolExecutor(jobs) as pool:
             for deck, strains in zip(decks, pool.map(run_deck, decks), strict=True):
@@ -79,7 +98,7 @@ class CalculixAsset(Asset):
             store.write_text(json.dumps(known))
         return {key: np.array(values) for key, values in known.items()}
 
-    def _decks(self):
+    def _decks(self) -> list[Deck]:
         wing, cards = self.wing, WingMaterials()
         thick = uav_wing(
             refinement=self.refinement, materials=replace(cards, skin_young=cards.skin_young * (1 + THICKER))
@@ -94,18 +113,18 @@ class CalculixAsset(Asset):
             for name in self.field_names
         ]
 
-    def _settings(self, name):
+    def _settings(self, name: str) -> Settings:
         if not forces.is_thermal(name):
             return {"lift": self.wing.lift + FORCE * forces.force(self.wing, name)}
         warmth = WARMER if name == "temperature_uniform" else WARMER * forces.warming(self.wing, name)
         return {"warming": warmth}
 
 
-def _key(name, state):
+def _key(name: str, state: State) -> str:
     return " ".join([name, *(f"{value:g}" for value in state)])
 
 
-def run_deck(deck):
+def run_deck(deck: Deck) -> FloatArray:
     """Return the gauge strains (n_gauges,) that CalculiX finds [microstrain]."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "wing.inp"
@@ -115,7 +134,7 @@ def run_deck(deck):
         return read_gauges(deck.wing, Path(folder) / "wing.dat")
 
 
-def _patched(wing, flaw):
+def _patched(wing: Wing, flaw: Flaw) -> Wing:
     structure = wing.structure
     scale = np.where(forces.foreign_patch(wing, flaw.place), 1.0 - 0.01 * flaw.size, 1.0) * structure.shells.scale
     shells = replace(structure.shells, scale=scale)

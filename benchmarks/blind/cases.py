@@ -2,13 +2,16 @@
 
 import csv
 import zlib
+from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
-from benchmarks.blind.asset import PARAMETERS
+from benchmarks.blind.asset import PARAMETERS, Asset, State
 from benchmarks.blind.changes import Moment, change
 from benchmarks.blind.truths import SINGLES, TRACELESS, Truth, draw, draw_channel, draw_outside, in_order
+from femlib.arrays import FloatArray
 
 REPEATS, VARIANCE, INTERVAL = 50, 1000.0, 6.0
 ALL_LOADS = (0.0, 1.0, 2.0, 3.0)
@@ -51,19 +54,19 @@ class Case:
     name: str
     stratum: str
     truths: tuple[Truth, ...]
-    states: tuple
+    states: tuple[State, ...]
     is_known: bool
-    loads: tuple
+    loads: tuple[float, ...]
     noise: str
     family: str
 
     @property
-    def cells(self):
+    def cells(self) -> list[tuple[int, State, float]]:
         """Every test's number and state with every load, in the order of measurement."""
         return [(number, state, load) for number, state in enumerate(self.states) for load in self.loads]
 
 
-def draw_cases(seed, count, assets, shares):
+def draw_cases(seed: int, count: int, assets: Sequence[Asset], shares: Sequence[float]) -> list[Case]:
     """Return about `count` cases: strata in their shares (at least one each), assets drawn by theirs."""
     rng = np.random.default_rng([seed, 1])
     strata = [s for s, share in SHARES.items() for _ in range(max(1, round(share * count)))]
@@ -75,10 +78,11 @@ def draw_cases(seed, count, assets, shares):
     ]
 
 
-def _draw_case(name, stratum, rng, asset):
+def _draw_case(name: str, stratum: str, rng: np.random.Generator, asset: Asset) -> Case:
     truths = _draw_truths(stratum, rng, asset)
     damaged = asset.states[1 + int(rng.integers(len(asset.states) - 1))]
-    states, known = (asset.states[0],), True
+    states: tuple[State, ...] = (asset.states[0],)
+    known = True
     if stratum == "single, damaged":
         states = (asset.states[0], damaged)
     elif stratum == "single, unknown state" or (stratum in ("none", "outside") and rng.random() < 0.3):
@@ -88,7 +92,7 @@ def _draw_case(name, stratum, rng, asset):
     return Case(name, stratum, truths, states, known, loads, noise, asset.family)
 
 
-def _draw_truths(stratum, rng, asset):
+def _draw_truths(stratum: str, rng: np.random.Generator, asset: Asset) -> tuple[Truth, ...]:
     names = [name for name in SINGLES if asset.n_places.get(name) != 0]
     if stratum.startswith("single"):
         return (draw(str(rng.choice(names)), rng, asset),)
@@ -105,7 +109,7 @@ def _draw_truths(stratum, rng, asset):
     return (Truth(TRACELESS, float(rng.uniform(0.05, 0.3))),) if is_loose else ()
 
 
-def mean_readings(truths, asset, moment):
+def mean_readings(truths: Sequence[Truth], asset: Asset, moment: Moment) -> FloatArray:
     """Return the readings (n_times, n_gauges) without noise."""
     reading = np.tile(moment.load * asset.strain(moment.state), (len(moment.times), 1))
     for truth in in_order(truths):
@@ -113,30 +117,31 @@ def mean_readings(truths, asset, moment):
     return reading
 
 
-def moments(case):
+def moments(case: Case) -> list[Moment]:
     """Return when and how every cell of a case is measured."""
-    found, history = [], ()
+    found: list[Moment] = []
+    history: tuple[tuple[float, float], ...] = ()
     for k, (_, state, load) in enumerate(case.cells):
         start = k * REPEATS * INTERVAL
         history = (*history, (load, start))
-        found.append(Moment(state, load, start + INTERVAL * np.arange(REPEATS), history))
+        found.append(Moment(state, load, start + INTERVAL * np.arange(REPEATS, dtype=np.float64), history))
     return found
 
 
-def scatter(kind, rng, shape, load):
+def scatter(kind: str, rng: np.random.Generator, shape: tuple[int, int], load: float) -> FloatArray:
     """Return noise (n_repeats, n_gauges) of variance 1000 (heteroscedastic: from half to one and a half times)."""
-    white = rng.standard_normal(shape) * np.sqrt(VARIANCE)
+    white: FloatArray = rng.standard_normal(shape) * np.sqrt(VARIANCE)
     if kind == "heavy":
-        return rng.standard_t(5, shape) * np.sqrt(VARIANCE * 3 / 5)
+        return np.asarray(rng.standard_t(5, shape) * np.sqrt(VARIANCE * 3 / 5))
     if kind == "heteroscedastic":
-        return white * np.sqrt(0.5 + load / 3.0)
+        return np.asarray(white * np.sqrt(0.5 + load / 3.0))
     if kind == "correlated":
         for k in range(1, shape[0]):
             white[k] = 0.3 * white[k - 1] + np.sqrt(1 - 0.09) * white[k]
     return white
 
 
-def recorded(case, asset, readings):
+def recorded(case: Case, asset: Asset, readings: FloatArray) -> FloatArray:
     """Return what the channels make of readings (n_rows, n_gauges): steps, limits, a channel that stands still."""
     step = STEP if case.noise == "quantised" else 0.1
     readings = step * np.round(readings / step)
@@ -150,7 +155,7 @@ def recorded(case, asset, readings):
     return readings
 
 
-def write_campaign(path, case, asset, seed):
+def write_campaign(path: Path, case: Case, asset: Asset, seed: int) -> None:
     """Write the readings of a case."""
     rng = np.random.default_rng([seed, 2, zlib.crc32(case.name.encode())])
     parts = [

@@ -1,9 +1,15 @@
 """Figures with their intervals: shares, means, areas under curves, calibration."""
 
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.stats import beta
+
+from femlib.arrays import FloatArray, IntArray
+
+Must = tuple[float, float]
+"""The least and the most that a figure owes."""
 
 
 @dataclass(frozen=True)
@@ -27,9 +33,9 @@ class Figure:
     low: float
     high: float
     n: int
-    must: tuple[float, float] | None = None
+    must: Must | None = None
 
-    def owed(self):
+    def owed(self) -> str:
         """Return what is owed in words."""
         if self.must is None:
             return ""
@@ -38,7 +44,7 @@ class Figure:
             return f">= {least:g}"
         return f"<= {most:g}" if np.isinf(least) else f"{least:g}-{most:g}"
 
-    def words(self):
+    def words(self) -> str:
         """Return the row's numbers, and whether they are what is owed."""
         if not self.n:
             return "-"
@@ -51,15 +57,15 @@ class Figure:
         return f"{text}: {'met' if least <= self.value <= most else '**missed**'}"
 
 
-def none(name, must=None):
+def none(name: str, must: Must | None = None) -> Figure:
     """Return a figure without a case."""
     return Figure(name, np.nan, np.nan, np.nan, 0, must)
 
 
-def share(name, hits, must=None):
+def share(name: str, hits: Iterable[bool | None], must: Must | None = None) -> Figure:
     """Return a share with its exact binomial interval (Clopper and Pearson (1934), Biometrika 26)."""
-    hits = np.asarray([hit for hit in hits if hit is not None], dtype=bool)
-    k, n = int(hits.sum()), len(hits)
+    told = np.asarray([hit for hit in hits if hit is not None], dtype=bool)
+    k, n = int(told.sum()), len(told)
     if n == 0:
         return none(name, must)
     low = float(beta.ppf(0.025, k, n - k + 1)) if k else 0.0
@@ -67,45 +73,60 @@ def share(name, hits, must=None):
     return Figure(name, k / n, low, high, n, must)
 
 
-def statistic(name, values, take=np.mean, must=None, seed=0):
+def statistic(
+    name: str,
+    values: Iterable[float | None],
+    take: Callable[[FloatArray], np.floating | float] = np.mean,
+    must: Must | None = None,
+    seed: int = 0,
+) -> Figure:
     """Return a statistic with its bootstrap interval."""
-    values = np.asarray([v for v in values if v is not None and np.isfinite(v)], dtype=float)
-    if not len(values):
+    finite = np.asarray([v for v in values if v is not None and np.isfinite(v)], dtype=float)
+    if not len(finite):
         return none(name, must)
     rng = np.random.default_rng(seed)
-    draws = [take(values[rng.integers(len(values), size=len(values))]) for _ in range(1000)]
-    return Figure(name, float(take(values)), *np.quantile(draws, [0.025, 0.975]).tolist(), len(values), must)
+    draws = np.array([take(finite[rng.integers(len(finite), size=len(finite))]) for _ in range(1000)])
+    low, high = np.quantile(draws, [0.025, 0.975]).tolist()
+    return Figure(name, float(take(finite)), low, high, len(finite), must)
 
 
-def area(name, positive, negative, must=None):
+def area(name: str, positive: Sequence[float], negative: Sequence[float], must: Must | None = None) -> Figure:
     """Return the chance that a positive is greater than a negative (area under the ROC), by bootstrap of both."""
     a, b = np.asarray(positive, dtype=float), np.asarray(negative, dtype=float)
     if not len(a) or not len(b):
         return none(name, must)
 
-    def above(x, y):
+    def above(x: FloatArray, y: FloatArray) -> float:
         return float(np.mean((x[:, None] > y[None, :]) + 0.5 * (x[:, None] == y[None, :])))
 
     rng = np.random.default_rng(0)
     draws = [above(rng.choice(a, len(a)), rng.choice(b, len(b))) for _ in range(500)]
-    return Figure(name, above(a, b), *np.quantile(draws, [0.025, 0.975]).tolist(), len(a), must)
+    low, high = np.quantile(draws, [0.025, 0.975]).tolist()
+    return Figure(name, above(a, b), low, high, len(a), must)
 
 
-def calibration(name, stated, hits, weights=None, must=None, bins=5):
+def calibration(
+    name: str,
+    stated: Sequence[float],
+    hits: Sequence[bool],
+    weights: Sequence[float] | None = None,
+    must: Must | None = None,
+    bins: int = 5,
+) -> Figure:
     """Return the expected calibration error of stated probabilities, in bins of about equal weight."""
-    stated, hits = np.asarray(stated, dtype=float), np.asarray(hits, dtype=float)
-    if not len(stated):
+    p, is_hit, n = np.asarray(stated, dtype=float), np.asarray(hits, dtype=float), len(stated)
+    if not n:
         return none(name, must)
-    weights = np.ones(len(stated)) if weights is None else np.asarray(weights, dtype=float)
+    of_case = np.ones(n) if weights is None else np.asarray(weights, dtype=float)
 
-    def error(index):
-        order = index[np.argsort(stated[index], kind="stable")]
-        weight = weights[order] / weights[order].sum()
+    def error(index: IntArray) -> float:
+        order = index[np.argsort(p[index], kind="stable")]
+        weight = of_case[order] / of_case[order].sum()
         place = np.minimum((bins * (np.cumsum(weight) - 0.5 * weight)).astype(int), bins - 1)
-        gaps = np.bincount(place, weight * (stated[order] - hits[order]), bins)
+        gaps = np.bincount(place, weight * (p[order] - is_hit[order]), bins)
         return float(np.abs(gaps).sum())
 
     rng = np.random.default_rng(0)
-    draws = [error(rng.integers(len(stated), size=len(stated))) for _ in range(300)]
+    draws = [error(rng.integers(n, size=n)) for _ in range(300)]
     low, high = np.quantile(draws, [0.025, 0.975]).tolist()
-    return Figure(name, error(np.arange(len(stated))), low, high, len(stated), must)
+    return Figure(name, error(np.arange(n)), low, high, n, must)

@@ -6,7 +6,9 @@ distribution of the torsion, a mass spread over other nodes, a temperature that 
 
 import numpy as np
 
+from femlib.arrays import BoolArray, FloatArray, IntArray
 from femlib.mesh import DOFS_PER_NODE
+from femlib.wing import Wing
 
 GRAVITY = 9.80665
 HOT_SPOT_WIDTH = 0.06
@@ -15,14 +17,14 @@ STEPS = 8  # a hot spot falls in so many steps: one material each in a CalculiX 
 LIFT_KINDS = ("schrenk", "washed out tip", "bell")
 
 
-def vertical(wing, force_of_node):
+def vertical(force_of_node: FloatArray) -> FloatArray:
     """Return nodal forces (n_dofs,) that are vertical."""
     force = np.zeros((len(force_of_node), DOFS_PER_NODE))
     force[:, 2] = force_of_node
     return force.ravel()
 
 
-def lift_shape(wing, kind):
+def lift_shape(wing: Wing, kind: str) -> FloatArray:
     """Return other lift (n_dofs,) [N] of total zero that adds one per cent to the root's bending moment.
 
     schrenk: half-way from the ellipse to the chord (Schrenk (1940), NACA TM 948); washed out tip: grows with the square
@@ -40,10 +42,10 @@ def lift_shape(wing, kind):
         }[kind]
     )
     shape = shape - lift * shape.sum() / lift.sum()
-    return vertical(wing, shape * (0.01 * (lift @ eta) / (shape @ eta)))
+    return vertical(shape * (0.01 * (lift @ eta) / (shape @ eta)))
 
 
-def torsion(wing):
+def torsion(wing: Wing) -> FloatArray:
     """Return forces (n_dofs,) that move the lift of every station aft by one per cent of its chord.
 
     The pressure gains a part that grows with the square of the distance from the nose.
@@ -60,19 +62,19 @@ def torsion(wing):
             continue
         bent = f * (x**2 - f @ x**2 / f.sum())
         shape[nodes] = bent * (0.01 * f.sum() / (bent @ x))
-    return vertical(wing, shape)
+    return vertical(shape)
 
 
-def payload(wing, eta):
+def payload(wing: Wing, eta: float) -> FloatArray:
     """Return the weight (n_dofs,) of one kilogram at a span fraction on the spar, shared by the six nearest nodes."""
     nodes = wing.structure.shells.mesh.nodes
     near = np.argsort(np.linalg.norm(nodes - np.array([0.0, eta * wing.span, 0.0]), axis=1))[:6]
     force = np.zeros(len(nodes))
     force[near] = -GRAVITY / len(near)
-    return vertical(wing, force)
+    return vertical(force)
 
 
-def warming(wing, name):
+def warming(wing: Wing, name: str) -> FloatArray:
     """Return the temperature (n_elements,) of one kelvin of a named field."""
     mesh = wing.structure.shells.mesh
     if name == "temperature_uniform":
@@ -86,12 +88,12 @@ def warming(wing, name):
     return np.where(height > 0, np.round(STEPS * heat) / STEPS, 0.0)
 
 
-def is_thermal(name):
+def is_thermal(name: str) -> bool:
     """Return whether a field is one of temperature, which does not grow with the load."""
     return name.startswith(("temperature", "hot_spot"))
 
 
-def force(wing, name):
+def force(wing: Wing, name: str) -> FloatArray:
     """Return the nodal forces (n_dofs,) at load factor 1 of a named field that is none of temperature."""
     kind, _, place = name.partition(":")
     if kind == "lift_distribution":
@@ -99,17 +101,17 @@ def force(wing, name):
     return payload(wing, float(place)) if kind == "payload_inertia" else torsion(wing)
 
 
-def foreign_patch(wing, place):
+def foreign_patch(wing: Wing, place: str) -> BoolArray:
     """Return the elements (n_elements,) of a foreign damage: 0.1 of the span by 0.35 of the chord of the upper skin."""
     mesh = wing.structure.shells.mesh
     centre = mesh.centroids()
     eta, aft = (float(part) for part in place.split(":"))
     local = wing.planform.chord(centre[:, 1] / wing.span)
     near = (np.abs(centre[:, 1] / wing.span - eta) < 0.05) & (np.abs(centre[:, 0] / local + 0.3 - aft) < 0.175)
-    return near & (mesh.patch_of_element == mesh.patches.index("top"))
+    return np.asarray(near & (mesh.patch_of_element == mesh.patches.index("top")))
 
 
-def bond(wing, place):
+def bond(wing: Wing, place: str) -> tuple[BoolArray, IntArray]:
     """Return the web elements (n_elements,) along a flange and the nodes at which the web slides on the skin."""
     flange, inner, outer = place.split(":")
     mesh, grid = wing.structure.shells.mesh, wing.grid

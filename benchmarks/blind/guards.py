@@ -5,12 +5,14 @@ applied to this diagnosis.
 """
 
 import warnings
+from collections.abc import Sequence
 
 import numpy as np
 from sklearn.linear_model import LogisticRegression
 from sklearn.model_selection import StratifiedKFold, cross_val_predict
 
 from benchmarks.blind.figure import Figure, share, statistic
+from benchmarks.blind.records import Found, Key, Pair
 from benchmarks.blind.score import CLEAR, d_prime, names_of, top
 
 GROUPS = (
@@ -22,7 +24,7 @@ FEWEST = 5
 """Cases of a name from which a classifier can learn it."""
 
 
-def guards(cases):
+def guards(cases: Sequence[Pair]) -> list[Figure]:
     """Return the guards' figures for pairs of diagnosis and opened key."""
     single = [(f, a) for f, a in cases if a["case"]["stratum"].startswith("single")]
     clear = [(f, a) for f, a in single if d_prime(f, a) >= CLEAR]
@@ -34,7 +36,7 @@ def guards(cases):
         chance(clear),
         statistic("names in the first cause's groups", [sum(map(len, f["names"][0])) for f, _ in clear]),
     ]
-    said = {
+    said: dict[str, list[tuple[Key, str | None]]] = {
         "this diagnosis": [
             (a, names[0] if len(names) == 1 else "") for names, (_, a) in zip(first, clear, strict=True)
         ],
@@ -48,14 +50,14 @@ def guards(cases):
     return rows
 
 
-def shuffled(clear):
+def shuffled(clear: Sequence[Pair]) -> Figure:
     """Return top-1 against the keys of other cases, dealt out at random: it must score what `chance` says."""
     order = np.random.default_rng(0).permutation(len(clear))
     hits = [top(clear[k][0], clear[order[j]][1]) for j, k in enumerate(np.roll(order, 1))]
     return share("shuffled keys, top-1 by the diagnosis' groups", hits)
 
 
-def chance(clear):
+def chance(clear: Sequence[Pair]) -> Figure:
     """Return what luck scores with groups of these names: how often the names of a group are drawn, over all cases."""
     drawn = [_name(a) for _, a in clear]
     hits = [drawn.count(name) / len(drawn) for f, _ in clear for name in _only_group(f)]
@@ -63,13 +65,13 @@ def chance(clear):
     return Figure("chance of groups so wide", value, value, value, len(clear))
 
 
-def _only_group(found):
+def _only_group(found: Found) -> list[str]:
     """Return the names of a first cause of one effect; a cause of more is never right about a single truth."""
     groups = found["names"][0]
     return groups[0] if len(groups) == 1 else []
 
 
-def classified(cases):
+def classified(cases: Sequence[Pair]) -> list[tuple[Key, str | None]]:
     """Return (answer, name) of a logistic regression on whitened residuals, for names with five cases or more."""
     names = [_name(a) for _, a in cases]
     kept = [k for k, name in enumerate(names) if names.count(name) >= FEWEST and cases[k][0]["residual"]]
@@ -86,10 +88,10 @@ def classified(cases):
     return [(cases[k][1], str(name)) for k, name in zip(kept, told, strict=True)]
 
 
-def _name(answer):
+def _name(answer: Key) -> str:
     return names_of(answer)[0]
 
 
-def _group(name):
+def _group(name: str | None) -> frozenset[str | None]:
     """Return the fixed group of a name: itself where it has no confounders."""
     return next((frozenset(group) for group in GROUPS if name in group), frozenset({name}))

@@ -3,16 +3,21 @@
 import json
 import sys
 import time
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import asdict, dataclass
+from pathlib import Path
 
 from benchmarks.blind import calculix_asset
 from benchmarks.blind.answers import Task, answer, code
-from benchmarks.blind.asset import REFINEMENT, FemlibAsset
+from benchmarks.blind.asset import REFINEMENT, Asset, FemlibAsset
+from benchmarks.blind.figure import Figure
 from benchmarks.blind.guards import guards
+from benchmarks.blind.records import Found, Key, Pair
 from benchmarks.blind.score import by_effect, figures, is_standard, open_keys, strata
 from benchmarks.blind.sealing import seal
 from benchmarks.blind.trees import Retraining, recovered, tree_figures
+from octmip.gap.retrain import Recovery
 
 
 @dataclass(frozen=True)
@@ -44,7 +49,7 @@ class Plan:
     twin_mesh: float = 1.0
 
 
-def run(folder, plan):
+def run(folder: Path, plan: Plan) -> str:
     """Seal, diagnose, open, score; return the tables in Markdown, which also stand in `folder/tables.md`."""
     folder.mkdir(parents=True, exist_ok=True)
     keys = folder.resolve().parent / f"{folder.name}.keys.json"
@@ -63,7 +68,7 @@ def run(folder, plan):
     return text
 
 
-def _settled(folder, plan):
+def _settled(folder: Path, plan: Plan) -> Plan:
     """Return the plan of a set that was begun, otherwise write this one down."""
     path = folder / "plan.json"
     if path.exists():
@@ -72,8 +77,9 @@ def _settled(folder, plan):
     return plan
 
 
-def _seal(folder, keys, plan):
-    assets, shares = [FemlibAsset(plan.seed, plan.asset_mesh)], [1.0]
+def _seal(folder: Path, keys: Path, plan: Plan) -> None:
+    assets: list[Asset] = [FemlibAsset(plan.seed, plan.asset_mesh)]
+    shares = [1.0]
     if plan.calculix > 0.0 and calculix_asset.is_installed():
         store = keys.with_suffix(".calculix.json")
         assets.append(calculix_asset.CalculixAsset(plan.seed, store=store, jobs=plan.jobs))
@@ -81,7 +87,7 @@ def _seal(folder, keys, plan):
     seal(folder, keys, plan.seed, plan.count, assets, shares, plan.trees)
 
 
-def _diagnose(folder, plan):
+def _diagnose(folder: Path, plan: Plan) -> list[Found]:
     """Return all diagnoses; each case is one line, written when it is done, and is not diagnosed again."""
     path = folder / "diagnoses.jsonl"
     cases = _written(path)
@@ -97,7 +103,7 @@ def _diagnose(folder, plan):
     return [line for found in sorted(cases, key=lambda found: found[0]["name"]) for line in found]
 
 
-def _written(path):
+def _written(path: Path) -> list[list[Found]]:
     """Return the cases that an earlier run finished; a last line that was cut off is taken out of the file."""
     if not path.exists():
         return []
@@ -106,7 +112,7 @@ def _written(path):
     return [json.loads(line) for line in whole]
 
 
-def _answers(tasks, jobs):
+def _answers(tasks: Sequence[Task], jobs: int) -> Iterator[list[Found]]:
     if jobs == 1:
         yield from map(answer, tasks)
         return
@@ -115,8 +121,8 @@ def _answers(tasks, jobs):
             yield future.result()
 
 
-def _tasks(folder, plan):
-    """Return one task a case; unknown to it are seed, truths and keys."""
+def _tasks(folder: Path, plan: Plan) -> list[Task]:
+    """Return one task per case; unknown to it are seed, truths and keys."""
     paths = sorted(folder.glob("*/campaigns/*.csv"), key=lambda path: path.stem)
     return [
         Task(
@@ -130,7 +136,7 @@ def _tasks(folder, plan):
     ]
 
 
-def _tables(found, answers, plan):
+def _tables(found: Sequence[Found], answers: Mapping[str, Key], plan: Plan) -> list[str]:
     """Return all tables."""
     cases = [(f, answers[f["name"]]) for f in found]
     with_run = [(f, a) for f, a in cases if f["calibrated"]]
@@ -153,11 +159,11 @@ def _tables(found, answers, plan):
     return tables
 
 
-def _of(cases, family):
+def _of(cases: Sequence[Pair], family: str) -> list[Pair]:
     return [(f, a) for f, a in cases if a["case"]["family"] == family]
 
 
-def _recoveries(with_run, plan):
+def _recoveries(with_run: Sequence[Pair], plan: Plan) -> list[Recovery]:
     tasks = [Retraining(f, a, plan.twin_mesh) for f, a in with_run if "tree_means" in a]
     if plan.jobs == 1 or len(tasks) < plan.jobs:
         return [recovered(task) for task in tasks]
@@ -165,7 +171,7 @@ def _recoveries(with_run, plan):
         return list(pool.map(recovered, tasks))
 
 
-def _heading(plan, count, clock):
+def _heading(plan: Plan, count: int, clock: Sequence[float]) -> str:
     seconds = [f"{what} in {b - a:.0f} s" for what, a, b in zip(_STEPS, clock, clock[1:], strict=False)]
     return (
         f"Seed {plan.seed}, {count} cases, code {code()}, {plan.jobs} processes; asset's mesh {plan.asset_mesh:g}, "
@@ -176,8 +182,8 @@ def _heading(plan, count, clock):
 _STEPS = ("sealed", "diagnosed", "scored")
 
 
-def _table(title, columns):
-    """Return figures in Markdown: one row a name, what it owes, then one column a set of cases."""
+def _table(title: str, columns: Mapping[str, Sequence[Figure]]) -> str:
+    """Return figures in Markdown: one row per name, what it owes, then one column per set of cases."""
     named = {column: {row.name: row for row in rows} for column, rows in columns.items()}
     names = dict.fromkeys(name for rows in named.values() for name in rows)
     owed = {name: next(rows[name].owed() for rows in named.values() if name in rows) for name in names}

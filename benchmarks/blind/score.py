@@ -1,14 +1,20 @@
 """Score diagnoses against the opened keys; every figure with its interval, its number of cases and what it owes."""
 
 import json
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 
 from benchmarks.blind.cases import ALL_LOADS, CONFOUNDED, REPEATS, VARIANCE
-from benchmarks.blind.figure import area, calibration, share, statistic
+from benchmarks.blind.figure import Figure, area, calibration, share, statistic
+from benchmarks.blind.records import Found, Key, Pair
 from benchmarks.blind.sealing import LEAST, OWN, fingerprint
 from benchmarks.blind.truths import TRACELESS
+from femlib.arrays import FloatArray
+
+ByStratum = Mapping[str, Sequence[Pair]]
 
 CLEAR = 5.0
 """d' from which an effect ought to be named."""
@@ -29,32 +35,32 @@ ONE_GAUGE = {"gauge_gain", "gauge_bias", "gauge_drift", "misalignment", "crossta
 INFINITY = float("inf")
 
 
-def open_keys(folder, keys):
+def open_keys(folder: Path, keys: Path) -> dict[str, Key]:
     """Return the answers by case after checking each against its seal."""
-    answers = json.loads(keys.read_text())
-    seals = json.loads((folder / "seals.json").read_text())
+    answers: dict[str, Key] = json.loads(keys.read_text())
+    seals: dict[str, str] = json.loads((folder / "seals.json").read_text())
     broken = [name for name in {**answers, **seals} if fingerprint(answers.get(name)) != seals.get(name)]
     if broken:
         raise SystemExit(f"{len(broken)} answers do not match their seals, first {broken[0]}: the keys were changed")
     return answers
 
 
-def names_of(answer):
+def names_of(answer: Key) -> list[str]:
     """Return the sorted true names, those left out that no strain shows."""
     return sorted(truth["name"] for truth in answer["case"]["truths"] if truth["name"] != TRACELESS)
 
 
-def is_right(groups, truth):
+def is_right(groups: Sequence[Sequence[str]], truth: Sequence[str]) -> bool:
     """Return whether groups of names that cannot be told apart hold the true names one by one."""
     if len(groups) != len(truth):
         return False
     if not groups:
         return True
     first, rest = truth[0], truth[1:]
-    return any(first in group and is_right(groups[:k] + groups[k + 1 :], rest) for k, group in enumerate(groups))
+    return any(first in group and is_right([*groups[:k], *groups[k + 1 :]], rest) for k, group in enumerate(groups))
 
 
-def top(found, answer):
+def top(found: Found, answer: Key) -> bool:
     """Return whether the first cause is the truth, up to what it says cannot be told apart.
 
     Of what is outside the library "unknown" is the truth.
@@ -63,34 +69,34 @@ def top(found, answer):
     return found["which"][0]["effects"] == ["unknown"] if truth == ["outside"] else is_right(found["names"][0], truth)
 
 
-def all_confounded(found):
+def all_confounded(found: Found) -> bool | None:
     """Return whether a first cause of modulus, load factor or common gain names all three; None for other causes."""
     groups = [set(group) & CONFOUNDED for group in found["names"][0]]
     return all(group == CONFOUNDED for group in groups if group) if any(groups) else None
 
 
-def right_probability(found, truth):
+def right_probability(found: Found, truth: Sequence[str]) -> float:
     """Return the probability of the causes that hold the truth."""
     return sum(c["probability"] for c, g in zip(found["which"], found["names"], strict=True) if is_right(g, truth))
 
 
-def d_prime(found, answer):
+def d_prime(found: Found, answer: Key) -> float:
     """Return how far the truths stand from what this diagnosis had to reckon with."""
     return answer["d_prime"]["calibrated" if found["calibrated"] else "bare"]
 
 
-def least_part(found, answer):
+def least_part(found: Found, answer: Key) -> float:
     """Return how far the weaker effect stands from what the other can imitate."""
     return min(answer["d_prime_of_parts"]["calibrated" if found["calibrated"] else "bare"])
 
 
-def is_standard(answer):
+def is_standard(answer: Key) -> bool:
     """Return whether a case has the conditions of the table of figures: known healthy state, loads 0 to 3."""
     case = answer["case"]
     return case["is_known"] and len(case["states"]) == 1 and tuple(case["loads"]) == ALL_LOADS
 
 
-def figures(cases):
+def figures(cases: Sequence[Pair]) -> list[Figure]:
     """Return the table for pairs of diagnosis and opened key."""
     by = {
         s: [(f, a) for f, a in cases if a["case"]["stratum"].startswith(s)]
@@ -109,7 +115,7 @@ def figures(cases):
     ]
 
 
-def _naming(by, clear):
+def _naming(by: ByStratum, clear: Sequence[Pair]) -> list[Figure]:
     both = [(f, a) for f, a in by["pair"] if least_part(f, a) >= CLEAR]
     covered = [*by["none"], *clear, *both]
     return [
@@ -129,12 +135,12 @@ def _naming(by, clear):
     ]
 
 
-def _rightly_silent(found, answer):
+def _rightly_silent(found: Found, answer: Key) -> bool:
     return d_prime(found, answer) < SEEN and not found["which"][0]["effects"]
 
 
-def _alarms(by):
-    def alarms(part):
+def _alarms(by: ByStratum) -> list[Figure]:
+    def alarms(part: Iterable[Pair]) -> list[bool]:
         return [bool(f["which"][0]["effects"]) for f, _ in part]
 
     of = {kind: [(f, a) for f, a in by["noise"] if a["case"]["noise"] == kind] for kind in _NAMED}
@@ -154,13 +160,13 @@ _NAMED = {
 }  # fmt: skip
 
 
-def _channel_named(found, answer):
+def _channel_named(found: Found, answer: Key) -> bool:
     truth = answer["case"]["truths"][0]
     return "clipping" in found["findings"] if truth["name"] == "clipping" else truth["place"] in found["stuck"]
 
 
-def _beliefs(by, clear):
-    outside = [f["unknown_probability"] for f, a in by["outside"] if d_prime(f, a) > SEEN]
+def _beliefs(by: ByStratum, clear: Sequence[Pair]) -> list[Figure]:
+    strange = [f["unknown_probability"] for f, a in by["outside"] if d_prime(f, a) > SEEN]
     usual = [f["unknown_probability"] for s in ("none", "single", "pair") for f, _ in by[s]]
     told = [(f, a) for s in PRIOR for f, a in by[s]]
     stated = [f["which"][0]["probability"] for f, _ in told]
@@ -189,7 +195,7 @@ def _beliefs(by, clear):
     ]
 
 
-def _closing(by, clear):
+def _closing(by: ByStratum, clear: Sequence[Pair]) -> list[Figure]:
     places = [localised(f, a) for f, a in by["single"]]
     shares = [closed(f, a) for f, a in clear]
     return [
@@ -200,11 +206,11 @@ def _closing(by, clear):
     ]
 
 
-def _tenth(values):
+def _tenth(values: FloatArray) -> float:
     return float(np.quantile(values, 0.1))
 
 
-def size_held(found, answer):
+def size_held(found: Found, answer: Key) -> bool | None:
     """Return whether the interval of the first cause holds the true size; None unless name, place and unit agree."""
     truth = answer["case"]["truths"][0]
     parameters = found["which"][0]["parameters"]
@@ -215,7 +221,7 @@ def size_held(found, answer):
     return parameters[0]["low"] <= truth["size"] <= parameters[0]["high"]
 
 
-def closed(found, answer):
+def closed(found: Found, answer: Key) -> float | None:
     """Return the share of the squared change at the held load that the correction takes away (an oracle: 1)."""
     truth, correction = np.array(answer["held_change"]), np.array(found["correction"])
     if len(correction) != len(truth):
@@ -224,7 +230,7 @@ def closed(found, answer):
     return 1.0 - float((truth - correction) @ (truth - correction)) / before if before > 0 else None
 
 
-def localised(found, answer):
+def localised(found: Found, answer: Key) -> tuple[float, float] | None:
     """Return precision and recall of significant entries against those that the truth moves by more than 4 sigma.
 
     None where nothing moves so far or the state is unknown.
@@ -232,7 +238,7 @@ def localised(found, answer):
     if not answer["case"]["is_known"]:
         return None
     strain = np.array(answer["strain"])
-    z = {}
+    z: dict[str, float] = {}
     for cell, moved in answer["entries"].items():
         load = float(cell.split()[-1])
         sd = np.sqrt(_variance(strain, load, found["calibrated"]))
@@ -245,7 +251,7 @@ def localised(found, answer):
     return hits / len(flagged) if flagged else 0.0, sum(name in flagged for name in large) / len(large)
 
 
-def _variance(strain, load, is_calibrated):
+def _variance(strain: FloatArray, load: float, is_calibrated: bool) -> FloatArray:
     """Return the variance (n_gauges,) of a mean reading less the model's: noise, and what the model is good for."""
     noise = VARIANCE / REPEATS
     if is_calibrated:
@@ -253,7 +259,7 @@ def _variance(strain, load, is_calibrated):
     return noise + (load * OWN * strain) ** 2 * 2.0 + (load * LEAST) ** 2 * np.mean(strain**2)
 
 
-def strata(cases, edges=(0, 3, 5, 10, 30, np.inf)):
+def strata(cases: Sequence[Pair], edges: Sequence[float] = (0, 3, 5, 10, 30, np.inf)) -> list[Figure]:
     """Return top-1 of single effects by d', by kind of state and by number of loads."""
     single = [(f, a) for f, a in cases if a["case"]["stratum"].startswith("single")]
     rows = []
@@ -263,15 +269,15 @@ def strata(cases, edges=(0, 3, 5, 10, 30, np.inf)):
     clear = [(f, a) for f, a in single if d_prime(f, a) >= CLEAR]
     for name in ("single", "single, damaged", "single, unknown state"):
         words = {"single": "healthy", "single, damaged": "healthy and damaged"}.get(name, "unknown")
-        part = [top(f, a) for f, a in clear if a["case"]["stratum"] == name]
-        rows.append(share(f"top-1, d' >= 5, {words} state", part))
+        hits = [top(f, a) for f, a in clear if a["case"]["stratum"] == name]
+        rows.append(share(f"top-1, d' >= 5, {words} state", hits))
     for number in (4, 3, 2, 1):
-        part = [top(f, a) for f, a in clear if len(a["case"]["loads"]) == number]
-        rows.append(share(f"top-1, d' >= 5, {number} load{'s' * (number > 1)}", part))
+        hits = [top(f, a) for f, a in clear if len(a["case"]["loads"]) == number]
+        rows.append(share(f"top-1, d' >= 5, {number} load{'s' * (number > 1)}", hits))
     return rows
 
 
-def by_effect(cases):
+def by_effect(cases: Sequence[Pair]) -> list[Figure]:
     """Return top-1 of single effects with d' >= 5 for each true name."""
     clear = [(f, a) for f, a in cases if a["case"]["stratum"].startswith("single") and d_prime(f, a) >= CLEAR]
     names = sorted({names_of(a)[0] for _, a in clear})

@@ -6,12 +6,14 @@
 import hashlib
 import json
 import secrets
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
+from typing import TypedDict
 
 import numpy as np
 
-from benchmarks.blind.asset import TREE_STATES, FemlibAsset, neighbours
+from benchmarks.blind.asset import TREE_STATES, Asset, FemlibAsset, neighbours
 from benchmarks.blind.cases import (
     ALL_LOADS,
     INTERVAL,
@@ -24,6 +26,8 @@ from benchmarks.blind.cases import (
     write_campaign,
 )
 from benchmarks.blind.changes import Moment
+from benchmarks.blind.truths import Truth
+from femlib.arrays import FloatArray
 
 HELD_LOAD = 2.5  # never measured: the correction is judged there
 TREE_LOAD = 3.0
@@ -33,7 +37,30 @@ DAMAGE = 0.5
 """Typical size of an unknown damage."""
 
 
-def seal(folder: Path, keys: Path, seed: int, count: int, assets, shares, n_trees=0):
+class Facts(TypedDict):
+    """What the scorer needs of a case besides the case itself.
+
+    `d_prime` (of all truths) and `d_prime_of_parts` (of each) are by "calibrated" and "bare", with and without a
+    commissioning run; the others are (n_gauges,), `entries` by test and load.
+    """
+
+    d_prime: dict[str, float]
+    d_prime_of_parts: dict[str, list[float]]
+    held_change: list[float]
+    entries: dict[str, list[float]]
+    strain: list[float]
+    gauges: list[str]
+
+
+def seal(
+    folder: Path,
+    keys: Path,
+    seed: int,
+    count: int,
+    assets: Sequence[Asset],
+    shares: Sequence[float],
+    n_trees: int = 0,
+) -> None:
     """Write campaigns and seals to `folder`, the answers to `keys`; `n_trees` of them with the states of a tree."""
     for asset in assets:
         place = folder / slug(asset.family)
@@ -41,11 +68,12 @@ def seal(folder: Path, keys: Path, seed: int, count: int, assets, shares, n_tree
         healthy = Case("commissioning", "none", (), (asset.states[0],), True, ALL_LOADS, "white", asset.family)
         write_campaign(place / "commissioning.csv", healthy, asset, seed)
     by_family = {asset.family: asset for asset in assets}
-    seals, answers = {}, {}
+    seals: dict[str, str] = {}
+    answers: dict[str, object] = {}
     for case in draw_cases(seed, count, assets, shares):
         asset = by_family[case.family]
         write_campaign(folder / slug(case.family) / "campaigns" / f"{case.name}.csv", case, asset, seed)
-        answer = {"case": asdict(case), "salt": secrets.token_hex(16), **facts(case, asset)}
+        answer: dict[str, object] = {"case": asdict(case), "salt": secrets.token_hex(16), **facts(case, asset)}
         if n_trees > 0 and _is_for_tree(case):
             answer["tree_means"] = tree_means(case, asset)
             n_trees -= 1
@@ -55,22 +83,22 @@ def seal(folder: Path, keys: Path, seed: int, count: int, assets, shares, n_tree
     (folder / "seals.json").write_text(json.dumps(seals, indent=1, sort_keys=True))  # last: the set is whole
 
 
-def slug(family):
+def slug(family: str) -> str:
     """Return the folder's name of a family."""
     return family.split(",")[0].lower()
 
 
-def fingerprint(answer):
+def fingerprint(answer: object) -> str:
     """Return the SHA-256 of a salted answer."""
     return hashlib.sha256(json.dumps(answer, sort_keys=True).encode()).hexdigest()
 
 
-def facts(case, asset):
+def facts(case: Case, asset: Asset) -> Facts:
     """Return what the scorer needs: how far the truths stand from the noise, and what they change."""
     cells = moments(case)
     moved = _moved(case.truths, asset, cells)
     parts = [_moved((truth,), asset, cells) for truth in case.truths]
-    beside = parts[::-1] if len(parts) == 2 else [None] * len(parts)
+    beside: Sequence[FloatArray | None] = parts[::-1] if len(parts) == 2 else [None] * len(parts)
     last = cells[-1].times[-1]
     held = Moment(case.states[0], HELD_LOAD, np.array([last]), (*cells[-1].history, (HELD_LOAD, last - 300.0)))
     names = [f"T{number} at load factor {load:g}" for number, _, load in case.cells]
@@ -87,12 +115,14 @@ def facts(case, asset):
     }
 
 
-def _moved(truths, asset, cells):
+def _moved(truths: Sequence[Truth], asset: Asset, cells: Sequence[Moment]) -> FloatArray:
     """Return the mean change (n_cells, n_gauges) that truths make."""
     return np.array([(mean_readings(truths, asset, m) - m.load * asset.strain(m.state)).mean(axis=0) for m in cells])
 
 
-def distance(moved, case, asset, is_calibrated, beside=None):
+def distance(
+    moved: FloatArray, case: Case, asset: Asset, is_calibrated: bool, beside: FloatArray | None = None
+) -> float:
     """Return d': how many standard deviations a change (n_cells, n_gauges) stands from noise, model and damage.
 
     With `beside`, a change of the same shape, what the best multiple of that leaves of it.
@@ -107,7 +137,7 @@ def distance(moved, case, asset, is_calibrated, beside=None):
     return float(np.sqrt(max(0.0, squared)))
 
 
-def _covariance(case, asset, is_calibrated):
+def _covariance(case: Case, asset: Asset, is_calibrated: bool) -> FloatArray:
     """Return the covariance (n_cells n_gauges, same) of mean readings about what the twin says."""
     loads = np.array([load for _, _, load in case.cells])
     n, noise = len(asset.gauges), VARIANCE / REPEATS
@@ -128,12 +158,12 @@ def _covariance(case, asset, is_calibrated):
     return covariance
 
 
-def _is_for_tree(case):
+def _is_for_tree(case: Case) -> bool:
     """Return whether a case is one of those whose retrained tree is scored."""
     return case.is_known and case.stratum in ("single", "single, damaged") and case.family == FemlibAsset.family
 
 
-def tree_means(case, asset):
+def tree_means(case: Case, asset: Asset) -> list[list[float]]:
     """Return the asset's mean readings (n_states, n_gauges) in the states of a tree, after the campaign."""
     last = len(case.cells) * REPEATS * INTERVAL
     history = (*moments(case)[-1].history, (TREE_LOAD, last - REPEATS * INTERVAL))

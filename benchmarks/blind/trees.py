@@ -1,5 +1,6 @@
 """What retraining recovers: a tree that tells mu1 learns from the twin, from the augmented twin, and from the asset."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 
@@ -9,9 +10,14 @@ from benchmarks.blind.answers import twin
 from benchmarks.blind.asset import TREE_STATES
 from benchmarks.blind.cases import VARIANCE
 from benchmarks.blind.figure import Figure, share, statistic
+from benchmarks.blind.records import Found, Key
 from benchmarks.blind.sealing import TREE_LOAD
+from femlib.arrays import FloatArray
 from octmip.gap import CHAIN, Addition, AugmentedTwin
 from octmip.gap.retrain import Lesson, Recovery, recovery, retrained, trained
+from octmip.gap.twins.cached import CachedTwin
+from octmip.solution import Solution
+from octmip.tree import Node
 
 REPEATS = 100
 DEPTH = 3
@@ -19,7 +25,7 @@ SEEDS = (0, 1, 2)
 ANSWERS_SEED = 100
 
 
-def lesson(gauges):
+def lesson(gauges: Sequence[str]) -> Lesson:
     """Return what the study's tree for mu1 learns: 25 states, 100 readings each at load factor 3, depth 3."""
     states = np.array(TREE_STATES)
     return Lesson(states, 100.0 * states[:, 0], tuple(gauges), TREE_LOAD, REPEATS, VARIANCE**0.5, DEPTH)
@@ -37,12 +43,12 @@ class Retraining:
         of the twin's mesh.
     """
 
-    found: dict
-    answer: dict
+    found: Found
+    answer: Key
     refinement: float
 
 
-def recovered(task):
+def recovered(task: Retraining) -> Recovery:
     """Return the recovery of one case, scored on the asset's readings with the effect present in all states.
 
     Errors are means over several draws of the training's noise: one draw moves a tree of depth 3 by a tenth of a per
@@ -53,19 +59,24 @@ def recovered(task):
     augmented = augmented_means(task, plan, twin(task.refinement))
     drawn = []
     for seed in SEEDS:
-        after, oracle = (trained(plan, mean, seed=seed).tree for mean in (augmented, asset))
+        after, oracle = (_tree(trained(plan, mean, seed=seed)) for mean in (augmented, asset))
         drawn.append(recovery(plan, asset, (deployed(task.refinement, plan.gauges, seed), after, oracle), ANSWERS_SEED))
     before, after, oracle, error = np.mean([(r.before, r.after, r.oracle, r.standard_error) for r in drawn], axis=0)
     return Recovery(float(before), float(after), float(oracle), float(error))
 
 
 @cache
-def deployed(refinement, gauges, seed):
+def deployed(refinement: float, gauges: tuple[str, ...], seed: int) -> Node:
     """Return the tree that the twin as it is teaches: the same for all cases."""
-    return retrained(twin(refinement), lesson(gauges), seed=seed).tree
+    return _tree(retrained(twin(refinement), lesson(gauges), seed=seed))
 
 
-def augmented_means(task, plan, model):
+def _tree(solution: Solution) -> Node:
+    assert solution.tree is not None
+    return solution.tree
+
+
+def augmented_means(task: Retraining, plan: Lesson, model: CachedTwin) -> FloatArray:
     """Return the augmented twin's readings (n_states, n_gauges) in the tree's states, at the end of the campaign."""
     parts = task.found["augmented"]
     effects = {**CHAIN, **model.effects}
@@ -76,7 +87,7 @@ def augmented_means(task, plan, model):
     return np.array([augmented.predict(state, plan.load_factor, parts["end"])[order] for state in states])
 
 
-def tree_figures(recoveries):
+def tree_figures(recoveries: Sequence[Recovery]) -> list[Figure]:
     """Return the figures of retraining."""
     clear = [r for r in recoveries if np.isfinite(r.recovered)]
     must = (0.90, np.inf)
@@ -92,9 +103,10 @@ def tree_figures(recoveries):
     ]
 
 
-def _interval(clear):
+def _interval(clear: Sequence[Recovery]) -> tuple[float, float]:
     """Return the bootstrap interval of the pooled share."""
     rng = np.random.default_rng(0)
     gain, cost = np.array([r.before - r.after for r in clear]), np.array([r.before - r.oracle for r in clear])
     draws = rng.integers(len(clear), size=(1000, len(clear)))
-    return np.quantile(gain[draws].sum(axis=1) / cost[draws].sum(axis=1), [0.025, 0.975]).tolist()
+    low, high = np.quantile(gain[draws].sum(axis=1) / cost[draws].sum(axis=1), [0.025, 0.975]).tolist()
+    return low, high

@@ -1,8 +1,19 @@
 """What may be wrong with an asset: each truth draws its name, size and place."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
+from typing import TypedDict
 
-from benchmarks.blind.asset import log_uniform
+import numpy as np
+
+from benchmarks.blind.asset import Asset, log_uniform
+
+
+class Extra(TypedDict, total=False):
+    """What a change outside the library needs besides: the seed of its own draws, the name of a hot spot."""
+
+    seed: int
+    spot: str
 
 
 @dataclass(frozen=True)
@@ -24,7 +35,7 @@ class Truth:
     name: str
     size: float
     place: str = ""
-    extra: dict = field(default_factory=dict)
+    extra: Extra = field(default_factory=Extra)
 
 
 SCALES = {
@@ -47,7 +58,7 @@ CHAIN = {
 }  # fmt: skip
 
 
-def draw(name, rng, asset):
+def draw(name: str, rng: np.random.Generator, asset: Asset) -> Truth:
     """Return a truth of this name, its size log-uniform between 0.3 and 3 of its scale."""
     if name in FLAWS:
         flaw = [f for f in asset.flaws if f.name == name][int(rng.integers(asset.n_places[name]))]
@@ -59,7 +70,7 @@ def draw(name, rng, asset):
     return Truth(name, sign * log_uniform(rng) * SCALES[name], place)
 
 
-def _place(name, rng, asset):
+def _place(name: str, rng: np.random.Generator, asset: Asset) -> str:
     if name == "lift_distribution":
         return str(rng.choice(asset.lifts))
     if name == "payload_inertia":
@@ -75,19 +86,19 @@ def _place(name, rng, asset):
     return asset.gauges[gauge] if one_gauge else ""
 
 
-def draw_outside(rng, asset):
+def draw_outside(rng: np.random.Generator, asset: Asset) -> Truth:
     """Return a truth that no library holds."""
     kind = str(rng.choice(OUTSIDE))
     size = log_uniform(rng) * float(rng.choice([-1.0, 1.0]))
     return Truth("outside", size, kind, {"seed": int(rng.integers(2**31)), "spot": str(rng.choice(asset.hot_spots))})
 
 
-def draw_channel(rng, asset):
+def draw_channel(rng: np.random.Generator, asset: Asset) -> Truth:
     """Return a fault of a channel."""
     kind = str(rng.choice(CHANNEL))
     return Truth(kind, float(rng.uniform(0.7, 0.9)) if kind == "clipping" else 1.0, str(rng.choice(asset.gauges)))
 
 
-def in_order(truths):
+def in_order(truths: Iterable[Truth]) -> list[Truth]:
     """Return the truths in the order of action: the structure first, then the load, then the measuring chain."""
     return sorted(truths, key=lambda truth: (truth.name in CHAIN, truth.name in FACTS))
