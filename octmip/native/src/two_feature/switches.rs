@@ -1,4 +1,4 @@
-//! What the two-feature search can do without; the optimum is the same without any of them.
+//! Switches of the two-feature search; the optimum is the same without any of them.
 
 crate::switches::switches! {
     /// A box costs what its settled samples cost.
