@@ -107,7 +107,7 @@ def two_feature_branch_and_bound(
 def two_feature_prunes() -> list[str]:
     """Return the names of all prunes and bounds of the two-feature core."""
 
-def prove_lines(problem: Problem, claim: int, n_threads: int) -> str | None:
+def prove_two_feature(problem: Problem, claim: int, n_threads: int) -> str | None:
     """Return the body of a log that proves a claim about two-feature trees, None when stopped or not shown."""
 
 def acquisition(

@@ -171,7 +171,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_function(wrap_pyfunction!(two_feature::py_two_feature_branch_and_bound, module)?)?;
     module.add_function(wrap_pyfunction!(two_feature::two_feature_prunes, module)?)?;
-    module.add_function(wrap_pyfunction!(two_feature::prove_lines, module)?)?;
+    module.add_function(wrap_pyfunction!(two_feature::prove_two_feature, module)?)?;
     module.add_function(wrap_pyfunction!(sequential::sequential, module)?)?;
     module.add_function(wrap_pyfunction!(ranks::dense_ranks, module)?)?;
     module.add_function(wrap_pyfunction!(search::py_search, module)?)?;

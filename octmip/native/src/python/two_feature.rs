@@ -5,11 +5,12 @@ use pyo3::prelude::*;
 
 use crate::control::Limits;
 use crate::python::{NodeRow, PyProblem, keep_going, limits, rows_from_tree, stop_name};
+use crate::two_feature::options::Options;
 use crate::two_feature::switches::Switches;
 use crate::two_feature::watch::Watch;
-use crate::two_feature::{Options, proof, solve};
+use crate::two_feature::{proof, solve};
 
-/// Node table, objective, bound, stop, boxes searched.
+/// Node table, objective, bound, stop, nodes searched.
 type Found = (Vec<NodeRow>, i64, i64, &'static str, u64);
 
 /// Find an optimal tree with splits over up to two features.
@@ -55,7 +56,12 @@ pub fn two_feature_prunes() -> Vec<&'static str> {
 
 /// The body of a log that proves `claim` of all two-feature trees; None when it was stopped, or the claim is not shown.
 #[pyfunction]
-pub fn prove_lines(py: Python<'_>, problem: &PyProblem, claim: i64, n_threads: usize) -> PyResult<Option<String>> {
+pub fn prove_two_feature(
+    py: Python<'_>,
+    problem: &PyProblem,
+    claim: i64,
+    n_threads: usize,
+) -> PyResult<Option<String>> {
     let mut error = None;
     let watch = Watch::new(Limits::default());
     let body = py.detach(|| {

@@ -6,12 +6,13 @@ use std::sync::atomic::AtomicBool;
 use crate::problem::Problem;
 use crate::ranks::Ranker;
 use crate::search::values::{Values, exponent_of, times_power};
-use crate::two_feature::chart::Chart;
+use crate::two_feature::geometry::line::Line;
+use crate::two_feature::geometry::plane::Plane;
 use crate::two_feature::loss::Loss;
-use crate::two_feature::plane::Plane;
-use crate::two_feature::single::best_of_charts;
+use crate::two_feature::regions::dual_plane::DualPlane;
+use crate::two_feature::stumps::depth_one::best_of_dual_planes;
 use crate::two_feature::switches::Switches;
-use crate::two_feature::view::{Line, View};
+use crate::two_feature::weighted_samples::WeightedSamples;
 
 /// Strips of a chart.
 const STRIPS: usize = 8;
@@ -26,7 +27,7 @@ const MOST_BYTES: usize = 200_000_000;
 #[derive(Debug)]
 pub struct PairCharts {
     plane: Plane,
-    charts: Vec<OnceLock<Chart>>,
+    charts: Vec<OnceLock<DualPlane>>,
     /// Costs of the problem, and its weights as these want them.
     pub loss: Loss,
     pub weights: Vec<i64>,
@@ -66,7 +67,7 @@ impl PairCharts {
 
     /// The best line over two features that costs less than the cutoff, as far as a few regions tell.
     pub fn best_line(&self, pair: (usize, usize), asked: Asked, stop: &AtomicBool) -> Option<Line> {
-        let view = View {
+        let samples = WeightedSamples {
             plane: &self.plane,
             labels: asked.labels,
             weights: asked.weights,
@@ -74,14 +75,14 @@ impl PairCharts {
             switches: Switches::default(),
         };
         let charts = [pair, (pair.1, pair.0)].map(|features| self.chart(features));
-        let answer = best_of_charts(view, charts, asked.ids, asked.need, asked.cutoff, MOST_TRIED, stop);
-        answer.line.filter(|_| answer.attained < asked.cutoff)
+        let answer = best_of_dual_planes(samples, charts, asked.ids, asked.need, asked.cutoff, MOST_TRIED, stop);
+        answer.line.filter(|_| answer.incumbent < asked.cutoff)
     }
 
-    fn chart(&self, (f, g): (usize, usize)) -> &Chart {
+    fn chart(&self, (f, g): (usize, usize)) -> &DualPlane {
         let others = self.plane.p - 1;
         let slot = f * others + if g > f { g - 1 } else { g };
-        self.charts[slot].get_or_init(|| Chart::new(&self.plane, (f, g), STRIPS))
+        self.charts[slot].get_or_init(|| DualPlane::new(&self.plane, (f, g), STRIPS))
     }
 
     /// Whether a line sends a sample left.

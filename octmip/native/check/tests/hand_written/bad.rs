@@ -26,14 +26,14 @@ fn bad_logs() -> Vec<(&'static str, Question, String, usize, &'static str)> {
             "\"octmip-proof 2\" was written by an",
         ),
         (
-            "another kind of split",
+            "another sort of split",
             corners(1),
             axis("1", "D | end"),
             1,
             "got \"octmip-proof 3\", expected \"octmip-proof 3 two",
         ),
         (
-            "a kind without logs",
+            "trees without logs",
             corners(3),
             two_feature("0", "end"),
             1,
@@ -191,7 +191,13 @@ fn bad_logs() -> Vec<(&'static str, Question, String, usize, &'static str)> {
         // Two-feature bodies, from line 6.
         ("a leaf of less", corners(1), two_feature("3", "D | end"), 5, "one leaf costs 2, less than the claim"),
         ("a line of less", corners(1), two_feature("2", "D | end"), 6, "a single split is not proven to cost 2"),
-        ("a chart too few", corners(2), two_feature("0", "C 0 1 | N 0 0 | end"), 8, "got \"end\", expected \"C 0 2\""),
+        (
+            "a dual plane too few",
+            corners(2),
+            two_feature("0", "C 0 1 | N 0 0 | end"),
+            8,
+            "got \"end\", expected \"C 0 2\"",
+        ),
         ("more than a section", corners(1), two_feature("1", "D | N 0 0 | end"), 7, "got \"N 0 0\", expected the next"),
         (
             "a line sensor twice",
@@ -200,7 +206,7 @@ fn bad_logs() -> Vec<(&'static str, Question, String, usize, &'static str)> {
             7,
             "sensor 0 cannot be decided here",
         ),
-        ("a box too few", runs(1), body("N 0 1 | end"), 8 + 1, "cannot read \"nothing\" here"),
+        ("a node too few", runs(1), body("N 0 1 | end"), 8 + 1, "cannot read \"nothing\" here"),
         ("a word that is no tag", runs(1), body("X | end"), 8, "cannot read \"X\" here"),
         ("one number of two", runs(1), body("N 0 | N 1 0 | end"), 8, "expected 2 numbers, got \"0\""),
         ("settled samples that cost less", runs(1), body("N 0 0 | N 1 0 | end"), 8, "this proves 0, not 1"),
@@ -231,13 +237,13 @@ fn bad_logs() -> Vec<(&'static str, Question, String, usize, &'static str)> {
         ("samples enough for two leaves", runs(1), body("F | N 1 0 | end"), 8, "both children may hold 1 samples"),
         // Leaves of three: below 5/16 both children may hold as many.
         ("leaves that are just large enough", runs(3), body("F | F | end"), 8, "both children may hold 3 samples"),
-        ("a slope on an axis", runs(1), body("T 0 | N 0 1 | N 0 1 | N 1 0 | end"), 8, "t = 0 is outside the cell"),
+        ("a slope on an axis", runs(1), body("T 0 | N 0 1 | N 0 1 | N 1 0 | end"), 8, "t = 0 is outside the region"),
         (
             "a slope that is no number",
             runs(1),
             body("T NaN | N 0 1 | N 0 1 | N 1 0 | end"),
             8,
-            "t = NaN is outside the cell",
+            "t = NaN is outside the region",
         ),
         (
             "an edge far away",
@@ -253,7 +259,7 @@ fn bad_logs() -> Vec<(&'static str, Question, String, usize, &'static str)> {
             8,
             "the edge [NaN, 0.0] is",
         ),
-        ("boxes without end", runs(1), two_feature("1", &halving), 1007, "expected 1000 boxes in one another at most"),
+        ("nodes without end", runs(1), two_feature("1", &halving), 1007, "expected 1000 nodes in one another at most"),
         (
             "too many open samples",
             parabola(),
@@ -262,18 +268,18 @@ fn bad_logs() -> Vec<(&'static str, Question, String, usize, &'static str)> {
             "50 open samples are too many to part",
         ),
         (
-            "a way left out",
+            "a dichotomy left out",
             runs(1),
             two_feature("1", &format!("C 0 1 | {CUT} | R .1875 .1875 | N 0 1 | E 0:0 | N 1 0 | end")),
             10,
-            "the way 1 is left out, but a line goes it",
+            "the dichotomy 1 is left out, but a line makes it",
         ),
         (
-            "a way said to cost more",
+            "a dichotomy said to cost more",
             runs(1),
             two_feature("1", &format!("C 0 1 | {CUT} | R .1875 .1875 | N 0 1 | E 0:1 1:1 | N 1 0 | end")),
             10,
-            "the way 0 is not proven to cost 1",
+            "the dichotomy 0 is not proven to cost 1",
         ),
     ]
 }

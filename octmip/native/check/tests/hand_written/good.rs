@@ -76,7 +76,7 @@ fn good_logs_are_accepted_for_what_they_prove() {
         // Six stripes on an axis, at 0, 1/8 .. 5/8 in coordinates. Right of a cut below 5/16 lies 1 0 1, left of one
         // above it 0 1 0, and either costs one with one split.
         (
-            "boxes closed by settled samples",
+            "nodes closed by settled samples",
             runs(1),
             two_feature("1", &format!("C 0 1 | {CUT} | N 0 1 | N 1 0 | end")),
             1.0,
@@ -84,14 +84,14 @@ fn good_logs_are_accepted_for_what_they_prove() {
         // Between 3/16 and 5/16 one sample is open: 0 1 0 and 0 1 0 1 cost one each, less the one that is counted
         // twice.
         (
-            "a box closed by settled and open samples",
+            "a node closed by settled and open samples",
             runs(1),
             two_feature("1", &format!("C 0 1 | {CUT} | R .1875 .1875 | N 0 1 | W 1 1 | N 1 0 | end")),
             1.0,
         ),
         // The same sample sent right (0): the left child 0 1 costs nothing; or left (1): 0 1 0 costs one.
         (
-            "a box closed by its ways",
+            "a node closed by its dichotomies",
             runs(1),
             two_feature("1", &format!("C 0 1 | {CUT} | R .1875 .1875 | N 0 1 | E 0:0 1:1 | N 1 0 | end")),
             1.0,
@@ -113,9 +113,9 @@ fn good_logs_are_accepted_for_what_they_prove() {
             two_feature("2", "C 0 1 | N 0 0 | C 0 2 | E 10:1 | C 1 0 | T 0 | N 0 0 | N 0 0 | C 1 2 | E 10:1 | end"),
             2.0,
         ),
-        // Leaves of three out of four: every way of parting the corners leaves one side too small.
+        // Leaves of three out of four: every dichotomy of the corners leaves one side too small.
         (
-            "no way has two leaves",
+            "no dichotomy has two leaves",
             Question { leaf_size: 3, ..corners(2) },
             two_feature("2", "C 0 1 | E | C 0 2 | E | C 1 0 | E | C 1 2 | E | end"),
             2.0,

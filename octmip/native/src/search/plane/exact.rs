@@ -4,7 +4,7 @@ use crate::search::charts::{Asked, PairCharts};
 use crate::search::plane::PlaneAtWork;
 use crate::search::sensors::Room;
 use crate::search::view::View;
-use crate::two_feature::view::Line;
+use crate::two_feature::geometry::line::Line;
 
 /// Samples that the pairs of one visit may look at together, and pairs at most.
 const MOST_SAMPLES: usize = 6000;
