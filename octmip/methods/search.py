@@ -80,14 +80,14 @@ def local_search(
     first = None if known is None else rows_from_tree(without_empty_sides(known, searched.features), ranks)
     rows, _, _, stop, n_nodes = _native.search(
         native_problem(searched, ranks, costs),
-        effort[0] if restarts is None else restarts,
-        effort[1] if kicks is None else kicks,
-        seed % 2**64,
-        n_jobs,
+        first,
         # What was spent on ranks counts, too.
         remaining(limits, start),
-        first,
+        n_jobs,
+        seed % 2**64,
         native_progress(progress, costs),
+        n_restarts=effort[0] if restarts is None else restarts,
+        n_kicks=effort[1] if kicks is None else kicks,
     )
     latest = start + limits.seconds + GRACE
     tree = _finished(searched, tree_from_rows(rows, ranks), lambda: time.perf_counter() < latest)

@@ -49,7 +49,7 @@ def test_the_optimum_stays_without_any_of_many_together() -> None:
 
 @pytest.mark.parametrize(("seed", "best"), [(177, 14), (98, 39), (355, 4), (279, 59)])
 def test_what_more_samples_teach_about_a_strip_is_not_held_against_fewer(seed: int, best: int) -> None:
-    """Slope intervals bounded with a node's open samples once counted as bounded without: these optima came out too high."""
+    """Slope intervals bounded with open samples once counted as bounded without: these optima came out too high."""
     problem = clouds(seed)
     assert optimum(problem, []) == optimum(problem, ["wide"]) == best
 

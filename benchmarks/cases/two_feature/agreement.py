@@ -1,8 +1,9 @@
 """Branch and bound = mixed-integer programs on HiGHS = enumeration: two-feature trees, three programs, no shared proof.
 
 `oct_h` and `flow` ask every sample to keep a distance from the line, HiGHS's tolerance over the range of the features;
-branch and bound asks for none. So a mixed-integer optimum may lie above theirs, never below, and where it does its bound is one
-of fewer trees. Each side starts from a local search of its own and knows nothing of the others.
+branch and bound asks for none. So a mixed-integer optimum may lie above its optimum, never below, and where it does the
+bound of the program is one of fewer trees. Each side starts from a local search of its own and knows nothing of the
+others.
 """
 
 from collections.abc import Callable, Iterator

@@ -29,7 +29,7 @@ mod watch;
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::mpsc::channel;
 use std::time::Duration;
 
 use crate::control::{KeepGoing, Limits, Outcome, Stop};
@@ -136,14 +136,7 @@ fn run<'a>(
         }
         drop(sender);
         let mut done = Vec::with_capacity(n);
-        loop {
-            match receiver.recv_timeout(LOOK) {
-                Ok(restart) => done.push(restart),
-                Err(RecvTimeoutError::Disconnected) => break,
-                Err(RecvTimeoutError::Timeout) => {}
-            }
-            watch.look(&mut *keep_going);
-        }
+        watch.supervision.wait(&receiver, LOOK, |restart| done.push(restart), || watch.look(&mut *keep_going));
         done.sort_by_key(Restart::rank);
         done
     })

@@ -13,11 +13,11 @@ pub mod proof;
 pub(crate) mod regions;
 pub(crate) mod stumps;
 pub mod switches;
-pub(crate) mod watch;
 pub(crate) mod weighted_samples;
 
-use crate::control::{KeepGoing, Outcome, Stop};
+use crate::control::{KeepGoing, Outcome, Progress, Stop};
 use crate::problem::Problem;
+use crate::supervise::Supervision;
 use crate::tree::Tree;
 
 use depth_two::solve_depth_two;
@@ -26,36 +26,42 @@ use line_tree::{LineTree, to_tree};
 use loss::INFEASIBLE;
 use options::Options;
 use stumps::depth_one::best_single;
-use watch::Watch;
 
 /// Find an optimal tree of depth 1 or 2 and prove it so.
 ///
 /// The bound holds for every tree whose lines are taken in exact arithmetic over the values as given. Returns None for
 /// deeper trees.
 pub fn solve(problem: &Problem, options: &Options, keep_going: KeepGoing) -> Option<Outcome> {
-    let watch = Watch::new(options.limits);
+    let supervision = Supervision::new(options.limits);
     let mut instance = Instance::new(problem);
     instance.switches = options.switches;
     instance.preferred = options.whole_coefficients;
     match problem.depth {
-        1 => Some(solve_depth_one(problem, &instance, &watch, keep_going)),
-        2 => Some(solve_depth_two(problem, &instance, &watch, options, keep_going)),
+        1 => Some(solve_depth_one(problem, &instance, &supervision, keep_going)),
+        2 => Some(solve_depth_two(problem, &instance, &supervision, options, keep_going)),
         _ => None,
     }
 }
 
-fn solve_depth_one(problem: &Problem, instance: &Instance, watch: &Watch, keep_going: KeepGoing) -> Outcome {
+fn solve_depth_one(
+    problem: &Problem,
+    instance: &Instance,
+    supervision: &Supervision,
+    keep_going: KeepGoing,
+) -> Outcome {
     let ids = instance.all();
     let (_, label) = instance.loss.leaf(&instance.samples().tally(&ids));
     let leaf = to_tree(problem, instance, &LineTree::Leaf).unwrap_or((Tree::leaf(label as u32), INFEASIBLE));
-    let result = watch.over(keep_going, leaf.1, || {
+    let state = Progress { seconds: 0.0, objective: leaf.1, bound: 0, n_nodes: 0 };
+    let work = || {
         let need = problem.leaf_size as i64;
-        best_single(instance.samples(), &instance.dual_planes, &ids, need, INFEASIBLE, [], watch.stop())
-    });
+        best_single(instance.samples(), &instance.dual_planes, &ids, need, INFEASIBLE, [], supervision.flag())
+    };
+    let result = supervision.run(work, || supervision.poll(keep_going, state));
     let stump = to_tree(problem, instance, &LineTree::stump(result.line));
     let (tree, objective) = stump.filter(|stump| stump.1 <= leaf.1).unwrap_or(leaf);
-    let bound = if watch.was_stopped() { 0 } else { result.lower.min(objective) };
-    let stop = match watch.reason() {
+    let bound = if supervision.is_stopped() { 0 } else { result.lower.min(objective) };
+    let stop = match supervision.reason() {
         Some(reason) => reason,
         None if bound == objective => Stop::Optimal,
         None => Stop::Finished,

@@ -70,7 +70,7 @@ class Core:
         chosen = np.arange(problem.n_samples) if rows is None else rows
         features = np.ascontiguousarray(problem.features[chosen])
         ranks, values = _native.dense_ranks(features)
-        table, bound, stop, n_cuts = _native.sequential(
+        asked = _native.SequentialProblem(
             ranks,
             np.ascontiguousarray(self.paid[chosen]),
             self.inspection.counts[chosen],
@@ -79,9 +79,9 @@ class Core:
             self._prices(read),
             multiplier,
             cap,
-            room,
-            (limits.seconds, limits.gap, limits.nodes, limits.memory),
         )
+        allowance = (limits.seconds, limits.gap, limits.nodes, limits.memory)
+        table, bound, stop, n_cuts = _native.sequential(asked, room, allowance)
         tree = None if table is None else centred(tree_from_rows(table, Ranks(ranks, tuple(values))), features)
         return Answer(tree, bound, stop, n_cuts)
 

@@ -22,7 +22,12 @@ impl Default for Control {
 impl Control {
     /// Nobody has said stop.
     pub fn new() -> Self {
-        Self::sharing(Arc::default(), u64::MAX)
+        Self::reading(&Arc::default())
+    }
+
+    /// One that is stopped by a flag, as a search's supervision has it.
+    pub fn reading(flag: &Arc<AtomicBool>) -> Self {
+        Self::sharing(flag.clone(), u64::MAX)
     }
 
     /// One that hears the same word to stop and, besides, stops after so many evaluated cuts.

@@ -1,23 +1,26 @@
 //! The whole search: incumbent, shallower depths, the root's frontier, limits.
 
-use std::sync::mpsc::{Sender, channel};
-use std::time::Instant;
+pub mod frontier;
+pub mod known;
+pub mod memory;
+pub mod sensor_sets;
 
-use crate::control::{KeepGoing, Limits, Outcome, Stop};
-use crate::exact::Switches;
-use crate::exact::answer::Reached;
-use crate::exact::branch::Search;
-use crate::exact::budget::{Sets, is_within};
+use crate::control::{KeepGoing, Limits, Outcome, Progress, Stop};
+use crate::costs::{base_cost, best_leaf};
 use crate::exact::effort::Control;
-use crate::exact::frontier::Frontier;
-use crate::exact::known::{Known, Saver};
-use crate::exact::memory;
-use crate::exact::plan::Plan;
+use crate::exact::node::plan::Plan;
+use crate::exact::node::result::Reached;
+use crate::exact::node::search::Search;
 use crate::exact::samples::Samples;
+use crate::exact::switches::Switches;
 use crate::exact::view::View;
-use crate::exact::watch::{Due, watch};
 use crate::problem::Problem;
+use crate::supervise::Supervision;
 use crate::tree::Tree;
+
+use frontier::Frontier;
+use known::{Due, Known, Saver};
+use sensor_sets::{Sets, is_within};
 
 /// How to search.
 #[derive(Debug, Clone)]
@@ -50,17 +53,15 @@ struct Run<'a, 's> {
     view: &'a View,
     options: &'a Options,
     control: Control,
-    started: Instant,
+    supervision: Supervision,
     /// Bytes of the tables that do not grow.
     tables: f64,
     base: i64,
     /// Objective (above the base) of the best tree, and where it comes from.
     best: (i64, Best),
     bound: i64,
-    stop: Option<Stop>,
     known: Option<Known>,
-    saver: Option<Saver<'s>>,
-    saved: Instant,
+    due: Due<'s>,
 }
 
 /// The best tree of the problem, and a bound.
@@ -76,7 +77,7 @@ pub fn go_on(
     saver: Option<Saver<'_>>,
     keep_going: KeepGoing<'_>,
 ) -> Result<Outcome, String> {
-    let started = Instant::now();
+    let supervision = Supervision::new(options.limits);
     let tables = memory::bytes(problem, options.n_threads.max(1), &options.switches);
     if tables > options.limits.memory {
         return Ok(without_search(problem, options));
@@ -92,16 +93,14 @@ pub fn go_on(
         samples: &samples,
         view: &view,
         options,
-        control: Control::new(),
-        started,
+        control: Control::reading(supervision.flag()),
+        supervision,
         tables,
         base,
         best: (view.leaf(), Best::Plan(Plan::Leaf)),
         bound: 0,
-        stop: None,
         known,
-        saver,
-        saved: started,
+        due: Due::new(saver),
     };
     if let Some((objective, _)) = &options.incumbent
         && objective - base <= run.best.0
@@ -121,23 +120,14 @@ pub fn go_on(
     Ok(run.outcome())
 }
 
-/// What no tree avoids.
-pub fn base(problem: &Problem) -> i64 {
-    let least = |i: usize| (0..problem.n_classes).map(move |k| problem.cost(problem.labels[i] as usize, k)).min();
-    (0..problem.n).map(|i| problem.weights[i] * least(i).unwrap_or(0)).sum()
-}
-
 /// The incumbent or the best leaf, and the cost that no tree avoids: what is known where memory is too small to search.
 fn without_search(problem: &Problem, options: &Options) -> Outcome {
-    let paid = |i: usize, k: usize| problem.weights[i] * problem.cost(problem.labels[i] as usize, k);
-    let leaf = |k: usize| (0..problem.n).map(|i| paid(i, k)).sum::<i64>();
-    let label = (0..problem.n_classes).min_by_key(|&k| leaf(k)).unwrap_or(0);
-    let best = (leaf(label), Tree::leaf(label as u32));
+    let (cost, label) = best_leaf(problem);
     let (objective, tree) = match &options.incumbent {
-        Some(given) if given.0 <= best.0 => given.clone(),
-        _ => best,
+        Some(given) if given.0 <= cost => given.clone(),
+        _ => (cost, Tree::leaf(label as u32)),
     };
-    let bound = base(problem);
+    let bound = base_cost(problem);
     let stop = if bound >= objective { Stop::Optimal } else { Stop::Memory };
     Outcome { tree, objective, bound, stop, n_nodes: 0 }
 }
@@ -161,7 +151,7 @@ impl Run<'_, '_> {
             return;
         }
         for level in first..=depth {
-            if self.stop.is_some() {
+            if self.supervision.reason().is_some() {
                 return;
             }
             (whole, attained) = self.deep(level, level == depth, &attained, whole, keep_going);
@@ -172,30 +162,20 @@ impl Run<'_, '_> {
     /// Depth one or two, by one thread; a bound of that depth's trees, and what each feature reached.
     fn shallow(&mut self, depth: usize, keep_going: KeepGoing<'_>) -> (i64, Vec<Reached>) {
         let upper = self.view.leaf() + 1;
-        let mut result = None;
-        std::thread::scope(|scope| {
-            let (sender, receiver) = channel::<()>();
-            let (samples, view, control, switches) = (self.samples, self.view, &self.control, self.options.switches);
-            let worker = scope.spawn(move || {
-                let _sender = sender;
-                let mut search = Search::new(samples, switches, control, depth);
-                let answer = search.solve(view, depth, upper, 0);
-                (answer, search.attained)
-            });
-            let progress = || (self.best.0 + self.base, self.base, self.tables);
-            self.stop =
-                watch(self.started, &self.options.limits, control, &receiver, keep_going, progress, &mut || true);
-            result = worker.join().ok();
-        });
-        let Some((answer, attained)) = result else {
-            return (0, Vec::new());
+        let work = || {
+            let mut search = Search::new(self.samples, self.options.switches, &self.control, depth);
+            let answer = search.solve(self.view, depth, upper, 0);
+            (answer, search.attained)
         };
+        let (answer, attained) = self.supervision.run(work, || {
+            self.poll(keep_going, self.progress(self.best.0 + self.base, self.base), self.tables);
+        });
         if let Some((cost, plan)) = answer.best
             && cost < self.best.0
         {
             self.best = (cost, Best::Plan(plan));
         }
-        (if self.stop.is_some() { 0 } else { answer.lower }, attained)
+        (if self.supervision.reason().is_some() { 0 } else { answer.lower }, attained)
     }
 
     /// Depth three or more, by all threads.
@@ -214,7 +194,7 @@ impl Run<'_, '_> {
         let frontier =
             Frontier::new(samples, switches, &self.control, view, depth, attained, whole, upper, known.as_ref());
         let (base, tables, before, control) = (self.base, self.tables, self.tree(), &self.control);
-        let state = || {
+        let state_now = || {
             let (_, bound) = frontier.progress();
             let best = frontier.best().map(|(cost, plan)| (cost, plan.tree(samples, view)));
             Known {
@@ -229,35 +209,27 @@ impl Run<'_, '_> {
                 sets: None,
             }
         };
-        let mut due = Due { saver: self.saver.as_mut(), saved: &mut self.saved };
-        std::thread::scope(|scope| {
-            let (sender, receiver) = channel::<()>();
-            for _ in 0..self.options.n_threads.max(1) {
-                let sender: Sender<()> = sender.clone();
-                let (frontier, control) = (&frontier, &self.control);
-                scope.spawn(move || {
-                    let _sender = sender;
-                    let mut search = Search::new(samples, switches, control, depth);
-                    if depth == 3 {
-                        search.prepare(view);
-                    }
-                    frontier.work(&mut search);
-                });
+        let work = || {
+            let mut search = Search::new(samples, switches, control, depth);
+            if depth == 3 {
+                search.prepare(view);
             }
-            drop(sender);
-            let progress = || {
-                let (cost, bound) = frontier.progress();
-                let bytes = tables + frontier.bytes() as f64;
-                (cost + base, if is_last { bound + base } else { base }, bytes)
-            };
-            self.stop =
-                watch(self.started, &self.options.limits, &self.control, &receiver, keep_going, progress, &mut || {
-                    due.save(false, &state)
-                });
+            frontier.work(&mut search);
+        };
+        let mut due = std::mem::take(&mut self.due);
+        self.supervision.run_all(self.options.n_threads.max(1), work, || {
+            let (cost, bound) = frontier.progress();
+            let progress = self.progress(cost + base, if is_last { bound + base } else { base });
+            self.poll(
+                &mut |state| keep_going(state) && due.save(false, &state_now),
+                progress,
+                tables + frontier.bytes() as f64,
+            );
         });
-        if is_last || self.stop.is_some() {
-            due.save(true, &state);
+        if is_last || self.supervision.reason().is_some() {
+            due.save(true, &state_now);
         }
+        self.due = due;
         let (cost, bound) = frontier.progress();
         if let Some((cost, plan)) = frontier.best() {
             self.best = (cost, Best::Plan(plan));
@@ -284,7 +256,7 @@ impl Run<'_, '_> {
                 _ => (leaf, Best::Plan(Plan::Leaf)),
             };
         }
-        if self.stop.is_some() {
+        if self.supervision.reason().is_some() {
             return;
         }
         let (samples, upper, tables) = (self.samples, self.best.0, self.tables);
@@ -294,7 +266,7 @@ impl Run<'_, '_> {
             sets = sets.go_on(open);
         }
         let (before, p, control) = (self.tree(), samples.p, &self.control);
-        let state = || {
+        let state_now = || {
             let (cost, tree) = sets.best();
             Known {
                 level: problem.depth,
@@ -308,33 +280,41 @@ impl Run<'_, '_> {
                 sets: Some(sets.open()),
             }
         };
-        let mut due = Due { saver: self.saver.as_mut(), saved: &mut self.saved };
-        std::thread::scope(|scope| {
-            let (sender, receiver) = channel::<()>();
-            for _ in 0..self.options.n_threads.max(1) {
-                let (sender, sets) = (sender.clone(), &sets);
-                scope.spawn(move || {
-                    let _sender = sender;
-                    sets.work();
-                });
-            }
-            drop(sender);
-            let progress = || {
-                let bytes = tables + sets.bytes() as f64;
-                (sets.best().0 + base, bound + base, bytes)
-            };
-            self.stop =
-                watch(self.started, &self.options.limits, &self.control, &receiver, keep_going, progress, &mut || {
-                    due.save(false, &state)
-                });
-        });
-        due.save(true, &state);
+        let mut due = std::mem::take(&mut self.due);
+        self.supervision.run_all(
+            self.options.n_threads.max(1),
+            || sets.work(),
+            || {
+                let progress = self.progress(sets.best().0 + base, bound + base);
+                self.poll(
+                    &mut |state| keep_going(state) && due.save(false, &state_now),
+                    progress,
+                    tables + sets.bytes() as f64,
+                );
+            },
+        );
+        due.save(true, &state_now);
+        self.due = due;
         let (cost, tree) = sets.best();
         if let Some(tree) = tree {
             self.best = (cost, Best::Tree(tree));
         }
-        if self.stop.is_none() {
+        if self.supervision.reason().is_none() {
             self.bound = cost;
+        }
+    }
+
+    /// Progress with a bound, the evaluated cuts counted so far.
+    fn progress(&self, objective: i64, bound: i64) -> Progress {
+        Progress { seconds: 0.0, objective, bound, n_nodes: self.control.n_evaluated() }
+    }
+
+    /// Ask the caller and hold all limits against a state.
+    fn poll(&self, keep_going: KeepGoing<'_>, state: Progress, bytes: f64) {
+        self.supervision.poll(keep_going, state);
+        let gap = self.supervision.gap_reached((state.objective - state.bound) as f64, state.objective as f64);
+        if let Some(reason) = self.supervision.spent(state.n_nodes, bytes).or(gap) {
+            self.supervision.stop(reason);
         }
     }
 
@@ -350,7 +330,8 @@ impl Run<'_, '_> {
         let objective = self.base + self.best.0;
         let bound = self.base + self.bound.min(self.best.0);
         let tree = self.tree();
-        let stop = if bound >= objective { Stop::Optimal } else { self.stop.unwrap_or(Stop::Interrupted) };
+        let stop =
+            if bound >= objective { Stop::Optimal } else { self.supervision.reason().unwrap_or(Stop::Interrupted) };
         Outcome { tree, objective, bound, stop, n_nodes: self.control.n_evaluated() }
     }
 }

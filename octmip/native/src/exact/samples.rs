@@ -10,9 +10,14 @@
 //! and every bound reads as it does for counts of samples, with "number of samples" replaced by swing:
 //! adding a sample never lowers the cost of the best tree above the base, and raises it by at most its swing.
 
-use crate::exact::directions::doubled_spans;
-use crate::exact::label_sets::LabelSets;
+pub mod directions;
+pub mod label_sets;
+
+use crate::costs::ClassCosts;
 use crate::problem::Problem;
+
+use directions::doubled_spans;
+use label_sets::LabelSets;
 
 /// Samples, gains and limits; read by all threads.
 #[derive(Debug, Clone)]
@@ -92,33 +97,30 @@ impl Samples {
 
     fn set_gains(&mut self, problem: &Problem) {
         let k = problem.n_classes;
-        let rows: Vec<&[i64]> = problem.costs.chunks(k).collect();
-        let least: Vec<i64> = rows.iter().map(|row| row.iter().copied().min().unwrap_or(0)).collect();
-        let most: Vec<i64> = rows.iter().map(|row| row.iter().copied().max().unwrap_or(0)).collect();
+        let costs = ClassCosts::of(problem);
         let mut has_samples = vec![false; k];
         for i in 0..self.n {
             let class = problem.labels[i] as usize;
             has_samples[class] |= problem.weights[i] > 0;
-            self.swing.push(problem.weights[i] * (most[class] - least[class]));
-            self.base.push(problem.weights[i] * least[class]);
+            self.swing.push(problem.weights[i] * costs.range(class));
+            self.base.push(problem.weights[i] * costs.base(class));
         }
         // A column that gains no more than another in any present class (the first of equals stays) is never needed.
-        let gains = |class: usize, label: usize| most[class] - rows[class][label];
         let present: Vec<usize> = (0..k).filter(|&class| has_samples[class]).collect();
         let is_covered = |label: usize, by: usize| {
-            let differs = present.iter().any(|&class| gains(class, label) != gains(class, by));
-            (differs || by < label) && present.iter().all(|&class| gains(class, label) <= gains(class, by))
+            let differs = present.iter().any(|&class| costs.gain(class, label) != costs.gain(class, by));
+            (differs || by < label) && present.iter().all(|&class| costs.gain(class, label) <= costs.gain(class, by))
         };
         self.labels =
             (0..k).filter(|&label| !(0..k).any(|by| is_covered(label, by))).map(|label| label as u32).collect();
         self.n_columns = self.labels.len();
-        self.set_kinds(problem, &has_samples, gains);
+        self.set_kinds(problem, &has_samples, &costs);
     }
 
     /// Classes whose gains are in proportion are one kind: cost matrices have few, however many classes there are.
-    fn set_kinds(&mut self, problem: &Problem, has_samples: &[bool], gain: impl Fn(usize, usize) -> i64) {
+    fn set_kinds(&mut self, problem: &Problem, has_samples: &[bool], costs: &ClassCosts) {
         let rows: Vec<Vec<i64>> = (0..problem.n_classes)
-            .map(|class| self.labels.iter().map(|&label| gain(class, label as usize)).collect())
+            .map(|class| self.labels.iter().map(|&label| costs.gain(class, label as usize)).collect())
             .collect();
         let is_row_single = |row: &Vec<i64>| row.iter().filter(|&&gain| gain > 0).count() <= 1;
         self.is_single = (0..rows.len()).filter(|&class| has_samples[class]).all(|class| is_row_single(&rows[class]));

@@ -1,9 +1,9 @@
 //! Exact subtrees on a subset of the samples: what a local search asks for.
 
-use crate::exact::Switches;
-use crate::exact::branch::Search;
 use crate::exact::effort::Control;
+use crate::exact::node::search::Search;
 use crate::exact::samples::Samples;
+use crate::exact::switches::Switches;
 use crate::exact::view::View;
 use crate::tree::Tree;
 

@@ -5,6 +5,7 @@
 //!
 //! `objective = sum of all samples' dearest costs - sum over leaves of max_k gain_k + penalty * features in splits`
 
+use crate::costs::ClassCosts;
 use crate::problem::Problem;
 use crate::search::view::Member;
 
@@ -31,10 +32,10 @@ impl Prices {
     /// The gains of a problem.
     pub fn new(problem: &Problem) -> Self {
         let k = problem.n_classes;
-        let rows: Vec<&[i64]> = problem.costs.chunks(k).collect();
-        let dearest: Vec<i64> = rows.iter().map(|row| row.iter().copied().max().unwrap_or(0)).collect();
-        let gains: Vec<i64> = rows.iter().zip(&dearest).flat_map(|(row, d)| row.iter().map(move |c| d - c)).collect();
-        let single = gains.chunks(k).map(only_gain).collect();
+        let class_costs = ClassCosts::of(problem);
+        let dearest: Vec<i64> = (0..k).map(|class| class_costs.most(class)).collect();
+        let gains = (0..k).flat_map(|class| class_costs.gains(class).iter().copied()).collect();
+        let single = (0..k).map(|class| class_costs.only_gain(class)).collect();
         let costs =
             problem.weights.iter().zip(&problem.labels).map(|(w, &label)| w.saturating_mul(dearest[label as usize]));
         let above_all = costs.fold(1_i64, i64::saturating_add).min(i64::MAX / 4);
@@ -110,12 +111,6 @@ impl Prices {
     pub fn label(&self, sample: u32) -> usize {
         self.labels[sample as usize] as usize
     }
-}
-
-fn only_gain(row: &[i64]) -> Option<(usize, i64)> {
-    let mut positive = row.iter().enumerate().filter(|(_, gain)| **gain > 0);
-    let first = positive.next().map_or((0, 0), |(k, gain)| (k, *gain));
-    positive.next().is_none().then_some(first)
 }
 
 /// What counts of a sample.

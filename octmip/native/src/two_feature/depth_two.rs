@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use crate::control::{KeepGoing, Outcome, Stop};
+use crate::control::{KeepGoing, Outcome, Progress, Stop};
 use crate::problem::Problem;
+use crate::supervise::Supervision;
 use crate::tree::Tree;
 use crate::two_feature::budget::affordable_sets;
 use crate::two_feature::instance::Instance;
@@ -15,72 +16,71 @@ use crate::two_feature::nodes::known::Known;
 use crate::two_feature::nodes::node::{Child, Node, SearchContext};
 use crate::two_feature::nodes::queue::Queue;
 use crate::two_feature::options::Options;
-use crate::two_feature::regions::dual_plane::DualPlane;
 use crate::two_feature::regions::slope_interval::{GROUP, SlopeInterval};
-use crate::two_feature::watch::Watch;
 
 /// Most slope intervals of a dual plane, where memory allows, and fewest.
 const MOST_INTERVALS: usize = 64;
 const LEAST_INTERVALS: usize = 4;
 /// Random roots in a row that may fail to give a better first tree.
 const STARTS: usize = 24;
+/// Most affordable sets that get a first tree.
+const MOST_BEGUN: usize = 8;
+
+/// The slope intervals that the nodes of one affordable set share.
+type Intervals = Arc<Vec<SlopeInterval>>;
 
 /// Find the best tree of depth 2 or less; see `Options` for what is known.
 pub(crate) fn solve_depth_two(
     problem: &Problem,
     instance: &Instance,
-    watch: &Watch,
+    supervision: &Supervision,
     options: &Options,
     keep_going: KeepGoing,
 ) -> Outcome {
     let leaf = to_tree(problem, instance, &LineTree::Leaf);
     let (tree, objective) = leaf.unwrap_or((Tree::leaf(0), INFEASIBLE));
-    let outcome = |tree, objective, bound, stop, n_nodes| Outcome { tree, objective, bound, stop, n_nodes };
-    let n_entries = (instance.dual_planes.len() * instance.plane.n) as f64;
-    let n_intervals = (watch.limits.memory / 2.0 / n_entries.max(1.0) - 1.0).min(MOST_INTERVALS as f64) as usize;
+    let n_intervals = affordable_intervals(instance, supervision.limits().memory);
     let sets = affordable_sets(problem);
     let (Some(sets), true) = (sets, n_intervals >= LEAST_INTERVALS) else {
-        return outcome(tree, objective, 0, Stop::Memory, 0);
+        return Outcome { tree, objective, bound: 0, stop: Stop::Memory, n_nodes: 0 };
     };
-    let all = instance.all();
     let floor = floor_of(instance);
     let upper = options.known.unwrap_or(objective).min(objective);
-    let prepared = watch.over(&mut *keep_going, upper, || {
-        let dual_planes = instance.dual_planes.iter();
-        let context = SearchContext {
-            problem,
-            instance,
-            dual_planes: dual_planes
-                .take_while(|_| !watch.was_stopped())
-                .map(|&features| DualPlane::new(&instance.plane, features, n_intervals))
-                .collect(),
-            all,
-            stop: watch.stop(),
-        };
-        let intervals: Vec<Arc<Vec<SlopeInterval>>> = sets.iter().map(|set| intervals_of(&context, set)).collect();
-        let first: Vec<LineTree> = intervals
-            .iter()
-            .take(8)
-            .filter_map(|intervals| first_tree(&context, intervals, STARTS, options.seed, floor))
-            .map(|(_, line_tree)| line_tree)
-            .collect();
+    let prepare = || {
+        let context = SearchContext::new(problem, instance, n_intervals, supervision.flag());
+        let intervals: Vec<Intervals> = sets.iter().map(|set| intervals_of(&context, set)).collect();
+        let first = first_trees(&context, &intervals, options.seed, floor);
         (context, intervals, first)
-    });
-    let (context, intervals, first) = prepared;
+    };
+    let state = Progress { seconds: 0.0, objective: upper, bound: 0, n_nodes: 0 };
+    let (context, intervals, first) = supervision.run(prepare, || supervision.poll(&mut *keep_going, state));
     let roots = intervals.iter().flat_map(|intervals| roots_of(&context, intervals, floor));
     let known = Known::new(instance, sets.len());
-    let mut queue = Queue::new(&context, watch, options.n_threads, roots.collect(), upper, known);
+    let mut queue = Queue::new(&context, supervision, options.n_threads, roots.collect(), upper, known);
     for line_tree in &first {
         queue.offer(line_tree);
     }
-    let stop = match watch.reason() {
+    let stop = match supervision.reason() {
         Some(reason) => reason,
         None => queue.run(keep_going),
     };
     let bound = queue.bound();
     let (best, n_nodes) = queue.into_best();
     let (tree, objective) = best.unwrap_or((tree, objective));
-    outcome(tree, objective, bound, stop, n_nodes)
+    Outcome { tree, objective, bound, stop, n_nodes }
+}
+
+/// Number of slope intervals of each dual plane whose tables take half the memory.
+fn affordable_intervals(instance: &Instance, memory: f64) -> usize {
+    let n_entries = (instance.dual_planes.len() * instance.plane.n) as f64;
+    (memory / 2.0 / n_entries.max(1.0) - 1.0).min(MOST_INTERVALS as f64) as usize
+}
+
+/// A first tree for each of the first affordable sets.
+fn first_trees(context: &SearchContext<'_>, intervals: &[Intervals], seed: u64, floor: i64) -> Vec<LineTree> {
+    let begun = intervals.iter().take(MOST_BEGUN);
+    let trees = begun.filter_map(|intervals| first_tree(context, intervals, STARTS, seed, floor));
+    trees.map(|(_, line_tree)| line_tree).collect()
 }
 
 /// Cost of what four leaves leave wrong, whatever they hold.
@@ -94,7 +94,7 @@ fn floor_of(instance: &Instance) -> i64 {
 }
 
 /// The slope intervals of the dual planes whose features are all in a set.
-pub(crate) fn intervals_of(context: &SearchContext<'_>, set: &[bool]) -> Arc<Vec<SlopeInterval>> {
+pub(crate) fn intervals_of(context: &SearchContext<'_>, set: &[bool]) -> Intervals {
     let p = context.problem.p;
     let group = if context.instance.switches.grouped { GROUP } else { 1 };
     let mut intervals = Vec::new();
@@ -114,7 +114,7 @@ pub(crate) fn intervals_of(context: &SearchContext<'_>, set: &[bool]) -> Arc<Vec
 }
 
 /// One node for every dual plane that has intervals.
-fn roots_of(context: &SearchContext<'_>, intervals: &Arc<Vec<SlopeInterval>>, floor: i64) -> Vec<Node> {
+fn roots_of(context: &SearchContext<'_>, intervals: &Intervals, floor: i64) -> Vec<Node> {
     let firsts = intervals.iter().filter(|interval| interval.first == 0);
     firsts
         .map(|interval| Node {

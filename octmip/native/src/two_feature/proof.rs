@@ -1,11 +1,11 @@
 //! The proof log: the search once more, its budget at the claim, writing down the bound that closed every node.
 //!
-//! The format is docs/theory/two-feature.md's; `octmip_check::two_feature` reads it and knows nothing of the search. What
-//! is written are true statements about all lines: no interval is struck off on this side (`dead_intervals` off), the
-//! checker strikes off by itself. It counts all stumps again; only nodes, bounds and dichotomies are handed over.
+//! The format is docs/theory/two-feature.md's; `octmip_check::two_feature` reads it and knows nothing of the search.
+//! It holds true statements about all lines: no interval is struck off on this side (`dead_intervals` off),
+//! the checker strikes off by itself. It counts all stumps again; only nodes, bounds and dichotomies are handed over.
 //!
-//! A statement is about a set of samples, so both sides must mean the same one: samples are settled here by the checker's
-//! own regions and coordinates, and the dichotomies of the open ones are those that it will go through.
+//! A statement is about a set of samples, so both sides must mean the same one: samples are settled here by the
+//! checker's own regions and coordinates, and the dichotomies of the open ones are those that it will go through.
 
 use std::fmt::Write;
 use std::sync::Mutex;
@@ -13,13 +13,13 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use octmip_check::two_feature::{self as checked, MOST, Points};
 
+use crate::log::Body;
 use crate::problem::Problem;
 use crate::two_feature::depth_two::intervals_of;
 use crate::two_feature::instance::Instance;
 use crate::two_feature::nodes::known::{Known, Notes};
 use crate::two_feature::nodes::node::{Child, Goal, Node, Partition, SearchContext};
 use crate::two_feature::regions::dichotomies::{End, end_of};
-use crate::two_feature::regions::dual_plane::DualPlane;
 use crate::two_feature::regions::region::split;
 use crate::two_feature::regions::slope_interval::SlopeInterval;
 
@@ -42,14 +42,14 @@ struct Writer<'a> {
 /// cannot be shown with room for rounding.
 pub fn write(problem: &Problem, claim: i64, n_threads: usize, stop: &AtomicBool) -> Option<String> {
     let mut writer = Writer { problem, claim, n_threads, stop, n_sets: 0, points: Points::new(problem) };
-    let mut body = String::new();
+    let mut body = Body::default();
     writer.sensors(&mut vec![None; problem.sensor_cost.len()], &mut body)?;
-    Some(body)
+    Some(body.into_lines())
 }
 
 impl Writer<'_> {
     /// Decide sensors until those that may be read can be paid for together, or as many of them as a tree can read.
-    fn sensors(&mut self, read: &mut Vec<Option<bool>>, body: &mut String) -> Option<()> {
+    fn sensors(&mut self, read: &mut Vec<Option<bool>>, body: &mut Body) -> Option<()> {
         let q = self.problem;
         let most_read = 2 * ((1 << q.depth) - 1);
         let taken: Vec<usize> = (0..read.len()).filter(|&s| read[s] == Some(true)).collect();
@@ -61,11 +61,11 @@ impl Writer<'_> {
         let is_used =
             |s: usize| (0..q.p).any(|f| q.sensor_of_feature[f] as usize == s && super::instance::is_allowed(q, f, q.p));
         let is_open = |s: usize| read[s].is_none() && room > 0 && is_within(s) && is_used(s);
-        let mut dearest: Vec<f64> = (0..read.len()).filter(|&s| is_open(s)).map(|s| q.sensor_cost[s]).collect();
-        dearest.sort_unstable_by(|a, b| b.total_cmp(a));
-        let all_paid = paid + dearest.iter().take(room).sum::<f64>();
+        let mut highest: Vec<f64> = (0..read.len()).filter(|&s| is_open(s)).map(|s| q.sensor_cost[s]).collect();
+        highest.sort_unstable_by(|a, b| b.total_cmp(a));
+        let all_paid = paid + highest.iter().take(room).sum::<f64>();
         if let Some(sensor) = (0..read.len()).find(|&s| all_paid > q.sensor_limit && is_open(s)) {
-            let _ = writeln!(body, "S {sensor}");
+            body.decide(sensor);
             for choice in [false, true] {
                 read[sensor] = Some(choice);
                 self.sensors(read, body)?;
@@ -94,22 +94,12 @@ impl Writer<'_> {
     }
 
     /// A section for every dual plane, or none but a title for trees of one split: the checker counts these by itself.
-    fn dual_planes(&self, instance: &Instance, body: &mut String) -> Option<()> {
+    fn dual_planes(&self, instance: &Instance, body: &mut Body) -> Option<()> {
         if self.problem.depth == 1 {
-            body.push_str("D\n");
+            body.append("D\n");
             return Some(());
         }
-        let dual_planes = instance.dual_planes.iter();
-        let context = SearchContext {
-            problem: self.problem,
-            instance,
-            dual_planes: dual_planes
-                .take_while(|_| !self.stop.load(Ordering::Relaxed))
-                .map(|&features| DualPlane::new(&instance.plane, features, INTERVALS))
-                .collect(),
-            all: instance.all(),
-            stop: self.stop,
-        };
+        let context = SearchContext::new(self.problem, instance, INTERVALS, self.stop);
         let intervals = intervals_of(&context, &vec![true; self.problem.p]);
         let sections: Vec<Mutex<Option<String>>> = context.dual_planes.iter().map(|_| Mutex::default()).collect();
         let next = AtomicUsize::new(0);
@@ -128,8 +118,8 @@ impl Writer<'_> {
                 let (claim, points) = (self.claim, &self.points);
                 let mut page = Page { claim, points, known, body: format!("C {f} {g}\n") };
                 let whole = checked::Region::whole(g == self.problem.p);
-                let told = Told { floors: [0; 2], alive: [n_intervals(intervals.iter()); 2] };
-                if context.prove(root, whole, told, &mut page).is_none() {
+                let stated = Stated { floors: [0; 2], alive: [n_intervals(intervals.iter()); 2] };
+                if context.prove(root, whole, stated, &mut page).is_none() {
                     next.store(sections.len(), Ordering::Relaxed);
                 } else if let Ok(mut slot) = sections[dual_plane].lock() {
                     *slot = Some(page.body);
@@ -141,7 +131,7 @@ impl Writer<'_> {
             (0..self.n_threads).for_each(|_| drop(scope.spawn(work)));
         });
         for section in sections {
-            body.push_str(&section.into_inner().ok().flatten()?);
+            body.append(&section.into_inner().ok().flatten()?);
         }
         Some(())
     }
@@ -149,7 +139,7 @@ impl Writer<'_> {
 
 /// The statements made of both children so far: their floors, and the number of intervals that the checker had to keep.
 #[derive(Clone, Copy)]
-struct Told {
+struct Stated {
     floors: [i64; 2],
     alive: [usize; 2],
 }
@@ -170,7 +160,7 @@ impl SearchContext<'_> {
     /// Write the proof that every tree with a root in a node costs `claim` or more.
     ///
     /// `place` is the node's region as the checker cuts it.
-    fn prove(&self, mut root: Node, place: checked::Region, mut told: Told, page: &mut Page<'_>) -> Option<()> {
+    fn prove(&self, mut root: Node, place: checked::Region, mut stated: Stated, page: &mut Page<'_>) -> Option<()> {
         let claim = page.claim;
         let features = self.dual_planes[root.dual_plane as usize].features;
         let [left, open, right] = page.points.sorted(features, &place);
@@ -192,7 +182,7 @@ impl SearchContext<'_> {
         let (plane, region) = (&self.instance.plane, root.region);
         let end = end_of(plane, features, &region, &partition.open);
         if end != End::Split
-            && let Some(line) = self.dichotomies_closed(&mut root, &place, &partition, owed, page)
+            && let Some(line) = self.closing_dichotomies(&mut root, &place, &partition, owed, page)
         {
             page.body.push_str(&line);
             return Some(());
@@ -200,7 +190,7 @@ impl SearchContext<'_> {
         if self.stop.load(Ordering::Relaxed) || !(region.is_wide() || region.is_high()) {
             return None;
         }
-        self.tell(&root, &partition, owed, &mut told, &mut page.body);
+        self.write_statements(&root, &partition, owed, &mut stated, &mut page.body);
         let at = self.dual_planes[root.dual_plane as usize].middle_boundary(region.t0, region.t1);
         let halves = split(plane, features, &region, &partition.open, at);
         let places = if halves[0].t1 < region.t1 {
@@ -212,7 +202,7 @@ impl SearchContext<'_> {
         };
         for (region, place) in halves.into_iter().zip(places) {
             let half = Node { region, ..root.clone() };
-            self.prove(half, place, told, page)?;
+            self.prove(half, place, stated, page)?;
         }
         Some(())
     }
@@ -241,19 +231,19 @@ impl SearchContext<'_> {
     }
 
     /// Write a statement by which the checker strikes off intervals in all nodes inside, where these are many.
-    fn tell(&self, root: &Node, partition: &Partition, owed: i64, told: &mut Told, body: &mut String) {
+    fn write_statements(&self, root: &Node, partition: &Partition, owed: i64, stated: &mut Stated, body: &mut String) {
         for s in [0, 1] {
-            let dead = self.least_to_reach(partition, s, told.floors[1 - s], owed);
+            let dead = self.least_to_reach(partition, s, stated.floors[1 - s], owed);
             let intervals = root.children[s].intervals.iter();
             let alive = n_intervals(intervals.filter(|interval| interval.bound < dead));
             let floor = root.children[s].floor;
             let grown = self.by_label_count(partition, root.children.each_ref().map(|c| c.floor));
-            let is_news = floor > told.floors[s] && floor > self.two_labels(&partition.tallies[s]);
-            if alive * 2 <= told.alive[s] || (is_news && grown * 2 > owed) {
+            let is_news = floor > stated.floors[s] && floor > self.two_labels(&partition.tallies[s]);
+            if alive * 2 <= stated.alive[s] || (is_news && grown * 2 > owed) {
                 let tag = if s == 0 { 'l' } else { 'r' };
                 let _ = writeln!(body, "{tag} {floor} {dead}");
-                told.floors[s] = told.floors[s].max(floor);
-                told.alive[s] = alive;
+                stated.floors[s] = stated.floors[s].max(floor);
+                stated.alive[s] = alive;
             }
         }
     }
@@ -262,7 +252,7 @@ impl SearchContext<'_> {
     ///
     /// The dichotomies are those that the checker will go through: all lines of the region's range of t. One that costs
     /// less is left out where no line makes it.
-    fn dichotomies_closed(
+    fn closing_dichotomies(
         &self,
         root: &mut Node,
         place: &checked::Region,

@@ -5,13 +5,13 @@
 //! after shows that they cannot hold the best stump here: a stump's gain on a side grows by at most the swing that
 //! enters, and never grows when samples leave.
 
-use crate::exact::Switches;
 use crate::exact::samples::Samples;
-use crate::exact::stumps::doubt::{Candidate, Sides};
 use crate::exact::stumps::groups::{Histogram, Kinds};
+use crate::exact::stumps::place::{NEVER, Neighbour, Place, Stump, Stumps};
 use crate::exact::stumps::sweep::Lane;
 use crate::exact::stumps::table::{Shape, Table};
-use crate::exact::stumps::{NEVER, Neighbour, Place, Stump, Stumps};
+use crate::exact::stumps::uncertainty::{Candidate, Sides};
+use crate::exact::switches::Switches;
 use crate::exact::view::View;
 
 /// See the module.

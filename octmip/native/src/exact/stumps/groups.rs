@@ -1,8 +1,8 @@
 //! Histograms of the two sides of a cut, one for each group of features, moved only when it is needed.
 
 use crate::exact::samples::Samples;
-use crate::exact::stumps::Place;
 use crate::exact::stumps::aligned::Aligned;
+use crate::exact::stumps::place::Place;
 use crate::exact::stumps::sweep::{Difference, Group, Lane, STRIDE};
 use crate::exact::stumps::table::{Shape, Table};
 use crate::exact::view::View;

@@ -2,9 +2,10 @@
 
 use crate::exact::samples::Samples;
 use crate::exact::stumps::buckets::Buckets;
-use crate::exact::stumps::doubt::{Candidate, Sides};
+use crate::exact::stumps::place::Place;
+use crate::exact::stumps::scan::split_gain;
 use crate::exact::stumps::sweep::{Lane, STRIDE};
-use crate::exact::stumps::{Place, scan::split_gain};
+use crate::exact::stumps::uncertainty::{Candidate, Sides};
 
 impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
     /// Look inside buckets, the side of the wider doubt first, until the stumps are exact or close the interval.

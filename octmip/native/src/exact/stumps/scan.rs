@@ -1,7 +1,7 @@
 //! Best stumps by a plain walk along every list: the yardstick, and the way when leaves have a least size.
 
 use crate::exact::samples::Samples;
-use crate::exact::stumps::{NEVER, Neighbour, Place, Stump, Stumps};
+use crate::exact::stumps::place::{NEVER, Neighbour, Place, Stump, Stumps};
 use crate::exact::view::View;
 
 /// See the module.

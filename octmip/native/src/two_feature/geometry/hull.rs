@@ -1,7 +1,8 @@
 //! Convex hulls of samples, and whether a line can part two sets, in exact arithmetic.
 
-use crate::two_feature::geometry::plane::Plane;
 use std::cmp::Ordering;
+
+use crate::two_feature::geometry::plane::Plane;
 
 /// Whether a line can part these samples strictly, in exact arithmetic.
 ///

@@ -6,8 +6,9 @@
 
 use std::cmp::Ordering;
 
-use crate::two_feature::geometry::wide_products::compare_products;
 use octmip_check::two_feature::exact_sign;
+
+use crate::two_feature::geometry::wide_products::compare_products;
 
 /// Most bits of a feature's whole-number coordinates: the product of two differences then fits 256 bits.
 const MOST_BITS: i32 = 120;

@@ -1,5 +1,7 @@
 //! Bounds of a node, the cheaper ones first.
 
+use std::sync::atomic::Ordering;
+
 use crate::two_feature::geometry::line::Line;
 use crate::two_feature::label_count::{label_count_bound, two_labels_at_least};
 use crate::two_feature::loss::INFEASIBLE;
@@ -8,7 +10,6 @@ use crate::two_feature::nodes::node::{Child, Goal, Node, Partition, SearchContex
 use crate::two_feature::regions::slope_interval::SlopeInterval;
 use crate::two_feature::stumps::search::{StumpResult, StumpTask};
 use crate::two_feature::stumps::solver::best_split;
-use std::sync::atomic::Ordering;
 
 impl SearchContext<'_> {
     /// The incumbent of a child over some samples: cost and line of the best of a leaf and these lines.

@@ -1,5 +1,7 @@
 //! Branching: a node is bounded, solved by its dichotomies or split.
 
+use std::sync::atomic::Ordering;
+
 use crate::two_feature::geometry::line::Line;
 use crate::two_feature::line_tree::LineTree;
 use crate::two_feature::nodes::known::{Known, Notes};
@@ -8,7 +10,6 @@ use crate::two_feature::regions::dichotomies::{End, end_of};
 use crate::two_feature::regions::realisation::{CLEARANCE, Realisation, Separability, realise};
 use crate::two_feature::regions::region::split;
 use crate::two_feature::stumps::search::{StumpResult, StumpTask};
-use std::sync::atomic::Ordering;
 
 impl SearchContext<'_> {
     /// Bound a node until `target`, split it if that fails; trees of `upper` and more are of no interest.

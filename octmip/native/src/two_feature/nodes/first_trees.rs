@@ -1,5 +1,8 @@
 //! First trees: root and children improved in turn, each exactly with the others fixed, from many random roots.
 
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
 use crate::two_feature::geometry::line::Line;
 use crate::two_feature::line_tree::LineTree;
 use crate::two_feature::loss::{INFEASIBLE, Loss};
@@ -9,8 +12,6 @@ use crate::two_feature::regions::slope_interval::SlopeInterval;
 use crate::two_feature::stumps::search::StumpTask;
 use crate::two_feature::stumps::solver::best_split;
 use crate::two_feature::weighted_samples::WeightedSamples;
-use std::sync::Arc;
-use std::sync::atomic::Ordering;
 
 /// Slope intervals that are scanned in one move, and regions of them that are split.
 const INTERVALS: usize = 64;

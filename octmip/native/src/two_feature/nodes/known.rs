@@ -4,9 +4,10 @@
 //! Dropping samples lowers no optimum, adding them raises it by at most what they can cost. So for any two sets
 //! STUMP(S) >= STUMP(S and T) >= STUMP(T) - most(T without S). A few words of bits are compared in place of a search.
 
+use std::collections::VecDeque;
+
 use crate::two_feature::geometry::line::Line;
 use crate::two_feature::instance::Instance;
-use std::collections::VecDeque;
 
 /// Most sets and lines that are kept, the youngest, also in proportion to the dual planes.
 const MOST_SETS: usize = 3000;

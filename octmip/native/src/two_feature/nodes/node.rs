@@ -11,7 +11,7 @@
 //! them.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::problem::Problem;
 use crate::two_feature::geometry::line::Line;
@@ -37,6 +37,15 @@ pub(crate) struct SearchContext<'a> {
     pub(crate) all: Vec<u32>,
     /// Set when the search has to stop; what is computed after that is worthless.
     pub(crate) stop: &'a AtomicBool,
+}
+
+impl<'a> SearchContext<'a> {
+    /// The tables of all dual planes with at most so many intervals; fewer tables once the search has to stop.
+    pub(crate) fn new(problem: &'a Problem, instance: &'a Instance, n_intervals: usize, stop: &'a AtomicBool) -> Self {
+        let going = instance.dual_planes.iter().take_while(|_| !stop.load(Ordering::Relaxed));
+        let dual_planes = going.map(|&features| DualPlane::new(&instance.plane, features, n_intervals)).collect();
+        Self { problem, instance, dual_planes, all: instance.all(), stop }
+    }
 }
 
 /// Bounds and lines of one child of the root.

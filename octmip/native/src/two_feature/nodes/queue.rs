@@ -10,15 +10,14 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex};
 
 use crate::control::{KeepGoing, Progress, Stop};
+use crate::supervise::Supervision;
 use crate::tree::Tree;
 use crate::two_feature::line_tree::{LineTree, to_tree};
 use crate::two_feature::nodes::known::Known;
 use crate::two_feature::nodes::node::{Child, Node, Processed, SearchContext};
-use crate::two_feature::watch::{LOOK, Watch};
 
 /// Nodes of a batch.
 const BATCH: usize = 64;
@@ -30,7 +29,7 @@ const BATCHES_PER_LOOK: u64 = 8;
 /// A search over nodes.
 pub(crate) struct Queue<'a> {
     context: &'a SearchContext<'a>,
-    watch: &'a Watch,
+    supervision: &'a Supervision,
     n_threads: usize,
     /// Waiting nodes by bound, then the youngest first.
     waiting: BinaryHeap<Reverse<(i64, Reverse<u64>)>>,
@@ -54,7 +53,7 @@ impl<'a> Queue<'a> {
     /// A search from these nodes; `upper` is known to be attainable.
     pub(crate) fn new(
         context: &'a SearchContext<'a>,
-        watch: &'a Watch,
+        supervision: &'a Supervision,
         n_threads: usize,
         roots: Vec<Node>,
         upper: i64,
@@ -62,7 +61,7 @@ impl<'a> Queue<'a> {
     ) -> Self {
         let mut queue = Self {
             context,
-            watch,
+            supervision,
             n_threads,
             waiting: BinaryHeap::new(),
             nodes: std::collections::HashMap::new(),
@@ -136,7 +135,7 @@ impl<'a> Queue<'a> {
                 continue;
             }
             let results = self.process(&batch, keep_going);
-            if let Some(stop) = self.watch.reason() {
+            if let Some(stop) = self.supervision.reason() {
                 batch.into_iter().for_each(|root| self.push(root));
                 return stop;
             }
@@ -149,21 +148,12 @@ impl<'a> Queue<'a> {
 
     /// The limit that the search has met, if any.
     fn limit_met(&mut self, bound: i64) -> Option<Stop> {
-        let limits = &self.watch.limits;
-        let gap = (self.upper - bound) as f64 / (self.upper as f64).max(1e-300);
         if self.n_batches.is_multiple_of(BATCHES_PER_LOOK) {
             self.bytes = self.nodes.values().chain(&self.aside).map(bytes_of).sum();
         }
         self.n_batches += 1;
-        if limits.gap > 0.0 && gap <= limits.gap {
-            Some(Stop::Gap)
-        } else if self.n_nodes as f64 >= limits.nodes {
-            Some(Stop::Nodes)
-        } else if self.bytes as f64 >= limits.memory {
-            Some(Stop::Memory)
-        } else {
-            None
-        }
+        let gap = self.supervision.gap_reached((self.upper - bound) as f64, self.upper as f64);
+        gap.or_else(|| self.supervision.spent(self.n_nodes, self.bytes as f64))
     }
 
     fn next_batch(&mut self) -> Vec<Node> {
@@ -235,7 +225,7 @@ impl<'a> Queue<'a> {
         let slots: Vec<Mutex<Processed>> = batch.iter().map(|_| Mutex::default()).collect();
         let work = || {
             let mut position = next.fetch_add(1, Ordering::Relaxed);
-            while position < batch.len() && !self.watch.was_stopped() {
+            while position < batch.len() && !self.supervision.is_stopped() {
                 let root = batch[position].clone();
                 let result = self.context.process(root, self.target, self.upper, &self.known);
                 if let Ok(mut slot) = slots[position].lock() {
@@ -244,21 +234,9 @@ impl<'a> Queue<'a> {
                 position = next.fetch_add(1, Ordering::Relaxed);
             }
         };
-        std::thread::scope(|scope| {
-            let (sender, receiver) = channel::<()>();
-            for _ in 0..self.n_threads.min(batch.len()) {
-                let (sender, work) = (sender.clone(), &work);
-                scope.spawn(move || {
-                    work();
-                    drop(sender);
-                });
-            }
-            drop(sender);
-            while let Err(RecvTimeoutError::Timeout) = receiver.recv_timeout(LOOK) {
-                self.watch.look(&mut *keep_going, state);
-            }
-        });
-        self.watch.look(keep_going, state);
+        self.supervision
+            .run_all(self.n_threads.min(batch.len()), work, || self.supervision.poll(&mut *keep_going, state));
+        self.supervision.poll(keep_going, state);
         slots.into_iter().map(|slot| slot.into_inner().unwrap_or_default()).collect()
     }
 }

@@ -1,8 +1,9 @@
 //! Ends of the splitting of a region: few open points, or open points on one line, and their dichotomies by a line.
 
+use std::cmp::Ordering;
+
 use crate::two_feature::geometry::plane::Plane;
 use crate::two_feature::regions::region::Region;
-use std::cmp::Ordering;
 
 /// Open points on one line beyond this area count as collinear and are parted in exact arithmetic.
 const FLAT: f64 = 1.0 / (1u64 << 40) as f64;

@@ -1,11 +1,12 @@
 //! Realisation of dichotomies by lines: in floating point where there is room, in exact arithmetic elsewhere.
 
+use std::collections::HashMap;
+
 use crate::two_feature::geometry::hull::can_part;
 use crate::two_feature::geometry::line::{EPS, Line};
 use crate::two_feature::geometry::margin::widest_line;
 use crate::two_feature::geometry::plane::Plane;
 use crate::two_feature::regions::region::Region;
-use std::collections::HashMap;
 
 /// Lines that keep this clear of all samples part them in floating point as they do in exact arithmetic.
 pub(crate) const CLEARANCE: f64 = 2.0 * EPS;

@@ -1,10 +1,11 @@
 //! The best single split of many samples over many pairs: dual planes made one at a time, so memory stays small.
 
+use std::sync::atomic::AtomicBool;
+
 use crate::two_feature::geometry::line::Line;
 use crate::two_feature::regions::dual_plane::DualPlane;
 use crate::two_feature::stumps::search::{StumpResult, StumpSearch};
 use crate::two_feature::weighted_samples::WeightedSamples;
-use std::sync::atomic::AtomicBool;
 
 /// Slope intervals of a dual plane that is used once.
 const INTERVALS: usize = 8;

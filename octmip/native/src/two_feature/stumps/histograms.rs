@@ -66,6 +66,6 @@ impl Histograms {
 pub(crate) struct Limits {
     /// Slope intervals of this bound and more are left out.
     pub(crate) dead: i64,
-    /// What a bound loses to hold for fewer samples.
+    /// Reduction of a bound for it to hold for fewer samples.
     pub(crate) less: i64,
 }

@@ -1,12 +1,13 @@
 //! The search for the best stump: its task, its result and its state.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use crate::two_feature::geometry::line::Line;
 use crate::two_feature::loss::INFEASIBLE;
 use crate::two_feature::regions::realisation::Separability;
 use crate::two_feature::regions::region::Region;
 use crate::two_feature::stumps::histograms::Histograms;
 use crate::two_feature::weighted_samples::WeightedSamples;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The task of the stump solver.
 #[derive(Debug, Clone, Copy)]

@@ -2,8 +2,9 @@
 //!
 //! Plain loops over regions inside `pulp`'s dispatch; integer arithmetic, so every width gives the same numbers.
 
-use crate::two_feature::loss::{INFEASIBLE, Loss};
 use pulp::{Simd, WithSimd};
+
+use crate::two_feature::loss::{INFEASIBLE, Loss};
 
 /// Histograms of one interval, a row of regions for every class (and one of sample counts where leaves have a size).
 pub(crate) struct Sweep<'a> {

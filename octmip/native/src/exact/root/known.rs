@@ -3,21 +3,12 @@
 //! A later search takes it up where it was left. It believes the bounds of the cuts, which it could only check by the work
 //! that made them; what a glance can refute is refused (`Known::check`).
 
-use crate::exact::answer::Reached;
+use std::time::Instant;
+
+use crate::exact::node::result::{Reached, Solved};
 use crate::exact::samples::Samples;
 use crate::exact::view::View;
 use crate::tree::Tree;
-
-/// A solved cut of the root: usable feature, samples left of it, lower bounds of both children.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Solved {
-    /// Usable feature.
-    pub feature: usize,
-    /// Samples left of it.
-    pub position: usize,
-    /// Lower bounds of the children.
-    pub bounds: [i64; 2],
-}
 
 /// Sensors that a node of the search over sensor sets holds and bans.
 pub type Held = (Vec<bool>, Vec<bool>);
@@ -105,4 +96,34 @@ pub struct Saver<'a> {
     pub every: f64,
     /// Takes it; `false` means stop now.
     pub save: &'a mut dyn FnMut(&Known) -> bool,
+}
+
+/// A saver, and when it was last given something.
+pub struct Due<'a> {
+    saver: Option<Saver<'a>>,
+    saved: Instant,
+}
+
+impl Default for Due<'_> {
+    fn default() -> Self {
+        Self::new(None)
+    }
+}
+
+impl<'a> Due<'a> {
+    /// Next due after the saver's interval from now.
+    pub fn new(saver: Option<Saver<'a>>) -> Self {
+        Self { saver, saved: Instant::now() }
+    }
+
+    /// Hand out what is known, now or if it is time; whether to go on.
+    pub fn save(&mut self, now: bool, known: &dyn Fn() -> Known) -> bool {
+        let Some(saver) = &mut self.saver else { return true };
+        if !now && self.saved.elapsed().as_secs_f64() < saver.every {
+            return true;
+        }
+        let goes_on = (saver.save)(&known());
+        self.saved = Instant::now();
+        goes_on
+    }
 }

@@ -10,14 +10,14 @@ use std::collections::BinaryHeap;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use crate::exact::Switches;
-use crate::exact::answer::Reached;
-use crate::exact::axis::{Axis, Interval};
-use crate::exact::branch::{Children, Cut, Search};
 use crate::exact::effort::Control;
-use crate::exact::known::{Known, Solved};
-use crate::exact::plan::Plan;
+use crate::exact::node::axis::{Axis, Interval};
+use crate::exact::node::plan::Plan;
+use crate::exact::node::result::{Reached, Solved};
+use crate::exact::node::search::{Children, Cut, Search};
+use crate::exact::root::known::Known;
 use crate::exact::samples::Samples;
+use crate::exact::switches::Switches;
 use crate::exact::view::View;
 
 /// An open interval of a feature; ordered by bound, then by the order of features, then by place.

@@ -2,14 +2,15 @@
 
 use std::collections::VecDeque;
 
-use crate::exact::Switches;
-use crate::exact::answer::{Answer, Reached};
-use crate::exact::axis::{Axis, Interval};
 use crate::exact::effort::Control;
-use crate::exact::plan::Plan;
-use crate::exact::proof::Log;
+use crate::exact::node::axis::{Axis, Interval};
+use crate::exact::node::log::Log;
+use crate::exact::node::plan::Plan;
+use crate::exact::node::result::{Answer, Reached};
 use crate::exact::samples::Samples;
-use crate::exact::stumps::{Stumps, finder, width};
+use crate::exact::stumps::place::Stumps;
+use crate::exact::stumps::{finder, width};
+use crate::exact::switches::Switches;
 use crate::exact::view::View;
 
 /// A cut to be solved.
@@ -58,7 +59,7 @@ pub struct Search<'a> {
     /// Whether any tree below the budget will do: the search ends with the first one at its root.
     pub takes_first: bool,
     /// The records of what is proven, when a proof is written.
-    pub log: Option<Log>,
+    pub(crate) log: Option<Log>,
     pub(super) axis: Axis,
     pub(super) positions: Vec<u32>,
     control: &'a Control,
@@ -249,7 +250,7 @@ impl<'a> Search<'a> {
     /// Solve both children of a cut: their bounds, and the tree when both are found.
     ///
     /// With slack a child is solved although the pair is known to lose: its bound then rules out neighbours too.
-    pub(super) fn children(&mut self, view: &View, depth: usize, cut: &Cut, sides: &mut [View; 2]) -> Children {
+    pub(crate) fn children(&mut self, view: &View, depth: usize, cut: &Cut, sides: &mut [View; 2]) -> Children {
         let mut marks = std::mem::take(&mut self.marks);
         view.split(self.samples, cut.feature, cut.position, &mut marks, sides);
         self.marks = marks;

@@ -1,10 +1,10 @@
 //! The best tree of at most two levels: bisection over the cuts of the root, both children answered by best stumps.
 
-use crate::exact::answer::{Answer, Reached};
-use crate::exact::axis::Interval;
-use crate::exact::branch::Search;
-use crate::exact::plan::Plan;
-use crate::exact::stumps::{Neighbour, Place, Stumps};
+use crate::exact::node::axis::Interval;
+use crate::exact::node::plan::Plan;
+use crate::exact::node::result::{Answer, Reached};
+use crate::exact::node::search::Search;
+use crate::exact::stumps::place::{Neighbour, Place, Stumps};
 use crate::exact::view::View;
 
 impl Search<'_> {

@@ -16,11 +16,11 @@
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use crate::exact::Switches;
-use crate::exact::branch::Search;
 use crate::exact::effort::Control;
-use crate::exact::known::Held;
+use crate::exact::node::search::Search;
+use crate::exact::root::known::Held;
 use crate::exact::samples::Samples;
+use crate::exact::switches::Switches;
 use crate::exact::view::View;
 use crate::problem::Problem;
 use crate::tree::{Node, Tree};
@@ -100,10 +100,10 @@ impl State {
 
 /// The search over sensor sets, shared by the threads.
 pub struct Sets<'a> {
-    pub(super) problem: &'a Problem,
-    pub(super) samples: &'a Samples,
-    pub(super) switches: Switches,
-    pub(super) control: &'a Control,
+    pub(crate) problem: &'a Problem,
+    pub(crate) samples: &'a Samples,
+    pub(crate) switches: Switches,
+    pub(crate) control: &'a Control,
     state: Mutex<State>,
     changed: Condvar,
 }
@@ -214,7 +214,7 @@ impl<'a> Sets<'a> {
 
     /// The sensor to decide, and the nodes that ban and hold it: the first that a tree breaking the budget reads and
     /// that is not yet held. There is one, as a tree over held sensors alone keeps the budget.
-    pub(super) fn decide(&self, choice: &Choice, breaking: &[usize]) -> Option<(usize, Choice, Choice)> {
+    pub(crate) fn decide(&self, choice: &Choice, breaking: &[usize]) -> Option<(usize, Choice, Choice)> {
         let costs = &self.problem.sensor_cost;
         let sensor = breaking.iter().copied().find(|&s| !choice.held[s] && costs[s] > 0.0)?;
         let mut without = Choice { breaking: None, ..choice.clone() };
@@ -225,7 +225,7 @@ impl<'a> Sets<'a> {
     }
 
     /// The nodes to begin with.
-    pub(super) fn take_open(&self) -> Vec<Choice> {
+    pub(crate) fn take_open(&self) -> Vec<Choice> {
         let open = std::mem::take(&mut self.lock().open);
         open.into_iter().map(|(choice, _)| choice).collect()
     }
@@ -242,7 +242,7 @@ impl<'a> Sets<'a> {
     /// Search a node's relaxation for trees that cost less than `upper`.
     ///
     /// The first tree will do when the sensors break the budget together; else the best one is wanted.
-    pub(super) fn relax(&self, choice: &Choice, upper: i64) -> Relaxed {
+    pub(crate) fn relax(&self, choice: &Choice, upper: i64) -> Relaxed {
         let usable = self.usable(choice);
         if let Some(sensors) = &choice.breaking
             && sensors.iter().all(|&s| usable[s])

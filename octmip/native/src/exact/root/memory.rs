@@ -2,9 +2,9 @@
 //!
 //! Every list is reckoned at the longest that it can become. `n` samples, `p` features, `4 n p` bytes a set of lists.
 
-use crate::exact::Switches;
-use crate::exact::label_sets::{WIDTH, most_width};
+use crate::exact::samples::label_sets::{WIDTH, most_width};
 use crate::exact::stumps::width;
+use crate::exact::switches::Switches;
 use crate::problem::Problem;
 
 /// A vector of the widest registers, and the features of a group by width of number [bytes, features].

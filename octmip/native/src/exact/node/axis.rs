@@ -10,10 +10,10 @@
 //! * mixed labels: `e(L(k)) >= e(L(a)) + g(a, k)`, g the least cost of the samples between when only as many labels
 //!   may be predicted as the child has leaves: each of them lands in some leaf of the same tree. Needs monotone.
 
-use crate::exact::Switches;
-use crate::exact::known::Solved;
-use crate::exact::label_sets::WIDTH;
+use crate::exact::node::result::Solved;
 use crate::exact::samples::Samples;
+use crate::exact::samples::label_sets::WIDTH;
+use crate::exact::switches::Switches;
 use crate::exact::view::View;
 
 /// All bits of one lane. A count is added to all lanes at once, though one changes: the whole vector is read back right

@@ -1,6 +1,8 @@
 //! The vector pass where samples gain in several columns: a bucket holds how much there is of each kind of sample.
 
-use super::{Edge, Group, Lane, Row, STRIDE, add, max, min, sub, zip};
+use super::edge::{Edge, STRIDE};
+use super::group::Group;
+use super::lanes::{Lane, Row, add, max, min, sub, zip};
 
 #[inline(always)]
 fn scale<T: Lane, const N: usize>(a: &Row<T, N>, by: T) -> Row<T, N> {

@@ -1,6 +1,6 @@
 //! What a search of one node has to say.
 
-use crate::exact::plan::Plan;
+use crate::exact::node::plan::Plan;
 
 /// The best cut of a feature that was seen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -58,4 +58,15 @@ impl Answer {
         self.lower = self.cost(upper);
         self
     }
+}
+
+/// A solved cut of the root: usable feature, samples left of it, lower bounds of both children.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Solved {
+    /// Usable feature.
+    pub feature: usize,
+    /// Samples left of it.
+    pub position: usize,
+    /// Lower bounds of the children.
+    pub bounds: [i64; 2],
 }
