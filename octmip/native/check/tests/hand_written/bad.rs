@@ -6,16 +6,27 @@ use crate::problems::*;
 use crate::{axis, run, two_feature};
 
 /// Name, question, log, the line that is refused, and how the reason begins.
-fn bad_logs() -> Vec<(&'static str, Question, String, usize, &'static str)> {
-    let four = || stripes(4, 1);
-    let six = || stripes(6, 2);
-    let stump = |claim: &str| axis(claim, &format!("N 1 1 {claim} | E | end"));
-    let body = |body: &str| two_feature("1", &format!("C 0 1 | {CUT} | {body}"));
-    let out = |old: &str, new: &str| written_out(&WRITTEN_OUT.replacen(old, new, 1));
-    let halving = format!("C 0 1 | {}N 0 0 | end", "R 0 0 | ".repeat(1001));
-    let two_leaves = || Question { leaf_size: 2, ..stripes(4, 1) };
+type BadLog = (&'static str, Question, String, usize, &'static str);
+
+fn four() -> Question {
+    stripes(4, 1)
+}
+
+fn six() -> Question {
+    stripes(6, 2)
+}
+
+fn stump(claim: &str) -> String {
+    axis(claim, &format!("N 1 1 {claim} | E | end"))
+}
+
+fn bad_logs() -> Vec<BadLog> {
+    [bad_headers(), bad_numbers(), bad_axis_bodies(), bad_two_feature_bodies()].into_iter().flatten().collect()
+}
+
+/// Headers.
+fn bad_headers() -> Vec<BadLog> {
     vec![
-        // Headers.
         ("nothing", four(), "".into(), 1, "got \"\", expected \"octmip-proof 3\""),
         ("another format", four(), stump("1").replace("proof 3", "proof 4"), 1, "got \"octmip-proof 4\""),
         (
@@ -67,7 +78,13 @@ fn bad_logs() -> Vec<(&'static str, Question, String, usize, &'static str)> {
         ("a claim beyond 64 bits", four(), stump("99999999999999999999"), 5, "got \"claim 9999"),
         ("a claim of 2^61", four(), stump("2305843009213693952"), 5, "got \"claim 2305843009213693952\""),
         ("no claim", four(), stump("1").replace("claim 1\n", ""), 5, "got \"N 1 1 1\", expected \"claim\""),
-        // Numbers written out: unit 4, costs 5, rows 6, weights 7, penalty 8, claim 9.
+    ]
+}
+
+/// Numbers written out: unit 4, costs 5, rows 6, weights 7, penalty 8, claim 9.
+fn bad_numbers() -> Vec<BadLog> {
+    let out = |old: &str, new: &str| written_out(&WRITTEN_OUT.replacen(old, new, 1));
+    vec![
         ("no unit", tenths(), out("unit 10", "unit ten"), 4, "got \"unit ten\", expected \"unit\" and one exponent"),
         (
             "a cost that is no number",
@@ -132,7 +149,13 @@ fn bad_logs() -> Vec<(&'static str, Question, String, usize, &'static str)> {
             "with these weights a tree may cost 4611686018427387900, expected less than 2^61",
         ),
         ("a penalty too large", tenths(), out("penalty 0", "penalty 1"), 8, "the penalty 1 is above the problem's, 0"),
-        // Axis-aligned bodies, from line 6.
+    ]
+}
+
+/// Axis-aligned bodies, from line 6.
+fn bad_axis_bodies() -> Vec<BadLog> {
+    let two_leaves = || Question { leaf_size: 2, ..stripes(4, 1) };
+    vec![
         ("no body", four(), axis("1", "end"), 6, "got \"end\", expected N and 3 numbers"),
         ("a bound that is no number", four(), axis("1", "N 1 1 x | E | end"), 6, "got \"N 1 1 x\", expected N and 3"),
         ("a bound below 0", four(), axis("1", "N 1 1 -1 | E | end"), 6, "got \"N 1 1 -1\", expected N and 3 numbers"),
@@ -188,7 +211,14 @@ fn bad_logs() -> Vec<(&'static str, Question, String, usize, &'static str)> {
         ("a case too few", two_sensors(false), axis("1", "S 0 | N 1 1 2 | E | end"), 9, "got \"end\", expected N"),
         ("no end", four(), axis("1", "N 1 1 1 | E"), 8, "got \"\", expected end"),
         ("more after the end", four(), axis("1", "N 1 1 1 | E | end | end"), 9, "got \"end\" after the end"),
-        // Two-feature bodies, from line 6.
+    ]
+}
+
+/// Two-feature bodies, from line 6.
+fn bad_two_feature_bodies() -> Vec<BadLog> {
+    let body = |body: &str| two_feature("1", &format!("C 0 1 | {CUT} | {body}"));
+    let halving = format!("C 0 1 | {}N 0 0 | end", "R 0 0 | ".repeat(1001));
+    vec![
         ("a leaf of less", corners(1), two_feature("3", "D | end"), 5, "one leaf costs 2, less than the claim"),
         ("a line of less", corners(1), two_feature("2", "D | end"), 6, "a single split is not proven to cost 2"),
         (
