@@ -37,7 +37,7 @@ class SequentialProblem:
         ranks: NDArray[np.uint32],
         paid: NDArray[np.float64],
         frequency: NDArray[np.float64],
-        haste: NDArray[np.float64],
+        delay_costs: NDArray[np.float64],
         shape: tuple[float, int, int, list[int], list[bool], list[int]],
         prices: tuple[list[float], list[int], list[float], list[int]],
         multiplier: float,
@@ -46,7 +46,7 @@ class SequentialProblem:
         """Take the problem.
 
         `shape`: penalty, depth, leaf size, sensor of each feature, whether it may be used, most readings of each label.
-        `prices`: cost and group of each sensor, opening cost of each group, sensors read before the root.
+        `prices`: cost and group of each sensor, set-up cost of each group, sensors read before the root.
         """
 
 class Question:

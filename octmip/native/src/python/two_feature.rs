@@ -41,7 +41,8 @@ fn two_feature_prunes() -> Vec<&'static str> {
     Switches::NAMES.to_vec()
 }
 
-/// The body of a log that proves `claim` of all two-feature trees; None when it was stopped, or the claim is not shown.
+/// The body of a log that proves `claim` of all two-feature trees; None when it was stopped, or the claim is not
+/// shown.
 #[pyfunction]
 fn prove_two_feature(py: Python<'_>, problem: &PyProblem, claim: i64, n_threads: usize) -> PyResult<Option<String>> {
     written(py, claim, |supervision| proof::write(&problem.inner, claim, n_threads, supervision.flag()))

@@ -1,4 +1,4 @@
-//! Prunes and bounds of the two-feature search; the optimum is the same without any of them.
+//! Switches of the two-feature search, for its prunes and bounds; the optimum is the same without any of them.
 
 crate::switches::switches! {
     /// A node costs what its settled samples cost.

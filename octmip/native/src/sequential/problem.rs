@@ -1,15 +1,15 @@
-//! What is asked: samples, costs, and what the sensors cost that a path reads.
+//! A problem of sequential sensing: samples, costs, and the sensors' costs along a path.
 
-/// Costs of eight labels at a time.
-pub type Lanes = [f64; 8];
+/// Costs of eight labels together.
+pub(crate) type Lanes = [f64; 8];
 
 /// Sensors of a path are the bits of one word.
-pub const MOST_SENSORS: usize = 128;
+pub(crate) const MOST_SENSORS: usize = 128;
 
-/// A problem of sequential acquisition, checked on the Python side.
+/// Samples and their costs, sensors and their groups, limits of the tree.
 #[derive(Debug, Clone)]
-pub struct Question {
-    /// Samples and features.
+pub struct SequentialProblem {
+    /// Samples.
     pub n: usize,
     /// Features.
     pub p: usize,
@@ -19,10 +19,10 @@ pub struct Question {
     pub ranks: Vec<u32>,
     /// Cost of label k for sample i: `paid[i * n_classes + k]`.
     pub paid: Vec<f64>,
-    /// How much a sample counts in the acquisition cost.
+    /// Multiplicity of each sample in the reading cost.
     pub frequency: Vec<f64>,
-    /// What each reading adds to the error of a sample.
-    pub haste: Vec<f64>,
+    /// Error that each reading adds, by sample.
+    pub delay_costs: Vec<f64>,
     /// Price of a split.
     pub penalty: f64,
     /// Levels of splits.
@@ -35,21 +35,21 @@ pub struct Question {
     pub sensor_cost: Vec<f64>,
     /// Group of each sensor.
     pub group_of_sensor: Vec<usize>,
-    /// Cost of the first sensor of a group, beside its own.
-    pub opening: Vec<f64>,
-    /// For each label the most readings after which it may be told.
+    /// Cost of a path's first sensor in a group, beside its own, by group.
+    pub setup_costs: Vec<f64>,
+    /// Most readings after which a label may be predicted, by label.
     pub most_readings: Vec<usize>,
     /// Whether a feature may be used.
     pub allowed: Vec<bool>,
     /// Sensors that are read before the root.
     pub read: Vec<usize>,
-    /// What a unit of acquisition cost weighs beside the error.
+    /// Weight of a unit of reading cost beside the error.
     pub multiplier: f64,
-    /// Least error with at most this acquisition cost, instead of the least sum.
+    /// Most reading cost: the least error within it is wanted, instead of the least sum.
     pub cap: Option<f64>,
 }
 
-/// What has been read on the way to a node.
+/// Sensors and groups read on the way to a node.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Path {
     sensors: u128,
@@ -58,16 +58,16 @@ pub struct Path {
     pub n_read: usize,
 }
 
-impl Question {
-    /// Say what does not fit together.
+impl SequentialProblem {
+    /// Check every length and index; the error says which does not fit.
     pub fn validate(&self) -> Result<(), String> {
-        let (n, p, groups) = (self.n, self.p, self.opening.len());
+        let (n, p, groups) = (self.n, self.p, self.setup_costs.len());
         let sensors = self.sensor_cost.len();
         let lengths = [
             ("ranks", self.ranks.len(), n * p),
             ("paid", self.paid.len(), n * self.n_classes),
             ("frequency", self.frequency.len(), n),
-            ("haste", self.haste.len(), n),
+            ("delay_costs", self.delay_costs.len(), n),
             ("sensor_of_feature", self.sensor_of_feature.len(), p),
             ("allowed", self.allowed.len(), p),
             ("group_of_sensor", self.group_of_sensor.len(), sensors),
@@ -87,12 +87,12 @@ impl Question {
     }
 
     /// The path on which the sensors of `read` have been read.
-    pub fn start(&self) -> Path {
+    pub(crate) fn start(&self) -> Path {
         self.read.iter().fold(Path::default(), |path, &sensor| self.with_sensor(path, sensor).0)
     }
 
-    /// The path after a feature has been read, and what the reading costs.
-    pub fn step(&self, path: Path, feature: usize) -> (Path, f64) {
+    /// The path after a feature has been read, and the cost of the reading.
+    pub(crate) fn step(&self, path: Path, feature: usize) -> (Path, f64) {
         self.with_sensor(path, self.sensor_of_feature[feature])
     }
 
@@ -102,26 +102,26 @@ impl Question {
             return (path, 0.0);
         }
         let is_open = path.groups & (1_u128 << group) != 0;
-        let cost = self.sensor_cost[sensor] + if is_open { 0.0 } else { self.opening[group] };
+        let cost = self.sensor_cost[sensor] + if is_open { 0.0 } else { self.setup_costs[group] };
         let next =
             Path { sensors: path.sensors | bit, groups: path.groups | (1_u128 << group), n_read: path.n_read + 1 };
         (next, cost)
     }
 
     /// The most that `levels` more readings can cost.
-    pub fn dearest(&self, levels: usize) -> f64 {
+    pub(crate) fn most_path_cost(&self, levels: usize) -> f64 {
         let mut costs: Vec<f64> = self
             .sensor_cost
             .iter()
             .zip(&self.group_of_sensor)
-            .map(|(cost, &group)| cost + self.opening[group])
+            .map(|(cost, &group)| cost + self.setup_costs[group])
             .collect();
         costs.sort_by(|a, b| b.total_cmp(a));
         costs.iter().take(levels).sum()
     }
 
-    /// Zero for labels that may be told after `n_read` readings, infinity for the others and for the padding.
-    pub fn closed_labels(&self, n_read: usize) -> Vec<Lanes> {
+    /// Zero for labels that may be predicted after `n_read` readings, infinity for the others and for the padding.
+    pub(crate) fn closed_labels(&self, n_read: usize) -> Vec<Lanes> {
         let mut closed = vec![[f64::INFINITY; 8]; self.n_classes.div_ceil(8)];
         for (label, &most) in self.most_readings.iter().enumerate() {
             if n_read <= most {

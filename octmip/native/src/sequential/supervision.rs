@@ -1,26 +1,26 @@
-//! Supervision of one thread that polls at every cut.
+//! Supervision of a search in the calling thread, which polls at every cut.
 
 use crate::control::{KeepGoing, Limits, Progress, Stop};
 use crate::supervise::Supervision;
 
 /// Limits of a search, and the cuts it has evaluated.
-pub struct Watch<'a> {
+pub(crate) struct CutSupervision<'a> {
     supervision: Supervision,
     keep_going: KeepGoing<'a>,
-    /// What bounds and rooms of the root hold beside the objective.
+    /// Part of the root's bounds and rooms that is not the objective.
     added: f64,
     /// Cuts evaluated.
-    pub n_cuts: u64,
+    pub(crate) n_cuts: u64,
 }
 
-impl<'a> Watch<'a> {
-    /// A watch that starts now.
-    pub fn new(limits: Limits, added: f64, keep_going: KeepGoing<'a>) -> Self {
+impl<'a> CutSupervision<'a> {
+    /// A search that begins now.
+    pub(crate) fn new(limits: Limits, added: f64, keep_going: KeepGoing<'a>) -> Self {
         Self { supervision: Supervision::new(limits), keep_going, added, n_cuts: 0 }
     }
 
     /// Stop when the root's bound is as near to its best as was asked for.
-    pub fn compare(&mut self, bound: f64, best: f64) {
+    pub(crate) fn compare(&mut self, bound: f64, best: f64) {
         if best.is_finite()
             && let Some(gap) = self.supervision.gap_reached(best - self.added - (bound - self.added), best - self.added)
         {
@@ -29,7 +29,7 @@ impl<'a> Watch<'a> {
     }
 
     /// Count one cut; whether the search must stop.
-    pub fn must_stop(&mut self) -> bool {
+    pub(crate) fn must_stop(&mut self) -> bool {
         if self.stop().is_none() {
             if let Some(limit) = self.supervision.spent(self.n_cuts, 0.0) {
                 self.supervision.stop(limit);
@@ -42,7 +42,7 @@ impl<'a> Watch<'a> {
     }
 
     /// Why the search must stop, if it must.
-    pub fn stop(&self) -> Option<Stop> {
+    pub(crate) fn stop(&self) -> Option<Stop> {
         self.supervision.reason()
     }
 }
