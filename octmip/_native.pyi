@@ -131,12 +131,12 @@ def two_feature_branch_and_bound(
     *,
     whole_coefficients: int | None = None,
 ) -> tuple[list[NodeRow], int, int, str, int]:
-    """Return node table, objective, bound, stop and number of boxes; the incumbent is the cost of a feasible tree."""
+    """Return node table, objective, bound, stop and number of nodes; the incumbent is the cost of a feasible tree."""
 
 def two_feature_prunes() -> list[str]:
     """Return the names of all prunes and bounds of the two-feature core."""
 
-def prove_lines(problem: Problem, claim: int, n_threads: int) -> str | None:
+def prove_two_feature(problem: Problem, claim: int, n_threads: int) -> str | None:
     """Return the body of a log that proves a claim about two-feature trees, None when stopped or not shown."""
 
 def sequential(

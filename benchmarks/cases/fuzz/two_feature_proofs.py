@@ -38,7 +38,7 @@ def _solved(problem: Problem, path: Path) -> Solution:
 
 
 def _other_place(rng: Generator, lines: list[str]) -> None:
-    """Move the edge or the value of t where a region is cut."""
+    """Move the edge or the value of t where a node is cut."""
     cuts = [row for row in range(HEADER, len(lines)) if lines[row].startswith(("T ", "R "))]
     if cuts:
         row = int(rng.choice(cuts))
