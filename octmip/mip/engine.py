@@ -153,8 +153,10 @@ class _Clock:
 def solve_formulation(problem: Problem, encode: Callable[[Known], Formulation], request: Request) -> Solution:
     """Solve a formulation of a problem and return the Solution.
 
-    Args:
-        encode: builds the formulation.
+    Parameters
+    ----------
+    encode
+        builds the formulation.
 
     Raises
     ------

@@ -129,14 +129,22 @@ def encode(
 ) -> Flow:
     """Return the flow formulation of a problem as rows.
 
-    Args:
-        best: the best tree known; cuts that lead to nothing better are left out.
-        fix: 0 leaves every cut in, 1 and 2 leave out more and more: the levels of `octmip.mip.blocks.fixing`.
-        class_count: False leaves the class-count rows out.
-        max_splits: at most so many splits (features summed over the splits); None: no limit.
-        mu: strictness of hyperplanes; None: chosen from the data.
-        prices: what is minimised; None: the problem's own weights, costs and penalty.
-        rows: an empty model to build in, watched for limits; None: a new one.
+    Parameters
+    ----------
+    best
+        the best tree known; cuts that lead to nothing better are left out.
+    fix
+        0 leaves every cut in, 1 and 2 leave out more and more: the levels of `octmip.mip.blocks.fixing`.
+    class_count
+        False leaves the class-count rows out.
+    max_splits
+        at most so many splits (features summed over the splits); None: no limit.
+    mu
+        strictness of hyperplanes; None: chosen from the data.
+    prices
+        what is minimised; None: the problem's own weights, costs and penalty.
+    rows
+        an empty model to build in, watched for limits; None: a new one.
     """
     prices, rows = prices or own_prices(problem), rows or Rows()
     ranks, heap = rank_features(problem), Heap(problem.depth)
@@ -257,12 +265,18 @@ def solve_flow(
 ) -> Solution:
     """Solve the flow formulation with HiGHS and return the tree and the bound.
 
-    Args:
-        incumbent: tree to start from; None: CART's.
-        max_splits: at most so many splits (features summed over the splits).
-        mu: strictness of hyperplanes; None: chosen from the data by the rule of `octmip.mip.blocks.hyperplanes`.
-        fix: how far cuts are left out of the model beforehand: the levels of `octmip.mip.blocks.fixing`.
-        request: the other fields of `octmip.mip.engine.Request`.
+    Parameters
+    ----------
+    incumbent
+        tree to start from; None: CART's.
+    max_splits
+        at most so many splits (features summed over the splits).
+    mu
+        strictness of hyperplanes; None: chosen from the data by the rule of `octmip.mip.blocks.hyperplanes`.
+    fix
+        how far cuts are left out of the model beforehand: the levels of `octmip.mip.blocks.fixing`.
+    request
+        the other fields of `octmip.mip.engine.Request`.
 
     Raises
     ------

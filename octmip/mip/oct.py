@@ -116,11 +116,16 @@ def encode(
 ) -> Oct:
     """Return OCT as rows, built family by family: the model of `octmip.mip.paper_models.oct`, forty times faster.
 
-    Args:
-        closed: whether unsplit nodes are kept from leaking (see the module).
-        max_splits: at most so many splits, the C of Bertsimas & Dunn's tuning; None: no limit.
-        prices: what is minimised; None: the problem's own weights, costs and penalty, as on paper.
-        rows: an empty model to build in, watched for limits; None: a new one.
+    Parameters
+    ----------
+    closed
+        whether unsplit nodes are kept from leaking (see the module).
+    max_splits
+        at most so many splits, the C of Bertsimas & Dunn's tuning; None: no limit.
+    prices
+        what is minimised; None: the problem's own weights, costs and penalty, as on paper.
+    rows
+        an empty model to build in, watched for limits; None: a new one.
     """
     prices, rows = prices or own_prices(problem), rows or Rows()
     ranks, heap = rank_features(problem), Heap(problem.depth)
@@ -171,11 +176,16 @@ def solve_oct(
 ) -> Solution:
     """Solve OCT with HiGHS and return the tree and the bound.
 
-    Args:
-        incumbent: tree to start from; None: CART's.
-        max_splits: at most so many splits.
-        strengthen: use the rows of `octmip.mip.flow`, the same trees with a far better bound, instead of the printed.
-        request: the other fields of `octmip.mip.engine.Request`.
+    Parameters
+    ----------
+    incumbent
+        tree to start from; None: CART's.
+    max_splits
+        at most so many splits.
+    strengthen
+        use the rows of `octmip.mip.flow`, the same trees with a far better bound, instead of the printed.
+    request
+        the other fields of `octmip.mip.engine.Request`.
 
     Raises
     ------

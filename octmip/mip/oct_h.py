@@ -110,11 +110,16 @@ def encode(
 ) -> OctH:
     """Return OCT-H as rows, built family by family: the model of `octmip.mip.paper_models.oct_h`.
 
-    Args:
-        mu: strictness.
-        max_splits: at most so many features summed over the splits, the C of Bertsimas & Dunn's tuning.
-        prices: what is minimised; None: the problem's own weights, costs and penalty, as on paper.
-        rows: an empty model to build in, watched for limits; None: a new one.
+    Parameters
+    ----------
+    mu
+        strictness.
+    max_splits
+        at most so many features summed over the splits, the C of Bertsimas & Dunn's tuning.
+    prices
+        what is minimised; None: the problem's own weights, costs and penalty, as on paper.
+    rows
+        an empty model to build in, watched for limits; None: a new one.
     """
     prices, rows = prices or own_prices(problem), rows or Rows()
     heap, space = Heap(problem.depth), space_of(problem, centred=False)
@@ -148,12 +153,18 @@ def solve_oct_h(
 ) -> Solution:
     """Solve OCT-H with HiGHS and return the best tree of both kinds and the bound over the mu-separated ones.
 
-    Args:
-        incumbent: tree to start from; None: CART's.
-        max_splits: at most so many features summed over the splits.
-        strengthen: use the rows of `octmip.mip.flow` instead of the printed ones.
-        mu: strictness; None: chosen from the data by the rule of `octmip.mip.blocks.hyperplanes`.
-        request: the other fields of `octmip.mip.engine.Request`.
+    Parameters
+    ----------
+    incumbent
+        tree to start from; None: CART's.
+    max_splits
+        at most so many features summed over the splits.
+    strengthen
+        use the rows of `octmip.mip.flow` instead of the printed ones.
+    mu
+        strictness; None: chosen from the data by the rule of `octmip.mip.blocks.hyperplanes`.
+    request
+        the other fields of `octmip.mip.engine.Request`.
 
     Raises
     ------

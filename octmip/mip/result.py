@@ -80,11 +80,16 @@ def solution_of(
 ) -> Solution:
     """Return the Solution that follows from the result of a run.
 
-    Args:
-        method, seed: of the run, to be named.
-        seconds: that it took.
-        given_bound: a bound proven elsewhere; -inf without one.
-        gap: the relative gap that was asked for.
+    Parameters
+    ----------
+    method, seed
+        of the run, to be named.
+    seconds
+        that it took.
+    given_bound
+        a bound proven elsewhere; -inf without one.
+    gap
+        the relative gap that was asked for.
     """
     objective = problem.objective(result.tree)
     tolerance = _tolerance(problem, result.known.prices, objective)

@@ -104,10 +104,12 @@ def calibrated_content(contents: Floats, coverage: float = 0.9) -> float:
 
     A filter's own 90 % hold more or less than that where damage grows otherwise than its model of growth says.
 
-    Args:
-        contents: of any shape, `content_holding` the truth, over the steps of simulated histories like those to come.
-            The answer is their quantile, as in split-conformal prediction; how well it is known is a matter of the
-            number of histories, not of their steps.
+    Parameters
+    ----------
+    contents
+        of any shape, `content_holding` the truth, over the steps of simulated histories like those to come. The result
+        is their quantile, as in split-conformal prediction; how well it is known is a matter of the number of
+        histories, not of their steps.
 
     Raises
     ------

@@ -56,8 +56,10 @@ def effect_candidates(
 ) -> tuple[Candidate, ...]:
     """Return one candidate per place where an effect of the twin may act.
 
-    Args:
-        sizes: in the effect's unit; None: 1, 2 and 4 times its prior scale.
+    Parameters
+    ----------
+    sizes
+        in the effect's unit; None: 1, 2 and 4 times its prior scale.
     """
     columns = [twin.gauges.index(gauge) for gauge in library.gauges]
     chosen = tuple(sizes) if sizes is not None else tuple(k * effect.prior_sd for k in (1.0, 2.0, 4.0))

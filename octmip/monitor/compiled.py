@@ -48,8 +48,8 @@ class CompiledTree:
         highest = max((split.features[-1] for split in found), default=-1)
         if highest >= len(self.feature_names):
             raise DataError(
-                f"the tree reads feature {highest} but only {len(self.feature_names)} names are given; expected one for each; "
-                "complete them"
+                f"the tree reads feature {highest} but has {len(self.feature_names)} feature names; expected one for "
+                "each; complete them"
             )
         number = {id(node): k for k, node in enumerate(nodes(self.tree))}
         self._set_steps(number)

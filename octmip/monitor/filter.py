@@ -82,8 +82,10 @@ class Filter:
     def observe(self, belief: Belief, readings: Floats, load_factor: float | Floats) -> Belief:
         """Return the belief after readings (n, n_gauges) in microstrain, NaN where missing, one row per asset.
 
-        Args:
-            load_factor: known, of all readings or (n,) of each.
+        Parameters
+        ----------
+        load_factor
+            known, of all readings or (n,) of each.
 
         Raises
         ------

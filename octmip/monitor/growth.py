@@ -94,10 +94,14 @@ def _probabilities(values: Floats, name: str, n_axes: int) -> Floats:
 def steady_growth(library: Library, rates: float | Sequence[float], sudden: float = 0.0, change: float = 0.0) -> Growth:
     """Return the growth of a library whose every parameter grows at one of `rates` per step in the mean.
 
-    Args:
-        rates: fractions per step; each parameter may have each.
-        sudden: probability of a jump of a parameter per step.
-        change: probability of another growth rate per step.
+    Parameters
+    ----------
+    rates
+        fractions per step; each parameter may have each.
+    sudden
+        probability of a jump of a parameter per step.
+    change
+        probability of another growth rate per step.
 
     Raises
     ------

@@ -164,11 +164,15 @@ def library_of(
 ) -> Library:
     """Return the library of a twin over states (n_states, n_parameters), in the order of `twin.parameters`.
 
-    Args:
-        gauges: those to read; None: all of the twin.
-        widths: (n_parameters,) cells around the states; slopes are then differences across the cell, half of it kept
-            within 0 and 1.
-        load_factor: where a twin that is not linear in load is asked; the library holds for that load alone.
+    Parameters
+    ----------
+    gauges
+        those to read; None: all of the twin.
+    widths
+        (n_parameters,) cells around the states; slopes are then differences across the cell, half of it kept within 0
+        and 1.
+    load_factor
+        where a twin that is not linear in load is asked; the library holds for that load alone.
 
     Raises
     ------

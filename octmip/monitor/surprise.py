@@ -17,8 +17,10 @@ Floats = NDArray[np.float64]
 def leaf_p_value(likelihood: LeafLikelihood, expected: Belief, readings: Floats, load_factor: float) -> Floats:
     """Return the p-value (n,) of the leaves of readings (n, n_gauges); 1 where missing gauges leave leaves open.
 
-    Args:
-        expected: the belief about each asset just before the reading, `Filter.advance` of the last.
+    Parameters
+    ----------
+    expected
+        the belief about each asset just before the reading, `Filter.advance` of the last.
 
     Raises
     ------

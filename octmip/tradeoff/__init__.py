@@ -8,15 +8,15 @@ choice     depth and leaf penalty by cross-validation over those paths
 
 from octmip.tradeoff.choice import RULES, Choice, Rule, Step, choose_tree
 from octmip.tradeoff.frontier import OVERS, Over, Point, default_values, trace_frontier
-from octmip.tradeoff.path import Candidate, PenaltyPath, trace_path
+from octmip.tradeoff.path import PathTree, PenaltyPath, trace_path
 from octmip.tradeoff.risk import RiskPoint, trace_risk_frontier
 
 __all__ = [
     "OVERS",
     "RULES",
-    "Candidate",
     "Choice",
     "Over",
+    "PathTree",
     "PenaltyPath",
     "Point",
     "RiskPoint",

@@ -103,7 +103,7 @@ def _starts(
         path = trace_path(
             problem, method=method, limits=limits, seed=seed, n_jobs=n_jobs, progress=progress, options=options
         )
-        return [(candidate.penalty, candidate.tree) for candidate in path.candidates]
+        return [(best.penalty, best.tree) for best in path.trees]
     chosen = default_values(problem, over) if values is None and over != "penalty" else values
     assert chosen is not None
     return [(value, None) for value in sorted(chosen)]

@@ -45,12 +45,22 @@ def trace_risk_frontier(
 ) -> list[RiskPoint]:
     """Return a point for each price of a failure, ascending; each search starts from the tree of the point before.
 
-    Args:
-        model: its `failure_loss` is replaced.
-        features: (n_samples, n_features); losses: (n_samples, n_regions) as fractions.
-        failure_losses: in the unit of `model.caution_losses`; twice the caution weighs both mistakes alike.
-        depth: of the trees; `asked`: other options of `Problem`, as ``sensor_budget``.
-        options: the method's own.
+    Parameters
+    ----------
+    model
+        its `failure_loss` is replaced.
+    features
+        (n_samples, n_features).
+    losses
+        (n_samples, n_regions) as fractions.
+    failure_losses
+        in the unit of `model.caution_losses`; twice the caution weighs both mistakes alike.
+    depth
+        of the trees.
+    asked
+        other options of `Problem`, as ``sensor_budget``.
+    options
+        the method's own.
 
     Raises
     ------

@@ -39,10 +39,14 @@ def admissible_cuts(
 ) -> dict[int, Cuts]:
     """Return the cuts of each branch node that a better tree than `best` may need, and those of `best` itself.
 
-    Args:
-        price: that of `best`.
-        level: 0 leaves every cut in; 1 boundary and class counts at the root; 2 class counts in pairs too.
-        check: called now and then; may raise when a limit is reached.
+    Parameters
+    ----------
+    price
+        that of `best`.
+    level
+        0 leaves every cut in; 1 boundary and class counts at the root; 2 class counts in pairs too.
+    check
+        called now and then; may raise when a limit is reached.
     """
     ranks = counts.ranks
     usable = axis.usable_features(problem, ranks)

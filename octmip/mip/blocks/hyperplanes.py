@@ -95,8 +95,10 @@ class Space:
 def space_of(problem: Problem, *, centred: bool = True) -> Space:
     """Return the space that the hyperplanes of a problem are written in.
 
-    Args:
-        centred: real normals: features in [-1/2, 1/2], which halves the big M; False: in [0, 1], as printed.
+    Parameters
+    ----------
+    centred
+        real normals: features in [-1/2, 1/2], which halves the big M; False: in [0, 1], as printed.
     """
     exponent = _extreme_exponents(problem.features)
     if problem.integer_normals is not None:

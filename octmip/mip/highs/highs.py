@@ -117,10 +117,14 @@ def run(
 ) -> Outcome:
     """Solve a model and return the outcome.
 
-    Args:
-        start: (n_columns,) a full solution to start from.
-        progress: called in this thread while HiGHS runs; what it raises stops the run and is raised again.
-        inject: called in this thread with HiGHS's best objective; may return a better solution (n_columns,).
+    Parameters
+    ----------
+    start
+        (n_columns,) a full solution to start from.
+    progress
+        called in this thread while HiGHS runs; what it raises stops the run and is raised again.
+    inject
+        called in this thread with HiGHS's best objective; may return a better solution (n_columns,).
 
     Raises
     ------

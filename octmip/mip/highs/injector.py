@@ -19,9 +19,12 @@ class IncumbentInjector:
     def __init__(self, source: Callable[[int], Node | None], *, most_turns: int = 1000) -> None:
         """Make an injector.
 
-        Args:
-            source: returns a tree or None; called with 0, 1, 2, ...
-            most_turns: calls of it at most.
+        Parameters
+        ----------
+        source
+            returns a tree or None; called with 0, 1, 2, ...
+        most_turns
+            calls of it at most.
         """
         self._source, self._most_turns = source, most_turns
         self._lock, self._ended = threading.Lock(), threading.Event()

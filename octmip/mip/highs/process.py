@@ -1,4 +1,4 @@
-"""Worker processes (`octmip.mip.highs.worker`): started when needed, used again, killed when they do not answer.
+"""Worker processes (`octmip.mip.highs.worker`): started when needed, used again, killed when they do not end.
 
 A worker is started by the path of its file, never by importing the caller's script again, so this is as safe in
 threads, in notebooks and on every system as a subprocess is. It costs some 0.2 s of CPU, mostly the import of numpy;

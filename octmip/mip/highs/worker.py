@@ -10,7 +10,7 @@ Frames of pickled tuples go both ways, each behind its length in eight bytes (se
                       ("done", what HiGHS ended with)   ("failed", sentence)
 
 The worker ends when its standard input does, or when its parent is another process than at the start: it never outlives
-the process that wants its answer.
+the process that wants its result.
 """
 
 import math
@@ -185,7 +185,7 @@ def _watch_parent(parent: int) -> None:
 
 
 def main() -> None:
-    """Answer jobs until the parent ends."""
+    """Run jobs until the parent ends."""
     stream, output = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
     silence = os.open(os.devnull, os.O_RDWR)
     for descriptor in (0, 1):  # what a library prints must not land between two frames

@@ -136,10 +136,14 @@ class FaultDetector:
 def power(detector: FaultDetector, biases: Sequence[float], n: int, rng: np.random.Generator) -> tuple[Floats, Floats]:
     """Return power and share of alarms that name the right gauge, both (n_biases, n_gauges), for an added bias.
 
-    Args:
-        detector: the detector.
-        biases: added to one gauge, in the unit of the readings.
-        n: readings drawn for each bias and gauge.
+    Parameters
+    ----------
+    detector
+        the detector.
+    biases
+        added to one gauge, in the unit of the readings.
+    n
+        readings drawn for each bias and gauge.
     """
     found, right = np.zeros((2, len(biases), len(detector.gauges)))
     for b, bias in enumerate(biases):

@@ -73,8 +73,10 @@ def solve_worst(
 ) -> Solution:
     """Return a tree of least objective in the worst scenario, "nothing has failed" among them, and a lower bound.
 
-    Args:
-        rounds: stacked problems that are solved.
+    Parameters
+    ----------
+    rounds
+        stacked problems that are solved.
 
     Raises
     ------

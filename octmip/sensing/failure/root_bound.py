@@ -20,8 +20,10 @@ from octmip.solver import solve
 def bound_by_stuck_roots(asked: FailureProblem, limits: Limits, n_jobs: int = 1) -> float:
     """Return a lower bound of the worst objective of every tree, 0 where some root cannot be stuck.
 
-    Args:
-        limits: of each of the solves, one for a scenario.
+    Parameters
+    ----------
+    limits
+        of each of the solves, one for a scenario.
     """
     problem = asked.problem
     stuck = [scenario for scenario in asked.scenarios if scenario.fault.kind == "stuck"]

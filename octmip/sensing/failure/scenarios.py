@@ -152,9 +152,12 @@ class FailureProblem:
     def readings(self, number: int, features: Floats | None = None) -> Floats:
         """Return the features (n, n_features) in scenario `number`, 0: nothing has failed.
 
-        Args:
-            number: of the scenario, from 1 on.
-            features: readings without a failure; None: the problem's own samples.
+        Parameters
+        ----------
+        number
+            of the scenario, from 1 on.
+        features
+            readings without a failure; None: the problem's own samples.
         """
         whole = self.problem.features if features is None else features
         if number == 0:
@@ -176,8 +179,10 @@ class FailureProblem:
     def stacked(self, shares: Floats) -> tuple[Problem, float]:
         """Return the scenarios of positive share as one problem, and the divisor of its objective.
 
-        Args:
-            shares: (n_scenarios + 1,) summing to 1.
+        Parameters
+        ----------
+        shares
+            (n_scenarios + 1,) summing to 1.
         """
         chosen = np.flatnonzero(shares > 0)
         scale = _scale(shares[chosen])

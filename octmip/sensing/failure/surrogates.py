@@ -51,14 +51,14 @@ GuardedNode = Leaf | GuardedSplit
 
 @dataclass(frozen=True, slots=True)
 class GuardedTree:
-    """A tree that answers readings with gaps.
+    """A tree that classifies readings with gaps.
 
     Attributes
     ----------
     root
         its nodes with surrogates.
     tree
-        the tree itself; without gaps both answer the same.
+        the tree itself; without gaps both predict the same.
     """
 
     root: GuardedNode

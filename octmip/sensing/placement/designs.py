@@ -72,12 +72,16 @@ def by_information(problem: Problem, budget: float, sensitivity: ArrayLike) -> I
 
     Rounding: sensors by falling w, ties in the order of the problem, each that can still be paid for.
 
-    Args:
-        problem: whose sensors and costs they are; samples and labels play no part.
-        budget: of sensor costs.
-        sensitivity: (n_states, n_features, n_parameters) derivatives of the readings, or (n_features, n_parameters)
-            for one state; noise is taken as equal in all features. Parameters are scaled to a root mean square of 1,
-            which changes no optimum.
+    Parameters
+    ----------
+    problem
+        whose sensors and costs they are; samples and labels play no part.
+    budget
+        of sensor costs.
+    sensitivity
+        (n_states, n_features, n_parameters) derivatives of the readings, or (n_features, n_parameters) for one state;
+        noise is taken as equal in all features. Parameters are scaled to a root mean square of 1, which changes no
+        optimum.
 
     Raises
     ------
@@ -149,11 +153,16 @@ def by_tree(
 
     Of equals the cheapest, then the first. It ends when no further sensor can be paid for.
 
-    Args:
-        problem: its tree is tried.
-        budget: of sensor costs.
-        rows: so many samples judge the trials, every class by its share; None: all.
-        method, limits, seed, options: of the trial trees.
+    Parameters
+    ----------
+    problem
+        its tree is tried.
+    budget
+        of sensor costs.
+    rows
+        so many samples judge the trials, every class by its share; None: all.
+    method, limits, seed, options
+        of the trial trees.
     """
     judged = _thinned(problem, rows, seed)
     chosen: list[str] = []

@@ -65,12 +65,16 @@ def place_sensors(
 ) -> Placement:
     """Return the sensors that the best tree over all candidates reads, within `problem.sensor_budget` if it has one.
 
-    Args:
-        problem: its features are those of all candidates.
-        starts: sets of sensors within the budget, for instance chosen as in `octmip.sensing.placement.designs`. Their
-            trees are found first, and the search over all candidates begins at the best of them: so it is never worse
-            than any of them, which a search by itself does not promise.
-        method, limits, seed, n_jobs, options: of each solve, see `octmip.solve`.
+    Parameters
+    ----------
+    problem
+        its features are those of all candidates.
+    starts
+        sets of sensors within the budget, for instance chosen as in `octmip.sensing.placement.designs`. Their trees are
+        found first, and the search over all candidates begins at the best of them: so it is never worse than any of
+        them, which a search by itself does not promise.
+    method, limits, seed, n_jobs, options
+        of each solve, see `octmip.solve`.
 
     Raises
     ------
@@ -178,12 +182,18 @@ def placement_frontier(
 ) -> list[Point]:
     """Return the best tree for each number of sensors, or for each cost that they may have together.
 
-    Args:
-        problem: its `sensor_budget` is not used.
-        over: "number": every sensor counts 1; "cost": the problem's sensor costs.
-        values: numbers or costs; None: 1, 2, ... to as many as a tree of this depth can read.
-        bound: a lower bound that is known for the problem without a budget, for instance from `sample_bound`.
-        method, limits, seed, n_jobs, options: of each solve, see `octmip.solve`.
+    Parameters
+    ----------
+    problem
+        its `sensor_budget` is not used.
+    over
+        "number": every sensor counts 1; "cost": the problem's sensor costs.
+    values
+        numbers or costs; None: 1, 2, ... to as many as a tree of this depth can read.
+    bound
+        a lower bound that is known for the problem without a budget, for instance from `sample_bound`.
+    method, limits, seed, n_jobs, options
+        of each solve, see `octmip.solve`.
 
     Returns
     -------
@@ -244,10 +254,14 @@ def sample_bound(
     of the block's problem (splits that part nothing there left out; leaves of any size; no penalty). So the blocks'
     bounds add up. With few samples and many features in a split a tree parts a block wholly, and the bound is 0.
 
-    Args:
-        problem: the problem; its budget holds for the blocks too where the method knows budgets.
-        block_size, n_blocks: rows of a block, drawn at random without return, and how many blocks.
-        method, limits, seed, n_jobs: of each block's solve. "flow" is the strengthened OCT-H, "oct_h" OCT-H as printed.
+    Parameters
+    ----------
+    problem
+        the problem; its budget holds for the blocks too where the method knows budgets.
+    block_size, n_blocks
+        rows of a block, drawn at random without return, and how many blocks.
+    method, limits, seed, n_jobs
+        of each block's solve. "flow" is the strengthened OCT-H, "oct_h" OCT-H as printed.
 
     Raises
     ------

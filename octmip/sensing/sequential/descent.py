@@ -44,10 +44,10 @@ def _better(
             right=_better(core, node.right, price, limits, (rows[~left], levels - 1, after)),
         )
     room = weight_of(core, node, price, rows, read)
-    answer = core.search(price, room, limits, rows=rows, depth=min(levels, BLOCK), read=read)
-    if answer.stop == Stop.INTERRUPTED:
+    found = core.search(price, room, limits, rows=rows, depth=min(levels, BLOCK), read=read)
+    if found.stop == Stop.INTERRUPTED:
         raise KeyboardInterrupt
-    return node if answer.tree is None else answer.tree
+    return node if found.tree is None else found.tree
 
 
 def weight_of(core: Core, node: Node, price: float, rows: NDArray[np.int64], read: frozenset[str]) -> float:

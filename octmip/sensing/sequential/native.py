@@ -16,7 +16,7 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class CoreResult:
     """Result of one search of the core: a tree below the room or none, and a bound of what was minimised."""
 
     tree: Node | None
@@ -56,15 +56,21 @@ class Core:
         rows: NDArray[np.int64] | None = None,
         depth: int | None = None,
         read: frozenset[str] = frozenset(),
-    ) -> Answer:
+    ) -> CoreResult:
         """Return the tree of least error + multiplier * cost below `room`; with a cap the least error within the cost.
 
-        Args:
-            multiplier: of the reading cost, summed over the samples' counts.
-            cap: most reading cost, as such a sum.
-            rows: the samples of a subtree; None: all.
-            depth: its levels; None: the problem's.
-            read: sensors read on the way to it.
+        Parameters
+        ----------
+        multiplier
+            of the reading cost, summed over the samples' counts.
+        cap
+            most reading cost, as such a sum.
+        rows
+            the samples of a subtree; None: all.
+        depth
+            its levels; None: the problem's.
+        read
+            sensors read on the way to it.
         """
         problem = self.sequential.problem
         chosen = np.arange(problem.n_samples) if rows is None else rows
@@ -83,7 +89,7 @@ class Core:
             (limits.seconds, limits.gap, limits.nodes, limits.memory),
         )
         tree = None if table is None else centred(tree_from_rows(table, Ranks(ranks, tuple(values))), features)
-        return Answer(tree, bound, stop, n_cuts)
+        return CoreResult(tree, bound, stop, n_cuts)
 
     def _shape(self, depth: int) -> tuple[float, int, int, list[int], list[bool], list[int]]:
         problem = self.sequential.problem

@@ -1,6 +1,6 @@
 """The best tree of a sequential problem: proven for shallow axis-aligned trees, searched for otherwise.
 
-what is asked             how it is answered (docs/theory/sensing.md)
+problem                   method (docs/theory/sensing.md)
 price > 0                 branch and bound on error + price * cost
 price 0, no budget        the same with a price too small to buy one error: the cheapest of the optimal trees
 budget                    for every multiplier, min of error + multiplier * (cost - budget) is a bound; the best of
@@ -17,7 +17,7 @@ from typing import Literal
 from octmip.errors import CertificateError, ProblemError
 from octmip.problem import Problem
 from octmip.sensing.sequential.descent import descend
-from octmip.sensing.sequential.native import Answer, Core
+from octmip.sensing.sequential.native import Core, CoreResult
 from octmip.sensing.sequential.problem import SequentialCertificate, SequentialProblem, recount
 from octmip.solution import Limits, Solution, Stop
 from octmip.solver import solve
@@ -36,14 +36,18 @@ def solve_sequential(
 ) -> Solution:
     """Return the best tree of a sequential problem and the bound proven for it.
 
-    Args:
-        sequential: the problem, with what its readings cost.
-        method: "exact" proves (axis-aligned trees; to depth 2 in seconds, at depth 3 in minutes for thousands of
-            samples; with a `leaf_size` much longer, as the strongest bound does not hold then: a `leaf_penalty` keeps
-            it); "search" has the problem's own bound and the first reading's; "auto": exact to depth 3.
-        limits: seconds of the whole, nodes and gap of each search; to reach one is no error.
-        seed, n_jobs: of the solver of the problem without reading costs, where the search begins; the proof has one
-            thread.
+    Parameters
+    ----------
+    sequential
+        the problem, with what its readings cost.
+    method
+        "exact" proves (axis-aligned trees; to depth 2 in seconds, at depth 3 in minutes for thousands of samples; with
+        a `leaf_size` much longer, as the strongest bound does not hold then: a `leaf_penalty` keeps it); "search" has
+        the problem's own bound and the first reading's; "auto": exact to depth 3.
+    limits
+        seconds of the whole, nodes and gap of each search; to reach one is no error.
+    seed, n_jobs
+        of the solver of the problem without reading costs, where the search begins; the proof has one thread.
 
     Returns
     -------
@@ -128,17 +132,17 @@ class _Call:
     def best(self, price: float) -> tuple[float, float, Node]:
         return min(self.trees, key=lambda entry: (entry[0] + price * entry[1], entry[1]))
 
-    def ask(self, price: float, cap: float | None = None, room: float | None = None) -> Answer:
-        """Ask the core for a tree better than all known; what it finds is known from then on."""
+    def ask(self, price: float, cap: float | None = None, room: float | None = None) -> CoreResult:
+        """Search for a tree better than all known; what is found is known from then on."""
         self.highest_price = max(self.highest_price, price)
         error, cost, _ = self.best(price)
-        answer = self.core.search(price, error + price * cost if room is None else room, self.left(), cap=cap)
-        self.n_nodes += answer.n_cuts
-        if answer.tree is not None:
-            self.add(answer.tree)
-        if answer.stop != "optimal" and self.stop is Stop.FINISHED:
-            self.stop = Stop(answer.stop)
-        return answer
+        searched = self.core.search(price, error + price * cost if room is None else room, self.left(), cap=cap)
+        self.n_nodes += searched.n_cuts
+        if searched.tree is not None:
+            self.add(searched.tree)
+        if searched.stop != "optimal" and self.stop is Stop.FINISHED:
+            self.stop = Stop(searched.stop)
+        return searched
 
     def prove(self) -> None:
         self.bound = max(self.bound, 0.0)
@@ -150,25 +154,25 @@ class _Call:
     def prove_price(self) -> None:
         price = self.sequential.price
         if price > 0:
-            answer = self.ask(price)
-            self.bound = max(self.bound, answer.bound - self.rounding(price))
-            self.is_cheapest = answer.stop == "optimal"
+            searched = self.ask(price)
+            self.bound = max(self.bound, searched.bound - self.rounding(price))
+            self.is_cheapest = searched.stop == "optimal"
             return
         highest = self.core.highest_cost_sum
         tells_costs = self.unit > 4 * self.rounding(0.0)
         small = 2.0 ** math.floor(math.log2(self.unit / (2.0 * highest))) if highest > 0 and tells_costs else 0.0
-        answer = self.ask(small)
+        searched = self.ask(small)
         # No path costs more than the most expensive one, so small * cost is below one unit of error.
-        self.bound = max(self.bound, self.rounded(answer.bound - small * highest, small))
-        self.is_cheapest = answer.stop == "optimal" and (tells_costs or highest == 0)
+        self.bound = max(self.bound, self.rounded(searched.bound - small * highest, small))
+        self.is_cheapest = searched.stop == "optimal" and (tells_costs or highest == 0)
 
     def prove_budget(self, budget: float) -> None:
         cap = budget * self.n_counts * (1 + TOLERANCE) + TOLERANCE
         price = self.raise_bound(cap)
         best = self.best_within(cap)
         if self.bound < best[0] and self.stop is Stop.FINISHED:
-            answer = self.ask(price, cap, best[0])
-            self.bound = max(self.bound, self.rounded(answer.bound, price))
+            searched = self.ask(price, cap, best[0])
+            self.bound = max(self.bound, self.rounded(searched.bound, price))
 
     def raise_bound(self, cap: float) -> float:
         """Return the multiplier of the best bound: the edge of the lower hull of (cost, error) that crosses the cap."""
@@ -176,9 +180,9 @@ class _Call:
         best_price = 0.0
         while over[1] > cap and self.bound < self.best_within(cap)[0] and self.stop is Stop.FINISHED:
             price = (within[0] - over[0]) / (over[1] - within[1])
-            answer = self.ask(price)
+            searched = self.ask(price)
             # For a tree within the cap: error >= error + price * (cost - cap) >= bound - price * cap.
-            bound = self.rounded(answer.bound - price * cap, price)
+            bound = self.rounded(searched.bound - price * cap, price)
             if bound > self.bound or best_price == 0.0:
                 self.bound, best_price = max(bound, self.bound), price
             found, line = self.best(price), within[0] + price * within[1]

@@ -24,7 +24,7 @@ from octmip.errors import ProblemError
 from octmip.problem import Problem
 from octmip.sensing.shared.baseline_split import best_baseline_split
 from octmip.sensing.shared.certificate import certify_joint
-from octmip.sensing.shared.label_trees import Candidate, LabelTrees
+from octmip.sensing.shared.label_trees import JointTrees, LabelTrees
 from octmip.sensing.shared.sensor_sets import Proof, SetSearch
 from octmip.sensing.shared.solution import JointSolution, sensor_prices, weighted_sum
 from octmip.solution import Limits, Solution, Stop
@@ -47,14 +47,21 @@ def shared_budget(
 ) -> JointSolution:
     """Return one tree for each problem, all within one budget of sensors, and the bound of their weighted sum.
 
-    Args:
-        problems: one per label, without budgets of their own. Sensors of one name are one sensor and have one cost.
-            Depth, kind of split, weights and costs may differ.
-        budget: of all sensors that some tree reads, each paid for once.
-        weights: of the labels' objectives in the sum; None: all 1.
-        method: "exact" (axis-aligned trees) proves; "search" does not; "auto" is exact to depth 3, else search.
-        limits: wall seconds, relative gap, nodes (sets of sensors) and memory of all together.
-        seed, n_jobs, options: of every solve; options are the method's own, for instance ``restarts`` of the search.
+    Parameters
+    ----------
+    problems
+        one per label, without budgets of their own. Sensors of one name are one sensor and have one cost. Depth, kind
+        of split, weights and costs may differ.
+    budget
+        of all sensors that some tree reads, each paid for once.
+    weights
+        of the labels' objectives in the sum; None: all 1.
+    method
+        "exact" (axis-aligned trees) proves; "search" does not; "auto" is exact to depth 3, else search.
+    limits
+        wall seconds, relative gap, nodes (sets of sensors) and memory of all together.
+    seed, n_jobs, options
+        of every solve; options are the method's own, for instance ``restarts`` of the search.
 
     Returns
     -------
@@ -111,10 +118,10 @@ def _shared(problems: Sequence[Problem], budget: float) -> tuple[Problem, ...]:
     return tuple(replace(problem, sensor_budget=budget) for problem in problems)
 
 
-def _leaves(problems: Sequence[Problem], weights: Sequence[float]) -> Candidate:
-    """Return the best trees without a sensor, the first candidate."""
+def _leaves(problems: Sequence[Problem], weights: Sequence[float]) -> JointTrees:
+    """Return the best trees without a sensor, which any others must beat."""
     trees = tuple(Leaf(int(problem.class_costs().argmin())) for problem in problems)
-    return Candidate(trees, weighted_sum(weights, (problem.baseline for problem in problems)))
+    return JointTrees(trees, weighted_sum(weights, (problem.baseline for problem in problems)))
 
 
 def _checked_weights(weights: Sequence[float] | None, n_labels: int) -> tuple[float, ...]:
@@ -162,8 +169,8 @@ def _without(labels: LabelTrees, trees: Sequence[Node], sensor: str) -> tuple[No
     found = list(trees)
     for label, (problem, tree) in enumerate(zip(labels.problems, trees, strict=True)):
         if sensor in problem.sensors_used(tree):
-            answer = labels.solve(label, kept, frozenset(labels.prices) - kept)
-            found[label] = answer.tree if answer.tree is not None else labels.leaf(label)
+            solution = labels.solve(label, kept, frozenset(labels.prices) - kept)
+            found[label] = solution.tree if solution.tree is not None else labels.leaf(label)
     return tuple(found)
 
 

@@ -23,7 +23,7 @@ NONE: Sensors = frozenset()
 
 
 @dataclass(frozen=True, slots=True)
-class Candidate:
+class JointTrees:
     """Trees that keep the budget together, and their weighted sum."""
 
     trees: tuple[Node, ...]
@@ -51,7 +51,7 @@ class LabelTrees:
     is_interrupted
         whether Ctrl-C was pressed.
     known
-        the answers so far, by label, held and banned sensors.
+        the solutions so far, by label, held and banned sensors.
     """
 
     problems: tuple[Problem, ...]
@@ -62,7 +62,7 @@ class LabelTrees:
     seed: int
     n_jobs: int
     options: Mapping[str, Any]
-    best: Candidate
+    best: JointTrees
     started: float = field(default_factory=time.perf_counter)
     is_interrupted: bool = False
     known: dict[tuple[int, Sensors, Sensors], Solution] = field(default_factory=dict)
@@ -110,7 +110,7 @@ class LabelTrees:
         return replace(problem, sensor_cost=prices, sensor_budget=left)
 
     def is_possible(self, label: int, tree: Node, held: Sensors, banned: Sensors) -> bool:
-        """Whether a label's tree answers z_label(held, banned) as well."""
+        """Whether a label's tree is possible for z_label(held, banned) as well."""
         used = self._read(label, tree)
         return not used & banned and self.is_affordable(used | held)
 
@@ -132,7 +132,7 @@ class LabelTrees:
         values = (p.objective(t) for p, t in zip(self.problems, trees, strict=True))
         objective = weighted_sum(self.weights, values)
         if objective < self.best.objective:
-            self.best = Candidate(tuple(trees), objective)
+            self.best = JointTrees(tuple(trees), objective)
             return True
         return False
 
