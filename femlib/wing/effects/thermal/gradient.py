@@ -7,7 +7,7 @@ import numpy as np
 from femlib.arrays import FloatArray
 from femlib.wing.effects.card import WingEffect
 from femlib.wing.effects.response import Response
-from femlib.wing.effects.warming import WarmEffect, WarmWing
+from femlib.wing.effects.thermal.warming import WarmEffect, WarmWing
 
 
 def effect(response: Response) -> WingEffect:

@@ -14,7 +14,7 @@ import numpy as np
 
 from femlib.arrays import FloatArray
 from femlib.wing.effects.card import WingEffect
-from femlib.wing.effects.lift_shift import moment, moved_lift
+from femlib.wing.effects.lift.shift import moment, moved_lift
 from femlib.wing.effects.response import Response
 
 FIFTH_SHARES = (-0.6, -0.4, -0.2, 0.0, 0.2, 0.4)

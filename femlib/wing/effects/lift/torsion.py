@@ -6,7 +6,7 @@ import numpy as np
 
 from femlib.arrays import FloatArray
 from femlib.wing.effects.card import FixedForce, WingEffect
-from femlib.wing.effects.lift_shift import moment, moved_lift
+from femlib.wing.effects.lift.shift import moment, moved_lift
 from femlib.wing.effects.response import Response
 
 
