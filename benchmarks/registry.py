@@ -5,34 +5,7 @@ study that yields its own result lines; it may have `summary(lines)`, which retu
 """
 
 import importlib
-from collections.abc import Callable
-from dataclasses import dataclass
 from types import ModuleType
-
-from octmip.problem import Problem
-
-
-@dataclass(frozen=True, slots=True)
-class Case:
-    """One question to be answered by several solvers, each in a process of its own.
-
-    Attributes
-    ----------
-    size
-        what is asked, in words that name it within its family ("iris, depth 3").
-    seed
-        of the data.
-    build
-        returns the problem; called in the solver's process, not measured.
-    solvers
-        names in `benchmarks.rivals.RIVALS`.
-    """
-
-    size: str
-    seed: int
-    build: Callable[[], Problem]
-    solvers: tuple[str, ...]
-
 
 FAMILIES = {
     "exact_uci": "benchmarks.cases.exact.uci",

@@ -23,7 +23,8 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import TextIO
 
-from benchmarks.registry import FAMILIES, Case, family
+from benchmarks.case import Case
+from benchmarks.registry import FAMILIES, family
 from benchmarks.rivals import RIVALS
 from benchmarks.tables import Line
 

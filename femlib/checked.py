@@ -1,4 +1,4 @@
-"""Values of files: the one way to take a number, a name, a list or an array, with a sentence where it is none.
+"""Values of files: checked numbers, names, lists and arrays, with one sentence where a value is not as expected.
 
 Each function takes the value and where it stands ("data.csv.json: seed"), and returns it as its kind.
 """

@@ -109,8 +109,7 @@ class Naca4:
 
 
 def grid_lines(stops: Sequence[float], largest_step: float) -> FloatArray:
-    """Return sorted grid lines that contain every stop and divide each interval evenly into steps of at most
-    `largest_step`.
+    """Return sorted grid lines at every stop and evenly between, in steps of at most `largest_step`.
 
     Raises
     ------

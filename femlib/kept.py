@@ -1,4 +1,4 @@
-"""What something that cannot change may hold: mappings that cannot change either, and answers that are made once."""
+"""Contents of objects that cannot change: read-only mappings, and values that are made once."""
 
 from collections.abc import Callable, Iterator, Mapping
 from typing import Generic, TypeVar
@@ -29,7 +29,7 @@ class ReadOnly(Mapping[Key, Value]):
 
 
 class Kept(Generic[Key, Value]):
-    """Keeps answers by key, each made when it is first asked for: no answer depends on what was asked before."""
+    """Values by key, each made when it is first asked for; no value depends on what was asked before."""
 
     __slots__ = ("_held",)
 
@@ -37,7 +37,7 @@ class Kept(Generic[Key, Value]):
         self._held: dict[Key, Value] = {}
 
     def get(self, key: Key, make: Callable[[], Value]) -> Value:
-        """Return the answer, made now if it was not asked for before."""
+        """Return the value of a key, made now if it was not asked for before."""
         if key not in self._held:
             self._held[key] = make()
         return self._held[key]

@@ -19,7 +19,7 @@ DOFS_PER_NODE = 6
 
 @dataclass(frozen=True, slots=True)
 class QualityLimits:
-    """What the shell elements bear.
+    """Limits of the shape of shell elements.
 
     Attributes
     ----------

@@ -64,7 +64,7 @@ class StrainGauge:
 
 @dataclass(frozen=True, slots=True)
 class Spot:
-    """Where a gauge sits: element number and natural coordinates in it (area coordinates 2 and 3 of a triangle)."""
+    """The place of a gauge: element number and natural coordinates in it (area coordinates 2 and 3 of a triangle)."""
 
     element: int
     xi: float

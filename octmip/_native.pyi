@@ -1,4 +1,7 @@
-"""The native core: see octmip/native/src/python.rs."""
+"""The native core: see octmip/native/src/python.rs.
+
+Every solver takes problem, incumbent, limits, threads, seed, switches, progress, in this order, then its own by name.
+"""
 
 from collections.abc import Callable
 from typing import Any
@@ -26,6 +29,26 @@ class Problem:
         planes: tuple[NDArray[np.float64], int, list[list[int]] | None, int | None] | None = None,
     ) -> Problem: ...
 
+class SequentialProblem:
+    """A problem of sequential sensing, checked."""
+
+    def __new__(
+        cls,
+        ranks: NDArray[np.uint32],
+        paid: NDArray[np.float64],
+        frequency: NDArray[np.float64],
+        haste: NDArray[np.float64],
+        shape: tuple[float, int, int, list[int], list[bool], list[int]],
+        prices: tuple[list[float], list[int], list[float], list[int]],
+        multiplier: float,
+        cap: float | None,
+    ) -> SequentialProblem:
+        """Take the problem.
+
+        `shape`: penalty, depth, leaf size, sensor of each feature, whether it may be used, most readings of each label.
+        `prices`: cost and group of each sensor, opening cost of each group, sensors read before the root.
+        """
+
 class Question:
     """What is asked, in float64 as given, for the checker of proof logs."""
 
@@ -51,6 +74,8 @@ class Question:
     def check(self, log: str, n_threads: int) -> tuple[tuple[float, int, int] | None, tuple[int, str] | None]:
         """Return the bound that a log proves, its number of lines, the line of its claim; or where and why it fails."""
 
+LimitValues = tuple[float, float, float, float]  # seconds, gap, nodes, memory
+NativeProgress = Callable[[float, int, int, int], None]  # seconds, objective, bound, nodes
 NodeRow = tuple[int, int, int, int, int, int, list[tuple[int, float]], float]
 __version__: str
 
@@ -59,28 +84,31 @@ def dense_ranks(features: NDArray[np.float64]) -> tuple[NDArray[np.uint32], list
 
 def search(
     problem: Problem,
-    n_restarts: int,
-    n_kicks: int,
-    seed: int,
+    incumbent: list[NodeRow] | None,
+    limit_values: LimitValues,
     n_threads: int,
-    limit_values: tuple[float, float, float, float],
-    start: list[NodeRow] | None = None,
-    progress: Callable[[float, int, int, int], None] | None = None,
+    seed: int,
+    progress: NativeProgress | None = None,
+    *,
+    n_restarts: int,
+    n_perturbations: int,
 ) -> tuple[list[NodeRow], int, int, str, int]:
-    """Return node table, objective, bound, stop and number of visited nodes."""
+    """Return node table, objective, bound, stop and number of visited nodes; the incumbent is a tree to begin with."""
 
 def branch_and_bound(
     problem: Problem,
-    limits_: tuple[float, float, float, float],
+    incumbent: tuple[int, list[NodeRow]] | None,
+    limit_values: LimitValues,
     n_threads: int,
-    incumbent: tuple[int, list[NodeRow]] | None = None,
     off: list[str] = ...,
-    progress: Callable[[float, int, int, int], None] | None = None,
+    progress: NativeProgress | None = None,
+    *,
     checkpoint: tuple[float, Callable[[Any], None], Any] | None = None,
 ) -> tuple[list[NodeRow], int, int, str, int]:
     """Return node table, objective, bound, stop and number of evaluated cuts.
 
-    `checkpoint`: seconds between two states, who takes them, the state to begin with (see `octmip.checkpoint`) or None.
+    `incumbent`: objective and node table of a feasible tree. `checkpoint`: seconds between two states, who takes them,
+    the state to begin with (see `octmip.methods.checkpoint`) or None.
     """
 
 def prove(problem: Problem, claim: int) -> str | None:
@@ -94,15 +122,16 @@ def prunes() -> list[str]:
 
 def two_feature_branch_and_bound(
     problem: Problem,
+    incumbent: int | None,
+    limit_values: LimitValues,
     n_threads: int,
-    limit_values: tuple[float, float, float, float],
-    known: int | None = None,
     seed: int = 0,
     off: list[str] = ...,
-    preferred: int | None = None,
-    progress: Callable[[float, int, int, int], None] | None = None,
+    progress: NativeProgress | None = None,
+    *,
+    whole_coefficients: int | None = None,
 ) -> tuple[list[NodeRow], int, int, str, int]:
-    """Return node table, objective, bound, stop and number of boxes."""
+    """Return node table, objective, bound, stop and number of boxes; the incumbent is the cost of a feasible tree."""
 
 def two_feature_prunes() -> list[str]:
     """Return the names of all prunes and bounds of the two-feature core."""
@@ -111,19 +140,6 @@ def prove_lines(problem: Problem, claim: int, n_threads: int) -> str | None:
     """Return the body of a log that proves a claim about two-feature trees, None when stopped or not shown."""
 
 def sequential(
-    ranks: NDArray[np.uint32],
-    paid: NDArray[np.float64],
-    frequency: NDArray[np.float64],
-    haste: NDArray[np.float64],
-    shape: tuple[float, int, int, list[int], list[bool], list[int]],
-    prices: tuple[list[float], list[int], list[float], list[int]],
-    multiplier: float,
-    cap: float | None,
-    room: float,
-    limit_values: tuple[float, float, float, float],
+    problem: SequentialProblem, room: float, limit_values: LimitValues
 ) -> tuple[list[NodeRow] | None, float, str, int]:
-    """Return the node table of the best tree below the room (None: there is none), bound, stop and evaluated cuts.
-
-    `shape`: penalty, depth, leaf size, sensor of each feature, whether it may be used, most readings of each label.
-    `prices`: cost and group of each sensor, opening cost of each group, sensors read before the root.
-    """
+    """Return the node table of the best tree below the room (None: there is none), bound, stop and evaluated cuts."""

@@ -12,9 +12,10 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
+from octmip.problem_values import distinct_labels, number_of, numbers_of, sensor_costs_of, whole_of
 from octmip.tree import HyperplaneSplit, Node, complexity, features_used, predict, splits
 
 _DERIVED: Any = None  # a field that is filled in when it is left out
@@ -105,7 +106,7 @@ class Problem:
         object.__setattr__(self, name, value)
 
     def _set_samples(self) -> None:
-        features = _numbers(self.features, "features", 2)
+        features = numbers_of(self.features, "features", 2)
         if min(features.shape) == 0:
             raise ProblemError(f"features has shape {features.shape}; expected at least one sample and one feature")
         self._set("features", features)
@@ -127,7 +128,7 @@ class Problem:
         if labels.dtype.kind == "f" and not np.isfinite(labels).all():
             row = int(np.flatnonzero(~np.isfinite(labels))[0])
             raise ProblemError(f"labels[{row}] is {labels[row]}; expected a class; drop the row or give its label")
-        present, inverse = _distinct(labels)
+        present, inverse = distinct_labels(labels)
         if len(present) < 2:
             raise ProblemError(f"labels holds one class only ({present[0]!r}); expected two or more")
         names = tuple(present) if self.class_names is None else tuple(self.class_names)
@@ -142,7 +143,7 @@ class Problem:
         self._set("codes", np.array([position[label] for label in present], dtype=np.int64)[inverse])
 
     def _set_weights_and_costs(self) -> None:
-        weights = np.ones(self.n_samples) if self.weights is None else _numbers(self.weights, "weights", 1)
+        weights = np.ones(self.n_samples) if self.weights is None else numbers_of(self.weights, "weights", 1)
         if weights.shape != (self.n_samples,):
             raise ProblemError(
                 f"weights has {len(weights)} entries but features has {self.n_samples} rows; give one each"
@@ -153,7 +154,7 @@ class Problem:
         if not weights.any():
             raise ProblemError("all weights are 0; expected at least one positive weight")
         k = self.n_classes
-        costs = 1.0 - np.eye(k) if self.costs is None else _numbers(self.costs, "costs", 2)
+        costs = 1.0 - np.eye(k) if self.costs is None else numbers_of(self.costs, "costs", 2)
         if costs.shape != (k, k):
             raise ProblemError(
                 f"costs has shape {costs.shape}; expected ({k}, {k}), rows and columns {self.class_names}"
@@ -183,22 +184,22 @@ class Problem:
         self._set("sensor_of_feature", of_feature)
         self._set("sensors", sensors)
         self._set("sensor_index", np.array([sensors.index(name) for name in of_feature], dtype=np.int64))
-        self._set("sensor_costs", _sensor_costs(self.sensor_cost, sensors))
+        self._set("sensor_costs", sensor_costs_of(self.sensor_cost, sensors))
         if self.sensor_budget is not None:
-            self._set("sensor_budget", _number(self.sensor_budget, "sensor_budget"))
+            self._set("sensor_budget", number_of(self.sensor_budget, "sensor_budget"))
 
     def _check_tree_limits(self) -> None:
-        self._set("depth", _whole(self.depth, "depth", 1, MAX_DEPTH))
-        self._set("leaf_size", _whole(self.leaf_size, "leaf_size", 1, self.n_samples))
-        self._set("leaf_penalty", _number(self.leaf_penalty, "leaf_penalty"))
+        self._set("depth", whole_of(self.depth, "depth", 1, MAX_DEPTH))
+        self._set("leaf_size", whole_of(self.leaf_size, "leaf_size", 1, self.n_samples))
+        self._set("leaf_penalty", number_of(self.leaf_penalty, "leaf_penalty"))
         if self.split not in ("axis", "hyperplane"):
             raise ProblemError(f"split is {self.split!r}; expected 'axis' or 'hyperplane'")
         if self.split == "axis" and self.split_size not in (None, 1):
             raise ProblemError(f"split_size is {self.split_size} but split is 'axis'; say split='hyperplane' for more")
         if self.split_size is not None:
-            self._set("split_size", _whole(self.split_size, "split_size", 1, None))
+            self._set("split_size", whole_of(self.split_size, "split_size", 1, None))
         if self.integer_normals is not None:
-            self._set("integer_normals", _whole(self.integer_normals, "integer_normals", 1, 2**53))
+            self._set("integer_normals", whole_of(self.integer_normals, "integer_normals", 1, 2**53))
 
     def _check_range(self) -> None:
         """Every objective is a float64: none overflows."""
@@ -322,10 +323,13 @@ class Problem:
             names = [self.feature_names[j] for j in split.features]
             if not self.is_allowed(split.features):
                 return f"a split over {names} is not allowed (split_size {self.max_split_size}, allowed_splits)"
-            if isinstance(split, HyperplaneSplit) and self.integer_normals is not None:
-                if any(c != math.floor(c) or abs(c) > self.integer_normals for c in split.coefficients):
-                    return f"a split over {names} has coefficients {split.coefficients}, not integers within limits"
+            if isinstance(split, HyperplaneSplit) and not self._is_integral(split):
+                return f"a split over {names} has coefficients {split.coefficients}, not integers within limits"
         return None
+
+    def _is_integral(self, split: HyperplaneSplit) -> bool:
+        most = self.integer_normals
+        return most is None or all(c == math.floor(c) and abs(c) <= most for c in split.coefficients)
 
     def digest(self) -> str:
         """Return the sha256 of the training data (features, labels, weights), as a tree file records it."""
@@ -335,68 +339,3 @@ class Problem:
             sha.update(np.ascontiguousarray(array).tobytes())
         sha.update(repr([str(name) for name in self.class_names]).encode())
         return sha.hexdigest()
-
-
-def _distinct(labels: NDArray[Any]) -> tuple[list[Any], NDArray[np.int64]]:
-    """Return the distinct labels in ascending order and the index of each sample's label among them."""
-    if labels.dtype != np.dtype(object):
-        distinct, inverse = np.unique(labels, return_inverse=True)
-        return distinct.tolist(), inverse.astype(np.int64)
-    values = labels.tolist()
-    present = sorted(set(values), key=lambda value: (type(value).__name__, value))
-    position = {value: k for k, value in enumerate(present)}
-    return present, np.array([position[value] for value in values], dtype=np.int64)
-
-
-def _numbers(values: ArrayLike, name: str, n_dimensions: int) -> NDArray[np.float64]:
-    try:
-        array = np.array(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise ProblemError(f"{name} cannot be read as numbers ({error}); encode text as numbers first") from error
-    if array.ndim != n_dimensions:
-        raise ProblemError(f"{name} has {array.ndim} dimensions; expected {n_dimensions}")
-    if not np.isfinite(array).all():
-        place = ", ".join(str(int(i)) for i in np.argwhere(~np.isfinite(array))[0])
-        count = int((~np.isfinite(array)).sum())
-        raise ProblemError(
-            f"{name}[{place}] is not finite ({count} such in all); expected finite numbers; drop or fill them"
-        )
-    return array
-
-
-def _number(value: float, name: str) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float | np.number) or not np.isfinite(value) or value < 0:
-        raise ProblemError(f"{name} is {value!r}; expected a finite number of 0 or more")
-    return float(value)
-
-
-def _whole(value: int, name: str, low: int, high: int | None) -> int:
-    is_whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
-    if not is_whole or value < low or (high is not None and value > high):
-        most = "" if high is None else f" to {high}"
-        raise ProblemError(f"{name} is {value!r}; expected a whole number from {low}{most or ' on'}")
-    return int(value)
-
-
-def _sensor_costs(given: Mapping[str, float] | Sequence[float] | None, sensors: tuple[str, ...]) -> NDArray[np.float64]:
-    if given is None:
-        return np.ones(len(sensors))
-    if isinstance(given, Mapping):
-        missing = [name for name in sensors if name not in given]
-        unknown = [name for name in given if name not in sensors]
-        if missing or unknown:
-            raise ProblemError(
-                f"sensor_cost has {len(given)} entries but sensor_of_feature names {len(sensors)} sensors "
-                f"(missing: {missing}, unknown: {unknown}); give one cost per sensor"
-            )
-        given = [given[name] for name in sensors]
-    costs = _numbers(given, "sensor_cost", 1)
-    if len(costs) != len(sensors):
-        raise ProblemError(
-            f"sensor_cost has {len(costs)} entries but sensor_of_feature names {len(sensors)} sensors "
-            f"(missing: {list(sensors[len(costs) :])}); give one cost per sensor"
-        )
-    if (costs < 0).any():
-        worst = int(np.argmin(costs))
-        raise ProblemError(f"sensor_cost of {sensors[worst]!r} is {costs[worst]}; expected 0 or more")
-    return costs

@@ -274,10 +274,13 @@ def _assisted(call: _Call, name: str, first: Solution | None, options: Mapping[s
         tree, own["lower_bound"] = proven.tree, proven.bound
     if "search" not in options["assist"]:
         return call.run(name, tree, options=own)
-    from octmip.mip.highs.feed import Feed
+    from octmip.mip.highs.injector import IncumbentInjector
 
-    with Feed(lambda turn: call.run("search", None, turn=turn + 1, options={"restarts": FIRST_RESTARTS}).tree) as feed:
-        return call.run(name, tree, options=own | {"inject": feed})
+    def searched(turn: int) -> Node | None:
+        return call.run("search", None, turn=turn + 1, options={"restarts": FIRST_RESTARTS}).tree
+
+    with IncumbentInjector(searched) as injector:
+        return call.run(name, tree, options=own | {"inject": injector})
 
 
 def _checked_incumbent(problem: Problem, incumbent: Node | Solution | None) -> Solution | None:

@@ -64,13 +64,13 @@ class Twin(Protocol):
 class Effect(Protocol):
     """One thing that the twin lacks.
 
-    Optional: ``predict(twin, state, load_factor, size, variant, time) -> (n_gauges,)``, the exact forward map where the
+    Optional: ``predict(twin, state, load_factor, size, place, time) -> (n_gauges,)``, the exact forward map where the
     reading is not linear in the size; ``acts_on_readings``, True where the signature is a map of what `twin.predict`
     returns and of nothing else (two wires swapped, a gauge dead), so that it also acts on what other effects add;
     ``uses_time`` (the signature depends on the time); ``superposes`` (the answers to steps of the load add up, each
     from its own time on); ``signature_error`` (relative sd of the signature at each gauge); ``n_between``
     (neighbouring places between which it may lie, where places sample a continuum); ``seen_by`` (the `QUANTITIES` that
-    show it: the next test is chosen among them); ``gauges_of(twin, variant)`` (the gauges that a place names: it is
+    show it: the next test is chosen among them); ``gauges_of(twin, place)`` (the gauges that a place names: it is
     left out where one was not read; without it a place is read as a gauge, or as several with / or < between them).
     """
 
@@ -119,12 +119,12 @@ class Effect(Protocol):
         """The exponent p when the signature is exactly proportional to load_factor**p, else None."""
         ...
 
-    def variants(self, twin: Twin) -> tuple[str, ...]:
+    def places(self, twin: Twin) -> tuple[str, ...]:
         """Return the places where the effect may act (gauges, pairs, zones); ("",) when it acts on the whole."""
         ...
 
     def signature(
-        self, twin: Twin, state: State, load_factor: float, variant: str = "", time: float = 0.0
+        self, twin: Twin, state: State, load_factor: float, place: str = "", time: float = 0.0
     ) -> NDArray[np.float64]:
         """Return the change of the readings (n_gauges,) in microstrain per unit of size; `time` in s from the start."""
         ...

@@ -4,11 +4,14 @@ What is frozen keeps nothing, folders stay small, and octmip knows nothing of fe
 """
 
 import ast
+import re
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
+from benchmarks.source_map.arrows import circles, python_arrows, rust_arrows
 from octmip.gap.effects import CHAIN
 from octmip.gap.next_test import OTHER_TESTS
 from octmip.twin import QUANTITIES
@@ -16,6 +19,8 @@ from octmip.twin import QUANTITIES
 ROOT = Path(__file__).parent.parent
 MUTABLE = {"dict", "list", "set", "bytearray", "defaultdict", "deque", "Counter", "OrderedDict"}
 MOST_FILES = 15
+ANY_NUMBER = {Path("femlib/wing/effects")}  # one file for each effect
+LONGEST_LINE = 120
 EFFECTS = ROOT / "femlib" / "wing" / "effects"
 
 
@@ -86,10 +91,50 @@ def test_a_field_that_is_set_late_is_found():
     assert not caches(f"@dataclass(frozen=True)\nclass Kept:\n{early}{late}")
 
 
-@pytest.mark.parametrize("folder", ["octmip/gap", "octmip/report"])
-def test_folders_can_be_surveyed(folder):
-    for place in [ROOT / folder, *(path for path in (ROOT / folder).rglob("*") if path.is_dir())]:
-        assert len(list(place.glob("*.py"))) <= MOST_FILES, place
+@pytest.mark.parametrize("suffix", ["py", "rs"])
+def test_folders_can_be_surveyed(suffix):
+    counts = Counter(file.parent.relative_to(ROOT) for file in source_files(suffix))
+    assert sum(counts.values()) > 100
+    assert not {str(place): n for place, n in counts.items() if n > MOST_FILES and place not in ANY_NUMBER}
+
+
+def source_files(suffix: str) -> Iterator[Path]:
+    for folder in ("octmip", "femlib", "benchmarks"):
+        files = (ROOT / folder).rglob(f"*.{suffix}")
+        yield from (file for file in files if "target" not in file.parts)
+
+
+def test_no_files_use_each_other_in_a_circle():
+    assert circles(python_arrows()) == []
+    assert circles(rust_arrows()) == []
+
+
+def test_a_circle_is_found(tmp_path):
+    (tmp_path / "tool").mkdir()
+    for name, code in {
+        "a": "import tool.b",
+        "b": "def f():\n    from tool.c import g",
+        "c": "from tool import a",
+    }.items():
+        (tmp_path / "tool" / f"{name}.py").write_text(code)
+    assert circles(python_arrows(("tool",), tmp_path)) == [["tool.a", "tool.b", "tool.c"]]
+    (tmp_path / "parent.rs").write_text("mod child;\nuse child::g;\npub fn f() {}\n")
+    (tmp_path / "parent").mkdir()
+    (tmp_path / "parent" / "child.rs").write_text("use super::f;\npub fn g() {}\n")
+    assert circles(rust_arrows({"native": tmp_path})) == [["native.parent", "native.parent.child"]]
+
+
+def test_every_file_that_the_documentation_walks_through_exists():
+    text = (ROOT / "docs" / "developing.md").read_text()
+    named = re.findall(r"`((?:octmip|femlib|benchmarks|tests)/[\w/]+\.(?:py|rs|md))`", text)
+    assert len(named) > 60
+    assert not [name for name in named if not (ROOT / name).is_file() and "NAME" not in name]
+
+
+def test_no_line_of_a_comment_is_long():
+    for file in source_files("rs"):
+        for k, line in enumerate(file.read_text().splitlines(), 1):
+            assert len(line) <= LONGEST_LINE or not line.lstrip().startswith("//"), f"{file}:{k}"
 
 
 def wing_cards() -> list[dict[str, object]]:

@@ -1,75 +1,20 @@
-"""The table of levels: a module imports only from lower levels of its own package, and equal levels are strangers.
+"""The table of levels: a file uses only lower levels of its own package, and equal levels are strangers.
 
-The picture of the architecture in docs/developing.md and this table are the same table; who moves a module changes
-both and says why in the commit.
+The table is `benchmarks/source_map/levels.py`; the map in docs/developing.md is drawn from it and from the imports.
 """
 
 import ast
-import re
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
+from benchmarks.source_map.arrows import CRATES, Arrows, rust_arrows
+from benchmarks.source_map.draw import PICTURE, svg
+from benchmarks.source_map.levels import LEVELS, part_of
+
 ROOT = Path(__file__).parent.parent
-LEVELS = {
-    "octmip": {
-        "errors": 0,
-        "_native": 0,
-        "formats.checked": 1,
-        "formats.files": 1,
-        "methods.margin": 1,
-        "formats.names": 1,
-        "tree": 1,
-        "twin": 1,
-        "problem": 2,
-        "solution": 2,
-        "formats.table": 2,
-        "encoding": 3,
-        "formats.problem_file": 3,
-        "risk": 3,
-        "uncertainty": 3,
-        "methods.polish": 3,
-        "certificate": 3,
-        "methods.native_call": 4,
-        "methods.merging": 4,
-        "methods.checkpoint": 4,
-        "methods.ties": 4,
-        "formats.tree_file": 4,
-        "proof": 4,
-        "mip": 5,
-        "methods.exact": 5,
-        "methods.two_feature": 5,
-        "methods.search": 5,
-        "methods.cart": 4,
-        "solver": 6,
-        "tradeoff": 7,
-        "estimator": 7,
-        "monitor": 7,
-        "sensing": 8,
-        "gap": 8,
-        "plot": 8,
-        "report": 9,
-        "cli": 10,
-    },
-    "femlib": {
-        "errors": 0,
-        "arrays": 0,
-        "kept": 0,
-        "files": 1,
-        "checked": 1,
-        "material": 1,
-        "geometry": 1,
-        "mesh": 2,
-        "elements": 3,
-        "assembly": 4,
-        "components": 5,
-        "rom": 6,
-        "sensors": 7,
-        "dataset": 8,
-        "wing": 9,
-    },
-}
+PACKAGES = ("octmip", "femlib")
 MOST_LINES = 400
 EMPTY_NOUNS = {"utils", "util", "helpers", "common", "core", "base", "misc"}
 
@@ -89,12 +34,6 @@ def imports(code: str) -> Iterator[str]:
             yield from (f"{dots}{node.module or ''}.{alias.name}" for alias in node.names)
 
 
-def part_of(package: str, rest: str) -> str:
-    """Return the line of the table that a dotted name belongs to: its room, or its file in a room of several levels."""
-    first, second = (*rest.split("."), "")[:2]
-    return f"{first}.{second}" if f"{first}.{second}" in LEVELS.get(package, ()) else first
-
-
 def complaints(package: str, part: str, code: str) -> list[str]:
     """Return what is wrong with the imports of a module that belongs to `part` of a package."""
     levels, wrong = LEVELS[package], []
@@ -103,7 +42,7 @@ def complaints(package: str, part: str, code: str) -> list[str]:
         other = part_of(top, rest)
         if name.startswith("."):
             wrong.append(f"{package}.{part} imports {name}: imports are absolute")
-        elif top in {*LEVELS, "benchmarks", "tests"} - {package}:
+        elif top in {*PACKAGES, "benchmarks", "tests"} - {package}:
             wrong.append(f"{package}.{part} imports {name}: {package} knows nothing of {top}")
         elif top == package and other not in levels:
             wrong.append(f"{package}.{part} imports {name}: {other or 'that'} is not in the table of levels")
@@ -121,12 +60,12 @@ def parts(package: str) -> list[tuple[str, Path]]:
     return [(part, file) for part, file in found if part and part not in rooms]
 
 
-@pytest.mark.parametrize("package", LEVELS)
+@pytest.mark.parametrize("package", PACKAGES)
 def test_every_module_is_in_the_table_of_levels(package):
     assert {part for part, _ in parts(package)} <= set(LEVELS[package])
 
 
-@pytest.mark.parametrize("package", LEVELS)
+@pytest.mark.parametrize("package", PACKAGES)
 def test_imports_go_only_to_lower_levels(package):
     wrong = [line for part, file in parts(package) for line in complaints(package, part, file.read_text())]
     assert not wrong, "\n".join(wrong)
@@ -164,17 +103,82 @@ def test_an_allowed_import_passes(part, code):
     assert not complaints("octmip", part, code)
 
 
-def test_the_picture_in_the_documentation_is_this_table():
-    picture = (ROOT / "docs" / "developing.md").read_text().split("```")[1]
-    for package, text in zip(LEVELS, re.split(r"^\w+$", picture, flags=re.MULTILINE)[1:], strict=True):
-        for level, names in re.findall(r"(\d+) {3}(.*?)(?= {3}|$)", text, flags=re.MULTILINE):
-            plain = re.sub(r"\(.*?\)|, which.*", "", names).replace("/", "")
-            for name in re.split(r"[,;]\s*", plain.strip()):
-                assert LEVELS[package].get(name.strip()) == int(level), f"{package}: {level} {name}"
+def native_complaints(arrows: Arrows) -> list[str]:
+    """Return what is wrong with the arrows between files of the native core."""
+    levels, wrong = LEVELS["native"], []
+    for name, used in arrows.items():
+        part = native_part(name)
+        for other in used:
+            below = native_part(other)
+            if part not in levels or below not in levels:
+                wrong.append(f"{name} or {other} is not in the table of levels")
+            elif part != below and levels[below] >= levels[part]:
+                wrong.append(f"{name} (level {levels[part]}) uses {other} (level {levels[below]})")
+    return wrong
+
+
+def native_part(name: str) -> str:
+    crate, _, inside = name.partition(".")
+    return "check" if crate == "check" else part_of("native", inside)
+
+
+def native_files() -> Arrows:
+    """Return the arrows of the native core without its root file, which only names its modules."""
+    return {name: used - {"native"} for name, used in rust_arrows().items() if name != "native"}
+
+
+def test_the_native_core_uses_only_lower_levels():
+    arrows = native_files()
+    assert len(arrows) > 100
+    assert not native_complaints(arrows)
+
+
+def test_the_checker_of_proof_logs_uses_itself_alone():
+    assert all(
+        other.startswith("check") for name, used in rust_arrows().items() if name[:5] == "check" for other in used
+    )
+
+
+@pytest.mark.parametrize(
+    ("file", "code"),
+    [
+        ("exact.rs", "use crate::search::solve;"),
+        ("exact/node.rs", "fn f() { crate::python::g() }"),
+        ("tree.rs", "use crate::{ranks, exact::{node, Tree as Other}};"),
+        ("two_feature.rs", "pub(crate) use crate::search::view::View;"),
+        ("ranks.rs", "use super::stranger::Item;"),
+    ],
+)
+def test_a_forbidden_use_in_the_native_core_is_found(tmp_path, file, code):
+    for name in ("search.rs", "search/view.rs", "python.rs", "exact.rs", "exact/node.rs", "stranger.rs", file):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text("")
+    (tmp_path / file).write_text(code)
+    assert native_complaints(rust_arrows({"native": tmp_path}))
+
+
+def test_what_only_unit_tests_and_comments_use_is_no_arrow(tmp_path):
+    (tmp_path / "search.rs").write_text("")
+    (tmp_path / "exact.rs").write_text(
+        "// use crate::search::a;\n#[cfg(test)]\nmod tests {\n use crate::search::b;\n}\n"
+    )
+    assert rust_arrows({"native": tmp_path}) == {"native.search": frozenset(), "native.exact": frozenset()}
+
+
+def test_every_file_of_the_crates_is_read():
+    n_files = sum(
+        len([f for f in top.rglob("*.rs") if "target" not in f.relative_to(top).parts]) for top in CRATES.values()
+    )
+    assert len(rust_arrows()) == n_files
+
+
+def test_the_map_in_the_documentation_is_drawn_from_the_sources():
+    assert PICTURE.read_text(encoding="utf-8") == svg(), "draw it again: python -m benchmarks.source_map.draw"
+    assert "(pictures/map.svg)" in (ROOT / "docs" / "developing.md").read_text()
 
 
 def test_the_top_packages_import_only_themselves():
-    for package in LEVELS:
+    for package in PACKAGES:
         init = ROOT / package / "__init__.py"
         names = imports(init.read_text()) if init.exists() else ()
         assert all(name.startswith(package + ".") for name in names)
@@ -200,10 +204,10 @@ def test_nothing_imports_the_tests_but_tests():
 def test_files_are_short_and_bear_nouns_of_the_field(folder):
     for file in sources(folder):
         assert len(file.read_text().splitlines()) <= MOST_LINES, file
-        assert file.stem not in EMPTY_NOUNS and file.parent.name not in EMPTY_NOUNS, file
+        assert not {file.stem, file.parent.name} & EMPTY_NOUNS, file
 
 
-@pytest.mark.parametrize("package", LEVELS)
+@pytest.mark.parametrize("package", PACKAGES)
 def test_no_module_bears_the_name_of_a_function_it_exports(package):
     for _, file in parts(package):
         defined = {node.name for node in ast.parse(file.read_text()).body if isinstance(node, ast.FunctionDef)}

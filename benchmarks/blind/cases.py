@@ -23,8 +23,8 @@ SHARES = {
 NOISES = ("correlated", "correlated", "correlated", "heavy", "heteroscedastic", "quantised")
 STEP = 40.0
 """Step of a coarse converter [microstrain]."""
-TIED = {"modulus", "load_factor_error", "common_gain"}
-"""Exactly tied: two of them are one effect to any gauge, so no pair holds two."""
+CONFOUNDED = {"modulus", "load_factor_error", "common_gain"}
+"""Exactly confounded: two of them are one effect to any gauge, so no pair holds two."""
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,7 @@ def _draw_truths(stratum: str, rng: np.random.Generator, asset: Asset) -> tuple[
         return (draw(str(rng.choice(names)), rng, asset),)
     if stratum == "pair":
         pair = {"modulus", "common_gain"}
-        while len(pair & TIED) > 1:
+        while len(pair & CONFOUNDED) > 1:
             pair = set(rng.choice(names, 2, replace=False).tolist())
         return tuple(draw(name, rng, asset) for name in sorted(pair))
     if stratum == "outside":

@@ -93,5 +93,5 @@ def _name(answer: Key) -> str:
 
 
 def _group(name: str | None) -> frozenset[str | None]:
-    """Return the fixed group of a name: itself where it has no rivals."""
+    """Return the fixed group of a name: itself where it has no confounders."""
     return next((frozenset(group) for group in GROUPS if name in group), frozenset({name}))

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.blind.cases import ALL_LOADS, REPEATS, TIED, VARIANCE
+from benchmarks.blind.cases import ALL_LOADS, CONFOUNDED, REPEATS, VARIANCE
 from benchmarks.blind.figure import Figure, area, calibration, share, statistic
 from benchmarks.blind.records import Found, Key, Pair
 from benchmarks.blind.sealing import LEAST, OWN, fingerprint
@@ -69,10 +69,10 @@ def top(found: Found, answer: Key) -> bool:
     return found["which"][0]["effects"] == ["unknown"] if truth == ["outside"] else is_right(found["names"][0], truth)
 
 
-def tied(found: Found) -> bool | None:
+def all_confounded(found: Found) -> bool | None:
     """Return whether a first cause of modulus, load factor or common gain names all three; None for other causes."""
-    groups = [set(group) & TIED for group in found["names"][0]]
-    return all(group == TIED for group in groups if group) if any(groups) else None
+    groups = [set(group) & CONFOUNDED for group in found["names"][0]]
+    return all(group == CONFOUNDED for group in groups if group) if any(groups) else None
 
 
 def right_probability(found: Found, truth: Sequence[str]) -> float:
@@ -131,7 +131,7 @@ def _naming(by: ByStratum, clear: Sequence[Pair]) -> list[Figure]:
             (0.93, 0.99),
         ),
         statistic("95 % set: size", [len(f["credible"]) for f, _ in covered], must=(-INFINITY, 1.6)),
-        share("exact ties named together", [tied(f) for f, _ in clear], (1.0, INFINITY)),
+        share("exactly confounded effects named together", [all_confounded(f) for f, _ in clear], (1.0, INFINITY)),
     ]
 
 
@@ -166,13 +166,13 @@ def _channel_named(found: Found, answer: Key) -> bool:
 
 
 def _beliefs(by: ByStratum, clear: Sequence[Pair]) -> list[Figure]:
-    strange = [f["unknown_probability"] for f, a in by["outside"] if d_prime(f, a) > SEEN]
+    outside = [f["unknown_probability"] for f, a in by["outside"] if d_prime(f, a) > SEEN]
     usual = [f["unknown_probability"] for s in ("none", "single", "pair") for f, _ in by[s]]
     told = [(f, a) for s in PRIOR for f, a in by[s]]
     stated = [f["which"][0]["probability"] for f, _ in told]
     seen = [d_prime(f, a) >= SEEN or not names_of(a) for f, a in told]
     return [
-        area("outside the library, AUROC (d' > 3)", strange, usual, (0.95, INFINITY)),
+        area("outside the library, AUROC (d' > 3)", outside, usual, (0.95, INFINITY)),
         statistic(
             "mean probability on the true group, d' >= 5",
             [right_probability(f, names_of(a)) for f, a in clear],

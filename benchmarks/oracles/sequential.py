@@ -1,4 +1,4 @@
-"""Every pair of error and acquisition cost that a tree can have, by exhaustive enumeration, in fractions.
+"""Every pair of error and reading cost that a tree can have, by exhaustive enumeration, in fractions.
 
 Slow, short and exact: all cuts of all features at every node, all labels, the sensors read on the path as a set.
 Imports nothing of octmip but the nouns that are asked about.
@@ -9,30 +9,31 @@ from functools import cache
 
 import numpy as np
 
-from octmip.sensing.sequential.problem import Inspection
+from octmip.sensing.sequential.problem import SequentialProblem
 
 Pair = tuple[Fraction, Fraction]
 
 
-def front(inspection: Inspection) -> list[Pair]:
-    """Return the pairs (error with haste and penalty, acquisition cost over counts) that no tree beats in both."""
-    problem = inspection.problem
+def front(sequential: SequentialProblem) -> list[Pair]:
+    """Return the pairs (error with delay cost and penalty, reading cost over counts) that no tree beats in both."""
+    problem = sequential.problem
     costs = [Fraction(float(c)) for c in problem.sensor_costs]
-    group_of = {problem.sensors.index(s): g for g, group in inspection.groups.items() for s in group.sensors}
-    within = [inspection.within.get(name, 99) for name in problem.class_names]
-    urgency = [Fraction(float(inspection.urgency.get(name, 0))) for name in problem.class_names]
-    counts = [Fraction(float(c)) for c in inspection.counts]
+    group_of = {problem.sensors.index(s): g for g, group in sequential.groups.items() for s in group.sensors}
+    within = [sequential.within.get(name, 99) for name in problem.class_names]
+    delay_cost = [Fraction(float(sequential.delay_cost.get(name, 0))) for name in problem.class_names]
+    counts = [Fraction(float(c)) for c in sequential.counts]
 
     def price(read: frozenset[int]) -> Fraction:
-        opened = {group_of[s] for s in read if s in group_of}
-        return sum((costs[s] for s in read), Fraction(0)) + sum(Fraction(inspection.groups[g].opening) for g in opened)
+        touched = {group_of[s] for s in read if s in group_of}
+        setup = sum(Fraction(sequential.groups[g].setup_cost) for g in touched)
+        return sum((costs[s] for s in read), Fraction(0)) + setup
 
     def told(rows: frozenset[int], label: int, read: frozenset[int]) -> Pair:
         error, cost = Fraction(0), Fraction(0)
         for i in rows:
             code = int(problem.codes[i])
             error += Fraction(float(problem.weights[i])) * Fraction(float(problem.costs[code, label]))
-            error += urgency[code] * len(read)
+            error += delay_cost[code] * len(read)
             cost += counts[i] * price(read)
         return error, cost
 

@@ -18,7 +18,8 @@ from octmip.certificate import certify
 from octmip.errors import OctmipError
 from octmip.formats.files import read_json_object
 from octmip.formats.table import read_costs, read_sensors, read_table
-from octmip.formats.tree_file import CONTENT, FORMAT, read_tree_file, record_tree, write_tree_file
+from octmip.formats.tree_file import read_tree_file, record_tree, write_tree_file
+from octmip.formats.tree_schema import CONTENT, FORMAT
 from octmip.gap import read_campaign
 from octmip.methods.exact import branch_and_bound
 from octmip.methods.search import local_search

@@ -37,10 +37,10 @@ class Moved:
     separated_by: str = "a drawing, or a tape measure"
     load_power: int = 1
 
-    def variants(self, twin):
+    def places(self, twin):
         return ("",)
 
-    def signature(self, twin, state, load_factor, variant="", time=0.0):
+    def signature(self, twin, state, load_factor, place="", time=0.0):
         change = self.moved().strain_microstrain(state, load_factor) - self.wing.strain_microstrain(state, load_factor)
         return self.per_unit * change
 

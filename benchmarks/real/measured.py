@@ -101,19 +101,19 @@ class Shift:
     prior_mean: float = 0.0
     load_power: int | None = None
 
-    def variants(self, twin):
+    def places(self, twin):
         return tuple(self.changes)
 
-    def signature(self, twin, state, load_factor, variant="", time=0.0):
-        return self.changes[variant] * np.array([load_factor, 1.0, 1.0])
+    def signature(self, twin, state, load_factor, place="", time=0.0):
+        return self.changes[place] * np.array([load_factor, 1.0, 1.0])
 
 
 @dataclass(frozen=True)
 class DialZero(Shift):
     """The dial gauge's zero: the same at every load."""
 
-    def signature(self, twin, state, load_factor, variant="", time=0.0):
-        return self.changes[variant]
+    def signature(self, twin, state, load_factor, place="", time=0.0):
+        return self.changes[place]
 
 
 @dataclass(frozen=True)

@@ -68,10 +68,10 @@ class LargeDeflection:
     separated_by: str = "it grows faster than the load, a scale with the load"
     load_power: None = None
 
-    def variants(self, twin):
+    def places(self, twin):
         return ("",)
 
-    def signature(self, twin, state, load_factor, variant="", time=0.0):
+    def signature(self, twin, state, load_factor, place="", time=0.0):
         return np.array([self.curves[setup].beyond(load_factor) for setup in twin.gauges])
 
 

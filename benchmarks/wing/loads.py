@@ -54,9 +54,9 @@ def effects(wing: Wing) -> None:
     usable = wing.gauges.is_usable
     print("\n| effect | unit | prior sd | places | one sd at load factor 3, 20 gauges |\n|---|---|---|---|---|")
     for name, effect in wing_effects(wing).items():
-        places = effect.variants(None)
-        traces = [effect.signature(None, {}, 3.0, place, 3600.0)[usable] for place in places]
-        largest = effect.prior_sd * max(float(np.sqrt(np.mean(trace**2))) for trace in traces)
+        places = effect.places(None)
+        signatures = [effect.signature(None, {}, 3.0, place, 3600.0)[usable] for place in places]
+        largest = effect.prior_sd * max(float(np.sqrt(np.mean(signature**2))) for signature in signatures)
         print(f"| {name} | {effect.unit} | {effect.prior_sd:g} | {len(places)} | {largest:.1f} microstrain rms |")
 
 

@@ -61,7 +61,7 @@ class Deflection:
         return cls(fraction, nodal[:, :3].copy(), exp_rotation(nodal[:, 3:]))
 
     def deformation(self, mesh: Mesh, corners: IntArray) -> FloatArray:
-        """Return what strains the elements with `corners` (m, n): displacements (m, 6 n) without their rigid motion.
+        """Return the displacements (m, 6 n) of the elements with `corners` (m, n) without their rigid motion.
 
         In global axes before the motion, so that an element's strain rows apply to it.
         """
@@ -227,7 +227,7 @@ class _Newton:
             rotation = exp_rotation(moved[:, 3:]) @ state.rotation
             state = Deflection(fraction, state.displacement + moved[:, :3], rotation, iteration)
             norm = float(np.linalg.norm(self.residual(state)))
-            # the residual of a stiff membrane cannot fall below its rounding; the last correction tells as much
+            # the residual of a stiff membrane cannot fall below its rounding; the last correction shows as much
             still = np.abs(moved[:, :3]).max() <= self.tolerance * np.abs(state.displacement).max()
             if still or norm <= self.tolerance * self.size:
                 share = norm / self.size if self.size else 0.0

@@ -48,7 +48,7 @@ def natural_modes(stiffness: sparse.csc_array, mass: sparse.csc_array, supports:
     held, heavy = supports.reduce(stiffness), supports.reduce(mass)
     factors = factorise(held, supports.groups)
     inverse = LinearOperator(held.shape, matvec=factors.solve, dtype=np.float64)
-    # a fixed start vector makes the answer the same in every run
+    # a fixed start vector makes the result the same in every run
     start = np.ones(held.shape[0])
     try:
         squares, shapes = eigsh(held, n_modes, M=heavy, sigma=0.0, OPinv=inverse, v0=start)

@@ -1,4 +1,4 @@
-"""How much of a solution is the elements' own stiffness: an estimate after the solution, and a refusal.
+"""The share of a solution that is the elements' own stiffness: an estimate after the solution, and a refusal.
 
 Three shares of the strain energy u' K u, whose sum estimates the relative error of the displacements under the load
 (in a Galerkin solution the error's energy over the whole is the error of load' u):
@@ -93,7 +93,7 @@ class Quality:
 
 
 def solution_quality(shells: Shells, displacements: FloatArray, factor: FloatArray | None = None) -> Quality:
-    """Return what share of a solution's strain energy is the elements' own.
+    """Return the shares of a solution's strain energy that are the elements' own.
 
     Parameters
     ----------

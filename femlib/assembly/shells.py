@@ -124,7 +124,7 @@ def _check_axis(mesh: Mesh, laminates: tuple[Laminate, ...], section: IntArray, 
 
 
 def _checked_warp(mesh: Mesh, laminates: tuple[Laminate, ...], section: IntArray) -> float:
-    """Return what the most warped element for its thickness may cost, or refuse it."""
+    """Return the loss that the most warped element for its thickness may cause, or refuse it."""
     n = len(mesh.quads)
     if not n:
         return 0.0
@@ -149,7 +149,7 @@ def assemble(mesh: Mesh, quads: FloatArray, trias: FloatArray, elements: BoolArr
     keep = np.ones(mesh.n_elements, dtype=bool) if elements is None else np.asarray(elements)
     if keep.shape != (mesh.n_elements,) or keep.dtype != np.bool_:
         raise InputError(
-            f"elements are {keep.dtype} of shape {keep.shape}; expected ({mesh.n_elements},) truth values, one for "
+            f"elements are {keep.dtype} of shape {keep.shape}; expected ({mesh.n_elements},) booleans, one for "
             "each element; write mask == 1"
         )
     k = len(mesh.quads)

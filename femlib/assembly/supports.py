@@ -17,7 +17,7 @@ RIGID = 1e-12
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Supports:
-    """Which degrees of freedom are held at zero.
+    """Degrees of freedom that are held at zero.
 
     Attributes
     ----------

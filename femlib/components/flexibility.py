@@ -149,7 +149,7 @@ def port_flexibility(
     checked_rows(rows, structure.supports.n_dofs)
     if len(outputs) != rows.shape[0]:
         raise InputError(
-            f"{len(outputs)} output names but {rows.shape[0]} rows; expected one name a row; complete them"
+            f"{len(outputs)} output names but {rows.shape[0]} rows; expected one name per row; complete them"
         )
     force = frozen_floats(load, "load", (structure.supports.n_dofs,))[structure.supports.free]
     free_rows = sparse.csr_array(rows)[:, structure.supports.free]

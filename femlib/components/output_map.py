@@ -1,4 +1,4 @@
-"""Outputs of damage states under one load, as a map that costs small dense products a state.
+"""Outputs of damage states under one load, as a map that costs small dense products per state.
 
 With the ports' condensation S_0, each component's T_i, the pristine solution u_0 and the outputs' adjoint a = K_0^-1 c,
 

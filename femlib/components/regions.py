@@ -87,12 +87,10 @@ def damage_row(state: Mapping[str, float], parameters: Sequence[str]) -> FloatAr
         If the state names an unknown parameter.
     """
     if not isinstance(state, Mapping):
-        raise InputError(
-            f"state is a {type(state).__name__}; expected damages by parameter's name; write {{'mu1': 0.4}}"
-        )
+        raise InputError(f"state is a {type(state).__name__}; expected damages by parameter name; write {{'mu1': 0.4}}")
     unknown = sorted(set(state) - set(parameters))
     if unknown:
-        raise InputError(f"state names {unknown}; expected among {list(parameters)}; correct the parameter's name")
+        raise InputError(f"state names {unknown}; expected some of {list(parameters)}; correct the parameter's name")
     wrong = {name: value for name, value in state.items() if not isinstance(value, Real) or isinstance(value, bool)}
     if wrong:
         raise InputError(f"state has {wrong}; expected fractions of stiffness lost; give numbers, 0.4 for 40 %")
@@ -122,18 +120,18 @@ def refuse_overlap(components: Sequence[Component], n_elements: int) -> None:
         got = np.shape(component.elements)
         if got != (n_elements,):
             raise InputError(
-                f"region {component.name} has elements of shape {got}; expected ({n_elements},), one truth value "
+                f"region {component.name} has elements of shape {got}; expected ({n_elements},), one boolean "
                 "for each element of the mesh; make them from that mesh"
             )
         kind = np.asarray(component.elements).dtype
         if kind != np.bool_:
             raise InputError(
-                f"region {component.name} has elements of {kind}; expected truth values, one for each element of the "
+                f"region {component.name} has elements of {kind}; expected booleans, one for each element of the "
                 "mesh; write elements == 1 for zeros and ones"
             )
     parameters = [component.parameter for component in components]
     if len(set(parameters)) != len(parameters):
-        raise InputError(f"components have the parameters {parameters}; expected each its own; rename one")
+        raise InputError(f"components have the parameters {parameters}; expected a different one for each; rename one")
     for k, second in enumerate(components):
         if not second.elements.any():
             raise InputError(f"region {second.name} holds no element; expected at least one; move it onto the mesh")

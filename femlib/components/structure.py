@@ -40,7 +40,7 @@ class Eliminated:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Adjoint:
-    """What forces on the undamaged structure do to outputs.
+    """The outputs per unit force on the undamaged structure.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ class Adjoint:
 
 
 class KeptFactors:
-    """Keeps what a structure was last factorised for, the largest thing in memory; it changes no answer."""
+    """The factors that a structure was last solved with, the largest thing in memory; they change no result."""
 
     def __init__(self) -> None:
         self._eliminated: dict[tuple[int, ...], Eliminated] = {}
@@ -139,7 +139,7 @@ class DamagedStructure:
         return tuple(int(k) for k in np.flatnonzero(damage.any(axis=0)))
 
     def n_ports(self, active: tuple[int, ...]) -> int:
-        """Number of port degrees of freedom of the components `active`."""
+        """Return the number of port degrees of freedom of the components `active`."""
         return len(_all_ports([self._condensed[k] for k in active]))
 
     def eliminated(self, active: tuple[int, ...]) -> Eliminated:
@@ -217,7 +217,7 @@ class DamagedStructure:
     def solve_outputs(self, states: FloatArray, load: FloatArray, rows: sparse.csr_array) -> FloatArray:
         """Return rows @ u (n_states, n_outputs) for rows (n_outputs, n_dofs), without forming u; arguments as `solve`.
 
-        The work of a state is the dense solve at the ports: one adjoint solve an output tells what forces do to it.
+        The work of a state is the dense solve at the ports: one adjoint solve per output gives it for any force.
         """
         damage = checked_damage(states, self.parameters)
         checked_rows(rows, self.supports.n_dofs)
@@ -264,7 +264,7 @@ class DamagedStructure:
                 solution_quality(self.shells, column).refuse()
 
     def adjoint(self, rows: sparse.csr_array, active: tuple[int, ...]) -> FloatArray:
-        """Return K_0^-1 rows' (n_free, n_outputs): one solve an output, kept while the same rows are asked for."""
+        """Return K_0^-1 rows' (n_free, n_outputs): one solve per output, kept while the same rows are asked for."""
         return self._kept.motion(rows, active, lambda: self._solve_adjoint(rows, active))
 
     def _solve_adjoint(self, rows: sparse.csr_array, active: tuple[int, ...]) -> FloatArray:
@@ -279,7 +279,7 @@ class DamagedStructure:
 
 
 def checked_rows(rows: sparse.csr_array, n_dofs: int) -> None:
-    """Raise InputError if rows are no map from displacements."""
+    """Raise InputError if rows do not map displacements."""
     shape = tuple(rows.shape)
     if len(shape) != 2 or shape[1] != n_dofs:
         raise InputError(

@@ -1,20 +1,19 @@
 """Training samples from strains: libraries of states, loads, noise, the study's recipe, files of any length."""
 
-from femlib.dataset.files import read_dataset, write_dataset
 from femlib.dataset.noise import Bias, ColouredNoise, WhiteNoise
+from femlib.dataset.published import published_strains
 from femlib.dataset.samples import (
     Dataset,
     MeanStrains,
     Recipe,
     build_dataset,
-    published_strains,
     simulated_strains,
     study_states_percent,
 )
 from femlib.dataset.sampling import Load, Sampling
 from femlib.dataset.states import StateLibrary, grid_states, listed_states, random_states
-from femlib.dataset.stored import StoredDataset, open_dataset
-from femlib.dataset.stream import stream_dataset
+from femlib.dataset.storage import read_dataset, write_dataset
+from femlib.dataset.stream import StoredDataset, open_dataset, stream_dataset
 
 __all__ = [
     "Bias",

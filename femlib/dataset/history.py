@@ -1,6 +1,6 @@
 """Historical readings, appended to simulated ones: a campaign's table, read in pieces.
 
-A table has one row a reading: `load_factor`, a column for each damage parameter [fraction of stiffness lost], and one
+A table has one row per reading: `load_factor`, a column for each damage parameter [fraction of stiffness lost], and one
 for each gauge [microstrain at that load, compressive positive]. Other columns are left alone.
 """
 
@@ -11,7 +11,8 @@ import numpy as np
 import pandas as pd
 
 from femlib.checked import shown
-from femlib.dataset.disk import csv_pieces, floats, parquet_file
+from femlib.dataset.parquet import parquet_file
+from femlib.dataset.storage import csv_pieces, floats
 from femlib.errors import InputError
 
 ROWS_AT_A_TIME = 8192

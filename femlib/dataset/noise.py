@@ -20,13 +20,13 @@ from femlib.errors import InputError, is_number
 
 @runtime_checkable
 class Noise(Protocol):
-    """What is added to clean readings."""
+    """Errors that are added to clean readings."""
 
     def draw(self, n_runs: int, n_readings: int, offsets: FloatArray, rng: np.random.Generator) -> FloatArray:
         """Return errors (n_runs, n_readings, n_gauges) [microstrain]; `offsets` (n_gauges,) came from `fix`."""
 
     def fix(self, n_gauges: int, rng: np.random.Generator) -> FloatArray:
-        """Return what is drawn once for all readings: an offset of each gauge (n_gauges,) [microstrain]."""
+        """Return the offsets of the gauges (n_gauges,) [microstrain], drawn once for all readings."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""What a stream is made from: a model, a library of states and a sampling that fit each other."""
+"""Plan of a stream: a model, a library of states and a sampling that fit each other."""
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
@@ -13,7 +13,7 @@ from femlib.dataset.states import StateLibrary
 from femlib.errors import InputError
 
 OFFSETS = 0
-"""First word of the seeds of what is drawn once for a dataset."""
+"""First word of the seeds of the noise that is drawn once for a dataset."""
 
 StrainMap = Callable[[FloatArray], FloatArray]
 """From states (n_states, n_parameters) to strains (n_states, n_gauges) [microstrain] under one load."""
@@ -21,7 +21,7 @@ StrainMap = Callable[[FloatArray], FloatArray]
 
 @runtime_checkable
 class SampledModel(Protocol):
-    """What a stream asks of a model: a wing has it, and a reduced wing."""
+    """A model that a stream can sample: a wing, or a reduced wing."""
 
     @property
     def gauges(self) -> GaugePlaces | tuple[str, ...]:
@@ -41,7 +41,7 @@ class SampledModel(Protocol):
 
 @runtime_checkable
 class MapsStrains(Protocol):
-    """A model that can prepare a load: what it returns is called for many states, in other processes too."""
+    """A model that can prepare a load; the map that it returns is called for many states, in other processes too."""
 
     def strain_map(self, load_factor: float, lift: FloatArray | None = None) -> StrainMap:
         """Return the map from states to strains under a load."""
@@ -107,7 +107,7 @@ def fitted(model: SampledModel, library: StateLibrary, sampling: Sampling) -> Pl
     unknown = [name for name in library.parameters if name not in model.parameters]
     if unknown:
         raise InputError(
-            f"the library has the parameters {unknown}; expected among the model's {model.parameters}; name those"
+            f"the library has the parameters {unknown}; expected some of the model's, {model.parameters}; name those"
         )
     if not len(library):
         raise InputError("the library has no states; expected at least one; give grid_states a level or add a library")
@@ -149,7 +149,7 @@ def _kept_gauges(model: SampledModel, sampling: Sampling) -> IntArray:
 
 
 def described(plan: Plan, n_history: int) -> dict[str, Any]:
-    """Return what the rows lack, for the side file."""
+    """Return the entries of the side file: everything that the rows lack."""
     sampling = plan.sampling
     return {
         "seed": sampling.seed,

@@ -10,14 +10,11 @@ Learning (2020), section 4.
 """
 
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Protocol, runtime_checkable
 
 import numpy as np
-import pandas as pd
 
 from femlib.arrays import BoolArray, FloatArray, IntArray
-from femlib.dataset.disk import csv_pieces, floats
 from femlib.errors import InputError, frozen_floats, frozen_ints, is_number, is_whole
 
 LEVELS_PERCENT = (0, 20, 40, 60, 80)
@@ -25,10 +22,6 @@ LEVELS_PERCENT = (0, 20, 40, 60, 80)
 STUDY_PARAMETERS = ("mu1", "mu2")
 LOAD_FACTOR = 3.0
 """Load factor at which the study measures."""
-PUBLISHED_INSIDE_REGIONS = ("g17", "g18", "g23", "g24")
-"""Gauges of the published table that lie in a damage region and are left out. Deduced from the table's increments."""
-N_PUBLISHED_GAUGES = 24
-ROWS_AT_A_TIME = 65_536
 
 
 class GaugePlaces(Protocol):
@@ -45,7 +38,7 @@ class GaugePlaces(Protocol):
 
 @runtime_checkable
 class StrainModel(Protocol):
-    """What a dataset asks of a model."""
+    """A model that a dataset can be made of."""
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -126,40 +119,9 @@ def simulated_strains(model: StrainModel, load_factor: float = LOAD_FACTOR) -> M
     )
 
 
-def published_strains(path: str | Path) -> MeanStrains:
-    """Return the strains of the 25 states from a table in the published layout, rows `mean` at load factor 3.
-
-    Columns: mu1_percent, mu2_percent, load_factor, kind, strain_01 to strain_24 [microstrain at that load].
-
-    Raises
-    ------
-    InputError
-        If the file is missing, a column is missing, a state is missing or double, or a number is not finite.
-    """
-    table = _read_table(Path(path))
-    columns = [f"strain_{k:02d}" for k in range(1, N_PUBLISHED_GAUGES + 1)]
-    missing = [c for c in ("mu1_percent", "mu2_percent", "load_factor", "kind", *columns) if c not in table.columns]
-    if missing:
-        raise InputError(f"{path} lacks the columns {missing}; expected the published layout; complete the table")
-    is_mean = (table["kind"].astype(str) == "mean").to_numpy() & (floats(table["load_factor"]) == LOAD_FACTOR)
-    states = np.stack([floats(table[name][is_mean]) for name in ("mu1_percent", "mu2_percent")], axis=1)
-    order = np.lexsort(states.T[::-1])
-    states = states[order]
-    if not np.array_equal(states, study_states_percent()):
-        raise InputError(
-            f"{path} has {len(states)} mean rows at load factor {LOAD_FACTOR:g}; expected one for each of the 25 "
-            f"states of mu1_percent and mu2_percent in {list(LEVELS_PERCENT)}; complete the table"
-        )
-    names = tuple(f"g{k:02d}" for k in range(1, N_PUBLISHED_GAUGES + 1))
-    usable = np.array([name not in PUBLISHED_INSIDE_REGIONS for name in names])
-    strains = np.stack([floats(table[name][is_mean])[order] for name in columns], axis=1)
-    source = f"published table {Path(path).name}"
-    return MeanStrains(study_states_percent(), strains, LOAD_FACTOR, names, usable, source, "")
-
-
 @dataclass(frozen=True, slots=True)
 class Recipe:
-    """How readings are drawn.
+    """The recipe of the readings of each state.
 
     Attributes
     ----------
@@ -287,13 +249,3 @@ def build_dataset(means: MeanStrains, recipe: Recipe | None = None, seed: int = 
         means.source,
         means.model_hash,
     )
-
-
-def _read_table(path: Path) -> pd.DataFrame:
-    """Return a CSV as a table, or one sentence on why not."""
-    if not path.exists():
-        raise InputError(f"{path} does not exist; expected a CSV table; correct the path")
-    pieces = list(csv_pieces(path, ROWS_AT_A_TIME))
-    if not pieces:
-        raise InputError(f"{path} cannot be read (no rows); expected a CSV table; repair the file")
-    return pd.concat(pieces, ignore_index=True)

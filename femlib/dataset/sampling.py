@@ -1,4 +1,4 @@
-"""What is drawn from a library of states: loads, readings of each state, noise, gauges, training share."""
+"""Sampling of a library of states: loads, readings of each state, noise, gauges, training share."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -45,7 +45,7 @@ class Load:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sampling:
-    """How readings are drawn from each state of a library.
+    """The draws of readings from each state of a library.
 
     Attributes
     ----------
@@ -106,5 +106,5 @@ class Sampling:
             raise InputError(f"seed is {self.seed!r}; expected 0 or more; choose another")
 
     def divisor(self, load: Load) -> float:
-        """Return what a reading under a load is divided by."""
+        """Return the divisor of the readings under a load."""
         return load.factor if self.divide_by_load else 1.0

@@ -23,13 +23,13 @@ class Part(Protocol):
 
     @property
     def n_states(self) -> int:
-        """How many."""
+        """Number of states."""
 
     def between(self, first: int, stop: int) -> FloatArray:
         """Return the states first to stop - 1 (stop - first, n_parameters)."""
 
     def describe(self) -> dict[str, object]:
-        """Return what made the states, for the side file."""
+        """Return the origin of the states, for the side file."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,7 +106,7 @@ def random_states(
     parameters : sequence of str
         Names of the damage parameters.
     n_states : int
-        How many states; a million take no more memory than a thousand.
+        Number of states; a million take no more memory than a thousand.
     seed : int
         Seed; a longer library of the same seed begins with the states of a shorter one.
     n_damaged : int, optional

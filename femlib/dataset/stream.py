@@ -6,10 +6,12 @@ cluster). Work is cut by the library's length alone, every piece of noise has a 
 algebra of a piece runs on one thread: the rows are the same for any n_jobs and backend.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
 from itertools import chain
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -17,13 +19,17 @@ from joblib import Parallel, delayed
 from threadpoolctl import threadpool_limits
 
 from femlib.arrays import FloatArray, IntArray
+from femlib.checked import names, taken, whole
 from femlib.dataset.history import history_pieces
+from femlib.dataset.parquet import GROUP_ROWS, parquet_file, pyarrow_modules, write_groups
 from femlib.dataset.plan import MapsStrains, Plan, SampledModel, StrainMap, described, fitted
 from femlib.dataset.sampling import Load, Sampling
 from femlib.dataset.states import StateLibrary
-from femlib.dataset.stored import StoredDataset, store
+from femlib.dataset.storage import checked_target, file_sha256, read_side, side_path, write_with_side
 from femlib.errors import InputError, is_whole
+from femlib.kept import ReadOnly
 
+VERSION = "stream 1"
 MOST_TASK_STATES = 1024
 """States of one task, at most."""
 LEAST_TASKS = 16
@@ -34,6 +40,83 @@ DRAWN_ROWS = 8192
 """Rows whose noise is drawn at once; coloured noise is correlated along at most so many readings."""
 READINGS = 1
 """First word of the seeds of what is drawn with the rows; see `femlib.dataset.plan.OFFSETS`."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StoredDataset:
+    """A streamed dataset that was checked against its side file.
+
+    Attributes
+    ----------
+    path : Path
+        The Parquet file.
+    n_rows : int
+        Its rows.
+    parameters, gauges : tuple of str
+        Names of the columns of damage [fraction of stiffness lost] and of readings [microstrain].
+    about : mapping
+        The side file: seed, noise, model hash, units, states, loads.
+    """
+
+    path: Path
+    n_rows: int
+    parameters: tuple[str, ...]
+    gauges: tuple[str, ...]
+    about: Mapping[str, Any]
+
+    def pieces(self, n_rows: int = GROUP_ROWS, columns: Sequence[str] | None = None) -> Iterator[pd.DataFrame]:
+        """Yield the rows, at most `n_rows` at a time, all columns or those named.
+
+        Raises
+        ------
+        InputError
+            If a column is not in the file or `n_rows` is no whole number above 0.
+        """
+        if not is_whole(n_rows) or n_rows < 1:
+            raise InputError(f"n_rows is {n_rows!r}; expected 1 or more rows at a time; correct it")
+        with parquet_file(self.path) as file:
+            unknown = [name for name in columns or () if name not in file.schema_arrow.names]
+            if unknown:
+                known = file.schema_arrow.names
+                raise InputError(f"{self.path} has no columns {unknown}; expected some of {known}; correct the names")
+            for batch in file.iter_batches(n_rows, columns=None if columns is None else list(columns)):
+                yield batch.to_pandas(ignore_metadata=True)
+
+    def read(self, columns: Sequence[str] | None = None) -> pd.DataFrame:
+        """Return all rows at once: for datasets that fit into memory.
+
+        Raises
+        ------
+        InputError
+            As `pieces`.
+        """
+        pieces = list(self.pieces(columns=columns))
+        if not pieces:
+            raise InputError(f"{self.path} has no rows; expected at least one; write the dataset again")
+        return pd.concat(pieces, ignore_index=True)
+
+
+def open_dataset(path: str | Path) -> StoredDataset:
+    """Return a dataset that `stream_dataset` wrote.
+
+    Raises
+    ------
+    InputError
+        If a file is missing or broken, or the data file is not the one that its side file describes.
+    """
+    target = checked_target(path, (".parquet",))
+    side, where = read_side(target, VERSION), str(side_path(target))
+    n_rows = whole(taken(side, "rows", where), f"{where}: rows")
+    parameters, gauges = (names(taken(side, name, where), f"{where}: {name}") for name in ("parameters", "gauges"))
+    with parquet_file(target) as file:
+        held, columns = file.metadata.num_rows, set(file.schema_arrow.names)
+    missing = [name for name in (*parameters, *gauges) if name not in columns]
+    if held != n_rows or missing:
+        raise InputError(
+            f"{target} has {held} rows and lacks the columns {missing[:12]}; expected {n_rows} rows of all columns "
+            "that its side file names; write the dataset again"
+        )
+    return StoredDataset(target, n_rows, parameters, gauges, ReadOnly(side))
 
 
 def stream_dataset(
@@ -80,7 +163,7 @@ def stream_dataset(
     plan = fitted(model, library, Sampling() if sampling is None else sampling)
     with threadpool_limits(1):
         pieces = chain(_simulated(plan, n_jobs), _historical(plan, history))
-        return store(path, pieces, described(plan, len(history)))
+        return _store(path, pieces, described(plan, len(history)))
 
 
 def _simulated(plan: Plan, n_jobs: int | None) -> Iterator[pd.DataFrame]:
@@ -169,3 +252,39 @@ def _table(
     columns |= {"load": load, "load_factor": factor, "is_train": is_train, "source": source}
     columns |= dict(zip(plan.gauges, readings.T, strict=True))
     return pd.DataFrame(columns)
+
+
+def _store(path: str | Path, tables: Iterator[pd.DataFrame], side: dict[str, Any]) -> StoredDataset:
+    """Write tables one after the other into one Parquet file, then its side file; both whole or not at all.
+
+    Parameters
+    ----------
+    path : str or Path
+        The Parquet file.
+    tables : iterator of DataFrame
+        Rows; they are asked for only once the path has proved writable.
+    side : dict
+        Content of the side file; names of parameters and gauges, from which the columns follow, are in it.
+
+    Raises
+    ------
+    InputError
+        If the path cannot be written to.
+    """
+    target = checked_target(path, (".parquet",))
+
+    def write(rows_file: Path) -> dict[str, Any]:
+        n_rows = write_groups(rows_file, tables, _schema(side["parameters"], side["gauges"]))
+        head = {"version": VERSION, "data": target.name, "sha256": file_sha256(rows_file), "rows": n_rows}
+        return head | side
+
+    write_with_side(target, write)
+    return open_dataset(target)
+
+
+def _schema(parameters: Sequence[str], gauges: Sequence[str]) -> Any:
+    pa, _ = pyarrow_modules()
+    words = pa.dictionary(pa.int32(), pa.string())
+    fields = [("state", pa.int64()), *((name, pa.float64()) for name in parameters), ("load", words)]
+    fields += [("load_factor", pa.float64()), ("is_train", pa.bool_()), ("source", words)]
+    return pa.schema([*fields, *((name, pa.float64()) for name in gauges)])

@@ -1,7 +1,7 @@
 """Large deflection of any linear element: its motion is a rigid one times a small one, and only the small one strains.
 
 letter = word: X corners before, x corners now, R the nodes' rotations, Q the element's rigid rotation, bar = mean over
-the corners; all deformation is told in the axes before the motion, so that the element's own stiffness K serves:
+the corners; all deformation is stated in the axes before the motion, so that the element's own stiffness K serves:
 
     placed_i = Q^T (x_i - bar x),   d_i = placed_i - (X_i - bar X),   theta_i = log(Q^T R_i),   f = K (d, theta).
 

@@ -1,4 +1,4 @@
-"""What the two elements share: the laminate as the element library wants it, and strain rows in global axes."""
+"""Parts of both elements: the laminate as the element library takes it, and strain rows in global axes."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Reduced models of damaged structures: microseconds a state, with a guaranteed error bound."""
+"""Reduced models of damaged structures: microseconds per state, with a guaranteed error bound."""
 
 from femlib.rom.model import ReducedModel
 from femlib.rom.modes import ReductionSettings, reduce_ports, reduce_structure

@@ -124,7 +124,7 @@ def _array(held: zipfile.ZipFile, entry: zipfile.ZipInfo, name: str) -> np.ndarr
 
 
 def _words(array: np.ndarray) -> dict[str, Any]:
-    """Return what stands in words: names, provenance, number of leading modes."""
+    """Return the text entries: names, provenance, number of leading modes."""
     if array.shape != () or array.dtype.kind != "U":
         raise InputError(f"words has shape {array.shape} and type {str(array.dtype)[:60]}; expected one text")
     found = parsed_object(str(array), "words", "names of parameters and outputs")

@@ -1,4 +1,4 @@
-"""A reduced model of a damaged structure, with a guaranteed error bound, in microseconds a state.
+"""A reduced model of a damaged structure, with a guaranteed error bound, in microseconds per state.
 
 In the words of femlib.components.flexibility and femlib.rom.modes, with y_i = Phi_i a_i and tests Psi_i,
 

@@ -30,7 +30,7 @@ MOST_TRIES = 12
 
 @dataclass(frozen=True, slots=True)
 class FlightPoint:
-    """Where and how heavy the aircraft flies.
+    """Flight condition: air, speed and mass of the aircraft.
 
     Attributes
     ----------

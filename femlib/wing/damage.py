@@ -70,7 +70,7 @@ def checked_regions(regions: Sequence[DamageRegion]) -> tuple[DamageRegion, ...]
         words = [getattr(region, what) for region in regions]
         double = sorted({word for word in words if words.count(word) > 1})
         if double:
-            raise InputError(f"damage regions share the {what} {double}; expected each its own; rename one")
+            raise InputError(f"damage regions share the {what} {double}; expected a different one for each; rename one")
     taken = sorted({region.name for region in regions} & {*SURFACES, "ribs"})
     if taken:
         raise InputError(f"damage regions are called {taken}, as parts of the wing are; expected others; rename them")

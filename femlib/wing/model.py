@@ -29,7 +29,7 @@ from femlib.wing.structure import WingGrid, WingMaterials, wing_grid, wing_mesh,
 
 MICRO = 1e6
 MOST_STRAIN = 50_000.0
-"""Largest strain [microstrain] that linear analysis answers with: carbon breaks at a third of it."""
+"""Largest strain [microstrain] that linear analysis gives out: carbon breaks at a third of it."""
 StrainMap = Callable[[FloatArray], FloatArray]
 """From states (n_states, n_parameters) to gauge strains (n_states, n_gauges)."""
 
@@ -288,12 +288,12 @@ def checked_load_factor(load_factor: float) -> float:
 
 
 def checked_strains(strains: FloatArray) -> FloatArray:
-    """Return gauge strains (..., n_gauges) [microstrain]; InputError if one is beyond what linear analysis answers."""
+    """Return gauge strains (..., n_gauges) [microstrain]; InputError if one is beyond the range of linear analysis."""
     if not float(np.vdot(strains, strains)) <= MOST_STRAIN**2 and not np.abs(strains).max() <= MOST_STRAIN:
         worst = float(np.abs(strains).max())
         raise InputError(
             f"strain would be {worst:.3g} microstrain; expected at most {MOST_STRAIN:g}, beyond which linear analysis "
-            "means nothing; lower the load factor, check the forces"
+            "is meaningless; lower the load factor, check the forces"
         )
     return strains
 
@@ -304,7 +304,7 @@ def checked_motion(moved: FloatArray, size: float) -> FloatArray:
     if not farthest <= size:
         raise InputError(
             f"a node would move by {farthest:.3g} m; expected at most {size:.3g} m, the wing's size, beyond which "
-            "linear analysis means nothing; lower the load factor, check the forces"
+            "linear analysis is meaningless; lower the load factor, check the forces"
         )
     return moved
 

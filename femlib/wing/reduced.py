@@ -1,4 +1,4 @@
-"""The wing's reduced model: answers as `Wing` does, in microseconds, with an error bound."""
+"""The wing's reduced model: the results of `Wing` in microseconds, with an error bound."""
 
 import hashlib
 import json
@@ -108,7 +108,7 @@ class ReducedWing:
         return checked_strains(checked_load_factor(load_factor) * self.model.solve(states)[:, :-1])
 
     def error_bound_microstrain(self, states: FloatArray, load_factor: float) -> FloatArray:
-        """Return what the strains (n_states, n_gauges) of `strains_microstrain` differ from the full model's at most.
+        """Return bounds (n_states, n_gauges) of the difference of `strains_microstrain` from the full model.
 
         Raises
         ------

@@ -157,7 +157,7 @@ def wing_grid(
     gauge_eta: FloatArray,
     refinement: float,
 ) -> WingGrid:
-    """Number the nodes.
+    """Return the numbers of the nodes on their grid lines.
 
     Ribs, spar, region edges and the span fractions `gauge_eta` of the installed gauges lie on grid lines, so that
     strains and damage increments converge smoothly; steps shrink with 1 / `refinement`.
@@ -228,7 +228,7 @@ def wing_mesh(planform: Planform, section: Naca4, grid: WingGrid, regions: Seque
 
 
 def wing_shells(mesh: Mesh, planform: Planform, materials: WingMaterials, regions: Sequence[DamageRegion]) -> Shells:
-    """Give each element its section; the skins' modulus falls linearly along the span."""
+    """Return the shells, each element with its section; the skins' modulus falls linearly along the span."""
     wooden = ["web", "ribs", *(region.name for region in regions if region.surface == "web")]
     wood = np.isin(mesh.patch_of_element, [mesh.patches.index(p) for p in wooden])
     eta = mesh.centroids()[:, 1] / planform.span

@@ -1,4 +1,4 @@
-"""The wing as a twin: what a monitor or a diagnosis asks of any model, by shape and without knowing this package.
+"""The wing as a twin: the model that a monitor or a diagnosis needs, by shape and without knowing this package.
 
 Full and reduced wing answer by one protocol, `WingModel`; a twin is one of them and the effects that a real wing may
 have besides. The effects always need the full wing (their forces act on its nodes): a twin made from a file builds it
@@ -20,7 +20,7 @@ from femlib.wing.reduced import ReducedWing, reduce_wing
 
 
 class WingModel(Protocol):
-    """What `Wing` and `ReducedWing` have in common: gauge strains of damage states."""
+    """A wing, full or reduced: gauge strains of damage states."""
 
     @property
     def gauge_names(self) -> tuple[str, ...]:
@@ -55,13 +55,13 @@ class WingModel(Protocol):
         ...
 
     def error_bound_microstrain(self, states: FloatArray, load_factor: float) -> FloatArray:
-        """Return what the strains (n_states, n_gauges) differ from the full wing's at most."""
+        """Return bounds (n_states, n_gauges) of the strains' difference from the full wing's."""
         ...
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WingTwin:
-    """A wing, full or reduced, that answers with gauge strains.
+    """A wing, full or reduced, that predicts gauge strains.
 
     Attributes
     ----------
@@ -128,7 +128,7 @@ class WingTwin:
         return self.model.strain_microstrain(state, load_factor)
 
     def error_bound(self, states: FloatArray, load_factor: float) -> FloatArray:
-        """Return what `predict_states` (n_states, n_gauges) differs from the full wing at most [microstrain]."""
+        """Return bounds (n_states, n_gauges) [microstrain] of the difference of `predict_states` from the full wing."""
         return self.model.error_bound_microstrain(states, load_factor)
 
 
@@ -164,7 +164,7 @@ def saved_twin(path: str | Path, make_wing: Callable[[], Wing] = uav_wing) -> Wi
 
 
 class _OnDemand(Mapping[str, WingEffect]):
-    """Keeps the effects of a reduced wing, and its full wing, made once when they are first asked for."""
+    """The effects of a reduced wing and its full wing, each made once when it is first asked for."""
 
     def __init__(self, reduced: ReducedWing, make_wing: Callable[[], Wing]) -> None:
         self._reduced = reduced

@@ -152,7 +152,7 @@ class _Grid:
             self._add_product(c, cut, members[powers == power])
 
     def _add_product(self, c: int, prices: list[Fraction], members: NDArray[np.int64]) -> None:
-        """A row for some samples, weights and prices rounded at the powers of two that lose least."""
+        """Add a row for some samples, weights and prices rounded at the powers of two that lose least."""
         weights, highest = self.problem.weights[members], max(prices)
         # A weight loses up to 2^-a of the highest price, a price up to 2^-b of the sum of the weights: best when equal.
         place = highest.numerator.bit_length() - highest.denominator.bit_length()

@@ -8,6 +8,7 @@ import contextlib
 import csv
 import importlib
 import io
+import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -20,6 +21,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
+from octmip.formats.cells import CsvRows, plain_number
 from octmip.formats.checked import MOST_NAME, several, shown
 from octmip.formats.files import PathLike, check_readable, read_text
 
@@ -163,9 +165,11 @@ class Table:
 
 def _is_number(value: object) -> bool:
     """Whether a cell is a number, of any size; "nan" is none."""
+    if isinstance(value, str):
+        number = plain_number(value)
+        return number is not None and not math.isnan(number)
     try:
-        is_plain = str(value).isascii() and "_" not in str(value)  # Python takes 1_000, and digits of any script
-        return is_plain and float(value) == float(value)  # type: ignore[arg-type]
+        return "_" not in str(value) and float(value) == float(value)  # type: ignore[arg-type]
     except OverflowError:  # a whole number beyond float64
         return True
     except (TypeError, ValueError):
@@ -191,11 +195,11 @@ def read_table(path: PathLike) -> Table:
 
 def _read_csv(path: Path) -> pd.DataFrame:
     text = read_text(path)
-    reader = csv.reader(io.StringIO(text, newline=""))
+    rows = _rows(text)
     try:
-        header, first = next(reader, []), next((cells for cells in reader if cells), [])
+        header, first = next(rows, []), next((cells for cells in rows if cells), [])
     except csv.Error as error:
-        raise DataError(f"{path}, line {reader.line_num}: {error}; expected cells separated by commas") from error
+        raise DataError(f"{path}, line {rows.last}: {error}; expected cells separated by commas") from error
     _check_names(path, header)
     if "" in (name.strip() for name in header):
         place = [name.strip() for name in header].index("") + 1
@@ -269,15 +273,19 @@ def _check_names(path: Path, header: Sequence[str]) -> None:
 
 def _line_of_row(path: Path, row: int) -> int | None:
     """Return the line of a CSV file (1: header) on which a row ends: blank lines hold no row, quoted cells may span."""
-    reader = csv.reader(io.StringIO(read_text(path), newline=""))
+    rows = _rows(read_text(path))
     rows_before = -1  # the header
     with contextlib.suppress(csv.Error):  # a cell that pandas takes and csv does not: the row is named by its number
-        for cells in reader:
+        for cells in rows:
             if cells:
                 if rows_before == row:
-                    return reader.line_num
+                    return rows.last
                 rows_before += 1
     return None
+
+
+def _rows(text: str) -> CsvRows:
+    return CsvRows(enumerate(io.StringIO(text, newline=""), start=1))
 
 
 def read_costs(path: PathLike, class_names: Sequence[Any]) -> NDArray[np.float64]:

@@ -1,4 +1,4 @@
-"""Tree files: a tree with all that is needed to use, doubt and check it, as JSON.
+"""Tree files: a tree with all that is needed to use and to check it, as JSON.
 
     {"format": "octmip-tree", "version": 1,
      "tree": {"feature": "g01", "threshold": 2.5, "left": {"label": 0}, "right": {"label": 20}},
@@ -24,103 +24,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import OctmipError, TreeError
-from octmip.formats.checked import (
-    Anything,
-    AsItIs,
-    Choice,
-    Either,
-    Kind,
-    ListOf,
-    MapOf,
-    MisfitError,
-    Number,
-    Record,
-    Schema,
-    Text,
-    Truth,
-    Whole,
-    maybe,
-    shown,
-)
+from octmip.formats.checked import shown
 from octmip.formats.files import PathLike, read_json_object, write_bytes
-from octmip.problem import MAX_DEPTH, Problem
+from octmip.formats.tree_schema import CONTENT, FORMAT, SETTINGS, VERSION
+from octmip.problem import Problem
 from octmip.solution import Solution, Stop
 from octmip.tree import HyperplaneSplit, Leaf, Node, Split, leaf_index, leaves, n_splits, splits
-
-FORMAT, VERSION = "octmip-tree", 1
-COST, COUNT = Number(low=0.0), Whole(1, 2**53)
-NAME, CLASS = Text(), AsItIs(Either((Text(), Truth(), Number())))
-
-
-@dataclass(frozen=True, slots=True)
-class NodeKind:
-    """A node of a tree: a leaf, a split on one feature, or one on several, by the entries that it has."""
-
-    words: str = "a node: label, or left and right with feature and threshold, or features, coefficients and offset"
-
-    def take(self, value: Any) -> dict[str, Any]:
-        """Return the node and all below it."""
-        kind = next((kind for mark, kind in _NODES.items() if type(value) is dict and mark in value), None)
-        if kind is None:
-            raise MisfitError(f"is {shown(value)} and lacks the entry 'label' or 'left'; expected {self.words}")
-        return kind.take(value)
-
-    def schema(self) -> Schema:
-        """Return the reference to the definition, which holds itself."""
-        return {"$ref": "#/$defs/node"}
-
-
-NODE = NodeKind()
-_SIDES: dict[str, Kind] = {"left": NODE, "right": NODE}
-_NODES = {
-    "label": Record({"label": CLASS}, closed=True),
-    "feature": Record({"feature": NAME, "threshold": Number(), **_SIDES}, closed=True),
-    "left": Record(
-        {"features": ListOf(NAME, 1), "coefficients": ListOf(Number(), 1), "offset": Number(), **_SIDES}, closed=True
-    ),
-}
-SETTINGS: dict[str, Kind] = {
-    "depth": Whole(1, MAX_DEPTH),
-    "split": Choice(("axis", "hyperplane")),
-    "split_size": maybe(COUNT),
-    "leaf_size": COUNT,
-    "leaf_penalty": COST,
-    "costs": ListOf(ListOf(COST)),
-    "sensor_of_feature": ListOf(NAME),
-    "sensor_cost": MapOf(COST),
-    "sensor_budget": maybe(COST),
-    "allowed_splits": maybe(ListOf(ListOf(Either((NAME, Whole(0, 2**31))), 1))),
-    "integer_normals": maybe(COUNT),
-}
-CLAIMS: dict[str, Kind] = {
-    "objective": Number(),
-    "bound": maybe(Number()),
-    "stop": Choice(tuple(str(stop) for stop in Stop)),
-    "seconds": COST,
-    "n_nodes": Whole(),
-    "solver": NAME,
-    "version": NAME,
-    "seed": Whole(),
-    "tolerance": COST,
-    "details": MapOf(Anything()),
-}
-TRAINING: dict[str, Kind] = {
-    "sha256": Text("^[0-9a-f]{64}$", "the 64 digits of a sha256, a text"),
-    "n_samples": COUNT,
-    "label": maybe(NAME),
-    "weights": maybe(NAME),
-    "leaf_counts": ListOf(ListOf(Whole(0, 2**53)), 1),
-}
-CONTENT = Record(
-    {
-        "tree": NODE,
-        "feature_names": ListOf(NAME, 1),
-        "class_names": ListOf(CLASS, 1),
-        "problem": Record(SETTINGS),
-        "training": Record(TRAINING),
-        "solution": Record(CLAIMS),
-    }
-)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -297,20 +206,6 @@ def read_tree_file(path: PathLike) -> TreeFile:
     except OctmipError as error:
         cure = "write the file again with octmip solve --out, or correct that entry"
         raise TreeError(f"{path} holds no valid tree: {error}; {cure}") from error
-
-
-def schema() -> Schema:
-    """Return the JSON Schema of tree files: each value's kind and range, not how names and sizes hang together."""
-    content = CONTENT.schema()
-    marks = {"format": {"const": FORMAT}, "version": {"const": VERSION}}
-    return {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": "octmip tree file",
-        **content,
-        "properties": marks | content["properties"],
-        "required": [*marks, *content["required"]],
-        "$defs": {"node": {"anyOf": [kind.schema() for kind in _NODES.values()]}},
-    }
 
 
 def different(names: Sequence[Any], what: str) -> tuple[Any, ...]:

@@ -106,7 +106,7 @@ def _exact(model: LinearModel, effect: Effect, place: str, size: float) -> float
         return size
     inputs, twin, load = model.inputs, model.inputs.twin, model.inputs.reference
     state, time = inputs.named(model.states[0]), max(average.time for average in inputs.averages)
-    line = effect.signature(twin, state, load, variant=place, time=time)
+    line = effect.signature(twin, state, load, place=place, time=time)
     start = twin.predict(state, load)
     found = size
     for _ in range(STEPS):

@@ -248,12 +248,12 @@ class _Run:
         try:
             rows, _, bound, stop, n_nodes = _native.branch_and_bound(
                 native,
+                first,
                 remaining(self.limits, began, self.n_nodes),
                 self.n_jobs,
-                first,
                 self.off,
                 native_progress(self.progress, costs, before),
-                None if self.checkpoint is None else saving,
+                checkpoint=None if self.checkpoint is None else saving,
             )
         except ValueError as error:
             if self.checkpoint is None or not str(error).startswith("known: "):

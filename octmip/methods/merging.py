@@ -3,7 +3,7 @@
     rows      x = (1, 2), class a, weight 1      x = (0, 5), class b, weight 2      x = (1, 2), class a, weight 3
     merged    x = (0, 5), class b, weight 2      x = (1, 2), class a, weight 4
 
-No split tells equal samples apart, so both problems have the same trees at the same cost; and a search that draws
+No split separates equal samples, so both problems have the same trees at the same cost; and a search that draws
 samples at random draws the same ones whether a sample comes three times or once with three times the weight. A leaf
 size of 2 and more counts samples: then they stay apart, and only their order is made one.
 """

@@ -45,7 +45,7 @@ def polished(problem: Problem, tree: Node, goes_on: GoesOn = lambda: True) -> No
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Polish:
-    """What is polished for: the problem, the largest value of each of its features, and how long."""
+    """The context of polishing: the problem, the largest value of each of its features, and whether to go on."""
 
     problem: Problem
     largest: Floats

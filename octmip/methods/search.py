@@ -3,12 +3,12 @@
     minimise  the objective of the Problem
     by        restarts from greedy trees; at one node after the other, in random order, the best new split with the rest
               of the tree fixed, a leaf in its place, or one of its children in its place; exact subtrees of up to
-              three levels at the bottom; kicks out of local optima, kept when they are no worse
-    planes    lines of hyperplanes, each swept exactly; logistic fits to what each sample would rather do; all the
-              planes of a subtree made soft and moved together ("melting"); see docs/theory/search.md
+              three levels at the bottom; perturbations of local optima, kept when they are no worse
+    planes    lines of hyperplanes, each swept exactly; logistic fits to the sides that the samples prefer; all planes
+              of a subtree moved together as a soft tree; see docs/theory/search.md
 
-Every restart draws from its own random stream, told by the seed and the restart's number, so one seed gives one tree
-for any number of threads unless time runs out. The first restart begins at the greedy tree without chance, looks ahead
+Every restart draws from its own random stream, given by the seed and the restart's number, so one seed gives one tree
+for any number of threads unless time runs out. The first restart begins at the greedy tree, not randomised, looks ahead
 with exact subtrees, and is what a hyperplane tree starts from too, so that it is never worse than the axis-aligned one.
 What is searched is the problem of `merging.py`, so rows repeated and rows weighed give one tree, whatever their order.
 Source: Bertsimas & Dunn (2019), Machine Learning Under a Modern Optimization Lens, ch. 8, for the moves at one node.
@@ -28,11 +28,11 @@ from octmip.problem import Problem
 from octmip.solution import Limits, ProgressCallback, Solution, Stop
 from octmip.tree import Node, centred, simplify, without_empty_sides
 
-# Restarts, and kicks in a row without a better tree that end one: hyperplanes profit from longer restarts, and small
-# axis-aligned problems from both more and longer ones, for which there is time.
+# Restarts, and perturbations in a row without a better tree that end one: hyperplanes profit from longer restarts, and
+# small axis-aligned problems from both more and longer ones, for which there is time.
 EFFORT = {"axis": (9, 16), "hyperplane": (6, 60)}
 MOST_EFFORT = (36, 48)
-SMALL = (300_000, 200_000)  # samples x features x restarts, and x kicks, up to which there are more of them
+SMALL = (300_000, 200_000)  # samples x features x restarts, and x perturbations, up to which there are more
 GRACE = 0.3
 """Seconds beyond the limit within which planes are still polished."""
 
@@ -46,7 +46,7 @@ def local_search(
     n_jobs: int = 1,
     progress: ProgressCallback | None = None,
     restarts: int | None = None,
-    kicks: int | None = None,
+    perturbations: int | None = None,
 ) -> Solution:
     """Return the best tree that a local search finds.
 
@@ -57,10 +57,11 @@ def local_search(
         seed: of the restarts' random streams.
         n_jobs: threads.
         progress: called every few hundredths of a second.
-        restarts: independent starts; by default those of `EFFORT`, more for a small axis-aligned problem, as of kicks.
-        kicks: a restart ends after so many kicks in a row without a better tree (before the better restarts are chosen
-            a quarter of that with hyperplanes, none without; twice that for the last). With `restarts=1, kicks=0` the
-            answer is quick: one descent and exact blocks of two levels.
+        restarts: independent starts; by default those of `EFFORT`, more for a small axis-aligned problem.
+        perturbations: a restart ends after so many perturbations in a row without a better tree (before the better
+            restarts are chosen a quarter of that with hyperplanes, none without; twice that for the last); by default
+            as `restarts`. With `restarts=1, perturbations=0` the answer is quick: one descent and exact blocks of two
+            levels.
 
     Returns
     -------
@@ -69,9 +70,9 @@ def local_search(
     Raises
     ------
     ProblemError
-        `restarts` or `n_jobs` is below 1, `kicks` below 0, or the incumbent is no tree of this problem.
+        `restarts` or `n_jobs` is below 1, `perturbations` below 0, or the incumbent is no tree of this problem.
     """
-    for name, value, least in (("restarts", restarts, 1), ("n_jobs", n_jobs, 1), ("kicks", kicks, 0)):
+    for name, value, least in (("restarts", restarts, 1), ("n_jobs", n_jobs, 1), ("perturbations", perturbations, 0)):
         if value is not None and value < least:
             raise ProblemError(f"{name} is {value}; expected {least} or more")
     start, known = time.perf_counter(), feasible_incumbent(problem, incumbent)
@@ -80,14 +81,14 @@ def local_search(
     first = None if known is None else rows_from_tree(without_empty_sides(known, searched.features), ranks)
     rows, _, _, stop, n_nodes = _native.search(
         native_problem(searched, ranks, costs),
-        effort[0] if restarts is None else restarts,
-        effort[1] if kicks is None else kicks,
-        seed % 2**64,
-        n_jobs,
+        first,
         # What was spent on ranks counts, too.
         remaining(limits, start),
-        first,
+        n_jobs,
+        seed % 2**64,
         native_progress(progress, costs),
+        n_restarts=effort[0] if restarts is None else restarts,
+        n_perturbations=effort[1] if perturbations is None else perturbations,
     )
     latest = start + limits.seconds + GRACE
     tree = _finished(searched, tree_from_rows(rows, ranks), lambda: time.perf_counter() < latest)
@@ -106,15 +107,15 @@ def local_search(
 
 
 def _effort(problem: Problem) -> tuple[int, int]:
-    """Return restarts and kicks where the caller names none."""
+    """Return restarts and perturbations where the caller names none."""
     least = EFFORT[problem.split]
     if problem.split != "axis":
         return least
-    restarts, kicks = (
+    restarts, perturbations = (
         max(few, min(many, small // problem.features.size))
         for few, many, small in zip(least, MOST_EFFORT, SMALL, strict=True)
     )
-    return restarts, kicks
+    return restarts, perturbations
 
 
 def _stop(name: str, objective: float) -> Stop:

@@ -25,7 +25,7 @@ class Effort:
     def search(self, native: _native.Problem, first: tuple[int, list[NodeRow]]) -> tuple[list[NodeRow], int, bool]:
         """Return table and cost of the cheapest tree (`first` where none is cheaper), and whether that is proven."""
         values = (max(0.0, self.until - time.perf_counter()), 0.0, self.limits.nodes, self.limits.memory)
-        rows, cost, _, stop, _ = _native.branch_and_bound(native, values, self.n_jobs, first)
+        rows, cost, _, stop, _ = _native.branch_and_bound(native, first, values, self.n_jobs)
         return rows, cost, stop == Stop.OPTIMAL
 
 

@@ -92,14 +92,14 @@ def two_feature_branch_and_bound(
     native = native_problem(problem, ranks, costs)
     rows, _, bound, stop, n_nodes = _native.two_feature_branch_and_bound(
         native,
-        n_jobs,
+        None if known is None else whole_cost(problem, costs, known),
         # What was spent on ranks counts, too.
         remaining(limits, start),
-        None if known is None else whole_cost(problem, costs, known),
+        n_jobs,
         seed % 2**64,
         switched_off(),
-        whole_coefficients,
         native_progress(progress, costs),
+        whole_coefficients=whole_coefficients,
     )
     found = _centred(relabelled(problem, tree_from_rows(rows, ranks)), problem.features)
     tree, objective = better(problem, found, known)

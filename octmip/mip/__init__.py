@@ -1,4 +1,4 @@
-"""Mixed-integer formulations of optimal trees on HiGHS, and its only home. Pyomo has its own, `octmip.mip.statements`.
+"""Mixed-integer formulations of optimal trees on HiGHS, and its only home. Pyomo's home is `octmip.mip.paper_models`.
 
-problem -> encode (one file a formulation) -> rows -> HiGHS -> decode, re-routed sample by sample -> Solution
+problem -> encode (one file per formulation) -> rows -> HiGHS -> decode, re-routed sample by sample -> Solution
 """

@@ -1,11 +1,11 @@
-"""Engine: from a formulation to a Solution: price, build, start, run, decode, re-route every sample, believe or not.
+"""Engine: from a formulation to a Solution by pricing, building, starting, running, decoding and re-routing.
 
 HiGHS works in floating point with tolerances, so a "solution" of its model need not be one of the problem, and a bound
 need not hold. The objective that it is given is made of whole numbers of moderate size (`octmip.mip.prices`); its bound
-is lowered by what its tolerances allow (`octmip.mip.highs.claims`); its splits become a tree, every sample is routed through
-that tree, and the objective is counted anew. If the count is worse than HiGHS claims, or better than HiGHS says any
-tree can be, the run is repeated with tighter tolerances. What is contradicted even then is not believed: the best tree
-known comes back with a bound that holds, and `Stop.NUMERICS` (`octmip.mip.answer`).
+is lowered by what its tolerances allow (`octmip.mip.highs.claims`); its splits become a tree, every sample is routed
+through that tree, and the objective is counted anew. If the count is worse than HiGHS claims, or better than HiGHS says
+any tree can be, the run is repeated with tighter tolerances. What is contradicted even then is not believed: the best
+tree known comes back with a bound that holds, and `Stop.NUMERICS` (`octmip.mip.result`).
 """
 
 import math
@@ -20,12 +20,12 @@ from numpy.typing import NDArray
 
 from octmip.certificate import checked_leaf_index
 from octmip.errors import CertificateError, ProblemError, SolverError
-from octmip.mip.answer import Answer, Known, solution_of
-from octmip.mip.blocks.heap import Heap, Placed, lift, place
+from octmip.mip.blocks.heap import Heap, Placed, place, to_tree
 from octmip.mip.highs import highs, process
 from octmip.mip.highs.claims import Accuracy, accuracy
-from octmip.mip.incumbent import starting_tree, tidy
+from octmip.mip.incumbent import canonicalise, starting_tree
 from octmip.mip.prices import Prices, whole_prices
+from octmip.mip.result import Known, RunResult, solution_of
 from octmip.mip.rows import Rows
 from octmip.problem import Problem
 from octmip.solution import Limits, ProgressCallback, Solution, Stop
@@ -49,7 +49,7 @@ class Formulation(Protocol):
 
     @property
     def prices(self) -> Prices:
-        """What it minimises: whole numbers."""
+        """The prices that it minimises: whole numbers."""
 
     @property
     def heap(self) -> Heap:
@@ -65,7 +65,7 @@ class Formulation(Protocol):
 
     @property
     def notes(self) -> Mapping[str, object]:
-        """What else is to be said about it in a Solution."""
+        """Further details of it for the Solution."""
 
     def start(self, placed: Placed) -> NDArray[np.float64] | None:
         """Return the values of a tree laid into the heap, None when the formulation does not hold that tree."""
@@ -79,7 +79,7 @@ class Formulation(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Request:
-    """What is asked of the engine beside the problem.
+    """A request to the engine: everything beside the problem.
 
     Attributes
     ----------
@@ -112,24 +112,24 @@ class Request:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Decoded:
-    """A tree read from a solution of the model: its price as the model means it, and the tree tidied (never worse)."""
+    """A tree read from a solution of the model: its price there, and the tree in canonical form (never worse)."""
 
     price: float
     tree: Node
 
 
 class LimitReachedError(SolverError):
-    """A limit was reached while the model was built; caught by `drive`."""
+    """A limit was reached while the model was built; caught by `solve_formulation`."""
 
     def __init__(self, stop: Stop) -> None:
-        """Note which limit."""
+        """Keep the limit that was reached."""
         super().__init__(f"limit of {stop} reached while the model was built")
         self.stop = stop
 
 
 @dataclass(frozen=True, slots=True)
 class _Clock:
-    """Time and memory that a run has had since it began."""
+    """The time and memory of a run since it began, held against its limits."""
 
     limits: Limits
     began: float
@@ -142,7 +142,7 @@ class _Clock:
     def left(self) -> Limits:
         return replace(self.limits, seconds=max(self.limits.seconds - self.seconds, 0.0))
 
-    def look(self, size: float = 0.0, seconds: float = 0.0) -> None:
+    def check(self, size: float = 0.0, seconds: float = 0.0) -> None:
         """Raise when the time, or that for `seconds` more, is up, or a model of `size` bytes is too large."""
         if self.seconds + seconds > self.limits.seconds:
             raise LimitReachedError(Stop.TIME)
@@ -150,11 +150,13 @@ class _Clock:
             raise LimitReachedError(Stop.MEMORY)
 
 
-def drive(problem: Problem, encode: Callable[[Known], Formulation], request: Request) -> Solution:
+def solve_formulation(problem: Problem, encode: Callable[[Known], Formulation], request: Request) -> Solution:
     """Solve a formulation of a problem and return the Solution.
 
-    Args:
-        encode: builds the formulation.
+    Parameters
+    ----------
+    encode
+        builds the formulation.
 
     Raises
     ------
@@ -166,19 +168,19 @@ def drive(problem: Problem, encode: Callable[[Known], Formulation], request: Req
     clock = _Clock(request.limits, time.perf_counter())
     process.warm()
     known = _known(problem, request, clock)
-    answer = Answer(known, known.tree, Stop.TIME, {})
+    result = RunResult(known, known.tree, Stop.TIME, {})
     try:
         # Nothing is smaller than this, and ranges over the nodes of a deep heap alone can fill the memory.
-        known.rows.look(columns=2**problem.depth * (problem.n_features + problem.n_samples + COLUMNS_OF_NODE))
+        known.rows.check_limits(columns=2**problem.depth * (problem.n_features + problem.n_samples + COLUMNS_OF_NODE))
         formulation = encode(known)
-        clock.look(seconds=formulation.rows.n_entries * SECONDS_OF_ENTRY)
-        _run(problem, formulation, request, clock, answer)
+        clock.check(seconds=formulation.rows.n_entries * SECONDS_OF_ENTRY)
+        _run(problem, formulation, request, clock, result)
     except LimitReachedError as reached:
-        answer.stop = reached.stop
-        answer.details["numerics"] = str(reached)
+        result.stop = reached.stop
+        result.details["numerics"] = str(reached)
     return solution_of(
         problem,
-        answer,
+        result,
         method=request.method,
         seed=request.seed,
         seconds=clock.seconds,
@@ -193,33 +195,33 @@ def _known(problem: Problem, request: Request, clock: _Clock) -> Known:
     if request.lower_bound > objective * (1 + 1e-9):
         raise ProblemError(
             f"lower_bound is {request.lower_bound} but a tree of objective {objective} is known; "
-            "it is no bound of this problem"
+            "it is no bound of this problem; give one that is proven for it"
         )
-    return Known(tree, objective, whole_prices(problem, objective), Rows(watch=clock.look))
+    return Known(tree, objective, whole_prices(problem, objective), Rows(limit_check=clock.check))
 
 
-def _run(problem: Problem, formulation: Formulation, request: Request, clock: _Clock, answer: Answer) -> None:
-    """Start HiGHS on a formulation, as often as it takes, and note in `answer` what came of it."""
+def _run(problem: Problem, formulation: Formulation, request: Request, clock: _Clock, result: RunResult) -> None:
+    """Start HiGHS on a formulation, again with finer tolerances if need be, and keep the outcome in `result`."""
     rows, prices = formulation.rows, formulation.prices
     if not math.isinf(request.lower_bound):
-        rows.bound_objective(min(prices.priced_bound(request.lower_bound), prices.of_tree(problem, answer.known.tree)))
+        rows.bound_objective(min(prices.priced_bound(request.lower_bound), prices.of_tree(problem, result.known.tree)))
     if request.write is not None:
         highs.write(rows, Path(request.write))
-    answer.details |= _describe(formulation, request, clock)
-    answer.details["build_seconds"] = clock.seconds
-    start, answer.details["start"] = _start_values(problem, formulation, answer.known.tree)
+    result.details |= _describe(formulation, request, clock)
+    result.details["build_seconds"] = clock.seconds
+    start, result.details["start"] = _start_values(problem, formulation, result.known.tree)
     exact = accuracy(rows, prices, formulation.tolerance)
     for tolerance in dict.fromkeys((exact.tolerance, FINEST)):
         exact = replace(exact, tolerance=tolerance)
-        answer.doubt = _run_once(problem, formulation, request, clock, answer, exact, start)
-        if not answer.doubt:
+        result.refuted = _run_once(problem, formulation, request, clock, result, exact, start)
+        if not result.refuted:
             return
 
 
 def _start_values(
     problem: Problem, formulation: Formulation, tree: Node
 ) -> tuple[NDArray[np.float64] | None, dict[str, object]]:
-    """Return the values of the starting tree and what is to be said about it."""
+    """Return the values of the starting tree, None where the model does not hold it, and the details of the start."""
     said: dict[str, object] = {"objective": problem.objective(tree), "accepted": False}
     values = formulation.start(place(tree, formulation.heap, problem.features))
     if values is None:
@@ -236,11 +238,11 @@ def _run_once(
     formulation: Formulation,
     request: Request,
     clock: _Clock,
-    answer: Answer,
+    result: RunResult,
     exact: Accuracy,
     start: NDArray[np.float64] | None,
 ) -> str:
-    """Run HiGHS once, note in `answer` what is believed of its outcome, and return why the rest is not, if so."""
+    """Run HiGHS once, keep the believed part of its outcome in `result`, and return why the rest is not, or ""."""
     rows, prices = formulation.rows, formulation.prices
     options = highs.Options(
         limits=clock.left,
@@ -251,39 +253,39 @@ def _run_once(
         absolute_gap=exact.absolute_gap,
         lp_solver="ipm" if rows.n_columns > MOST_SIMPLEX_COLUMNS else "choose",
     )
-    inject = None if request.inject is None else _injector(problem, formulation, request.inject, answer)
+    inject = None if request.inject is None else _injector(problem, formulation, request.inject, result)
     progress = None if request.progress is None else _in_true_units(prices, request.progress)
     outcome = highs.run(rows, options, start=start, progress=progress, inject=inject)
-    _note_run(answer, outcome, start, formulation, exact)
-    answer.stop, answer.n_nodes, answer.price_bound = outcome.stop, outcome.n_nodes, exact.bound(outcome)
+    _note_run(result, outcome, start, formulation, exact)
+    result.stop, result.n_nodes, result.price_bound = outcome.stop, outcome.n_nodes, exact.bound(outcome)
     if outcome.stop is Stop.NUMERICS:
         return f"HiGHS ended with {outcome.status}"
     if outcome.values is None:
         return ""
     decoded = decode(problem, formulation, outcome.values)
-    doubt = refutation(problem, outcome.objective, answer.price_bound, decoded)
+    reason = refutation(problem, outcome.objective, result.price_bound, decoded)
     try:
         checked_leaf_index(problem, decoded.tree)
     except CertificateError as error:
-        return doubt or f"HiGHS's tree is none of the problem: {error}"
-    answer.better(problem, decoded.tree)
-    return doubt
+        return reason or f"HiGHS's tree is no tree of the problem: {error}"
+    result.better(problem, decoded.tree)
+    return reason
 
 
 def _note_run(
-    answer: Answer,
+    result: RunResult,
     outcome: highs.Outcome,
     start: NDArray[np.float64] | None,
     formulation: Formulation,
     exact: Accuracy,
 ) -> None:
-    answer.details["tolerance"] = exact.tolerance
-    answer.details["status"] = outcome.status
+    result.details["tolerance"] = exact.tolerance
+    result.details["status"] = outcome.status
     shown = formulation.prices.true(outcome.root_bound)
-    answer.details["root_bound"] = shown if math.isfinite(shown) else None
+    result.details["root_bound"] = shown if math.isfinite(shown) else None
     if start is not None:
         first = min(outcome.first_incumbent, outcome.objective)
-        said = answer.details["start"]
+        said = result.details["start"]
         assert isinstance(said, dict)
         said["accepted"] = bool(first <= formulation.rows.objective(start) + 0.5)
 
@@ -296,12 +298,12 @@ def _in_true_units(prices: Prices, progress: ProgressCallback) -> ProgressCallba
 
 def decode(problem: Problem, formulation: Formulation, values: NDArray[np.float64]) -> Decoded:
     """Return the tree that a solution stands for, every sample re-routed through it."""
-    raw = lift(formulation.heap, formulation.splits(values), formulation.labels(values))
-    return Decoded(formulation.prices.of_tree(problem, raw), tidy(problem, raw))
+    raw = to_tree(formulation.heap, formulation.splits(values), formulation.labels(values))
+    return Decoded(formulation.prices.of_tree(problem, raw), canonicalise(problem, raw))
 
 
 def refutation(problem: Problem, claimed: float, bound: float, decoded: Decoded) -> str:
-    """Return a sentence when HiGHS's price or bound cannot be true of the decoded tree, '' when they can."""
+    """Return why HiGHS's price or bound cannot be true of the decoded tree, "" when they can."""
     if decoded.price > claimed + 0.5:
         return (
             f"HiGHS claims objective {claimed} but its tree costs {decoded.price} "
@@ -313,19 +315,19 @@ def refutation(problem: Problem, claimed: float, bound: float, decoded: Decoded)
 
 
 def _injector(
-    problem: Problem, formulation: Formulation, source: Callable[[float], Node | None], answer: Answer
+    problem: Problem, formulation: Formulation, source: Callable[[float], Node | None], result: RunResult
 ) -> Callable[[float], NDArray[np.float64] | None]:
-    """Return what hands the trees of a source to HiGHS, and to `answer` whatever HiGHS makes of them."""
+    """Return the function that hands the trees of a source to HiGHS; `result` takes each whatever HiGHS makes of it."""
 
     def give(best: float) -> NDArray[np.float64] | None:
         tree = source(formulation.prices.true(best))
         if tree is None:
             return None
-        tree = tidy(problem, tree)
+        tree = canonicalise(problem, tree)
         if depth(tree) > formulation.heap.depth or formulation.prices.of_tree(problem, tree) > best - 0.5:
             return None
         checked_leaf_index(problem, tree)
-        answer.better(problem, tree)
+        result.better(problem, tree)
         values = formulation.start(place(tree, formulation.heap, problem.features))
         if values is None:
             return None

@@ -7,20 +7,20 @@
     minimise    sum_g w_g Cmax_g - sum_gkt w_g gain[y_g, k] f_gkt + leaf_penalty * complexity
     subject to  sum_{t below left(m)} sum_k f_gkt <= left_gm,   sum_{t below right(m)} sum_k f_gkt <= 1 - left_gm
 
-where gain[i, k] = Cmax_i - C[i, k] is what predicting k earns over the dearest label of class i; pairs that earn
+where gain[i, k] = Cmax_i - C[i, k] is what predicting k earns over the most expensive label of class i; pairs that earn
 nothing have no flow. With 0/1 costs only k = y_g flows, and the objective is the weight that is not earned. Samples of
 the same features and class form one group.
 
 Why it is stronger than the printed rows (`octmip.mip.oct`): the big W of L_t >= N_t - N_kt - W (1 - c_kt) is gone, so
-the relaxation cannot give every leaf every class; routing is said once a node for all the leaves below it instead of
-once a leaf. Then, each valid because it only removes trees that another tree of at most the same cost stands for:
+the relaxation cannot give every leaf every class; routing is stated once per node for all the leaves below it instead
+of once per leaf. Then, each valid because it only removes trees that another tree of at most the same cost stands for:
 
 * sibling leaves differ: c_k,2t + c_k,2t+1 <= 1 (a split into two leaves of one label is not needed);
 * a left leaf names a class only if its parent splits;
 * of a hyperplane and its mirror image one is enough: one chosen sample is kept by the rightmost leaf or by none;
 * class counts (axis-aligned): the leaves below one side of a cut earn at most G_q of the class weights on that side,
-  for every branch node (the samples that reach it are a part of all): see `octmip.mip.blocks.classcount`. At depth 1 this
-  closes the root;
+  for every branch node (the samples that reach it are a part of all): see `octmip.mip.blocks.classcount`. At depth 1
+  this closes the root;
 * cuts that cannot lead to a better tree than the one known are left out: see `octmip.mip.blocks.fixing`.
 
 Source: the flow of samples through a tree: Aghaei, Gomez & Vayanos (2021), Strong optimal classification trees.
@@ -36,16 +36,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.encoding import rank_features
-from octmip.mip.answer import Known
-from octmip.mip.blocks import extras
+from octmip.mip.blocks import sensor_rows
 from octmip.mip.blocks.classcount import ClassCount
 from octmip.mip.blocks.fixing import admissible_cuts
 from octmip.mip.blocks.groups import Groups, group_samples
 from octmip.mip.blocks.heap import Heap, Placed, place
 from octmip.mip.blocks.hyperplanes import Hyperplanes, add_hyperplanes, all_samples_band, choose_mu, space_of
 from octmip.mip.blocks.thresholds import Thresholds, add_thresholds
-from octmip.mip.engine import Request, drive
+from octmip.mip.engine import Request, solve_formulation
 from octmip.mip.prices import Prices, own_prices
+from octmip.mip.result import Known
 from octmip.mip.rows import Columns, Rows
 from octmip.problem import Problem
 from octmip.solution import Limits, ProgressCallback, Solution
@@ -79,7 +79,7 @@ class Flow:
 
     @property
     def notes(self) -> Mapping[str, object]:
-        """What is to be said about the splits in a Solution."""
+        """Details of the splits for a Solution."""
         return self.node_splits.notes
 
     def start(self, placed: Placed) -> NDArray[np.float64] | None:
@@ -103,7 +103,7 @@ class Flow:
         if self.z is not None and self.l is not None:
             values[self.z[np.arange(len(position)), position]] = 1
             values[self.l[np.unique(position)]] = 1
-        extras.set_sensors(values, self.rows, self.problem, placed)
+        sensor_rows.set_sensors(values, self.rows, self.problem, placed)
         return values
 
     def splits(self, values: NDArray[np.float64]) -> Mapping[int, Split | HyperplaneSplit]:
@@ -129,14 +129,22 @@ def encode(
 ) -> Flow:
     """Return the flow formulation of a problem as rows.
 
-    Args:
-        best: the best tree known; cuts that lead to nothing better are left out.
-        fix: 0 leaves every cut in, 1 and 2 leave out more and more: the levels of `octmip.mip.blocks.fixing`.
-        class_count: False leaves the class-count rows out.
-        max_splits: at most so many splits (features summed over the splits); None: no limit.
-        mu: strictness of hyperplanes; None: chosen from the data.
-        prices: what is minimised; None: the problem's own weights, costs and penalty.
-        rows: an empty model to build in, watched for limits; None: a new one.
+    Parameters
+    ----------
+    best
+        the best tree known; cuts that lead to nothing better are left out.
+    fix
+        0 leaves every cut in, 1 and 2 leave out more and more: the levels of `octmip.mip.blocks.fixing`.
+    class_count
+        False leaves the class-count rows out.
+    max_splits
+        at most so many splits (features summed over the splits); None: no limit.
+    mu
+        strictness of hyperplanes; None: chosen from the data.
+    prices
+        what is minimised; None: the problem's own weights, costs and penalty.
+    rows
+        an empty model to build in, watched for limits; None: a new one.
     """
     prices, rows = prices or own_prices(problem), rows or Rows()
     ranks, heap = rank_features(problem), Heap(problem.depth)
@@ -145,7 +153,7 @@ def encode(
     splits: Thresholds | Hyperplanes
     if problem.max_split_size == 1:
         price = prices.of_tree(problem, best)
-        cuts = admissible_cuts(problem, counts, heap, laid, price, level=fix, watch=rows.look)
+        cuts = admissible_cuts(problem, counts, heap, laid, price, level=fix, check=rows.check_limits)
         splits = add_thresholds(rows, ranks, heap, cuts, max_splits, penalty=prices.penalty)
     else:
         space = space_of(problem)
@@ -156,7 +164,7 @@ def encode(
     _add_symmetry(rows, heap, splits, c)
     if class_count and isinstance(splits, Thresholds):
         _add_class_counts(rows, heap, groups, splits, counts, f)
-    extras.add_sensor_rows(rows, problem, [splits.feature_columns(m) for m in heap.branches])
+    sensor_rows.add_sensor_rows(rows, problem, [splits.feature_columns(m) for m in heap.branches])
     rows.offset = counts.worst
     return Flow(problem, groups, heap, rows, splits, c, f, z, l, prices)
 
@@ -257,12 +265,18 @@ def solve_flow(
 ) -> Solution:
     """Solve the flow formulation with HiGHS and return the tree and the bound.
 
-    Args:
-        incumbent: tree to start from; None: CART's.
-        max_splits: at most so many splits (features summed over the splits).
-        mu: strictness of hyperplanes; None: chosen from the data by the rule of `octmip.mip.blocks.hyperplanes`.
-        fix: how far cuts are left out of the model beforehand: the levels of `octmip.mip.blocks.fixing`.
-        request: the other fields of `octmip.mip.engine.Request`.
+    Parameters
+    ----------
+    incumbent
+        tree to start from; None: CART's.
+    max_splits
+        at most so many splits (features summed over the splits).
+    mu
+        strictness of hyperplanes; None: chosen from the data by the rule of `octmip.mip.blocks.hyperplanes`.
+    fix
+        how far cuts are left out of the model beforehand: the levels of `octmip.mip.blocks.fixing`.
+    request
+        the other fields of `octmip.mip.engine.Request`.
 
     Raises
     ------
@@ -274,4 +288,4 @@ def solve_flow(
     def build(known: Known) -> Flow:
         return encode(problem, known.tree, max_splits=max_splits, mu=mu, fix=fix, prices=known.prices, rows=known.rows)
 
-    return drive(problem, build, settings)
+    return solve_formulation(problem, build, settings)

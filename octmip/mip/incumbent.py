@@ -1,4 +1,4 @@
-"""Incumbents: the trees that a run starts from or finds, tidied, and what each costs."""
+"""Incumbents: the trees that a run starts from or finds, in canonical form."""
 
 from octmip.errors import ProblemError
 from octmip.methods.cart import greedy_tree
@@ -19,13 +19,15 @@ def starting_tree(problem: Problem, incumbent: Node | None, seed: int) -> Node:
     if tree is None:
         tree = greedy_tree(problem, seed=seed).tree
     assert tree is not None
-    tree = tidy(problem, tree)
+    tree = canonicalise(problem, tree)
     if depth(tree) > problem.depth:
-        raise ProblemError(f"the incumbent has depth {depth(tree)} but the problem allows {problem.depth}")
+        raise ProblemError(
+            f"the incumbent has depth {depth(tree)} but the problem allows {problem.depth}; give a tree that fits"
+        )
     leaf = Leaf(int(problem.class_costs().argmin()))
     return tree if problem.objective(tree) <= problem.objective(leaf) else leaf
 
 
-def tidy(problem: Problem, tree: Node) -> Node:
+def canonicalise(problem: Problem, tree: Node) -> Node:
     """Return the tree without empty sides, with the best label at every leaf, and equal leaves merged: never worse."""
     return simplify(relabelled(problem, without_empty_sides(tree, problem.features)))

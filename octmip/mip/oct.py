@@ -48,12 +48,12 @@ from numpy.typing import NDArray
 
 from octmip.encoding import Ranks, rank_features
 from octmip.mip import flow
-from octmip.mip.answer import Known
-from octmip.mip.blocks import axis, extras
+from octmip.mip.blocks import axis, sensor_rows
 from octmip.mip.blocks.heap import Heap, Placed
 from octmip.mip.blocks.leaves import Leaves, add_leaves
-from octmip.mip.engine import Request, drive
+from octmip.mip.engine import Request, solve_formulation
 from octmip.mip.prices import Prices, own_prices
+from octmip.mip.result import Known
 from octmip.mip.rows import Columns, Rows
 from octmip.problem import Problem
 from octmip.solution import Limits, ProgressCallback, Solution
@@ -86,7 +86,7 @@ class Oct:
             values[self.b[m - 1]] = (axis.cut_of(split, self.ranks) + 1) / axis.n_cuts(self.ranks)[feature]
             values[self.a[feature, m - 1]] = values[self.d[m - 1]] = 1
         self.leaves.set(values, self.prices, self.heap, placed)
-        extras.set_sensors(values, self.rows, self.problem, placed)
+        sensor_rows.set_sensors(values, self.rows, self.problem, placed)
         return values
 
     def splits(self, values: NDArray[np.float64]) -> dict[int, Split]:
@@ -114,13 +114,18 @@ def encode(
     prices: Prices | None = None,
     rows: Rows | None = None,
 ) -> Oct:
-    """Return OCT as rows, built a family at a time: the same model as `octmip.mip.statements.oct`, forty times faster.
+    """Return OCT as rows, built family by family: the model of `octmip.mip.paper_models.oct`, forty times faster.
 
-    Args:
-        closed: whether unsplit nodes are kept from leaking (see the module).
-        max_splits: at most so many splits, the C of Bertsimas & Dunn's tuning; None: no limit.
-        prices: what is minimised; None: the problem's own weights, costs and penalty, as on paper.
-        rows: an empty model to build in, watched for limits; None: a new one.
+    Parameters
+    ----------
+    closed
+        whether unsplit nodes are kept from leaking (see the module).
+    max_splits
+        at most so many splits, the C of Bertsimas & Dunn's tuning; None: no limit.
+    prices
+        what is minimised; None: the problem's own weights, costs and penalty, as on paper.
+    rows
+        an empty model to build in, watched for limits; None: a new one.
     """
     prices, rows = prices or own_prices(problem), rows or Rows()
     ranks, heap = rank_features(problem), Heap(problem.depth)
@@ -147,7 +152,7 @@ def encode(
             rows.add(
                 "left", -np.inf, room - shift, (a[:, m - 1][None, :], x + eps - shift), (b[[m - 1]], -1.0), (z, room)
             )
-    extras.add_sensor_rows(rows, problem, [dict(enumerate(a[:, m - 1])) for m in branches])
+    sensor_rows.add_sensor_rows(rows, problem, [dict(enumerate(a[:, m - 1])) for m in branches])
     return Oct(problem, ranks, heap, rows, a, b, d, leaves, prices)
 
 
@@ -171,11 +176,16 @@ def solve_oct(
 ) -> Solution:
     """Solve OCT with HiGHS and return the tree and the bound.
 
-    Args:
-        incumbent: tree to start from; None: CART's.
-        max_splits: at most so many splits.
-        strengthen: use the rows of `octmip.mip.flow`, the same trees with a far better bound, instead of the printed.
-        request: the other fields of `octmip.mip.engine.Request`.
+    Parameters
+    ----------
+    incumbent
+        tree to start from; None: CART's.
+    max_splits
+        at most so many splits.
+    strengthen
+        use the rows of `octmip.mip.flow`, the same trees with a far better bound, instead of the printed.
+    request
+        the other fields of `octmip.mip.engine.Request`.
 
     Raises
     ------
@@ -192,4 +202,4 @@ def solve_oct(
             return flow.encode(problem, known.tree, max_splits=max_splits, prices=known.prices, rows=known.rows)
         return encode(problem, max_splits=max_splits, prices=known.prices, rows=known.rows)
 
-    return drive(problem, build, settings)
+    return solve_formulation(problem, build, settings)

@@ -18,7 +18,7 @@
 
 An unsplit node does not leak here: d_m = 0 leaves mu <= 0 in the left row, so no sample is left of it.
 
-What the printed form does not say, and what is done about it
+What the printed form leaves open, and what is done about it
 * OCT-H(mu) is no relaxation of OCT: an axis-aligned tree whose neighbouring samples are closer than mu is outside. The
   Solution is the best of both kinds (OCT-H's own tree, and the tree it started from), and `details["scope"]` says over
   which trees the bound is proven. mu is chosen from the data: `octmip.mip.blocks.hyperplanes`.
@@ -36,8 +36,7 @@ from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
 from octmip.mip import flow
-from octmip.mip.answer import Known
-from octmip.mip.blocks import extras
+from octmip.mip.blocks import sensor_rows
 from octmip.mip.blocks.heap import Heap, Placed, place
 from octmip.mip.blocks.hyperplanes import (
     Hyperplanes,
@@ -47,8 +46,9 @@ from octmip.mip.blocks.hyperplanes import (
     space_of,
 )
 from octmip.mip.blocks.leaves import Leaves, add_leaves
-from octmip.mip.engine import Request, drive
+from octmip.mip.engine import Request, solve_formulation
 from octmip.mip.prices import Prices, own_prices
+from octmip.mip.result import Known
 from octmip.mip.rows import Rows
 from octmip.problem import Problem
 from octmip.solution import Limits, ProgressCallback, Solution
@@ -78,7 +78,7 @@ class OctH:
 
     @property
     def notes(self) -> dict[str, object]:
-        """What is to be said about the splits in a Solution."""
+        """Details of the splits for a Solution."""
         return self.hyperplanes.notes
 
     def start(self, placed: Placed) -> NDArray[np.float64] | None:
@@ -88,7 +88,7 @@ class OctH:
         if not self.hyperplanes.set(values, placed, bands):
             return None
         self.leaves.set(values, self.prices, self.heap, placed)
-        extras.set_sensors(values, self.rows, self.problem, placed)
+        sensor_rows.set_sensors(values, self.rows, self.problem, placed)
         return values
 
     def splits(self, values: NDArray[np.float64]) -> dict[int, Split | HyperplaneSplit]:
@@ -108,13 +108,18 @@ def encode(
     prices: Prices | None = None,
     rows: Rows | None = None,
 ) -> OctH:
-    """Return OCT-H as rows, built a family at a time: the same model as `octmip.mip.statements.oct_h`.
+    """Return OCT-H as rows, built family by family: the model of `octmip.mip.paper_models.oct_h`.
 
-    Args:
-        mu: strictness.
-        max_splits: at most so many features summed over the splits, the C of Bertsimas & Dunn's tuning.
-        prices: what is minimised; None: the problem's own weights, costs and penalty, as on paper.
-        rows: an empty model to build in, watched for limits; None: a new one.
+    Parameters
+    ----------
+    mu
+        strictness.
+    max_splits
+        at most so many features summed over the splits, the C of Bertsimas & Dunn's tuning.
+    prices
+        what is minimised; None: the problem's own weights, costs and penalty, as on paper.
+    rows
+        an empty model to build in, watched for limits; None: a new one.
     """
     prices, rows = prices or own_prices(problem), rows or Rows()
     heap, space = Heap(problem.depth), space_of(problem, centred=False)
@@ -129,7 +134,7 @@ def encode(
         for m in heap.right_ancestors(leaf):
             normal = (a[:, m - 1][None, :], space.x)
             rows.add("right", -wide, np.inf, normal, (b[[m - 1]], -1.0), (z, -wide))
-    extras.add_sensor_rows(rows, problem, [hyperplanes.feature_columns(m) for m in heap.branches])
+    sensor_rows.add_sensor_rows(rows, problem, [hyperplanes.feature_columns(m) for m in heap.branches])
     return OctH(problem, heap, rows, hyperplanes, leaves, prices)
 
 
@@ -148,12 +153,18 @@ def solve_oct_h(
 ) -> Solution:
     """Solve OCT-H with HiGHS and return the best tree of both kinds and the bound over the mu-separated ones.
 
-    Args:
-        incumbent: tree to start from; None: CART's.
-        max_splits: at most so many features summed over the splits.
-        strengthen: use the rows of `octmip.mip.flow` instead of the printed ones.
-        mu: strictness; None: chosen from the data by the rule of `octmip.mip.blocks.hyperplanes`.
-        request: the other fields of `octmip.mip.engine.Request`.
+    Parameters
+    ----------
+    incumbent
+        tree to start from; None: CART's.
+    max_splits
+        at most so many features summed over the splits.
+    strengthen
+        use the rows of `octmip.mip.flow` instead of the printed ones.
+    mu
+        strictness; None: chosen from the data by the rule of `octmip.mip.blocks.hyperplanes`.
+    request
+        the other fields of `octmip.mip.engine.Request`.
 
     Raises
     ------
@@ -163,7 +174,7 @@ def solve_oct_h(
         HiGHS failed, or its solution does not survive decoding.
     """
     if problem.split != "hyperplane":
-        raise ProblemError(f"method 'oct_h' finds hyperplane trees but split is {problem.split!r}; say method='oct'")
+        raise ProblemError(f"method 'oct_h' finds hyperplane trees but split is {problem.split!r}; choose 'oct'")
     settings = Request("oct_h", limits, incumbent, seed, n_jobs, progress, **request)
 
     def build(known: Known) -> OctH | flow.Flow:
@@ -174,4 +185,4 @@ def solve_oct_h(
         strictness = choose_mu(space_of(problem, centred=False), placed, heap) if mu is None else mu
         return encode(problem, strictness, max_splits=max_splits, prices=known.prices, rows=known.rows)
 
-    return drive(problem, build, settings)
+    return solve_formulation(problem, build, settings)

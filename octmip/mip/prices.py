@@ -1,4 +1,4 @@
-"""Prices: what a model minimises, in whole numbers of moderate size, and how far that is from the problem's own units.
+"""Prices: the objective of a model in whole numbers of moderate size, and its distance from the problem's own units.
 
     price_ik = weights_i * costs[profile_i, k]   of predicting k for sample i;   penalty   of one feature in one split
 
@@ -34,7 +34,7 @@ NEARLY_WHOLE = Fraction(1, 10**9)  # decimal weights are this close to whole num
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Prices:
-    """What predicting each label costs for each sample, as a model sees it.
+    """The cost of predicting each label for each sample, as a model sees it.
 
     Attributes
     ----------
@@ -47,9 +47,9 @@ class Prices:
     penalty
         of one feature in one split.
     unit
-        what one unit of price is worth in the problem's objective.
+        value of one unit of price in the problem's objective.
     above, below
-        what rounding gave or took at most, in the problem's objective.
+        the most that rounding gave or took, in the problem's objective.
     """
 
     weights: NDArray[np.float64]
@@ -67,7 +67,7 @@ class Prices:
 
     @property
     def is_zero_one(self) -> bool:
-        """Whether the costs are 0/1, so that the weight of class k in a leaf is what predicting k does not pay."""
+        """Whether the costs are 0/1, so that predicting k saves the weight of class k in a leaf."""
         return self.costs.shape[0] == self.costs.shape[1] and np.array_equal(self.costs, 1 - np.eye(len(self.costs)))
 
     @property
@@ -89,11 +89,11 @@ class Prices:
         return float(self.unit) * price if math.isfinite(price) else price
 
     def lower_bound(self, price: int) -> Fraction:
-        """Return what every tree costs at least in the problem's units when none is priced below `price`."""
+        """Return the least cost of a tree in the problem's units when none is priced below `price`."""
         return self.unit * price - self.above
 
     def priced_bound(self, bound: float) -> int:
-        """Return what every tree is priced at least, unless it is cut, when none truly costs less than `bound`."""
+        """Return the least price of a tree, unless it is cut, when none truly costs less than `bound`."""
         return math.ceil((Fraction(bound) - self.below) / self.unit - NEARLY_WHOLE)
 
 
@@ -129,7 +129,7 @@ def whole_prices(problem: Problem, known: float) -> Prices:
 
 @dataclass(frozen=True, slots=True)
 class _Rounding:
-    """How a price becomes a whole number: divided by a unit, or cut to `cut` above `limit`."""
+    """A way to make a price a whole number: divided by a unit, or cut to `cut` above `limit`."""
 
     unit: Fraction
     limit: Fraction
@@ -142,7 +142,7 @@ class _Rounding:
 
 
 def _rounding(problem: Problem, table: list[list[Fraction]], counts: list[int], limit: Fraction) -> _Rounding:
-    """Return how the rows of `table`, each with its count of samples, and the penalty are rounded."""
+    """Return the rounding of the rows of `table`, each with its count of samples, and of the penalty."""
     penalty = Fraction(problem.leaf_penalty)
     kept = sorted({price for row in (*table, [penalty]) for price in row if 0 < price <= limit})
     total = sum((count * min(max(row), limit) for row, count in zip(table, counts, strict=True)), Fraction(0))
@@ -157,7 +157,7 @@ def _rounding(problem: Problem, table: list[list[Fraction]], counts: list[int], 
 
 
 def _unit(kept: list[Fraction], total: Fraction) -> Fraction:
-    """Return what prices, ascending, are divided by: see the module."""
+    """Return the unit that prices, ascending, are divided by: see the module."""
     finest = total / LARGEST
     denominator = math.lcm(*(price.denominator for price in kept))
     common = Fraction(math.gcd(*(int(price * denominator) for price in kept)), denominator)

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 Columns = NDArray[np.int64]
 Term = tuple[Columns, NDArray[Any] | float]
-Watch = Callable[[], None]
+LimitCheck = Callable[[], None]
 
 BYTES_OF_ENTRY = 40  # row, column, value, and the passes that make a matrix of them
 BYTES_OF_COLUMN = 80
@@ -32,11 +32,11 @@ class Rows:
 
     Attributes
     ----------
-    watch
-        called before every family with the bytes that the model takes with it; may raise at a limit.
+    limit_check
+        called before every family with the size [bytes] of the model with it; may raise at a limit.
     """
 
-    watch: Callable[[float], None] | None = None
+    limit_check: Callable[[float], None] | None = None
     offset: float = 0.0
     n_columns: int = 0
     n_rows: int = 0
@@ -49,11 +49,11 @@ class Rows:
     _n_entries: int = 0
     _matrix: sp.csr_array | None = None  # what `matrix` made of the entries so far
 
-    def look(self, columns: int = 0, entries: int = 0) -> None:
-        """Ask `watch` whether so many more columns and entries are within the limits."""
-        if self.watch is not None:
+    def check_limits(self, columns: int = 0, entries: int = 0) -> None:
+        """Call `limit_check` with the size of the model and so many more columns and entries."""
+        if self.limit_check is not None:
             size = (self.n_columns + columns) * BYTES_OF_COLUMN + (self._n_entries + entries) * BYTES_OF_ENTRY
-            self.watch(float(size))
+            self.limit_check(float(size))
 
     def columns(
         self,
@@ -68,7 +68,7 @@ class Rows:
         """Add a family of columns with the given subscripts and return their indices, one axis for each."""
         shape = tuple(len(axis) for axis in axes)
         size = math.prod(shape)
-        self.look(columns=size)
+        self.check_limits(columns=size)
         index = np.arange(self.n_columns, self.n_columns + size, dtype=np.int64).reshape(shape)
         values = (lower, upper, cost, float(integer))
         self._columns.append(tuple(np.broadcast_to(np.asarray(v, dtype=float), shape).ravel() for v in values))
@@ -79,7 +79,7 @@ class Rows:
     def add(self, name: str, lower: ArrayLike, upper: ArrayLike, *terms: Term) -> None:
         """Add a family of rows: ``lower <= sum of coefficients * columns <= upper``, one row for each term row."""
         count = max(len(np.atleast_2d(columns)) for columns, _ in terms)
-        self.look(entries=count * sum(np.atleast_2d(columns).shape[1] for columns, _ in terms))
+        self.check_limits(entries=count * sum(np.atleast_2d(columns).shape[1] for columns, _ in terms))
         self._matrix = None
         for columns, coefficients in terms:
             wide = np.atleast_2d(columns)
@@ -128,7 +128,7 @@ class Rows:
 
     @property
     def is_integer(self) -> NDArray[np.bool_]:
-        """Which columns are integer."""
+        """Mask of the integer columns."""
         return self._stack(3) > 0
 
     @property

@@ -1,6 +1,7 @@
 """The tree at work: which state the asset is in, how sure that is, and whether the library still knows the asset."""
 
 from octmip.monitor.belief import Belief, calibrated_content
+from octmip.monitor.candidates import Candidate, effect_candidates, gauge_candidates
 from octmip.monitor.compiled import REFUSED, CompiledTree
 from octmip.monitor.filter import Filter
 from octmip.monitor.finding import Finding, Proposal, explain
@@ -9,15 +10,14 @@ from octmip.monitor.growth import Growth, steady_growth
 from octmip.monitor.leaf_likelihood import LeafLikelihood
 from octmip.monitor.library import Library, grid_states, library_of
 from octmip.monitor.selector import ModelSelector, ParameterTree, Selection, without_dead_ends
-from octmip.monitor.stream import Answer, Monitor, Refusal
+from octmip.monitor.stream import Monitor, Refusal, Result
 from octmip.monitor.surprise import leaf_p_value
-from octmip.monitor.suspects import Suspect, effect_suspects, gauge_suspects
-from octmip.monitor.watch import Vigil, Watch
+from octmip.monitor.watch import MonitorState, Watch
 
 __all__ = [
     "REFUSED",
-    "Answer",
     "Belief",
+    "Candidate",
     "CompiledTree",
     "Filter",
     "Finding",
@@ -27,17 +27,17 @@ __all__ = [
     "Library",
     "ModelSelector",
     "Monitor",
+    "MonitorState",
     "ParameterTree",
     "Proposal",
     "Refusal",
+    "Result",
     "Selection",
-    "Suspect",
-    "Vigil",
     "Watch",
     "calibrated_content",
-    "effect_suspects",
+    "effect_candidates",
     "explain",
-    "gauge_suspects",
+    "gauge_candidates",
     "grid_states",
     "leaf_p_value",
     "library_of",

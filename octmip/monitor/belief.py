@@ -1,4 +1,4 @@
-"""Belief: probabilities over the states of a library, and what is asked of them.
+"""Belief: probabilities over the states of a library, with the means, quantiles and intervals that follow.
 
 Within its cell a state is taken as uniform, so a parameter's distribution function is piecewise linear between the
 cells' edges (a step where the width is 0), and a quantile is where it crosses a level. The price: where readings tell
@@ -19,14 +19,14 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Belief:
-    """What is believed of one asset, or of n assets at once.
+    """Probabilities of growth rates and states, for one asset or for n at once.
 
     Attributes
     ----------
     library
         the states.
     weights
-        (n, n_paces, n_states) probability of every pace of growth and state, 1 in all for each asset.
+        (n, n_rates, n_states) probability of every growth rate and state, 1 in all for each asset.
     """
 
     library: Library
@@ -39,7 +39,7 @@ class Belief:
 
     def _axis(self, parameter: str) -> tuple[int, Floats, NDArray[np.int64]]:
         if parameter not in self.library.parameters:
-            raise ProblemError(f"the library has no parameter {parameter!r}; it has {self.library.parameters}")
+            raise ProblemError(f"the library has no parameter {parameter!r}; expected one of {self.library.parameters}")
         k = self.library.parameters.index(parameter)
         levels, at = np.unique(self.library.states[:, k], return_inverse=True)
         return k, levels, at.ravel()
@@ -104,10 +104,12 @@ def calibrated_content(contents: Floats, coverage: float = 0.9) -> float:
 
     A filter's own 90 % hold more or less than that where damage grows otherwise than its model of growth says.
 
-    Args:
-        contents: of any shape, `content_holding` the truth, over the steps of simulated histories like those to come.
-            The answer is their quantile, as in split-conformal prediction; how well it is known is a matter of the
-            number of histories, not of their steps.
+    Parameters
+    ----------
+    contents
+        of any shape, `content_holding` the truth, over the steps of simulated histories like those to come. The result
+        is their quantile, as in split-conformal prediction; how well it is known is a matter of the number of
+        histories, not of their steps.
 
     Raises
     ------

@@ -1,7 +1,7 @@
-"""A tree compiled to flat tables, for streams: microseconds a reading, a fraction of one in batches.
+"""A tree compiled to flat tables, for streams: microseconds per reading, a fraction of one in batches.
 
 Same left rule as octmip.tree to the last bit, and one rule more: a reading that has no number (NaN) where a split on
-its way asks for one has no answer. `label` refuses it with a sentence; a batch, and every export, answers `REFUSED`.
+its way asks for one has no result. `label` refuses it with a sentence; a batch, and every export, returns `REFUSED`.
 """
 
 from collections.abc import Sequence
@@ -14,7 +14,7 @@ from octmip.errors import DataError
 from octmip.tree import HyperplaneSplit, Leaf, Node, Split, nodes, splits
 
 REFUSED = -1
-"""Answer of a batch and of every export to a reading without a number where the tree asks for one."""
+"""Result of a batch and of every export for a reading without a number where the tree asks for one."""
 BLOCK = 4096
 """Readings routed together: their node numbers stay in the cache."""
 
@@ -48,14 +48,15 @@ class CompiledTree:
         highest = max((split.features[-1] for split in found), default=-1)
         if highest >= len(self.feature_names):
             raise DataError(
-                f"the tree reads feature {highest} but only {len(self.feature_names)} names are given; name every one"
+                f"the tree reads feature {highest} but has {len(self.feature_names)} feature names; expected one for "
+                "each; complete them"
             )
         number = {id(node): k for k, node in enumerate(nodes(self.tree))}
         self._set_steps(number)
         self._set_tables(max((len(split.features) for split in found), default=1))
 
     def _set_steps(self, number: dict[int, int]) -> None:
-        """Number the nodes in preorder; a leaf's step has no feature."""
+        """Set the steps of the nodes in preorder; a leaf's step has no feature."""
         steps: list[Step] = []
         labels: list[int] = []
         for k, node in enumerate(nodes(self.tree)):
@@ -72,12 +73,12 @@ class CompiledTree:
         object.__setattr__(self, "_labels", tuple(labels))
 
     def _set_tables(self, n_terms: int) -> None:
-        """Lay the steps out as arrays; the last row is where readings without an answer stay."""
+        """Lay the steps out as arrays; the last row is where readings without a result stay."""
         n = len(self._steps)
         features = np.zeros((n_terms, n + 1), dtype=np.intp)
         coefficients = np.zeros((n_terms, n + 1))
         thresholds = np.zeros(n + 1)
-        goes = np.full((n + 1, 3), n, dtype=np.intp)  # columns: no answer, left, right
+        goes = np.full((n + 1, 3), n, dtype=np.intp)  # columns: no result, left, right
         for k, (terms, weights, threshold, left, right) in enumerate(self._steps):
             if not terms:
                 goes[k] = k
@@ -146,12 +147,12 @@ class CompiledTree:
     def _complaint(self, terms: tuple[int, ...], reading: Sequence[float] | NDArray[np.float64]) -> str:
         missing = [self.feature_names[j] for j in terms if np.isnan(reading[j])]
         what = f"has no number at {', '.join(missing)}" if missing else "adds inf to -inf"
-        return f"reading {what}, where the tree asks for one; leave it out, or ask the filter, which can do without"
+        return f"reading {what}, where the tree asks for one; leave it out, or use the filter, which can do without it"
 
     def leaf_nodes(self, readings: NDArray[np.float64]) -> NDArray[np.intp]:
         """Return the preorder number of the leaf of every row of readings (n, n_features), shape (n,).
 
-        Rows without an answer get the number of nodes, one past the last.
+        Rows without a result get the number of nodes, one past the last.
 
         Raises
         ------
@@ -161,7 +162,7 @@ class CompiledTree:
         readings = np.ascontiguousarray(readings, dtype=np.float64)
         if readings.ndim != 2 or readings.shape[1] != len(self.feature_names):
             raise DataError(
-                f"readings have shape {readings.shape}; expected (n, {len(self.feature_names)}), one column a feature"
+                f"readings have shape {readings.shape}; expected (n, {len(self.feature_names)}), one column per feature"
             )
         found = np.empty(len(readings), dtype=np.intp)
         for first in range(0, len(readings), BLOCK):

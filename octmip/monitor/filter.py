@@ -24,7 +24,7 @@ Floats = NDArray[np.float64]
 
 
 class Likelihood(Protocol):
-    """What a filter asks of an observation."""
+    """The probability of an observation in every state, as a filter needs it."""
 
     @property
     def library(self) -> Library:
@@ -64,13 +64,13 @@ class Filter:
         return self.likelihood.library
 
     def start(self, n: int = 1, state: int | None = None) -> Belief:
-        """Return the belief about n assets before any reading: in a state for sure, or in any; any pace as likely."""
+        """Return the belief about n assets before any reading: in one state or in any, at any growth rate."""
         share = np.full(self.library.n_states, 1.0 / self.library.n_states)
         if state is not None:
             share = np.zeros(self.library.n_states)
             share[state] = 1.0
-        n_paces = self.growth.n_paces
-        return Belief(self.library, np.broadcast_to(share / n_paces, (n, n_paces, self.library.n_states)))
+        n_rates = self.growth.n_rates
+        return Belief(self.library, np.broadcast_to(share / n_rates, (n, n_rates, self.library.n_states)))
 
     def advance(self, belief: Belief, n_steps: int = 1) -> Belief:
         """Return the belief `n_steps` later without a reading."""
@@ -80,10 +80,12 @@ class Filter:
         return Belief(self.library, weights)
 
     def observe(self, belief: Belief, readings: Floats, load_factor: float | Floats) -> Belief:
-        """Return the belief after readings (n, n_gauges) in microstrain, NaN where missing, one row an asset.
+        """Return the belief after readings (n, n_gauges) in microstrain, NaN where missing, one row per asset.
 
-        Args:
-            load_factor: known, of all readings or (n,) of each.
+        Parameters
+        ----------
+        load_factor
+            known, of all readings or (n,) of each.
 
         Raises
         ------

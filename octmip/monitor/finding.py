@@ -1,4 +1,4 @@
-"""Finding: what a watch that has raised the alarm has to say, and what it asks for."""
+"""Finding: the cause of an alarm of a watch, and the state that it proposes to add to the library."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from scipy.special import logsumexp
 from scipy.stats import chi2, norm
 
-from octmip.monitor.suspects import Suspect
-from octmip.monitor.watch import Vigil, Watch
+from octmip.monitor.candidates import Candidate
+from octmip.monitor.watch import MonitorState, Watch
 
 Floats = NDArray[np.float64]
 
@@ -28,7 +28,7 @@ class Proposal:
     strains
         (n_gauges,) microstrain per unit of load factor.
     size, sd, unit
-        of the thing that was found, as it was estimated.
+        of the damage that was found, as estimated.
     """
 
     state: Mapping[str, float]
@@ -40,7 +40,7 @@ class Proposal:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Finding:
-    """Why an asset is no longer one of the library.
+    """The probable cause why an asset is no longer one of the library.
 
     Attributes
     ----------
@@ -49,8 +49,8 @@ class Finding:
     name
         the gauge or place; "" if unknown.
     probability
-        of this kind and name among all candidates; of "unknown" where a gauge's fault had no size of the
-        candidates and was told by elimination.
+        of this kind and name among all hypotheses; of "unknown" where the size of a gauge's fault is none of the
+        candidate's and the gauge was found by elimination.
     gauges
         names of those whose mean residual cannot be noise, farthest off first.
     since
@@ -58,7 +58,7 @@ class Finding:
     proposal
         the state to add; None for a gauge's fault.
     words
-        all of it in a sentence or two.
+        the finding in one or two sentences.
     """
 
     kind: str
@@ -70,88 +70,90 @@ class Finding:
     words: str
 
 
-def explain(watch: Watch, vigil: Vigil, row: int = 0, state: int = 0) -> Finding:
-    """Return what the vigil says of one asset; `state`: index of the library's state that it was taken to be in."""
-    logs = watch.log_parts(vigil)[row, :-1]
+def explain(watch: Watch, monitor_state: MonitorState, row: int = 0, state: int = 0) -> Finding:
+    """Return the finding on one asset; `state`: index of the library's state that the asset was taken to be in."""
+    logs = watch.log_parts(monitor_state)[row, :-1]
     share = np.exp(logs - logsumexp(logs))
     by_name: dict[tuple[str, str], float] = {}
-    for (candidate, _), part in zip(watch.candidates, share, strict=False):
+    for (candidate, _), part in zip(watch.hypotheses, share, strict=False):
         key = (candidate.kind, candidate.name)
         by_name[key] = by_name.get(key, 0.0) + float(part)
     by_name[("unknown", "")] = float(share[-1])
     (kind, name), probability = max(by_name.items(), key=lambda item: item[1])
-    window, gauges = _disagreeing(watch, vigil, row)
-    if kind == "unknown" and (lone := _lone_gauge(watch, vigil, row, window)):
+    window, gauges = _disagreeing(watch, monitor_state, row)
+    if kind == "unknown" and (lone := _lone_gauge(watch, monitor_state, row, window)):
         kind, name = "gauge", lone
-    since = window * watch.horizon // vigil.sums.shape[1]
-    suspect = next((s for s, _ in watch.candidates if (s.kind, s.name) == (kind, name)), None)
+    since = window * watch.horizon // monitor_state.sums.shape[1]
+    named = next((c for c, _ in watch.hypotheses if (c.kind, c.name) == (kind, name)), None)
     proposal, hint = None, ""
-    if suspect is None:
-        proposal, hint = _unknown(watch, vigil, row, state, window), _nearest(watch, vigil, row, window)
+    if named is None:
+        proposal, hint = _unknown(watch, monitor_state, row, state, window), _nearest(watch, monitor_state, row, window)
     elif kind != "gauge":
-        proposal = _proposed(watch, vigil, row, state, suspect)
+        proposal = _proposed(watch, monitor_state, row, state, named)
     words = _words(kind, name, probability, gauges, proposal, hint)
     return Finding(kind, name, probability, gauges, since, proposal, words)
 
 
-def _disagreeing(watch: Watch, vigil: Vigil, row: int) -> tuple[int, tuple[str, ...]]:
+def _disagreeing(watch: Watch, monitor_state: MonitorState, row: int) -> tuple[int, tuple[str, ...]]:
     """Return the beginning since which residuals are farthest off, and the gauges that are, farthest first."""
     every = np.ones(len(watch.library.gauges), dtype=bool)
     spread = np.sqrt(np.maximum(np.diag(watch.parity.projector(every)), 1e-12))
-    counts = np.maximum(vigil.counts[row], 1.0)
-    z = vigil.sums[row] / np.sqrt(counts)[:, None] / spread
+    counts = np.maximum(monitor_state.counts[row], 1.0)
+    z = monitor_state.sums[row] / np.sqrt(counts)[:, None] / spread
     limit = float(norm.isf(RATE / 2 / len(every)))
-    window = int(np.argmax(np.square(vigil.sums[row]).sum(axis=1) / counts))
+    window = int(np.argmax(np.square(monitor_state.sums[row]).sum(axis=1) / counts))
     order = np.argsort(-np.abs(z[window]), kind="stable")
     return window, tuple(watch.library.gauges[g] for g in order if abs(z[window, g]) > limit)
 
 
-def _lone_gauge(watch: Watch, vigil: Vigil, row: int, window: int) -> str:
+def _lone_gauge(watch: Watch, monitor_state: MonitorState, row: int, window: int) -> str:
     """Return the gauge without which the mean residual is noise, "" if there is none: faults may have any size."""
     every = np.ones(len(watch.library.gauges), dtype=bool)
     spread = np.maximum(np.diag(watch.parity.projector(every)), 1e-12)
-    mean = vigil.sums[row, window] / np.sqrt(max(float(vigil.counts[row, window]), 1.0))
+    mean = monitor_state.sums[row, window] / np.sqrt(max(float(monitor_state.counts[row, window]), 1.0))
     without = float(mean @ mean) - mean**2 / spread
     lone = int(np.argmin(without))
     is_noise = chi2.sf(float(without[lone]), watch.parity.degrees(every) - 1) > RATE
     return watch.library.gauges[lone] if is_noise else ""
 
 
-def _proposed(watch: Watch, vigil: Vigil, row: int, state: int, suspect: Suspect) -> Proposal:
+def _proposed(watch: Watch, monitor_state: MonitorState, row: int, state: int, candidate: Candidate) -> Proposal:
     """Return the state with the size that fits the residuals best, by least squares over the best beginning."""
     library = watch.library
     every = np.ones(len(library.gauges), dtype=bool)
-    trace = suspect.signature / library.noise_sd @ watch.parity.projector(every)
-    sums, counts = (vigil.loaded_sums, vigil.squared_loads) if suspect.load_power == 1 else (vigil.sums, vigil.counts)
+    trace = candidate.signature / library.noise_sd @ watch.parity.projector(every)
+    sums, counts = monitor_state.sums, monitor_state.counts
+    if candidate.load_power == 1:
+        sums, counts = monitor_state.loaded_sums, monitor_state.squared_loads
     weight = np.maximum(counts[row] * float(trace @ trace), 1e-300)
     fit = sums[row] @ trace
     best = int(np.argmax(fit**2 / weight))
     size, sd = float(fit[best] / weight[best]), float(1.0 / np.sqrt(weight[best]))
-    value = size / 100.0 if suspect.unit == "%" else size
+    value = size / 100.0 if candidate.unit == "%" else size
     known = dict(zip(library.parameters, library.states[state].tolist(), strict=True))
-    strains = library.strains[state] + size * suspect.signature
-    return Proposal({**known, suspect.name: value}, strains, size, sd, suspect.unit)
+    strains = library.strains[state] + size * candidate.signature
+    return Proposal({**known, candidate.name: value}, strains, size, sd, candidate.unit)
 
 
-def _unknown(watch: Watch, vigil: Vigil, row: int, state: int, window: int) -> Proposal:
-    """Return the state with the mean residual added: what the readings show, though no suspect explains it."""
+def _unknown(watch: Watch, monitor_state: MonitorState, row: int, state: int, window: int) -> Proposal:
+    """Return the state with the mean residual added, which no candidate explains."""
     library = watch.library
-    squares = max(float(vigil.squared_loads[row, window]), 1e-300)
-    change = vigil.loaded_sums[row, window] / squares * library.noise_sd
+    squares = max(float(monitor_state.squared_loads[row, window]), 1e-300)
+    change = monitor_state.loaded_sums[row, window] / squares * library.noise_sd
     known = dict(zip(library.parameters, library.states[state].tolist(), strict=True))
     return Proposal({**known, "outside": 1.0}, library.strains[state] + change, 1.0, 0.0, "of what was seen")
 
 
-def _nearest(watch: Watch, vigil: Vigil, row: int, window: int) -> str:
+def _nearest(watch: Watch, monitor_state: MonitorState, row: int, window: int) -> str:
     """Return the place whose trace is most like the mean residual, if any has three quarters of its length."""
-    library, seen = watch.library, vigil.sums[row, window]
+    library, seen = watch.library, monitor_state.sums[row, window]
     every = np.ones(len(library.gauges), dtype=bool)
     best, nearest = 0.75, ""
-    for suspect in watch.suspects:
-        trace = suspect.signature / library.noise_sd @ watch.parity.projector(every)
+    for candidate in watch.candidates:
+        trace = candidate.signature / library.noise_sd @ watch.parity.projector(every)
         length = float(np.linalg.norm(trace) * np.linalg.norm(seen))
         if length > 0.0 and float(trace @ seen) / length > best:
-            best, nearest = float(trace @ seen) / length, suspect.name
+            best, nearest = float(trace @ seen) / length, candidate.name
     return nearest
 
 
@@ -167,7 +169,7 @@ def _words(
         return f"{off}; most likely gauge {name} is faulty ({sure}). Inspect it; it is left out meanwhile."
     if kind == "unknown" or proposal is None:
         like = f"; {hint} would look most like it" if hint else ""
-        return f"{off}, in a way that no suspect explains{like}. Inspect the structure around them."
+        return f"{off}, in a way that no candidate explains{like}. Inspect the structure around them."
     thing = kind.replace("_", " ")
     return (
         f"{off}; most likely {thing} at {name} ({100 * probability:.0f} %), {proposal.size:.0f} +- {proposal.sd:.0f} "

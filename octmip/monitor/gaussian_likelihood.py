@@ -1,4 +1,4 @@
-"""How likely a whole reading is in every state of a library: what the gauges say beyond the leaf of a tree.
+"""The likelihood of a whole reading in every state of a library: more than the leaf of a tree holds.
 
 In state s at load factor L a reading is N(L strains_s, D + L^2 G_s' G_s), D the diagonal of the noise variances and
 G_s (n_parameters, n_gauges) the slopes times width / sqrt(12): the spread of a state uniform in its cell, taken as
@@ -24,7 +24,7 @@ MOST_TABLES = 64
 
 @dataclass(slots=True, eq=False)
 class GaussianLikelihood:
-    """A reading as an observation of the state; keeps its tables, so it is not frozen.
+    """A whole reading as an observation of the state; keeps its tables, so it is not frozen.
 
     Attributes
     ----------

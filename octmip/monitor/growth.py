@@ -2,8 +2,8 @@
 
 Damage does not heal. In one step a parameter stays on its level, goes up to the next with probability rate / gap (so
 that it grows by `rate` in the mean), or, with probability `sudden`, jumps to any higher level, each as likely.
-Parameters grow independently. Which rate holds is not known: every combination of rates is a pace of its own, hidden
-like the state, and changes to any other with a small probability.
+Parameters grow independently. Which rates hold is not known: every combination of the parameters' rates is one growth
+rate of the chain, hidden like the state, and changes to any other with a small probability.
 """
 
 import functools
@@ -23,17 +23,17 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Growth:
-    """A Markov chain over paces and states.
+    """A Markov chain over growth rates and states.
 
     The states are all combinations of the levels of one or more axes, the last axis fastest, and the axes grow
-    independently: one small table an axis instead of one large one. Any chain at all is one axis with its full table.
+    independently: one small table per axis instead of one large one. Any chain at all is one axis with its full table.
 
     Attributes
     ----------
     tables
-        for each axis (n_paces, n_levels, n_levels), from the row's level to the column's in one step.
+        for each axis (n_rates, n_levels, n_levels), from the row's level to the column's in one step.
     changes
-        (n_paces, n_paces), from one pace to another in one step.
+        (n_rates, n_rates), from one growth rate to another in one step.
     """
 
     tables: tuple[Floats, ...]
@@ -47,12 +47,13 @@ class Growth:
         lengths = {len(table) for table in self.tables}
         if lengths != {len(self.changes)}:
             raise ProblemError(
-                f"tables have {sorted(lengths)} paces but changes {len(self.changes)}; give all for the same paces"
+                f"tables have {sorted(lengths)} growth rates but changes {len(self.changes)}; give all for the same "
+                "growth rates"
             )
 
     @property
-    def n_paces(self) -> int:
-        """Number of paces."""
+    def n_rates(self) -> int:
+        """Number of growth rates."""
         return len(self.changes)
 
     @property
@@ -62,19 +63,19 @@ class Growth:
 
     @property
     def transitions(self) -> Floats:
-        """Probabilities (n_paces, n_states, n_states) from the row's state to the column's in one step."""
+        """Probabilities (n_rates, n_states, n_states) from the row's state to the column's in one step."""
         return np.array([functools.reduce(np.kron, axes) for axes in zip(*self.tables, strict=True)])
 
     def advance(self, weights: Floats) -> Floats:
-        """Return the probabilities (n, n_paces, n_states) of paces and states one step later."""
+        """Return the probabilities (n, n_rates, n_states) of growth rates and states one step later."""
         moved, behind = np.asarray(weights, dtype=np.float64), self.n_states
         for table in self.tables:
             levels = table.shape[1]
             behind //= levels
-            axes = moved.reshape(len(weights), self.n_paces, -1, levels, behind)
+            axes = moved.reshape(len(weights), self.n_rates, -1, levels, behind)
             moved = table.swapaxes(1, 2)[:, None] @ axes if behind > 1 else (axes[..., 0] @ table)
-        moved = moved.reshape(len(weights), self.n_paces, self.n_states)
-        return np.asarray(self.changes.T @ moved if self.n_paces > 1 else moved)
+        moved = moved.reshape(len(weights), self.n_rates, self.n_states)
+        return np.asarray(self.changes.T @ moved if self.n_rates > 1 else moved)
 
 
 def _probabilities(values: Floats, name: str, n_axes: int) -> Floats:
@@ -91,12 +92,16 @@ def _probabilities(values: Floats, name: str, n_axes: int) -> Floats:
 
 
 def steady_growth(library: Library, rates: float | Sequence[float], sudden: float = 0.0, change: float = 0.0) -> Growth:
-    """Return the growth of a library whose every parameter grows at one of `rates` a step in the mean.
+    """Return the growth of a library whose every parameter grows at one of `rates` per step in the mean.
 
-    Args:
-        rates: fractions a step; each parameter may have each.
-        sudden: probability of a jump of a parameter in a step.
-        change: probability of another pace in a step.
+    Parameters
+    ----------
+    rates
+        fractions per step; each parameter may have each.
+    sudden
+        probability of a jump of a parameter per step.
+    change
+        probability of another growth rate per step.
 
     Raises
     ------
@@ -105,12 +110,12 @@ def steady_growth(library: Library, rates: float | Sequence[float], sudden: floa
     """
     given = np.atleast_1d(np.asarray(rates, dtype=np.float64)).tolist()
     levels = [np.unique(column) for column in library.states.T]
-    paces = list(itertools.product(given, repeat=len(levels)))
+    combinations = list(itertools.product(given, repeat=len(levels)))
     tables = [
-        np.array([_level_table(of_axis, pace[k], sudden, library.parameters[k]) for pace in paces])
+        np.array([_level_table(of_axis, rates_of[k], sudden, library.parameters[k]) for rates_of in combinations])
         for k, of_axis in enumerate(levels)
     ]
-    n = len(paces)
+    n = len(combinations)
     changes = np.full((n, n), change / max(1, n - 1))
     np.fill_diagonal(changes, 1.0 - change if n > 1 else 1.0)
     grid = grid_states([of_axis.tolist() for of_axis in levels])
@@ -131,8 +136,8 @@ def _level_table(levels: Floats, rate: float, sudden: float, name: str) -> Float
     gaps = np.diff(levels)
     if not 0.0 <= sudden <= 1.0 or rate < 0.0 or (gaps.size and rate / gaps.min() + sudden > 1.0):
         raise ProblemError(
-            f"{name} grows by {rate} a step with jumps of probability {sudden}, on levels {gaps.min(initial=1.0):g} "
-            "apart; expected 0 or more, and less than one level a step; use coarser levels or shorter steps"
+            f"{name} grows by {rate} per step with jumps of probability {sudden}, on levels {gaps.min(initial=1.0):g} "
+            "apart; expected 0 or more, and less than one level per step; use coarser levels or shorter steps"
         )
     n = len(levels)
     table = np.zeros((n, n))

@@ -1,4 +1,4 @@
-"""How likely the leaf that a reading reached is in every state of a library: P(leaf | state, load).
+"""The likelihood of a leaf: P(leaf | state, load) of the leaf that a reading reached, in every state of a library.
 
 The table is drawn: readings of every state (spread over its cell, with the library's noise) are sent down the tree.
 With N draws an entry p has the standard error sqrt(p (1 - p) / N). Half a draw is shared by all leaves, so that what
@@ -6,7 +6,7 @@ was not drawn is unlikely but not impossible. Half a draw for every leaf would b
 against a state by more than a factor of 2 N, and a sudden damage, rarer than that by growth, needed a second reading.
 
 A reading that lacks gauges reaches all leaves that the known gauges leave open; what was seen is that it lies in one
-of them, so their probabilities add up. Nothing is filled in.
+of them, so their probabilities add up. Nothing is imputed.
 """
 
 from dataclasses import dataclass, field
@@ -42,7 +42,7 @@ class LeafLikelihood:
     tree
         over readings per unit of load factor.
     library
-        the states; not necessarily those that the tree tells.
+        the states; not necessarily those that the tree predicts.
     n_draws
         readings drawn in every state for the table of a load.
     seed
@@ -85,7 +85,7 @@ class LeafLikelihood:
         return found
 
     def open_leaves(self, features: Floats) -> NDArray[np.bool_]:
-        """Return which leaves features (n, n_gauges) may have reached, shape (n, n_leaves): one where none is missing.
+        """Return a mask (n, n_leaves) of the leaves that features (n, n_gauges) may have reached, one without gaps.
 
         Raises
         ------
@@ -118,7 +118,7 @@ class LeafLikelihood:
 
 
 def _open_leaves(tree: Node, features: Floats) -> NDArray[np.bool_]:
-    """Return which leaves, from the left, rows with missing values leave open, shape (n, n_leaves)."""
+    """Return the leaves, from the left, that rows with missing values leave open, as a mask (n, n_leaves)."""
     columns: list[NDArray[np.bool_]] = []
 
     def visit(node: Node, is_here: NDArray[np.bool_]) -> None:
@@ -150,7 +150,7 @@ def check_readings(readings: Floats, library: Library) -> Floats:
     """
     rows = np.asarray(readings, dtype=np.float64)
     if rows.ndim != 2 or rows.shape[1] != len(library.gauges):
-        raise DataError(f"readings have shape {rows.shape}; expected (n, {len(library.gauges)}), one column a gauge")
+        raise DataError(f"readings have shape {rows.shape}; expected (n, {len(library.gauges)}), one column per gauge")
     if np.isinf(rows).any():
         row, column = (int(k) for k in np.argwhere(np.isinf(rows))[0])
         raise DataError(f"reading {row} of {library.gauges[column]} is infinite; expected microstrain, NaN if missing")

@@ -1,4 +1,4 @@
-"""Library: the states that a twin was asked for, each with the model that it stands for.
+"""Library: states of a twin, each with the strains that the twin predicts for it.
 
 Near a state s the strains at load factor L are  L * (strains_s + slopes_s . delta),  delta uniform in the cell around s
 (width 0: the state is a point), and a reading adds noise N(0, noise_sd^2) at every gauge, the same at every load.
@@ -101,7 +101,7 @@ class Library:
         return int(found[0])
 
     def features(self, readings: Floats, load_factor: float) -> Floats:
-        """Return readings (n, n_gauges) per unit of load factor: what trees are trained on.
+        """Return readings (n, n_gauges) per unit of load factor, the features of the trees.
 
         Raises
         ------
@@ -149,7 +149,7 @@ class Library:
 
 
 def grid_states(levels: Sequence[Sequence[float]]) -> Floats:
-    """Return all combinations (n_states, n_parameters) of levels, one sequence a parameter, the last fastest."""
+    """Return all combinations (n_states, n_parameters) of levels, one sequence per parameter, the last fastest."""
     return np.array(list(itertools.product(*levels)), dtype=np.float64)
 
 
@@ -164,11 +164,15 @@ def library_of(
 ) -> Library:
     """Return the library of a twin over states (n_states, n_parameters), in the order of `twin.parameters`.
 
-    Args:
-        gauges: those to read; None: all of the twin.
-        widths: (n_parameters,) cells around the states; slopes are then differences across the cell, half of it kept
-            within 0 and 1.
-        load_factor: where a twin that is not linear in load is asked; the library holds for that load alone.
+    Parameters
+    ----------
+    gauges
+        those to read; None: all of the twin.
+    widths
+        (n_parameters,) cells around the states; slopes are then differences across the cell, half of it kept within 0
+        and 1.
+    load_factor
+        where a twin that is not linear in load is asked; the library holds for that load alone.
 
     Raises
     ------

@@ -24,7 +24,7 @@ Floats = NDArray[np.float64]
 MOST_PROJECTORS = 256
 """Projections kept, one for each set of gauges at hand."""
 REMAINDER = 0.1
-"""What states may move a residual, in standard deviations of the noise."""
+"""The most that states may move a residual, in standard deviations of the noise."""
 
 
 @dataclass(slots=True, eq=False)

@@ -1,6 +1,6 @@
-"""ModelSelector: trees at work, from a reading to the state of the library whose model the asset is taken to follow.
+"""Model selector: trees that map a reading to the state of the library whose model the asset is taken to follow.
 
-Several trees, one a parameter, are one tree: the second appended to every leaf of the first. The distribution of a
+Several trees, one per parameter, are one tree: the second appended to every leaf of the first. The distribution of a
 selection is Bayes' rule over the library's states (`octmip.uncertainty.posterior`), where what was seen is the leaf
 that was reached.
 
@@ -20,7 +20,8 @@ from numpy.typing import ArrayLike, NDArray
 from octmip.errors import DataError, OctmipError, TreeError
 from octmip.formats.checked import ListOf, Number, Record, Text, maybe, several, shown
 from octmip.formats.files import PathLike, read_json_object, write_bytes
-from octmip.formats.tree_file import NODE, TreeFile, decode_tree, different, encode_tree
+from octmip.formats.tree_file import TreeFile, decode_tree, different, encode_tree
+from octmip.formats.tree_schema import NODE
 from octmip.monitor.compiled import CompiledTree
 from octmip.monitor.leaf_likelihood import LeafLikelihood
 from octmip.monitor.library import Library
@@ -33,7 +34,7 @@ FORMAT, VERSION = "octmip-selector", 1
 
 @dataclass(frozen=True, slots=True)
 class ParameterTree:
-    """A tree that tells one state parameter.
+    """A tree that predicts one state parameter.
 
     Attributes
     ----------
@@ -61,7 +62,7 @@ class ParameterTree:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Selection:
-    """What one reading selects.
+    """The state that one reading selects, with the probability of every other.
 
     Attributes
     ----------
@@ -109,19 +110,19 @@ class ModelSelector:
 
     @classmethod
     def of_trees(cls, library: Library, trees: Sequence[ParameterTree]) -> "ModelSelector":
-        """Return the selector of one tree a parameter, each appended to every leaf of the one before.
+        """Return the selector of one tree per parameter, each appended to every leaf of the one before.
 
         Raises
         ------
         TreeError
-            a tree reads a gauge or tells a state that the library lacks.
+            a tree reads a gauge or predicts a state that the library lacks.
         """
         return cls(library, _appended(library, list(trees), {}))
 
     def select(
         self, reading: Sequence[float] | Floats, load_factor: float, prior: ArrayLike | None = None
     ) -> Selection:
-        """Return what a reading (n_gauges,) in microstrain selects.
+        """Return the selection of a reading (n_gauges,) in microstrain.
 
         `prior` (n_states,): probability of every state before the reading; None: all as likely.
 
@@ -192,7 +193,9 @@ class ModelSelector:
         try:
             return _selector(CONTENT.take(content))
         except OctmipError as error:
-            raise TreeError(f"{path} holds no valid selector: {error}; was it changed by hand?") from error
+            raise TreeError(
+                f"{path} holds no valid selector: {error}; write it again with ModelSelector.write"
+            ) from error
 
 
 STRAIN = Number(-1e15, 1e15)  # microstrain, and slopes of it: what is beyond is no measured thing, and overflows
@@ -231,7 +234,7 @@ def _array(rows: list[Any], name: str) -> Floats:
 
 
 def _appended(library: Library, trees: list[ParameterTree], told: Mapping[str, float]) -> Node:
-    """Return the first tree with the others under each leaf; `told`: what the trees above have told."""
+    """Return the first tree with the others under each leaf; `told`: what the trees above have predicted."""
     if not trees:
         return Leaf(library.index_of(told))
     first, rest = trees[0], trees[1:]
@@ -239,15 +242,15 @@ def _appended(library: Library, trees: list[ParameterTree], told: Mapping[str, f
     if missing:
         raise TreeError(f"the tree for {first.parameter} names the gauges {missing}, which the library lacks")
 
-    def graft(node: Node) -> Node:
+    def appended(node: Node) -> Node:
         if isinstance(node, Leaf):
             try:
                 return _appended(library, rest, {**told, first.parameter: first.values[node.label]})
             except (IndexError, DataError) as error:
                 raise TreeError(f"the tree for {first.parameter} has a leaf without a value: {error}") from error
-        return replace(node, left=graft(node.left), right=graft(node.right))
+        return replace(node, left=appended(node.left), right=appended(node.right))
 
-    return graft(_reordered(first, library.gauges))
+    return appended(_reordered(first, library.gauges))
 
 
 def _reordered(tree: ParameterTree, gauges: tuple[str, ...]) -> Node:
@@ -257,7 +260,7 @@ def _reordered(tree: ParameterTree, gauges: tuple[str, ...]) -> Node:
 
 
 def without_dead_ends(tree: Node) -> Node:
-    """Return the tree without sides that no reading reaches because splits above them say otherwise.
+    """Return the tree without sides that no reading can reach after the splits above them.
 
     Only thresholds on one feature are looked at; predictions stay the same for every reading without NaN.
     """

@@ -1,8 +1,8 @@
-"""A stream of readings: one answer each, nothing kept but the belief, and a bad reading stops nothing.
+"""A stream of readings: one result for each, no memory but the belief, and no bad reading that ends it.
 
 A reading is refused, with a sentence, when it holds NaN or infinity, has another length, names an unknown gauge, or has
-a load factor that is none. A gauge that gave nothing is left out of the mapping (or None): with a filter the reading is
-used without it, without one it is refused where the tree asks for it.
+a load factor that is no positive number. A gauge that gave nothing is left out of the mapping (or None):
+with a filter the reading is used without it, without one it is refused where the tree asks for it.
 """
 
 import math
@@ -18,7 +18,7 @@ from octmip.monitor.finding import Finding, explain
 from octmip.monitor.leaf_likelihood import LeafLikelihood
 from octmip.monitor.selector import ModelSelector
 from octmip.monitor.surprise import leaf_p_value
-from octmip.monitor.watch import Vigil, Watch
+from octmip.monitor.watch import MonitorState, Watch
 
 Values = Sequence[float | None] | Mapping[str, float | None]
 Reading = tuple[float, Values]
@@ -26,8 +26,8 @@ Reading = tuple[float, Values]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Answer:
-    """What is said of one reading.
+class Result:
+    """The result of one reading.
 
     Attributes
     ----------
@@ -71,16 +71,16 @@ class Refusal:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Monitor:
-    """A selector, and what else is wanted, at work on the readings of one asset.
+    """A selector, with or without filter and watch, at work on the readings of one asset.
 
     Attributes
     ----------
     selector
         the tree.
     filter
-        carries a belief along; None: every reading for itself.
+        carries a belief from reading to reading; None: every reading by itself.
     watch
-        looks out for what is not in the library; None: nobody does.
+        tests for damage and faults outside the library; None: no test.
     start_state
         index in the filter's library that the asset starts in; None: unknown.
     """
@@ -96,32 +96,32 @@ class Monitor:
         for part in (self.filter, self.watch):
             if part is not None and part.library.gauges != gauges:
                 raise DataError(
-                    f"filter and watch read {part.library.gauges}, the selector {gauges}; give all the same"
+                    f"filter and watch read {part.library.gauges}, the selector {gauges}; give all the same gauges"
                 )
         object.__setattr__(self, "_index", {gauge: k for k, gauge in enumerate(gauges)})
 
-    def run(self, readings: Iterable[Reading]) -> Iterator[Answer | Refusal]:
-        """Yield an answer or a refusal for every reading, in their order."""
+    def run(self, readings: Iterable[Reading]) -> Iterator[Result | Refusal]:
+        """Yield a result or a refusal for every reading, in their order."""
         belief = None if self.filter is None else self.filter.start(1, self.start_state)
-        vigil = None if self.watch is None else self.watch.start(1)
+        monitor_state = None if self.watch is None else self.watch.start(1)
         faulty: set[int] = set()  # gauges that the watch has named; they are done without from then on
         for number, (load_factor, values) in enumerate(readings):
             try:
-                if belief is None and vigil is None:
-                    yield Answer(number, self._select(self._row(values, False), load_factor))
+                if belief is None and monitor_state is None:
+                    yield Result(number, self._select(self._row(values, False), load_factor))
                     continue
                 row = self._row(values, True)
                 row = [math.nan if k in faulty else value for k, value in enumerate(row)]
-                answer, belief, vigil = self._step(number, row, load_factor, belief, vigil)
-                yield answer
-                if answer.finding is not None and answer.finding.kind == "gauge" and self.watch is not None:
-                    faulty.add(self._index[answer.finding.name])
-                    vigil = self.watch.start(1)
+                result, belief, monitor_state = self._step(number, row, load_factor, belief, monitor_state)
+                yield result
+                if result.finding is not None and result.finding.kind == "gauge" and self.watch is not None:
+                    faulty.add(self._index[result.finding.name])
+                    monitor_state = self.watch.start(1)
             except OctmipError as error:
                 yield Refusal(number, str(error))
 
     def _row(self, values: Values, may_lack: bool) -> list[float]:
-        """Return the strains in the library's order, NaN where a gauge gave nothing and may."""
+        """Return the strains in the library's order, NaN where a gauge gave nothing and may be missing."""
         index = self._index
         if isinstance(values, Mapping):
             unknown = values.keys() - index.keys()
@@ -148,8 +148,13 @@ class Monitor:
         return self.selector.compiled.label([value / load for value in row])
 
     def _step(
-        self, number: int, row: list[float], load_factor: float, belief: Belief | None, vigil: Vigil | None
-    ) -> tuple[Answer, Belief | None, Vigil | None]:
+        self,
+        number: int,
+        row: list[float],
+        load_factor: float,
+        belief: Belief | None,
+        monitor_state: MonitorState | None,
+    ) -> tuple[Result, Belief | None, MonitorState | None]:
         try:
             state: int | None = self._select(row, load_factor)
         except DataError:
@@ -163,13 +168,13 @@ class Monitor:
             if isinstance(self.filter.likelihood, LeafLikelihood):
                 leaf_p = float(leaf_p_value(self.filter.likelihood, expected, reading, load_factor)[0])
             belief = self.filter.observe(expected, reading, load_factor)
-        if self.watch is not None and vigil is not None:
-            was_alarm = bool(vigil.is_alarm[0])
-            vigil = self.watch.observe(vigil, reading, load_factor)
-            p_value = float(vigil.p_value[0])
-            if vigil.is_alarm[0] and not was_alarm:
-                finding = explain(self.watch, vigil, 0, self._state_of_watch(state))
-        return Answer(number, state, belief, leaf_p, p_value, finding), belief, vigil
+        if self.watch is not None and monitor_state is not None:
+            was_alarm = bool(monitor_state.is_alarm[0])
+            monitor_state = self.watch.observe(monitor_state, reading, load_factor)
+            p_value = float(monitor_state.p_value[0])
+            if monitor_state.is_alarm[0] and not was_alarm:
+                finding = explain(self.watch, monitor_state, 0, self._state_of_watch(state))
+        return Result(number, state, belief, leaf_p, p_value, finding), belief, monitor_state
 
     def _state_of_watch(self, state: int | None) -> int:
         """Return the state of the watch's library that lies nearest to the selected one."""

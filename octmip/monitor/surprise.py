@@ -1,4 +1,4 @@
-"""Surprise: how often the tree would reach a leaf as unexpected as the one it reached, if the belief were right.
+"""Surprise: the p-value of the leaf that a reading reached, under the belief before the reading.
 
 With q_l = sum_s P(l | s, L) b(s) the chance of leaf l under the belief b *before* the reading, the p-value of leaf l is
 the sum of all q that are at most q_l. It is small when the asset moved within the library in a way that growth does not
@@ -17,8 +17,10 @@ Floats = NDArray[np.float64]
 def leaf_p_value(likelihood: LeafLikelihood, expected: Belief, readings: Floats, load_factor: float) -> Floats:
     """Return the p-value (n,) of the leaves of readings (n, n_gauges); 1 where missing gauges leave leaves open.
 
-    Args:
-        expected: the belief about each asset just before the reading, `Filter.advance` of the last.
+    Parameters
+    ----------
+    expected
+        the belief about each asset just before the reading, `Filter.advance` of the last.
 
     Raises
     ------

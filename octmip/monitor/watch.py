@@ -1,8 +1,8 @@
-"""Watch: is the asset still one of the library? A p-value a reading, and a sequential test with a stated rate.
+"""Watch: a test whether the asset is still one of the library, a p-value per reading and a sequential test over all.
 
 Every reading leaves a residual e that no state of the library can change (octmip.monitor.parity): noise alone while the
-asset is in the library. A candidate c expects the residual to be shifted by d_c from some reading on. Its evidence is
-a sum over the readings at which it may have begun, w = 1 / horizon each,
+asset is in the library. A hypothesis c (a candidate at one of its sizes) expects the residual to be shifted by d_c from
+some reading on. Its evidence is a sum over the readings at which it may have begun, w = 1 / horizon each,
 
     R_c(t) = (R_c(t - 1) + w) exp(d_c . e_t - |d_c|^2 / 2),      E(t) = sum_c prior_c R_c(t) + (1 - t w),
 
@@ -27,10 +27,10 @@ from scipy.special import logsumexp
 from scipy.stats import chi2
 
 from octmip.errors import ProblemError
+from octmip.monitor.candidates import Candidate, gauge_candidates
 from octmip.monitor.leaf_likelihood import check_readings
 from octmip.monitor.library import Library
 from octmip.monitor.parity import Parity
-from octmip.monitor.suspects import Suspect, gauge_suspects
 
 Floats = NDArray[np.float64]
 
@@ -38,21 +38,21 @@ MOST_TABLES = 64
 """Tables kept, one for each load and set of gauges at hand."""
 
 SCALES = (0.3, 1.0, 3.0)
-"""Scales tau of a shift in an unknown direction, standard deviations a reading."""
+"""Scales tau of a shift in an unknown direction, standard deviations per reading."""
 N_BEGINNINGS = 10
 """Readings of a horizon at which a shift in an unknown direction may begin."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Vigil:
-    """What a watch has seen of n assets.
+class MonitorState:
+    """The state of a watch over n assets: the evidence of the readings so far.
 
     Attributes
     ----------
     n_seen
         readings since its start.
     log_evidence
-        (n, n_candidates) log R of every candidate.
+        (n, n_hypotheses) log R of every hypothesis.
     sums
         (n, N_BEGINNINGS, n_gauges) sums of residuals since each beginning; loaded_sums: times their loads.
     counts
@@ -79,14 +79,14 @@ class Vigil:
 
 @dataclass(slots=True, eq=False)
 class Watch:
-    """A guard at the edge of a library; keeps its tables, so it is not frozen.
+    """A sequential test for what lies outside a library; keeps its tables, so it is not frozen.
 
     Attributes
     ----------
     library
         the states.
-    suspects
-        what may act from outside; single gauges are always among the candidates.
+    candidates
+        damages and faults to look for; those of single gauges are always added.
     rate
         probability of at most one false alarm in a horizon.
     horizon
@@ -96,57 +96,57 @@ class Watch:
     """
 
     library: Library
-    suspects: Sequence[Suspect] = ()
+    candidates: Sequence[Candidate] = ()
     rate: float = 0.01
     horizon: int = 100
     largest_load: float = 3.0
     parity: Parity = field(init=False, repr=False)
-    candidates: tuple[tuple[Suspect, float], ...] = field(init=False, repr=False)
+    hypotheses: tuple[tuple[Candidate, float], ...] = field(init=False, repr=False)
     _log_prior: Floats = field(init=False, repr=False)
     _tables: dict[tuple[bytes, float], Floats] = field(init=False, repr=False, default_factory=dict)
 
     def __post_init__(self) -> None:
         if not 0.0 < self.rate < 1.0 or self.horizon < 1:
             raise ProblemError(
-                f"rate is {self.rate} and horizon {self.horizon}; expected a probability and at least one reading"
+                f"rate is {self.rate} and horizon {self.horizon}; expected a rate in (0, 1) and at least one reading"
             )
         self.parity = Parity(self.library, self.largest_load)
-        everything = (*gauge_suspects(self.library), *self.suspects)
-        pairs = [(suspect, size) for suspect in everything for size in suspect.sizes if self._can_show(suspect, size)]
-        self.candidates = tuple(pairs)
-        # a third each for gauges, suspects and the unknown; alike within a third
-        is_gauge = np.array([suspect.kind == "gauge" for suspect, _ in pairs])
+        everything = (*gauge_candidates(self.library), *self.candidates)
+        pairs = [(one, size) for one in everything for size in one.sizes if self._can_show(one, size)]
+        self.hypotheses = tuple(pairs)
+        # a third each for gauges, other candidates and the unknown; alike within a third
+        is_gauge = np.array([candidate.kind == "gauge" for candidate, _ in pairs])
         share = np.where(is_gauge, 1.0 / is_gauge.sum(), 1.0 / max(1, (~is_gauge).sum()))
         self._log_prior = np.log(share / (3.0 if (~is_gauge).any() else 2.0))
 
-    def _can_show(self, suspect: Suspect, size: float) -> bool:
-        """Return whether a whole horizon at the largest load could show it: others only dilute the rest."""
+    def _can_show(self, candidate: Candidate, size: float) -> bool:
+        """Whether a whole horizon at the largest load could show it; what could not would only dilute the rest."""
         every = np.ones(len(self.library.gauges), dtype=bool)
-        scale = size * self.largest_load**suspect.load_power
-        shift = scale * suspect.signature / self.library.noise_sd @ self.parity.projector(every)
+        scale = size * self.largest_load**candidate.load_power
+        shift = scale * candidate.signature / self.library.noise_sd @ self.parity.projector(every)
         return bool(np.linalg.norm(shift) * np.sqrt(self.horizon) > np.sqrt(-2.0 * np.log(self.rate)))
 
-    def start(self, n: int = 1) -> Vigil:
-        """Return the vigil over n assets before any reading."""
+    def start(self, n: int = 1) -> MonitorState:
+        """Return the monitor state over n assets before any reading."""
         g = len(self.library.gauges)
         sums, counts = np.zeros((n, N_BEGINNINGS, g)), np.zeros((n, N_BEGINNINGS))
-        nothing = np.full((n, len(self.candidates)), -np.inf)
+        nothing = np.full((n, len(self.hypotheses)), -np.inf)
         never = np.zeros(n, dtype=bool)
-        return Vigil(0, nothing, sums, sums, counts, counts, np.zeros(n), np.ones(n), np.zeros(n), never)
+        return MonitorState(0, nothing, sums, sums, counts, counts, np.zeros(n), np.ones(n), np.zeros(n), never)
 
-    def restarted(self, vigil: Vigil, row: int) -> Vigil:
-        """Return the vigil with one asset's evidence and alarm taken back: after a gauge was left out, or repaired."""
-        kept = np.arange(len(vigil.p_value)) != row
+    def restarted(self, monitor_state: MonitorState, row: int) -> MonitorState:
+        """Return the state with one asset's evidence and alarm cleared, after a gauge was left out or repaired."""
+        kept = np.arange(len(monitor_state.p_value)) != row
         fresh = self.start(1)
         names = ("log_evidence", "sums", "loaded_sums", "counts", "squared_loads", "degrees", "log_e", "is_alarm")
         parts = {}
         for name in names:
-            old, new = getattr(vigil, name), getattr(fresh, name)
+            old, new = getattr(monitor_state, name), getattr(fresh, name)
             parts[name] = np.where(kept.reshape(-1, *(1,) * (old.ndim - 1)), old, new)
-        return replace(vigil, **parts)
+        return replace(monitor_state, **parts)
 
-    def observe(self, vigil: Vigil, readings: Floats, load_factor: float | Floats) -> Vigil:
-        """Return the vigil after one reading of every asset, (n, n_gauges) in microstrain, NaN where missing.
+    def observe(self, monitor_state: MonitorState, readings: Floats, load_factor: float | Floats) -> MonitorState:
+        """Return the monitor state after one reading of every asset, (n, n_gauges) in microstrain, NaN where missing.
 
         Raises
         ------
@@ -157,32 +157,32 @@ class Watch:
         """
         rows = check_readings(readings, self.library)
         loads = np.broadcast_to(np.asarray(load_factor, dtype=np.float64), (len(rows),))
-        if vigil.n_seen == self.horizon:
-            vigil = replace(self.start(len(rows)), is_alarm=vigil.is_alarm)
+        if monitor_state.n_seen == self.horizon:
+            monitor_state = replace(self.start(len(rows)), is_alarm=monitor_state.is_alarm)
         residuals, log_ratio, degrees = self._compared(rows, loads)
         has_gap = np.isnan(rows).any(axis=1)
-        begins = np.arange(N_BEGINNINGS) * self.horizon // N_BEGINNINGS <= vigil.n_seen
+        begins = np.arange(N_BEGINNINGS) * self.horizon // N_BEGINNINGS <= monitor_state.n_seen
         is_on = begins.astype(np.float64)
         is_seen = np.where(degrees > 0, 1.0, 0.0)[:, None] * is_on
-        new = Vigil(
-            vigil.n_seen + 1,
-            np.logaddexp(vigil.log_evidence, -np.log(self.horizon)) + log_ratio,
-            vigil.sums + is_on[:, None] * residuals[:, None, :],
-            vigil.loaded_sums + is_on[:, None] * (loads[:, None] * residuals)[:, None, :],
-            vigil.counts + is_seen,
-            vigil.squared_loads + is_seen * loads[:, None] ** 2,
-            np.maximum(vigil.degrees, np.where(has_gap, len(self.library.gauges), degrees)),
+        new = MonitorState(
+            monitor_state.n_seen + 1,
+            np.logaddexp(monitor_state.log_evidence, -np.log(self.horizon)) + log_ratio,
+            monitor_state.sums + is_on[:, None] * residuals[:, None, :],
+            monitor_state.loaded_sums + is_on[:, None] * (loads[:, None] * residuals)[:, None, :],
+            monitor_state.counts + is_seen,
+            monitor_state.squared_loads + is_seen * loads[:, None] ** 2,
+            np.maximum(monitor_state.degrees, np.where(has_gap, len(self.library.gauges), degrees)),
             np.where(degrees > 0, chi2.sf(np.square(residuals).sum(axis=1), np.maximum(degrees, 1)), 1.0),
-            vigil.log_e,
-            vigil.is_alarm,
+            monitor_state.log_e,
+            monitor_state.is_alarm,
         )
         log_e = logsumexp(self.log_parts(new), axis=1)
-        return replace(new, log_e=log_e, is_alarm=vigil.is_alarm | (log_e >= -np.log(self.rate)))
+        return replace(new, log_e=log_e, is_alarm=monitor_state.is_alarm | (log_e >= -np.log(self.rate)))
 
     def _compared(self, rows: Floats, loads: Floats) -> tuple[Floats, Floats, Floats]:
-        """Return residuals (n, n_gauges), log ratios (n, n_candidates) and degrees of freedom (n,)."""
+        """Return residuals (n, n_gauges), log ratios (n, n_hypotheses) and degrees of freedom (n,)."""
         is_known = ~np.isnan(rows)
-        residuals, ratios = np.zeros(rows.shape), np.zeros((len(rows), len(self.candidates)))
+        residuals, ratios = np.zeros(rows.shape), np.zeros((len(rows), len(self.hypotheses)))
         degrees = np.zeros(len(rows))
         keys = np.column_stack([is_known.astype(np.float64), loads])
         patterns, of_row = np.unique(keys, axis=0, return_inverse=True)
@@ -199,31 +199,31 @@ class Watch:
         return residuals, ratios, degrees
 
     def _shifts(self, is_known: NDArray[np.bool_], load: float) -> Floats:
-        """Return what every candidate adds to the residual of a reading, (n_candidates, n_gauges)."""
+        """Return the shift of the residual of a reading under every hypothesis, (n_hypotheses, n_gauges)."""
         key = (is_known.tobytes(), load)
         if key not in self._tables:
             if len(self._tables) >= MOST_TABLES:  # loads and missing gauges need not ever repeat
                 self._tables.clear()
-            rows = [size * load**suspect.load_power * suspect.signature for suspect, size in self.candidates]
+            rows = [size * load**candidate.load_power * candidate.signature for candidate, size in self.hypotheses]
             self._tables[key] = np.array(rows) / self.library.noise_sd @ self.parity.projector(is_known)
         return self._tables[key]
 
-    def log_parts(self, vigil: Vigil) -> Floats:
-        """Return the logs of all that adds up to E, (n, n_candidates + 2): candidates, the unknown, what is to come."""
-        to_come = max(0.0, 1.0 - vigil.n_seen / self.horizon)
+    def log_parts(self, monitor_state: MonitorState) -> Floats:
+        """Return the logs of the terms of E, (n, n_hypotheses + 2): hypotheses, the unknown, beginnings to come."""
+        to_come = max(0.0, 1.0 - monitor_state.n_seen / self.horizon)
         share_known = float(np.exp(self._log_prior).sum())
         with np.errstate(divide="ignore"):
-            rest = np.full(len(vigil.p_value), np.log(share_known * to_come))
+            rest = np.full(len(monitor_state.p_value), np.log(share_known * to_come))
         return np.column_stack(
-            [vigil.log_evidence + self._log_prior, self._log_unknown(vigil, 1.0 - share_known), rest]
+            [monitor_state.log_evidence + self._log_prior, self._log_unknown(monitor_state, 1.0 - share_known), rest]
         )
 
-    def _log_unknown(self, vigil: Vigil, prior: float) -> Floats:
+    def _log_unknown(self, monitor_state: MonitorState, prior: float) -> Floats:
         """Return the log evidence (n,) of a shift in an unknown direction; beginnings to come count 1."""
-        square = np.square(vigil.sums).sum(axis=2)
+        square = np.square(monitor_state.sums).sum(axis=2)
         logs = []
         for tau in SCALES:
-            spread = 1.0 + vigil.counts * tau**2
-            logs.append(0.5 * tau**2 * square / spread - 0.5 * vigil.degrees[:, None] * np.log(spread))
+            spread = 1.0 + monitor_state.counts * tau**2
+            logs.append(0.5 * tau**2 * square / spread - 0.5 * monitor_state.degrees[:, None] * np.log(spread))
         stacked = np.concatenate(logs, axis=1)
         return np.asarray(logsumexp(stacked, axis=1) + np.log(prior / stacked.shape[1]))

@@ -1,19 +1,16 @@
-"""Sensors: which to install, for how many labels at once, in which order to read them, and what to do when one fails.
+"""Sensors: which to install, for how many labels at once, in which order to read them, and what to do if one fails.
 
-placement   the sensors that the best tree reads; what each further one is worth, with its bound
-designs     sensors chosen by rules and designs of experiment, to compare with
-shared      trees for several labels under one budget of sensors, each sensor paid for once, with the proof
-inspection  sensors read one after the other, paid when a path reaches them; the certificate
-sequence    the best tree of an inspection, with its proof
-scenarios   what may fail, how likely, and what a tree costs then; the certificate
-robust      trees of least expected or least worst cost over the scenarios
-surrogates  what a tree asks instead of a missing reading
-filling     a missing reading from the others
-detection   which gauge has failed, at a stated false-alarm rate
+placement   the sensors that the best tree reads and the value of each further one, with a bound; sensors chosen by
+            rules and designs of experiment, to compare with
+shared      trees for several labels under one budget of sensors, each sensor paid for once, with proof and certificate
+sequential  sensors read one after the other, paid for when a path reaches them: the best tree, proof and certificate
+failure     scenarios of failed sensors and their certificate; trees of least expected or least worst cost over them;
+            surrogate splits and imputation for a missing reading; detection of the failed gauge at a stated
+            false-alarm rate
 """
 
 from octmip.sensing.failure.detection import FaultDetector, power
-from octmip.sensing.failure.imputation import Filling
+from octmip.sensing.failure.imputation import Imputation
 from octmip.sensing.failure.robust import solve_expected, solve_worst
 from octmip.sensing.failure.scenarios import (
     DEAD,
@@ -35,38 +32,38 @@ from octmip.sensing.placement.placement import (
     problem_on,
     sample_bound,
 )
-from octmip.sensing.sequential.problem import Group, Inspection, InspectionCertificate, certify_inspection
-from octmip.sensing.sequential.solve import solve_inspection
+from octmip.sensing.sequential.problem import Group, SequentialCertificate, SequentialProblem, certify_sequential
+from octmip.sensing.sequential.solve import solve_sequential
 from octmip.sensing.shared.budget import shared_budget
 from octmip.sensing.shared.certificate import JointCertificate, certify_joint
-from octmip.sensing.shared.solution import HandSplit, JointSolution
+from octmip.sensing.shared.solution import BaselineSplit, JointSolution
 
 __all__ = [
     "DEAD",
+    "BaselineSplit",
     "FailureCertificate",
     "FailureProblem",
     "Fault",
     "FaultDetector",
-    "Filling",
     "Group",
     "GuardedSplit",
     "GuardedTree",
-    "HandSplit",
+    "Imputation",
     "InformationDesign",
-    "Inspection",
-    "InspectionCertificate",
     "JointCertificate",
     "JointSolution",
     "Placement",
     "Scenario",
+    "SequentialCertificate",
+    "SequentialProblem",
     "Surrogate",
     "by_chance",
     "by_information",
     "by_reading",
     "by_tree",
     "certify_failures",
-    "certify_inspection",
     "certify_joint",
+    "certify_sequential",
     "failures",
     "label_bound",
     "place_sensors",
@@ -77,7 +74,7 @@ __all__ = [
     "sample_bound",
     "shared_budget",
     "solve_expected",
-    "solve_inspection",
+    "solve_sequential",
     "solve_worst",
     "with_surrogates",
 ]

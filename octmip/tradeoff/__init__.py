@@ -1,22 +1,22 @@
-"""Tradeoffs: what depth, sensors and a simpler tree cost, and which depth and leaf penalty hold on unseen samples.
+"""Tradeoffs: error against depth, sensors and simplicity, and the depth and leaf penalty that hold on unseen samples.
 
 frontier   the least cost against depth, sensor budget or leaf penalty, each point with its bound
 path       for every leaf penalty the best tree: all the trees that are best for some penalty
-risk       missed critical states against false alarms, over what a failure costs
+risk       missed critical states against false alarms, over the cost of a failure
 choice     depth and leaf penalty by cross-validation over those paths
 """
 
 from octmip.tradeoff.choice import RULES, Choice, Rule, Step, choose_tree
 from octmip.tradeoff.frontier import OVERS, Over, Point, default_values, trace_frontier
-from octmip.tradeoff.path import Candidate, PenaltyPath, trace_path
+from octmip.tradeoff.path import PathTree, PenaltyPath, trace_path
 from octmip.tradeoff.risk import RiskPoint, trace_risk_frontier
 
 __all__ = [
     "OVERS",
     "RULES",
-    "Candidate",
     "Choice",
     "Over",
+    "PathTree",
     "PenaltyPath",
     "Point",
     "RiskPoint",

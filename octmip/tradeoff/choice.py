@@ -120,12 +120,12 @@ class Choice:
         if not steps:
             tried = sorted({step.depth for step in self.steps})
             raise ProblemError(
-                f"there is no step of depth {depth} and alpha {alpha}; depths {tried} were tried, from 0 on"
+                f"there is no step of depth {depth} and alpha {alpha}; expected a depth of {tried} and alpha >= 0"
             )
         return steps[-1]
 
     def table(self) -> list[dict[str, float | bool]]:
-        """Return one row a step, plain numbers, for a data frame or a file."""
+        """Return one row per step, plain numbers, for a data frame or a file."""
         names = ("depth", "alpha_low", "alpha_high", "validation_cost", "standard_error", "complexity", "training_cost")
         return [{**{name: getattr(step, name) for name in names}, "chosen": step is self.chosen} for step in self.steps]
 
@@ -145,22 +145,33 @@ def choose_tree(
 ) -> Choice:
     """Return the tree of cross-validated depth and leaf penalty, fitted to all samples.
 
-    Args:
-        problem: its `leaf_penalty` is not used; its `depth` is the largest that is tried.
-        depths: the depths that are tried; None: 1 to the problem's.
-        folds: how many stratified folds, or pairs of training and validation rows (a single pair is B&D's own way).
-        rule: "least" validation cost, the simplest of equals; "one_se": the simplest within one standard error of it.
-        method: of `octmip.solve`.
-        limits: of each solve; there are at most (folds + 1) * depths * most_solves.
-        most_solves: of each path, see `trace_path`.
-        seed: of the folds and of every solve.
-        n_jobs: folds at a time, as joblib counts them; None: what `joblib.parallel_config` says, else one.
-        options: of the method, for instance ``restarts`` of the search.
+    Parameters
+    ----------
+    problem
+        its `leaf_penalty` is not used; its `depth` is the largest that is tried.
+    depths
+        the depths that are tried; None: 1 to the problem's.
+    folds
+        the number of stratified folds, or pairs of training and validation rows (B&D use a single pair).
+    rule
+        "least" validation cost, the simplest of equals; "one_se": the simplest within one standard error of it.
+    method
+        of `octmip.solve`.
+    limits
+        of each solve; there are at most (folds + 1) * depths * most_solves.
+    most_solves
+        of each path, see `trace_path`.
+    seed
+        of the folds and of every solve.
+    n_jobs
+        folds at a time, as joblib counts them; None: what `joblib.parallel_config` says, else one.
+    options
+        of the method, for instance ``restarts`` of the search.
 
     Raises
     ------
     ProblemError
-        folds, depths or rule are not such as described, or the training rows of a fold make no problem.
+        folds, depths or rule are not as described, or the training rows of a fold make no problem.
     SolverError
         a solver failed.
     KeyboardInterrupt
@@ -197,7 +208,7 @@ def _steps(path: PenaltyPath, of_folds: Sequence[PenaltyPath], pairs: Sequence[F
     held = [rows for _, rows in pairs]
     weights = np.array([problem.weights[rows].sum() for rows in held])
     costs = [_held_costs(problem, fold, rows) for fold, rows in zip(of_folds, held, strict=True)]
-    ends = sorted({c.penalty_low / f.problem.baseline for f in of_folds for c in f.candidates})
+    ends = sorted({c.penalty_low / f.problem.baseline for f in of_folds for c in f.trees})
     known: list[tuple[float, NDArray[np.float64]]] = []
     for low, high in pairwise([*ends, math.inf]):
         at = middle(low, high) if high > low else low
@@ -212,15 +223,15 @@ def _steps(path: PenaltyPath, of_folds: Sequence[PenaltyPath], pairs: Sequence[F
 
 
 def _held_costs(problem: Problem, path: PenaltyPath, rows: Rows) -> NDArray[np.float64]:
-    """Return the cost on the held-out rows of every candidate of a path, shape (n_candidates,)."""
+    """Return the cost on the held-out rows of every tree of a path, shape (n_trees,)."""
     codes, weights = problem.codes[rows], problem.weights[rows]
-    predicted = (predict(candidate.tree, problem.features[rows]) for candidate in path.candidates)
-    return np.array([math.fsum(weights * problem.costs[codes, told]) for told in predicted])
+    predicted = (predict(best.tree, problem.features[rows]) for best in path.trees)
+    return np.array([math.fsum(weights * problem.costs[codes, labels]) for labels in predicted])
 
 
 def _index_at(path: PenaltyPath, alpha: float) -> int:
-    """Return which candidate is best at an alpha of the path's own problem."""
-    lows = [candidate.penalty_low for candidate in path.candidates]
+    """Return the index of the tree that is best at an alpha of the path's own problem."""
+    lows = [best.penalty_low for best in path.trees]
     return bisect_right(lows, alpha * path.problem.baseline) - 1
 
 

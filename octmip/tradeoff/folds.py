@@ -1,4 +1,4 @@
-"""Folds: which samples a tree is trained on and which it is judged by."""
+"""Folds: the samples that a tree is trained on, and those that it is judged by."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -24,7 +24,7 @@ def stratified_folds(problem: Problem, n_folds: int, seed: int) -> list[Fold]:
     is_whole = isinstance(n_folds, int | np.integer) and not isinstance(n_folds, bool)
     if not is_whole or not 2 <= n_folds <= problem.n_samples:
         raise ProblemError(
-            f"folds is {n_folds}; expected a whole number from 2 to {problem.n_samples}, one sample each"
+            f"folds is {n_folds}; expected a whole number from 2 to {problem.n_samples}, at least one sample in each"
         )
     shuffled = np.random.default_rng(seed).permutation(problem.n_samples)
     # Class after class like a pack of cards: every fold gets its share of each, and no two folds differ by over one.
@@ -54,7 +54,9 @@ def checked_folds(problem: Problem, pairs: Sequence[tuple[ArrayLike, ArrayLike]]
     for k, (train, held) in enumerate(folds):
         both = np.intersect1d(train, held)
         if len(both):
-            raise ProblemError(f"fold {k} trains on {len(both)} of the rows that judge it (row {both[0]}); part them")
+            raise ProblemError(
+                f"fold {k} trains on {len(both)} of the rows that judge it (row {both[0]}); separate them"
+            )
     rows, counts = np.unique(np.concatenate([held for _, held in folds]), return_counts=True)
     if (counts > 1).any():
         raise ProblemError(f"row {rows[counts > 1][0]} is held out in {counts.max()} folds; hold each row out once")
@@ -87,7 +89,8 @@ def part_of(problem: Problem, rows: Rows, name: str) -> Problem:
         raise ProblemError(f"{name} make no problem: {error}") from error
     if part.baseline == 0:
         raise ProblemError(
-            f"{name} cost nothing in a single leaf (costs or weights are 0); nothing can be chosen by them"
+            f"{name} cost nothing in a single leaf (costs or weights are 0); expected rows by which "
+            "trees differ; choose others"
         )
     return part
 

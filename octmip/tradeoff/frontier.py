@@ -24,7 +24,7 @@ OVERS: tuple[Over, ...] = ("depth", "budget", "penalty")
 
 @dataclass(frozen=True, slots=True)
 class Point:
-    """One point: the value of what is varied, the problem with it, and its solution."""
+    """One point: the value that is varied, the problem with it, and its solution."""
 
     value: float
     problem: Problem
@@ -66,8 +66,8 @@ def trace_frontier(
     """Return one point for each value, values ascending; `limits` hold for each point by itself.
 
     Ctrl-C ends the frontier: the points so far come back, the last one interrupted. Without values the penalties are
-    those at which another tree is best, which takes about two more solves a point. `options` are the method's own, for
-    instance ``restarts`` of the search.
+    those at which another tree is best, which takes about two more solves per point. `options` are the method's own,
+    for instance ``restarts`` of the search.
 
     Raises
     ------
@@ -103,7 +103,7 @@ def _starts(
         path = trace_path(
             problem, method=method, limits=limits, seed=seed, n_jobs=n_jobs, progress=progress, options=options
         )
-        return [(candidate.penalty, candidate.tree) for candidate in path.candidates]
+        return [(best.penalty, best.tree) for best in path.trees]
     chosen = default_values(problem, over) if values is None and over != "penalty" else values
     assert chosen is not None
     return [(value, None) for value in sorted(chosen)]

@@ -1,4 +1,4 @@
-"""The penalty path: for every price of a split, the best tree, and what is proven about it.
+"""The penalty path: the best tree for every price of a split, with its proof.
 
     z(lambda) = min over trees T of  R(T) + lambda C(T),     R cost without a penalty, C features summed over splits
 
@@ -35,7 +35,7 @@ NO_OPTIONS: Mapping[str, Any] = MappingProxyType({})
 
 
 @dataclass(frozen=True, slots=True)
-class Candidate:
+class PathTree:
     """A tree that is best for an interval of penalties.
 
     Attributes
@@ -47,7 +47,7 @@ class Candidate:
     complexity
         features summed over its splits.
     penalty_low, penalty_high
-        for `Problem.leaf_penalty` between these it is the best of all candidates.
+        for `Problem.leaf_penalty` between these it is the best of all.
     is_proven
         whether no tree of the problem is better for any penalty of the interval (by more than rounding).
     """
@@ -73,7 +73,7 @@ class PenaltyPath:
     ----------
     problem
         the problem, `leaf_penalty` 0.
-    candidates
+    trees
         by rising penalty, so from the largest tree to the single leaf.
     bounds
         (penalty, lower bound of z there) of what was solved, by rising penalty; -inf without a proof.
@@ -86,14 +86,14 @@ class PenaltyPath:
     """
 
     problem: Problem
-    candidates: tuple[Candidate, ...]
+    trees: tuple[PathTree, ...]
     bounds: tuple[tuple[float, float], ...]
     n_solves: int
     is_whole: bool
     is_interrupted: bool
 
-    def best_at(self, penalty: float) -> Candidate:
-        """Return the candidate for a penalty; where two are equally good, the smaller tree.
+    def best_at(self, penalty: float) -> PathTree:
+        """Return the best tree for a penalty; where two are equally good, the smaller tree.
 
         Raises
         ------
@@ -101,8 +101,8 @@ class PenaltyPath:
             the penalty is negative or not a number.
         """
         if not penalty >= 0:
-            raise ProblemError(f"penalty is {penalty}; expected a number of 0 or more")
-        return next(c for c in reversed(self.candidates) if c.penalty_low <= penalty)
+            raise ProblemError(f"penalty is {penalty}; expected a number of 0 or more; correct it")
+        return next(c for c in reversed(self.trees) if c.penalty_low <= penalty)
 
     def bound_at(self, penalty: float) -> float:
         """Return a lower bound of z at a penalty: z is concave, so above the chord between any two of its bounds."""
@@ -123,13 +123,20 @@ def trace_path(
 ) -> PenaltyPath:
     """Return the trees that are best for some penalty.
 
-    Args:
-        problem: its `leaf_penalty` is not used.
-        method: of `octmip.solve`; methods that prove give proven intervals.
-        limits: of each solve.
-        incumbents: trees of this problem, taken into account from the beginning.
-        most_solves: the path ends after so many solves; the edges of the hull that could gain most come first.
-        seed, n_jobs, progress, options: of each solve.
+    Parameters
+    ----------
+    problem
+        its `leaf_penalty` is not used.
+    method
+        of `octmip.solve`; methods that prove give proven intervals.
+    limits
+        of each solve.
+    incumbents
+        trees of this problem, taken into account from the beginning.
+    most_solves
+        the path ends after so many solves; the edges of the hull that could gain most come first.
+    seed, n_jobs, progress, options
+        of each solve.
 
     Raises
     ------
@@ -139,7 +146,7 @@ def trace_path(
         a solver failed.
     """
     if most_solves < 1:
-        raise ProblemError(f"most_solves is {most_solves}; expected 1 or more")
+        raise ProblemError(f"most_solves is {most_solves}; expected 1 or more; raise it")
     free = replace(problem, leaf_penalty=0.0)
     settings = {"method": method, "limits": limits, "seed": seed, "n_jobs": n_jobs, "progress": progress}
     tracer = _Tracer(free, settings, options)
@@ -169,7 +176,7 @@ def trace_depths(
     """
     paths: list[PenaltyPath] = []
     for level in sorted(depths):
-        known = [candidate.tree for candidate in paths[-1].candidates] if paths else []
+        known = [known.tree for known in paths[-1].trees] if paths else []
         path = trace_path(
             replace(problem, depth=level),
             method=method,
@@ -208,7 +215,7 @@ class _Known:
 
 @dataclass(slots=True)
 class _Tracer:
-    """Finds the hull of one problem; what it knows only grows."""
+    """The search for the hull of one problem; its known trees and bounds only grow."""
 
     free: Problem
     settings: Mapping[str, Any]  # of every solve
@@ -284,14 +291,14 @@ class _Tracer:
     def path(self, is_whole: bool) -> PenaltyPath:
         hull, bounds = self.hull(), tuple(sorted(self.bounds.items()))
         ends = [0.0, *(a.slope_to(b) for a, b in pairwise(hull)), math.inf]
-        candidates = []
+        trees = []
         for known, (low, high) in zip(hull, pairwise(ends), strict=True):
-            # z is concave and the candidate's line touches it at both ends of the interval, so all along it. Past the
+            # z is concave and the tree's line touches it at both ends of the interval, so all along it. Past the
             # last end nothing changes any more: the leaf has no split to pay for.
             finite = [penalty for penalty in (low, high) if math.isfinite(penalty)]
             is_proven = all(self._meets(_bound_at(bounds, penalty), known.price(penalty)) for penalty in finite)
-            candidates.append(Candidate(known.tree, known.cost, known.complexity, low, high, is_proven))
-        return PenaltyPath(self.free, tuple(candidates), bounds, self.n_solves, is_whole, self.is_interrupted)
+            trees.append(PathTree(known.tree, known.cost, known.complexity, low, high, is_proven))
+        return PenaltyPath(self.free, tuple(trees), bounds, self.n_solves, is_whole, self.is_interrupted)
 
     def _meets(self, bound: float, price: float) -> bool:
         return bound >= price - self.tolerance - _ROUNDING * max(1.0, abs(price))

@@ -1,4 +1,4 @@
-"""The frontier of missed critical states against false alarms, over what a failure costs, each point with its proof.
+"""The frontier of missed critical states against false alarms, over the cost of a failure, each point with its proof.
 
 With two decisions a step model's objective is (failure_loss - caution) * missed + caution * false alarms. So the proven
 bound of a point is a line in the plane of the two numbers that no tree of the same depth lies below, and the points are
@@ -21,7 +21,7 @@ from octmip.tree import predict
 
 @dataclass(frozen=True, slots=True)
 class RiskPoint:
-    """One point: the model with its price of a failure, problem, solution, and what the tree does in training."""
+    """One point: the model with its price of a failure, problem, solution, and the tree's error rates in training."""
 
     model: RiskModel
     problem: Problem
@@ -45,12 +45,22 @@ def trace_risk_frontier(
 ) -> list[RiskPoint]:
     """Return a point for each price of a failure, ascending; each search starts from the tree of the point before.
 
-    Args:
-        model: its `failure_loss` is replaced.
-        features: (n_samples, n_features); losses: (n_samples, n_regions) as fractions.
-        failure_losses: in the unit of `model.caution_losses`; twice the caution weighs both mistakes alike.
-        depth: of the trees; `asked`: other options of `Problem`, as ``sensor_budget``.
-        options: the method's own.
+    Parameters
+    ----------
+    model
+        its `failure_loss` is replaced.
+    features
+        (n_samples, n_features).
+    losses
+        (n_samples, n_regions) as fractions.
+    failure_losses
+        in the unit of `model.caution_losses`; twice the caution weighs both mistakes alike.
+    depth
+        of the trees.
+    asked
+        other options of `Problem`, as ``sensor_budget``.
+    options
+        the method's own.
 
     Raises
     ------

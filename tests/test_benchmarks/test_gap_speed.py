@@ -9,7 +9,7 @@ def test_every_campaign_can_be_made():
     twin = gap_speed.wing_twin(0.25)
     for seed, one in enumerate(gap_speed.CAMPAIGNS):
         assert np.isfinite(gap_speed.campaign(twin, one, seed).readings).all()
-        assert not one.size or one.place in twin.effects[one.effect].variants(twin)
+        assert not one.size or one.place in twin.effects[one.effect].places(twin)
 
 
 def test_speed_lines_name_what_was_found_and_make_a_table():

@@ -2,8 +2,9 @@
 
 import pytest
 
+from benchmarks.case import Case
 from benchmarks.data import SHARED, numeric_sets, published, synthetic_uav
-from benchmarks.registry import FAMILIES, Case, family
+from benchmarks.registry import FAMILIES, family
 from benchmarks.rivals import RIVALS
 from benchmarks.tables import race_table
 

@@ -154,5 +154,5 @@ def test_a_structure_without_components_has_no_ports(coarse: Wing) -> None:
 
 
 def test_rows_without_a_name_get_a_sentence(coarse: Wing) -> None:
-    with pytest.raises(InputError, match="1 output names but 82 rows; expected one name a row"):
+    with pytest.raises(InputError, match="1 output names but 82 rows; expected one name per row"):
         port_flexibility(coarse.structure, coarse.lift, coarse.strain_rows, ("g01",))

@@ -22,8 +22,8 @@ from femlib.dataset import (
     grid_states,
     listed_states,
     open_dataset,
+    parquet,
     random_states,
-    stored,
     stream,
     stream_dataset,
 )
@@ -143,7 +143,7 @@ def peak(path: Path, n_states: int) -> tuple[int, int]:
 
 
 def test_memory_does_not_grow_with_the_rows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(stored, "GROUP_ROWS", 2048)
+    monkeypatch.setattr(parquet, "GROUP_ROWS", 2048)
     monkeypatch.setattr(stream, "WAVE", 2)
     small, large = (peak(tmp_path / f"{n}.parquet", n) for n in (10_000, 80_000))
     rows_bytes = 70_000 * 10 * 8
@@ -153,7 +153,7 @@ def test_memory_does_not_grow_with_the_rows(tmp_path: Path, monkeypatch: pytest.
 
 def test_rows_do_not_depend_on_the_size_of_the_groups(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     whole = stream_dataset(tmp_path / "a.parquet", Slope(), library(), noisy()).read()
-    monkeypatch.setattr(stored, "GROUP_ROWS", 37)
+    monkeypatch.setattr(parquet, "GROUP_ROWS", 37)
     data = stream_dataset(tmp_path / "b.parquet", Slope(), library(), noisy())
     assert data.read().astype({"load": str, "source": str}).equals(whole.astype({"load": str, "source": str}))
     assert max(len(piece) for piece in data.pieces(20)) == 20

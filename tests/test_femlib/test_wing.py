@@ -143,7 +143,7 @@ def test_the_model_hash_tells_models_apart(coarse: Wing) -> None:
 
 
 def test_an_unknown_parameter_gets_a_sentence(coarse: Wing) -> None:
-    with pytest.raises(InputError, match=r"state names \['mu3'\]; expected among \['mu1', 'mu2'\]"):
+    with pytest.raises(InputError, match=r"state names \['mu3'\]; expected some of \['mu1', 'mu2'\]"):
         coarse.strain_microstrain({"mu3": 0.1}, 1.0)
 
 

@@ -34,7 +34,7 @@ INVISIBLE = {"root_flexibility"}
 
 def signature(name, load=3.0, place=None, state=STATE, time=1800.0):
     effect = EFFECTS[name]
-    return effect.signature(TWIN, state, load, variant=effect.variants(TWIN)[0] if place is None else place, time=time)
+    return effect.signature(TWIN, state, load, place=effect.places(TWIN)[0] if place is None else place, time=time)
 
 
 @pytest.mark.parametrize("name", EFFECTS)
@@ -151,7 +151,7 @@ def test_a_warm_upper_skin_is_the_wing_with_that_temperature():
 @pytest.mark.parametrize("start", ["top", "web", "bottom"])
 def test_damage_outside_the_library_is_the_wing_with_a_softer_zone(start):
     effect = EFFECTS["damage_outside_library"]
-    place = next(p for p in effect.places if p.startswith(start) and "0.4" in p)
+    place = next(p for p in effect.place_names if p.startswith(start) and "0.4" in p)
     shells = WING.structure.shells
     softer = replace(shells, scale=np.where(damage_zones(WING)[place], 0.98, 1.0) * shells.scale)
     solved = replace(WING, structure=DamagedStructure(softer, WING.structure.supports, WING.structure.components))
@@ -229,7 +229,7 @@ def test_a_debond_is_the_wing_with_its_nodes_cut_there(flange):
     shells, supports = WING.structure.shells, WING.structure.supports
     elements, nodes = web_edge(WING, flange)
     eta = shells.mesh.nodes[nodes, 1] / WING.span
-    place = next(p for p in EFFECTS["spar_skin_debond"].places if p.startswith(f"{flange} eta 0.285-"))
+    place = next(p for p in EFFECTS["spar_skin_debond"].place_names if p.startswith(f"{flange} eta 0.285-"))
     inner, outer = (float(x) for x in place.split()[2].split("-"))
     cut = nodes[(eta >= inner) & (eta <= outer)]
     assert len(cut) >= 3

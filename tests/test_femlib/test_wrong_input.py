@@ -137,7 +137,7 @@ ON_THE_WING: list[tuple[Callable[[Wing, Path], object], str]] = [
     (lambda w, p: w.strain_microstrain({"mu1": 1.0}, 3.0), "state 0 has mu1 = 1; .*leaves a mechanism"),
     (lambda w, p: w.strain_microstrain({"mu1": 40}, 3.0), "state 0 has mu1 = 40; .*not in percent"),
     (lambda w, p: w.strain_microstrain({"mu1": "a lot"}, 3.0), "state has {'mu1': 'a lot'}; expected"),  # type: ignore[dict-item]
-    (lambda w, p: w.strain_microstrain({"mu3": 0.1}, 3.0), r"state names \['mu3'\]; expected among"),
+    (lambda w, p: w.strain_microstrain({"mu3": 0.1}, 3.0), r"state names \['mu3'\]; expected some of"),
     (lambda w, p: w.strains_microstrain(np.zeros(2), 3.0), r"states has shape \(2,\); expected \('n', 2\)"),
     (lambda w, p: w.strain_microstrain({}, "3 g"), "load_factor is '3 g'; expected a finite number"),  # type: ignore[arg-type]
     (lambda w, p: w.strain_microstrain({}, None), "load_factor is None; expected a finite number"),  # type: ignore[arg-type]
@@ -165,7 +165,7 @@ ON_THE_WING: list[tuple[Callable[[Wing, Path], object], str]] = [
     ),
     (
         lambda w, p: damaged(w, *(Component(c.name, "b", c.elements) for c in w.structure.components)),
-        r"components have the parameters \['b', 'b'\]; expected each its own",
+        r"components have the parameters \['b', 'b'\]; expected a different one for each",
     ),
     (
         lambda w, p: natural_modes(w.structure.shells.stiffness(), w.structure.shells.mass(), w.structure.supports, 0),
@@ -214,7 +214,7 @@ ON_THE_WING: list[tuple[Callable[[Wing, Path], object], str]] = [
     (lambda w, p: stream(w, p, n_jobs=0), "n_jobs is 0; expected a whole number other than 0"),
     (lambda w, p: open_dataset(p / "none.parquet"), "none.parquet.json does not exist"),
     (lambda w, p: list(stream(w, p).pieces(0)), "n_rows is 0; expected 1 or more"),
-    (lambda w, p: stream(w, p).read(["g99"]), r"has no columns \['g99'\]; expected among"),
+    (lambda w, p: stream(w, p).read(["g99"]), r"has no columns \['g99'\]; expected some of"),
 ]
 
 

@@ -79,16 +79,16 @@ WRONG: list[tuple[Callable[[], object], str]] = [
     (lambda: shells(card=WOVEN, axis=(0, 0, 2)), r"axis \[0.0, 0.0, 2.0\] is zero or normal to element 0"),
     (lambda: shells(card=isotropic_plate(7e10, 0.3, 3.81)), "laminate 0 is 3.81 m thick on a mesh 1.41 m across"),
     (lambda: shells(card=isotropic_plate(7e10, 0.3, 1e-9)), "laminate 0 is 1e-09 m thick on a mesh 1.41 m across"),
-    (lambda: PLATE.stiffness(CORNER.astype(int)), "elements are int64 of shape .16,.; expected .16,. truth values"),  # type: ignore[arg-type]
-    (lambda: damaged(CORNER.astype(int)), "region a has elements of int64; expected truth values, one for each"),
-    (lambda: damaged([1.0] * 16), "region a has elements of float64; expected truth values"),
+    (lambda: PLATE.stiffness(CORNER.astype(int)), "elements are int64 of shape .16,.; expected .16,. booleans"),  # type: ignore[arg-type]
+    (lambda: damaged(CORNER.astype(int)), "region a has elements of int64; expected booleans, one for each"),
+    (lambda: damaged([1.0] * 16), "region a has elements of float64; expected booleans"),
     (lambda: damaged(np.ones(16, dtype=bool)), "region a shares no moving node with the rest of the structure"),
     (lambda: DamagedStructure(PLATE, HELD, Component("a", "mu", CORNER)), "components are a Component; expected a"),  # type: ignore[arg-type]
     (lambda: damaged().solve_loads([0.1], LOAD, np.zeros(3)), r"pristine has shape \(3,\); expected \(150,\)"),  # type: ignore[arg-type]
     (lambda: damaged().solve_outputs(np.array([[0.1]]), LOAD, ROWS[:, :7]), r"rows have shape \(1, 7\); expected"),
     (lambda: reduce_structure(damaged(), LOAD, ROWS[:, :7], ("a",)), r"rows have shape \(1, 7\); expected"),
     (lambda: damage_row({"mu": True}, ("mu",)), "state has {'mu': True}; expected fractions"),
-    (lambda: damage_row([0.1], ("mu",)), "state is a list; expected damages by parameter's name"),  # type: ignore[arg-type]
+    (lambda: damage_row([0.1], ("mu",)), "state is a list; expected damages by parameter name"),  # type: ignore[arg-type]
     (lambda: line_load(MESH, [0, 6], np.ones(3)), "line load goes from node 0 to node 6, 0.354 m away, which no"),
     (lambda: line_load(MESH, [0, 2], np.ones(3)), "line load goes from node 0 to node 2, 0.5 m away, which no"),
     (lambda: point_masses(MESH, {0.5: 1.0}), "point mass 1.0 kg at node 0.5; expected"),  # type: ignore[dict-item]
@@ -167,7 +167,7 @@ def test_answers_beyond_linear_analysis_are_refused(tiny: Wing, tiny_reduced: Re
         ):
             model.strain_microstrain({"mu1": 0.4}, 1e6)
         with pytest.raises(
-            InputError, match=r"would .*; expected at most .*, beyond which linear analysis means nothing"
+            InputError, match=r"would .*; expected at most .*, beyond which linear analysis is meaningless"
         ):
             model.solve({"mu1": 0.4}, 1e6)
         assert np.isfinite(model.strain_microstrain({"mu1": 0.4}, -3.0)).all()

@@ -32,10 +32,10 @@ class Field:
     separated_by: str = "its shape"
     seen_by: tuple[str, ...] = ()
 
-    def variants(self, twin):
+    def places(self, twin):
         return ("",)
 
-    def signature(self, twin, state, load_factor, variant="", time=0.0):
+    def signature(self, twin, state, load_factor, place="", time=0.0):
         if self.load_power is None:
             return self.shape * twin.predict(state, load_factor)
         return self.shape * load_factor**self.load_power
@@ -47,11 +47,11 @@ class Bumps(Field):
     n_between = 2
     power = 0
 
-    def variants(self, twin):
+    def places(self, twin):
         return tuple(f"{eta:.2f}" for eta in np.linspace(0.25, 0.75, 6))
 
-    def signature(self, twin, state, load_factor, variant="", time=0.0):
-        return self.at(float(variant), load_factor)
+    def signature(self, twin, state, load_factor, place="", time=0.0):
+        return self.at(float(place), load_factor)
 
     @classmethod
     def at(cls, eta, load_factor):

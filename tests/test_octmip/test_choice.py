@@ -142,7 +142,7 @@ def test_every_depth_and_alpha_has_its_step():
     choice = choose_tree(IRIS, folds=3, method="cart")
     for step in choice.steps:
         assert choice.step_at(step.depth, step.alpha_low) is step
-    with pytest.raises(ProblemError, match=r"no step of depth 3 and alpha 0\.1; depths \[1, 2\]"):
+    with pytest.raises(ProblemError, match=r"no step of depth 3 and alpha 0\.1; expected a depth of \[1, 2\]"):
         choice.step_at(3, 0.1)
 
 

@@ -1,11 +1,11 @@
 """The exact core against exhaustive enumeration, and against itself with every prune switched off."""
 
-import functools
 import itertools
 
 import numpy as np
 import pytest
 
+from benchmarks.oracles.enumeration import optimum
 from octmip import Solution, _native, certify
 from octmip.errors import ProblemError
 from octmip.methods import native_call
@@ -18,30 +18,6 @@ from octmip.tree import HyperplaneSplit, Leaf, Split, n_splits
 def without(prune: str, problem: Problem) -> Solution:
     with native_call.without(prune):
         return branch_and_bound(problem)
-
-
-def cheapest(problem: Problem) -> float:
-    """Return the optimum by enumeration of all trees over the distinct cuts of each node."""
-
-    @functools.cache
-    def best(rows: tuple[int, ...], levels: int) -> float:
-        index = np.array(rows, dtype=np.int64)
-        cost = float(problem.class_costs(index).min())
-        if levels == 0:
-            return cost
-        for feature in range(problem.n_features):
-            if not problem.is_allowed((feature,)):
-                continue
-            values = problem.features[index, feature]
-            for low in np.unique(values)[:-1]:
-                left, right = index[values <= low], index[values > low]
-                if min(len(left), len(right)) < problem.leaf_size:
-                    continue
-                pair = best(tuple(left), levels - 1) + best(tuple(right), levels - 1)
-                cost = min(cost, pair + problem.leaf_penalty)
-        return cost
-
-    return best(tuple(range(problem.n_samples)), problem.depth)
 
 
 def random_problem(seed: int, depth: int | None = None) -> Problem:
@@ -68,7 +44,7 @@ def test_it_finds_the_optimum_of_enumeration(block: int) -> None:
     for seed in range(50 * block, 50 * block + 50):
         problem = random_problem(seed)
         solution = branch_and_bound(problem, n_jobs=1 + seed % 2)
-        assert certify(problem, solution).objective == cheapest(problem), seed
+        assert certify(problem, solution).objective == optimum(problem).objective, seed
         assert solution.stop is Stop.OPTIMAL, seed
 
 
@@ -83,22 +59,7 @@ def test_the_optimum_stays_with_every_prune_switched_off() -> None:
     for seed in range(2000, 2020):
         problem = random_problem(seed, depth=3)
         with native_call.without(*_native.prunes()):
-            assert branch_and_bound(problem).objective == cheapest(problem), seed
-
-
-def cheapest_within(problem: Problem) -> float:
-    """Return the optimum within the sensor budget: the best over all sensor sets that it pays for."""
-    best = problem.baseline
-    for size in range(len(problem.sensors) + 1):
-        for chosen in itertools.combinations(range(len(problem.sensors)), size):
-            if problem.sensor_costs[list(chosen)].sum() > problem.sensor_limit:
-                continue
-            features = np.flatnonzero(np.isin(problem.sensor_index, chosen))
-            if len(features):
-                columns = problem.features[:, features]
-                part = Problem(columns, problem.labels, depth=problem.depth, leaf_size=problem.leaf_size)
-                best = min(best, cheapest(part))
-    return best
+            assert branch_and_bound(problem).objective == optimum(problem).objective, seed
 
 
 @pytest.mark.parametrize("n_jobs", [1, 2])
@@ -116,7 +77,7 @@ def test_a_sensor_budget_is_kept_and_proven(n_jobs: int) -> None:
             sensor_budget=float(rng.integers(0, 6)) / 10,
         )
         solution = branch_and_bound(problem, n_jobs=n_jobs)
-        assert certify(problem, solution).objective == cheapest_within(problem)
+        assert certify(problem, solution).objective == optimum(problem).objective
         assert solution.is_optimal
 
 
@@ -159,17 +120,9 @@ def test_fewest_splits_are_found_among_optimal_trees() -> None:
         assert fewer.details["ties_broken"]["sensors"] == "fewest, proven"  # type: ignore[index]
         assert fewer.tree is not None
         assert certify(problem, fewer).objective == branch_and_bound(problem).objective
-        priced = Problem(
-            problem.features,
-            problem.labels,
-            depth=2,
-            weights=problem.weights,
-            costs=problem.costs,
-            leaf_size=problem.leaf_size,
-            leaf_penalty=problem.leaf_penalty + 2.0**-10,
-            allowed_splits=problem.allowed_splits,
-        )
-        assert cheapest(priced) == fewer.objective + n_splits(fewer.tree) * 2.0**-10, seed
+        best = optimum(problem)
+        assert n_splits(fewer.tree) == best.n_splits, seed
+        assert len(problem.sensors_used(fewer.tree)) == best.n_sensors, seed
 
 
 def test_too_little_memory_ends_with_a_tree_and_a_bound() -> None:

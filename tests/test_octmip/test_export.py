@@ -104,7 +104,7 @@ def test_nan_is_on_no_side_where_a_database_holds_it_for_the_largest_number():
 def test_names_must_cover_the_tree(export):
     with pytest.raises(TreeError, match="reads feature 1 but feature_names has 1 entries"):
         export(Split(1, 0.5, Leaf(0), Leaf(1)), ["a"], ["x", "y"])
-    with pytest.raises(TreeError, match="answers class 1 but class_names has 1 entries"):
+    with pytest.raises(TreeError, match="predicts class 1 but class_names has 1 entries"):
         export(Split(0, 0.5, Leaf(0), Leaf(1)), ["a"], ["x"])
     tree = Leaf(0)
     for _ in range(3000):

@@ -21,7 +21,7 @@ PROBLEM = Problem(FEATURES, LABELS, depth=3)
 def test_every_point_is_the_optimum_of_its_own_problem(over):
     points = trace_frontier(PROBLEM, over)
     if over == "penalty":
-        assert [point.value for point in points] == [candidate.penalty for candidate in trace_path(PROBLEM).candidates]
+        assert [point.value for point in points] == [best.penalty for best in trace_path(PROBLEM).trees]
     else:
         assert [point.value for point in points] == list(default_values(PROBLEM, over))
     for point in points:

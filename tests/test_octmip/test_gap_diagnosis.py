@@ -14,7 +14,7 @@ from tests.test_octmip.beam_twin import Asset, Beam, Field, measured
 
 TWIN = Beam()
 COMMISSIONING = measured(1000)
-TIED = {"modulus", "load_factor_error", "common_gain"}
+CONFOUNDED = {"modulus", "load_factor_error", "common_gain"}
 
 
 def effect(name, size, place=""):
@@ -22,7 +22,7 @@ def effect(name, size, place=""):
     strained = Asset() if name in CHAIN else TWIN  # the chain acts on what the asset's gauges see
 
     def change(state, load, time):
-        return size * source.signature(strained, state, load, variant=place, time=time)
+        return size * source.signature(strained, state, load, place=place, time=time)
 
     return change
 
@@ -55,7 +55,8 @@ def test_a_single_effect_is_named_with_its_size(name, size, place, known):
     campaign = measured(7, effect(name, size, place), states=states, known=known)
     diagnosis = diagnose(campaign, TWIN, commissioning=COMMISSIONING)
     first = diagnosis.which[0]
-    assert len(first.effects) == 1 and name in names_of(first)[0], page_of_words(diagnosis)
+    assert len(first.effects) == 1, page_of_words(diagnosis)
+    assert name in names_of(first)[0], page_of_words(diagnosis)
     if first.effects == (name,):
         low, high = first.parameters[0].low, first.parameters[0].high
         assert low - (high - low) <= size <= high + (high - low)
@@ -89,10 +90,10 @@ def test_three_effects_are_all_found():
     assert set(first.effects) == {"gauge_bias", "temperature_uniform", "swapped_pair"}
 
 
-@pytest.mark.parametrize("name", sorted(TIED))
-def test_exact_ties_are_named_together_and_no_strain_test_is_said_to_help(name):
+@pytest.mark.parametrize("name", sorted(CONFOUNDED))
+def test_exactly_confounded_effects_are_named_together_and_no_strain_test_is_said_to_help(name):
     diagnosis = diagnose(measured(5, effect(name, 2.0)), TWIN, commissioning=COMMISSIONING)
-    assert set(diagnosis.ambiguity[0].effects) >= TIED
+    assert set(diagnosis.ambiguity[0].effects) >= CONFOUNDED
     assert diagnosis.which[0].probability > 0.7
     assert not any(test.is_strain_test for test in diagnosis.next_test)
     assert {"load_cell", "shunt_calibration"} & {test.name for test in diagnosis.next_test}
@@ -101,14 +102,14 @@ def test_exact_ties_are_named_together_and_no_strain_test_is_said_to_help(name):
 @pytest.mark.parametrize("loads", [(0.0, 1.0, 2.0, 3.0), (1.0, 2.0), (3.0,)], ids=["4 loads", "2 loads", "1 load"])
 @pytest.mark.parametrize("calibrated", [True, False], ids=["with a run", "without"])
 @pytest.mark.parametrize("size", [-12.0, -2.0, 0.7, 4.0, 20.0])
-def test_exact_ties_are_named_together_whatever_size_and_loads(size, calibrated, loads):
+def test_exactly_confounded_effects_are_named_together_whatever_size_and_loads(size, calibrated, loads):
     campaign = measured(int(10 + abs(size)), effect("modulus", size), loads=loads)
     diagnosis = diagnose(campaign, TWIN, commissioning=COMMISSIONING if calibrated else None)
     clear = [cause for cause in diagnosis.which if cause.is_identifiable]
-    assert all(names >= TIED for cause in clear for names in cause.names if names & TIED)
+    assert all(names >= CONFOUNDED for cause in clear for names in cause.names if names & CONFOUNDED)
     if abs(size) >= (4.0 if calibrated else 12.0):
         assert diagnosis.which[0].effects
-        assert any(set(names) >= TIED for names in diagnosis.which[0].names)
+        assert any(set(names) >= CONFOUNDED for names in diagnosis.which[0].names)
 
 
 def test_an_effect_outside_the_library_is_called_unknown():

@@ -32,7 +32,7 @@ class Named:
 @pytest.mark.parametrize("name", PAIRS)
 def test_gauges_of_any_name_are_paired_as_those_of_plain_names(name):
     named, plain = Named(NAMES), Named(PLAIN)
-    for place, known in zip(CHAIN[name].variants(named), CHAIN[name].variants(plain), strict=True):
+    for place, known in zip(CHAIN[name].places(named), CHAIN[name].places(plain), strict=True):
         expected = CHAIN[name].signature(plain, {}, 1.0, known)
         assert CHAIN[name].signature(named, {}, 1.0, place) == pytest.approx(expected, abs=0.0)
 
@@ -61,7 +61,7 @@ def test_gauges_that_were_not_read_have_no_candidates_whatever_they_are_called()
     found = candidates_of(effects, Named(NAMES), read)
     places = {name: {found.place for found in found if found.name == name} for name in effects}
     assert places["gauge_gain"] == set(read)
-    assert places["swapped_pair"] == set(CHAIN["swapped_pair"].variants(Named(read)))
+    assert places["swapped_pair"] == set(CHAIN["swapped_pair"].places(Named(read)))
     assert places["crosstalk"] == {"a<b", "b<a", "b</", "/<b", "/<y", "y</"}
 
 

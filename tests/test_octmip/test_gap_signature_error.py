@@ -82,7 +82,7 @@ class Lagging(Field):
     uses_time = True
     superposes = True
 
-    def signature(self, twin, state, load_factor, variant="", time=0.0):
+    def signature(self, twin, state, load_factor, place="", time=0.0):
         return load_factor * (max(time, 0.0) / 3600.0) ** 0.5 * self.shape
 
 

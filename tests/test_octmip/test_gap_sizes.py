@@ -11,7 +11,7 @@ COMMISSIONING = measured(1000)
 class Softer(Field):
     """All strains divided by 1 + size / 100."""
 
-    def predict(self, twin, state, load_factor, size, variant, time):
+    def predict(self, twin, state, load_factor, size, place, time):
         return twin.predict(state, load_factor) / (1.0 + 0.01 * size)
 
 

@@ -85,15 +85,23 @@ def test_a_hostile_parquet_column_is_refused(tmp_path, columns, sentence):
         read_table(tmp_path / "data.parquet").numbers(["x"])
 
 
-@pytest.mark.parametrize("about", [b"{", b"[]", b'{"index_columns": 5}', b'{"index_columns": ["x"], "columns": 7}'])
-def test_what_pandas_wrote_beside_a_parquet_table_is_not_believed(tmp_path, about):
+def table_that_pandas_wrote(path, about):
+    """Write a Parquet table with `about` as the metadata of pandas, and return its file."""
     frame = pa.table({"x": [1.0, 2.0], "y": ["a", "b"]}).replace_schema_metadata({b"pandas": about})
-    parquet.write_table(frame, tmp_path / "data.parquet")
-    try:
-        assert read_table(tmp_path / "data.parquet").labels("y").tolist() == ["a", "b"]
-    except DataError as error:
-        assert about == b"{"
-        assert "no Parquet file that can be read" in str(error)
+    parquet.write_table(frame, path)
+    return path
+
+
+@pytest.mark.parametrize("about", [b"[]", b'{"index_columns": 5}', b'{"index_columns": ["x"], "columns": 7}'])
+def test_what_pandas_wrote_beside_a_parquet_table_is_not_believed(tmp_path, about):
+    path = table_that_pandas_wrote(tmp_path / "data.parquet", about)
+    assert read_table(path).labels("y").tolist() == ["a", "b"]
+
+
+def test_metadata_of_pandas_that_are_no_json_are_refused(tmp_path):
+    path = table_that_pandas_wrote(tmp_path / "data.parquet", b"{")
+    with pytest.raises(DataError, match="no Parquet file that can be read"):
+        read_table(path)
 
 
 def test_a_parquet_table_of_a_named_index_has_its_columns_only(tmp_path):

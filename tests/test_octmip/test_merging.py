@@ -46,7 +46,9 @@ def test_weights_and_repeated_rows_in_any_order_get_the_same_tree(options):
         weighed = Problem(features, labels, depth=3, weights=weights.astype(float), **options)
         rows = rng.permutation(np.repeat(np.arange(40), weights))
         repeated = Problem(features[rows], labels[rows], depth=3, **options)
-        first, second = (local_search(problem, seed=seed, restarts=2, kicks=4) for problem in (weighed, repeated))
+        first, second = (
+            local_search(problem, seed=seed, restarts=2, perturbations=4) for problem in (weighed, repeated)
+        )
         certify(weighed, first)
         assert first.tree == second.tree
         assert first.objective == second.objective

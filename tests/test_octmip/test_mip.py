@@ -95,7 +95,7 @@ def test_the_optimum_stays_without_fixing_and_without_class_counts(case):
     problem = CASES[case]
     for fix, class_count in ((0, True), (1, True), (2, False), (0, False)):
         request = engine.Request("flow")
-        solution = engine.drive(
+        solution = engine.solve_formulation(
             problem,
             lambda known, f=fix, k=class_count: encode_flow(
                 problem, known.tree, fix=f, class_count=k, prices=known.prices
@@ -158,7 +158,7 @@ def test_a_solution_that_routing_contradicts_is_refused():
 
 def test_what_a_leaking_model_claims_is_not_believed_and_said_with_both_numbers():
     problem = uci("iris", depth=2)
-    solution = engine.drive(
+    solution = engine.solve_formulation(
         problem, lambda _: encode(problem, closed=False), engine.Request("oct", Limits(seconds=300))
     )
     certify(problem, solution)

@@ -12,12 +12,12 @@ from pyomo.repn import generate_standard_repn
 from octmip import HyperplaneSplit, Leaf, Problem, Split, certify
 from octmip.errors import ProblemError
 from octmip.mip import flow, oct_h
-from octmip.mip.blocks.heap import Heap, lift, place
+from octmip.mip.blocks.heap import Heap, place, to_tree
 from octmip.mip.blocks.hyperplanes import choose_mu, space_of
 from octmip.mip.flow import solve_flow
-from octmip.mip.incumbent import tidy
+from octmip.mip.incumbent import canonicalise
 from octmip.mip.oct_h import solve_oct_h
-from octmip.mip.statements import oct_h as statement
+from octmip.mip.paper_models import oct_h as paper
 from octmip.tree import predict
 from tests.test_octmip.test_mip import uci
 from tests.test_octmip.test_mip_rows import rows_of, rows_of_pyomo
@@ -106,7 +106,7 @@ def test_the_optimum_is_that_of_enumeration(method, case):
 
 @pytest.mark.parametrize("real", [False, True])
 @pytest.mark.parametrize("case", CASES)
-def test_the_rows_are_those_of_the_pyomo_statement(case, real):
+def test_the_rows_are_those_of_the_pyomo_model(case, real):
     problem = CASES[case]
     if real:
         problem = Problem(
@@ -120,7 +120,7 @@ def test_the_rows_are_those_of_the_pyomo_statement(case, real):
             leaf_penalty=problem.leaf_penalty,
             leaf_size=problem.leaf_size,
         )
-    model = statement.paper_model(problem, 0.01, max_splits=2)
+    model = paper.paper_model(problem, 0.01, max_splits=2)
     rows = oct_h.encode(problem, 0.01, max_splits=2).rows
     assert rows_of(rows) == rows_of_pyomo(model)
     cost = generate_standard_repn(model.cost.expr)
@@ -142,7 +142,7 @@ TREES = [
 @pytest.mark.parametrize("form", ["oct_h", "flow"])
 def test_a_tree_encoded_is_feasible_costs_its_objective_and_decodes_to_the_same_sides(tree, integer_normals, form):
     problem = whole(depth=2, integer_normals=integer_normals)
-    tree = tidy(problem, tree)
+    tree = canonicalise(problem, tree)
     heap = Heap(2)
     placed = place(tree, heap, problem.features)
     mu = choose_mu(space_of(problem, centred=False), placed, heap)
@@ -150,7 +150,7 @@ def test_a_tree_encoded_is_feasible_costs_its_objective_and_decodes_to_the_same_
     values = model.start(placed)
     assert model.rows.violation(values)[0] < 1e-9
     assert model.rows.objective(values) == pytest.approx(problem.objective(tree))
-    decoded = lift(heap, model.splits(values), model.labels(values))
+    decoded = to_tree(heap, model.splits(values), model.labels(values))
     assert problem.objective(decoded) == problem.objective(tree)
 
 
@@ -161,7 +161,7 @@ def test_a_normal_of_nothing_but_zeros_sends_everything_one_way(offset, side):
     values = np.zeros(model.rows.n_columns)
     values[model.hyperplanes.d] = values[model.hyperplanes.s[0]] = 1.0
     values[model.hyperplanes.b] = offset  # the solver may choose it: 0'x + mu <= b holds for every sample, or for none
-    decoded = lift(Heap(1), model.splits(values), {2: 0, 3: 1})
+    decoded = to_tree(Heap(1), model.splits(values), {2: 0, 3: 1})
     assert (predict(decoded, problem.features) == side).all()
 
 

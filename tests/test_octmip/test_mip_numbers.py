@@ -202,7 +202,7 @@ def test_sensors_are_kept_within_a_budget_of_any_unit():
         problem = Problem(
             [[0, 0], [0, 1], [1, 0], [1, 1]], [0, 1, 1, 0], depth=2, sensor_cost=cost, sensor_budget=4 * unit
         )
-        solution = engine.drive(problem, partial(_oct, problem), engine.Request("oct"))
+        solution = engine.solve_formulation(problem, partial(_oct, problem), engine.Request("oct"))
         assert solution.objective == optimum(problem).objective
         assert solution.is_optimal
 

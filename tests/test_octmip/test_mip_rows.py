@@ -1,4 +1,4 @@
-"""Without a solver: rows against the Pyomo statement, and trees into solutions and back."""
+"""Without a solver: rows against the Pyomo model of the paper, and trees into solutions and back."""
 
 from collections import Counter
 
@@ -10,10 +10,10 @@ from pyomo.repn import generate_standard_repn
 from benchmarks.oracles.strategies import random_problem, random_tree
 from octmip.encoding import rank_features, rows_from_tree, tree_from_rows
 from octmip.mip import flow, oct
-from octmip.mip.blocks.heap import Heap, lift, place
-from octmip.mip.incumbent import tidy
+from octmip.mip.blocks.heap import Heap, place, to_tree
+from octmip.mip.incumbent import canonicalise
+from octmip.mip.paper_models import oct as paper
 from octmip.mip.rows import Rows
-from octmip.mip.statements import oct as statement
 from octmip.tree import Leaf, Split
 from tests.test_octmip.test_mip import CASES
 
@@ -52,9 +52,9 @@ def rows_of_pyomo(model: pyo.ConcreteModel) -> Counter:
 
 @pytest.mark.parametrize("closed", [True, False])
 @pytest.mark.parametrize("case", CASES)
-def test_the_rows_are_those_of_the_pyomo_statement(case, closed):
+def test_the_rows_are_those_of_the_pyomo_model(case, closed):
     problem = CASES[case]
-    model = statement.paper_model(problem, closed=closed, max_splits=2)
+    model = paper.paper_model(problem, closed=closed, max_splits=2)
     rows = oct.encode(problem, closed=closed, max_splits=2).rows
     assert rows_of(rows) == rows_of_pyomo(model)
     cost = generate_standard_repn(model.cost.expr)
@@ -71,7 +71,7 @@ def test_the_rows_are_those_of_the_pyomo_statement(case, closed):
 def test_a_tree_encoded_is_feasible_costs_its_objective_and_decodes_to_itself(encode, seed):
     rng = np.random.default_rng(seed)
     problem = random_problem(rng, max_samples=10, max_depth=3)
-    tree = tidy(problem, random_tree(rng, problem.n_features, problem.n_classes, problem.depth))
+    tree = canonicalise(problem, random_tree(rng, problem.n_features, problem.n_classes, problem.depth))
     if problem.sensor_cost_of(tree) > problem.sensor_limit or problem.first_forbidden_split(tree):
         tree = Leaf(int(problem.class_costs().argmin()))
     ranks = rank_features(problem)
@@ -83,8 +83,8 @@ def test_a_tree_encoded_is_feasible_costs_its_objective_and_decodes_to_itself(en
     worst, where = model.rows.violation(values)
     assert worst < 1e-9 or sizes[sizes > 0].min() < problem.leaf_size, where
     assert model.rows.objective(values) == pytest.approx(problem.objective(tree))
-    decoded = lift(model.heap, model.splits(values), model.labels(values))
-    assert tidy(problem, decoded) == tree
+    decoded = to_tree(model.heap, model.splits(values), model.labels(values))
+    assert canonicalise(problem, decoded) == tree
 
 
 def test_heap_numbers_nodes_as_pictured():

@@ -48,11 +48,11 @@ def test_the_belief_is_what_enumerating_all_histories_gives():
         belief = chain.step(belief, row[None], load)
     likely = [np.exp(observed.log_likelihood(r[None], load)[0]) for r, load in zip(readings, loads, strict=True)]
     total = np.zeros(3)
-    for paces in itertools.product(range(2), repeat=4):
+    for rates in itertools.product(range(2), repeat=4):
         for states in itertools.product(range(3), repeat=3):
             p, before = 0.5, 0
             for k, state in enumerate(states):
-                p *= growth.transitions[paces[k], before, state] * growth.changes[paces[k], paces[k + 1]]
+                p *= growth.transitions[rates[k], before, state] * growth.changes[rates[k], rates[k + 1]]
                 p *= likely[k][state]
                 before = state
             total[states[-1]] += p
@@ -107,7 +107,7 @@ def test_a_library_that_lacks_combinations_keeps_its_belief_to_itself():
 
 def test_a_growth_that_is_none_is_refused(cells):
     library, growth = small_chain()
-    with pytest.raises(ProblemError, match="less than one level a step"):
+    with pytest.raises(ProblemError, match="less than one level per step"):
         steady_growth(library, 0.31)
     with pytest.raises(ProblemError, match="rows that add up to"):
         Growth((np.full((1, 2, 2), 0.4),), np.ones((1, 1)))
@@ -115,7 +115,7 @@ def test_a_growth_that_is_none_is_refused(cells):
         Growth((np.eye(2),), np.ones((1, 1)))
     with pytest.raises(ProblemError, match="expected a tuple"):
         Growth(np.eye(2)[None], np.ones((1, 1)))
-    with pytest.raises(ProblemError, match="the same paces"):
+    with pytest.raises(ProblemError, match="growth rates"):
         Growth((np.eye(2)[None],), np.eye(2))
     with pytest.raises(ProblemError, match="make both for one library"):
         Filter(GaussianLikelihood(cells), growth)
@@ -194,11 +194,11 @@ def test_sets_hold_what_they_say_on_histories_drawn_from_the_model(cells, kind):
     likelihood = LeafLikelihood(mu1_tree(), cells) if kind == "leaf" else GaussianLikelihood(cells)
     growth = steady_growth(cells, (0.002, 0.01), sudden=0.002, change=0.05)
     chain, n = Filter(likelihood, growth), 400
-    state, pace = np.zeros(n, dtype=int), rng.integers(growth.n_paces, size=n)
+    state, rate = np.zeros(n, dtype=int), rng.integers(growth.n_rates, size=n)
     belief, covered = chain.start(n, state=0), []
     for k in range(40):
-        state = np.array([rng.choice(64, p=growth.transitions[p, s]) for p, s in zip(pace, state, strict=True)])
-        pace = np.array([rng.choice(growth.n_paces, p=growth.changes[p]) for p in pace])
+        state = np.array([rng.choice(64, p=growth.transitions[p, s]) for p, s in zip(rate, state, strict=True)])
+        rate = np.array([rng.choice(growth.n_rates, p=growth.changes[p]) for p in rate])
         place = rng.uniform(-0.5, 0.5, (n, 2)) * cells.widths
         strains = cells.strains[state] + np.einsum("np,npg->ng", place, cells.slopes[state])
         load = 3.0 if k % 2 else 2.0

@@ -1,4 +1,4 @@
-"""Streams: every reading gets its answer, a bad one its refusal, and memory does not grow."""
+"""Streams: every reading gets its result, a bad one its refusal, and memory does not grow."""
 
 import math
 import tracemalloc
@@ -9,11 +9,11 @@ import pytest
 
 from octmip.errors import DataError
 from octmip.monitor import (
-    Answer,
     Filter,
     GaussianLikelihood,
     Monitor,
     Refusal,
+    Result,
     Watch,
     grid_states,
     library_of,
@@ -62,10 +62,10 @@ def test_a_gauge_that_gave_nothing_is_done_without_where_there_is_a_filter():
     lacking = (load, {gauge: value for gauge, value in zip(GAUGES, values, strict=True) if gauge != "g01"})
     (refused,) = Monitor(SELECTOR).run([lacking])
     assert "lacks gauge g01" in refused.words
-    (answer,) = whole().run([lacking])
-    assert answer.state is None
-    assert answer.belief is not None
-    assert answer.p_value > 0
+    (result,) = whole().run([lacking])
+    assert result.state is None
+    assert result.belief is not None
+    assert result.p_value > 0
     (told,) = whole().run([(load, [None if k == 2 else v for k, v in enumerate(values)])])  # the tree reads no g03
     assert told.state == SELECTOR.select(values, load).state
 
@@ -73,14 +73,14 @@ def test_a_gauge_that_gave_nothing_is_done_without_where_there_is_a_filter():
 def test_the_alarm_is_explained_once_and_a_faulty_gauge_is_left_out():
     bad = good()[1]
     bad[5] += 400.0
-    answers = list(whole().run([good()] * 5 + [(3.0, bad)] * 15))
-    found = [answer for answer in answers if answer.finding is not None]
-    assert len(answers) == 20
+    results = list(whole().run([good()] * 5 + [(3.0, bad)] * 15))
+    found = [result for result in results if result.finding is not None]
+    assert len(results) == 20
     assert len(found) == 1
     assert found[0].number in (5, 6)
     assert found[0].finding.name == "g06"
-    assert answers[-1].p_value > 0.9
-    assert answers[-1].belief.mean("mu1")[0] < 0.2
+    assert results[-1].p_value > 0.9
+    assert results[-1].belief.mean("mu1")[0] < 0.2
 
 
 def test_a_stream_runs_in_bounded_memory():
@@ -91,10 +91,10 @@ def test_a_stream_runs_in_bounded_memory():
     monitor = Monitor(SELECTOR)
     list(monitor.run(endless(100)))
     tracemalloc.start()
-    n_answers = sum(isinstance(answer, Answer) for answer in monitor.run(endless(20_000)))
+    n_results = sum(isinstance(result, Result) for result in monitor.run(endless(20_000)))
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
-    assert n_answers == 20_000
+    assert n_results == 20_000
     assert peak < 200_000
 
 
@@ -103,8 +103,8 @@ def test_loads_that_never_repeat_need_no_more_than_so_many_tables():
     leaves = Filter(SELECTOR.likelihood, steady_growth(SELECTOR.library, 0.001))
     for one in (monitor, replace(monitor, filter=leaves)):
         loads = np.random.default_rng(0).uniform(2.0, 2.2, 300)
-        answers = one.run((load, (load * SELECTOR.library.strains[7]).tolist()) for load in loads.tolist())
-        assert all(isinstance(answer, Answer) for answer in answers)
+        results = one.run((load, (load * SELECTOR.library.strains[7]).tolist()) for load in loads.tolist())
+        assert all(isinstance(result, Result) for result in results)
     assert len(monitor.filter.likelihood._tables) <= 64
     assert len(monitor.watch._tables) <= 64
     assert len(SELECTOR.likelihood._tables) <= 8

@@ -5,7 +5,16 @@ import pytest
 from scipy.stats import kstest
 
 from octmip.errors import ProblemError
-from octmip.monitor import Library, Suspect, Watch, effect_suspects, explain, gauge_suspects, grid_states, library_of
+from octmip.monitor import (
+    Candidate,
+    Library,
+    Watch,
+    effect_candidates,
+    explain,
+    gauge_candidates,
+    grid_states,
+    library_of,
+)
 from octmip.monitor.parity import Parity
 from tests.test_octmip.beam_twin import ETA, Field
 from tests.test_octmip.test_monitor_selector import LinearBeam
@@ -22,15 +31,15 @@ def library() -> Library:
 
 @pytest.fixture(scope="module")
 def watch(library) -> Watch:
-    suspects = [
-        Suspect("at half span", "foreign damage", BUMP / 40.0, (20.0, 40.0), "%", 1),
-        Suspect("at the tip", "foreign damage", np.linspace(0, 1, 20) ** 4, (20.0, 40.0), "%", 1),
+    candidates = [
+        Candidate("at half span", "foreign damage", BUMP / 40.0, (20.0, 40.0), "%", 1),
+        Candidate("at the tip", "foreign damage", np.linspace(0, 1, 20) ** 4, (20.0, 40.0), "%", 1),
     ]
-    return Watch(library, suspects, rate=0.05, horizon=50)
+    return Watch(library, candidates, rate=0.05, horizon=50)
 
 
 def missions(n, seed, horizon=50, change=lambda k, x, load: x):
-    """Yield readings (n, 20) and load of assets whose damage grows at a pace of their own, off every level."""
+    """Yield readings (n, 20) and load of assets whose damage grows at a rate of their own, off every level."""
     rng, twin = np.random.default_rng(seed), LinearBeam()
     end = rng.uniform(0.0, 0.8, (n, 2))
     for k in range(horizon):
@@ -40,30 +49,30 @@ def missions(n, seed, horizon=50, change=lambda k, x, load: x):
 
 
 def keep(watch, n, seed, change=lambda k, x, load: x):
-    vigil, p_values = watch.start(n), []
+    monitor_state, p_values = watch.start(n), []
     for readings, load in missions(n, seed, watch.horizon, change):
-        vigil = watch.observe(vigil, readings, load)
-        p_values.append(vigil.p_value)
-    return vigil, np.array(p_values)
+        monitor_state = watch.observe(monitor_state, readings, load)
+        p_values.append(monitor_state.p_value)
+    return monitor_state, np.array(p_values)
 
 
 def test_in_the_library_p_values_are_uniform_and_false_alarms_keep_to_their_rate(watch):
-    vigil, p_values = keep(watch, 400, 1)
+    monitor_state, p_values = keep(watch, 400, 1)
     assert kstest(p_values.ravel()[::7], "uniform").pvalue > 0.01
-    assert vigil.is_alarm.mean() <= watch.rate + 3 * np.sqrt(watch.rate / 400)
+    assert monitor_state.is_alarm.mean() <= watch.rate + 3 * np.sqrt(watch.rate / 400)
 
 
 def test_evidence_is_a_martingale_in_the_library(library):
     # few and weak candidates: then the mean is not carried by rare missions, and can be tested
-    short = Watch(library, [Suspect("weak", "foreign damage", BUMP / 40.0, (3.0,), "%", 1)], rate=0.9, horizon=4)
-    vigil = short.start(4000)
+    short = Watch(library, [Candidate("weak", "foreign damage", BUMP / 40.0, (3.0,), "%", 1)], rate=0.9, horizon=4)
+    monitor_state = short.start(4000)
     rng = np.random.default_rng(5)
     logs = []
     for _ in range(4):
         readings = 3.0 * library.strains[np.zeros(4000, int)] + rng.normal(0, SD, (4000, 20))
-        vigil = short.observe(vigil, readings, 3.0)
-        weak = [k for k, (s, size) in enumerate(short.candidates) if s.name == "weak" or abs(size) <= 1.0]
-        logs.append(np.exp(short.log_parts(vigil)[:, weak]).sum(axis=1) / np.exp(short._log_prior[weak]).sum())
+        monitor_state = short.observe(monitor_state, readings, 3.0)
+        weak = [k for k, (s, size) in enumerate(short.hypotheses) if s.name == "weak" or abs(size) <= 1.0]
+        logs.append(np.exp(short.log_parts(monitor_state)[:, weak]).sum(axis=1) / np.exp(short._log_prior[weak]).sum())
     for k, evidence in enumerate(logs):
         assert evidence.mean() == pytest.approx((k + 1) / 4, abs=4 * evidence.std() / np.sqrt(4000))
 
@@ -81,9 +90,9 @@ def test_a_residual_does_not_know_the_state(library):
 
 
 def test_damage_outside_the_library_is_found_named_and_proposed(watch, library):
-    vigil, _ = keep(watch, 60, 2, lambda k, x, load: x + (k >= 10) * load * BUMP)
-    assert vigil.is_alarm.mean() >= 0.95
-    finding = explain(watch, vigil, row=0, state=library.index_of({"mu1": 0.2}))
+    monitor_state, _ = keep(watch, 60, 2, lambda k, x, load: x + (k >= 10) * load * BUMP)
+    assert monitor_state.is_alarm.mean() >= 0.95
+    finding = explain(watch, monitor_state, row=0, state=library.index_of({"mu1": 0.2}))
     assert (finding.kind, finding.name) == ("foreign damage", "at half span")
     assert finding.probability > 0.9
     assert finding.proposal.size == pytest.approx(40.0, abs=4 * finding.proposal.sd)
@@ -96,11 +105,11 @@ def test_damage_outside_the_library_is_found_named_and_proposed(watch, library):
 
 def test_what_no_suspect_explains_is_called_unknown(watch):
     odd = 60.0 * np.where(np.arange(20) % 2, 1.0, -1.0)
-    vigil, _ = keep(watch, 20, 3, lambda k, x, load: x + load * odd)
-    finding = explain(watch, vigil)
-    assert vigil.is_alarm.all()
+    monitor_state, _ = keep(watch, 20, 3, lambda k, x, load: x + load * odd)
+    finding = explain(watch, monitor_state)
+    assert monitor_state.is_alarm.all()
     assert finding.kind == "unknown"
-    assert "no suspect explains" in finding.words
+    assert "no candidate explains" in finding.words
     assert len(finding.gauges) > 5
     assert finding.since == 0
 
@@ -112,9 +121,9 @@ def test_a_faulty_gauge_is_named(watch, fault):
             x[:, 6] = 0.0 if fault == "dead" else x[:, 6] + 100.0
         return x
 
-    vigil, _ = keep(watch, 40, 4, change)
-    findings = [explain(watch, vigil, row) for row in range(40)]
-    assert vigil.is_alarm.all()
+    monitor_state, _ = keep(watch, 40, 4, change)
+    findings = [explain(watch, monitor_state, row) for row in range(40)]
+    assert monitor_state.is_alarm.all()
     assert np.mean([(f.kind, f.name) == ("gauge", "g07") for f in findings]) >= 0.95
     assert findings[0].gauges[0] == "g07"
     assert findings[0].proposal is None
@@ -126,30 +135,30 @@ def test_missing_gauges_are_done_without(watch):
         x[:, 3] = np.nan
         return x
 
-    vigil, p_values = keep(watch, 200, 6, gaps)
+    monitor_state, p_values = keep(watch, 200, 6, gaps)
     assert kstest(p_values.ravel()[::7], "uniform").pvalue > 0.01
-    assert vigil.is_alarm.mean() <= 0.1
+    assert monitor_state.is_alarm.mean() <= 0.1
     nothing = watch.observe(watch.start(1), np.full((1, 20), np.nan), 3.0)
     assert nothing.p_value[0] == 1.0
     assert not nothing.is_alarm[0]
 
 
 def test_a_horizon_later_the_test_starts_afresh_and_an_alarm_stays(watch, library):
-    vigil = watch.start(1)
+    monitor_state = watch.start(1)
     far = 3.0 * library.strains[:1] + 3.0 * BUMP * 5
     for _ in range(watch.horizon + 1):
-        vigil = watch.observe(vigil, far, 3.0)
-    assert vigil.n_seen == 1
-    assert vigil.is_alarm[0]
+        monitor_state = watch.observe(monitor_state, far, 3.0)
+    assert monitor_state.n_seen == 1
+    assert monitor_state.is_alarm[0]
 
 
 def test_the_effects_of_a_twin_are_suspects(library):
     shape = Field("foreign damage", BUMP / LinearBeam().predict({}, 1.0), None, 10.0)
-    both = effect_suspects(LinearBeam(), shape, library)
+    both = effect_candidates(LinearBeam(), shape, library)
     assert both[0].name == "foreign damage"
     assert set(both[0].sizes) == {10.0, -10.0, 20.0, -20.0, 40.0, -40.0}
     assert both[0].signature == pytest.approx(BUMP)
-    assert [s.name for s in gauge_suspects(library)] == list(library.gauges)
+    assert [s.name for s in gauge_candidates(library)] == list(library.gauges)
 
 
 def test_a_watch_that_cannot_be_is_refused(library):
@@ -161,14 +170,14 @@ def test_a_watch_that_cannot_be_is_refused(library):
 
 
 def test_one_asset_can_be_taken_back_and_the_others_stay(watch, library):
-    vigil = watch.start(3)
+    monitor_state = watch.start(3)
     far = 3.0 * library.strains[:3] + 3.0 * BUMP * 5
     for _ in range(4):
-        vigil = watch.observe(vigil, far, 3.0)
-    back = watch.restarted(vigil, 1)
+        monitor_state = watch.observe(monitor_state, far, 3.0)
+    back = watch.restarted(monitor_state, 1)
     assert back.is_alarm.tolist() == [True, False, True]
     assert not back.sums[1].any()
-    assert np.array_equal(back.log_evidence[[0, 2]], vigil.log_evidence[[0, 2]])
+    assert np.array_equal(back.log_evidence[[0, 2]], monitor_state.log_evidence[[0, 2]])
     quiet = watch.observe(back, 3.0 * library.strains[:3], 3.0)
     assert not quiet.is_alarm[1]
     assert quiet.p_value[1] > 0.99

@@ -1,4 +1,4 @@
-"""The penalty path: every candidate is an optimum of its interval, none is missed, and what is unproven says so."""
+"""The penalty path: every tree is an optimum of its interval, none is missed, and what is unproven says so."""
 
 import math
 from dataclasses import replace
@@ -24,19 +24,19 @@ COSTLY = Problem(RNG.integers(0, 6, (14, 2)).astype(float), RNG.integers(0, 3, 1
 
 @pytest.mark.parametrize("method", ["exact", "flow", "oct"])
 @pytest.mark.parametrize("problem", [WEIGHTED, COSTLY], ids=["weights", "costs"])
-def test_each_candidate_is_the_optimum_wherever_it_is_said_to_be(method, problem):
+def test_each_tree_is_the_optimum_wherever_it_is_said_to_be(method, problem):
     path = trace_path(problem, method=method)
-    assert len(path.candidates) >= 3
+    assert len(path.trees) >= 3
     assert path.is_whole
-    for candidate in path.candidates:
-        high = candidate.penalty_high if math.isfinite(candidate.penalty_high) else candidate.penalty_low + 5
-        for penalty in (candidate.penalty_low, candidate.penalty, 0.01 * candidate.penalty_low + 0.99 * high):
+    for best_tree in path.trees:
+        high = best_tree.penalty_high if math.isfinite(best_tree.penalty_high) else best_tree.penalty_low + 5
+        for penalty in (best_tree.penalty_low, best_tree.penalty, 0.01 * best_tree.penalty_low + 0.99 * high):
             best = optimum(replace(problem, leaf_penalty=penalty)).objective
-            assert candidate.cost + penalty * candidate.complexity == pytest.approx(best)
+            assert best_tree.cost + penalty * best_tree.complexity == pytest.approx(best)
             assert path.bound_at(penalty) <= best + 1e-9
-        assert candidate.cost == problem.objective(candidate.tree)
-        assert candidate.complexity == complexity(candidate.tree)
-        assert candidate.is_proven
+        assert best_tree.cost == problem.objective(best_tree.tree)
+        assert best_tree.complexity == complexity(best_tree.tree)
+        assert best_tree.is_proven
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -49,7 +49,7 @@ def test_no_tree_that_is_best_for_some_penalty_is_missed(seed):
         assert best.cost + penalty * best.complexity == pytest.approx(
             optimum(replace(problem, leaf_penalty=penalty)).objective
         )
-    assert path.n_solves <= 2 * len(path.candidates) + 1
+    assert path.n_solves <= 2 * len(path.trees) + 1
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -57,7 +57,7 @@ def test_weights_costs_leaf_sizes_and_budgets_hold_along_the_path(seed):
     rng = np.random.default_rng(seed)
     problem = random_problem(rng, max_samples=8, max_depth=2)
     path = trace_path(problem, method="exact")
-    assert all(candidate.is_proven for candidate in path.candidates)
+    assert all(best_tree.is_proven for best_tree in path.trees)
     for penalty in rng.uniform(0, 1.2, 4) * problem.baseline:
         here, best = path.best_at(penalty), optimum(replace(problem, leaf_penalty=penalty))
         assert here.cost + penalty * here.complexity == pytest.approx(best.objective)
@@ -68,20 +68,20 @@ def test_weights_costs_leaf_sizes_and_budgets_hold_along_the_path(seed):
 
 
 def test_intervals_of_penalties_meet_and_costs_rise_as_trees_shrink():
-    candidates = trace_path(blobs(depth=2)).candidates
-    for larger, smaller in pairwise(candidates):
+    trees = trace_path(blobs(depth=2)).trees
+    for larger, smaller in pairwise(trees):
         assert larger.penalty_high == smaller.penalty_low
         assert larger.complexity > smaller.complexity
         assert larger.cost < smaller.cost
-    assert candidates[0].penalty_low == 0
-    assert candidates[-1].penalty_high == math.inf
+    assert trees[0].penalty_low == 0
+    assert trees[-1].penalty_high == math.inf
 
 
 @pytest.mark.parametrize("method", ["cart", "search"])
 def test_what_proves_nothing_claims_nothing(method):
     path = trace_path(blobs(depth=2), method=method)
     assert path.is_whole
-    assert not any(c.is_proven for c in path.candidates if c.cost)
+    assert not any(c.is_proven for c in path.trees if c.cost)
     exact = trace_path(blobs(depth=2), method="exact")
     for penalty in (0.0, 0.5, 1.0, 3.0, 9.0):
         here, best = path.best_at(penalty), exact.best_at(penalty)
@@ -92,21 +92,21 @@ def test_what_proves_nothing_claims_nothing(method):
 def test_splits_over_several_features_are_paid_for_by_the_feature():
     for options in ({"method": "search"}, {"method": "oct_h", "most_solves": 2, "limits": Limits(seconds=5)}):
         path = trace_path(blobs(9, depth=1, split="hyperplane"), **options)
-        assert [candidate.complexity for candidate in path.candidates] == [2, 1, 0] or len(path.candidates) == 2
-        assert all(candidate.complexity == complexity(candidate.tree) for candidate in path.candidates)
+        assert [best_tree.complexity for best_tree in path.trees] == [2, 1, 0] or len(path.trees) == 2
+        assert all(best_tree.complexity == complexity(best_tree.tree) for best_tree in path.trees)
 
 
 def test_trees_that_are_known_are_not_lost():
     deep = trace_path(blobs(depth=2), method="exact")
-    known = [candidate.tree for candidate in deep.candidates]
+    known = [best_tree.tree for best_tree in deep.trees]
     poor = trace_path(blobs(depth=2), method="cart", incumbents=known)
-    assert [c.cost for c in poor.candidates] == [c.cost for c in deep.candidates]
+    assert [c.cost for c in poor.trees] == [c.cost for c in deep.trees]
 
 
 def test_depths_are_ascending_and_deeper_is_never_worse():
     shallow, deep = paths.trace_depths(WEIGHTED, [2, 1], method="cart")
     assert (shallow.problem.depth, deep.problem.depth) == (1, 2)
-    assert all(depth(candidate.tree) <= 1 for candidate in shallow.candidates)
+    assert all(depth(best_tree.tree) <= 1 for best_tree in shallow.trees)
     for penalty in (0.0, 1.0, 4.0):
         low, high = deep.best_at(penalty), shallow.best_at(penalty)
         assert low.cost + penalty * low.complexity <= high.cost + penalty * high.complexity
@@ -116,11 +116,11 @@ def test_a_path_that_is_cut_short_says_so_and_proves_only_what_it_saw():
     path = trace_path(WEIGHTED, method="exact", most_solves=2)
     assert not path.is_whole
     assert path.n_solves == 2
-    assert not all(candidate.is_proven for candidate in path.candidates)
+    assert not all(best_tree.is_proven for best_tree in path.trees)
     cut = trace_path(WEIGHTED, method="flow", most_solves=1)
     assert not cut.is_whole
     assert cut.bounds == ()
-    assert not any(c.is_proven for c in cut.candidates)
+    assert not any(c.is_proven for c in cut.trees)
 
 
 def test_ctrl_c_ends_the_path_with_what_is_known(monkeypatch):
@@ -132,7 +132,7 @@ def test_ctrl_c_ends_the_path_with_what_is_known(monkeypatch):
     assert path.is_interrupted
     assert not path.is_whole
     assert path.n_solves == 1
-    assert len(path.candidates) == 2
+    assert len(path.trees) == 2
 
 
 @pytest.mark.parametrize(

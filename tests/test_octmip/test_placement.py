@@ -49,7 +49,7 @@ def test_the_best_tree_says_which_sensors_to_install():
 def test_a_placement_is_never_worse_than_the_choices_it_starts_from(split):
     rng = np.random.default_rng(4)
     problem = Problem(rng.normal(size=(80, 12)), rng.integers(0, 3, 80), depth=3, split=split)
-    quick = {"method": "search", "options": {"restarts": 1, "kicks": 0}}
+    quick = {"method": "search", "options": {"restarts": 1, "perturbations": 0}}
     starts = [by_chance(problem, 4, rng) for _ in range(3)]
     least = min(placement_on(problem, sensors, **quick).solution.objective for sensors in starts)
     assert place_sensors(problem, starts=starts, **quick).solution.objective <= least

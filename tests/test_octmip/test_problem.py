@@ -94,7 +94,7 @@ WRONG = {
     "features of one dimension": ({"features": [1, 2, 3, 4]}, "features has 1 dimensions; expected 2"),
     "no features": ({"features": np.empty((4, 0))}, r"features has shape \(4, 0\)"),
     "no samples": ({"features": np.empty((0, 3)), "labels": []}, r"features has shape \(0, 3\)"),
-    "NaN": ({"features": [[0, np.nan], [0, 0], [0, 0], [0, 0]]}, r"features\[0, 1\] is not finite \(1 such in all\)"),
+    "NaN": ({"features": [[0, np.nan], [0, 0], [0, 0], [0, 0]]}, r"features\[0, 1\] is not finite \(1 in all\)"),
     "infinity": ({"features": [[0, 1], [0, 0], [0, np.inf], [0, 0]]}, r"features\[2, 1\] is not finite"),
     "too few labels": ({"labels": ["a", "b"]}, r"labels has shape \(2,\) but features has 4 rows"),
     "NaN label": ({"labels": [0.0, 1.0, np.nan, 1.0]}, r"labels\[2\] is nan"),

@@ -1,4 +1,4 @@
-"""Inspection plans say what to read, what that costs, and when to stop."""
+"""Reading plans say what to read, what that costs, and when to stop."""
 
 import numpy as np
 import pytest
@@ -6,18 +6,18 @@ import pytest
 from octmip import Problem
 from octmip.errors import CertificateError
 from octmip.report.plan import Wording, plan_markdown, plan_text
-from octmip.sensing import Group, Inspection
+from octmip.sensing import Group, SequentialProblem
 from octmip.solution import Solution, Stop
 from octmip.tree import HyperplaneSplit, Leaf, Split
 
 
-def asked(**options) -> tuple[Inspection, Solution]:
+def asked(**options) -> tuple[SequentialProblem, Solution]:
     """Return eight samples over two gauges, a tree that reads the first twice, and what it costs."""
     features = np.column_stack([np.arange(8.0), np.arange(8.0) % 2])
     problem = Problem(features, [0, 0, 1, 1, 2, 2, 2, 3], depth=2, feature_names=("g1", "g2"))
-    inspection = Inspection(problem, price=0.125, groups={"root": Group(("g1",), 2.0)}, **options)
+    sequential = SequentialProblem(problem, price=0.125, groups={"root": Group(("g1",), 2.0)}, **options)
     tree = Split(0, 3.5, Split(0, 1.5, Leaf(0), Leaf(1)), Split(1, 0.5, Leaf(2), Leaf(3)))
-    return inspection, Solution(tree, 1.0 + 0.125 * (8 * 3 + 4), 0.0, Stop.FINISHED, 0.0, 0, "by hand", "1", 0)
+    return sequential, Solution(tree, 1.0 + 0.125 * (8 * 3 + 4), 0.0, Stop.FINISHED, 0.0, 0, "by hand", "1", 0)
 
 
 def test_the_plan_counts_each_reading_once_and_says_what_is_free():
@@ -47,15 +47,15 @@ def test_the_table_numbers_the_steps():
 
 
 def test_a_split_over_two_gauges_reads_both():
-    inspection, _ = asked()
+    sequential, _ = asked()
     tree = HyperplaneSplit((0, 1), (1.0, -2.0), 3.5, Leaf(0), Leaf(2))
-    problem = Problem(inspection.problem.features, inspection.problem.labels, depth=1, split="hyperplane")
-    two = Inspection(problem)
+    problem = Problem(sequential.problem.features, sequential.problem.labels, depth=1, split="hyperplane")
+    two = SequentialProblem(problem)
     line = plan_text(two, Solution(tree, 4.0, 0.0, Stop.FINISHED, 0.0, 0, "by hand", "1", 0)).splitlines()[0]
     assert line == "read x0 (cost 1), x1 (cost 1); if x0 - 2 x1 <= 3.5"
 
 
 def test_a_false_claim_makes_no_plan():
-    inspection, solution = asked(within={3: 1})
+    sequential, solution = asked(within={3: 1})
     with pytest.raises(CertificateError, match="class 3"):
-        plan_text(inspection, solution)
+        plan_text(sequential, solution)

@@ -38,19 +38,19 @@ def test_larger_random_problems_get_feasible_trees_no_worse_than_cart_that_they_
     for seed in range(40):
         problem = random_problem(rng, max_samples=120, max_features=8, max_depth=6)
         cart = greedy_tree(problem)
-        solution = local_search(problem, seed=seed, restarts=2, kicks=5, incumbent=cart.tree)
+        solution = local_search(problem, seed=seed, restarts=2, perturbations=5, incumbent=cart.tree)
         certify(problem, solution)
         assert solution.objective <= cart.objective
 
 
-def test_kicks_of_deep_trees_keep_every_constraint_and_the_objective_of_the_certificate():
+def test_perturbations_of_deep_trees_keep_every_constraint_and_the_objective_of_the_certificate():
     rng = np.random.default_rng(5)
     seen = set()
     for seed in range(60):
         problem = random_problem(rng, max_samples=80, max_features=5, max_depth=5)
         if problem.depth < 3:
-            continue  # cuts are shifted and planted from three levels on
-        solution = local_search(problem, seed=seed, restarts=3, kicks=12)
+            continue  # cuts are shifted and subtrees rebuilt from three levels on
+        solution = local_search(problem, seed=seed, restarts=3, perturbations=12)
         certificate = certify(problem, solution)
         assert certificate.objective == pytest.approx(solution.objective)
         seen |= {name for name, is_on in _complications(problem).items() if is_on}
@@ -69,8 +69,8 @@ def _complications(problem):
 
 
 def test_one_seed_is_one_tree_for_any_number_of_threads():
-    alone = local_search(LARGE, seed=7, restarts=6, kicks=3)
-    together = local_search(LARGE, seed=7, restarts=6, kicks=3, n_jobs=4)
+    alone = local_search(LARGE, seed=7, restarts=6, perturbations=3)
+    together = local_search(LARGE, seed=7, restarts=6, perturbations=3, n_jobs=4)
     assert alone.tree == together.tree
     assert alone.objective == together.objective
 
@@ -90,7 +90,7 @@ def test_no_cost_left_is_a_proof_and_any_other_tree_has_no_bound():
     assert solved.is_optimal
     assert solved.bound == 0.0
     assert solved.stop is Stop.OPTIMAL
-    open_end = local_search(LARGE, restarts=1, kicks=0)
+    open_end = local_search(LARGE, restarts=1, perturbations=0)
     assert open_end.bound == -math.inf
     assert open_end.stop is Stop.FINISHED
 
@@ -106,8 +106,12 @@ def test_neighbours_that_float32_cannot_tell_apart_are_separated_and_thresholds_
 def test_the_penalty_buys_no_split_that_does_not_pay():
     features = np.arange(10.0)[:, None]
     labels = np.arange(10) == 9
-    assert isinstance(local_search(Problem(features, labels, depth=2, leaf_penalty=1.0)).tree, Leaf | Split)
-    assert isinstance(local_search(Problem(features, labels, depth=2, leaf_penalty=1.5)).tree, Leaf)
+    cheap, even, expensive = (
+        local_search(Problem(features, labels, depth=2, leaf_penalty=penalty)) for penalty in (0.5, 1.0, 1.5)
+    )
+    assert isinstance(cheap.tree, Split)
+    assert even.objective == 1.0  # with the split and without it
+    assert isinstance(expensive.tree, Leaf)
 
 
 def test_a_time_limit_ends_the_search_with_a_tree():
@@ -145,7 +149,7 @@ def test_progress_is_reported_and_what_it_raises_is_raised():
         local_search(LARGE, restarts=10**6, limits=Limits(seconds=60), progress=fail)
 
 
-@pytest.mark.parametrize("options", [{"restarts": 0}, {"n_jobs": 0}, {"kicks": -1}])
+@pytest.mark.parametrize("options", [{"restarts": 0}, {"n_jobs": 0}, {"perturbations": -1}])
 def test_options_out_of_range_are_refused(options):
     with pytest.raises(ProblemError, match="expected"):
         local_search(LARGE, **options)

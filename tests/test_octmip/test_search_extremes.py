@@ -87,7 +87,7 @@ def test_problems_at_the_ends_of_float64_get_certified_trees_without_a_warning()
     rng = np.random.default_rng(21)
     for seed in range(300):
         problem = extreme_problem(rng)
-        solution = local_search(problem, seed=seed, restarts=2, kicks=4)
+        solution = local_search(problem, seed=seed, restarts=2, perturbations=4)
         certify(problem, solution)
 
 
@@ -97,7 +97,8 @@ def test_features_in_other_units_by_powers_of_two_get_the_same_tree():
     units = 2.0 ** np.array([700.0, -900.0, 3.0])
     options = {"depth": 2, "split": "hyperplane", "split_size": 2}
     plain, scaled = (
-        local_search(Problem(values, labels, **options), restarts=2, kicks=6) for values in (features, features * units)
+        local_search(Problem(values, labels, **options), restarts=2, perturbations=6)
+        for values in (features, features * units)
     )
     assert np.array_equal(predict(plain.tree, features), predict(scaled.tree, features * units))
 
@@ -112,7 +113,7 @@ def test_mixed_weights_of_24_orders_are_never_worse_than_the_incumbent():
         options = {"depth": 2, "weights": weights, "costs": costs, "class_names": (0, 1, 2)}
         problem = Problem(rng.normal(size=(n, 2)), labels, split="hyperplane", **options)
         known = greedy_tree(problem)
-        solution = local_search(problem, seed=seed, incumbent=known.tree, restarts=1, kicks=2)
+        solution = local_search(problem, seed=seed, incumbent=known.tree, restarts=1, perturbations=2)
         certify(problem, solution)
         assert solution.objective <= known.objective
 
@@ -123,7 +124,7 @@ def test_a_penalty_beyond_all_costs_leaves_one_leaf():
         problem = Problem(
             rng.normal(size=(40, 4)), rng.integers(0, 2, 40), depth=8, split="hyperplane", leaf_penalty=penalty
         )
-        assert isinstance(local_search(problem, restarts=1, kicks=3).tree, Leaf)
+        assert isinstance(local_search(problem, restarts=1, perturbations=3).tree, Leaf)
 
 
 @pytest.mark.parametrize("seconds", [0.0, 0.05])
@@ -135,7 +136,7 @@ def test_a_large_hyperplane_problem_ends_with_its_limit(seconds):
     assert time.process_time() - start < 5.0
 
 
-def test_polishing_stops_when_it_is_told_to_and_keeps_the_planes():
+def test_polishing_stops_when_asked_to_and_keeps_the_planes():
     rng = np.random.default_rng(26)
     problem = Problem(rng.normal(size=(30, 3)), rng.integers(0, 2, 30), depth=1, split="hyperplane")
     plane = HyperplaneSplit((0, 1), (0.123456789, 1.0), 0.0, Leaf(0), Leaf(1))

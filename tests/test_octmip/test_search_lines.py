@@ -29,7 +29,7 @@ def test_lines_keep_every_limit_of_the_problem():
     for seed in range(3):
         rng = np.random.default_rng([71, seed])
         for problem in variants(clouds(seed, most_samples=130), rng):
-            certify(problem, local_search(problem, seed=seed, restarts=1, kicks=4))
+            certify(problem, local_search(problem, seed=seed, restarts=1, perturbations=4))
 
 
 def test_small_searches_are_never_better_than_the_proven_optimum_and_mostly_at_it():
@@ -47,5 +47,5 @@ def test_small_searches_are_never_better_than_the_proven_optimum_and_mostly_at_i
 @pytest.mark.parametrize("seed", [3, 9])
 def test_lines_do_not_depend_on_the_number_of_threads(seed):
     problem = clouds(seed, most_samples=130)
-    alone, together = (local_search(problem, seed=1, restarts=3, kicks=3, n_jobs=n) for n in (1, 3))
+    alone, together = (local_search(problem, seed=1, restarts=3, perturbations=3, n_jobs=n) for n in (1, 3))
     assert alone.tree == together.tree

@@ -15,7 +15,7 @@ def test_random_problems_get_feasible_hyperplane_trees_with_true_objectives():
     rng = np.random.default_rng(11)
     for seed in range(150):
         problem = hyperplane_problem(rng, max_samples=40, max_features=5, max_depth=4)
-        certify(problem, local_search(problem, seed=seed, restarts=2, kicks=4))
+        certify(problem, local_search(problem, seed=seed, restarts=2, perturbations=4))
 
 
 def test_hyperplanes_are_never_worse_than_the_axis_aligned_search():
@@ -41,7 +41,7 @@ def test_one_hyperplane_separates_what_one_can():
 def test_one_seed_is_one_hyperplane_tree_for_any_number_of_threads():
     rng = np.random.default_rng(14)
     problem = Problem(rng.normal(size=(150, 4)), rng.integers(0, 3, 150), depth=3, split="hyperplane")
-    alone, together = (local_search(problem, seed=3, restarts=4, kicks=5, n_jobs=n) for n in (1, 3))
+    alone, together = (local_search(problem, seed=3, restarts=4, perturbations=5, n_jobs=n) for n in (1, 3))
     assert alone.tree == together.tree
     assert alone.objective == together.objective
 
@@ -50,7 +50,7 @@ def test_an_incumbent_is_never_lost():
     rng = np.random.default_rng(15)
     problem = Problem(rng.normal(size=(100, 4)), rng.integers(0, 3, 100), depth=2, split="hyperplane")
     known = local_search(problem, seed=1, restarts=3)
-    again = local_search(problem, seed=2, restarts=1, kicks=0, incumbent=known.tree)
+    again = local_search(problem, seed=2, restarts=1, perturbations=0, incumbent=known.tree)
     assert again.objective <= known.objective
 
 

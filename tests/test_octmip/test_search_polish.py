@@ -98,7 +98,7 @@ def test_axis_aligned_splits_and_planes_with_an_empty_side_are_left_alone():
 def test_no_searched_tree_breaks_a_limit_or_has_another_objective_than_its_certificate(seed):
     rng = np.random.default_rng(seed)
     problem = hyperplane_problem(rng, max_samples=30, max_features=4, max_depth=3)
-    for options in ({"restarts": 1, "kicks": 0}, {"restarts": 3, "kicks": 6}):
+    for options in ({"restarts": 1, "perturbations": 0}, {"restarts": 3, "perturbations": 6}):
         solution = local_search(problem, seed=seed % 97, **options)
         certify(problem, solution)
         # Polished once more it may lose another feature, and its price with it.

@@ -1,4 +1,4 @@
-"""Failure of sensors: robust trees against enumeration, surrogates, filling, detection with its rate."""
+"""Failure of sensors: robust trees against enumeration, surrogates, imputation, detection with its rate."""
 
 from dataclasses import replace
 
@@ -12,16 +12,16 @@ from octmip.sensing import (
     FailureProblem,
     Fault,
     FaultDetector,
-    Filling,
+    Imputation,
     Scenario,
     certify_failures,
     failures,
     power,
-    robust,
     solve_expected,
     solve_worst,
     with_surrogates,
 )
+from octmip.sensing.failure import robust
 from octmip.tree import HyperplaneSplit, Leaf, Split, predict
 
 
@@ -210,15 +210,15 @@ def test_hyperplanes_have_surrogates_too():
 
 def test_filling_is_the_regression_on_the_others():
     readings, _, _ = gauges()
-    filling = Filling.fit(readings)
+    imputation = Imputation.fit(readings)
     gap = readings.copy()
     gap[:, 2] = np.nan
     others = np.delete(readings, 2, axis=1)
     design = np.column_stack([np.ones(len(others)), others])
     slope, *_ = np.linalg.lstsq(design, readings[:, 2], rcond=None)
-    assert np.allclose(filling.fill(gap)[:, 2], design @ slope)
-    assert np.allclose(filling.fill(np.full((1, 8), np.nan)), readings.mean(axis=0))
-    assert (filling.fill(readings) == readings).all()
+    assert np.allclose(imputation.impute(gap)[:, 2], design @ slope)
+    assert np.allclose(imputation.impute(np.full((1, 8), np.nan)), readings.mean(axis=0))
+    assert (imputation.impute(readings) == readings).all()
 
 
 @pytest.fixture(scope="module")

@@ -1,4 +1,4 @@
-"""Sequential acquisition: against enumeration of every tree, and each rule by itself."""
+"""Sequential sensing: against enumeration of every tree, and each rule by itself."""
 
 from dataclasses import replace
 
@@ -8,15 +8,15 @@ import pytest
 from benchmarks.oracles.sequential import front
 from octmip import Limits, Problem, solve
 from octmip.errors import CertificateError, ProblemError
-from octmip.sensing import Group, Inspection, certify_inspection, solve_inspection
+from octmip.sensing import Group, SequentialProblem, certify_sequential, solve_sequential
 from octmip.solution import Stop
 from octmip.tree import Leaf, Split, leaf_index
 
 TOLERANCE = 1e-7
 
 
-def random_inspection(seed: int) -> Inspection:
-    """Return a small inspection: ties, weights, costs, leaf sizes, shared sensors, groups, rules, by chance."""
+def random_sequential(seed: int) -> SequentialProblem:
+    """Return a small problem: ties, weights, costs, leaf sizes, shared sensors, groups, rules, by chance."""
     rng = np.random.default_rng(seed)
     n, p, k = int(rng.integers(4, 9)), int(rng.integers(1, 4)), int(rng.integers(2, 4))
     labels = np.concatenate([np.arange(k), rng.integers(0, k, n - k)])
@@ -34,11 +34,11 @@ def random_inspection(seed: int) -> Inspection:
         sensor_cost={name: float(rng.integers(0, 4)) for name in sensors},
     )
     split = int(rng.integers(0, len(sensors) + 1))
-    return Inspection(
+    return SequentialProblem(
         problem,
         groups={"one": Group(sensors[:split], float(rng.integers(0, 3)))},
         within={0: int(rng.integers(0, 3))} if rng.random() < 0.4 else {},
-        urgency={1: float(rng.integers(0, 2))} if rng.random() < 0.4 else {},
+        delay_cost={1: float(rng.integers(0, 2))} if rng.random() < 0.4 else {},
         shares=None if rng.random() < 0.6 else rng.integers(0, 4, n) + (np.arange(n) == 1),
     )
 
@@ -46,39 +46,40 @@ def random_inspection(seed: int) -> Inspection:
 @pytest.mark.parametrize("block", range(6))
 def test_every_question_has_the_answer_of_enumeration(block):
     for seed in range(block * 20, block * 20 + 20):
-        inspection = random_inspection(seed)
-        pairs = [(float(error), float(cost)) for error, cost in front(inspection)]
-        n = inspection.problem.n_samples
+        sequential = random_sequential(seed)
+        pairs = [(float(error), float(cost)) for error, cost in front(sequential)]
+        n = sequential.problem.n_samples
         rng = np.random.default_rng(seed)
         for price in (0.0, 0.25, float(rng.random())):
-            asked = replace(inspection, price=price)
-            solution = solve_inspection(asked)
-            found = certify_inspection(asked, solution)
-            assert solution.is_optimal and solution.stop is Stop.OPTIMAL, seed
+            asked = replace(sequential, price=price)
+            solution = solve_sequential(asked)
+            found = certify_sequential(asked, solution)
+            assert solution.is_optimal, seed
+            assert solution.stop is Stop.OPTIMAL, seed
             best = min(pairs, key=lambda pair: (pair[0] + price * pair[1], pair[1]))
             assert found.objective == pytest.approx(best[0] + price * best[1], abs=TOLERANCE), (seed, price)
             if price == 0:
                 assert found.expected_cost * n == pytest.approx(best[1], abs=TOLERANCE), seed
         for budget in {pairs[0][1] / n, 0.7 * pairs[0][1] / n, float(rng.random())}:
-            asked = replace(inspection, budget=budget)
-            solution = solve_inspection(asked)
+            asked = replace(sequential, budget=budget)
+            solution = solve_sequential(asked)
             assert solution.is_optimal, (seed, budget)
             least = min(error for error, cost in pairs if cost <= budget * n + TOLERANCE)
-            assert certify_inspection(asked, solution).objective == pytest.approx(least, abs=TOLERANCE), (seed, budget)
+            assert certify_sequential(asked, solution).objective == pytest.approx(least, abs=TOLERANCE), (seed, budget)
 
 
 @pytest.mark.parametrize("scale", [1e-12, 0.1, 1e12])
 def test_weights_of_any_size_have_the_answer_of_enumeration(scale):
     """A price that breaks ties, or a tolerance, of a fixed size would be more than all the samples together."""
     for seed in range(300, 330):
-        inspection = random_inspection(seed)
-        problem = replace(inspection.problem, weights=inspection.problem.weights * scale, leaf_penalty=0.0)
-        asked = replace(inspection, problem=problem, urgency={})
+        sequential = random_sequential(seed)
+        problem = replace(sequential.problem, weights=sequential.problem.weights * scale, leaf_penalty=0.0)
+        asked = replace(sequential, problem=problem, delay_cost={})
         pairs = [(float(error), float(cost)) for error, cost in front(asked)]
         n = problem.n_samples
         for question in (asked, replace(asked, price=0.3 * scale), replace(asked, budget=0.7 * pairs[0][1] / n)):
-            solution = solve_inspection(question)
-            found = certify_inspection(question, solution)
+            solution = solve_sequential(question)
+            found = certify_sequential(question, solution)
             cap = np.inf if question.budget is None else question.budget * n + TOLERANCE
             least = min(error + question.price * cost for error, cost in pairs if cost <= cap)
             assert found.objective == pytest.approx(least, rel=1e-9, abs=1e-9 * scale), (seed, question.price)
@@ -89,10 +90,10 @@ def test_weights_of_any_size_have_the_answer_of_enumeration(scale):
 @pytest.mark.parametrize("method", ["search", "exact"])
 def test_no_search_undercuts_enumeration_and_its_bound_holds(method):
     for seed in range(30):
-        inspection = replace(random_inspection(seed), price=0.3)
-        least = min(float(error) + 0.3 * float(cost) for error, cost in front(inspection))
-        solution = solve_inspection(inspection, method, limits=Limits(nodes=3))
-        certify_inspection(inspection, solution)
+        sequential = replace(random_sequential(seed), price=0.3)
+        least = min(float(error) + 0.3 * float(cost) for error, cost in front(sequential))
+        solution = solve_sequential(sequential, method, limits=Limits(nodes=3))
+        certify_sequential(sequential, solution)
         assert solution.bound - TOLERANCE <= least <= solution.objective + TOLERANCE, seed
 
 
@@ -106,36 +107,38 @@ def wing(n: int = 200) -> Problem:
 
 def test_the_cheapest_of_the_optimal_trees_costs_no_more_than_the_one_found_first():
     problem = wing(100)
-    best, cheapest = solve(problem), solve_inspection(Inspection(problem))
+    best, cheapest = solve(problem), solve_sequential(SequentialProblem(problem))
     assert cheapest.objective == best.objective == best.bound
-    first = certify_inspection(Inspection(problem), replace(cheapest, tree=best.tree))
-    assert certify_inspection(Inspection(problem), cheapest).expected_cost <= first.expected_cost
+    first = certify_sequential(SequentialProblem(problem), replace(cheapest, tree=best.tree))
+    assert certify_sequential(SequentialProblem(problem), cheapest).expected_cost <= first.expected_cost
     assert cheapest.details["cheapest"] == "proven"
 
 
 def test_a_gauge_already_read_is_free_and_a_group_opens_once():
     tree = Split(0, 50.0, Leaf(0), Split(0, 150.0, Leaf(1), Split(1, 220.0, Leaf(2), Leaf(3))))
-    inspection = Inspection(wing(), groups={"root": Group(("g0", "g1"), 2.0)})
-    assert [len(read) for read in inspection.read_at_leaves(tree)] == [1, 1, 2, 2]
-    assert [inspection.path_cost(read) for read in inspection.read_at_leaves(tree)] == [3.0, 3.0, 4.0, 4.0]
+    sequential = SequentialProblem(wing(), groups={"root": Group(("g0", "g1"), 2.0)})
+    assert [len(read) for read in sequential.read_at_leaves(tree)] == [1, 1, 2, 2]
+    assert [sequential.path_cost(read) for read in sequential.read_at_leaves(tree)] == [3.0, 3.0, 4.0, 4.0]
 
 
 def test_a_class_with_a_limit_is_never_told_later():
-    inspection = Inspection(wing(), within={3: 1})
-    solution = solve_inspection(inspection)
+    sequential = SequentialProblem(wing(), within={3: 1})
+    solution = solve_sequential(sequential)
     assert solution.is_optimal
-    certify_inspection(inspection, solution)
+    certify_sequential(sequential, solution)
     late = Split(3, 0.0, Leaf(0), Split(0, 150.0, Leaf(1), Leaf(3)))
     with pytest.raises(CertificateError, match="after 2 readings"):
-        certify_inspection(inspection, replace(solution, tree=late))
+        certify_sequential(sequential, replace(solution, tree=late))
 
 
-def test_urgency_draws_a_class_to_the_root():
-    calm, urgent = (solve_inspection(Inspection(wing(), price=0.01, urgency=urgency)) for urgency in ({}, {3: 0.5}))
+def test_delay_cost_draws_a_class_to_the_root():
+    calm, urgent = (
+        solve_sequential(SequentialProblem(wing(), price=0.01, delay_cost=delay_cost)) for delay_cost in ({}, {3: 0.5})
+    )
 
     def readings(solution):
         problem = wing()
-        read = Inspection(problem).read_at_leaves(solution.tree)
+        read = SequentialProblem(problem).read_at_leaves(solution.tree)
         reached = leaf_index(solution.tree, problem.features)[problem.codes == 3]
         return np.mean([len(read[j]) for j in reached])
 
@@ -143,31 +146,31 @@ def test_urgency_draws_a_class_to_the_root():
 
 
 def test_a_changed_claim_is_refuted():
-    inspection = Inspection(wing(), price=0.1)
-    solution = solve_inspection(inspection)
+    sequential = SequentialProblem(wing(), price=0.1)
+    solution = solve_sequential(sequential)
     with pytest.raises(CertificateError, match="recounted"):
-        certify_inspection(inspection, replace(solution, objective=solution.objective - 1, bound=0.0, stop=Stop.TIME))
-    with pytest.raises(CertificateError, match="none is below"):
-        certify_inspection(inspection, replace(solution, bound=solution.objective + 1))
+        certify_sequential(sequential, replace(solution, objective=solution.objective - 1, bound=0.0, stop=Stop.TIME))
+    with pytest.raises(CertificateError, match="no tree is below"):
+        certify_sequential(sequential, replace(solution, bound=solution.objective + 1))
     with pytest.raises(CertificateError, match="budget"):
-        certify_inspection(replace(inspection, price=0.0, budget=0.5), solution)
+        certify_sequential(replace(sequential, price=0.0, budget=0.5), solution)
 
 
 def test_a_limit_of_time_leaves_a_bound_that_holds():
-    inspection = Inspection(wing(), price=0.05)
-    best = solve_inspection(inspection)
-    early = solve_inspection(inspection, limits=Limits(nodes=2))
+    sequential = SequentialProblem(wing(), price=0.05)
+    best = solve_sequential(sequential)
+    early = solve_sequential(sequential, limits=Limits(nodes=2))
     assert early.stop is Stop.NODES
     assert early.bound <= best.objective <= early.objective
 
 
 def test_hyperplanes_are_searched():
     problem = replace(wing(80), split="hyperplane", split_size=2, depth=2)
-    inspection = Inspection(problem, price=0.05)
-    solution = solve_inspection(inspection)
-    assert certify_inspection(inspection, solution).objective <= problem.baseline
+    sequential = SequentialProblem(problem, price=0.05)
+    solution = solve_sequential(sequential)
+    assert certify_sequential(sequential, solution).objective <= problem.baseline
     with pytest.raises(ProblemError, match="axis-aligned"):
-        solve_inspection(inspection, "exact")
+        solve_sequential(sequential, "exact")
 
 
 @pytest.mark.parametrize(
@@ -180,15 +183,15 @@ def test_hyperplanes_are_searched():
         ({"groups": {"a": Group(("g1",), 1.0), "b": Group(("g1",), 1.0)}}, "another group"),
         ({"within": {7: 1}}, "class 7"),
         ({"within": {3: 1.5}}, "whole number"),
-        ({"urgency": {3: -1}}, "urgency"),
+        ({"delay_cost": {3: -1}}, "delay_cost"),
         ({"shares": [1.0]}, "shares"),
     ],
 )
-def test_what_makes_no_inspection_is_refused(options, says):
+def test_what_makes_no_sequential_problem_is_refused(options, says):
     with pytest.raises(ProblemError, match=says):
-        Inspection(wing(), **options)
+        SequentialProblem(wing(), **options)
 
 
 def test_a_budget_of_the_whole_tree_is_refused():
     with pytest.raises(ProblemError, match="sensor_budget"):
-        Inspection(replace(wing(), sensor_budget=2.0))
+        SequentialProblem(replace(wing(), sensor_budget=2.0))

@@ -17,10 +17,10 @@ from octmip.formats.tree_file import (
     encode,
     read_tree_file,
     record_tree,
-    schema,
     tree_for,
     write_tree_file,
 )
+from octmip.formats.tree_schema import schema
 from octmip.methods.cart import greedy_tree
 
 SCHEMA = Path(octmip.__file__).parent / "schemas" / "tree.schema.json"
@@ -234,7 +234,9 @@ def test_a_value_out_of_its_bounds_is_refused_with_its_place(tmp_path, keys, to,
 
 def test_the_published_schema_is_the_readers(tmp_path):
     published = json.loads(SCHEMA.read_text())
-    assert published == schema(), "write schema() of octmip.formats.tree_file to octmip/schemas/tree.schema.json again"
+    assert published == schema(), (
+        "write schema() of octmip.formats.tree_schema to octmip/schemas/tree.schema.json again"
+    )
     validator = jsonschema.Draft202012Validator(published)
     jsonschema.Draft202012Validator.check_schema(published)
     content = json.loads(written(tmp_path).read_text())

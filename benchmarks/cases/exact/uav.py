@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 from functools import partial
 
+from benchmarks.case import Case
 from benchmarks.data import published, synthetic_uav
-from benchmarks.registry import Case
 from benchmarks.tables import race_table
 from octmip.problem import Problem
 

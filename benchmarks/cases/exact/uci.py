@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 from functools import partial
 
+from benchmarks.case import Case
 from benchmarks.data import numeric_sets, uci
-from benchmarks.registry import Case
 from benchmarks.rivals import can_be_binary
 from benchmarks.tables import race_table
 from octmip.problem import Problem

@@ -10,8 +10,8 @@ from functools import partial
 
 import numpy as np
 
+from benchmarks.case import Case
 from benchmarks.data import Table, first_rows, published, uci
-from benchmarks.registry import Case
 from benchmarks.tables import Line, race_table
 from octmip.problem import Problem
 

@@ -1,4 +1,4 @@
-"""Time to hand OCT at depth 2 on 1750 samples of 20 gauges to HiGHS: array rows beside the Pyomo statement."""
+"""Time to hand OCT at depth 2 on 1750 samples of 20 gauges to HiGHS: array rows beside the Pyomo model."""
 
 import tempfile
 from collections.abc import Callable, Iterator
@@ -12,7 +12,7 @@ from benchmarks.tables import Line
 from octmip.methods.cart import greedy_tree
 from octmip.mip import flow, oct, oct_h
 from octmip.mip.highs import highs, worker
-from octmip.mip.statements import oct as statement
+from octmip.mip.paper_models import oct as paper
 from octmip.problem import Problem
 from octmip.tree import Node
 
@@ -56,7 +56,7 @@ def _through_pyomo(problem: Problem) -> None:
 
     with tempfile.TemporaryDirectory() as folder:
         path = str(Path(folder) / "oct.mps")
-        statement.paper_model(problem).write(path)
+        paper.paper_model(problem).write(path)
         reader = highspy.Highs()  # type: ignore[no-untyped-call]  # a compiled class without annotations
         reader.setOptionValue("output_flag", False)
         reader.readModel(path)

@@ -1,1 +1,1 @@
-"""Local search: how often the optimum is found, and how fast."""
+"""Local search: the share of searches that find the optimum, and their time."""

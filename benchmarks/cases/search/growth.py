@@ -1,9 +1,11 @@
-"""How local search grows with the number of samples, beside scikit-learn's CART: first answer and convergence.
+"""Local search against the number of samples, beside scikit-learn's CART: first answer and convergence.
 
-First answer: `restarts=1, kicks=0`, one descent from the greedy tree with exact blocks of two levels where they pay.
-One restart: that with four kicks in a row, beginning, blocks and end included: what should grow as n log n.
-Convergence: one restart of default kicks, which ends when they have not helped in a row. Both kinds of splits.
-`--limit` is CPU seconds a search.
+First answer: `restarts=1, perturbations=0`, one descent from the greedy tree with exact blocks of two levels where they
+pay.
+One restart: that with four perturbations in a row, beginning, blocks and end included: what should grow as n log n.
+Convergence: one restart of default effort, which ends when so many perturbations in a row have not helped. Both kinds
+of splits.
+`--limit` is CPU seconds per search.
 """
 
 import math
@@ -28,7 +30,7 @@ SAMPLES = (1_000, 10_000, 100_000)
 DEPTH = 4
 REPEATS = 3
 SHORT = 10_000  # longer runs are measured once
-KICKS = 4  # of the restart whose time is held against n log n
+PERTURBATIONS = 4  # of the restart whose time is held against n log n
 SPLITS: tuple[Literal["axis", "hyperplane"], ...] = ("axis", "hyperplane")
 KINDS = ("CART", "first answer", "one restart", "converged")
 ENDED = (str(Stop.FINISHED), str(Stop.OPTIMAL))
@@ -41,16 +43,16 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
             problem = _problem(n, split)
             yield _measured(n, split, "CART", partial(greedy_tree, problem))
             yield _measured(n, split, "first answer", _answer(problem, limit, 0))
-            yield _measured(n, split, "one restart", _answer(problem, limit, KICKS), 1)
+            yield _measured(n, split, "one restart", _answer(problem, limit, PERTURBATIONS), 1)
             yield _measured(n, split, "converged", _answer(problem, limit, None), 1)
 
 
-def _answer(problem: Problem, limit: float, kicks: int | None) -> Callable[[], Solution]:
-    return lambda: local_search(problem, restarts=1, kicks=kicks, **cpu_limit(limit))
+def _answer(problem: Problem, limit: float, perturbations: int | None) -> Callable[[], Solution]:
+    return lambda: local_search(problem, restarts=1, perturbations=perturbations, **cpu_limit(limit))
 
 
 def _problem(n: int, split: Literal["axis", "hyperplane"]) -> Problem:
-    """Return 20 normal features, five classes by four of them along slopes, and a tenth of the labels drawn anew."""
+    """Return 20 normal features, five classes by four of them along slopes, and a tenth of the labels drawn again."""
     rng = np.random.default_rng(0)
     features = rng.normal(size=(n, 20))
     score = features[:, 0] + 0.5 * features[:, 1] + (features[:, 2] > 0) * features[:, 3]

@@ -1,4 +1,4 @@
-"""How often local search finds the proven optimum of axis-aligned trees, and in what time; default settings, ten seeds.
+"""Searches that find the proven optimum of axis-aligned trees, and their time; default settings, ten seeds.
 
 The optimum comes from the exact core within `--limit` seconds (`UNBEATEN` holds those that need minutes); where it is
 not proven in time the case is left out, and named, as is every set of more than `SEARCH_SAMPLES` samples. Seconds "to

@@ -1,7 +1,7 @@
-"""How often local search meets the proven optimum of two-feature trees of depth 2, in how many CPU seconds.
+"""Searches that meet the proven optimum of two-feature trees of depth 2 within so many CPU seconds.
 
 `python -m benchmarks.run search_lines --limit 0.4`: the limit is that of one search, in CPU seconds of one thread; six
-seeds of the search, or `SEARCH_SEEDS`. The optimum is `oblique`'s, proven in the same run.
+seeds of the search, or `SEARCH_SEEDS`. The optimum is the two-feature solver's, proven in the same run.
 """
 
 import os

@@ -20,7 +20,7 @@ from octmip.monitor import (
     ModelSelector,
     ParameterTree,
     Watch,
-    effect_suspects,
+    effect_candidates,
     grid_states,
     library_of,
     steady_growth,
@@ -50,7 +50,7 @@ class Aircraft:
     source
         where the strains come from.
     wing
-        femlib's, for places and suspects.
+        femlib's, for places and candidates.
     twin
         its strains.
     gauges
@@ -90,14 +90,14 @@ class Aircraft:
         return Filter(likelihood, steady_growth(cells, RATES, SUDDEN, CHANGE))
 
     def watch(self, rate: float = 0.01) -> Watch:
-        """Return the watch, with the twin's damage outside the library as suspects."""
+        """Return the watch, with the twin's damage outside the library as candidates."""
         levels = np.linspace(0.0, 0.8, 9).tolist()
         library = library_of(self.twin, grid_states([levels, levels]), NOISE_SD, gauges=self.gauges)
         effect = self.twin.effects["damage_outside_library"]
-        return Watch(library, effect_suspects(self.twin, effect, library, (20.0, 40.0, 80.0)), rate)
+        return Watch(library, effect_candidates(self.twin, effect, library, (20.0, 40.0, 80.0)), rate)
 
 
-class _SuspectsOfWing:
+class _EffectOfWing:
     """The wing's damage outside the library, for a twin of another table: places and traces are the wing's."""
 
     def __init__(self) -> None:
@@ -107,23 +107,21 @@ class _SuspectsOfWing:
     def __getattr__(self, name: str) -> object:
         return getattr(self.effect, name)
 
-    def signature(
-        self, twin: object, state: object, load_factor: float, variant: str = "", time: float = 0.0
-    ) -> Floats:
+    def signature(self, twin: object, state: object, load_factor: float, place: str = "", time: float = 0.0) -> Floats:
         """Return the trace (n_gauges,) of the wing's own gauges, which the table's are named after."""
-        return np.asarray(self.effect.signature(self.twin, {}, load_factor, variant))
+        return np.asarray(self.effect.signature(self.twin, {}, load_factor, place))
 
 
 def build_aircraft(folder: Path, strains: str | None = None, seed: int = 0, depth: int = 3) -> Aircraft:
     """Return the aircraft; its trees are read from `folder` when they are there for the same data, else solved."""
-    suspects = _SuspectsOfWing()
-    effects = {"damage_outside_library": suspects}
-    wing = suspects.twin.wing
+    outside = _EffectOfWing()
+    effects = {"damage_outside_library": outside}
+    wing = outside.twin.wing
     if strains is None:
         levels = np.linspace(0, 80, 9).astype(int)
         states = grid_states([levels.tolist(), levels.tolist()])
-        fine = suspects.twin.predict_states(states / 100.0, 3.0)
-        names, usable = suspects.twin.gauges, wing.gauges.is_usable
+        fine = outside.twin.predict_states(states / 100.0, 3.0)
+        names, usable = outside.twin.gauges, wing.gauges.is_usable
         source = "femlib wing, reduced"
         table = MeanStrains(states.astype(int), fine, 3.0, names, usable, source, wing.model_hash)
         coarse = (states % 20 == 0).all(axis=1)  # the study's 25 states among them

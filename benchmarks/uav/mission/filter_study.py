@@ -21,7 +21,7 @@ MARGIN = 0.8
 
 
 def filter_rows(
-    aircraft: Aircraft, n: int, seed: int, kinds: tuple[str, ...] = ("paper", "own pace")
+    aircraft: Aircraft, n: int, seed: int, kinds: tuple[str, ...] = ("paper", "own rate")
 ) -> list[dict[str, object]]:
     """Return one row for every kind of mission, observation and parameter; missions at 3 g throughout."""
     rows = []

@@ -42,7 +42,7 @@ def recorded(aircraft: Aircraft, kind: str, seed: int) -> dict[str, Any]:
         readings = readings_at(aircraft, histories, k, load, rng, trace)
         is_cautious = pilot.decide(readings, load, truth)
         assert pilot.belief is not None
-        assert pilot.vigil is not None
+        assert pilot.monitor_state is not None
         row = readings[0] / load[0]
         paths = [tree.path_to(tree.node(row)) for tree in compiled]
         told = [file.class_names[tree.label(row)] / 100 for file, tree in zip(aircraft.trees, compiled, strict=True)]
@@ -51,8 +51,8 @@ def recorded(aircraft: Aircraft, kind: str, seed: int) -> dict[str, Any]:
         load = np.where(is_cautious, 2.0, 3.0)
         believed = float(pilot.belief.expectation(capability(chain.library.states))[0])
         step |= {"bears": _short(capability(truth)[0], 3), "believed_to_bear": _short(believed, 3)}
-        step |= {"load": float(load[0]), "p": float(pilot.vigil.p_value[0])}
-        step["log_e"] = _short(float(pilot.vigil.log_e[0]) / np.log(10.0), 2)
+        step |= {"load": float(load[0]), "p": float(pilot.monitor_state.p_value[0])}
+        step["log_e"] = _short(float(pilot.monitor_state.log_e[0]) / np.log(10.0), 2)
         model = aircraft.strains(np.array([[step["belief"][name]["median"] for name in NAMES]]))[0]
         step["strain"] = [[_short(row[g], 1), _short(model[g], 1)] for g in chosen]
         step["finding"] = pilot.findings[0].words if 0 in pilot.findings else ""

@@ -11,7 +11,7 @@ STEPS = 100
 """Steps in which damage goes from 0 to 80 % in the paper's mission."""
 MOST_STEPS = 110
 """Steps after which every aircraft has arrived."""
-KINDS = ("paper", "own pace", "sudden", "dead gauge", "outside")
+KINDS = ("paper", "own rate", "sudden", "dead gauge", "outside")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,7 +56,7 @@ def draw(kind: str, n: int, rng: np.random.Generator, gauges_read: tuple[int, ..
     """Return n histories of a kind; dead gauges are among those that the trees read."""
     time = np.minimum(np.arange(MOST_STEPS) / (STEPS - 1), 1.0)[None, :, None]
     end = np.full((n, 1, 2), 0.8)
-    if kind in ("own pace", "sudden"):
+    if kind in ("own rate", "sudden"):
         end = rng.uniform(0.0, 0.8, (n, 1, 2)) * (0.25 if kind == "sudden" else 1.0)
     damage = end * time
     if kind == "sudden":

@@ -1,6 +1,6 @@
 """Damage in a third region: what it adds to the gauges, from a wing that has that region as a component.
 
-The 26 regions of femlib's damage library beyond the study's two are the truth; the watch's suspects are other zones,
+The 26 regions of femlib's damage library beyond the study's two are the truth; the watch's candidates are other zones,
 with traces to first order only. A third damage is added to the readings of the first two: within the library damages
 add up to 0.2 microstrain in 3000 (published table).
 """

@@ -25,7 +25,7 @@ def mission_page(flight: dict[str, Any]) -> str:
     """Return the page of a recorded mission (see flight.py)."""
     kinds = {
         "paper": "both regions lose stiffness from 0 to 80 %",
-        "own pace": "each region at a pace of its own",
+        "own rate": "each region at a rate of its own",
         "sudden": "a sudden damage",
         "dead gauge": "both regions lose stiffness, and a gauge dies",
         "outside": "both regions lose stiffness, and a third that the library lacks",

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from benchmarks.uav.mission.aircraft import CRITICAL, Aircraft
 from benchmarks.uav.mission.histories import MOST_RESERVE
-from octmip.monitor import Belief, Filter, Finding, ModelSelector, Vigil, Watch, explain
+from octmip.monitor import Belief, Filter, Finding, ModelSelector, MonitorState, Watch, explain
 from octmip.monitor.belief import share_below
 
 Floats = NDArray[np.float64]
@@ -79,7 +79,7 @@ class Pilot:
         self.chain = chain if policy.estimator == "filter" else None
         self.watch = watch if policy.has_watch else None
         self.belief: Belief | None = None if self.chain is None else self.chain.start(n, state=0)
-        self.vigil: Vigil | None = None if self.watch is None else self.watch.start(n)
+        self.monitor_state: MonitorState | None = None if self.watch is None else self.watch.start(n)
         self.faulty = np.full(n, -1)
         self.is_outside = np.zeros(n, dtype=bool)
         self.findings: dict[int, Finding] = {}
@@ -106,17 +106,17 @@ class Pilot:
 
     def _heard(self, readings: Floats, loads: Floats) -> Floats:
         """Return the readings without faulty gauges, after the watch has looked at them."""
-        if self.watch is None or self.vigil is None:
+        if self.watch is None or self.monitor_state is None:
             return readings
         readings = self._without_faulty(readings)
-        before = self.vigil.is_alarm
-        self.vigil = self.watch.observe(self.vigil, readings, loads)
-        for row in np.flatnonzero(self.vigil.is_alarm & ~before & ~self.is_outside):
-            finding = explain(self.watch, self.vigil, int(row))
+        before = self.monitor_state.is_alarm
+        self.monitor_state = self.watch.observe(self.monitor_state, readings, loads)
+        for row in np.flatnonzero(self.monitor_state.is_alarm & ~before & ~self.is_outside):
+            finding = explain(self.watch, self.monitor_state, int(row))
             self.findings[int(row)] = finding
             if finding.kind == "gauge" and self.faulty[row] < 0:
                 self.faulty[row] = self.aircraft.gauges.index(finding.name)
-                self.vigil = self.watch.restarted(self.vigil, int(row))
+                self.monitor_state = self.watch.restarted(self.monitor_state, int(row))
             else:
                 self.is_outside[row] = True
         return self._without_faulty(readings)

@@ -23,7 +23,7 @@ def speed_rows(aircraft: Aircraft, n_stream: int, seed: int) -> list[dict[str, o
     features, few = readings / 3.0, list(readings[:20_000] / 3.0)
     chain, watch = aircraft.filter(16), aircraft.watch()
     chain.likelihood.log_likelihood(readings[:1], 3.0)  # the leaf table is made once
-    beliefs, vigils = [chain.start(state=0)], [watch.start()]
+    beliefs, monitor_states = [chain.start(state=0)], [watch.start()]
 
     def one_step() -> None:
         for row in readings[:200]:
@@ -31,13 +31,13 @@ def speed_rows(aircraft: Aircraft, n_stream: int, seed: int) -> list[dict[str, o
 
     def one_look() -> None:
         for row in readings[:200]:
-            vigils[0] = watch.observe(vigils[0], row[None], 3.0)
+            monitor_states[0] = watch.observe(monitor_states[0], row[None], 3.0)
 
     rows: list[dict[str, object]] = [
         {"part": "compiled tree, one reading", "us": _micro(lambda: [compiled.label(row) for row in few], len(few))},
         {"part": f"compiled tree, batch of {BATCH}", "us": _micro(lambda: compiled.labels(features), BATCH)},
-        {"part": "filter, one reading (256 cells, 9 paces)", "us": _micro(one_step, 200)},
-        {"part": f"watch, one reading ({len(watch.candidates)} candidates)", "us": _micro(one_look, 200)},
+        {"part": "filter, one reading (256 cells, 9 growth rates)", "us": _micro(one_step, 200)},
+        {"part": f"watch, one reading ({len(watch.hypotheses)} hypotheses)", "us": _micro(one_look, 200)},
     ]
     return [*rows, _stream_row(selector.library.gauges, Monitor(selector), readings, n_stream)]
 

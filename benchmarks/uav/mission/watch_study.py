@@ -3,8 +3,8 @@
 Where the noise allows it. Let d be the length of the trace that the damage leaves in the residuals, summed over the
 mission in quadrature and in standard deviations. A test that is told region, size and beginning beforehand, and only
 asks whether, finds it with probability Phi(d - z(rate)): 95 % needs d >= 3.97 at a rate of 1 %. A test that must look
-for all suspects and beginnings shares its rate among them: with 1 % over (suspects x readings) it needs about 6.8. Both
-limits are computed here; no test that uses the same residuals passes the first.
+for all candidates and beginnings shares its rate among them: with 1 % over (candidates x readings) it needs about 6.8.
+Both limits are computed here; no test that uses the same residuals passes the first.
 """
 
 from pathlib import Path
@@ -17,7 +17,7 @@ from benchmarks.uav.mission.aircraft import NOISE_SD, Aircraft
 from benchmarks.uav.mission.histories import STEPS, Histories, draw
 from benchmarks.uav.mission.outside import all_traces
 from benchmarks.uav.mission.simulation import readings_at
-from octmip.monitor import Vigil, Watch, explain
+from octmip.monitor import MonitorState, Watch, explain
 
 Floats = NDArray[np.float64]
 
@@ -28,10 +28,12 @@ POWER = 0.95
 def false_alarm_row(aircraft: Aircraft, watch: Watch, n: int, seed: int) -> dict[str, object]:
     """Return false alarms of n missions of each kind within the library, half of them flown at 2 g after step 50."""
     row: dict[str, object] = {"rate %": 100 * watch.rate, "missions of each kind": n, "seed": seed}
-    for number, kind in enumerate(("paper", "own pace", "sudden")):
+    for number, kind in enumerate(("paper", "own rate", "sudden")):
         rng = np.random.default_rng([seed, 5, number])
-        vigil, p_values = _watched(aircraft, watch, draw(kind, n, rng, (0,)), rng, np.zeros(len(aircraft.gauges)))[:2]
-        row[f"{kind}: false alarms"] = int(vigil.is_alarm.sum())
+        monitor_state, p_values = _watched(
+            aircraft, watch, draw(kind, n, rng, (0,)), rng, np.zeros(len(aircraft.gauges))
+        )[:2]
+        row[f"{kind}: false alarms"] = int(monitor_state.is_alarm.sum())
         row[f"{kind}: p < 0.05 %"] = round(100 * float((p_values < 0.05).mean()), 2)
     return row
 
@@ -48,9 +50,9 @@ def outside_rows(aircraft: Aircraft, watch: Watch, folder: Path, n: int, seed: i
         if length < told_limit(watch.rate):
             rows.append({"region": region, "damage %": round(100 * size), "d": round(length, 1)})
             continue
-        vigil, _, at = _watched(aircraft, watch, draw("paper", n, rng, (0,)), rng, trace)
+        monitor_state, _, at = _watched(aircraft, watch, draw("paper", n, rng, (0,)), rng, trace)
         is_found = (at >= BEGIN) & (at < STEPS)
-        finding = explain(watch, vigil, int(np.argmax(is_found)))
+        finding = explain(watch, monitor_state, int(np.argmax(is_found)))
         rows.append(
             {
                 "region": region,
@@ -71,8 +73,8 @@ def told_limit(rate: float) -> float:
 
 
 def search_limit(watch: Watch) -> float:
-    """Return the d at which a test that must look for all suspects and beginnings has 95 % power."""
-    names = {(suspect.kind, suspect.name) for suspect, _ in watch.candidates}
+    """Return the d at which a test that must look for all candidates and beginnings has 95 % power."""
+    names = {(candidate.kind, candidate.name) for candidate, _ in watch.hypotheses}
     return float(norm.isf(watch.rate / (len(names) * watch.horizon)) + norm.ppf(POWER))
 
 
@@ -83,13 +85,13 @@ def _loads() -> Floats:
 
 def _watched(
     aircraft: Aircraft, watch: Watch, histories: Histories, rng: np.random.Generator, trace: Floats
-) -> tuple[Vigil, Floats, NDArray[np.int64]]:
-    """Return the last vigil, all p-values (STEPS, n) and the step of each alarm, STEPS: none."""
-    vigil, p_values, at = watch.start(histories.n), [], np.full(histories.n, STEPS)
+) -> tuple[MonitorState, Floats, NDArray[np.int64]]:
+    """Return the last monitor state, all p-values (STEPS, n) and the step of each alarm, STEPS: none."""
+    monitor_state, p_values, at = watch.start(histories.n), [], np.full(histories.n, STEPS)
     for k, load in enumerate(_loads().tolist()):
         readings = readings_at(aircraft, histories, k, np.full(histories.n, load), rng)
         readings = readings + (load * trace if k >= BEGIN else 0.0)
-        vigil = watch.observe(vigil, readings, load)
-        p_values.append(vigil.p_value)
-        at = np.where((at == STEPS) & vigil.is_alarm, k, at)
-    return vigil, np.array(p_values), at
+        monitor_state = watch.observe(monitor_state, readings, load)
+        p_values.append(monitor_state.p_value)
+        at = np.where((at == STEPS) & monitor_state.is_alarm, k, at)
+    return monitor_state, np.array(p_values), at

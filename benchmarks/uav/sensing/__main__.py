@@ -4,14 +4,14 @@ import argparse
 import time
 from pathlib import Path
 
-from benchmarks.uav.sensing import budget, failure, frontier, inspection, placement
+from benchmarks.uav.sensing import budget, failure, frontier, placement, sequential
 from octmip.formats.files import write_bytes
 
 STUDIES = {
     "placement": placement.report,
     "frontier": frontier.report,
     "budget": budget.report,
-    "inspection": inspection.report,
+    "sequential": sequential.report,
     "failure": failure.report,
 }
 

@@ -46,7 +46,7 @@ def frontier_row(source: str, label: str, depth: int, is_smoke: bool) -> Row:
 
 
 def shared_rows(source: str, is_smoke: bool) -> list[Row]:
-    """Return for each budget what the best split by hand and what both labels together reach."""
+    """Return for each budget what the best baseline split and what both labels together reach."""
     data = readings(source, 0, is_smoke)
     problems = [problem_of(data, label, SHARED_DEPTH, installed(data)) for label in LABELS]
     return [_shared_row(source, problems, budget) for budget in BUDGETS]
@@ -56,11 +56,11 @@ def _shared_row(source: str, problems: Sequence[Problem], budget: int) -> Row:
     before = cpu_seconds()
     joint = shared_budget(problems, budget)
     cpu = cpu_seconds() - before
-    shares = " + ".join(f"{share:.0f}" for share in joint.hand_split.budgets)
+    shares = " + ".join(f"{share:.0f}" for share in joint.baseline_split.budgets)
     return {
         "strains": source,
         "budget": budget,
-        "best split by hand": f"{joint.hand_split.objective:.0f} ({shares})",
+        "best baseline split": f"{joint.baseline_split.objective:.0f} ({shares})",
         "together": round(joint.objective),
         "bound": round(joint.bound),
         "proven": joint.is_optimal,

@@ -2,7 +2,7 @@
 
 Loss: error rate on unseen readings with one gauge failed, less the ordinary tree's error rate with none failed; in the
 mean over the 20 gauges, each as likely to fail, and of the worst one. The robust tree is the ordinary one with a
-detector before it, and surrogates in it or the named gauge's reading filled in; others are trained on the failures.
+detector before it, and surrogates in it or the named gauge's reading imputed; others are trained on the failures.
 """
 
 from collections.abc import Callable
@@ -23,7 +23,7 @@ from octmip.sensing import (
     FailureProblem,
     Fault,
     FaultDetector,
-    Filling,
+    Imputation,
     failures,
     power,
     solve_expected,
@@ -55,7 +55,7 @@ DETECTORS = (
     ("81 states, one reading", 10, 1),
 )
 """Name, steps of the library's states [percent], readings averaged."""
-ROBUST = {"surrogates": "detector, surrogates", "filled": "detector, filled in"}
+ROBUST = {"surrogates": "detector, surrogates", "imputed": "detector, imputed"}
 TRAINED_ON = "dead (reads 0)"
 
 
@@ -174,12 +174,12 @@ def unseen_of(data: Dataset, label: str) -> Unseen:
 def answers(problem: Problem, tree: Node) -> dict[str, Answer]:
     """Return the ways to answer readings and the same readings without what a detector has named."""
     guarded, lone = with_surrogates(problem, tree), with_surrogates(problem, tree, 0)
-    filling = Filling.fit(problem.features)
+    imputation = Imputation.fit(problem.features)
     return {
         "ordinary": lambda read, kept: predict(tree, read),
         "detector, larger side": lambda read, kept: lone.predict(kept),
         "detector, surrogates": lambda read, kept: guarded.predict(kept),
-        "detector, filled in": lambda read, kept: predict(tree, filling.fill(kept)),
+        "detector, imputed": lambda read, kept: predict(tree, imputation.impute(kept)),
     }
 
 

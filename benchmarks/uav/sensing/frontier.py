@@ -57,7 +57,7 @@ def hyperplane_rows(data: Dataset, depth: int, is_smoke: bool) -> list[Row]:
     before = cpu_seconds()
     limits = Limits(seconds=2.0 if is_smoke else MIO_SECONDS)
     bound = sample_bound(problem, *((20, 1) if is_smoke else SAMPLES), limits=limits)
-    restarts = {"restarts": 1, "kicks": 0} if is_smoke else {"restarts": 2}
+    restarts = {"restarts": 1, "perturbations": 0} if is_smoke else {"restarts": 2}
     points = placement_frontier(problem, values=(2, 4, 8), bound=bound, options=restarts)
     cpu = cpu_seconds() - before
     return [{**_row("4, number", point, cpu), "bound from samples": round(bound)} for point in points]

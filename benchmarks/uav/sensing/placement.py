@@ -120,7 +120,7 @@ def cells(seed: int, depth: int) -> list[Cell]:
 def run_cell(cell: Cell, data: Dataset, n_gauges: int, is_smoke: bool) -> Line:
     """Return errors, gauges and Bayes limit of one cell."""
     problem = problem_of(data, LABEL, cell.depth, data.gauges, SPLIT_SIZE, for_mae=True)
-    effort = {"restarts": 1, "kicks": 0} if is_smoke else EFFORT
+    effort = {"restarts": 1, "perturbations": 0} if is_smoke else EFFORT
     n_gauges = min(n_gauges, 3) if is_smoke else n_gauges
     before = cpu_seconds()
     is_started = cell.choice == STARTED

@@ -1,4 +1,4 @@
-"""What a real wing may have and the model lacks: one effect, one file, one line here."""
+"""Effects that a real wing may have and the model lacks: one effect, one file, one line here."""
 
 from collections.abc import Mapping
 

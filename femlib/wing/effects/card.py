@@ -1,4 +1,4 @@
-"""What all effects of the wing share: the card that a diagnosis reads, and the way from nodal forces to gauge strains.
+"""Base of the effects of the wing: the card that a diagnosis reads, and gauge strains from nodal forces.
 
 Near the twin every structural effect acts like extra nodal forces f per unit of its size: thermal and inertial
 effects by their own forces, a change of stiffness dK by f = -dK u (first order, u the twin's displacements). The
@@ -23,7 +23,7 @@ Force = Callable[[Mapping[str, float], float, str], FloatArray]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WingEffect:
-    """One thing that a real wing may have and the model lacks.
+    """An effect that a real wing may have and the model lacks.
 
     Attributes
     ----------
@@ -34,14 +34,14 @@ class WingEffect:
     prior_source : str
         Why this scale.
     separated_by : str
-        What separates the effect from its nearest rival.
+        What separates the effect from its nearest confounder.
     load_power : int or None
         The signature is proportional to load_factor**load_power; None where it is no single power.
     response : Response
         How the gauges answer forces.
     force : callable
         Nodal forces (n_dofs,) per unit of size, for (state, load factor, place).
-    places : tuple of str
+    place_names : tuple of str
         Where it may act; ("",) for the whole.
     is_one_sided : bool
         Whether the size cannot be negative.
@@ -69,7 +69,7 @@ class WingEffect:
     load_power: int | None
     response: Response
     force: Force
-    places: tuple[str, ...] = ("",)
+    place_names: tuple[str, ...] = ("",)
     is_one_sided: bool = False
     prior_mean: float = 0.0
     uses_time: bool = False
@@ -78,15 +78,15 @@ class WingEffect:
     n_between: int = 0
     seen_by: tuple[str, ...] = ()
 
-    def variants(self, twin: Any) -> tuple[str, ...]:
-        """Return the places."""
-        return self.places
+    def places(self, twin: Any) -> tuple[str, ...]:
+        """Return the places where the effect may act."""
+        return self.place_names
 
     def signature(
-        self, twin: Any, state: Mapping[str, float], load_factor: float, variant: str = "", time: float = 0.0
+        self, twin: Any, state: Mapping[str, float], load_factor: float, place: str = "", time: float = 0.0
     ) -> FloatArray:
         """Return the change of the gauge strains (n_gauges,) in microstrain per unit of size."""
-        return self.response.strains(state, self.force(state, load_factor, variant))
+        return self.response.strains(state, self.force(state, load_factor, place))
 
 
 class FixedForce(WingEffect):
@@ -95,9 +95,9 @@ class FixedForce(WingEffect):
     __slots__ = ()
 
     def signature(
-        self, twin: Any, state: Mapping[str, float], load_factor: float, variant: str = "", time: float = 0.0
+        self, twin: Any, state: Mapping[str, float], load_factor: float, place: str = "", time: float = 0.0
     ) -> FloatArray:
         """Return the change of the gauge strains (n_gauges,) in microstrain per unit of size."""
         assert self.load_power is not None
-        force = self.force({}, 1.0, variant)
-        return load_factor**self.load_power * self.response.strains_of_fixed(state, self.name, variant, force)
+        force = self.force({}, 1.0, place)
+        return load_factor**self.load_power * self.response.strains_of_fixed(state, self.name, place, force)

@@ -35,10 +35,10 @@ class Creep(SkinEffect):
     __slots__ = ()
 
     def signature(
-        self, twin: Any, state: Mapping[str, float], load_factor: float, variant: str = "", time: float = 0.0
+        self, twin: Any, state: Mapping[str, float], load_factor: float, place: str = "", time: float = 0.0
     ) -> FloatArray:
         """Return the change of the gauge strains (n_gauges,) [microstrain] per unit, `time` [s] after the load."""
-        one_hour = super().signature(twin, state, load_factor, variant)
+        one_hour = super().signature(twin, state, load_factor, place)
         return np.asarray(course(time) * one_hour)
 
 

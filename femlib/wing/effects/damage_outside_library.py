@@ -1,7 +1,7 @@
 """Damage where the library of states has no parameter: a patch of skin or a length of web that lost stiffness.
 
 First order: f = +0.01 K_zone u per per cent, u and the response those of the healthy wing (the zone's own signature
-changes little with damage elsewhere). A zone's trace is the sum of its elements' traces, made once for all of them.
+changes little with damage elsewhere). A zone's signature is the sum of its elements' signatures, which are made once.
 """
 
 from collections.abc import Callable, Mapping
@@ -18,11 +18,11 @@ from femlib.wing.effects.response import Response
 from femlib.wing.model import MICRO, Wing
 
 SPAN_CENTRES = np.linspace(0.15, 0.84, 24)
-"""Centres of the zones along the span: a local trace needs zones as fine as the gauges lie, and overlapping."""
+"""Centres of the zones along the span: a local signature needs zones as fine as the gauges lie, and overlapping."""
 SPAN_WIDTHS = (0.06, 0.12)
 """Widths of the zones, span fractions."""
 UPPER_WIDTHS = (0.06, 0.09, 0.12)
-"""Widths on the upper skin: which gauges lie inside decides the trace, so they grow by one gauge at a time."""
+"""Widths on the upper skin: which gauges lie inside decides the signature, so they grow by one gauge at a time."""
 CHORD_WINDOWS = ((0.0, 0.3), (0.15, 0.45), (0.3, 0.6), (0.45, 0.75), (0.6, 1.0))
 """Parts of the chord on the upper skin, overlapping by half like the zones along the span."""
 
@@ -34,8 +34,8 @@ def effect(response: Response) -> WingEffect:
     zones = damage_zones(wing)
 
     @cache  # made at the first call: a second that many users of the wing never need
-    def traces() -> dict[str, FloatArray]:
-        of_elements = element_traces(response)
+    def signatures() -> dict[str, FloatArray]:
+        of_elements = element_signatures(response)
         return {place: 0.01 * of_elements[elements].sum(axis=0) for place, elements in zones.items()}
 
     def force(state: Mapping[str, float], load_factor: float, place: str) -> FloatArray:
@@ -47,15 +47,15 @@ def effect(response: Response) -> WingEffect:
         unit="%",
         prior_sd=20.0,
         prior_source="damages of the library lose 20 to 80 %",
-        separated_by="a trace local to the zone; more gauges around it place it",
+        separated_by="a signature local to the zone; more gauges around it locate it",
         load_power=1,
         response=response,
         force=force,
-        places=tuple(zones),
+        place_names=tuple(zones),
         n_between=8,
         signature_error=0.2,
         is_one_sided=True,
-        traces=traces,
+        signatures=signatures,
     )
 
 
@@ -63,25 +63,25 @@ def effect(response: Response) -> WingEffect:
 class _HealthyResponse(WingEffect):
     """The signature of the healthy wing, whatever the state."""
 
-    traces: Callable[[], dict[str, FloatArray]]
+    signatures: Callable[[], dict[str, FloatArray]]
 
     def signature(
-        self, twin: object, state: Mapping[str, float], load_factor: float, variant: str = "", time: float = 0.0
+        self, twin: object, state: Mapping[str, float], load_factor: float, place: str = "", time: float = 0.0
     ) -> FloatArray:
         """Return the change of the gauge strains (n_gauges,) in microstrain per unit of size."""
-        return load_factor * self.traces()[variant]
+        return load_factor * self.signatures()[place]
 
 
-def element_traces(response: Response) -> FloatArray:
-    """Return Z' k_e u (n_elements, n_gauges) [microstrain]: what each element's loss of all its stiffness does."""
+def element_signatures(response: Response) -> FloatArray:
+    """Return Z' k_e u (n_elements, n_gauges) [microstrain], the strains that the loss of each whole element causes."""
     shells, supports = response.wing.structure.shells, response.wing.structure.supports
     moved, adjoint = response.displacements({}), supports.expand(response.adjoint())
-    traces = []
+    signatures = []
     for corners, stiffness in zip((shells.mesh.quads, shells.mesh.trias), shells.element_stiffness, strict=True):
         dofs = dofs_of_nodes(corners).reshape(len(corners), -1)
         force = np.einsum("eij,ej->ei", stiffness, moved[dofs])
-        traces.append(MICRO * np.einsum("ei,eig->eg", force, adjoint[dofs]))
-    return np.concatenate(traces)
+        signatures.append(MICRO * np.einsum("ei,eig->eg", force, adjoint[dofs]))
+    return np.concatenate(signatures)
 
 
 def damage_zones(wing: Wing) -> dict[str, BoolArray]:

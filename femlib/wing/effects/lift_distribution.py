@@ -42,7 +42,7 @@ def effect(response: Response) -> WingEffect:
         load_power=1,
         response=response,
         force=force,
-        places=tuple(shapes),
+        place_names=tuple(shapes),
         n_between=4,
     )
 

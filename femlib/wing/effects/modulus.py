@@ -14,7 +14,7 @@ class Modulus(FixedForce):
     __slots__ = ()
 
     def predict(
-        self, twin: Any, state: Mapping[str, float], load_factor: float, size: float, variant: str, time: float
+        self, twin: Any, state: Mapping[str, float], load_factor: float, size: float, place: str, time: float
     ) -> FloatArray:
         """Return the strains (n_gauges,) of a wing whose moduli are 1 + size / 100 times the model's."""
         strain: FloatArray = twin.predict(state, load_factor)
@@ -34,7 +34,7 @@ def effect(response: Response) -> WingEffect:
         unit="%",
         prior_sd=2.0,
         prior_source="moduli of hand-laid fabric and plywood scatter by some per cent between batches",
-        separated_by="strain alone cannot tell it from the load factor or a common gain; deflection or frequency does",
+        separated_by="strain cannot separate it from the load factor or a common gain; deflection or frequency does",
         seen_by=("deflection", "frequency"),
         load_power=1,
         response=response,

@@ -30,7 +30,7 @@ def effect(response: Response) -> WingEffect:
         load_power=1,
         response=response,
         force=force,
-        places=tuple(f"eta {eta:g}" for eta in STATIONS),
+        place_names=tuple(f"eta {eta:g}" for eta in STATIONS),
         n_between=2,
         is_one_sided=True,
     )

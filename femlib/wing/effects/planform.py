@@ -35,7 +35,7 @@ class AsManufactured(WingEffect):
     built: Callable[[], Response]
 
     def signature(
-        self, twin: Any, state: Mapping[str, float], load_factor: float, variant: str = "", time: float = 0.0
+        self, twin: Any, state: Mapping[str, float], load_factor: float, place: str = "", time: float = 0.0
     ) -> FloatArray:
         """Return the change of the gauge strains (n_gauges,) in microstrain per unit of size."""
         return load_factor * (self.built().lift_strains(state) - self.response.lift_strains(state))
@@ -57,7 +57,7 @@ def effect(response: Response) -> WingEffect:
         unit="-",
         prior_sd=1.0,
         prior_source="the published measurement of the built wing is 1; another wing of the mould may differ as much",
-        separated_by="strain proportional to load hardly tells it from a modulus; a tape measure does",
+        separated_by="strain proportional to load hardly separates it from a modulus; a tape measure does",
         seen_by=("deflection", "frequency"),
         load_power=1,
         response=response,

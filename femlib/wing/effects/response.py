@@ -1,12 +1,12 @@
-"""How the gauges answer nodal forces in a state, without a factorisation a state.
+"""The response of the gauges to nodal forces in any state, without a factorisation per state.
 
 With B the rows from displacements to gauge strains, K_0 the undamaged stiffness, Z = K_0^-1 B' and u = K_0^-1 f, the
 strains of a damaged wing under forces f are (femlib.components, damage standing for forces, seen from the gauges)
 
     B u(mu) = Z' f + G(mu)' u_b + sum_i mu_i / (1 - mu_i) w_i(B)' u,   G(mu) = sum_i mu_i T_i z_b(mu),
 
-exact to rounding. G belongs to a state and u to a force, so many forces in many states cost one solve a force and one
-small system a state.
+exact to rounding. G belongs to a state and u to a force, so many forces in many states cost one solve per force and one
+small system per state.
 """
 
 from collections.abc import Callable, Mapping
@@ -25,8 +25,8 @@ Active = tuple[int, ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Answer:
-    """What one force does to the undamaged wing.
+class UndamagedResponse:
+    """The response of the undamaged wing to one force.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class Answer:
 
 
 class Response:
-    """The wing's answers, kept by state.
+    """The wing's responses, kept by state.
 
     Attributes
     ----------
@@ -61,10 +61,10 @@ class Response:
         self._gauge_forces: dict[Key, FloatArray] = {}
         self._moved: dict[Key, FloatArray] = {}
         self._interior: dict[int, sparse.csr_array] = {}
-        self._answers: dict[tuple[str, str, Active], Answer] = {}
+        self._undamaged: dict[tuple[str, str, Active], UndamagedResponse] = {}
 
     def shared(self, name: str, make: Callable[[], Any]) -> Any:
-        """Return what several effects make once for all of them."""
+        """Return an object that several effects share, made once for all of them."""
         if name not in self._shared:
             self._shared[name] = make()
         return self._shared[name]
@@ -77,7 +77,7 @@ class Response:
         active = self.wing.structure.active(row[None, :])
         if self.wing.structure.n_ports(active) > MOST_PORTS:
             return np.asarray(MICRO * (self.wing.strain_rows @ self.moved_by(state, force)))
-        return self._damaged(row, self._answer(force, active))
+        return self._damaged(row, self._respond(force, active))
 
     def strains_of_fixed(self, state: Mapping[str, float], name: str, place: str, force: FloatArray) -> FloatArray:
         """Return `strains` for a force that is the same in every state, known by a name and a place: solved once."""
@@ -86,9 +86,9 @@ class Response:
         if not row.any() or self.wing.structure.n_ports(active) > MOST_PORTS:
             return self.strains(state, force)
         key = (name, place, active)
-        if key not in self._answers:
-            self._answers[key] = self._answer(force, active)
-        return self._damaged(row, self._answers[key])
+        if key not in self._undamaged:
+            self._undamaged[key] = self._respond(force, active)
+        return self._damaged(row, self._undamaged[key])
 
     def lift_strains(self, state: Mapping[str, float]) -> FloatArray:
         """Return the gauge strains (n_gauges,) [microstrain] under the lift at load factor 1."""
@@ -110,17 +110,17 @@ class Response:
         return self.wing.structure.solve_loads(row, force)
 
     def adjoint(self) -> FloatArray:
-        """Return Z (n_free, n_gauges): what forces on the undamaged wing's free degrees of freedom do to the gauges."""
+        """Return Z (n_free, n_gauges): the gauge strains per unit force on the undamaged wing's free motions."""
         structure = self.wing.structure
         return structure.adjoint(self.wing.strain_rows, structure.active(np.zeros((1, len(self.wing.parameters)))))
 
-    def _answer(self, force: FloatArray, active: Active) -> Answer:
+    def _respond(self, force: FloatArray, active: Active) -> UndamagedResponse:
         structure, rows = self.wing.structure, self.wing.strain_rows
         free = structure.supports.free
         factors = structure.eliminated(active).factors
         moved = factors.solve(force[free])
         interior = [self._interior_rows(k) @ moved for k in active]
-        return Answer(active, rows[:, free] @ moved, moved[factors.ports], np.array(interior))
+        return UndamagedResponse(active, rows[:, free] @ moved, moved[factors.ports], np.array(interior))
 
     def _interior_rows(self, component: int) -> sparse.csr_array:
         """Return w_i(B)' (n_gauges, n_free): few gauges have anything inside a region."""
@@ -130,13 +130,13 @@ class Response:
             self._interior[component] = sparse.csr_array(structure.condensed[component].interior_load(rows).T)
         return self._interior[component]
 
-    def _damaged(self, row: FloatArray, answer: Answer) -> FloatArray:
-        damage = row[list(answer.active)]
-        strains = answer.gauges + answer.ports @ self._forces(row, answer.active)
-        return np.asarray(MICRO * (strains + (damage / (1.0 - damage)) @ answer.interior))
+    def _damaged(self, row: FloatArray, undamaged: UndamagedResponse) -> FloatArray:
+        damage = row[list(undamaged.active)]
+        strains = undamaged.gauges + undamaged.ports @ self._forces(row, undamaged.active)
+        return np.asarray(MICRO * (strains + (damage / (1.0 - damage)) @ undamaged.interior))
 
     def _forces(self, row: FloatArray, active: Active) -> FloatArray:
-        """Return G (n_ports, n_gauges) of a state."""
+        """Return G (n_ports, n_gauges) in a state."""
         key = tuple(row.tolist())
         if key not in self._gauge_forces:
             structure = self.wing.structure

@@ -27,7 +27,7 @@ class RootFlexibility(WingEffect):
     __slots__ = ()
 
     def signature(
-        self, twin: Any, state: Mapping[str, float], load_factor: float, variant: str = "", time: float = 0.0
+        self, twin: Any, state: Mapping[str, float], load_factor: float, place: str = "", time: float = 0.0
     ) -> FloatArray:
         """Return the change of the gauge strains (n_gauges,) in microstrain per unit of size: none."""
         wing = self.response.wing

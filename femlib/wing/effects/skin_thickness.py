@@ -24,7 +24,7 @@ def effect(response: Response) -> WingEffect:
         unit="%",
         prior_sd=3.0,
         prior_source="fabric thickness and fibre content scatter by some per cent",
-        separated_by="strain proportional to load hardly tells it from a modulus; coupons or a weighing do",
+        separated_by="strain proportional to load hardly separates it from a modulus; coupons or a weighing do",
         seen_by=("deflection", "frequency"),
         load_power=1,
         response=response,

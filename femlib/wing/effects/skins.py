@@ -34,7 +34,7 @@ class SkinForces:
         return found
 
     def strains(self, state: Mapping[str, float]) -> FloatArray:
-        """Return the gauge strains (n_gauges,) [microstrain] under `of_state`, solved once a state."""
+        """Return the gauge strains (n_gauges,) [microstrain] under `of_state`, solved once per state."""
         key = tuple(damage_row(state, self.response.wing.parameters).tolist())
         if key not in self._strains:
             self._strains[key] = self.response.strains(state, self.of_state(state))
@@ -77,7 +77,7 @@ class SkinEffect(WingEffect):
     factor: float
 
     def signature(
-        self, twin: Any, state: Mapping[str, float], load_factor: float, variant: str = "", time: float = 0.0
+        self, twin: Any, state: Mapping[str, float], load_factor: float, place: str = "", time: float = 0.0
     ) -> FloatArray:
         """Return the change of the gauge strains (n_gauges,) in microstrain per unit of size."""
         return self.factor * load_factor * self.skins.strains(state)

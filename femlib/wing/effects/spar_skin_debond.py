@@ -7,8 +7,8 @@ elements at that edge, K the wing's, u its displacements. Where the edge slides 
 
 and by Woodbury the debonded wing moves by K^-1 W (T - W' K^-1 W)^-1 W' u more. The middle matrix is what is left of
 [[K, W], [W', T]] when K is eliminated, so one factorisation gives it for all places. Exact for a whole debond (size 1)
-of the healthy wing; sizes between are linear, at the price of some ten per cent of the trace. The skin keeps touching
-the web: only the sliding is free.
+of the healthy wing; sizes between are linear, at the price of some ten per cent of the signature. The skin keeps
+touching the web: only the sliding is free.
 Source: W. W. Hager, SIAM Review 31 (1989) 221-239, eq. 2 (Woodbury); R. J. Guyan, AIAA Journal 3 (1965) 380.
 """
 
@@ -87,10 +87,10 @@ class SparSkinDebond(WingEffect):
     web: Web
 
     def signature(
-        self, twin: Any, state: Mapping[str, float], load_factor: float, variant: str = "", time: float = 0.0
+        self, twin: Any, state: Mapping[str, float], load_factor: float, place: str = "", time: float = 0.0
     ) -> FloatArray:
         """Return the change of the gauge strains (n_gauges,) in microstrain per unit of size, of the healthy wing."""
-        flange, _, lengths = variant.split()
+        flange, _, lengths = place.split()
         inner, outer = (float(eta) for eta in lengths.split("-"))
         return load_factor * self.web.joints[flange].opened(inner, outer)
 
@@ -145,11 +145,11 @@ def effect(response: Response) -> WingEffect:
         unit="-",
         prior_sd=0.5,
         prior_source="a peeled bond passes no shear (1), a kissing one a part",
-        separated_by="a trace on the gauges next to the spar alone; a tap test along the spar finds it",
+        separated_by="a signature on the gauges next to the spar alone; a tap test along the spar finds it",
         load_power=1,
         response=response,
         force=force,
-        places=tuple(f"{flange} eta {inner:.3f}-{outer:.3f}" for flange in FLANGES for inner, outer in inside),
+        place_names=tuple(f"{flange} eta {inner:.3f}-{outer:.3f}" for flange in FLANGES for inner, outer in inside),
         n_between=4,
         signature_error=0.2,
         is_one_sided=True,

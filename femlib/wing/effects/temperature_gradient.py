@@ -28,7 +28,7 @@ def effect(response: Response) -> WingEffect:
         unit="K",
         prior_sd=5.0,
         prior_source="sun on a dark skin warms it by five to twenty kelvin",
-        separated_by="moisture of one skin gives the same readings; a thermometer on each skin tells",
+        separated_by="moisture of one skin gives the same readings; a thermometer on each skin separates them",
         seen_by=("thermal_zero",),
         load_power=0,
         response=response,

@@ -60,7 +60,7 @@ class WarmEffect(WingEffect):
     warm: WarmWing
 
     def signature(
-        self, twin: Any, state: Mapping[str, float], load_factor: float, variant: str = "", time: float = 0.0
+        self, twin: Any, state: Mapping[str, float], load_factor: float, place: str = "", time: float = 0.0
     ) -> FloatArray:
         """Return the change of the gauge strains (n_gauges,) in microstrain per unit of size."""
         shares = {"": 1.0} | {parameter: -damage for parameter, damage in state.items() if damage}

@@ -32,7 +32,7 @@ TITLES = {"top": "top skin: damage regions and gauges", "bottom": "bottom skin",
 
 
 def region_picture(wing: Wing) -> Figure:
-    """Return the planform seen from above, one panel a surface: damage regions with their names, gauges on the top."""
+    """Return the planform from above, one panel per surface: damage regions with their names, gauges on the top."""
     held = [surface for surface in SURFACES if any(region.surface == surface for region in wing.regions)]
     heights = [1.0 if surface == "web" else 2.6 for surface in held]
     figure = Figure(figsize=(10, sum(heights)), layout="constrained")

@@ -59,9 +59,7 @@ def write_vtu(
 
 
 def near_shape(wing: Wing, moved: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return displacements (n_nodes, 3) [m] and face strains (n_elements,) [microstrain] of a linear solution (n_nodes,
-    6).
-    """
+    """Return displacements (n_nodes, 3) [m] and face strains (n_elements,) [microstrain] of a solution (n_nodes, 6)."""
     quads = wing.structure.shells.mesh.quads
     return moved[:, :3], face_strains(wing, moved.ravel()[dofs_of_nodes(quads)].reshape(len(quads), -1))
 

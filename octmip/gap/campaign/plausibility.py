@@ -158,7 +158,7 @@ def _refuse_sign(sheet: Sheet) -> None:
 
 
 def _refuse_divided(sheet: Sheet) -> None:
-    """Readings divided by the load factor fit at load factor 1 and are half of what they should be at 2."""
+    """Refuse readings divided by the load factor: right at load factor 1, half of what they should be at 2."""
     loads = [load for load in sorted(set(sheet.loads.tolist())) if load != 0.0]
     if not loads or max(np.abs(loads)) < 2.0:
         return

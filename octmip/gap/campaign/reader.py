@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from octmip.errors import DataError
 from octmip.gap.campaign.campaign import Campaign
 from octmip.gap.campaign.plausibility import Sheet, doubts, refuse_nonsense
-from octmip.gap.campaign.table import Table, read_table
+from octmip.gap.campaign.table import CampaignTable, read_campaign_table
 from octmip.twin import Twin, state_parameters
 
 HOTTEST = 150.0
@@ -32,7 +32,7 @@ def read_campaign(path: str | Path, twin: Twin) -> Campaign:
         an unknown or missing column, a cell that is no number, a load factor left out, a test of two states,
         units a factor off, a turned sign, all readings equal; the message names the row and the column.
     """
-    table = read_table(path)
+    table = read_campaign_table(path)
     parameters = state_parameters(twin)
     _check_header(table, twin.gauges, parameters)
     gauges = tuple(name for name in table.header if name in twin.gauges)
@@ -50,7 +50,7 @@ def read_campaign(path: str | Path, twin: Twin) -> Campaign:
 
 
 def _sheet(
-    table: Table,
+    table: CampaignTable,
     twin: Twin,
     gauges: tuple[str, ...],
     tests: tuple[str, ...],
@@ -62,7 +62,7 @@ def _sheet(
     return Sheet(table.numbers, tests, gauges, loads, readings, np.array([healthy[load] for load in loads.tolist()]))
 
 
-def _check_header(table: Table, gauges: tuple[str, ...], parameters: tuple[str, ...]) -> None:
+def _check_header(table: CampaignTable, gauges: tuple[str, ...], parameters: tuple[str, ...]) -> None:
     header, where = table.header, f"row {table.header_number} (header)"
     twice = sorted({name for name in header if header.count(name) > 1})
     if twice:
@@ -89,7 +89,7 @@ def _plain(name: str) -> str:
     return re.sub(r"(?<!\d)0+(?=\d)", "", letters)
 
 
-def _tests(table: Table) -> tuple[str, ...]:
+def _tests(table: CampaignTable) -> tuple[str, ...]:
     tests = table.texts("test")
     for name, number in zip(tests, table.numbers, strict=True):
         if not name:
@@ -97,7 +97,7 @@ def _tests(table: Table) -> tuple[str, ...]:
     return tests
 
 
-def _refuse_missing(values: NDArray[np.float64], table: Table, name: str) -> None:
+def _refuse_missing(values: NDArray[np.float64], table: CampaignTable, name: str) -> None:
     missing = np.flatnonzero(np.isnan(values))
     if missing.size:
         raise DataError(
@@ -106,7 +106,7 @@ def _refuse_missing(values: NDArray[np.float64], table: Table, name: str) -> Non
         )
 
 
-def _refuse_huge(loads: NDArray[np.float64], table: Table) -> None:
+def _refuse_huge(loads: NDArray[np.float64], table: CampaignTable) -> None:
     """Refuse loads at which a twin's own numbers overflow; newtons are found later, beside the twin's strains."""
     huge = np.flatnonzero(np.abs(loads) > MOST_LOAD)
     if huge.size:
@@ -116,11 +116,11 @@ def _refuse_huge(loads: NDArray[np.float64], table: Table) -> None:
         )
 
 
-def _optional(table: Table, name: str) -> NDArray[np.float64]:
+def _optional(table: CampaignTable, name: str) -> NDArray[np.float64]:
     return table.floats(name) if name in table.header else np.full(len(table.rows), np.nan)
 
 
-def _states(table: Table, parameters: tuple[str, ...], tests: tuple[str, ...]) -> NDArray[np.float64]:
+def _states(table: CampaignTable, parameters: tuple[str, ...], tests: tuple[str, ...]) -> NDArray[np.float64]:
     """Return the states (n_rows, n_parameters); refuse what is no fraction, and a test of two states."""
     states = np.array([_optional(table, name) for name in parameters]).reshape(len(parameters), len(tests)).T
     bad = np.argwhere((states < 0.0) | (states >= 1.0))
@@ -148,7 +148,7 @@ def _shown(value: float) -> str:
     return "empty" if np.isnan(value) else f"{value:g}"
 
 
-def _notes(table: Table, twin: Twin, gauges: tuple[str, ...], states: NDArray[np.float64]) -> list[str]:
+def _notes(table: CampaignTable, twin: Twin, gauges: tuple[str, ...], states: NDArray[np.float64]) -> list[str]:
     notes = []
     absent = [name for name in twin.gauges if name not in gauges]
     if absent:
@@ -158,7 +158,7 @@ def _notes(table: Table, twin: Twin, gauges: tuple[str, ...], states: NDArray[np
     return notes
 
 
-def _side_notes(table: Table, time: NDArray[np.float64], temperature: NDArray[np.float64]) -> list[str]:
+def _side_notes(table: CampaignTable, time: NDArray[np.float64], temperature: NDArray[np.float64]) -> list[str]:
     notes = []
     missing = np.flatnonzero(np.isnan(time))
     if 0 < missing.size < len(time):

@@ -13,13 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
+from octmip.formats.cells import CsvRows, plain_number
 
 OTHER_SEPARATORS = {";": "semicolons", "\t": "tabs", "|": "bars"}
 
 
 @dataclass(frozen=True, slots=True)
-class Table:
-    """The cells of a file.
+class CampaignTable:
+    """The cells of a campaign's file as text.
 
     Attributes
     ----------
@@ -54,8 +55,8 @@ class Table:
         return np.array([_number(text, k, name) for text, k in zip(self.texts(name), self.numbers, strict=True)])
 
 
-def read_table(path: str | Path) -> Table:
-    """Return the table in a file.
+def read_campaign_table(path: str | Path) -> CampaignTable:
+    """Return the table in a campaign's file.
 
     Raises
     ------
@@ -84,7 +85,7 @@ def read_table(path: str | Path) -> Table:
     for k, row in body:
         if len(row) != len(header):
             raise DataError(_ragged(k, row, len(header)))
-    return Table(header, number, tuple(tuple(row) for _, row in body), tuple(k for k, _ in body))
+    return CampaignTable(header, number, tuple(tuple(row) for _, row in body), tuple(k for k, _ in body))
 
 
 def _text(path: Path) -> str:
@@ -100,25 +101,19 @@ def _text(path: Path) -> str:
 
 def _parsed(text: str) -> Iterator[tuple[int, list[str]]]:
     """Yield each row with the number of its first line."""
-    taken: list[int] = []
+    rows = CsvRows(_content(text), strict=True)
+    try:
+        for row in rows:
+            yield rows.first, row
+    except csv.Error as error:
+        raise DataError(f"row {rows.first} is no CSV ({error}); close its quotation marks or take them out") from error
 
-    def lines() -> Iterator[str]:
-        for k, line in enumerate(text.splitlines(keepends=True), start=1):
-            if line.strip() and not line.startswith("#"):
-                taken.append(k)
-                yield line
 
-    reader = csv.reader(lines(), strict=True)
-    while True:
-        first = len(taken)
-        try:
-            row = next(reader)
-        except StopIteration:
-            return
-        except csv.Error as error:
-            start = taken[min(first, len(taken) - 1)]
-            raise DataError(f"row {start} is no CSV ({error}); close its quotation marks or take them out") from error
-        yield taken[first], row
+def _content(text: str) -> Iterator[tuple[int, str]]:
+    """Yield the lines with their numbers, comments and empty lines left out."""
+    for number, line in enumerate(text.splitlines(keepends=True), start=1):
+        if line.strip() and not line.startswith("#"):
+            yield number, line
 
 
 def _refuse_separator(header: tuple[str, ...], number: int) -> None:
@@ -139,13 +134,12 @@ def _ragged(number: int, row: list[str], expected: int) -> str:
 def _number(text: str, row: int, column: str) -> float:
     if not text:
         return float("nan")
-    try:
-        value = float(text if text.isascii() and "_" not in text else "no plain number")  # Python takes 1_000 and more
-    except ValueError:
+    value = plain_number(text)
+    if value is None:
         hint = "clear the cell if nothing is known"
         if "," in text:
             hint = "write decimal points and no thousands separators"
-        raise DataError(f"row {row}, column {column} is {text!r}; expected a number or nothing; {hint}") from None
+        raise DataError(f"row {row}, column {column} is {text!r}; expected a number or nothing; {hint}")
     if not np.isfinite(value):
         raise DataError(f"row {row}, column {column} is {text!r}; expected a finite number; leave it empty if missing")
     return value

@@ -23,12 +23,12 @@ class CommonGain:
     load_power: int | None = None
     seen_by: tuple[str, ...] = ("shunt_reading",)
 
-    def variants(self, twin: Twin) -> tuple[str, ...]:
-        """Return the whole."""
+    def places(self, twin: Twin) -> tuple[str, ...]:
+        """Return the one place, the whole structure."""
         return ("",)
 
     def signature(
-        self, twin: Twin, state: State, load_factor: float, variant: str = "", time: float = 0.0
+        self, twin: Twin, state: State, load_factor: float, place: str = "", time: float = 0.0
     ) -> NDArray[np.float64]:
         """Return the change of the readings (n_gauges,) in microstrain per unit of size."""
         return 0.01 * twin.predict(state, load_factor)

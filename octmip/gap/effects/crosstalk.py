@@ -27,20 +27,20 @@ class Crosstalk:
     load_power: int | None = None
     seen_by: tuple[str, ...] = ("shunt_reading",)
 
-    def variants(self, twin: Twin) -> tuple[str, ...]:
+    def places(self, twin: Twin) -> tuple[str, ...]:
         """Return the ordered pairs of neighbouring channels, reading first."""
         pairs = list(zip(twin.gauges, twin.gauges[1:], strict=False))
         return tuple(f"{a}<{b}" for a, b in [*pairs, *((b, a) for a, b in pairs)])
 
-    def gauges_of(self, twin: Twin, variant: str) -> tuple[str, ...]:
+    def gauges_of(self, twin: Twin, place: str) -> tuple[str, ...]:
         """Return the two gauges of a place."""
-        return tuple(twin.gauges[k] for k in pair_of(twin, variant, "<"))
+        return tuple(twin.gauges[k] for k in pair_of(twin, place, "<"))
 
     def signature(
-        self, twin: Twin, state: State, load_factor: float, variant: str = "", time: float = 0.0
+        self, twin: Twin, state: State, load_factor: float, place: str = "", time: float = 0.0
     ) -> NDArray[np.float64]:
         """Return the change of the readings (n_gauges,) in microstrain per unit of size."""
         change = np.zeros(len(twin.gauges))
-        reading, source = pair_of(twin, variant, "<")
+        reading, source = pair_of(twin, place, "<")
         change[reading] = 0.01 * twin.predict(state, load_factor)[source]
         return change

@@ -25,12 +25,12 @@ class LoadFactorError:
     load_power: int | None = None
     seen_by: tuple[str, ...] = ("applied_load",)
 
-    def variants(self, twin: Twin) -> tuple[str, ...]:
-        """Return the whole."""
+    def places(self, twin: Twin) -> tuple[str, ...]:
+        """Return the one place, the whole structure."""
         return ("",)
 
     def signature(
-        self, twin: Twin, state: State, load_factor: float, variant: str = "", time: float = 0.0
+        self, twin: Twin, state: State, load_factor: float, place: str = "", time: float = 0.0
     ) -> NDArray[np.float64]:
         """Return the change of the readings (n_gauges,) in microstrain per unit of size."""
         step = 0.01

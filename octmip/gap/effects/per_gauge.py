@@ -72,21 +72,21 @@ class PerGauge:
     needs_positions: bool = False
     seen_by: tuple[str, ...] = ()
 
-    def variants(self, twin: Twin) -> tuple[str, ...]:
+    def places(self, twin: Twin) -> tuple[str, ...]:
         """Return the gauges; none where their positions are needed and the twin does not say them."""
         if self.needs_positions and getattr(twin, "gauge_positions", None) is None:
             return ()
         return twin.gauges
 
-    def gauges_of(self, twin: Twin, variant: str) -> tuple[str, ...]:
+    def gauges_of(self, twin: Twin, place: str) -> tuple[str, ...]:
         """Return the gauge of a place."""
-        return (variant,)
+        return (place,)
 
     def signature(
-        self, twin: Twin, state: State, load_factor: float, variant: str = "", time: float = 0.0
+        self, twin: Twin, state: State, load_factor: float, place: str = "", time: float = 0.0
     ) -> NDArray[np.float64]:
         """Return the change of the readings (n_gauges,) in microstrain per unit of size."""
-        gauge = twin.gauges.index(variant)
+        gauge = twin.gauges.index(place)
         change = np.zeros(len(twin.gauges))
         change[gauge] = self.formula(Moment(twin, state, load_factor, gauge, time))
         return change

@@ -25,20 +25,20 @@ class SwappedPair:
     seen_by: tuple[str, ...] = ("channel_order",)
     acts_on_readings: bool = True
 
-    def variants(self, twin: Twin) -> tuple[str, ...]:
+    def places(self, twin: Twin) -> tuple[str, ...]:
         """Return the pairs of gauges."""
         return tuple(f"{a}/{b}" for k, a in enumerate(twin.gauges) for b in twin.gauges[k + 1 :])
 
-    def gauges_of(self, twin: Twin, variant: str) -> tuple[str, ...]:
+    def gauges_of(self, twin: Twin, place: str) -> tuple[str, ...]:
         """Return the two gauges of a place."""
-        return tuple(twin.gauges[k] for k in pair_of(twin, variant, "/"))
+        return tuple(twin.gauges[k] for k in pair_of(twin, place, "/"))
 
     def signature(
-        self, twin: Twin, state: State, load_factor: float, variant: str = "", time: float = 0.0
+        self, twin: Twin, state: State, load_factor: float, place: str = "", time: float = 0.0
     ) -> NDArray[np.float64]:
         """Return the change of the readings (n_gauges,) in microstrain per unit of size."""
         change = np.zeros(len(twin.gauges))
-        first, second = pair_of(twin, variant, "/")
+        first, second = pair_of(twin, place, "/")
         strain = twin.predict(state, load_factor)
         change[first] = strain[second] - strain[first]
         change[second] = -change[first]

@@ -120,7 +120,7 @@ def candidates_of(effects: Mapping[str, Effect], twin: Twin, gauges: Sequence[st
     for effect in effects.values():
         if not effect.prior_sd > 0.0:
             raise DataError(f"effect {effect.name} has prior_sd {effect.prior_sd}; expected a positive size")
-        places = [place for place in effect.variants(twin) if absent.isdisjoint(_gauges_of(effect, twin, place))]
+        places = [place for place in effect.places(twin) if absent.isdisjoint(_gauges_of(effect, twin, place))]
         found += [Candidate(effect, place, 1.0 / len(places)) for place in places]
     return tuple(found)
 

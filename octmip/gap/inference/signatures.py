@@ -56,7 +56,7 @@ def load_steps(campaign: Campaign) -> Steps:
 def on_readings(gauges: tuple[str, ...], effect: Effect, places: Sequence[str], readings: Floats) -> Floats:
     """Return what an effect that acts on readings (n_gauges,) changes in them, by place (n_places, n_gauges)."""
     seen = _Readings(gauges, readings)
-    return np.array([effect.signature(seen, {}, 1.0, variant=place) for place in places])
+    return np.array([effect.signature(seen, {}, 1.0, place=place) for place in places])
 
 
 def _states_of(inputs: Inputs, states: Floats) -> list[dict[str, float]]:

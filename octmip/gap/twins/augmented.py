@@ -85,7 +85,7 @@ class AugmentedTwin:
             if forward is not None:
                 strain = np.asarray(forward(before, state, load_factor, addition.size, addition.place, time))
             else:
-                change = addition.effect.signature(before, state, load_factor, variant=addition.place, time=time)
+                change = addition.effect.signature(before, state, load_factor, place=addition.place, time=time)
                 strain = strain + addition.size * change
         return np.asarray(strain, dtype=np.float64)
 

@@ -89,7 +89,7 @@ class CachedTwin:
             return factor * self.signatures(effect, places, state, 1.0, time)
         key = (id(effect), places, time, _key(state, load_factor))
         if key not in self._signatures:
-            rows = [effect.signature(self, state, load_factor, variant=place, time=time) for place in places]
+            rows = [effect.signature(self, state, load_factor, place=place, time=time) for place in places]
             self._asked[id(effect)] = effect
             self._signatures[key] = np.array(rows, dtype=np.float64)
         return self._signatures[key]

@@ -1,4 +1,4 @@
-"""Axis: thresholds on dense ranks. A cut k of feature j sends the ranks 0 .. k left, as in `octmip.encoding`."""
+"""Axis-aligned splits as cuts of dense ranks: cut k of feature j sends the ranks 0 .. k left, as `octmip.encoding`."""
 
 import numpy as np
 
@@ -18,12 +18,12 @@ def require_axis(problem: Problem, method: str) -> None:
     """
     if problem.split != "axis":
         raise ProblemError(
-            f"method {method!r} finds axis-aligned trees but split is {problem.split!r}; say method='oct_h' or 'flow'"
+            f"method {method!r} finds axis-aligned trees but split is {problem.split!r}; choose 'oct_h' or 'flow'"
         )
 
 
 def n_cuts(ranks: Ranks) -> list[int]:
-    """Return how many cuts each feature has: its number of values less one."""
+    """Return the number of cuts of each feature: its number of values less one."""
     return [len(values) - 1 for values in ranks.values]
 
 

@@ -1,4 +1,4 @@
-"""Class counts: what q leaves can earn on a set of samples of which only the class weights are known.
+"""Class counts: the most that q leaves can earn on samples of which only the class weights are known.
 
 Let Cmax_i be the largest cost of class i and gain[i, k] = Cmax_i - C[i, k] what predicting k earns over it. The q
 leaves below one side of a split name at most q labels Q, so with class weights W on that side they earn at most
@@ -25,7 +25,7 @@ MOST_LABEL_SETS = 500  # beyond it every class is taken to be earned: still a bo
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ClassCount:
-    """Class weights on the left of every cut of every feature, and what leaves can earn on them."""
+    """Class weights on the left of every cut of every feature, and the most that leaves can earn on them."""
 
     problem: Problem
     ranks: Ranks
@@ -33,7 +33,7 @@ class ClassCount:
 
     @property
     def worst(self) -> float:
-        """Cost when every sample has its dearest label."""
+        """Cost when every sample has its most expensive label."""
         return self.prices.worst
 
     @property
@@ -63,7 +63,7 @@ class ClassCount:
         return np.asarray((weights @ np.array(sets).T).max(axis=1))
 
     def earned_by_side(self, j: int, n_leaves: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return what `n_leaves` leaves earn at most left and right of each cut of feature j, shapes (n_cuts,)."""
+        """Return the most that `n_leaves` leaves earn left and right of each cut of feature j, shapes (n_cuts,)."""
         left = self.left_of_cuts(j)
         return self.earned(left, n_leaves), self.earned(self.total() - left, n_leaves)
 

@@ -1,4 +1,4 @@
-"""Fixing: which cuts a better tree than the one known may need. The others are left out of the model.
+"""Fixing of cuts: those that no tree better than the known one needs are left out of the model.
 
 Three reasons to leave a cut out, each with its proof; a cut that the known tree makes always stays: it is the start.
 
@@ -27,7 +27,7 @@ from octmip.mip.blocks import axis
 from octmip.mip.blocks.classcount import ClassCount
 from octmip.mip.blocks.heap import Heap, Placed
 from octmip.mip.blocks.thresholds import Cuts
-from octmip.mip.rows import Watch
+from octmip.mip.rows import LimitCheck
 from octmip.problem import Problem
 from octmip.tree import Split
 
@@ -35,21 +35,25 @@ MOST_WORK = 3e8  # root cuts x cuts x classes: some seconds
 
 
 def admissible_cuts(
-    problem: Problem, counts: ClassCount, heap: Heap, best: Placed, price: float, *, level: int, watch: Watch
+    problem: Problem, counts: ClassCount, heap: Heap, best: Placed, price: float, *, level: int, check: LimitCheck
 ) -> dict[int, Cuts]:
     """Return the cuts of each branch node that a better tree than `best` may need, and those of `best` itself.
 
-    Args:
-        price: that of `best`.
-        level: 0 leaves every cut in; 1 boundary and class counts at the root; 2 class counts in pairs too.
-        watch: called now and then; may raise when a limit is reached.
+    Parameters
+    ----------
+    price
+        that of `best`.
+    level
+        0 leaves every cut in; 1 boundary and class counts at the root; 2 class counts in pairs too.
+    check
+        called now and then; may raise when a limit is reached.
     """
     ranks = counts.ranks
     usable = axis.usable_features(problem, ranks)
     everything = {j: np.arange(axis.n_cuts(ranks)[j]) for j in usable}
     admissible: dict[int, Cuts] = {}
     for m in heap.branches:
-        watch()
+        check()
         admissible[m] = dict(everything)
     if level >= 1:
         better = price - 1e-9 * max(1.0, price)
@@ -59,7 +63,7 @@ def admissible_cuts(
             for m in filter(heap.is_last_level, heap.branches):
                 admissible[m] = {j: np.intersect1d(admissible[m][j], boundaries[j]) for j in usable}
         if level >= 2 and heap.depth >= 2 and usable:
-            _fix_pairs(admissible, _Pairs(problem, ranks, counts, tuple(usable)), better, watch)
+            _fix_pairs(admissible, _Pairs(problem, ranks, counts, tuple(usable)), better, check)
     for m, split in best.splits.items():
         if isinstance(split, Split):
             own = admissible[m].get(split.feature, np.zeros(0, dtype=np.int64))
@@ -75,7 +79,7 @@ def _boundaries(problem: Problem, ranks: Ranks, j: int) -> NDArray[np.int64]:
     return np.flatnonzero((only[:-1] != only[1:]) | (only[:-1] < 0))
 
 
-def _fix_pairs(admissible: dict[int, Cuts], pairs: "_Pairs", better: float, watch: Watch) -> None:
+def _fix_pairs(admissible: dict[int, Cuts], pairs: "_Pairs", better: float, check: LimitCheck) -> None:
     """Fix the cuts of the root and of its children, in place."""
     roots = admissible[1]
     if sum(map(len, roots.values())) * pairs.n_values * pairs.counts.prices.n_profiles > MOST_WORK:
@@ -85,7 +89,7 @@ def _fix_pairs(admissible: dict[int, Cuts], pairs: "_Pairs", better: float, watc
         kept = []
         payable = pairs.payable_with(j)
         for cut in cuts:
-            watch()
+            check()
             is_left = pairs.ranks.ranks[j] <= cut
             left, most_left = pairs.earned(is_left, payable)
             right, most_right = pairs.earned(~is_left, payable)
@@ -101,7 +105,7 @@ def _fix_pairs(admissible: dict[int, Cuts], pairs: "_Pairs", better: float, watc
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Pairs:
-    """What the cuts of a child can earn on any part of the samples; all values of all features in one flat array."""
+    """Earnings of the cuts of a child on any part of the samples; all values of all features in one flat array."""
 
     problem: Problem
     ranks: Ranks
@@ -120,7 +124,7 @@ class _Pairs:
 
     @property
     def first(self) -> dict[int, int]:
-        """Where each usable feature begins in the flat array."""
+        """Position of each usable feature's first value in the flat array."""
         return dict(zip(self.usable, np.cumsum([0, *self.sizes[:-1]]).tolist(), strict=True))
 
     def payable_with(self, j: int) -> NDArray[np.bool_]:
@@ -131,7 +135,7 @@ class _Pairs:
         return np.repeat(is_payable, self.sizes)
 
     def earned(self, rows: NDArray[np.bool_], payable: NDArray[np.bool_]) -> tuple[NDArray[np.float64], float]:
-        """Return what a child with the samples `rows` earns by each payable cut, shape (n_values,), and its most."""
+        """Return the earnings (n_values,) of a child with the samples `rows` by each payable cut, and their maximum."""
         prices, n_leaves = self.counts.prices, 2 ** (self.problem.depth - 2)
         n_profiles = prices.n_profiles
         first = np.array(list(self.first.values()))[:, None]

@@ -1,4 +1,4 @@
-"""Groups: samples of the same features and class, which no tree can tell apart, and what each can earn."""
+"""Groups: samples of the same features and class, which no tree can tell apart, with the earning of each label."""
 
 from dataclasses import dataclass
 
@@ -23,7 +23,7 @@ class Groups:
     pair_group, pair_label
         (n_pairs,) group and label of each pair.
     earning
-        (n_pairs,) what the whole group earns by that label over its dearest one: positive.
+        (n_pairs,) what the whole group earns by that label over its most expensive one: positive.
     """
 
     sample: NDArray[np.int64]

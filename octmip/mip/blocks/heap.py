@@ -122,7 +122,9 @@ def place(tree: Node, heap: Heap, features: NDArray[np.float64]) -> Placed:
     while stack:
         node, m, rows = stack.pop()
         if m > heap.leaves[-1] or (m in heap.leaves and not isinstance(node, Leaf)):
-            raise TreeError(f"a tree of depth {depth(tree)} does not fit into {heap.depth} levels of splits")
+            raise TreeError(
+                f"a tree of depth {depth(tree)} does not fit into {heap.depth} levels of splits; give a shallower one"
+            )
         if isinstance(node, Leaf):
             while m not in heap.leaves:
                 m = 2 * m + 1
@@ -135,7 +137,7 @@ def place(tree: Node, heap: Heap, features: NDArray[np.float64]) -> Placed:
     return Placed(splits, labels, position)
 
 
-def lift(heap: Heap, splits: Mapping[int, Split | HyperplaneSplit], labels: Mapping[int, int]) -> Node:
+def to_tree(heap: Heap, splits: Mapping[int, Split | HyperplaneSplit], labels: Mapping[int, int]) -> Node:
     """Return the tree of a heap: the inverse of `place`. The children of the given splits are not read."""
 
     def build(m: int) -> Node:

@@ -95,8 +95,10 @@ class Space:
 def space_of(problem: Problem, *, centred: bool = True) -> Space:
     """Return the space that the hyperplanes of a problem are written in.
 
-    Args:
-        centred: real normals: features in [-1/2, 1/2], which halves the big M; False: in [0, 1], as printed.
+    Parameters
+    ----------
+    centred
+        real normals: features in [-1/2, 1/2], which halves the big M; False: in [0, 1], as printed.
     """
     exponent = _extreme_exponents(problem.features)
     if problem.integer_normals is not None:
@@ -132,7 +134,7 @@ def _extreme_exponents(features: NDArray[np.float64]) -> NDArray[np.int64]:
 
 
 def _decimal_digits(features: NDArray[np.float64]) -> int | None:
-    """Return after how many decimal digits all features end, None when that is more than `MOST_DIGITS`."""
+    """Return the number of decimal digits after which all features end, None when that is more than `MOST_DIGITS`."""
     for digits in range(MOST_DIGITS + 1):
         scaled = np.round(features * 10.0**digits)
         if (scaled / 10.0**digits == features).all() and np.abs(scaled).max() < 2.0**52:
@@ -161,7 +163,7 @@ class Hyperplanes:
 
     @property
     def notes(self) -> dict[str, object]:
-        """What is to be said about the splits in a Solution."""
+        """Details of the splits for a Solution."""
         kind = "integer" if self.space.is_integer else "real"
         return {"mu": self.mu, "normals": kind, "is_strictness_exact": self.space.is_exact}
 
@@ -173,7 +175,7 @@ class Hyperplanes:
         return f"mu-separated trees: every sample that a leaf keeps lies outside a band of {self.mu:.3g} at each split"
 
     def add_routing(self, rows: Rows, m: int, samples: NDArray[np.int64], left: Term, right: Term) -> None:
-        """Add that what flows left (right) at node m lies left (right) of its band; big M, once a node."""
+        """Add that what flows left (right) at node m lies left (right) of its band; big M, once per node."""
         a, b, x = self.a[:, m - 1][None, :], self.b[[m - 1]], self.space.x[samples]
         wide = 2 * self.space.reach
         rows.add("left", -np.inf, wide, (a, x), (b, -1.0), (left[0], left[1] * (wide + self.mu)))
@@ -305,7 +307,7 @@ def add_hyperplanes(
 
 
 def usable_features(problem: Problem) -> list[bool]:
-    """Return which features a split may read: not constant, affordable, in some group of allowed_splits."""
+    """Return whether a split may read each feature: not constant, affordable, in some group of allowed_splits."""
     varies = problem.features.min(axis=0) < problem.features.max(axis=0)
     affordable = problem.sensor_costs[problem.sensor_index] <= problem.sensor_limit
     return [bool(varies[j] and affordable[j] and problem.is_allowed((j,))) for j in range(problem.n_features)]
@@ -335,6 +337,6 @@ def choose_mu(space: Space, placed: Placed, heap: Heap) -> float:
 
 
 def all_samples_band(placed: Placed, heap: Heap, m: int) -> Band:
-    """Return which samples lie below the left, and the right, child of node m."""
+    """Return masks of the samples below the left and the right child of node m."""
     left, right = (np.isin(placed.position, heap.leaves_under(child)) for child in (2 * m, 2 * m + 1))
     return left, right

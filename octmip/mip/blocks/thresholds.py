@@ -6,7 +6,8 @@
 
 Branching on S_mjr halves an interval of thresholds, where branching on the paper's b_t moves nothing.
 
-Cuts that no better tree needs are left out of the model (`octmip.mip.blocks.fixing`); the ones that remain are numbered anew.
+Cuts that no better tree needs are left out of the model (`octmip.mip.blocks.fixing`); those that remain are numbered
+anew.
 """
 
 from collections.abc import Mapping
@@ -37,7 +38,7 @@ class Thresholds:
 
     @property
     def notes(self) -> dict[str, object]:
-        """What is to be said about the splits in a Solution: how many cuts each branch node may make."""
+        """Details of the splits for a Solution: the number of cuts that each branch node may make."""
         return {"cuts": {str(m): sum(map(len, of_node.values())) for m, of_node in self.cuts.items()}}
 
     def first(self, m: int) -> Columns:
@@ -106,7 +107,7 @@ def add_thresholds(
     *,
     penalty: float,
 ) -> Thresholds:
-    """Add S, its monotony, at most one feature a node, no split below an unsplit node, at most `max_splits`."""
+    """Add S, its monotony, at most one feature per node, no split below an unsplit node, at most `max_splits`."""
     lengths = [len(of_feature) for at_node in cuts.values() for of_feature in at_node.values()]
     count = sum(lengths)
     price = np.zeros(count)  # the penalty is paid by S_mj0, the first column of each feature

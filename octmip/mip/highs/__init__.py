@@ -1,1 +1,1 @@
-"""HiGHS: runs of it in processes of their own, what is fed to it, and what of its claims is believed."""
+"""HiGHS: its runs in processes of their own, the incumbents handed to it, and the claims of it that are believed."""

@@ -1,4 +1,4 @@
-"""Claims: how exactly HiGHS must compute on a model, and what of its bound is believed.
+"""Claims of HiGHS: the accuracy that a model needs, and the bound that may be believed.
 
 A tree keeps every row and every integrality of its model exactly, at an objective that is a whole number of price
 units (`octmip.mip.prices`). So HiGHS's bound B is false of a tree priced T < B only if HiGHS cut that tree off. Kept
@@ -15,8 +15,8 @@ tolerances leave two ways to do that:
 Hence T >= min(B, incumbent - g) - e, and T is whole, so T >= ceil of that. With g = 1 - 2 e - `ROUNDING` nothing is
 lost to the gap as long as e < 1/2; t is chosen for that, down to HiGHS's finest.
 
-What this takes for granted is that HiGHS keeps its tolerances. Where a known tree contradicts the bound, it has not,
-and nothing of the bound is believed.
+This assumes that HiGHS keeps its tolerances. Where a known tree contradicts the bound, it has not, and nothing of the
+bound is believed.
 """
 
 import math
@@ -35,7 +35,7 @@ MOST_LEAK = 0.2  # what a big M lets through at an integrality that HiGHS takes 
 
 @dataclass(frozen=True, slots=True)
 class Accuracy:
-    """How exactly HiGHS must compute.
+    """The accuracy with which HiGHS must compute.
 
     Attributes
     ----------
@@ -57,13 +57,13 @@ class Accuracy:
         return max(1 - 2 * self.error - ROUNDING, ROUNDING)
 
     def bound(self, outcome: Outcome) -> int:
-        """Return what no tree of the model is priced below; 0 if HiGHS has nothing to say."""
+        """Return the price that no tree of the model lies below; 0 if HiGHS proves nothing."""
         reached = min(outcome.bound, outcome.objective - self.absolute_gap) - self.error
         return max(math.ceil(reached), 0) if math.isfinite(reached) else 0
 
 
 def accuracy(rows: Rows, prices: Prices, tolerance: float) -> Accuracy:
-    """Return how exactly HiGHS must compute on a model, at least as finely as `tolerance`."""
+    """Return the accuracy with which HiGHS must compute on a model, at least as fine as `tolerance`."""
     ranges = _ranges(rows, prices)
     dual = min(max(MOST_ERROR / ranges, SMALLEST_DUAL), LARGEST_DUAL)
     leak = min(tolerance, max(MOST_LEAK / max(prices.worst, 1.0), SMALLEST_PRIMAL))
@@ -83,6 +83,6 @@ def _ranges(rows: Rows, prices: Prices) -> float:
 
 
 def _most(rows: Rows, prices: Prices) -> dict[str, float]:
-    """Return, by letter, how large a column may be that has no bound of its own."""
+    """Return, by letter, the largest value of the columns that have no bound of their own."""
     weight, n_priced = float(prices.weights.sum()), rows.n_columns
     return {"N_t": weight, "N_kt": weight, "L": prices.worst, "objective": prices.worst + prices.penalty * n_priced}

@@ -1,9 +1,9 @@
 """HiGHS: one run of the solver on a model, with limits, Ctrl-C, progress, a start and injected incumbents.
 
-HiGHS runs in a process of its own (`octmip.mip.highs.worker`) while this one waits and keeps time and memory: HiGHS looks at
-its time too rarely within a relaxation and not at all in presolve, and has no limit of memory. At a limit, or at
-Ctrl-C, it is asked to end; if it has not after `GRACE` it is killed, and the last incumbent and bound that it reported
-stand.
+HiGHS runs in a process of its own (`octmip.mip.highs.worker`) while this one waits and keeps time and memory: HiGHS
+looks at its time too rarely within a relaxation and not at all in presolve, and has no limit of memory. At a limit, or
+at Ctrl-C, it is asked to end; if it has not after `GRACE` it is killed, and the last incumbent and bound that it
+reported stand.
 """
 
 import math
@@ -35,13 +35,13 @@ _STOPS = {
     "kInterrupt": Stop.INTERRUPTED,
     "kMemoryLimit": Stop.MEMORY,
 }
-"""What HiGHS ended with, by its name. Every model holds a tree without a split, so "infeasible" is an error of
-arithmetic like all that is not named: `Stop.NUMERICS`."""
+"""The stop for each status of HiGHS, by its name. Every model holds a tree without a split, so "infeasible" is an
+error of arithmetic like all that is not named: `Stop.NUMERICS`."""
 
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """How HiGHS is run.
+    """Options of a run of HiGHS.
 
     Attributes
     ----------
@@ -72,7 +72,7 @@ class Options:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Outcome:
-    """What one run of HiGHS came to.
+    """The outcome of one run of HiGHS.
 
     Attributes
     ----------
@@ -85,7 +85,7 @@ class Outcome:
     stop
         why it ended; `Stop.NUMERICS` when it failed.
     status
-        what HiGHS itself said, or what happened to its process.
+        the status of HiGHS itself, or what happened to its process.
     n_nodes
         nodes of its tree.
     seconds
@@ -115,12 +115,16 @@ def run(
     progress: ProgressCallback | None = None,
     inject: Callable[[float], NDArray[np.float64] | None] | None = None,
 ) -> Outcome:
-    """Solve a model and return what came of it.
+    """Solve a model and return the outcome.
 
-    Args:
-        start: (n_columns,) a full solution to start from.
-        progress: called in this thread while HiGHS runs; what it raises stops the run and is raised again.
-        inject: called in this thread with HiGHS's best objective; may return a better solution (n_columns,).
+    Parameters
+    ----------
+    start
+        (n_columns,) a full solution to start from.
+    progress
+        called in this thread while HiGHS runs; what it raises stops the run and is raised again.
+    inject
+        called in this thread with HiGHS's best objective; may return a better solution (n_columns,).
 
     Raises
     ------
@@ -128,7 +132,7 @@ def run(
         HiGHS refused the model or an option, or its process cannot be started.
     """
     with lent_worker() as lent:
-        return _Watch(lent, options.limits, progress, inject).over(_job(rows, _settings(options), start, inject))
+        return _Supervisor(lent, options.limits, progress, inject).over(_job(rows, _settings(options), start, inject))
 
 
 def arrays(rows: Rows, *, named: bool = False) -> dict[str, Any]:
@@ -156,17 +160,17 @@ def write(rows: Rows, path: Path) -> None:
         HiGHS could not write it.
     """
     if path.suffix not in (".mps", ".lp"):
-        raise SolverError(f"model file {path} ends in {path.suffix!r}; expected .mps or .lp")
+        raise SolverError(f"model file {path} ends in {path.suffix!r}; expected .mps or .lp; rename it")
     highs = worker.load(arrays(rows, named=True))
     if highs is None or highs.writeModel(str(path)) == highspy.HighsStatus.kError:
-        raise SolverError(f"HiGHS {VERSION} could not write the model to {path}; is the folder there and writable?")
+        raise SolverError(f"HiGHS {VERSION} could not write the model to {path}; expected a writable folder; create it")
 
 
 def relax(rows: Rows, limits: Limits = Limits()) -> float:  # noqa: B008  (frozen)
     """Return the bound of the linear relaxation of a model; -inf when the limits do not suffice."""
     with lent_worker() as lent:
         settings: dict[str, Any] = {"solve_relaxation": True}
-        outcome = _Watch(lent, limits, None, None).over(_job(rows, settings, None, None))
+        outcome = _Supervisor(lent, limits, None, None).over(_job(rows, settings, None, None))
     return outcome.objective if outcome.status == "kOptimal" else -math.inf
 
 
@@ -193,8 +197,8 @@ def _settings(options: Options) -> dict[str, Any]:
     return settings | ({"mip_max_nodes": int(limits.nodes)} if math.isfinite(limits.nodes) else {})
 
 
-class _Watch:
-    """Waits for a worker; keeps the limits, hands over trees, and notes what it reports."""
+class _Supervisor:
+    """The supervision of one run: waits for the worker, keeps the limits, hands over trees, takes its reports."""
 
     def __init__(
         self,
@@ -225,7 +229,7 @@ class _Watch:
             try:
                 outcome = self._note(self.worker.receive(POLL))
                 if outcome is None:
-                    self._look()
+                    self._check()
             except KeyboardInterrupt:
                 self._end(Stop.INTERRUPTED)
             except SolverError:
@@ -267,7 +271,7 @@ class _Watch:
         self.stop = self.stop or Stop.NUMERICS
         return self._left(f"its process ended by itself with code {code}")
 
-    def _look(self) -> None:
+    def _check(self) -> None:
         """Keep the limits, then ask for better trees and report progress."""
         if self.stop is not None:
             return
@@ -289,7 +293,7 @@ class _Watch:
             return Stop.TIME
         if math.isinf(self.most_memory) and self.seconds > START:
             raise SolverError(
-                f"HiGHS's process has not begun within {START:.0f} s; expected some tenths; free the machine"
+                f"HiGHS's process has not started within {START:.0f} s; expected less than 1 s; free the machine"
             )
         return Stop.MEMORY if resident_bytes(self.worker.process.pid) > self.most_memory else None
 
@@ -308,7 +312,7 @@ class _Watch:
         return self._outcome(stop, end["status"], end["bound"])
 
     def _left(self, status: str) -> Outcome:
-        """Return what a worker leaves that ended without an answer: its last reports.
+        """Return the outcome of a worker that ended without a result, from its last reports.
 
         The bound may rest on an incumbent whose values did not arrive.
         """

@@ -1,4 +1,4 @@
-"""Process: the workers (`octmip.mip.highs.worker`), started when they are needed, used again, killed when they do not answer.
+"""Worker processes (`octmip.mip.highs.worker`): started when needed, used again, killed when they do not end.
 
 A worker is started by the path of its file, never by importing the caller's script again, so this is as safe in
 threads, in notebooks and on every system as a subprocess is. It costs some 0.2 s of CPU, mostly the import of numpy;
@@ -13,7 +13,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -38,10 +38,12 @@ class Worker:
             there is no Python to start, or it cannot be.
         """
         if not sys.executable:
-            raise SolverError("sys.executable is empty; expected the path of Python, to run HiGHS beside this process")
+            raise SolverError(
+                "sys.executable is empty; expected the path of Python, to run HiGHS in a process of its own; set it"
+            )
         script = str(Path(worker.__file__).resolve())
         paths = [os.getcwd() if path == "" else path for path in sys.path]
-        # A group of its own and no window, in the words of each system.
+        # A group of its own and no window, by the flags of each system.
         flags = getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0) | getattr(subprocess, "CREATE_NO_WINDOW", 0)
         try:
             self.process = subprocess.Popen(
@@ -104,10 +106,8 @@ class Worker:
             thread.join()
         for stream in (self.process.stdin, self.process.stdout):
             assert stream is not None
-            try:
+            with suppress(OSError):  # what was still to be written to the ended process
                 stream.close()
-            except OSError:  # what was still to be written to the ended process
-                pass
 
 
 def resident_bytes(pid: int | str = "self") -> float:

@@ -10,7 +10,7 @@ Frames of pickled tuples go both ways, each behind its length in eight bytes (se
                       ("done", what HiGHS ended with)   ("failed", sentence)
 
 The worker ends when its standard input does, or when its parent is another process than at the start: it never outlives
-the process that wants its answer.
+the process that wants its result.
 """
 
 import math
@@ -34,7 +34,7 @@ PARENT = 0.5  # seconds between two looks at the parent
 
 @dataclass(slots=True)
 class State:
-    """How far HiGHS is."""
+    """The progress of HiGHS."""
 
     objective: float = math.inf
     bound: float = -math.inf
@@ -44,8 +44,8 @@ class State:
 
 
 @dataclass(slots=True)
-class Wishes:
-    """What the parent has asked for since the run began."""
+class Commands:
+    """The parent's commands since the run began."""
 
     stop: bool = False
     inject: NDArray[np.float64] | None = None
@@ -87,16 +87,17 @@ def load(model: dict[str, Any]) -> highspy.Highs | None:
 class Run:
     """One run of HiGHS, its reports written as they come."""
 
-    def __init__(self, job: dict[str, Any], wishes: Wishes, output: BinaryIO, lock: threading.Lock) -> None:
-        self.job, self.wishes, self.output, self.lock = job, wishes, output, lock
+    def __init__(self, job: dict[str, Any], commands: Commands, output: BinaryIO, lock: threading.Lock) -> None:
+        self.job, self.commands, self.output, self.lock = job, commands, output, lock
         self.state, self.reported = State(), 0.0
 
     def tell(self, *frame: Any) -> None:
+        """Write a frame to the parent."""
         with self.lock:
             write_frame(self.output, frame)
 
-    def answer(self) -> None:
-        """Run HiGHS and report what it ended with."""
+    def solve(self) -> None:
+        """Run HiGHS and report its end."""
         highs = load(self.job["model"])
         if highs is None:
             self.tell("failed", "refused the model")
@@ -116,14 +117,14 @@ class Run:
         self.tell("done", self._end(highs))
 
     def _subscribe(self, highs: highspy.Highs) -> None:
-        highs.cbMipInterrupt.subscribe(self._look)
+        highs.cbMipInterrupt.subscribe(self._report)
         highs.cbSimplexInterrupt.subscribe(self._obey)
         highs.cbIpmInterrupt.subscribe(self._obey)
         highs.cbMipImprovingSolution.subscribe(self._note_incumbent)
         if self.job["takes_trees"]:
             highs.cbMipUserSolution.subscribe(self._give)
 
-    def _look(self, event: highspy.HighsCallbackEvent) -> None:
+    def _report(self, event: highspy.HighsCallbackEvent) -> None:
         out, state = event.data_out, self.state
         state.objective, state.bound, state.n_nodes = out.mip_primal_bound, out.mip_dual_bound, out.mip_node_count
         if state.n_nodes <= 1:
@@ -135,7 +136,7 @@ class Run:
         self._obey(event)
 
     def _obey(self, event: highspy.HighsCallbackEvent) -> None:
-        if self.wishes.stop:
+        if self.commands.stop:
             event.interrupt()
 
     def _note_incumbent(self, event: highspy.HighsCallbackEvent) -> None:
@@ -145,7 +146,7 @@ class Run:
         self.tell("incumbent", objective, np.array(event.data_out.mip_solution))
 
     def _give(self, event: highspy.HighsCallbackEvent) -> None:
-        values, self.wishes.inject = self.wishes.inject, None
+        values, self.commands.inject = self.commands.inject, None
         if values is not None and event.data_in is not None:
             event.data_in.setSolution(values)
 
@@ -162,17 +163,17 @@ class Run:
         }
 
 
-def _listen(stream: BinaryIO, jobs: "queue.SimpleQueue[tuple[dict[str, Any], Wishes]]") -> None:
-    """Hand over jobs and wishes until the parent has nothing more to say; then end the process, whatever HiGHS does."""
-    wishes = Wishes()
+def _listen(stream: BinaryIO, jobs: "queue.SimpleQueue[tuple[dict[str, Any], Commands]]") -> None:
+    """Hand over jobs and commands until the parent closes the pipe; then end the process, whatever HiGHS does."""
+    commands = Commands()
     while (frame := read_frame(stream)) is not None:
         if frame[0] == "run":
-            wishes = Wishes()
-            jobs.put((frame[1], wishes))
+            commands = Commands()
+            jobs.put((frame[1], commands))
         elif frame[0] == "stop":
-            wishes.stop = True
+            commands.stop = True
         elif frame[0] == "inject":
-            wishes.inject = frame[1]
+            commands.inject = frame[1]
     os._exit(0)
 
 
@@ -184,22 +185,22 @@ def _watch_parent(parent: int) -> None:
 
 
 def main() -> None:
-    """Answer jobs until the parent ends."""
+    """Run jobs until the parent ends."""
     stream, output = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
     silence = os.open(os.devnull, os.O_RDWR)
     for descriptor in (0, 1):  # what a library prints must not land between two frames
         os.dup2(silence, descriptor)
     if hasattr(os, "getppid") and sys.platform != "win32":
         threading.Thread(target=_watch_parent, args=(os.getppid(),), daemon=True).start()
-    jobs: queue.SimpleQueue[tuple[dict[str, Any], Wishes]] = queue.SimpleQueue()
+    jobs: queue.SimpleQueue[tuple[dict[str, Any], Commands]] = queue.SimpleQueue()
     threading.Thread(target=_listen, args=(stream, jobs), daemon=True).start()
     lock = threading.Lock()
     while True:
-        job, wishes = jobs.get()
-        run = Run(job, wishes, output, lock)
+        job, commands = jobs.get()
+        run = Run(job, commands, output, lock)
         try:
             run.tell("started", os.getpid())
-            run.answer()
+            run.solve()
         except Exception:
             run.tell("failed", traceback.format_exc(limit=-1))
 

@@ -1,6 +1,6 @@
-"""A tree in the languages of other machines, each answering bit for bit what the tree answers here.
+"""A tree in the languages of other machines, each returning bit for bit the result of the tree here.
 
-Every export takes `(tree, feature_names, class_names)` and answers the index of the class, or -1 for a reading that has
+Every export takes `(tree, feature_names, class_names)` and returns the index of the class, or -1 for a reading that has
 no number (NaN, NULL) where a split on its way asks for one. Thresholds go out with all the bits of float64.
 
 Names may be any text: none of them can act in the language of the export. C and SQL hold no name of a class, C none of

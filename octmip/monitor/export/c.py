@@ -1,7 +1,7 @@
 """A tree as one C function without memory, loops or libraries: for the smallest processor.
 
 Numbers are hexadecimal (C99), so no bit is lost in reading them. Products go through a volatile double, because a
-compiler may otherwise fuse multiplication and addition into one rounding, and the answer could then differ.
+compiler may otherwise fuse multiplication and addition into one rounding, and the result could then differ.
 
 No name of a feature or class is part of the source: a comment that held one could be ended by it, or go on after a
 backslash (``names_json`` has the names).
@@ -75,7 +75,7 @@ KEYWORDS = frozenset(
 def c_source(tree: Node, feature_names: Sequence[str], class_names: Sequence[Any], name: str = "octmip_label") -> str:
     """Return the source of ``int name(const double reading[])``, C99.
 
-    A reading holds the features in the order of `feature_names`; the answer is an index of `class_names`, or -1.
+    A reading holds the features in the order of `feature_names`; the result is an index of `class_names`, or -1.
 
     Raises
     ------

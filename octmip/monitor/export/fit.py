@@ -1,4 +1,4 @@
-"""What every export asks of a tree and its names, and the names themselves for the machine's other half."""
+"""Checks of a tree and its names before an export, and the names as JSON for the receiver of the export."""
 
 import json
 import math
@@ -12,7 +12,7 @@ from octmip.tree import Leaf, Node, leaves, splits
 
 
 def names_json(feature_names: Sequence[str], class_names: Sequence[Any]) -> str:
-    """Return ``{"features": [...], "classes": [...]}``, pure ASCII: what the places and codes of an export stand for.
+    """Return ``{"features": [...], "classes": [...]}``, pure ASCII: the names of the places and codes of an export.
 
     Classes that are numbers stay numbers, all others are text.
     """
@@ -35,7 +35,7 @@ def check_fit(tree: Node, feature_names: Sequence[str], class_names: Sequence[An
     Raises
     ------
     TreeError
-        it reads a feature or answers a class without a name, or has more than `MAX_DEPTH` levels.
+        it reads a feature or predicts a class without a name, or has more than `MAX_DEPTH` levels.
     """
     _check_depth(tree)
     highest = max((split.features[-1] for split in splits(tree)), default=-1)
@@ -47,7 +47,7 @@ def check_fit(tree: Node, feature_names: Sequence[str], class_names: Sequence[An
     label = max(leaf.label for leaf in leaves(tree))
     if class_names is not None and label >= len(class_names):
         raise TreeError(
-            f"the tree answers class {label} but class_names has {len(class_names)} entries; expected at least "
+            f"the tree predicts class {label} but class_names has {len(class_names)} entries; expected at least "
             f"{label + 1}; name every class, in the order of the problem's"
         )
 

@@ -24,7 +24,7 @@ IR_VERSION = 8
 
 
 def onnx_model(tree: Node, feature_names: Sequence[str], class_names: Sequence[Any]) -> "onnx.ModelProto":
-    """Return a model with input "readings" (n, n_features) double and output "label" (n,) int64, -1 for no answer.
+    """Return a model with input "readings" (n, n_features) double and output "label" (n,) int64, -1 for no result.
 
     Its metadata "features" and "classes" are JSON lists, pure ASCII.
 
@@ -39,9 +39,11 @@ def onnx_model(tree: Node, feature_names: Sequence[str], class_names: Sequence[A
     try:
         import onnx
     except ImportError as error:
-        raise SolverError("export to ONNX needs the package onnx; install it, or octmip[onnx]") from error
+        raise SolverError(
+            "export to ONNX needs the package onnx, which is not installed; pip install 'octmip[onnx]'"
+        ) from error
     graph = _Graph(onnx, len(feature_names))
-    graph.answer(tree)
+    graph.build(tree)
     helper, kinds = onnx.helper, onnx.TensorProto
     made = helper.make_graph(
         graph.nodes,
@@ -65,10 +67,10 @@ class _Graph:
         self.nodes: list[Any] = []
         self.constants: list[Any] = []
 
-    def answer(self, tree: Node) -> None:
+    def build(self, tree: Node) -> None:
         """Add everything; the last operator bears the output's name."""
         label = self.label(tree)
-        shape = self.add("Mul", self.column(0), self.constant(0.0))  # a leaf alone still answers once a reading
+        shape = self.add("Mul", self.column(0), self.constant(0.0))  # a leaf alone still gives one result per reading
         is_row = self.add("Or", self.add("Equal", shape, shape), self.constant(True))
         self.add("Where", is_row, label, label, output="label")
 

@@ -8,10 +8,10 @@ for larger than every number, so the right side is asked as ``-x < -threshold``:
 threshold, false for NaN in either order.
 
 Names. The only names in the text are column names, always in double quotes with inner ones doubled: nothing that a
-name holds can end it. SQLite takes a quoted name that no column bears for a text, and answers; with `table` every
+name holds can end it. SQLite takes a quoted name that no column bears for a text, without an error; with `table` every
 column is written ``"table"."column"``, and a missing one is an error in every database.
 
-Depth. Parsers of SQLite before 3.46 hold some 16 nested CASE; deeper trees are written flat, a condition a leaf.
+Depth. Parsers of SQLite before 3.46 hold some 16 nested CASE; deeper trees are written flat, one condition per leaf.
 """
 
 from collections.abc import Iterator, Sequence
@@ -33,9 +33,9 @@ MOST_TERMS = 900
 def sql_expression(
     tree: Node, feature_names: Sequence[str], class_names: Sequence[Any] | None = None, table: str = ""
 ) -> str:
-    """Return the expression for ``SELECT <expression> FROM readings``: the index of the class, -1 for no answer.
+    """Return the expression for ``SELECT <expression> FROM readings``: the index of the class, -1 for no result.
 
-    Names of classes are not part of it (`names_json` has them); `class_names` only have to cover the answers.
+    Names of classes are not part of it (`names_json` has them); `class_names` only have to cover its classes.
     PostgreSQL tells columns apart by their first 63 bytes, and stops with an error where a product of a hyperplane
     leaves the range of float64, which the other databases and the tree carry on as infinite or zero.
 

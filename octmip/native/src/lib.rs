@@ -6,10 +6,14 @@
 #![cfg_attr(not(test), deny(clippy::unwrap_used))]
 
 pub mod control;
+mod costs;
 pub mod exact;
+mod log;
 pub mod ranks;
 pub mod search;
 pub mod sequential;
+pub mod supervise;
+mod switches;
 pub mod tree;
 pub mod two_feature;
 

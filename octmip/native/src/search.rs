@@ -1,35 +1,28 @@
 //! Local search: good trees of any size, without a proof.
 //!
-//! Independent restarts, each a descent from a tree of its own and kicks out of its local optimum (`climb`), in groups:
-//! all of a group begin, the better ones go on; the best of all groups goes on longest. A restart's random stream depends on the seed and its
-//! number alone, rounds end together, and the best restart of lowest number wins, so that one seed gives one tree
-//! whatever the number of threads.
+//! Independent restarts (`restart`), each a descent from a tree of its own and perturbations of its local optimum, in
+//! groups: all of a group begin, the better ones go on; the best of all groups goes on longest. A restart's random
+//! stream depends on the seed and its number alone, rounds end together, and the best restart of lowest number wins, so
+//! that one seed gives one tree whatever the number of threads.
 
 mod axis;
-mod blocks;
-mod charts;
-mod climb;
-mod ground;
-mod kick;
-mod line;
+mod gains;
+mod greedy;
+mod local_search;
 mod logistic;
-mod melt;
-mod orders;
-mod plane;
-mod plant;
+mod options;
+mod perturbation;
+mod planes;
+mod prepared;
+mod rebuild;
 mod restart;
-mod roots;
-mod sensors;
-mod start;
-mod state;
-mod tally;
-mod values;
-mod view;
+mod soft_tree;
+mod tree;
 mod watch;
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::mpsc::channel;
 use std::time::Duration;
 
 use crate::control::{KeepGoing, Limits, Outcome, Stop};
@@ -37,30 +30,18 @@ use crate::exact::samples::Samples;
 use crate::problem::Problem;
 use crate::tree::Tree;
 
-use ground::Ground;
-use restart::{Restart, Round};
-use state::State;
-use watch::{TRIVIAL_BOUND, Watch};
+use crate::search::prepared::Prepared;
+use crate::search::restart::{Restart, Round};
+use crate::search::watch::{TRIVIAL_BOUND, Watch};
 
-/// How hard to search.
-#[derive(Debug, Clone, Copy)]
-pub struct Options {
-    /// Number of restarts.
-    pub n_restarts: usize,
-    /// Kicks in a row without a better tree that end a restart.
-    pub n_kicks: usize,
-    /// Of the random choices.
-    pub seed: u64,
-    /// Threads.
-    pub n_threads: usize,
-}
+pub use options::Options;
 
-/// Restarts that begin together, and how many of them there are for one that goes on.
+/// Number of restarts that begin together; one in so many of them goes on.
 const GROUP: usize = 9;
 const GOES_ON_ONE_IN: usize = 3;
 
-/// How often the calling thread looks whether to go on.
-const LOOK: Duration = Duration::from_millis(10);
+/// Time between two polls of the calling thread, which ask whether to go on.
+const POLL: Duration = Duration::from_millis(10);
 
 /// Search for a tree of low objective, from `start` too when one is given.
 ///
@@ -72,10 +53,10 @@ pub fn search(
     limits: Limits,
     keep_going: KeepGoing,
 ) -> Outcome {
-    let ground = Ground::new(problem);
+    let prepared = Prepared::new(problem);
     let samples = Samples::new(problem);
     let watch = Watch::new(limits);
-    let new = |k| Restart::new(&ground, &samples, &watch, options.seed, k);
+    let new = |k| Restart::new(&prepared, &samples, &watch, options.seed, k);
     let rounds = Round::all(options, start, problem);
     let mut turn = |restarts, round| run(restarts, round, options.n_threads, &watch, &mut *keep_going);
     let mut restarts: Vec<Restart> = Vec::new();
@@ -94,7 +75,7 @@ pub fn search(
     restarts = turn(last, &rounds[2]);
     let best = restarts.swap_remove(0);
     Outcome {
-        tree: best.state.to_tree(&ground.prices),
+        tree: best.state.to_tree(&prepared.prices),
         objective: best.objective,
         bound: TRIVIAL_BOUND,
         stop: match best.objective {
@@ -136,22 +117,8 @@ fn run<'a>(
         }
         drop(sender);
         let mut done = Vec::with_capacity(n);
-        loop {
-            match receiver.recv_timeout(LOOK) {
-                Ok(restart) => done.push(restart),
-                Err(RecvTimeoutError::Disconnected) => break,
-                Err(RecvTimeoutError::Timeout) => {}
-            }
-            watch.look(&mut *keep_going);
-        }
+        watch.supervision.wait(&receiver, POLL, |restart| done.push(restart), || watch.look(&mut *keep_going));
         done.sort_by_key(Restart::rank);
         done
     })
-}
-
-/// A leaf, which is what a restart begins with.
-fn leaf_of(ground: &Ground) -> (State, i64) {
-    let state = State::leaf(ground.problem);
-    let objective = state.objective(&ground.prices);
-    (state, objective)
 }

@@ -26,18 +26,17 @@ pub mod stump;
 pub mod sweep;
 pub mod switches;
 pub mod view;
-pub mod watch;
 pub mod wide;
 
-use crate::control::{KeepGoing, Limits, Outcome, Stop};
+use crate::control::{KeepGoing, Limits, Outcome, Progress, Stop};
 use crate::problem::Problem;
+use crate::supervise::Supervision;
 use crate::tree::Tree;
 
 use extract::{Sketch, draw};
 use ground::Ground;
 use loss::INFEASIBLE;
 use switches::Switches;
-use watch::Watch;
 
 /// How to search.
 #[derive(Debug, Clone, Copy)]
@@ -61,7 +60,7 @@ pub struct Options {
 /// The bound holds for every tree whose lines are taken in exact arithmetic over the values as given. Returns None for
 /// deeper trees.
 pub fn solve(problem: &Problem, options: &Options, keep_going: KeepGoing) -> Option<Outcome> {
-    let watch = Watch::new(options.limits);
+    let watch = Supervision::new(options.limits);
     let mut ground = Ground::new(problem);
     ground.switches = options.switches;
     ground.preferred = options.whole_coefficients;
@@ -72,18 +71,20 @@ pub fn solve(problem: &Problem, options: &Options, keep_going: KeepGoing) -> Opt
     }
 }
 
-fn solve_single(problem: &Problem, ground: &Ground, watch: &Watch, keep_going: KeepGoing) -> Outcome {
+fn solve_single(problem: &Problem, ground: &Ground, watch: &Supervision, keep_going: KeepGoing) -> Outcome {
     let ids = ground.all();
     let (_, label) = ground.loss.leaf(&ground.view().tally(&ids));
     let leaf = draw(problem, ground, &Sketch::Leaf).unwrap_or((Tree::leaf(label as u32), INFEASIBLE));
-    let answer = watch.over(keep_going, leaf.1, || {
+    let state = Progress { seconds: 0.0, objective: leaf.1, bound: 0, n_nodes: 0 };
+    let work = || {
         let need = problem.leaf_size as i64;
         let charts = &ground.charts;
-        single::best_single(ground.view(), charts, &ids, need, INFEASIBLE, [], watch.stop())
-    });
+        single::best_single(ground.view(), charts, &ids, need, INFEASIBLE, [], watch.flag())
+    };
+    let answer = watch.run(work, || watch.poll(keep_going, state));
     let drawn = draw(problem, ground, &Sketch::stump(answer.line));
     let (tree, objective) = drawn.filter(|drawn| drawn.1 <= leaf.1).unwrap_or(leaf);
-    let bound = if watch.was_stopped() { 0 } else { answer.lower.min(objective) };
+    let bound = if watch.is_stopped() { 0 } else { answer.lower.min(objective) };
     let stop = match watch.reason() {
         Some(reason) => reason,
         None if bound == objective => Stop::Optimal,

@@ -31,13 +31,13 @@ fn exact_trees_cost_what_the_best_of_all_trees_does() {
     for depth in 1..=3 {
         for (seed, Case { problem, question }) in cases(depth, 1) {
             let switches = exact::Switches::default();
-            let options = exact::root::Options { limits: Limits::default(), n_threads: 1, incumbent: None, switches };
-            let found = exact::root::solve(&problem, &options, &mut |_| true);
+            let options = exact::Options { limits: Limits::default(), n_threads: 1, incumbent: None, switches };
+            let found = exact::solve(&problem, &options, &mut |_| true);
             let best = optimum(&problem);
             assert_eq!((found.objective, found.bound), (best, best), "depth {depth}, seed {seed}");
             assert_eq!(cost_of(&problem, &found.tree), Some(best), "depth {depth}, seed {seed}");
-            let control = exact::effort::Control::new();
-            let body = exact::proof::write(&problem, best, exact::Switches::default(), &control).expect("a proof");
+            let control = exact::Control::new();
+            let body = exact::write_proof(&problem, best, exact::Switches::default(), &control).expect("a proof");
             let report = check(&question, &log_of(&question, best, &body), 1);
             assert_eq!(report.map(|report| report.bound), Ok(best as f64), "depth {depth}, seed {seed}");
             assert!(check(&question, &log_of(&question, best + 1, &body), 1).is_err(), "depth {depth}, seed {seed}");
@@ -75,7 +75,7 @@ fn local_search_returns_trees_that_are_allowed_and_mostly_the_best() {
     let (mut n_best, mut n_all) = (0, 0);
     for (depth, split_size) in [(1, 1), (2, 1), (3, 1), (1, 2), (2, 2)] {
         for (seed, Case { problem, .. }) in cases(depth, split_size) {
-            let options = search::Options { n_restarts: 4, n_kicks: 20, seed, n_threads: 1 };
+            let options = search::Options { n_restarts: 4, n_perturbations: 20, seed, n_threads: 1 };
             let found = search::search(&problem, options, None, Limits::default(), &mut |_| true);
             let best = optimum(&problem);
             assert_eq!(cost_of(&problem, &found.tree), Some(found.objective), "depth {depth}, seed {seed}");

@@ -1,8 +1,8 @@
-"""Which gauge has failed? Each gauge against what the others say, with a stated false-alarm rate.
+"""Detection of a failed gauge: each gauge against what the others say, at a stated false-alarm rate.
 
 A healthy reading at a state s of the library is x = m_s + e, e ~ N(0, diag(sd^2)), the states alike in probability.
 Leave gauge i out: the others have the density p(x_-i), a mixture over the states, and gauge i given them p(x_i | x_-i).
-If a failed gauge may read anything, alike over its range, the odds that gauge i is the one are in proportion to
+If a failed gauge may read anything, alike over its range, the odds that gauge i has failed are in proportion to
 
     p(x_-i) / p(x) = 1 / p(x_i | x_-i),
 
@@ -29,7 +29,7 @@ N_DRAWS = 40_000
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FaultDetector:
-    """Finds failed gauges in readings.
+    """A test that finds the failed gauge in a reading.
 
     Attributes
     ----------
@@ -62,16 +62,18 @@ class FaultDetector:
         sd = np.broadcast_to(np.asarray(self.noise_sd, dtype=np.float64), means.shape[-1:]).copy()
         if means.ndim != 2 or means.shape[1] != len(self.gauges) or len(self.gauges) < 2:
             raise ProblemError(
-                f"means has shape {means.shape}; expected (n_states, {len(self.gauges)}), two gauges or more"
+                f"means has shape {means.shape}; expected (n_states, {len(self.gauges)}), two gauges or "
+                "more; give one column per gauge"
             )
         if not np.isfinite(means).all() or not (sd > 0).all() or not np.isfinite(sd).all():
             raise ProblemError(
                 f"means holds {np.count_nonzero(~np.isfinite(means))} numbers that are not finite and the least "
-                f"noise_sd is {sd.min()}; expected none and more than 0; a gauge without noise needs no test"
+                f"noise_sd is {sd.min()}; expected none, and more than 0; leave out a gauge without noise"
             )
         if not 0 < self.rate < 1 or self.n_averaged < 1:
             raise ProblemError(
-                f"rate is {self.rate} and n_averaged {self.n_averaged}; expected a probability and a count"
+                f"rate is {self.rate} and n_averaged {self.n_averaged}; expected a rate between 0 and 1, and 1 or more "
+                "readings; correct them"
             )
         object.__setattr__(self, "means", means)
         object.__setattr__(self, "noise_sd", sd / np.sqrt(self.n_averaged))
@@ -95,7 +97,8 @@ class FaultDetector:
         readings = np.asarray(readings, dtype=np.float64)
         if readings.ndim != 2 or readings.shape[1] != len(self.gauges) or np.isinf(readings).any():
             raise DataError(
-                f"readings has shape {readings.shape} or an infinite entry; expected (n, {len(self.gauges)})"
+                f"readings has shape {readings.shape} or an infinite entry; expected finite numbers "
+                f"(n, {len(self.gauges)}), NaN where a reading is missing; correct them"
             )
         step = max(1, CHUNK // self.means.size)
         parts = [self._surprise(readings[k : k + step]) for k in range(0, len(readings), step)]
@@ -133,10 +136,14 @@ class FaultDetector:
 def power(detector: FaultDetector, biases: Sequence[float], n: int, rng: np.random.Generator) -> tuple[Floats, Floats]:
     """Return power and share of alarms that name the right gauge, both (n_biases, n_gauges), for an added bias.
 
-    Args:
-        detector: the detector.
-        biases: added to one gauge, in the unit of the readings.
-        n: readings drawn for each bias and gauge.
+    Parameters
+    ----------
+    detector
+        the detector.
+    biases
+        added to one gauge, in the unit of the readings.
+    n
+        readings drawn for each bias and gauge.
     """
     found, right = np.zeros((2, len(biases), len(detector.gauges)))
     for b, bias in enumerate(biases):

@@ -1,4 +1,4 @@
-"""Filling: a missing reading from the others, by the conditional mean of a normal distribution.
+"""Imputation of missing readings from the others, by the conditional mean of a normal distribution.
 
 With mean m and covariance C of the training readings, missing gauges a and those at hand b,
 
@@ -18,18 +18,18 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Filling:
+class Imputation:
     """Mean (n_features,) and covariance (n_features, n_features) of training readings."""
 
     mean: Floats
     covariance: Floats
 
     @classmethod
-    def fit(cls, features: Floats) -> "Filling":
-        """Return the filling learnt from features (n_samples, n_features) without gaps."""
+    def fit(cls, features: Floats) -> "Imputation":
+        """Return the imputation learnt from features (n_samples, n_features) without gaps."""
         return cls(features.mean(axis=0), np.atleast_2d(np.cov(features, rowvar=False)))
 
-    def fill(self, features: Floats) -> Floats:
+    def impute(self, features: Floats) -> Floats:
         """Return features (n, n_features) with every NaN replaced; a row without any reading becomes the mean.
 
         Raises
@@ -38,7 +38,7 @@ class Filling:
             the features have another number of columns.
         """
         if features.ndim != 2 or features.shape[1] != len(self.mean):
-            raise DataError(f"features has shape {features.shape}; expected (n, {len(self.mean)})")
+            raise DataError(f"features has shape {features.shape}; expected (n, {len(self.mean)}); give every feature")
         out, is_missing = features.copy(), np.isnan(features)
         patterns, of_row = np.unique(is_missing, axis=0, return_inverse=True)
         for k, gone in enumerate(patterns):

@@ -7,10 +7,10 @@ Worst: for shares q >= 0 that sum to 1
     min over T of sum_s q_s R(T, x^s)   <=   min over T of max over s of R(T, x^s),
 
 so every stacked problem solved with its proof gives a lower bound, also when q leaves scenarios out, and every tree an
-upper one. Another lower bound is what a tree is left with when its root is stuck (octmip.sensing.failure.root_bound). Shares
-move towards the scenarios in which the last tree did badly (multiplicative weights); scenarios that no tree so far has
-seen, because it does not read the failed sensor, are left out until one does. Trees are not mixed, so the two bounds
-need not meet: the gap is stated.
+upper one. Another lower bound is what a tree can still do when its root is stuck
+(`octmip.sensing.failure.root_bound`). Shares move towards the scenarios in which the last tree did badly
+(multiplicative weights); scenarios that no tree so far has seen, because it does not read the failed sensor, are left
+out until one does. Trees are not mixed, so the two bounds need not meet: the gap is stated.
 Source: Y. Freund, R. E. Schapire, Adaptive game playing using multiplicative weights, Games Econ. Behav. 29 (1999).
 """
 
@@ -73,8 +73,10 @@ def solve_worst(
 ) -> Solution:
     """Return a tree of least objective in the worst scenario, "nothing has failed" among them, and a lower bound.
 
-    Args:
-        rounds: stacked problems that are solved.
+    Parameters
+    ----------
+    rounds
+        stacked problems that are solved.
 
     Raises
     ------
@@ -84,7 +86,7 @@ def solve_worst(
         as `octmip.solve`.
     """
     if rounds < 1:
-        raise ProblemError(f"rounds is {rounds}; expected 1 or more")
+        raise ProblemError(f"rounds is {rounds}; expected 1 or more; give a number of rounds")
     start = time.perf_counter()
     each = replace(limits, seconds=limits.seconds / (4 * len(asked.scenarios)))
     game = _Game(asked, bound=bound_by_stuck_roots(asked, each, n_jobs))

@@ -1,4 +1,4 @@
-"""What no tree escapes when the sensor of its root is stuck: a lower bound of the worst case.
+"""A lower bound of the worst case: the cost of any tree when the sensor of its root is stuck.
 
 A stuck sensor sends all samples to one side of the root, so the tree does what the subtree on that side does: it has
 one level fewer and, where it reads sensors of the scenario, its splits part nothing. So a tree whose root reads sensor
@@ -20,8 +20,10 @@ from octmip.solver import solve
 def bound_by_stuck_roots(asked: FailureProblem, limits: Limits, n_jobs: int = 1) -> float:
     """Return a lower bound of the worst objective of every tree, 0 where some root cannot be stuck.
 
-    Args:
-        limits: of each of the solves, one for a scenario.
+    Parameters
+    ----------
+    limits
+        of each of the solves, one for a scenario.
     """
     problem = asked.problem
     stuck = [scenario for scenario in asked.scenarios if scenario.fault.kind == "stuck"]

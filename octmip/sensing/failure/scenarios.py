@@ -1,4 +1,4 @@
-"""Scenarios: what may fail, how likely, and what a tree costs then.
+"""Scenarios of failed sensors: their probabilities, and what a tree costs in each.
 
 In scenario s some sensors have a fault and their readings are others: x^s. With probabilities p_s and the rest of the
 probability on "nothing has failed", the expected objective of a tree is
@@ -21,13 +21,13 @@ from numpy.typing import NDArray
 
 from octmip.errors import CertificateError, ProblemError
 from octmip.problem import Problem
-from octmip.sensing.failure.imputation import Filling
+from octmip.sensing.failure.imputation import Imputation
 from octmip.solution import Solution
 from octmip.tree import Node, predict
 
 Floats = NDArray[np.float64]
-Kind = Literal["stuck", "drift", "noise", "filled"]
-KINDS: tuple[Kind, ...] = ("stuck", "drift", "noise", "filled")
+Kind = Literal["stuck", "drift", "noise", "imputed"]
+KINDS: tuple[Kind, ...] = ("stuck", "drift", "noise", "imputed")
 
 MOST_DENOMINATOR = 10**6
 """Probabilities that are fractions with such a common denominator become whole weights, so that proofs are exact."""
@@ -35,13 +35,13 @@ MOST_DENOMINATOR = 10**6
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """What happens to the readings of a sensor.
+    """A change of the readings of a sensor that has failed.
 
     Attributes
     ----------
     kind
         "stuck": every reading is `size` (0: dead); "drift": `size` is added; "noise": a normal number of standard
-        deviation `size` is added; "filled": the sensor is known to have failed and its reading is filled in from
+        deviation `size` is added; "imputed": the sensor is known to have failed and its reading is imputed from
         the others (octmip.sensing.failure.imputation).
     size
         in the unit of the features.
@@ -52,9 +52,11 @@ class Fault:
 
     def __post_init__(self) -> None:
         if self.kind not in KINDS:
-            raise ProblemError(f"fault is {self.kind!r}; expected one of {', '.join(KINDS)}")
+            raise ProblemError(f"kind of fault is {self.kind!r}; expected one of {', '.join(KINDS)}")
         if not math.isfinite(self.size) or (self.kind == "noise" and self.size < 0):
-            raise ProblemError(f"size of a fault of kind {self.kind!r} is {self.size}; expected a finite number")
+            raise ProblemError(
+                f"size of a fault of kind {self.kind!r} is {self.size}; expected a finite number, at least 0 for noise"
+            )
 
 
 DEAD = Fault("stuck", 0.0)
@@ -87,7 +89,7 @@ def failures(
     Raises
     ------
     ProblemError
-        there are not so many sensors, or the probability is not one.
+        there are not so many sensors, or the probability is outside 0 to 1.
     """
     if not 1 <= n_failed <= len(problem.sensors):
         raise ProblemError(f"n_failed is {n_failed}; expected 1 to {len(problem.sensors)}, the number of sensors")
@@ -99,12 +101,12 @@ def failures(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FailureProblem:
-    """A problem together with what may fail.
+    """A problem together with scenarios of failed sensors.
 
     Attributes
     ----------
     problem
-        the problem when nothing has failed; `leaf_size` 1, as stacked samples count once a scenario.
+        the problem when nothing has failed; `leaf_size` 1, as stacked samples count once per scenario.
     scenarios
         what may fail; their probabilities sum to 1 at most, the rest is "nothing has failed".
     seed
@@ -118,19 +120,22 @@ class FailureProblem:
     def __post_init__(self) -> None:
         if self.problem.leaf_size > 1:
             raise ProblemError(
-                f"leaf_size is {self.problem.leaf_size}, but scenarios count a sample several times; use leaf_penalty"
+                f"leaf_size is {self.problem.leaf_size}; expected 1, as scenarios count a sample several times; give a "
+                "leaf_penalty instead"
             )
         if not self.scenarios:
             raise ProblemError("no scenario is given; expected at least one, as `failures(problem)` makes them")
         for scenario in self.scenarios:
             unknown = [name for name in scenario.sensors if name not in self.problem.sensors]
             if unknown or not scenario.sensors:
-                raise ProblemError(f"a scenario names {unknown or 'no sensor'}; expected {list(self.problem.sensors)}")
+                raise ProblemError(
+                    f"a scenario names {unknown or 'no sensor'}; expected some of {list(self.problem.sensors)}"
+                )
             if not 0 <= scenario.probability <= 1:
-                raise ProblemError(f"probability of {scenario} is not one; expected 0 to 1")
+                raise ProblemError(f"probability of {scenario} is outside its range; expected 0 to 1; correct it")
         total = math.fsum(scenario.probability for scenario in self.scenarios)
         if total > 1 + 1e-9:
-            raise ProblemError(f"the probabilities of the scenarios sum to {total}; expected at most 1")
+            raise ProblemError(f"the probabilities of the scenarios sum to {total}; expected at most 1; lower them")
         object.__setattr__(self, "scenarios", tuple(self.scenarios))
 
     @property
@@ -147,9 +152,12 @@ class FailureProblem:
     def readings(self, number: int, features: Floats | None = None) -> Floats:
         """Return the features (n, n_features) in scenario `number`, 0: nothing has failed.
 
-        Args:
-            number: of the scenario, from 1 on.
-            features: readings without a failure; None: the problem's own samples.
+        Parameters
+        ----------
+        number
+            of the scenario, from 1 on.
+        features
+            readings without a failure; None: the problem's own samples.
         """
         whole = self.problem.features if features is None else features
         if number == 0:
@@ -165,14 +173,16 @@ class FailureProblem:
             out[:, columns] += rng.normal(0.0, scenario.fault.size, (len(out), len(columns)))
         else:
             out[:, columns] = np.nan
-            out = Filling.fit(self.problem.features).fill(out)
+            out = Imputation.fit(self.problem.features).impute(out)
         return out
 
     def stacked(self, shares: Floats) -> tuple[Problem, float]:
-        """Return the scenarios of positive share as one problem, and what its objective is divided by.
+        """Return the scenarios of positive share as one problem, and the divisor of its objective.
 
-        Args:
-            shares: (n_scenarios + 1,) summing to 1.
+        Parameters
+        ----------
+        shares
+            (n_scenarios + 1,) summing to 1.
         """
         chosen = np.flatnonzero(shares > 0)
         scale = _scale(shares[chosen])
@@ -187,7 +197,7 @@ class FailureProblem:
         ), scale
 
     def least_saving(self, *, over_worst: bool) -> float:
-        """Return what one sample or split alone can save, of the worst objective or of the mean over the scenarios."""
+        """Return the least saving by one sample or split, of the worst objective or of the mean over the scenarios."""
         shares = self.probabilities[self.probabilities > 0]
         return self.problem.least_saving * (1.0 if over_worst else float(shares.min()))
 
@@ -213,7 +223,7 @@ def _scale(shares: Floats) -> float:
 
 @dataclass(frozen=True, slots=True)
 class FailureCertificate:
-    """What was recounted from tree and scenarios alone, in units of the problem's objective.
+    """Costs recounted from tree and scenarios alone, in units of the problem's objective.
 
     Attributes
     ----------
@@ -237,7 +247,7 @@ def certify_failures(asked: FailureProblem, solution: Solution) -> FailureCertif
     Raises
     ------
     CertificateError
-        there is no tree, or objective or bound are not what they say.
+        there is no tree, or objective or bound differ from what was recounted.
     """
     if solution.tree is None:
         raise CertificateError(f"{solution.solver} found no tree (stop: {solution.stop}); there is nothing to certify")

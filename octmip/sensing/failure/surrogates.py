@@ -1,4 +1,4 @@
-"""Surrogates: at every split the questions to other sensors that part the samples most like it.
+"""Surrogate splits: at every split, questions to other sensors that separate the samples most like it.
 
 When the reading of a split is missing, the first surrogate whose reading is at hand says which way; when none is, the
 larger side. A surrogate stands in only if it agrees with the split more often than the larger side does.
@@ -51,14 +51,14 @@ GuardedNode = Leaf | GuardedSplit
 
 @dataclass(frozen=True, slots=True)
 class GuardedTree:
-    """A tree that answers readings with gaps.
+    """A tree that classifies readings with gaps.
 
     Attributes
     ----------
     root
         its nodes with surrogates.
     tree
-        the tree itself; without gaps both answer the same.
+        the tree itself; without gaps both predict the same.
     """
 
     root: GuardedNode
@@ -73,7 +73,10 @@ class GuardedTree:
             the features are no table, or hold an infinite number.
         """
         if features.ndim != 2 or np.isinf(features).any():
-            raise DataError(f"features has shape {features.shape} or an infinite entry; expected (n, n_features)")
+            raise DataError(
+                f"features has shape {features.shape} or an infinite entry; expected (n, n_features), "
+                "finite or NaN; correct it"
+            )
         out = np.zeros(len(features), dtype=np.int64)
         stack: list[tuple[GuardedNode, NDArray[np.int64]]] = [(self.root, np.arange(len(features)))]
         while stack:
@@ -125,7 +128,7 @@ def _as_dict(node: GuardedNode, features: Sequence[str], classes: Sequence[Any])
 
 
 def with_surrogates(problem: Problem, tree: Node, n_surrogates: int = 5) -> GuardedTree:
-    """Return the tree with up to `n_surrogates` surrogates a split, each from another sensor, learnt from the problem.
+    """Return the tree with up to `n_surrogates` surrogates per split, each of another sensor, learnt from the problem.
 
     Every sensor of the problem may stand in, so also those that the tree does not read: their readings must be at hand
     in service.

@@ -1,4 +1,4 @@
-"""Sensors chosen without asking for the best tree: what a placement by the tree is compared with.
+"""Sensors chosen without the best tree, by rules and designs of experiment: the comparison for a placement by tree.
 
 by_reading      the highest readings: the ad-hoc choice, where the signal is strong
 by_chance       at random
@@ -26,7 +26,7 @@ from octmip.sensing.placement.placement import problem_on
 from octmip.solution import Limits
 from octmip.solver import Method, solve
 
-QUICK: Mapping[str, Any] = {"restarts": 1, "kicks": 0}
+QUICK: Mapping[str, Any] = {"restarts": 1, "perturbations": 0}
 QUICK_NODES = 10  # visits to a node: the trial trees of a forward selection are many
 
 
@@ -72,12 +72,16 @@ def by_information(problem: Problem, budget: float, sensitivity: ArrayLike) -> I
 
     Rounding: sensors by falling w, ties in the order of the problem, each that can still be paid for.
 
-    Args:
-        problem: whose sensors and costs they are; samples and labels play no part.
-        budget: of sensor costs.
-        sensitivity: (n_states, n_features, n_parameters) derivatives of the readings, or (n_features, n_parameters)
-            for one state; noise is taken as equal in all features. Parameters are scaled to a root mean square of 1,
-            which changes no optimum.
+    Parameters
+    ----------
+    problem
+        whose sensors and costs they are; samples and labels play no part.
+    budget
+        of sensor costs.
+    sensitivity
+        (n_states, n_features, n_parameters) derivatives of the readings, or (n_features, n_parameters) for one state;
+        noise is taken as equal in all features. Parameters are scaled to a root mean square of 1, which changes no
+        optimum.
 
     Raises
     ------
@@ -149,11 +153,16 @@ def by_tree(
 
     Of equals the cheapest, then the first. It ends when no further sensor can be paid for.
 
-    Args:
-        problem: its tree is tried.
-        budget: of sensor costs.
-        rows: so many samples judge the trials, every class by its share; None: all.
-        method, limits, seed, options: of the trial trees.
+    Parameters
+    ----------
+    problem
+        its tree is tried.
+    budget
+        of sensor costs.
+    rows
+        so many samples judge the trials, every class by its share; None: all.
+    method, limits, seed, options
+        of the trial trees.
     """
     judged = _thinned(problem, rows, seed)
     chosen: list[str] = []
@@ -173,7 +182,7 @@ def _thinned(problem: Problem, rows: int | None, seed: int) -> Problem:
     if rows is None or rows >= problem.n_samples:
         return problem
     if rows < 2:
-        raise ProblemError(f"rows is {rows}; expected 2 or more")
+        raise ProblemError(f"rows is {rows}; expected 2 or more; give None for all samples")
     shuffled = np.random.default_rng(seed).permutation(problem.n_samples)
     by_class = shuffled[np.argsort(problem.codes[shuffled], kind="stable")]
     kept = np.sort(by_class[np.linspace(0, problem.n_samples - 1, rows).round().astype(np.int64)])

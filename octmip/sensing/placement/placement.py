@@ -1,11 +1,11 @@
-"""Placement: of many places where a sensor could sit, the few that the best tree reads.
+"""Placement: the few of many possible sensors that the best tree reads.
 
     minimise   the objective of the tree
     over       trees of the problem whose sensors cost the budget at most
 
 Every split of a tree names its sensors, so the best tree over all candidates *is* a placement: a combination of sensors
-chosen for what they tell together, where a rule of thumb ranks them one by one. `placement_frontier` says what each
-further sensor is worth, `placement_on` what another choice of sensors would have told.
+chosen for what they tell together, where a rule of thumb ranks them one by one. `placement_frontier` gives the value
+of each further sensor, `placement_on` the best tree of another choice of sensors.
 
 Bounds. Axis-aligned trees are proven by the exact core over all sets of sensors. For hyperplanes a bound of a wider
 problem serves: whatever the sensors, a tree of depth d predicts 2^d classes at most (`label_bound`), and costs of
@@ -65,12 +65,16 @@ def place_sensors(
 ) -> Placement:
     """Return the sensors that the best tree over all candidates reads, within `problem.sensor_budget` if it has one.
 
-    Args:
-        problem: its features are those of all candidates.
-        starts: sets of sensors, for instance other ways to choose them (`octmip.sensing.placement.designs`), each within the
-            budget. Their trees are found first, and the best of them is where the search over all candidates begins:
-            so it is never worse than any of them, which a search by itself does not promise.
-        method, limits, seed, n_jobs, options: of each solve, see `octmip.solve`.
+    Parameters
+    ----------
+    problem
+        its features are those of all candidates.
+    starts
+        sets of sensors within the budget, for instance chosen as in `octmip.sensing.placement.designs`. Their trees are
+        found first, and the search over all candidates begins at the best of them: so it is never worse than any of
+        them, which a search by itself does not promise.
+    method, limits, seed, n_jobs, options
+        of each solve, see `octmip.solve`.
 
     Raises
     ------
@@ -178,12 +182,18 @@ def placement_frontier(
 ) -> list[Point]:
     """Return the best tree for each number of sensors, or for each cost that they may have together.
 
-    Args:
-        problem: its `sensor_budget` is not used.
-        over: "number": every sensor counts 1; "cost": the problem's sensor costs.
-        values: numbers or costs; None: 1, 2, ... to as many as a tree of this depth can read.
-        bound: a lower bound that is known for the problem without a budget, for instance from `sample_bound`.
-        method, limits, seed, n_jobs, options: of each solve, see `octmip.solve`.
+    Parameters
+    ----------
+    problem
+        its `sensor_budget` is not used.
+    over
+        "number": every sensor counts 1; "cost": the problem's sensor costs.
+    values
+        numbers or costs; None: 1, 2, ... to as many as a tree of this depth can read.
+    bound
+        a lower bound that is known for the problem without a budget, for instance from `sample_bound`.
+    method, limits, seed, n_jobs, options
+        of each solve, see `octmip.solve`.
 
     Returns
     -------
@@ -213,7 +223,7 @@ def _bounded(solution: Solution, bound: float) -> Solution:
 
 
 def label_bound(problem: Problem) -> float:
-    """Return what no tree of the problem's depth goes below, whatever it reads: it predicts 2^depth classes at most.
+    """Return a lower bound of every tree of the problem's depth, which predicts 2^depth classes at most.
 
     The least cost over the sets of so many classes when every sample gets the cheapest class of the set; 0 or more.
     """
@@ -244,10 +254,14 @@ def sample_bound(
     of the block's problem (splits that part nothing there left out; leaves of any size; no penalty). So the blocks'
     bounds add up. With few samples and many features in a split a tree parts a block wholly, and the bound is 0.
 
-    Args:
-        problem: the problem; its budget holds for the blocks too where the method knows budgets.
-        block_size, n_blocks: rows of a block, drawn at random without return, and how many blocks.
-        method, limits, seed, n_jobs: of each block's solve. "flow" is the strengthened OCT-H, "oct_h" OCT-H as printed.
+    Parameters
+    ----------
+    problem
+        the problem; its budget holds for the blocks too where the method knows budgets.
+    block_size, n_blocks
+        rows of a block, drawn at random without return, and how many blocks.
+    method, limits, seed, n_jobs
+        of each block's solve. "flow" is the strengthened OCT-H, "oct_h" OCT-H as printed.
 
     Raises
     ------

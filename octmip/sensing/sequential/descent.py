@@ -1,4 +1,4 @@
-"""Descent: trees of any kind made better by exact subtrees of two levels where sensors are read in sequence."""
+"""Descent: trees of any kind made better by exact subtrees of two levels where sensors are read one after the other."""
 
 from dataclasses import replace
 
@@ -21,8 +21,8 @@ def descend(core: Core, tree: Node, price: float, limits: Limits) -> Node:
     KeyboardInterrupt
         Ctrl-C while a subtree was searched for.
     """
-    rows = np.arange(core.inspection.problem.n_samples)
-    return _better(core, tree, price, limits, (rows, core.inspection.problem.depth, frozenset()))
+    rows = np.arange(core.sequential.problem.n_samples)
+    return _better(core, tree, price, limits, (rows, core.sequential.problem.depth, frozenset()))
 
 
 def _better(
@@ -36,29 +36,29 @@ def _better(
     if levels == 0 or len(rows) == 0:
         return node
     if not isinstance(node, Leaf) and levels > BLOCK:
-        left = goes_left(node, core.inspection.problem.features, rows)
-        after = read | core.inspection.sensors_of(node.features)
+        left = goes_left(node, core.sequential.problem.features, rows)
+        after = read | core.sequential.sensors_of(node.features)
         node = replace(
             node,
             left=_better(core, node.left, price, limits, (rows[left], levels - 1, after)),
             right=_better(core, node.right, price, limits, (rows[~left], levels - 1, after)),
         )
     room = weight_of(core, node, price, rows, read)
-    answer = core.search(price, room, limits, rows=rows, depth=min(levels, BLOCK), read=read)
-    if answer.stop == Stop.INTERRUPTED:
+    found = core.search(price, room, limits, rows=rows, depth=min(levels, BLOCK), read=read)
+    if found.stop == Stop.INTERRUPTED:
         raise KeyboardInterrupt
-    return node if answer.tree is None else answer.tree
+    return node if found.tree is None else found.tree
 
 
 def weight_of(core: Core, node: Node, price: float, rows: NDArray[np.int64], read: frozenset[str]) -> float:
     """Return error + price * cost of a subtree for the samples of `rows`, after the sensors of `read`."""
-    inspection = core.inspection
+    sequential = core.sequential
     if isinstance(node, Leaf):
         return float(core.paid[rows, node.label].sum())
-    after = read | inspection.sensors_of(node.features)
-    cost = inspection.path_cost(after) - inspection.path_cost(read)
-    own = inspection.problem.leaf_penalty * len(node.features) + price * cost * float(inspection.counts[rows].sum())
-    haste = (len(after) - len(read)) * float(inspection.haste[rows].sum())
-    left = goes_left(node, inspection.problem.features, rows)
+    after = read | sequential.sensors_of(node.features)
+    cost = sequential.path_cost(after) - sequential.path_cost(read)
+    own = sequential.problem.leaf_penalty * len(node.features) + price * cost * float(sequential.counts[rows].sum())
+    delay = (len(after) - len(read)) * float(sequential.delay_costs[rows].sum())
+    left = goes_left(node, sequential.problem.features, rows)
     sides = ((node.left, rows[left]), (node.right, rows[~left]))
-    return own + haste + sum(weight_of(core, side, price, part, after) for side, part in sides)
+    return own + delay + sum(weight_of(core, side, price, part, after) for side, part in sides)

@@ -1,4 +1,4 @@
-"""The way to the native core of sequential acquisition and back: an Inspection as arrays, a node table as a tree."""
+"""The border to the native core of sequential sensing: the problem as arrays, a node table as a tree."""
 
 import math
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from octmip import _native
 from octmip.encoding import Ranks, tree_from_rows
-from octmip.sensing.sequential.problem import Inspection
+from octmip.sensing.sequential.problem import SequentialProblem
 from octmip.solution import Limits
 from octmip.tree import Node, centred
 
@@ -16,8 +16,8 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
-    """What the core says: a tree below the room or none, and a bound of what was minimised."""
+class CoreResult:
+    """Result of one search of the core: a tree below the room or none, and a bound of what was minimised."""
 
     tree: Node | None
     bound: float
@@ -27,24 +27,24 @@ class Answer:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Core:
-    """An inspection as the core takes it.
+    """A sequential problem as the core takes it.
 
     Attributes
     ----------
-    inspection
-        the inspection.
+    sequential
+        the problem.
     paid
-        (n_samples, n_classes) weight times cost of telling each class.
+        (n_samples, n_classes) weight times cost of predicting each class.
     """
 
-    inspection: Inspection
+    sequential: SequentialProblem
     paid: Floats
 
     @classmethod
-    def of(cls, inspection: Inspection) -> "Core":
-        """Return the core of an inspection."""
-        problem = inspection.problem
-        return cls(inspection, np.ascontiguousarray(problem.weights[:, None] * problem.costs[problem.codes]))
+    def of(cls, sequential: SequentialProblem) -> "Core":
+        """Return the core of a sequential problem."""
+        problem = sequential.problem
+        return cls(sequential, np.ascontiguousarray(problem.weights[:, None] * problem.costs[problem.codes]))
 
     def search(
         self,
@@ -56,58 +56,64 @@ class Core:
         rows: NDArray[np.int64] | None = None,
         depth: int | None = None,
         read: frozenset[str] = frozenset(),
-    ) -> Answer:
+    ) -> CoreResult:
         """Return the tree of least error + multiplier * cost below `room`; with a cap the least error within the cost.
 
-        Args:
-            multiplier: of the acquisition cost, summed over the samples' counts.
-            cap: most acquisition cost, as such a sum.
-            rows: the samples of a subtree; None: all.
-            depth: its levels; None: the problem's.
-            read: sensors read on the way to it.
+        Parameters
+        ----------
+        multiplier
+            of the reading cost, summed over the samples' counts.
+        cap
+            most reading cost, as such a sum.
+        rows
+            the samples of a subtree; None: all.
+        depth
+            its levels; None: the problem's.
+        read
+            sensors read on the way to it.
         """
-        problem = self.inspection.problem
+        problem = self.sequential.problem
         chosen = np.arange(problem.n_samples) if rows is None else rows
         features = np.ascontiguousarray(problem.features[chosen])
         ranks, values = _native.dense_ranks(features)
-        table, bound, stop, n_cuts = _native.sequential(
+        asked = _native.SequentialProblem(
             ranks,
             np.ascontiguousarray(self.paid[chosen]),
-            self.inspection.counts[chosen],
-            self.inspection.haste[chosen],
+            self.sequential.counts[chosen],
+            self.sequential.delay_costs[chosen],
             self._shape(problem.depth if depth is None else depth),
             self._prices(read),
             multiplier,
             cap,
-            room,
-            (limits.seconds, limits.gap, limits.nodes, limits.memory),
         )
+        allowance = (limits.seconds, limits.gap, limits.nodes, limits.memory)
+        table, bound, stop, n_cuts = _native.sequential(asked, room, allowance)
         tree = None if table is None else centred(tree_from_rows(table, Ranks(ranks, tuple(values))), features)
-        return Answer(tree, bound, stop, n_cuts)
+        return CoreResult(tree, bound, stop, n_cuts)
 
     def _shape(self, depth: int) -> tuple[float, int, int, list[int], list[bool], list[int]]:
-        problem = self.inspection.problem
+        problem = self.sequential.problem
         allowed = [problem.is_allowed((feature,)) for feature in range(problem.n_features)]
         sensors = problem.sensor_index.tolist()
-        return problem.leaf_penalty, depth, problem.leaf_size, sensors, allowed, self.inspection.most_readings
+        return problem.leaf_penalty, depth, problem.leaf_size, sensors, allowed, self.sequential.most_readings
 
     def _prices(self, read: frozenset[str]) -> tuple[list[float], list[int], list[float], list[int]]:
-        problem, groups = self.inspection.problem, self.inspection.groups
-        names, of_sensor = list(groups), self.inspection.group_of_sensor
-        # A sensor in no group has one of its own that costs nothing to open.
+        problem, groups = self.sequential.problem, self.sequential.groups
+        names, of_sensor = list(groups), self.sequential.group_of_sensor
+        # A sensor in no group has one of its own that costs nothing to set up.
         lone = len(names)
         index = [names.index(of_sensor[s]) if s in of_sensor else lone for s in problem.sensors]
-        opening = [groups[name].opening for name in names] + [0.0]
-        return problem.sensor_costs.tolist(), index, opening, [problem.sensors.index(s) for s in sorted(read)]
+        setup_costs = [groups[name].setup_cost for name in names] + [0.0]
+        return problem.sensor_costs.tolist(), index, setup_costs, [problem.sensors.index(s) for s in sorted(read)]
 
     @property
     def least_reading(self) -> float:
         """The least that the first reading of a path can cost."""
-        return min(self.inspection.path_cost(frozenset([sensor])) for sensor in self.inspection.problem.sensors)
+        return min(self.sequential.path_cost(frozenset([sensor])) for sensor in self.sequential.problem.sensors)
 
     @property
-    def dearest_sum(self) -> float:
+    def highest_cost_sum(self) -> float:
         """The most that all the samples' paths can cost."""
-        inspection = self.inspection
-        per_sensor = [inspection.path_cost(frozenset([sensor])) for sensor in inspection.problem.sensors]
-        return math.fsum(sorted(per_sensor)[-inspection.problem.depth :]) * float(inspection.counts.sum())
+        sequential = self.sequential
+        per_sensor = [sequential.path_cost(frozenset([sensor])) for sensor in sequential.problem.sensors]
+        return math.fsum(sorted(per_sensor)[-sequential.problem.depth :]) * float(sequential.counts.sum())

@@ -1,4 +1,4 @@
-"""Splitting a budget by hand: so much for each label, each label's tree found by itself.
+"""The baseline split: a budget divided between the labels, each label's tree found by itself.
 
     min over b_1 + ... + b_L <= budget  of  sum_l weight_l z_l(b_l)
 
@@ -14,7 +14,7 @@ from typing import Any
 
 from octmip.problem import Problem
 from octmip.sensing.shared.label_trees import LabelTrees
-from octmip.sensing.shared.solution import HandSplit, weighted_sum
+from octmip.sensing.shared.solution import BaselineSplit, weighted_sum
 from octmip.solution import Stop
 from octmip.tradeoff import Point, trace_frontier
 from octmip.tree import Node
@@ -22,8 +22,8 @@ from octmip.tree import Node
 MOST_STEPS = 12
 
 
-def split_by_hand(labels: LabelTrees, budget: float) -> HandSplit:
-    """Return the best split by hand; its trees are offered to `labels`.
+def best_baseline_split(labels: LabelTrees, budget: float) -> BaselineSplit:
+    """Return the best baseline split; its trees are offered to `labels`.
 
     Where time runs out before every label's frontier is there, the labels that lack one get a leaf.
     """
@@ -54,7 +54,7 @@ def budget_steps(problems: Sequence[Problem], budget: float) -> tuple[float, ...
     return tuple(budget * k / MOST_STEPS for k in range(1, MOST_STEPS + 1)) if budget > 0 else (0.0,)
 
 
-def _best_split(labels: LabelTrees, frontiers: Sequence[Sequence[Point]], budgets: Sequence[float]) -> HandSplit:
+def _best_split(labels: LabelTrees, frontiers: Sequence[Sequence[Point]], budgets: Sequence[float]) -> BaselineSplit:
     """Return the best way to share out the steps; step k stands for budgets[k - 1], step 0 for a leaf."""
     n_steps = len(budgets)
     # plans[k]: the least weighted sum for k steps among the labels so far, and what each of them gets
@@ -74,7 +74,7 @@ def _best_split(labels: LabelTrees, frontiers: Sequence[Sequence[Point]], budget
         for problem, points, step in zip(labels.problems, frontiers, steps, strict=True)
     ]
     spent = tuple(budgets[step - 1] if step else 0.0 for step in steps)
-    return HandSplit(spent, weighted_sum(labels.weights, values))
+    return BaselineSplit(spent, weighted_sum(labels.weights, values))
 
 
 def _tree(labels: LabelTrees, label: int, points: Sequence[Point], step: int) -> Node:

@@ -1,14 +1,15 @@
-"""Several labels, one budget: trees that together read the sensors that are worth their cost to all of them.
+"""Trees for several labels under one budget of sensors, each sensor paid for once.
 
-A wing whose damage is told by one tree for each of its regions pays for a gauge once, however many trees read it. Each
+A wing whose damage is read by one tree for each of its regions pays for a gauge once, however many trees read it. Each
 label by itself would choose other gauges than all together do, and no split of the budget between labels knows of
 gauges that serve two. Which sensors serve all best is found over sets of sensors:
 
 exact    axis-aligned trees: branch and bound over sets, each label's tree by the exact core (see sensor_sets.py)
-search   any trees: from the best split by hand, the labels find their trees anew in turn, the others' sensors free;
+search   any trees: from the best baseline split, the labels find their trees anew in turn, the others' sensors free;
          then each sensor is given up once and the turns are taken again
 
-Both begin with the best split by hand (octmip.sensing.shared.baseline_split) and keep the best trees met: never worse than it.
+Both begin with the best baseline split (`octmip.sensing.shared.baseline_split`: the budget divided between the labels)
+and keep the best trees met, so they are never worse than it.
 """
 
 import math
@@ -21,9 +22,9 @@ from typing import Any, Literal
 from octmip._native import __version__
 from octmip.errors import ProblemError
 from octmip.problem import Problem
-from octmip.sensing.shared.baseline_split import split_by_hand
+from octmip.sensing.shared.baseline_split import best_baseline_split
 from octmip.sensing.shared.certificate import certify_joint
-from octmip.sensing.shared.label_trees import Candidate, LabelTrees
+from octmip.sensing.shared.label_trees import JointTrees, LabelTrees
 from octmip.sensing.shared.sensor_sets import Proof, SetSearch
 from octmip.sensing.shared.solution import JointSolution, sensor_prices, weighted_sum
 from octmip.solution import Limits, Solution, Stop
@@ -46,18 +47,25 @@ def shared_budget(
 ) -> JointSolution:
     """Return one tree for each problem, all within one budget of sensors, and the bound of their weighted sum.
 
-    Args:
-        problems: one a label, without budgets of their own. Sensors are the same where their names are; such have one
-            cost. Depth, kind of split, weights and costs may differ.
-        budget: of all sensors that some tree reads, each paid for once.
-        weights: of the labels' objectives in the sum; None: all 1.
-        method: "exact" (axis-aligned trees) proves; "search" does not; "auto" is exact to depth 3, else search.
-        limits: wall seconds, relative gap, nodes (sets of sensors) and memory of all together.
-        seed, n_jobs, options: of every solve; options are the method's own, for instance ``restarts`` of the search.
+    Parameters
+    ----------
+    problems
+        one per label, without budgets of their own. Sensors of one name are one sensor and have one cost. Depth, kind
+        of split, weights and costs may differ.
+    budget
+        of all sensors that some tree reads, each paid for once.
+    weights
+        of the labels' objectives in the sum; None: all 1.
+    method
+        "exact" (axis-aligned trees) proves; "search" does not; "auto" is exact to depth 3, else search.
+    limits
+        wall seconds, relative gap, nodes (sets of sensors) and memory of all together.
+    seed, n_jobs, options
+        of every solve; options are the method's own, for instance ``restarts`` of the search.
 
     Returns
     -------
-    The joint solution; its `hand_split` is the best split of the budget into one for each label, and the sum never
+    The joint solution; its `baseline_split` is the best split of the budget into one for each label, and the sum never
     lies above it.
 
     Raises
@@ -80,7 +88,7 @@ def shared_budget(
         options=options,
         best=_leaves(shared, shares),
     )
-    hand = split_by_hand(labels, budget)
+    baseline = best_baseline_split(labels, budget)
     labels.alternate(labels.best.trees)
     proof = SetSearch(labels).run() if labels.method == "exact" else _search(labels)
     joint = JointSolution(
@@ -91,7 +99,7 @@ def shared_budget(
         stop=proof.stop,
         seconds=time.perf_counter() - labels.started,
         n_nodes=proof.n_nodes,
-        hand_split=hand,
+        baseline_split=baseline,
         tolerance=proof.tolerance,
     )
     certify_joint(joint)
@@ -100,19 +108,20 @@ def shared_budget(
 
 def _shared(problems: Sequence[Problem], budget: float) -> tuple[Problem, ...]:
     if not problems:
-        raise ProblemError("problems is empty; expected one problem for each label")
+        raise ProblemError("problems is empty; expected one problem for each label; give one")
     budgeted = [k for k, problem in enumerate(problems) if problem.sensor_budget is not None]
     if budgeted:
         raise ProblemError(
-            f"problems {budgeted} have a sensor_budget of their own; expected none: the shared one holds for all"
+            f"problems {budgeted} have a sensor_budget of their own; expected none, as the shared "
+            "one holds for all; leave it out"
         )
     return tuple(replace(problem, sensor_budget=budget) for problem in problems)
 
 
-def _leaves(problems: Sequence[Problem], weights: Sequence[float]) -> Candidate:
-    """Return the best trees without a sensor: what there is before anything is found."""
+def _leaves(problems: Sequence[Problem], weights: Sequence[float]) -> JointTrees:
+    """Return the best trees without a sensor, which any others must beat."""
     trees = tuple(Leaf(int(problem.class_costs().argmin())) for problem in problems)
-    return Candidate(trees, weighted_sum(weights, (problem.baseline for problem in problems)))
+    return JointTrees(trees, weighted_sum(weights, (problem.baseline for problem in problems)))
 
 
 def _checked_weights(weights: Sequence[float] | None, n_labels: int) -> tuple[float, ...]:
@@ -160,8 +169,8 @@ def _without(labels: LabelTrees, trees: Sequence[Node], sensor: str) -> tuple[No
     found = list(trees)
     for label, (problem, tree) in enumerate(zip(labels.problems, trees, strict=True)):
         if sensor in problem.sensors_used(tree):
-            answer = labels.solve(label, kept, frozenset(labels.prices) - kept)
-            found[label] = answer.tree if answer.tree is not None else labels.leaf(label)
+            solution = labels.solve(label, kept, frozenset(labels.prices) - kept)
+            found[label] = solution.tree if solution.tree is not None else labels.leaf(label)
     return tuple(found)
 
 

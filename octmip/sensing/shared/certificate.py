@@ -11,12 +11,12 @@ from octmip.solution import Stop
 
 @dataclass(frozen=True, slots=True)
 class JointCertificate:
-    """What was recounted from problems and trees alone.
+    """Objectives and sensors recounted from problems and trees alone.
 
     Attributes
     ----------
     certificates
-        one a label.
+        one per label.
     objective
         weighted sum of their recounted objectives.
     sensors, sensor_cost
@@ -40,7 +40,7 @@ def certify_joint(joint: JointSolution) -> JointCertificate:
     ------
     CertificateError
         a label's solution fails its own certificate, the trees together break the budget, or
-        objective, bound, stop or hand split are not what they say.
+        objective, bound, stop or baseline split are not what was recounted.
     """
     pairs = zip(joint.problems, joint.solutions, strict=True)
     certificates = tuple(certify(problem, solution) for problem, solution in pairs)
@@ -70,13 +70,13 @@ def _check_claims(joint: JointSolution, objective: float) -> None:
     least = weighted_sum(joint.weights, (problem.baseline for problem in joint.problems))
     if joint.bound > min(objective, least) + slack:
         raise CertificateError(
-            f"the joint solution claims that nothing is below {joint.bound} but its own trees have {objective} and "
+            f"the joint solution claims that no trees are below {joint.bound} but its own trees have {objective} and "
             f"leaves without a sensor {least}"
         )
-    if objective > joint.hand_split.objective + slack:
+    if objective > joint.baseline_split.objective + slack:
         raise CertificateError(
-            f"the trees together have {objective}, more than the {joint.hand_split.objective} of the budget split by "
-            f"hand into {joint.hand_split.budgets}"
+            f"the trees together have {objective}, more than the {joint.baseline_split.objective} of the baseline "
+            f"split into the budgets {joint.baseline_split.budgets}"
         )
     if joint.stop is Stop.OPTIMAL and not joint.is_optimal:
         raise CertificateError(f"the joint solution says optimal but its bound {joint.bound} is below {objective}")

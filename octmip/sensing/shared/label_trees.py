@@ -1,4 +1,4 @@
-"""One label's best tree while some sensors are paid for, some forbidden, and the rest share what is left to spend.
+"""The best tree of one label while some sensors are paid for, some banned, and the rest must fit the budget left.
 
     z_l(H, B) = min objective_l(T)   over trees T that read no sensor of B, sensors outside H costing `left` at most
 
@@ -23,7 +23,7 @@ NONE: Sensors = frozenset()
 
 
 @dataclass(frozen=True, slots=True)
-class Candidate:
+class JointTrees:
     """Trees that keep the budget together, and their weighted sum."""
 
     trees: tuple[Node, ...]
@@ -32,12 +32,12 @@ class Candidate:
 
 @dataclass(slots=True)
 class LabelTrees:
-    """Answers z_l(H, B) for every label, each question once, and keeps the best trees that keep the budget.
+    """The values z_l(H, B) of every label, each computed once, and the best trees that keep the budget.
 
     Attributes
     ----------
     problems
-        one a label, `sensor_budget` the shared one.
+        one per label, `sensor_budget` the shared one.
     weights
         (n_labels,).
     prices
@@ -51,7 +51,7 @@ class LabelTrees:
     is_interrupted
         whether Ctrl-C was pressed.
     known
-        the answers so far, by label, held and banned sensors.
+        the solutions so far, by label, held and banned sensors.
     """
 
     problems: tuple[Problem, ...]
@@ -62,7 +62,7 @@ class LabelTrees:
     seed: int
     n_jobs: int
     options: Mapping[str, Any]
-    best: Candidate
+    best: JointTrees
     started: float = field(default_factory=time.perf_counter)
     is_interrupted: bool = False
     known: dict[tuple[int, Sensors, Sensors], Solution] = field(default_factory=dict)
@@ -74,13 +74,13 @@ class LabelTrees:
 
     @property
     def remaining(self) -> Limits:
-        """What one solve may take now."""
+        """Limits of the next solve: the time that is left."""
         return Limits(
             seconds=max(0.0, self.started + self.limits.seconds - time.perf_counter()), memory=self.limits.memory
         )
 
     def cost(self, sensors: Iterable[str]) -> float:
-        """Return what sensors cost together."""
+        """Return the cost of the sensors together."""
         return math.fsum(self.prices[name] for name in sensors)
 
     def is_affordable(self, sensors: Iterable[str]) -> bool:
@@ -99,7 +99,7 @@ class LabelTrees:
         return self.known[question]
 
     def _asked(self, label: int, held: Sensors, banned: Sensors) -> Problem:
-        """Return the problem of a question: held sensors are free, forbidden ones dearer than all that is left."""
+        """Return the problem of a question: held sensors are free, banned ones cost more than all that is left."""
         problem = self.problems[label]
         assert problem.sensor_budget is not None  # the shared one
         left = max(0.0, problem.sensor_budget - self.cost(held))
@@ -110,7 +110,7 @@ class LabelTrees:
         return replace(problem, sensor_cost=prices, sensor_budget=left)
 
     def is_possible(self, label: int, tree: Node, held: Sensors, banned: Sensors) -> bool:
-        """Whether a label's tree answers z_label(held, banned) as well."""
+        """Whether a label's tree is possible for z_label(held, banned) as well."""
         used = self._read(label, tree)
         return not used & banned and self.is_affordable(used | held)
 
@@ -132,7 +132,7 @@ class LabelTrees:
         values = (p.objective(t) for p, t in zip(self.problems, trees, strict=True))
         objective = weighted_sum(self.weights, values)
         if objective < self.best.objective:
-            self.best = Candidate(tuple(trees), objective)
+            self.best = JointTrees(tuple(trees), objective)
             return True
         return False
 

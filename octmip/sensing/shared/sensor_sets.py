@@ -1,12 +1,13 @@
 """Branch and bound over sets of sensors: the best trees of several labels under one budget, proven.
 
 A node holds some sensors (paid for, free to all labels) and bans others. Its bound is the sum over labels of
-weight * z_label(held, banned), see `octmip.sensing.shared.label_trees`: every label may spend all that is left as if it were
-alone, so nothing below the node costs less. Where the labels' trees keep the budget together the bound is met and the
-node closed; else a sensor that is read but not held is held in one child and banned in the other. Every child decides
-one sensor more, and trees that read held sensors alone keep the budget: so it ends. Nodes are taken least bound first.
+weight * z_label(held, banned), see `octmip.sensing.shared.label_trees`: every label may spend all that is left as if it
+were alone, so nothing below the node costs less. Where the labels' trees keep the budget together the bound is met and
+the node closed; else a sensor that is read but not held is held in one child and banned in the other. Every child
+decides one sensor more, and trees that read held sensors alone keep the budget: so it ends. Nodes are taken least bound
+first.
 
-A child is narrower than its parent. So a parent's tree that is still possible in the child is the child's answer too,
+A child is narrower than its parent. So a parent's tree that is still possible in the child is the child's solution too,
 bound and all, without a solve; and a label's bound is never below its parent's.
 """
 
@@ -24,18 +25,18 @@ from octmip.tree import Node
 
 @dataclass(frozen=True, slots=True, order=True)
 class _Set:
-    """A node: what is held and what is banned, each label's answer, and their weighted bounds."""
+    """A node: held and banned sensors, each label's solution, and the weighted sum of their bounds."""
 
     bound: float
     number: int  # of its creation: of equal bounds the older comes first
     held: Sensors = field(compare=False)
     banned: Sensors = field(compare=False)
-    answers: tuple[Solution, ...] = field(compare=False)
+    solutions: tuple[Solution, ...] = field(compare=False)
 
 
 @dataclass(frozen=True, slots=True)
 class Proof:
-    """What was proven: no trees that keep the budget have a weighted sum below `bound`.
+    """The result of the search over sets: no trees that keep the budget have a weighted sum below `bound`.
 
     Attributes
     ----------
@@ -59,7 +60,7 @@ class Proof:
 
 
 def least_saving(labels: LabelTrees) -> float:
-    """Return what one sample or split of one label alone can save of the weighted sum."""
+    """Return the least saving of the weighted sum by one sample or split of one label."""
     pairs = zip(labels.weights, labels.problems, strict=True)
     return min(weight * problem.least_saving for weight, problem in pairs if weight > 0)
 
@@ -88,7 +89,7 @@ class SetSearch:
         # What rounding hides in one label must be less than a sample of any label is worth in the sum.
         tolerance = self.tolerance if self.tolerance < least_saving(self.labels) else 0.0
         stop = self._early_stop() if bound < best - tolerance or self.labels.is_interrupted else Stop.OPTIMAL
-        return Proof(bound, stop, self.n_nodes, tuple(answer.bound for answer in root), tolerance)
+        return Proof(bound, stop, self.n_nodes, tuple(solution.bound for solution in root), tolerance)
 
     def _is_done(self) -> bool:
         best, least = self.labels.best.objective, self.open[0].bound
@@ -102,8 +103,8 @@ class SetSearch:
             return Stop.TIME
         if self.open:
             return Stop.NODES if self.n_nodes >= self.labels.limits.nodes else Stop.GAP
-        # Some answer came back without its proof, and not for lack of time.
-        stops = {answer.stop for answer in self.labels.known.values()}
+        # Some solution lacks its proof, and not for lack of time.
+        stops = {solution.stop for solution in self.labels.known.values()}
         return Stop.MEMORY if Stop.MEMORY in stops else Stop.NUMERICS
 
     def _branch(self, node: _Set) -> None:
@@ -112,61 +113,65 @@ class SetSearch:
         sensor = self._undecided(node)
         for held, banned in ((node.held, node.banned | {sensor}), (node.held | {sensor}, node.banned)):
             if self.labels.is_affordable(held):
-                answers = self._answers(node, held, banned)
-                if answers is not None:
-                    self._enter(held, banned, answers)
+                solutions = self._solutions(node, held, banned)
+                if solutions is not None:
+                    self._enter(held, banned, solutions)
 
     def _undecided(self, node: _Set) -> str:
-        """Return the sensor to decide on: read by the fewest labels, the dearest of those, then the first by name.
+        """Return the sensor to decide on: read by the fewest labels, then the most expensive, then the first by name.
 
         Held, it takes money from all the labels that do not read it; banned, it takes itself from those that do.
         """
-        readers = Counter(name for label, a in enumerate(node.answers) for name in self._sensors(label, a) - node.held)
+        readers = Counter(
+            name for label, a in enumerate(node.solutions) for name in self._sensors(label, a) - node.held
+        )
         return min(readers, key=lambda name: (readers[name], -self.labels.prices[name], name))
 
-    def _sensors(self, label: int, answer: Solution) -> Sensors:
-        assert answer.tree is not None  # the exact core always returns one
-        return frozenset(self.labels.problems[label].sensors_used(answer.tree))
+    def _sensors(self, label: int, solution: Solution) -> Sensors:
+        assert solution.tree is not None  # the exact core always returns one
+        return frozenset(self.labels.problems[label].sensors_used(solution.tree))
 
-    def _answers(self, parent: _Set, held: Sensors, banned: Sensors) -> tuple[Solution, ...] | None:
-        """Return each label's answer in a child; None, and the child closed, once their bounds reach the incumbent."""
-        answers = list(parent.answers)
-        for label, known in enumerate(parent.answers):
+    def _solutions(self, parent: _Set, held: Sensors, banned: Sensors) -> tuple[Solution, ...] | None:
+        """Return each label's solution in a child; None, the child closed, once their bounds reach the incumbent."""
+        solutions = list(parent.solutions)
+        for label, known in enumerate(parent.solutions):
             assert known.tree is not None
             if self.labels.is_possible(label, known.tree, held, banned):
                 continue
             found = self.labels.solve(label, held, banned)
-            answers[label] = replace(found, bound=max(found.bound, min(known.bound, found.objective)))
-            bound = self._bound(answers)
+            solutions[label] = replace(found, bound=max(found.bound, min(known.bound, found.objective)))
+            bound = self._bound(solutions)
             if bound >= self.labels.best.objective - self.tolerance:
                 self.closed = min(self.closed, bound)
                 return None
-        return tuple(answers)
+        return tuple(solutions)
 
-    def _bound(self, answers: Sequence[Solution]) -> float:
-        return weighted_sum(self.labels.weights, (answer.bound for answer in answers))
+    def _bound(self, solutions: Sequence[Solution]) -> float:
+        return weighted_sum(self.labels.weights, (solution.bound for solution in solutions))
 
-    def _enter(self, held: Sensors, banned: Sensors, answers: tuple[Solution, ...]) -> None:
+    def _enter(self, held: Sensors, banned: Sensors, solutions: tuple[Solution, ...]) -> None:
         """Close a node whose trees keep the budget together, put another among the open ones."""
-        tolerances = (answer.tolerance for answer in answers)
+        tolerances = (solution.tolerance for solution in solutions)
         self.tolerance = max(self.tolerance, weighted_sum(self.labels.weights, tolerances))
-        trees = [answer.tree for answer in answers if answer.tree is not None]
-        bound = self._bound(answers)
+        trees = [solution.tree for solution in solutions if solution.tree is not None]
+        bound = self._bound(solutions)
         self.labels.offer(trees)
         if self.labels.is_affordable(self.labels.sensors_of(trees)):
             self.closed = min(self.closed, bound)
             return
-        self.labels.offer(self._repaired(held, banned, answers))
+        self.labels.offer(self._repaired(held, banned, solutions))
         self.n_created += 1
-        heapq.heappush(self.open, _Set(bound, self.n_created, held, banned, answers))
+        heapq.heappush(self.open, _Set(bound, self.n_created, held, banned, solutions))
 
-    def _repaired(self, held: Sensors, banned: Sensors, answers: Sequence[Solution]) -> tuple[Node, ...]:
+    def _repaired(self, held: Sensors, banned: Sensors, solutions: Sequence[Solution]) -> tuple[Node, ...]:
         """Return trees that keep the budget: of the sensors read, those of most labels first while they can be paid."""
-        readers = Counter(name for label, answer in enumerate(answers) for name in self._sensors(label, answer) - held)
+        readers = Counter(
+            name for label, solution in enumerate(solutions) for name in self._sensors(label, solution) - held
+        )
         bought = set(held)
         for name in sorted(readers, key=lambda name: (-readers[name], self.labels.prices[name], name)):
             if self.labels.is_affordable(bought | {name}):
                 bought.add(name)
         rest = frozenset(self.labels.prices) - bought
-        found = (self.labels.solve(label, frozenset(bought), rest) for label in range(len(answers)))
+        found = (self.labels.solve(label, frozenset(bought), rest) for label in range(len(solutions)))
         return tuple(solution.tree for solution in found if solution.tree is not None)

@@ -15,13 +15,13 @@ from octmip.tree import Node
 
 
 @dataclass(frozen=True, slots=True)
-class HandSplit:
+class BaselineSplit:
     """The best division of the budget into one budget for each label, each label's tree found by itself.
 
     Attributes
     ----------
     budgets
-        (n_labels,) what each label may spend; they add up to the whole budget or less.
+        (n_labels,) the share of each label; they add up to the whole budget or less.
     objective
         weighted sum of the labels' objectives. Sensors that two labels share are paid for twice.
     """
@@ -37,11 +37,11 @@ class JointSolution:
     Attributes
     ----------
     problems
-        one a label, `sensor_budget` the shared one.
+        one per label, `sensor_budget` the shared one.
     weights
         (n_labels,) of the labels' objectives in the sum.
     solutions
-        one a label. `bound` of each is one over its trees alone within the whole budget, so that it says
+        one per label. `bound` of each is one over its trees alone within the whole budget, so that it says
         what the label gives up for the others.
     bound
         proven lower bound of the weighted sum; -inf without a proof.
@@ -51,8 +51,8 @@ class JointSolution:
         wall time [s].
     n_nodes
         sets of sensors that were branched on; 0 for a search.
-    hand_split
-        the best split by hand that was tried: the sum is never above it.
+    baseline_split
+        the best baseline split that was tried: the sum is never above it.
     tolerance
         how far `bound` may stand from `objective` and still meet it: 0 for whole weights and costs.
     """
@@ -64,7 +64,7 @@ class JointSolution:
     stop: Stop
     seconds: float
     n_nodes: int
-    hand_split: HandSplit
+    baseline_split: BaselineSplit
     tolerance: float = field(default=0.0)
 
     def __post_init__(self) -> None:
@@ -76,7 +76,7 @@ class JointSolution:
 
     @property
     def trees(self) -> tuple[Node, ...]:
-        """The trees, one a label."""
+        """The trees, one per label."""
         return tuple(solution.tree for solution in self.solutions if solution.tree is not None)
 
     @property
@@ -99,7 +99,7 @@ class JointSolution:
 
     @property
     def sensor_cost(self) -> float:
-        """What those sensors cost, each paid for once."""
+        """Cost of those sensors, each paid for once."""
         prices = sensor_prices(self.problems)
         return math.fsum(prices[name] for name in self.sensors)
 
@@ -133,7 +133,7 @@ def sensor_prices(problems: Sequence[Problem]) -> dict[str, float]:
         for name, cost in zip(problem.sensors, problem.sensor_costs.tolist(), strict=True):
             if prices.setdefault(name, cost) != cost:
                 raise ProblemError(
-                    f"sensor {name!r} costs {cost} in problem {k} but {prices[name]} in one before it; "
-                    "give a sensor that is shared one cost"
+                    f"sensor {name!r} costs {cost} in problem {k} but {prices[name]} in one before; expected "
+                    "one cost for a sensor that is shared; correct it"
                 )
     return prices

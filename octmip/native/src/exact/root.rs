@@ -1,25 +1,28 @@
 //! The whole search: incumbent, shallower depths, the root's frontier, limits.
 
-use std::sync::mpsc::{Sender, channel};
-use std::time::Instant;
+pub(crate) mod frontier;
+pub(crate) mod known;
+pub(crate) mod memory;
+pub(crate) mod sensor_sets;
 
-use crate::control::{KeepGoing, Limits, Outcome, Stop};
-use crate::exact::Switches;
-use crate::exact::answer::Reached;
-use crate::exact::branch::Search;
-use crate::exact::budget::{Sets, is_within};
+use crate::control::{KeepGoing, Limits, Outcome, Progress, Stop};
+use crate::costs::{base_cost, best_leaf};
 use crate::exact::effort::Control;
-use crate::exact::frontier::Frontier;
-use crate::exact::known::{Known, Saver};
-use crate::exact::memory;
-use crate::exact::plan::Plan;
+use crate::exact::node::plan::Plan;
+use crate::exact::node::result::FeatureIncumbent;
+use crate::exact::node::search::Search;
 use crate::exact::samples::Samples;
+use crate::exact::switches::Switches;
 use crate::exact::view::View;
-use crate::exact::watch::{Due, watch};
 use crate::problem::Problem;
+use crate::supervise::Supervision;
 use crate::tree::Tree;
 
-/// How to search.
+use frontier::Frontier;
+use known::{Due, Known, Saver};
+use sensor_sets::{Sets, is_within};
+
+/// Options of the search.
 #[derive(Debug, Clone)]
 pub struct Options {
     /// When to stop early.
@@ -28,16 +31,16 @@ pub struct Options {
     pub n_threads: usize,
     /// A feasible tree and its objective.
     pub incumbent: Option<(i64, Tree)>,
-    /// Which prunes are on.
+    /// Prunes that are on.
     pub switches: Switches,
 }
 
-/// Where the best tree comes from.
+/// Origin of the best tree.
 #[derive(Debug, Clone)]
 enum Best {
     /// The incumbent that was given.
     Given,
-    /// This search.
+    /// A plan of this search.
     Plan(Plan),
     /// An earlier search, or the one over sensor sets.
     Tree(Tree),
@@ -50,17 +53,15 @@ struct Run<'a, 's> {
     view: &'a View,
     options: &'a Options,
     control: Control,
-    started: Instant,
+    supervision: Supervision,
     /// Bytes of the tables that do not grow.
     tables: f64,
     base: i64,
     /// Objective (above the base) of the best tree, and where it comes from.
     best: (i64, Best),
     bound: i64,
-    stop: Option<Stop>,
     known: Option<Known>,
-    saver: Option<Saver<'s>>,
-    saved: Instant,
+    due: Due<'s>,
 }
 
 /// The best tree of the problem, and a bound.
@@ -68,15 +69,17 @@ pub fn solve(problem: &Problem, options: &Options, keep_going: KeepGoing<'_>) ->
     go_on(problem, options, None, None, keep_going).unwrap_or_else(|_| without_search(problem, options))
 }
 
-/// The same from what an earlier search has proven, handing out what is known every so often; an error when that cannot be.
-pub fn go_on(
+/// The same from what an earlier search has proven, handing out what is known every so often.
+///
+/// An error says why what is known cannot be.
+pub(crate) fn go_on(
     problem: &Problem,
     options: &Options,
     known: Option<Known>,
     saver: Option<Saver<'_>>,
     keep_going: KeepGoing<'_>,
 ) -> Result<Outcome, String> {
-    let started = Instant::now();
+    let supervision = Supervision::new(options.limits);
     let tables = memory::bytes(problem, options.n_threads.max(1), &options.switches);
     if tables > options.limits.memory {
         return Ok(without_search(problem, options));
@@ -92,16 +95,14 @@ pub fn go_on(
         samples: &samples,
         view: &view,
         options,
-        control: Control::new(),
-        started,
+        control: Control::reading(supervision.flag()),
+        supervision,
         tables,
         base,
         best: (view.leaf(), Best::Plan(Plan::Leaf)),
         bound: 0,
-        stop: None,
         known,
-        saver,
-        saved: started,
+        due: Due::new(saver),
     };
     if let Some((objective, _)) = &options.incumbent
         && objective - base <= run.best.0
@@ -121,34 +122,25 @@ pub fn go_on(
     Ok(run.outcome())
 }
 
-/// What no tree avoids.
-pub fn base(problem: &Problem) -> i64 {
-    let least = |i: usize| (0..problem.n_classes).map(move |k| problem.cost(problem.labels[i] as usize, k)).min();
-    (0..problem.n).map(|i| problem.weights[i] * least(i).unwrap_or(0)).sum()
-}
-
 /// The incumbent or the best leaf, and the cost that no tree avoids: what is known where memory is too small to search.
 fn without_search(problem: &Problem, options: &Options) -> Outcome {
-    let paid = |i: usize, k: usize| problem.weights[i] * problem.cost(problem.labels[i] as usize, k);
-    let leaf = |k: usize| (0..problem.n).map(|i| paid(i, k)).sum::<i64>();
-    let label = (0..problem.n_classes).min_by_key(|&k| leaf(k)).unwrap_or(0);
-    let best = (leaf(label), Tree::leaf(label as u32));
+    let (cost, label) = best_leaf(problem);
     let (objective, tree) = match &options.incumbent {
-        Some(given) if given.0 <= best.0 => given.clone(),
-        _ => best,
+        Some(given) if given.0 <= cost => given.clone(),
+        _ => (cost, Tree::leaf(label as u32)),
     };
-    let bound = base(problem);
+    let bound = base_cost(problem);
     let stop = if bound >= objective { Stop::Optimal } else { Stop::Memory };
     Outcome { tree, objective, bound, stop, n_nodes: 0 }
 }
 
 impl Run<'_, '_> {
     fn search(&mut self, depth: usize, keep_going: KeepGoing<'_>) {
-        if self.best.0 <= self.samples.penalty || self.samples.p == 0 || self.samples.n_columns == 1 {
+        if self.best.0 <= self.samples.penalty || self.samples.p == 0 || self.samples.n_labels == 1 {
             self.bound = self.best.0;
             return;
         }
-        let ((mut whole, mut attained), first) = match &self.known {
+        let ((mut whole, mut incumbents), first) = match &self.known {
             Some(known) => ((known.whole, known.order.clone()), known.level),
             None => (self.shallow(depth.min(2), keep_going), 3),
         };
@@ -161,41 +153,31 @@ impl Run<'_, '_> {
             return;
         }
         for level in first..=depth {
-            if self.stop.is_some() {
+            if self.supervision.reason().is_some() {
                 return;
             }
-            (whole, attained) = self.deep(level, level == depth, &attained, whole, keep_going);
+            (whole, incumbents) = self.deep(level, level == depth, &incumbents, whole, keep_going);
             self.known = None;
         }
     }
 
-    /// Depth one or two, by one thread; a bound of that depth's trees, and what each feature reached.
-    fn shallow(&mut self, depth: usize, keep_going: KeepGoing<'_>) -> (i64, Vec<Reached>) {
+    /// Depth one or two, by one thread; a bound of that depth's trees, and each feature's incumbent.
+    fn shallow(&mut self, depth: usize, keep_going: KeepGoing<'_>) -> (i64, Vec<FeatureIncumbent>) {
         let upper = self.view.leaf() + 1;
-        let mut result = None;
-        std::thread::scope(|scope| {
-            let (sender, receiver) = channel::<()>();
-            let (samples, view, control, switches) = (self.samples, self.view, &self.control, self.options.switches);
-            let worker = scope.spawn(move || {
-                let _sender = sender;
-                let mut search = Search::new(samples, switches, control, depth);
-                let answer = search.solve(view, depth, upper, 0);
-                (answer, search.attained)
-            });
-            let progress = || (self.best.0 + self.base, self.base, self.tables);
-            self.stop =
-                watch(self.started, &self.options.limits, control, &receiver, keep_going, progress, &mut || true);
-            result = worker.join().ok();
-        });
-        let Some((answer, attained)) = result else {
-            return (0, Vec::new());
+        let work = || {
+            let mut search = Search::new(self.samples, self.options.switches, &self.control, depth);
+            let result = search.solve(self.view, depth, upper, 0);
+            (result, search.incumbents)
         };
-        if let Some((cost, plan)) = answer.best
+        let (result, incumbents) = self.supervision.run(work, || {
+            self.poll(keep_going, self.progress(self.best.0 + self.base, self.base), self.tables);
+        });
+        if let Some((cost, plan)) = result.best
             && cost < self.best.0
         {
             self.best = (cost, Best::Plan(plan));
         }
-        (if self.stop.is_some() { 0 } else { answer.lower }, attained)
+        (if self.supervision.reason().is_some() { 0 } else { result.lower }, incumbents)
     }
 
     /// Depth three or more, by all threads.
@@ -203,25 +185,25 @@ impl Run<'_, '_> {
         &mut self,
         depth: usize,
         is_last: bool,
-        attained: &[Reached],
+        incumbents: &[FeatureIncumbent],
         whole: i64,
         keep_going: KeepGoing<'_>,
-    ) -> (i64, Vec<Reached>) {
+    ) -> (i64, Vec<FeatureIncumbent>) {
         let (samples, view, switches) = (self.samples, self.view, self.options.switches);
         // The incumbent may be deeper than this level: the level's own trees are asked for up to the last level's cost.
         let upper = self.best.0;
         let known = self.known.take();
         let frontier =
-            Frontier::new(samples, switches, &self.control, view, depth, attained, whole, upper, known.as_ref());
+            Frontier::new(samples, switches, &self.control, view, depth, incumbents, whole, upper, known.as_ref());
         let (base, tables, before, control) = (self.base, self.tables, self.tree(), &self.control);
-        let state = || {
+        let state_now = || {
             let (_, bound) = frontier.progress();
             let best = frontier.best().map(|(cost, plan)| (cost, plan.tree(samples, view)));
             Known {
                 level: depth,
                 whole,
-                order: attained.to_vec(),
-                attained: frontier.attained(),
+                order: incumbents.to_vec(),
+                incumbents: frontier.incumbents(),
                 cuts: frontier.solved(),
                 bound: if is_last { bound } else { 0 },
                 best: best.unwrap_or_else(|| (upper, before.clone())),
@@ -229,35 +211,27 @@ impl Run<'_, '_> {
                 sets: None,
             }
         };
-        let mut due = Due { saver: self.saver.as_mut(), saved: &mut self.saved };
-        std::thread::scope(|scope| {
-            let (sender, receiver) = channel::<()>();
-            for _ in 0..self.options.n_threads.max(1) {
-                let sender: Sender<()> = sender.clone();
-                let (frontier, control) = (&frontier, &self.control);
-                scope.spawn(move || {
-                    let _sender = sender;
-                    let mut search = Search::new(samples, switches, control, depth);
-                    if depth == 3 {
-                        search.prepare(view);
-                    }
-                    frontier.work(&mut search);
-                });
+        let work = || {
+            let mut search = Search::new(samples, switches, control, depth);
+            if depth == 3 {
+                search.prepare(view);
             }
-            drop(sender);
-            let progress = || {
-                let (cost, bound) = frontier.progress();
-                let bytes = tables + frontier.bytes() as f64;
-                (cost + base, if is_last { bound + base } else { base }, bytes)
-            };
-            self.stop =
-                watch(self.started, &self.options.limits, &self.control, &receiver, keep_going, progress, &mut || {
-                    due.save(false, &state)
-                });
+            frontier.work(&mut search);
+        };
+        let mut due = std::mem::take(&mut self.due);
+        self.supervision.run_all(self.options.n_threads.max(1), work, || {
+            let (cost, bound) = frontier.progress();
+            let progress = self.progress(cost + base, if is_last { bound + base } else { base });
+            self.poll(
+                &mut |state| keep_going(state) && due.save(false, &state_now),
+                progress,
+                tables + frontier.bytes() as f64,
+            );
         });
-        if is_last || self.stop.is_some() {
-            due.save(true, &state);
+        if is_last || self.supervision.reason().is_some() {
+            due.save(true, &state_now);
         }
+        self.due = due;
         let (cost, bound) = frontier.progress();
         if let Some((cost, plan)) = frontier.best() {
             self.best = (cost, Best::Plan(plan));
@@ -265,7 +239,7 @@ impl Run<'_, '_> {
         if is_last {
             self.bound = bound;
         }
-        (bound.min(cost), frontier.attained())
+        (bound.min(cost), frontier.incumbents())
     }
 
     /// After the search without the budget, whose bound stands: the best tree within it.
@@ -284,7 +258,7 @@ impl Run<'_, '_> {
                 _ => (leaf, Best::Plan(Plan::Leaf)),
             };
         }
-        if self.stop.is_some() {
+        if self.supervision.reason().is_some() {
             return;
         }
         let (samples, upper, tables) = (self.samples, self.best.0, self.tables);
@@ -294,13 +268,13 @@ impl Run<'_, '_> {
             sets = sets.go_on(open);
         }
         let (before, p, control) = (self.tree(), samples.p, &self.control);
-        let state = || {
+        let state_now = || {
             let (cost, tree) = sets.best();
             Known {
                 level: problem.depth,
                 whole: 0,
-                order: vec![Reached::NOTHING; p],
-                attained: vec![Reached::NOTHING; p],
+                order: vec![FeatureIncumbent::NOTHING; p],
+                incumbents: vec![FeatureIncumbent::NOTHING; p],
                 cuts: Vec::new(),
                 bound: bound.min(cost),
                 best: (cost, tree.unwrap_or_else(|| before.clone())),
@@ -308,33 +282,41 @@ impl Run<'_, '_> {
                 sets: Some(sets.open()),
             }
         };
-        let mut due = Due { saver: self.saver.as_mut(), saved: &mut self.saved };
-        std::thread::scope(|scope| {
-            let (sender, receiver) = channel::<()>();
-            for _ in 0..self.options.n_threads.max(1) {
-                let (sender, sets) = (sender.clone(), &sets);
-                scope.spawn(move || {
-                    let _sender = sender;
-                    sets.work();
-                });
-            }
-            drop(sender);
-            let progress = || {
-                let bytes = tables + sets.bytes() as f64;
-                (sets.best().0 + base, bound + base, bytes)
-            };
-            self.stop =
-                watch(self.started, &self.options.limits, &self.control, &receiver, keep_going, progress, &mut || {
-                    due.save(false, &state)
-                });
-        });
-        due.save(true, &state);
+        let mut due = std::mem::take(&mut self.due);
+        self.supervision.run_all(
+            self.options.n_threads.max(1),
+            || sets.work(),
+            || {
+                let progress = self.progress(sets.best().0 + base, bound + base);
+                self.poll(
+                    &mut |state| keep_going(state) && due.save(false, &state_now),
+                    progress,
+                    tables + sets.bytes() as f64,
+                );
+            },
+        );
+        due.save(true, &state_now);
+        self.due = due;
         let (cost, tree) = sets.best();
         if let Some(tree) = tree {
             self.best = (cost, Best::Tree(tree));
         }
-        if self.stop.is_none() {
+        if self.supervision.reason().is_none() {
             self.bound = cost;
+        }
+    }
+
+    /// Progress with a bound, the evaluated cuts counted so far.
+    fn progress(&self, objective: i64, bound: i64) -> Progress {
+        Progress { seconds: 0.0, objective, bound, n_nodes: self.control.n_evaluated() }
+    }
+
+    /// Report to the caller and compare a state with all limits.
+    fn poll(&self, keep_going: KeepGoing<'_>, state: Progress, bytes: f64) {
+        self.supervision.poll(keep_going, state);
+        let gap = self.supervision.gap_reached((state.objective - state.bound) as f64, state.objective as f64);
+        if let Some(reason) = self.supervision.spent(state.n_nodes, bytes).or(gap) {
+            self.supervision.stop(reason);
         }
     }
 
@@ -350,7 +332,8 @@ impl Run<'_, '_> {
         let objective = self.base + self.best.0;
         let bound = self.base + self.bound.min(self.best.0);
         let tree = self.tree();
-        let stop = if bound >= objective { Stop::Optimal } else { self.stop.unwrap_or(Stop::Interrupted) };
+        let stop =
+            if bound >= objective { Stop::Optimal } else { self.supervision.reason().unwrap_or(Stop::Interrupted) };
         Outcome { tree, objective, bound, stop, n_nodes: self.control.n_evaluated() }
     }
 }

@@ -1,43 +1,31 @@
-//! `octmip._native.search`: problem, options and limits in; a node table, objective, bound and counters out.
+//! `octmip._native.search`: the local search.
 
 use pyo3::prelude::*;
 
-use crate::python::{NodeRow, PyProblem, keep_going, limits, rows_from_tree, stop_name, tree_from_rows};
+use crate::python::problem::PyProblem;
+use crate::python::rows::{NodeRow, tree_from_rows};
+use crate::python::run::{Found, LimitValues, found, limits, supervised};
 use crate::search::{Options, search};
 
-/// Node table, objective, bound, stop, nodes visited.
-type Found = (Vec<NodeRow>, i64, i64, &'static str, u64);
-
-/// Search for a tree of low objective.
+/// A tree of low objective. `incumbent` is the table of a tree to begin with.
 #[pyfunction(name = "search")]
-#[pyo3(signature = (problem, n_restarts, n_kicks, seed, n_threads, limit_values, start=None, progress=None))]
+#[pyo3(signature = (problem, incumbent, limit_values, n_threads, seed, progress=None, *, n_restarts, n_perturbations))]
 #[allow(clippy::too_many_arguments)]
-pub fn py_search(
+pub(crate) fn py_search(
     py: Python<'_>,
     problem: &PyProblem,
-    n_restarts: usize,
-    n_kicks: usize,
-    seed: u64,
+    incumbent: Option<Vec<NodeRow>>,
+    limit_values: LimitValues,
     n_threads: usize,
-    limit_values: (f64, f64, f64, f64),
-    start: Option<Vec<NodeRow>>,
+    seed: u64,
     progress: Option<Py<PyAny>>,
+    n_restarts: usize,
+    n_perturbations: usize,
 ) -> PyResult<Found> {
-    let start = start.map(tree_from_rows).transpose()?;
-    let options = Options { n_restarts, n_kicks, seed, n_threads };
-    let mut error = None;
-    let outcome = py.detach(|| {
-        let mut go_on = keep_going(progress.as_ref(), &mut error);
-        search(&problem.inner, options, start.as_ref(), limits(limit_values), &mut go_on)
-    });
-    match error {
-        Some(raised) => Err(raised),
-        None => Ok((
-            rows_from_tree(&outcome.tree),
-            outcome.objective,
-            outcome.bound,
-            stop_name(outcome.stop),
-            outcome.n_nodes,
-        )),
-    }
+    let start = incumbent.map(tree_from_rows).transpose()?;
+    let options = Options { n_restarts, n_perturbations, seed, n_threads };
+    let outcome = supervised(py, progress.as_ref(), |keep_going| {
+        search(&problem.inner, options, start.as_ref(), limits(limit_values), keep_going)
+    })?;
+    Ok(found(&outcome))
 }

@@ -1,32 +1,32 @@
-//! One restart: how it begins, and what it does in each round.
+//! One restart: its beginning, and its turn in each round.
 
 use crate::exact::samples::Samples;
 use crate::problem::Problem;
-use crate::search::Options;
-use crate::search::climb::Climber;
-use crate::search::ground::Ground;
-use crate::search::melt::{Heat, Opening};
-use crate::search::start::Soil;
-use crate::search::state::State;
+use crate::search::greedy::BuildOptions;
+use crate::search::local_search::LocalSearch;
+use crate::search::options::Options;
+use crate::search::prepared::Prepared;
+use crate::search::soft_tree::schedule::{Reselection, Schedule};
+use crate::search::tree::state::State;
 use crate::search::watch::Watch;
 use crate::tree::Tree;
 
 /// Share of the features that a randomised start may look at in one node.
 const RANDOM_SHARE: f64 = 0.4;
-/// Melting a whole tree from its start.
-const WHOLE: Heat = Heat { n_steps: 800, first_sharpness: 2.0, opening: Opening::All };
+/// The soft-tree refinement of a whole tree at its start.
+const WHOLE_TREE: Schedule = Schedule { n_steps: 800, first_inverse_temperature: 2.0, reselection: Reselection::All };
 /// Samples x features that an exact block of the first tree may look at.
 const FIRST_WORK: f64 = 2e8;
-/// Kicks of the axis-aligned tree that a hyperplane tree must not be worse than, where this share of its objective is
-/// below that of the hyperplanes: they would hardly bring it down to them otherwise.
-const AXIS_KICKS: usize = 10;
-const NEAR: f64 = 0.75;
+/// Perturbations of the axis-aligned tree that a hyperplane tree must not be worse than, where this share of its
+/// objective is below that of the hyperplanes: they would hardly bring it down to them otherwise.
+const AXIS_PERTURBATIONS: usize = 10;
+const NEAR_AXIS: f64 = 0.75;
 
-/// What the restarts of one round do.
+/// The effort of one round, the same for all its restarts.
 #[derive(Debug, Clone, Copy)]
-pub struct Round<'t> {
-    /// Kicks in a row without a better tree that end the turn.
-    n_kicks: usize,
+pub(crate) struct Round<'t> {
+    /// Perturbations in a row without a better tree that end the turn.
+    n_perturbations: usize,
     /// Samples x features that one exact block of three levels and more may look at.
     work: f64,
     /// Levels of the deepest exact block.
@@ -38,13 +38,14 @@ pub struct Round<'t> {
 }
 
 impl<'t> Round<'t> {
-    /// Beginning, going on, and the last one. Without kicks the search is to be quick: blocks of two levels alone.
+    /// The rounds of beginning, of going on, and the last one. Without perturbations the search is to be quick: blocks
+    /// of two levels alone.
     ///
     /// An axis-aligned restart is known by its beginning, which exact blocks of three levels bring near its best; one
-    /// of hyperplanes has to be kicked first.
-    pub fn all(options: Options, known: Option<&'t Tree>, problem: &Problem) -> [Self; 3] {
-        let n = options.n_kicks;
-        let round = |n_kicks, work| Self { n_kicks, work, deepest: 3, deep: None, known };
+    /// of hyperplanes has to be perturbed first.
+    pub(crate) fn all(options: Options, known: Option<&'t Tree>, problem: &Problem) -> [Self; 3] {
+        let n = options.n_perturbations;
+        let round = |n_perturbations, work| Self { n_perturbations, work, deepest: 3, deep: None, known };
         // Deeper trees have more blocks.
         let share = 0.5_f64.powi(problem.depth.saturating_sub(4) as i32);
         match (n, problem.planes.is_some()) {
@@ -58,66 +59,73 @@ impl<'t> Round<'t> {
 }
 
 /// A restart with the best tree that it has found.
-pub struct Restart<'a> {
+pub(crate) struct Restart<'a> {
     /// Its number; its random stream depends on this and the seed alone.
-    pub number: usize,
+    pub(crate) number: usize,
     /// Its place in the present round.
-    pub place: usize,
+    pub(crate) place: usize,
     /// The tree.
-    pub state: State,
-    /// What it costs.
-    pub objective: i64,
-    ground: &'a Ground<'a>,
+    pub(crate) state: State,
+    /// Its objective.
+    pub(crate) objective: i64,
+    prepared: &'a Prepared<'a>,
     watch: &'a Watch,
-    climber: Climber<'a>,
+    local_search: LocalSearch<'a>,
     seed: u64,
     has_begun: bool,
 }
 
 impl<'a> Restart<'a> {
     /// Restart `number`, not begun yet.
-    pub fn new(ground: &'a Ground<'a>, samples: &'a Samples, watch: &'a Watch, seed: u64, number: usize) -> Self {
+    pub(crate) fn new(
+        prepared: &'a Prepared<'a>,
+        samples: &'a Samples,
+        watch: &'a Watch,
+        seed: u64,
+        number: usize,
+    ) -> Self {
         let stream = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(number as u64);
-        let (state, objective) = super::leaf_of(ground);
+        let state = State::leaf(prepared.problem);
+        let objective = state.objective(&prepared.prices);
         Self {
             number,
             place: number,
             state,
             objective,
-            ground,
+            prepared,
             watch,
-            climber: Climber::new(ground, samples, watch, stream),
+            local_search: LocalSearch::new(prepared, samples, watch, stream),
             seed,
             has_begun: false,
         }
     }
 
-    /// What restarts are ordered by, the best first.
-    pub fn rank(&self) -> (i64, usize) {
+    /// The key by which restarts are ordered, the best first.
+    pub(crate) fn rank(&self) -> (i64, usize) {
         (self.objective, self.number)
     }
 
     /// Take a turn; nothing once the restarts before it are out of reach, or a limit is.
-    pub fn run(&mut self, round: &Round) {
-        self.climber.take_place(self.place);
-        if !self.climber.goes_on() {
+    pub(crate) fn run(&mut self, round: &Round) {
+        self.local_search.take_place(self.place);
+        if !self.local_search.goes_on() {
             return;
         }
-        self.climber.blocks.work = round.work;
-        self.climber.deepest = round.deepest;
+        self.local_search.blocks.work = round.work;
+        self.local_search.deepest = round.deepest;
         if !self.has_begun {
             self.has_begun = true;
             self.begin(round);
         }
         self.settle_deep(round.deep.iter().map(|works| (3, works[0])));
-        self.climber.kick_until_stale(&mut self.state, round.n_kicks);
-        if !self.ground.has_planes() {
-            self.climber.settle(&mut self.state, round.deepest);
+        self.local_search.perturb_until_no_improvement(&mut self.state, round.n_perturbations);
+        if !self.prepared.has_planes() {
+            self.local_search.settle(&mut self.state, round.deepest);
         }
         self.settle_deep(round.deep.iter().flat_map(|works| [(3, works[0]), (4, works[1])]));
-        self.objective = self.state.objective(&self.ground.prices);
-        self.climber.report(self.objective);
-        if self.climber.is_best(&self.state, self.objective) {
+        self.objective = self.state.objective(&self.prepared.prices);
+        self.local_search.report(self.objective);
+        if self.local_search.is_best(&self.state, self.objective) {
             self.watch.is_best(self.place);
         }
     }
@@ -125,104 +133,106 @@ impl<'a> Restart<'a> {
     /// Settle with blocks of so many levels and so much work, one after the other.
     fn settle_deep(&mut self, blocks: impl Iterator<Item = (usize, f64)>) {
         for (levels, work) in blocks {
-            let usual = std::mem::replace(&mut self.climber.blocks.work, work);
-            self.climber.settle(&mut self.state, levels);
-            self.climber.blocks.work = usual;
-            self.climber.report(self.state.objective(&self.ground.prices));
+            let usual = std::mem::replace(&mut self.local_search.blocks.work, work);
+            self.local_search.settle(&mut self.state, levels);
+            self.local_search.blocks.work = usual;
+            self.local_search.report(self.state.objective(&self.prepared.prices));
         }
     }
 
     fn begin(&mut self, round: &Round) {
-        if !self.ground.has_planes() {
+        if !self.prepared.has_planes() {
             self.state = self.begin_axis(round.known);
             return;
         }
         let has_floor = self.number == 0 || (self.number == 1 && round.known.is_some());
-        self.state = self.begin_planes(has_floor, round.n_kicks == 0);
+        self.state = self.begin_planes(has_floor, round.n_perturbations == 0);
         if has_floor {
-            self.objective = self.state.objective(&self.ground.prices);
-            // Told before the axis-aligned trees, which take far longer where samples are many.
-            self.climber.report(self.objective);
+            self.objective = self.state.objective(&self.prepared.prices);
+            // Reported before the axis-aligned trees, which take far longer where samples are many.
+            self.local_search.report(self.objective);
             let floor = self.floor(round);
-            if floor.objective(&self.ground.prices) < self.objective {
+            if floor.objective(&self.prepared.prices) < self.objective {
                 self.state = floor;
             }
         }
     }
 
-    /// An axis-aligned tree that a hyperplane tree must not be worse than; kicked where it is not far above it.
+    /// An axis-aligned tree that a hyperplane tree must not be worse than; perturbed where it is not far above it.
     fn floor(&mut self, round: &Round) -> State {
-        self.climber.has_planes = false;
+        self.local_search.has_planes = false;
         let mut floor = self.begin_axis(round.known);
-        if NEAR * (floor.objective(&self.ground.prices) as f64) < self.objective as f64 {
-            self.climber.kick_until_stale(&mut floor, AXIS_KICKS.min(round.n_kicks));
+        if NEAR_AXIS * (floor.objective(&self.prepared.prices) as f64) < self.objective as f64 {
+            self.local_search.perturb_until_no_improvement(&mut floor, AXIS_PERTURBATIONS.min(round.n_perturbations));
         }
-        self.climber.has_planes = true;
+        self.local_search.has_planes = true;
         floor
     }
 
-    /// The known tree, the greedy one, then one for each promising root, then greedy ones with chance.
+    /// The known tree, the greedy one, then one for each promising cut of the root, then randomised greedy ones.
     fn begin_axis(&mut self, known: Option<&Tree>) -> State {
         let n_first = 1 + usize::from(known.is_some());
         if let (0, Some(tree)) = (self.number, known) {
-            let mut state = State::from_tree(self.ground.problem, tree);
-            self.climber.settle(&mut state, 2);
+            let mut state = State::from_tree(self.prepared.problem, tree);
+            self.local_search.settle(&mut state, 2);
             return state;
         }
         let is_greedy = self.number < n_first;
-        let is_free = self.ground.problem.sensor_limit.is_infinite();
-        let planted = (!is_greedy && is_free).then(|| self.climber.plant(self.number - n_first, self.seed)).flatten();
-        let mut state = planted.unwrap_or_else(|| self.grown(if is_greedy { 1.0 } else { RANDOM_SHARE }));
-        self.climber.settle(&mut state, 2);
-        let has_blocks = self.climber.blocks.deepest(self.ground.problem.n, 2) == 2;
+        let is_free = self.prepared.problem.sensor_limit.is_infinite();
+        let below_cut = (!is_greedy && is_free)
+            .then(|| self.local_search.restart_from_root_cut(self.number - n_first, self.seed))
+            .flatten();
+        let mut state = below_cut.unwrap_or_else(|| self.greedy_tree(if is_greedy { 1.0 } else { RANDOM_SHARE }));
+        self.local_search.settle(&mut state, 2);
+        let has_blocks = self.local_search.blocks.deepest(self.prepared.problem.n, 2) == 2;
         if is_greedy && is_free && has_blocks {
             self.look_ahead_from(&mut state);
         }
-        self.climber.report(state.objective(&self.ground.prices));
+        self.local_search.report(state.objective(&self.prepared.prices));
         state
     }
 
     /// Take the tree of exact blocks, of two levels and then of three, where it is better.
     fn look_ahead_from(&mut self, state: &mut State) {
-        let deepest = if self.ground.has_planes() { 2 } else { self.climber.deepest };
-        let work = std::mem::replace(&mut self.climber.blocks.work, FIRST_WORK);
+        let deepest = if self.prepared.has_planes() { 2 } else { self.local_search.deepest };
+        let work = std::mem::replace(&mut self.local_search.blocks.work, FIRST_WORK);
         for levels in 2..=deepest {
-            let mut ahead = self.climber.look_ahead(levels, None);
-            self.climber.settle(&mut ahead, 2);
-            if ahead.objective(&self.ground.prices) < state.objective(&self.ground.prices) {
+            let mut ahead = self.local_search.look_ahead(levels, None);
+            self.local_search.settle(&mut ahead, 2);
+            if ahead.objective(&self.prepared.prices) < state.objective(&self.prepared.prices) {
                 *state = ahead;
-                self.climber.report(state.objective(&self.ground.prices));
+                self.local_search.report(state.objective(&self.prepared.prices));
             }
         }
-        self.climber.blocks.work = work;
+        self.local_search.blocks.work = work;
     }
 
-    fn grown(&mut self, share: f64) -> State {
-        let problem = self.ground.problem;
+    fn greedy_tree(&mut self, share: f64) -> State {
+        let problem = self.prepared.problem;
         let mut state = State::leaf(problem);
-        let soil = Soil { share, has_planes: false };
-        self.climber.grow(&mut state, 0, problem.depth, soil);
+        let options = BuildOptions { share, has_planes: false };
+        self.local_search.build(&mut state, 0, problem.depth, options);
         state
     }
 
-    /// A tree of logistic splits, melted or not. A quick one visits every node once.
+    /// A tree of logistic splits, refined as a soft tree or not. A quick one visits every node once.
     fn begin_planes(&mut self, is_first: bool, is_quick: bool) -> State {
-        let (ground, climber) = (self.ground, &mut self.climber);
-        let share = if is_first { 1.0 } else { 0.5 + 0.5 * climber.rng.f64() };
-        let soil = Soil { share, has_planes: ground.has_real_planes() };
-        let mut state = State::leaf(ground.problem);
-        climber.grow(&mut state, 0, ground.problem.depth, soil);
-        // Planes of two features that melt together end alike; every other restart is more different without it.
-        let is_narrow = ground.split_size() == 2 && ground.problem.p > 2;
+        let (prepared, local_search) = (self.prepared, &mut self.local_search);
+        let share = if is_first { 1.0 } else { 0.5 + 0.5 * local_search.rng.f64() };
+        let options = BuildOptions { share, has_planes: prepared.has_real_planes() };
+        let mut state = State::leaf(prepared.problem);
+        local_search.build(&mut state, 0, prepared.problem.depth, options);
+        // Planes of two features that are refined together end alike; every other restart is more different without it.
+        let is_narrow = prepared.split_size() == 2 && prepared.problem.p > 2;
         if !is_narrow || self.number.is_multiple_of(2) {
-            climber.melt(&mut state, 0, WHOLE);
+            local_search.refine_soft_tree(&mut state, 0, WHOLE_TREE);
         }
         if is_quick {
             let nodes = state.below(0);
-            climber.visit_each(&mut state, &nodes);
+            local_search.visit_each(&mut state, &nodes);
             state.compact();
         } else {
-            climber.descend(&mut state);
+            local_search.descend(&mut state);
         }
         state
     }

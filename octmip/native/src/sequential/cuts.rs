@@ -56,7 +56,7 @@ impl Search<'_> {
             }
             let [left, right] = self.children(orders, &is_left, depth, (&run, cuts, cut), pool.room, inner);
             self.join(list[cuts.places[cut] - 1].rank, run.feature, cuts, pool, [&left, &right]);
-            if self.watch.stop.is_some() {
+            if self.watch.stop().is_some() {
                 return queue.iter().map(|other| other.bound).fold(run.bound, f64::min);
             }
             let solved = End { left: left.bound, right: right.bound, stretch: cuts.stretches[cut] };

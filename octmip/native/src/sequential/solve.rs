@@ -5,6 +5,7 @@ use super::question::{Lanes, Path, Question};
 use super::samples::{Orders, Sums, add, cheapest, cheapest_label, padded, sorted};
 use super::watch::Watch;
 use crate::control::{KeepGoing, Limits, Stop};
+use crate::costs::least_and_most;
 use crate::tree::Tree;
 
 /// What a search returns.
@@ -36,12 +37,8 @@ pub struct Search<'a> {
 
 /// Return the best tree that weighs less than `room` (with a cap: whose error is less).
 pub fn solve(question: &Question, room: f64, limits: Limits, going: KeepGoing<'_>) -> Answer {
-    let rows = question.paid.chunks(question.n_classes);
-    let ends = rows.map(|row| {
-        let most = row.iter().copied().fold(0.0, f64::max);
-        (most, most - row.iter().copied().fold(f64::INFINITY, f64::min))
-    });
-    let (dearest, swing) = ends.unzip();
+    let rows = question.paid.chunks(question.n_classes).map(least_and_most);
+    let (dearest, swing) = rows.map(|(least, most)| (most, most - least)).unzip();
     let orders = sorted(question);
     let (goal, added) = match question.cap {
         Some(cap) => (Goal::Capped { cap, below: room }, question.multiplier * cap),
@@ -50,7 +47,7 @@ pub fn solve(question: &Question, room: f64, limits: Limits, going: KeepGoing<'_
     let watch = Watch::new(limits, added, going);
     let mut search = Search { question, paid: padded(question), swing, dearest, watch };
     let found = search.best(&orders, question.depth, question.start(), room + added, goal);
-    let stop = search.watch.stop.unwrap_or(Stop::Optimal);
+    let stop = search.watch.stop().unwrap_or(Stop::Optimal);
     let tree = found.points.first().map(|point| point.tree.clone());
     let reached = found.points.first().map_or(room, |point| match goal {
         Goal::Capped { .. } => point.error,

@@ -1,6 +1,7 @@
 //! What can be seen without Python; the optimum itself is checked against enumeration in tests/test_octmip.
 
-use super::{Question, solve};
+use super::question::Question;
+use super::solve::solve;
 use crate::control::{Limits, Stop};
 use crate::tree::{Node, Tree};
 

@@ -1,50 +1,48 @@
-//! Time, nodes and Ctrl-C.
-
-use std::time::Instant;
+//! Supervision of one thread that polls at every cut.
 
 use crate::control::{KeepGoing, Limits, Progress, Stop};
+use crate::supervise::Supervision;
 
-/// Says when to stop.
+/// Limits of a search, and the cuts it has evaluated.
 pub struct Watch<'a> {
-    start: Instant,
-    limits: Limits,
-    going: KeepGoing<'a>,
+    supervision: Supervision,
+    keep_going: KeepGoing<'a>,
     /// What bounds and rooms of the root hold beside the objective.
     added: f64,
     /// Cuts evaluated.
     pub n_cuts: u64,
-    /// Why the search stops, if it does.
-    pub stop: Option<Stop>,
 }
 
 impl<'a> Watch<'a> {
     /// A watch that starts now.
-    pub fn new(limits: Limits, added: f64, going: KeepGoing<'a>) -> Self {
-        Self { start: Instant::now(), limits, going, added, n_cuts: 0, stop: None }
+    pub fn new(limits: Limits, added: f64, keep_going: KeepGoing<'a>) -> Self {
+        Self { supervision: Supervision::new(limits), keep_going, added, n_cuts: 0 }
     }
 
     /// Stop when the root's bound is as near to its best as was asked for.
     pub fn compare(&mut self, bound: f64, best: f64) {
-        let (bound, best) = (bound - self.added, best - self.added);
-        if self.limits.gap > 0.0 && best.is_finite() && best - bound <= self.limits.gap * best.abs() {
-            self.stop = self.stop.or(Some(Stop::Gap));
+        if best.is_finite()
+            && let Some(gap) = self.supervision.gap_reached(best - self.added - (bound - self.added), best - self.added)
+        {
+            self.supervision.stop(gap);
         }
     }
 
     /// Count one cut; whether the search must stop.
     pub fn must_stop(&mut self) -> bool {
-        if self.stop.is_none() {
-            self.n_cuts += 1;
-            let seconds = self.start.elapsed().as_secs_f64();
-            let state = Progress { seconds, objective: i64::MAX, bound: 0, n_nodes: self.n_cuts };
-            if seconds >= self.limits.seconds {
-                self.stop = Some(Stop::Time);
-            } else if self.n_cuts as f64 > self.limits.nodes {
-                self.stop = Some(Stop::Nodes);
-            } else if !(self.going)(state) {
-                self.stop = Some(Stop::Interrupted);
+        if self.stop().is_none() {
+            if let Some(limit) = self.supervision.spent(self.n_cuts, 0.0) {
+                self.supervision.stop(limit);
             }
+            self.n_cuts += 1;
+            let state = Progress { seconds: 0.0, objective: i64::MAX, bound: 0, n_nodes: self.n_cuts };
+            self.supervision.poll(&mut self.keep_going, state);
         }
-        self.stop.is_some()
+        self.stop().is_some()
+    }
+
+    /// Why the search must stop, if it must.
+    pub fn stop(&self) -> Option<Stop> {
+        self.supervision.reason()
     }
 }

@@ -2,6 +2,7 @@
 //!
 //! Samples enter as vectors of `lanes` numbers: total weight by class, then the number of samples (for leaf sizes).
 
+use crate::costs::{ClassCosts, uniform_cost};
 use crate::problem::Problem;
 
 /// No tree at all.
@@ -27,19 +28,16 @@ impl Loss {
     ///
     /// Where all mistakes cost the same, that cost goes into the weights and the costs become 0 and 1.
     pub fn of(problem: &Problem) -> (Self, i64) {
-        let k = problem.n_classes;
-        let at = |i: usize, j: usize| problem.cost(i, j);
-        let unit = if k > 1 { at(0, 1) } else { 1 };
-        let uniform = (0..k * k).all(|e| at(e / k, e % k) == if e / k == e % k { 0 } else { unit });
-        let worst = (0..k).map(|i| (0..k).map(|j| at(i, j)).max().unwrap_or(0)).collect();
+        let (k, uniform, class_costs) = (problem.n_classes, uniform_cost(problem), ClassCosts::of(problem));
+        let worst = |class: usize| if uniform.is_some() { 1 } else { class_costs.most(class) };
         let loss = Self {
             k,
-            costs: if uniform { Vec::new() } else { problem.costs.clone() },
-            worst: if uniform { vec![1; k] } else { worst },
+            costs: if uniform.is_some() { Vec::new() } else { problem.costs.clone() },
+            worst: (0..k).map(worst).collect(),
             prices: [problem.penalty, 2 * problem.penalty],
             leaf_size: problem.leaf_size,
         };
-        (loss, if uniform { unit } else { 1 })
+        (loss, uniform.unwrap_or(1))
     }
 
     /// Mistakes between two classes, each at cost 1 and free of charge for splits: what moving one split asks.

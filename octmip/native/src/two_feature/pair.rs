@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use crate::control::{KeepGoing, Outcome, Stop};
+use crate::control::{KeepGoing, Outcome, Progress, Stop};
 use crate::problem::Problem;
+use crate::supervise::Supervision;
 use crate::tree::Tree;
 
 use super::Options;
@@ -18,7 +19,6 @@ use super::loss::INFEASIBLE;
 use super::queue::Queue;
 use super::start::first_tree;
 use super::strips::{GROUP, Strip};
-use super::watch::Watch;
 
 /// Strips of a chart where memory allows.
 const MOST_STRIPS: usize = 64;
@@ -30,7 +30,7 @@ const STARTS: usize = 24;
 pub fn solve_pair(
     problem: &Problem,
     ground: &Ground,
-    watch: &Watch,
+    watch: &Supervision,
     options: &Options,
     keep_going: KeepGoing,
 ) -> Outcome {
@@ -38,7 +38,7 @@ pub fn solve_pair(
     let (tree, objective) = leaf.unwrap_or((Tree::leaf(0), INFEASIBLE));
     let outcome = |tree, objective, bound, stop, n_nodes| Outcome { tree, objective, bound, stop, n_nodes };
     let cells = (ground.charts.len() * ground.plane.n) as f64;
-    let n_strips = (watch.limits.memory / 2.0 / cells.max(1.0) - 1.0).min(MOST_STRIPS as f64) as usize;
+    let n_strips = (watch.limits().memory / 2.0 / cells.max(1.0) - 1.0).min(MOST_STRIPS as f64) as usize;
     let sets = affordable_sets(problem);
     let (Some(sets), true) = (sets, n_strips >= LEAST_STRIPS) else {
         return outcome(tree, objective, 0, Stop::Memory, 0);
@@ -46,17 +46,17 @@ pub fn solve_pair(
     let all = ground.all();
     let floor = floor_of(ground);
     let upper = options.known.unwrap_or(objective).min(objective);
-    let prepared = watch.over(&mut *keep_going, upper, || {
+    let prepare = || {
         let charts = ground.charts.iter();
         let field = Field {
             problem,
             ground,
             charts: charts
-                .take_while(|_| !watch.was_stopped())
+                .take_while(|_| !watch.is_stopped())
                 .map(|&features| Chart::new(&ground.plane, features, n_strips))
                 .collect(),
             all,
-            stop: watch.stop(),
+            stop: watch.flag(),
         };
         let strips: Vec<Arc<Vec<Strip>>> = sets.iter().map(|set| strips_of(&field, set)).collect();
         let first: Vec<Sketch> = strips
@@ -66,8 +66,9 @@ pub fn solve_pair(
             .map(|(_, sketch)| sketch)
             .collect();
         (field, strips, first)
-    });
-    let (field, strips, first) = prepared;
+    };
+    let state = Progress { seconds: 0.0, objective: upper, bound: 0, n_nodes: 0 };
+    let (field, strips, first) = watch.run(prepare, || watch.poll(&mut *keep_going, state));
     let roots = strips.iter().flat_map(|strips| roots_of(&field, strips, floor));
     let known = Known::new(ground, sets.len());
     let mut queue = Queue::new(&field, watch, options.n_threads, roots.collect(), upper, known);

@@ -13,6 +13,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use octmip_check::lines::{self as check_lines, MOST, Points};
 
+use crate::log::Body;
 use crate::problem::Problem;
 
 use super::boxes::{Child, Field, Goal, RootBox, Sorted};
@@ -43,14 +44,14 @@ struct Writer<'a> {
 /// be shown with room for rounding.
 pub fn write(problem: &Problem, claim: i64, n_threads: usize, stop: &AtomicBool) -> Option<String> {
     let mut writer = Writer { problem, claim, n_threads, stop, n_sets: 0, points: Points::new(problem) };
-    let mut body = String::new();
+    let mut body = Body::default();
     writer.sensors(&mut vec![None; problem.sensor_cost.len()], &mut body)?;
-    Some(body)
+    Some(body.into_lines())
 }
 
 impl Writer<'_> {
     /// Decide sensors until those that may be read can be paid for together, or as many of them as a tree can read.
-    fn sensors(&mut self, read: &mut Vec<Option<bool>>, body: &mut String) -> Option<()> {
+    fn sensors(&mut self, read: &mut Vec<Option<bool>>, body: &mut Body) -> Option<()> {
         let q = self.problem;
         let most_read = 2 * ((1 << q.depth) - 1);
         let taken: Vec<usize> = (0..read.len()).filter(|&s| read[s] == Some(true)).collect();
@@ -65,7 +66,7 @@ impl Writer<'_> {
         dearest.sort_unstable_by(|a, b| b.total_cmp(a));
         let all_paid = paid + dearest.iter().take(room).sum::<f64>();
         if let Some(sensor) = (0..read.len()).find(|&s| all_paid > q.sensor_limit && is_open(s)) {
-            let _ = writeln!(body, "S {sensor}");
+            body.decide(sensor);
             for choice in [false, true] {
                 read[sensor] = Some(choice);
                 self.sensors(read, body)?;
@@ -94,9 +95,9 @@ impl Writer<'_> {
     }
 
     /// A section for every chart, or none but a title for trees of one split: the checker counts these by itself.
-    fn charts(&self, ground: &Ground, body: &mut String) -> Option<()> {
+    fn charts(&self, ground: &Ground, body: &mut Body) -> Option<()> {
         if self.problem.depth == 1 {
-            body.push_str("D\n");
+            body.append("D\n");
             return Some(());
         }
         let charts = ground.charts.iter();
@@ -141,7 +142,7 @@ impl Writer<'_> {
             (0..self.n_threads).for_each(|_| drop(scope.spawn(work)));
         });
         for section in sections {
-            body.push_str(&section.into_inner().ok().flatten()?);
+            body.append(&section.into_inner().ok().flatten()?);
         }
         Some(())
     }

@@ -10,16 +10,15 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex};
 
 use crate::control::{KeepGoing, Progress, Stop};
+use crate::supervise::Supervision;
 use crate::tree::Tree;
 
 use super::boxes::{Child, Field, Processed, RootBox};
 use super::extract::{Sketch, draw};
 use super::known::Known;
-use super::watch::{LOOK, Watch};
 
 /// Boxes of a batch.
 const BATCH: usize = 64;
@@ -31,7 +30,7 @@ const BATCHES_A_LOOK: u64 = 8;
 /// A search over boxes.
 pub struct Queue<'a> {
     field: &'a Field<'a>,
-    watch: &'a Watch,
+    watch: &'a Supervision,
     n_threads: usize,
     /// Waiting boxes by bound, then the youngest first.
     waiting: BinaryHeap<Reverse<(i64, Reverse<u64>)>>,
@@ -55,7 +54,7 @@ impl<'a> Queue<'a> {
     /// A search from these boxes; `upper` is known to be attainable.
     pub fn new(
         field: &'a Field<'a>,
-        watch: &'a Watch,
+        watch: &'a Supervision,
         n_threads: usize,
         roots: Vec<RootBox>,
         upper: i64,
@@ -149,21 +148,12 @@ impl<'a> Queue<'a> {
     }
 
     fn reached(&mut self, bound: i64) -> Option<Stop> {
-        let limits = &self.watch.limits;
-        let gap = (self.upper - bound) as f64 / (self.upper as f64).max(1e-300);
         if self.n_batches.is_multiple_of(BATCHES_A_LOOK) {
             self.bytes = self.boxes.values().chain(&self.aside).map(bytes_of).sum();
         }
         self.n_batches += 1;
-        if limits.gap > 0.0 && gap <= limits.gap {
-            Some(Stop::Gap)
-        } else if self.n_nodes as f64 >= limits.nodes {
-            Some(Stop::Nodes)
-        } else if self.bytes as f64 >= limits.memory {
-            Some(Stop::Memory)
-        } else {
-            None
-        }
+        let gap = self.watch.gap_reached((self.upper - bound) as f64, self.upper as f64);
+        gap.or_else(|| self.watch.spent(self.n_nodes, self.bytes as f64))
     }
 
     fn next_batch(&mut self) -> Vec<RootBox> {
@@ -235,7 +225,7 @@ impl<'a> Queue<'a> {
         let slots: Vec<Mutex<Processed>> = batch.iter().map(|_| Mutex::default()).collect();
         let work = || {
             let mut position = next.fetch_add(1, Ordering::Relaxed);
-            while position < batch.len() && !self.watch.was_stopped() {
+            while position < batch.len() && !self.watch.is_stopped() {
                 let root = batch[position].clone();
                 let result = self.field.process(root, self.target, self.upper, &self.known);
                 if let Ok(mut slot) = slots[position].lock() {
@@ -244,21 +234,8 @@ impl<'a> Queue<'a> {
                 position = next.fetch_add(1, Ordering::Relaxed);
             }
         };
-        std::thread::scope(|scope| {
-            let (sender, receiver) = channel::<()>();
-            for _ in 0..self.n_threads.min(batch.len()) {
-                let (sender, work) = (sender.clone(), &work);
-                scope.spawn(move || {
-                    work();
-                    drop(sender);
-                });
-            }
-            drop(sender);
-            while let Err(RecvTimeoutError::Timeout) = receiver.recv_timeout(LOOK) {
-                self.watch.look(&mut *keep_going, state);
-            }
-        });
-        self.watch.look(keep_going, state);
+        self.watch.run_all(self.n_threads.min(batch.len()), work, || self.watch.poll(&mut *keep_going, state));
+        self.watch.poll(keep_going, state);
         slots.into_iter().map(|slot| slot.into_inner().unwrap_or_default()).collect()
     }
 }

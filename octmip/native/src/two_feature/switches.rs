@@ -1,35 +1,6 @@
-//! What the search may be told to do without: every prune, bound and short cut, for tests that the optimum stays.
+//! What the two-feature search can do without; the optimum is the same without any of them.
 
-macro_rules! switches {
-    ($($(#[$doc:meta])* $name:ident,)*) => {
-        /// Prunes and bounds, each on unless a test turns it off. The proofs stand where they are used.
-        #[derive(Debug, Clone, Copy)]
-        pub struct Switches {
-            $($(#[$doc])* pub $name: bool,)*
-        }
-
-        impl Default for Switches {
-            fn default() -> Self {
-                Self { $($name: true,)* }
-            }
-        }
-
-        impl Switches {
-            /// The names of the switches.
-            pub const NAMES: &'static [&'static str] = &[$(stringify!($name),)*];
-
-            /// The switch of a name.
-            pub fn by_name(&mut self, name: &str) -> Option<&mut bool> {
-                match name {
-                    $(stringify!($name) => Some(&mut self.$name),)*
-                    _ => None,
-                }
-            }
-        }
-    };
-}
-
-switches! {
+crate::switches::switches! {
     /// A box costs what its settled samples cost.
     narrow,
     /// A box costs what settled and open samples cost together, less the most that the open ones can cost.

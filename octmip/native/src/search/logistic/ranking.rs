@@ -1,7 +1,7 @@
-//! Which features a logistic regression can spare.
+//! The ranking of features by how little a logistic regression can spare them.
 
-use crate::search::logistic::{Fitted, GoOn, Pull, WORK_OF_A_LOOK, cholesky, solve};
-use crate::search::values::Values;
+use crate::search::logistic::regression::{Fitted, GoOn, PreferredSide, WORK_BETWEEN_POLLS, cholesky, solve};
+use crate::search::prepared::values::Values;
 
 /// A removal's price is multiplied by up to this power of e at random.
 const NOISE: f64 = 1.0;
@@ -9,24 +9,24 @@ const NOISE: f64 = 1.0;
 /// The features from the one that weighs most to the one that weighs least in a fit over all of them.
 ///
 /// Around its optimum beta the loss is a quadratic of Hessian H. Of the features left, the one whose removal raises it
-/// least goes first, that of least `beta_j^2 / (H^-1)_jj`; beta and `H^-1` follow. The rises are disturbed at random, so
-/// that fits to the same samples do not always give the same features. Source: Hassibi & Stork (1993), Second order
+/// least goes first, that of least `beta_j^2 / (H^-1)_jj`; beta and `H^-1` follow. The rises are perturbed at random,
+/// so that fits to the same samples do not always give the same features. Source: Hassibi & Stork (1993), Second order
 /// derivatives for network pruning: Optimal Brain Surgeon.
-pub fn leading(
+pub(crate) fn leading(
     values: &Values,
-    pulls: &[Pull],
+    sides: &[PreferredSide],
     features: &[u32],
     ridge: f64,
     rng: &mut fastrand::Rng,
     go_on: GoOn,
 ) -> Option<Vec<u32>> {
-    let fitted = Fitted::new(values, pulls, features, ridge, go_on)?;
+    let fitted = Fitted::new(values, sides, features, ridge, go_on)?;
     let m = features.len() + 1;
     let mut inverse = inverse_of(fitted.hessian, m, go_on)?;
     let mut beta = fitted.beta;
     let mut left: Vec<usize> = (0..features.len()).collect();
     let mut order = Vec::with_capacity(features.len());
-    let stride = WORK_OF_A_LOOK / (m * m) + 1;
+    let stride = WORK_BETWEEN_POLLS / (m * m) + 1;
     while !left.is_empty() {
         if left.len() % stride == stride - 1 && !go_on() {
             return None;
@@ -58,7 +58,7 @@ fn remove(j: usize, beta: &mut [f64], inverse: &mut [f64]) {
 /// says stop.
 fn inverse_of(matrix: Vec<f64>, m: usize, go_on: GoOn) -> Option<Vec<f64>> {
     let factor = cholesky(matrix, m, go_on)?;
-    let stride = WORK_OF_A_LOOK / (m * m) + 1;
+    let stride = WORK_BETWEEN_POLLS / (m * m) + 1;
     let mut inverse = Vec::with_capacity(m * m);
     for a in 0..m {
         if a % stride == stride - 1 && !go_on() {

@@ -1,0 +1,51 @@
+"""Cells of CSV text: the rows with the lines that they come from, and what a cell holds as a number."""
+
+import csv
+from collections.abc import Iterable, Iterator
+
+
+class CsvRows:
+    """Rows of comma-separated cells; a quoted cell may run over several lines.
+
+    Attributes
+    ----------
+    first, last
+        numbers of the first and the last line of the row returned last, or of the one that could not be read.
+    """
+
+    def __init__(self, lines: Iterable[tuple[int, str]], strict: bool = False) -> None:
+        """Take lines with their numbers; `strict` refuses quotation marks that are not closed (`csv.Error`)."""
+        self._taken: list[int] = []
+        self._reader = csv.reader(self._texts(lines), strict=strict)
+
+    def _texts(self, lines: Iterable[tuple[int, str]]) -> Iterator[str]:
+        for number, line in lines:
+            self._taken.append(number)
+            yield line
+
+    def __iter__(self) -> "CsvRows":
+        return self
+
+    def __next__(self) -> list[str]:
+        self._taken.clear()
+        return next(self._reader)
+
+    @property
+    def first(self) -> int:
+        """Number of the first line."""
+        return self._taken[0]
+
+    @property
+    def last(self) -> int:
+        """Number of the last line."""
+        return self._taken[-1]
+
+
+def plain_number(cell: str) -> float | None:
+    """Return the number in a cell, infinite and NaN among them, or None; digits of other scripts and 1_000 are text."""
+    if not cell.isascii() or "_" in cell:  # Python would take both
+        return None
+    try:
+        return float(cell)
+    except ValueError:
+        return None

@@ -1,0 +1,78 @@
+"""Candidates: faults and damages outside a library, each with the change of a reading that it would cause."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.monitor.library import Library
+from octmip.twin import Effect, Twin
+
+Floats = NDArray[np.float64]
+
+GAUGE_SIZES = (-30.0, -10.0, -3.0, -1.0, 1.0, 3.0, 10.0, 30.0)
+"""Faults of a gauge, in standard deviations of its noise."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Candidate:
+    """One fault or damage outside the library.
+
+    Attributes
+    ----------
+    name
+        of the thing and its place.
+    kind
+        "gauge" or the name of an effect.
+    signature
+        (n_gauges,) change of a reading in microstrain per unit of size, at load factor 1.
+    sizes
+        that it is expected to have.
+    unit
+        of the size.
+    load_power
+        1: proportional to load; 0: the same at every load.
+    """
+
+    name: str
+    kind: str
+    signature: Floats
+    sizes: tuple[float, ...]
+    unit: str
+    load_power: int
+
+
+def gauge_candidates(library: Library) -> tuple[Candidate, ...]:
+    """Return one candidate per gauge: it reads too much or too little, by the same at every load."""
+    return tuple(
+        Candidate(gauge, "gauge", row, GAUGE_SIZES, "standard deviations", 0)
+        for gauge, row in zip(library.gauges, np.diag(library.noise_sd), strict=True)
+    )
+
+
+def effect_candidates(
+    twin: Twin, effect: Effect, library: Library, sizes: Sequence[float] | None = None
+) -> tuple[Candidate, ...]:
+    """Return one candidate per place where an effect of the twin may act.
+
+    Parameters
+    ----------
+    sizes
+        in the effect's unit; None: 1, 2 and 4 times its prior scale.
+    """
+    columns = [twin.gauges.index(gauge) for gauge in library.gauges]
+    chosen = tuple(sizes) if sizes is not None else tuple(k * effect.prior_sd for k in (1.0, 2.0, 4.0))
+    signs = (1.0,) if effect.is_one_sided else (1.0, -1.0)
+    both = tuple(sign * size for size in chosen for sign in signs)
+    return tuple(
+        Candidate(
+            place or effect.name,
+            effect.name,
+            np.asarray(effect.signature(twin, {}, 1.0, place)[columns]),
+            both,
+            effect.unit,
+            1 if effect.load_power is None else effect.load_power,
+        )
+        for place in effect.places(twin)
+    )

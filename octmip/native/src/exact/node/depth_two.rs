@@ -1,0 +1,107 @@
+//! The best tree of at most two levels: bisection over the cuts of the root, both children solved by best stumps.
+
+use crate::exact::node::axis::Interval;
+use crate::exact::node::plan::Plan;
+use crate::exact::node::result::{FeatureIncumbent, NodeResult};
+use crate::exact::node::search::Search;
+use crate::exact::stumps::place::{Neighbour, Place, StumpSolver};
+use crate::exact::view::View;
+
+impl Search<'_> {
+    /// The best tree of at most two levels if it costs less than `upper`, else the proof that none does.
+    ///
+    /// `floor` is a bound known beforehand: a tree that costs no more ends the search.
+    pub(crate) fn depth_two(&mut self, view: &View, upper: i64, floor: i64) -> NodeResult {
+        let leaf = view.leaf();
+        if upper <= floor {
+            return NodeResult::none(floor);
+        }
+        if leaf <= floor.max(self.samples.penalty) || view.len < 2 * self.samples.leaf_size {
+            return NodeResult::cheapest(leaf, Plan::Leaf, upper);
+        }
+        let mut solver = self.take_solver(view);
+        let stump = solver.load(self.samples, view);
+        self.n_evaluated += 1;
+        let scores = solver.scores().to_vec();
+        let mut best = NodeResult::cheapest(stump.value, Plan::Stump, upper);
+        self.incumbents.clear();
+        self.incumbents.resize(self.samples.p, FeatureIncumbent::NOTHING);
+        for f in self.features_by(|f| -scores[f]) {
+            let current = best.cost(upper);
+            if current <= floor || self.is_stopped() {
+                break;
+            }
+            self.depth_two_feature(&mut *solver, view, f, stump.lower, current, &mut best);
+            self.report_effort();
+        }
+        self.report_effort();
+        self.return_solver(view, solver);
+        best.closed(upper)
+    }
+
+    fn depth_two_feature(
+        &mut self,
+        solver: &mut dyn StumpSolver,
+        view: &View,
+        f: usize,
+        whole: i64,
+        mut current: i64,
+        best: &mut NodeResult,
+    ) {
+        let samples = self.samples;
+        let mut axis = std::mem::take(&mut self.axis);
+        let mut positions = std::mem::take(&mut self.positions);
+        axis.lay(samples, view, f, 2, whole, &self.switches);
+        let mut is_fresh = true;
+        let mut counted = Vec::new();
+        let mut open: Vec<Interval> = axis.whole().into_iter().collect();
+        while let Some(interval) = open.pop() {
+            let target = current - samples.penalty;
+            let Some(interval) = axis.narrow(interval, target) else {
+                continue;
+            };
+            let Some(k) = axis.pick(&interval, target) else {
+                continue;
+            };
+            if self.is_stopped() {
+                break;
+            }
+            let threshold = target + if self.switches.slack { axis.slack(&interval, k) } else { 0 };
+            if std::mem::take(&mut is_fresh) {
+                solver.rewind();
+                for (position, &i) in view.list(f).iter().enumerate() {
+                    positions[i as usize] = position as u32;
+                }
+            }
+            let neighbours = [interval.a, interval.b].map(|cut| Neighbour {
+                evaluated: axis.evaluated[cut] as usize,
+                distance: (axis.total_range[k] - axis.total_range[cut]).abs(),
+            });
+            let k_left = axis.positions[k] as usize;
+            let place = Place { view, f, k: k_left, positions: &positions, neighbours, target };
+            let [left, right] = solver.both(samples, &place, threshold);
+            counted.push(k_left as u32);
+            axis.evaluated[k] = solver.last_evaluated() as u32;
+            self.n_evaluated += 1;
+            (axis.left[k], axis.right[k]) = (left.lower, right.lower);
+            let cost = left.value + right.value + samples.penalty;
+            self.incumbents[f].see(cost, k_left);
+            if cost < current {
+                current = cost;
+                let sides = [Plan::Stump, Plan::Stump];
+                *best = NodeResult::found(cost, Plan::split(samples, view, f, place.k, sides));
+            }
+            if interval.high > k {
+                open.push(Interval { a: k, b: interval.b, low: k + 1, high: interval.high });
+            }
+            if interval.low < k {
+                open.push(Interval { a: interval.a, b: k, low: interval.low, high: k - 1 });
+            }
+        }
+        if let Some(log) = &mut self.log {
+            log.counted(samples.features[f], &mut counted);
+        }
+        self.axis = axis;
+        self.positions = positions;
+    }
+}

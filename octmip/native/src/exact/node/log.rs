@@ -1,0 +1,72 @@
+//! Records of a proof log: what a search proves of each node.
+
+use crate::log::Body;
+
+/// The records of a search: those below the node in work, and that of the node last closed.
+#[derive(Debug, Default)]
+pub(crate) struct Log {
+    body: Body,
+    last: Option<String>,
+}
+
+impl Log {
+    /// Begin a node; returns the outer node's lines, which `close` takes back.
+    pub(crate) fn open(&mut self) -> Body {
+        self.last = None;
+        std::mem::take(&mut self.body)
+    }
+
+    /// Close a node: every tree of `depth` levels with leaves of `leaf_size` costs `bound` or more.
+    pub(crate) fn close(&mut self, outer: Body, depth: usize, leaf_size: usize, bound: i64) {
+        let body = std::mem::replace(&mut self.body, outer).into_lines();
+        self.last = Some(format!("N {depth} {leaf_size} {}\n{body}E\n", bound.max(0)));
+    }
+
+    /// Leave a node without a record.
+    pub(crate) fn pass_over(&mut self, outer: Body) {
+        self.body = outer;
+        self.last = None;
+    }
+
+    /// The record of the node last closed, None when it was passed over.
+    pub(crate) fn take(&mut self) -> Option<String> {
+        self.last.take()
+    }
+
+    /// Add the record of the same samples one level shallower.
+    pub(crate) fn shallower(&mut self) {
+        if let Some(record) = self.last.take() {
+            self.body.append("B\n");
+            self.body.append(&record);
+        }
+    }
+
+    /// Add cuts whose stumps were counted, by number of samples on the left.
+    pub(crate) fn counted(&mut self, feature: u32, cuts: &mut [u32]) {
+        cuts.sort_unstable();
+        if cuts.is_empty() {
+            return;
+        }
+        self.body.write(format_args!("F {feature}"));
+        let mut last = 0;
+        for &cut in cuts.iter() {
+            self.body.write(format_args!(" {}", cut - last));
+            last = cut;
+        }
+        self.body.append("\n");
+    }
+
+    /// Add a cut with the records of its sides.
+    pub(crate) fn cut(&mut self, feature: u32, position: usize, sides: [Option<String>; 2]) {
+        if sides.iter().all(Option::is_none) {
+            return;
+        }
+        self.body.line(format_args!("K {feature} {position}"));
+        for (tag, record) in ["L\n", "R\n"].into_iter().zip(sides) {
+            if let Some(record) = record {
+                self.body.append(tag);
+                self.body.append(&record);
+            }
+        }
+    }
+}

@@ -1,0 +1,323 @@
+//! Branch and bound over the cuts of the root, children solved by the same search one level lower.
+
+use std::collections::VecDeque;
+
+use crate::exact::effort::Control;
+use crate::exact::node::axis::{Axis, Interval};
+use crate::exact::node::log::Log;
+use crate::exact::node::plan::Plan;
+use crate::exact::node::result::{FeatureIncumbent, NodeResult};
+use crate::exact::samples::Samples;
+use crate::exact::stumps::place::StumpSolver;
+use crate::exact::stumps::{solver, width};
+use crate::exact::switches::Switches;
+use crate::exact::view::View;
+
+/// A cut to be solved.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Cut {
+    /// Usable feature.
+    pub(crate) feature: usize,
+    /// Samples left of it.
+    pub(crate) position: usize,
+    /// Known lower bounds of both children.
+    pub(crate) bounds: [i64; 2],
+    /// Both children together must cost less.
+    pub(crate) target: i64,
+    /// What a child's bound is worth to neighbouring cuts.
+    pub(crate) slack: i64,
+}
+
+/// The children of a solved cut.
+#[derive(Debug)]
+pub(crate) struct Children {
+    /// Lower bounds of both children.
+    pub(crate) bounds: [i64; 2],
+    /// Cost and plan when both were found, the cut itself included.
+    pub(crate) tree: Option<(i64, Plan)>,
+}
+
+/// Buffers of one level of the recursion.
+#[derive(Debug, Default)]
+struct Level {
+    axis: Axis,
+    sides: [View; 2],
+    queue: VecDeque<Interval>,
+    takes_first: bool,
+}
+
+/// One thread's search: workspaces and counters.
+pub(crate) struct Search<'a> {
+    /// What is searched.
+    pub(crate) samples: &'a Samples,
+    /// Prunes that are on.
+    pub(crate) switches: Switches,
+    /// Cuts evaluated by stumps.
+    pub(crate) n_evaluated: u64,
+    /// Incumbent of each feature at the root of the last search (`p`).
+    pub(crate) incumbents: Vec<FeatureIncumbent>,
+    /// Whether any tree below the budget will do: the search ends with the first one at its root.
+    pub(crate) takes_first: bool,
+    /// The records of what is proven, when a proof is written.
+    pub(crate) log: Option<Log>,
+    pub(super) axis: Axis,
+    pub(super) positions: Vec<u32>,
+    control: &'a Control,
+    levels: Vec<Level>,
+    solvers: [Option<Box<dyn StumpSolver>>; 3],
+    marks: Vec<bool>,
+}
+
+impl<'a> Search<'a> {
+    /// Workspaces for searches of at most `depth` levels.
+    pub(crate) fn new(samples: &'a Samples, switches: Switches, control: &'a Control, depth: usize) -> Self {
+        Self {
+            samples,
+            switches,
+            n_evaluated: 0,
+            incumbents: Vec::new(),
+            takes_first: false,
+            log: None,
+            axis: Axis::default(),
+            positions: vec![0; samples.n],
+            control,
+            levels: (0..=depth).map(|_| Level::default()).collect(),
+            solvers: [None, None, None],
+            marks: vec![false; samples.n],
+        }
+    }
+
+    /// Whether the search is stopped; what is returned after that proves nothing.
+    pub(crate) fn is_stopped(&self) -> bool {
+        self.control.is_stopped()
+    }
+
+    /// The best tree of at most `depth` levels if it costs less than `upper`, else the proof that none does.
+    pub(crate) fn solve(&mut self, view: &View, depth: usize, upper: i64, floor: i64) -> NodeResult {
+        let Some(log) = &mut self.log else {
+            return self.solve_unlogged(view, depth, upper, floor);
+        };
+        let outer = log.open();
+        if upper <= floor {
+            log.pass_over(outer);
+            return NodeResult::none(floor);
+        }
+        let result = self.solve_unlogged(view, depth, upper, 0);
+        let base: i64 = view.ids(self.samples).map(|i| self.samples.base[i as usize]).sum();
+        if let Some(log) = &mut self.log {
+            log.close(outer, depth, self.samples.leaf_size, base + result.lower);
+        }
+        result
+    }
+
+    fn solve_unlogged(&mut self, view: &View, depth: usize, upper: i64, floor: i64) -> NodeResult {
+        if upper <= floor {
+            return NodeResult::none(floor);
+        }
+        let leaf = view.leaf();
+        let is_leaf_best = leaf <= floor.max(self.samples.penalty) || self.samples.n_labels == 1;
+        if depth == 0 || is_leaf_best || view.len < 2 * self.samples.leaf_size || self.samples.p == 0 {
+            return NodeResult::cheapest(leaf, Plan::Leaf, upper);
+        }
+        if self.label_bound(view, depth) >= upper {
+            return NodeResult::none(upper);
+        }
+        match depth {
+            1 => self.depth_one(view, upper),
+            2 => self.depth_two(view, upper, floor),
+            _ => self.deep(view, depth, upper, floor),
+        }
+    }
+
+    /// A tree of this depth predicts at most `2^depth` labels: the samples of all others are lost.
+    fn label_bound(&self, view: &View, depth: usize) -> i64 {
+        let n_leaves = 1usize << depth.min(20);
+        if !self.switches.label_count || !self.samples.is_single || self.samples.n_labels <= n_leaves {
+            return 0;
+        }
+        let mut totals = view.totals.clone();
+        totals.sort_unstable_by(|a, b| b.cmp(a));
+        view.total_range - totals[..n_leaves].iter().sum::<i64>()
+    }
+
+    fn depth_one(&mut self, view: &View, upper: i64) -> NodeResult {
+        let mut solver = self.take_solver(view);
+        let stump = solver.load(self.samples, view);
+        self.return_solver(view, solver);
+        self.n_evaluated += 1;
+        NodeResult::cheapest(stump.value, Plan::Stump, upper)
+    }
+
+    fn deep(&mut self, view: &View, depth: usize, upper: i64, floor: i64) -> NodeResult {
+        let takes_first = std::mem::take(&mut self.takes_first);
+        self.levels[depth].takes_first = takes_first;
+        let leaf = view.leaf();
+        // One level shallower first: its tree is an incumbent, its cost bounds the children of the trivial cuts, and
+        // the features are taken in the order of their incumbents.
+        let mut best = NodeResult::cheapest(leaf, Plan::Leaf, upper);
+        let mut whole = 0;
+        let mut order: Vec<usize> = (0..self.samples.p).collect();
+        if depth == 3 {
+            self.prepare(view);
+        }
+        if self.switches.shallower_first {
+            let result = self.solve(view, depth - 1, leaf + 1, floor);
+            whole = result.lower;
+            if let Some(log) = self.log.as_mut().filter(|_| depth > 2) {
+                log.shallower();
+            }
+            if result.cost(i64::MAX) < best.cost(upper) {
+                best = result;
+            }
+            if self.incumbents.len() == self.samples.p {
+                let incumbents = std::mem::take(&mut self.incumbents);
+                order = self.features_by(|f| incumbents[f].cost);
+            }
+        }
+        let mut incumbents = vec![FeatureIncumbent::NOTHING; self.samples.p];
+        for f in order {
+            let is_done = takes_first && best.best.is_some();
+            if best.cost(upper) <= floor || is_done || self.is_stopped() {
+                break;
+            }
+            let before = best.cost(upper);
+            let result = self.deep_feature(view, depth, f, whole, before, &mut incumbents[f]);
+            if result.cost(i64::MAX) < before {
+                best = result;
+            }
+        }
+        self.incumbents = incumbents;
+        best.closed(upper)
+    }
+
+    /// The best tree with feature `f` at its root, if it costs less than `upper`.
+    fn deep_feature(
+        &mut self,
+        view: &View,
+        depth: usize,
+        f: usize,
+        whole: i64,
+        upper: i64,
+        seen: &mut FeatureIncumbent,
+    ) -> NodeResult {
+        let samples = self.samples;
+        let mut level = std::mem::take(&mut self.levels[depth]);
+        level.axis.lay(samples, view, f, 1 << (depth - 1).min(20), whole, &self.switches);
+        level.queue.clear();
+        level.queue.extend(level.axis.whole());
+        let mut best = NodeResult::none(upper);
+        while let Some(interval) = level.queue.pop_front() {
+            let target = best.cost(upper) - samples.penalty;
+            let Some(interval) = level.axis.narrow(interval, target) else {
+                continue;
+            };
+            let Some(k) = level.axis.pick(&interval, target) else {
+                continue;
+            };
+            let slack = if self.switches.slack { level.axis.slack(&interval, k) } else { 0 };
+            let cut = Cut {
+                feature: f,
+                position: level.axis.positions[k] as usize,
+                bounds: level.axis.bounds(&interval, k).into(),
+                target,
+                slack,
+            };
+            let children = self.children(view, depth, &cut, &mut level.sides);
+            if self.is_stopped() {
+                break;
+            }
+            [level.axis.left[k], level.axis.right[k]] = children.bounds;
+            if let Some((cost, plan)) = children.tree {
+                seen.see(cost, cut.position);
+                if cost < best.cost(upper) {
+                    best = NodeResult::found(cost, plan);
+                    if level.takes_first {
+                        break;
+                    }
+                }
+            }
+            if interval.low < k {
+                level.queue.push_back(Interval { a: interval.a, b: k, low: interval.low, high: k - 1 });
+            }
+            if interval.high > k {
+                level.queue.push_back(Interval { a: k, b: interval.b, low: k + 1, high: interval.high });
+            }
+        }
+        self.levels[depth] = level;
+        best.closed(upper)
+    }
+
+    /// Solve both children of a cut: their bounds, and the tree when both are found.
+    ///
+    /// With slack a child is solved although the pair is known to lose: its bound then rules out neighbours too.
+    pub(crate) fn children(&mut self, view: &View, depth: usize, cut: &Cut, sides: &mut [View; 2]) -> Children {
+        let mut marks = std::mem::take(&mut self.marks);
+        view.split(self.samples, cut.feature, cut.position, &mut marks, sides);
+        self.marks = marks;
+        let mut bounds = cut.bounds;
+        let first = usize::from(sides[1].len > sides[0].len);
+        let mut plans = [None, None];
+        let mut records = [None, None];
+        for side in [first, 1 - first] {
+            let budget = cut.target + cut.slack - bounds[1 - side];
+            let result = self.solve(&sides[side], depth - 1, budget, bounds[side]);
+            if self.is_stopped() {
+                return Children { bounds: cut.bounds, tree: None };
+            }
+            bounds[side] = bounds[side].max(result.lower);
+            plans[side] = result.best;
+            records[side] = self.log.as_mut().and_then(Log::take);
+        }
+        if let Some(log) = &mut self.log {
+            log.cut(self.samples.features[cut.feature], cut.position, records);
+        }
+        let tree = match plans {
+            [Some((left, left_plan)), Some((right, right_plan))] => {
+                let sides = [left_plan, right_plan];
+                let plan = Plan::split(self.samples, view, cut.feature, cut.position, sides);
+                Some((left + right + self.samples.penalty, plan))
+            }
+            _ => None,
+        };
+        Children { bounds, tree }
+    }
+
+    /// Add the cuts evaluated here to those of the other threads.
+    pub(crate) fn report_effort(&mut self) {
+        self.control.add(std::mem::take(&mut self.n_evaluated));
+    }
+
+    /// Features ordered by a key, ties by index.
+    pub(super) fn features_by(&self, key: impl Fn(usize) -> i64) -> Vec<usize> {
+        let mut order: Vec<usize> = (0..self.samples.p).collect();
+        if self.switches.feature_order {
+            order.sort_by_key(|&f| key(f));
+        }
+        order
+    }
+
+    /// Lay out the buckets that the children of this view share.
+    pub(crate) fn prepare(&mut self, view: &View) {
+        self.forget();
+        let mut own = self.take_solver(view);
+        own.prepare(self.samples, view);
+        self.return_solver(view, own);
+    }
+
+    /// Forget what was laid out: the samples that follow are not a part of those before.
+    pub(crate) fn forget(&mut self) {
+        self.solvers.iter_mut().flatten().for_each(|solver| solver.forget());
+    }
+
+    /// The stump solver for a view of this total range.
+    pub(super) fn take_solver(&mut self, view: &View) -> Box<dyn StumpSolver> {
+        self.solvers[width(view.total_range)]
+            .take()
+            .unwrap_or_else(|| solver(self.samples, view.total_range, &self.switches))
+    }
+
+    /// Give the solver back.
+    pub(super) fn return_solver(&mut self, view: &View, solver: Box<dyn StumpSolver>) {
+        self.solvers[width(view.total_range)] = Some(solver);
+    }
+}

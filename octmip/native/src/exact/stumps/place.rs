@@ -1,0 +1,79 @@
+//! Stump solvers: the cut they are asked about, and the stumps they return.
+
+use crate::exact::samples::Samples;
+use crate::exact::view::View;
+
+/// Bounds of the best stump of a set.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Stump {
+    /// No stump (or leaf) costs less.
+    pub(crate) lower: i64,
+    /// One that costs this much is known.
+    pub(crate) value: i64,
+}
+
+/// A cut that was evaluated, and the cost range between it and the cut asked for.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Neighbour {
+    /// Its number, as `both` counts; 0: everything right of the cut, 1: everything left.
+    pub(crate) evaluated: usize,
+    /// Cost range between.
+    pub(crate) distance: i64,
+}
+
+/// The place of the cut: the first `k` samples of list `f` of `view` are left.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Place<'a> {
+    /// All samples of the node.
+    pub(crate) view: &'a View,
+    /// Feature of the cut.
+    pub(crate) f: usize,
+    /// Samples left of the cut.
+    pub(crate) k: usize,
+    /// Position of every sample in list `f`.
+    pub(crate) positions: &'a [u32],
+    /// The evaluated cuts before and after.
+    pub(crate) neighbours: [Neighbour; 2],
+    /// Both sides together must cost less for the cut to matter.
+    pub(crate) target: i64,
+}
+
+/// A target that no cost reaches: the stumps are wanted exactly.
+pub(crate) const NEVER: i64 = i64::MAX;
+
+impl Place<'_> {
+    /// Whether a sample is on a side (0 left, 1 right).
+    #[inline(always)]
+    pub(crate) fn is_on(&self, side: usize, sample: u32) -> bool {
+        ((self.positions[sample as usize] as usize) < self.k) == (side == 0)
+    }
+
+    /// Number of samples on a side.
+    pub(crate) fn size(&self, side: usize) -> usize {
+        if side == 0 { self.k } else { self.view.len - self.k }
+    }
+}
+
+/// A solver for best stumps.
+pub(crate) trait StumpSolver: Send {
+    /// Prepare for views that are subsets of this one and not much smaller.
+    fn prepare(&mut self, samples: &Samples, view: &View);
+
+    /// Forget what was prepared: views that follow are not subsets of it.
+    fn forget(&mut self);
+
+    /// Take up a view: the best stump of all its samples.
+    fn load(&mut self, samples: &Samples, view: &View) -> Stump;
+
+    /// Gain of a stump on each feature of the view last taken up (`p`).
+    fn scores(&self) -> &[i64];
+
+    /// Put the cut back to 0, everything right of it, for another feature.
+    fn rewind(&mut self);
+
+    /// Best stumps of both sides, exact unless their bounds reach `threshold` together.
+    fn both(&mut self, samples: &Samples, place: &Place<'_>, threshold: i64) -> [Stump; 2];
+
+    /// Number of the cut last evaluated.
+    fn last_evaluated(&self) -> usize;
+}

@@ -1,0 +1,24 @@
+//! What the exact search can do without; the optimum is the same without any of them.
+
+crate::switches::switches! {
+    /// A set of samples costs no less than a part of it.
+    monotone,
+    /// A set of samples costs at most the cost range of the new samples more than a part of it.
+    cost_range,
+    /// Samples between two cuts cost what they do with as many labels as leaves.
+    mixed_labels,
+    /// The same for a whole node.
+    label_count,
+    /// Solve one level shallower first.
+    shallower_first,
+    /// Solve children beyond what their own cut needs.
+    slack,
+    /// Take features in the order of their incumbents one level lower.
+    feature_order,
+    /// StumpSolver from histograms, not from walks along the lists.
+    buckets,
+    /// Pass over groups of features that cannot hold the best stump.
+    group_skip,
+    /// The widest vectors of the machine.
+    vectors,
+}

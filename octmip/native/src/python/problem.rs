@@ -1,0 +1,133 @@
+//! What a solver is asked, as Python objects: arrays in, checked once.
+//!
+//! Every solver is called with the same arguments in the same order:
+//!
+//! ```text
+//! problem, incumbent, limits, n_threads, seed, off, progress, then its own by name
+//! ```
+//!
+//! each left out where a solver has no use for it. `limits` is `(seconds, gap, nodes, memory)`, `off` names the prunes to do
+//! without, `progress` takes `(seconds, objective, bound, n_nodes)`.
+
+use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+use crate::problem::{Planes, Problem};
+use crate::sequential::Question;
+
+/// What hyperplane splits need: values (n, p), split_size, groups, integer_normals.
+type PlaneArguments<'py> = (PyReadonlyArray2<'py, f64>, usize, Option<Vec<Vec<u32>>>, Option<i64>);
+
+/// `crate::problem::Problem` as a Python object.
+#[pyclass(name = "Problem", frozen)]
+pub(crate) struct PyProblem {
+    /// The problem.
+    pub(crate) inner: Problem,
+}
+
+#[pymethods]
+impl PyProblem {
+    #[new]
+    #[pyo3(signature = (ranks, n_ranks, labels, weights, costs, penalty, depth, leaf_size, sensor_of_feature,
+        sensor_cost, sensor_limit, allowed, planes=None))]
+    #[allow(clippy::too_many_arguments)]
+    fn new(
+        ranks: PyReadonlyArray2<'_, u32>,
+        n_ranks: Vec<u32>,
+        labels: PyReadonlyArray1<'_, u32>,
+        weights: PyReadonlyArray1<'_, i64>,
+        costs: PyReadonlyArray2<'_, i64>,
+        penalty: i64,
+        depth: usize,
+        leaf_size: usize,
+        sensor_of_feature: Vec<u32>,
+        sensor_cost: Vec<f64>,
+        sensor_limit: f64,
+        allowed: Vec<bool>,
+        planes: Option<PlaneArguments<'_>>,
+    ) -> PyResult<Self> {
+        let (p, n) = (ranks.shape()[0], ranks.shape()[1]);
+        let planes = planes
+            .map(|(values, split_size, groups, integer_normals)| {
+                let values = values.as_slice()?.to_vec();
+                PyResult::Ok(Planes { values, split_size, groups, integer_normals })
+            })
+            .transpose()?;
+        let inner = Problem {
+            n,
+            p,
+            n_classes: costs.shape()[0],
+            ranks: ranks.as_slice()?.to_vec(),
+            n_ranks,
+            labels: labels.as_slice()?.to_vec(),
+            weights: weights.as_slice()?.to_vec(),
+            costs: costs.as_slice()?.to_vec(),
+            penalty,
+            depth,
+            leaf_size,
+            sensor_of_feature,
+            sensor_cost,
+            sensor_limit,
+            allowed,
+            planes,
+        };
+        inner.validate().map_err(|error| PyValueError::new_err(error.0))?;
+        Ok(Self { inner })
+    }
+}
+
+/// Cost of each sensor, group of each sensor, opening cost of each group, sensors read before the root.
+type Prices = (Vec<f64>, Vec<usize>, Vec<f64>, Vec<usize>);
+/// Penalty of a split, depth, leaf size, sensor of each feature, whether it may be used, most readings of each label.
+type Shape = (f64, usize, usize, Vec<usize>, Vec<bool>, Vec<usize>);
+
+/// `crate::sequential::Question` as a Python object.
+#[pyclass(name = "SequentialProblem", frozen)]
+pub(crate) struct PySequentialProblem {
+    /// The question.
+    pub(crate) inner: Question,
+}
+
+#[pymethods]
+impl PySequentialProblem {
+    #[new]
+    #[pyo3(signature = (ranks, paid, frequency, haste, shape, prices, multiplier, cap))]
+    #[allow(clippy::too_many_arguments)]
+    fn new(
+        ranks: PyReadonlyArray2<'_, u32>,
+        paid: PyReadonlyArray2<'_, f64>,
+        frequency: PyReadonlyArray1<'_, f64>,
+        haste: PyReadonlyArray1<'_, f64>,
+        shape: Shape,
+        prices: Prices,
+        multiplier: f64,
+        cap: Option<f64>,
+    ) -> PyResult<Self> {
+        let (penalty, depth, leaf_size, sensor_of_feature, allowed, most_readings) = shape;
+        let (sensor_cost, group_of_sensor, opening, read) = prices;
+        let inner = Question {
+            n: ranks.shape()[1],
+            p: ranks.shape()[0],
+            n_classes: paid.shape()[1],
+            ranks: ranks.as_slice()?.to_vec(),
+            paid: paid.as_slice()?.to_vec(),
+            frequency: frequency.as_slice()?.to_vec(),
+            haste: haste.as_slice()?.to_vec(),
+            penalty,
+            depth,
+            leaf_size,
+            sensor_of_feature,
+            sensor_cost,
+            group_of_sensor,
+            opening,
+            most_readings,
+            allowed,
+            read,
+            multiplier,
+            cap,
+        };
+        inner.validate().map_err(PyValueError::new_err)?;
+        Ok(Self { inner })
+    }
+}

@@ -1,0 +1,123 @@
+"""octmip solve, compare and frontier: what they print and what they write."""
+
+import json
+
+from octmip import Solution, Stop, solver
+from octmip.formats.tree_file import read_tree_file
+
+
+def test_solve_says_objective_tree_and_where_it_is_written(data, run, tmp_path):
+    out_file = tmp_path / "t.json"
+    code, out, err = run("solve", data, "--label", "y", "--depth", 1, "--method", "cart", "--out", out_file)
+    assert code == 0
+    assert err == ""
+    assert "1 of 30 samples wrong" in out
+    assert "if a <= 11.5" in out
+    assert str(out_file) in out
+    assert read_tree_file(out_file).label_column == "y"
+
+
+def test_solve_json_is_one_object_and_nothing_else(data, run):
+    code, out, err = run("solve", data, "--label", "y", "--depth", 1, "--method", "search", "--json")
+    answer = json.loads(out)
+    assert code == 0
+    assert err == ""
+    assert out.count("\n") == 1
+    wanted = "objective errors bound gap is_optimal stop seconds n_nodes method depth n_splits sensors tree"
+    assert set(wanted.split()) <= set(answer)
+    assert answer["errors"] == answer["objective"] == 1
+    assert answer["sensors"] == ["a"]
+    assert answer["bound"] is None
+    assert answer["tree"]["feature"] == "a"
+    assert answer["tree"]["left"] == {"label": "low"}
+
+
+def test_every_setting_reaches_the_problem(data, run, tmp_path):
+    (tmp_path / "costs.csv").write_text("true,low,high\nlow,0,5\nhigh,2,0\n")
+    (tmp_path / "sensors.csv").write_text("feature,sensor,cost\na,left,3\nb,right,1\n")
+    words = ["--features", "b,a", "--split-size", 2, "--leaf-size", 3, "--leaf-penalty", 0.5, "--weights", "w"]
+    (tmp_path / "groups.txt").write_text("b\n\na, b\n")
+    words += ["--allowed-splits", tmp_path / "groups.txt"]
+    words += ["--costs", tmp_path / "costs.csv", "--sensor-cost", tmp_path / "sensors.csv", "--budget", 2]
+    out_file = tmp_path / "t.json"
+    words += ["--method", "cart", "--seed", 7, "--out", out_file]
+    code, _, err = run("solve", data, "--label", "y", "--depth", 2, *words)
+    assert code == 0, err
+    file = read_tree_file(out_file)
+    settings = file.settings
+    assert file.feature_names == ("b", "a")
+    assert file.class_names == ("high", "low")
+    assert file.solution.seed == 7
+    assert (settings["split"], settings["split_size"], settings["leaf_size"]) == ("hyperplane", 2, 3)
+    assert settings["costs"] == [[0, 2], [5, 0]]
+    assert settings["leaf_penalty"] == 0.5
+    assert settings["depth"] == 2
+    assert settings["allowed_splits"] == [[0], [0, 1]]
+    assert settings["sensor_cost"] == {"right": 1, "left": 3}
+    assert settings["sensor_budget"] == 2
+    assert run("certify", out_file, data)[0] == 0
+
+
+def test_an_incumbent_is_taken_up(data, run, tree):
+    words = ["solve", data, "--label", "y", "--depth", 1, "--method", "search", "--incumbent", tree]
+    assert "if a <= 11.5" in run(*words, "--features", "b,a")[1]
+    code, _, err = run(*words, "--features", "b")
+    assert code == 2
+    assert "names the feature 'a', which is not among" in err
+    code, _, err = run(*words, "--features", "a,b", "--leaf-size", 15)
+    assert code == 2
+    assert "incumbent is no tree of this problem: leaf 0" in err
+
+
+def test_compare_shows_every_method_and_the_gap_to_the_best_bound(data, run, monkeypatch):
+    def proves(problem, **_):
+        leaf = solver.REGISTRY["cart"].load()(
+            problem, limits=solver.Limits(), incumbent=None, seed=0, n_jobs=1, progress=None
+        )
+        return Solution(leaf.tree, leaf.objective, 1.0, Stop.OPTIMAL, 0.0, 1, "exact", "1", 0)
+
+    def fails(problem, **_):
+        raise solver.SolverError("out of luck")
+
+    load = solver.Registration.load
+    replaced = {"octmip.methods.exact": proves, "octmip.mip.oct": fails}
+    monkeypatch.setattr(solver.Registration, "load", lambda self: replaced.get(self.module) or load(self))
+    words = ["compare", data, "--label", "y", "--depth", 1, "--features", "a", "--methods", "cart,exact,oct"]
+    code, out, _ = run(*words)
+    assert code == 0
+    assert "| cart " in out
+    assert "oct: out of luck" in out
+    answer = json.loads(run(*words, "--json")[1])
+    assert [row.get("gap_to_best_bound") for row in answer["rows"]] == [0.0, 0.0, None]
+    assert [row.get("gap") for row in answer["rows"]] == [None, 0.0, None]
+
+
+def test_frontier_shows_one_row_for_each_value(data, run, tmp_path):
+    words = ["frontier", data, "--label", "y", "--features", "a,b", "--depth", 3, "--over", "depth"]
+    code, out, err = run(*words, "--out", tmp_path / "f.png")
+    assert code == 0
+    assert err == ""
+    assert len(out.splitlines()) == 5
+    assert (tmp_path / "f.png").stat().st_size > 1000
+    rows = json.loads(run(*words, "--json", "--values", "1,2")[1])["rows"]
+    assert [row["depth"] for row in rows] == [1, 2]
+    code, _, err = run(*words, "--values", "1,x")
+    assert code == 2
+    assert "--values is '1,x'" in err
+
+
+def test_frontier_shows_what_samples_held_out_cost_and_chooses(data, run):
+    words = ["frontier", data, "--label", "y", "--features", "a,b", "--depth", 2, "--over"]
+    found = json.loads(run(*words, "depth", "--folds", 2, "--json")[1])
+    assert all(0 <= row["held_out"] <= 1 for row in found["rows"])
+    assert found["chosen"]["held_out"] <= min(row["held_out"] for row in found["rows"])
+    code, out, _ = run(*words, "penalty", "--folds", 2, "--method", "cart")
+    assert code == 0
+    assert "held_out" in out
+    assert out.splitlines()[-1].startswith("chosen: depth")
+    code, _, err = run(*words, "budget", "--folds", 2)
+    assert code == 2
+    assert "--folds chooses a depth and a penalty" in err
+    code, _, err = run(*words, "depth", "--folds", 1)
+    assert code == 2
+    assert "folds is 1" in err
