@@ -1,4 +1,4 @@
-"""What the fuzzers of proof logs share: ways to corrupt the lines of a log or the data, and the table of outcomes."""
+"""Shared by the fuzzers of proof logs: ways to corrupt the lines of a log or the data, and the table of outcomes."""
 
 import dataclasses
 import tempfile
@@ -86,7 +86,7 @@ def changed_data(rng: np.random.Generator, problem: Problem) -> Problem:
 
 
 def summary(lines: Sequence[Line]) -> str:
-    """Return what became of the corruptions."""
+    """Return the table of corruptions by outcome."""
     counts = sum((Counter(line["counts"]) for line in lines), Counter[str]())
     wrong = [seed for line in lines for seed in line["wrong"]]
     rows = [f"| {kind} | {counts[kind]} |" for kind in sorted(counts)]

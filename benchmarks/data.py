@@ -112,7 +112,7 @@ def synthetic_uav(target: str, seed: int = 0, n_samples: int = 1750) -> Table:
 
     x = base_s + g_s mu1 / (1 - .8 mu1) + h_s mu2 / (1 - .8 mu2) + N(0, 10.5), base_s ~ U(200, 900), g_s falling
     from 150 at sensor 1 to 0 at sensor 20, h_s a bell of height 40 about sensor 16, 8 sensors wide (one sigma);
-    100 samples a state, 70 % kept.
+    100 samples per state, 70 % kept.
     """
     rng = np.random.default_rng(seed)
     sensor = np.arange(1, 21)

@@ -1,4 +1,4 @@
-"""What may be wrong with an asset: each truth draws its name, size and place."""
+"""Truths, the things that may be wrong with an asset: each draws its name, size and place."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -10,7 +10,7 @@ from benchmarks.blind.asset import Asset, log_uniform
 
 
 class Extra(TypedDict, total=False):
-    """What a change outside the library needs besides: the seed of its own draws, the name of a hot spot."""
+    """Further data of a change outside the library: the seed of its own draws, the name of a hot spot."""
 
     seed: int
     spot: str
@@ -52,7 +52,7 @@ TRACELESS = "root_flexibility"
 OUTSIDE = ("hot_spot", "quadratic_gauges", "rib_field", "patchy_gain", "hysteresis", "passing_sun")
 SINGLES = (*SCALES, *FLAWS, *FACTS)
 CHANNEL = ("stuck_gauge", "clipping")
-"""Faults of a channel that the noise tells, not an effect with a size."""
+"""Faults of a channel that show in the noise, not effects with a size."""
 CHAIN = {
     "gauge_gain", "gauge_bias", "gauge_drift", "misalignment", "position_offset", "crosstalk", "common_gain", *FACTS
 }  # fmt: skip

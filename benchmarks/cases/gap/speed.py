@@ -1,7 +1,7 @@
 """CPU seconds of a diagnosis: the first of a twin, which makes what it and its `CachedTwin` keep, and the same again.
 
-Six fixed campaigns (50 readings at load factors 0 to 3, with a commissioning run): three states that the file tells,
-three that it does not. The readings are the twin's own with one effect, an error a gauge and noise: how well a
+Six fixed campaigns (50 readings at load factors 0 to 3, with a commissioning run): three states that the file gives,
+three that it does not. The readings are the twin's own with one effect, an error per gauge and noise: how well a
 diagnosis does is measured by `make blind`, here only how long it takes. Single-threaded; every kind of state starts
 with a twin of its own, and each campaign is diagnosed again three times.
 """
@@ -23,12 +23,12 @@ DEFAULT = 1.0
 """Refinement of the twin's mesh."""
 LOADS, REPEATS, NOISE_SD, OWN, INTERVAL = (0.0, 1.0, 2.0, 3.0), 50, np.sqrt(1000.0), 0.008, 6.0
 AGAIN = 3
-"""Diagnoses of a campaign whose median is told, after the first."""
+"""Diagnoses of a campaign after the first, whose median is reported."""
 
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """One campaign: the true damage, whether the file tells it, and one effect with its place and size."""
+    """One campaign: the true damage, whether the file gives it, and one effect with its place and size."""
 
     state: tuple[float, float]
     is_known: bool

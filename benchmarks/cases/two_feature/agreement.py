@@ -2,7 +2,7 @@
 
 `oct_h` and `flow` ask every sample to keep a distance from the line, HiGHS's tolerance over the range of the features;
 the boxes ask for none. So a mixed-integer optimum may lie above theirs, never below, and where it does its bound is one
-of fewer trees. Each side starts from a local search of its own and is told nothing of the others.
+of fewer trees. Each side starts from a local search of its own and knows nothing of the others.
 """
 
 from collections.abc import Callable, Iterator

@@ -31,7 +31,7 @@ Floats = NDArray[np.float64]
 NOISE_SD = float(np.sqrt(1000.0))
 """Of a reading at any load [microstrain]: the paper's."""
 LEVELS = (0.0, 0.2, 0.4, 0.6, 0.8)
-"""States of the library that the trees tell."""
+"""States of the library that the trees distinguish."""
 CRITICAL = 0.4
 """Damage beyond which the wing does not bear 3 g: the paper's limit."""
 RATES = (0.0005, 0.004, 0.0075)
