@@ -1,4 +1,4 @@
-"""Certificates: what a solution claims, recomputed from problem and tree alone. Imports no solver."""
+"""Certificates: a solution's claims, recomputed from problem and tree alone. Imports no solver."""
 
 import math
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from octmip.tree import Leaf, Node, depth, leaf_index, leaves, n_splits
 
 @dataclass(frozen=True, slots=True)
 class Certificate:
-    """What was recounted, sample by sample, from the tree alone.
+    """The figures of a tree, recounted sample by sample from the tree alone.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What can go wrong, each with a sentence: what is wrong, where, got, expected, cure."""
+"""Errors that octmip raises on purpose; a message says what is wrong, where, got, expected, cure."""
 
 
 class OctmipError(Exception):

@@ -51,7 +51,7 @@ class OptimalTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[mis
     n_features_in_, feature_names_in_
         as scikit-learn has them.
     solution_
-        the Solution. tree_, bound_, gap_: of it.
+        the Solution; `tree_`, `bound_` and `gap_` are its tree, bound and gap.
     leaf_distribution_
         what each leaf says of the classes (`octmip.uncertainty.LeafDistribution`).
 

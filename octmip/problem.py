@@ -2,7 +2,7 @@
 
 minimise   sum_i weights_i * costs[label_i, predicted_i] + leaf_penalty * complexity(tree)
 over       trees of at most `depth` levels of splits, every leaf with at least `leaf_size` samples,
-           at most `split_size` features a split, total sensor cost at most `sensor_budget`
+           at most `split_size` features per split, total sensor cost at most `sensor_budget`
 """
 
 import hashlib
@@ -48,8 +48,8 @@ class Problem:
     costs
         (n_classes, n_classes) cost of predicting column k for a sample of class row i; None: 0/1.
     sensor_of_feature
-        (n_features,) name of the sensor that a feature is read from; None: one sensor a feature,
-        bearing the feature's name.
+        (n_features,) name of the sensor that a feature is read from; None: one sensor per feature,
+        named like the feature.
     sensor_cost
         cost of each sensor, a mapping by name or one number per sensor in the order of `sensors`; None: 1.
     sensor_budget
@@ -258,7 +258,7 @@ class Problem:
 
     @property
     def least_saving(self) -> float:
-        """Least amount that one sample's best label instead of another, or one split fewer, saves; +inf if none does.
+        """Least cost that one sample's best label, or one split fewer, saves; +inf if neither saves any.
 
         A proof whose tolerance is not below it cannot tell a tree from one that answers a sample better.
         """

@@ -28,7 +28,7 @@ MOST_DEPTH, MOST_FEATURES = 2, 2  # of trees of two-feature splits that have log
 
 @dataclass(frozen=True, slots=True)
 class ProofReport:
-    """What a checked log proves.
+    """The result of a checked log.
 
     Attributes
     ----------
@@ -101,7 +101,7 @@ def check_provable(problem: Problem) -> None:
     """Raise a `ProblemError` if trees of a problem's kind have no proof logs."""
     if problem.split == "hyperplane" and (problem.depth > MOST_DEPTH or problem.max_split_size > MOST_FEATURES):
         raise ProblemError(
-            f"depth {problem.depth} with {problem.max_split_size} features a split has no proof log; expected depth "
+            f"depth {problem.depth} with {problem.max_split_size} features per split has no proof log; expected depth "
             f"{MOST_DEPTH} and {MOST_FEATURES} features at most, or split='axis'"
         )
 

@@ -1,4 +1,4 @@
-"""RiskModel: how likely a state fails, what a wrong decision costs, and so the Problem of a tree that decides.
+"""RiskModel: how likely a state fails, what a wrong decision costs, and the Problem of a tree that decides by both.
 
 A state has a loss d_r (a fraction of the stiffness) in each region r, and is flown at one of several load factors n. It
 fails where its worst region has lost more than the limit of that load factor, or about there:
@@ -35,7 +35,7 @@ Shape = Literal["logistic", "lognormal"]
 
 @dataclass(frozen=True, slots=True)
 class ErrorRates:
-    """What decisions did to states whose truth is known.
+    """Error rates of decisions on states whose truth is known.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ class ErrorRates:
 
 @dataclass(frozen=True, slots=True)
 class RiskModel:
-    """When a state fails, and what failing and caution cost.
+    """Probability of failure of a state, and the costs of failure and of caution.
 
     Attributes
     ----------
@@ -113,7 +113,7 @@ class RiskModel:
 
     @property
     def decision_names(self) -> tuple[str, ...]:
-        """What each decision is called: "3 g allowed", "2 g only"."""
+        """Names of the decisions: "3 g allowed", "2 g only"."""
         boldest, *others = self.load_factors
         return (f"{boldest:g} g allowed", *(f"{load:g} g only" for load in others))
 
@@ -158,10 +158,14 @@ class RiskModel:
     def decision_problem(self, features: ArrayLike, losses: ArrayLike, *, depth: int, **options: Any) -> Problem:
         """Return the problem whose classes are the two decisions and whose weights are the regret of the wrong one.
 
-        Args:
-            features: (n_samples, n_features).
-            losses: (n_samples, n_regions) true losses.
-            options: of `Problem`; `weights` are multiplied.
+        Parameters
+        ----------
+        features
+            (n_samples, n_features).
+        losses
+            (n_samples, n_regions) true losses.
+        options
+            of `Problem`; `weights` are multiplied.
 
         Raises
         ------
@@ -190,11 +194,16 @@ class RiskModel:
     ) -> Problem:
         """Return the problem whose classes are states: a wrong one costs `error_cost` and the regret it leads to.
 
-        Args:
-            features: (n_samples, n_features).
-            labels: (n_samples,) true states.
-            losses_of_label: loss in the region, or in each region, of every state.
-            options: of `Problem`.
+        Parameters
+        ----------
+        features
+            (n_samples, n_features).
+        labels
+            (n_samples,) true states.
+        losses_of_label
+            loss in the region, or in each region, of every state.
+        options
+            of `Problem`.
 
         Raises
         ------
@@ -244,7 +253,7 @@ def _worst(losses: ArrayLike) -> Floats:
     """Return the worst region's loss (n,) of losses (n, n_regions)."""
     table = np.array(losses, dtype=np.float64)
     if table.ndim != 2 or not table.shape[1]:
-        raise ProblemError(f"losses has shape {table.shape}; expected (n_states, n_regions), one column a region")
+        raise ProblemError(f"losses has shape {table.shape}; expected (n_states, n_regions), one column per region")
     if not ((table >= 0) & (table <= 1)).all():
         wrong = table[~((table >= 0) & (table <= 1))][0]
         raise ProblemError(f"losses holds {wrong}; expected fractions from 0 to 1 (0.4, not 40 percent)")

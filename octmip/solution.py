@@ -1,4 +1,4 @@
-"""What every solver returns: one tree, one bound, why it stopped."""
+"""The result of every solver: one tree, one bound, and why it stopped."""
 
 import enum
 import math
@@ -10,7 +10,7 @@ from octmip.tree import Node
 
 
 class Stop(enum.StrEnum):
-    """Why a solver stopped."""
+    """Reason for which a solver stopped."""
 
     OPTIMAL = "optimal"  # the bound meets the objective
     FINISHED = "finished"  # a heuristic did all it had set out to do; no proof
@@ -24,7 +24,7 @@ class Stop(enum.StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """When to stop early. A limit that is reached is no error: best tree and bound come back.
+    """Limits at which a solver stops early. Reaching one is no error: best tree and bound come back.
 
     Attributes
     ----------

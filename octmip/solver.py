@@ -22,16 +22,15 @@ import math
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from types import MappingProxyType
-from typing import Any, Literal, Protocol, cast
+from typing import Any, Protocol, cast
 
 from octmip.certificate import certify, checked_leaf_index
 from octmip.errors import CertificateError, ProblemError, SolverError
 from octmip.problem import Problem
+from octmip.run import NO_OPTIONS, Run
+from octmip.run import Method as Method
 from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop
 from octmip.tree import Node
-
-Method = Literal["auto", "search", "exact", "oct", "oct_h", "flow", "cart"]
 
 # An incumbent may take this share of the time when time is limited: what remains is the proof's.
 SEARCH_SHARE = 0.2
@@ -44,7 +43,7 @@ TURN_SECONDS = 5.0
 
 
 class Solver(Protocol):
-    """What every solver is called by."""
+    """The call that every solver answers."""
 
     def __call__(
         self,
@@ -62,7 +61,7 @@ class Solver(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Registration:
-    """Where a method's solver lives, whether it proves and so wants an incumbent first, and whether HiGHS does it."""
+    """A method's solver: module and function, whether it proves (and so wants an incumbent first), whether by HiGHS."""
 
     module: str
     function: str
@@ -115,18 +114,27 @@ def solve(
     the proof is quicker without; the better of incumbent and proof's own tree is returned. Ctrl-C returns the best tree
     so far (`Stop.INTERRUPTED`).
 
-    Args:
-        problem: the problem.
-        method: see the table of the module. "auto" is "exact" for axis-aligned trees and "search" for hyperplanes.
-        limits: wall seconds, relative gap, nodes, memory; reaching one is no error.
-        incumbent: a tree of this problem to start from.
-        seed: of all random choices.
-        n_jobs: threads; the tree is the same for any number, unless time runs out.
-        progress: called now and then with the state of the solver.
-        options: what the method's own solver takes beyond all this, for instance ``restarts`` of the search. The
-            mixed-integer methods take ``assist`` too, some of `ASSISTANTS`: "exact" proves for at most a fifth of the
-            time first and its bound enters the model (`details["lower_bound_given"]`); "search" goes on in a thread of
-            its own and hands over better trees, so which of several optimal trees comes back may vary.
+    Parameters
+    ----------
+    problem
+        the problem.
+    method
+        see the table of the module. "auto" is "exact" for axis-aligned trees and "search" for hyperplanes.
+    limits
+        wall seconds, relative gap, nodes, memory; reaching one is no error.
+    incumbent
+        a tree of this problem to start from.
+    seed
+        of all random choices.
+    n_jobs
+        threads; the tree is the same for any number, unless time runs out.
+    progress
+        called now and then with the state of the solver.
+    options
+        what the method's own solver takes beyond all this, for instance ``restarts`` of the search. The
+        mixed-integer methods take ``assist`` too, some of `ASSISTANTS`: "exact" proves for at most a fifth of the
+        time first and its bound enters the model (`details["lower_bound_given"]`); "search" goes on in a thread of
+        its own and hands over better trees, so which of several optimal trees comes back may vary.
 
     Raises
     ------
@@ -135,12 +143,23 @@ def solve(
     SolverError
         the solver failed, or its solution fails its certificate.
     """
-    name = chosen_method(problem, method)
+    return solve_run(problem, Run(method, limits, seed, n_jobs, options or NO_OPTIONS, progress), incumbent)
+
+
+def solve_run(problem: Problem, run: Run, incumbent: Node | Solution | None = None) -> Solution:
+    """Return what `solve` returns for the method, limits, seed, threads, options and progress of a run.
+
+    Raises
+    ------
+    ProblemError, SolverError
+        as `solve`.
+    """
+    name = chosen_method(problem, run.method)
     first = _checked_incumbent(problem, incumbent)
     # Loaded before the clock starts: its import is not the solver's time.
-    _check_options(name, _registration(problem, name).load(), options or {})
+    _check_options(name, _registration(problem, name).load(), run.options)
     start = time.perf_counter()
-    solution = _answer(_Call(problem, limits, seed, n_jobs, progress, start), name, first, options or {})
+    solution = _result(_Call(problem, run, start), name, first)
     return _checked(problem, replace(solution, seconds=time.perf_counter() - start))
 
 
@@ -174,40 +193,37 @@ def _wants_incumbent(problem: Problem, name: str) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class _Call:
-    """What all the solvers of one `solve` share."""
+    """The call that all solvers of one `solve` share."""
 
     problem: Problem
-    limits: Limits
-    seed: int
-    n_jobs: int
-    progress: ProgressCallback | None
+    run: Run
     start: float
 
-    def run(
+    def solve(
         self,
         name: str,
         tree: Node | None,
         *,
         share: float = 1.0,
         turn: int = 0,
-        options: Mapping[str, Any] = MappingProxyType({}),
+        options: Mapping[str, Any] = NO_OPTIONS,
     ) -> Solution:
         """Return the solution of one solver within `share` of the seconds that are left; another turn, another seed."""
-        spent = time.perf_counter() - self.start
-        seconds = share * max(0.0, self.limits.seconds - spent)
-        limits = replace(self.limits, seconds=seconds if turn == 0 else min(seconds, TURN_SECONDS))
+        run, spent = self.run, time.perf_counter() - self.start
+        seconds = share * max(0.0, run.limits.seconds - spent)
+        limits = replace(run.limits, seconds=seconds if turn == 0 else min(seconds, TURN_SECONDS))
         return _registration(self.problem, name).load()(
             self.problem,
             limits=limits,
             incumbent=tree,
-            seed=self.seed + turn,
-            n_jobs=self.n_jobs if turn == 0 else 1,
+            seed=run.seed + turn,
+            n_jobs=run.n_jobs if turn == 0 else 1,
             progress=self._shifted_progress(spent) if turn == 0 else None,
             **options,
         )
 
     def _shifted_progress(self, spent: float) -> Callable[[Progress], None] | None:
-        progress = self.progress
+        progress = self.run.progress
         if progress is None:
             return None
         return lambda state: progress(replace(state, seconds=state.seconds + spent))
@@ -228,14 +244,14 @@ def _check_options(name: str, solver: Solver, options: Mapping[str, Any]) -> Non
         raise ProblemError(f"method {name!r} takes no option {unknown[0]!r}; expected some of: {known}")
 
 
-def _answer(call: _Call, name: str, first: Solution | None, options: Mapping[str, Any]) -> Solution:
+def _result(call: _Call, name: str, first: Solution | None) -> Solution:
     """Return the solution of a method that starts from `first`, or from a search where that helps."""
     if first is None and _wants_incumbent(call.problem, name):
         first = _first_tree(call, name)
         if first.stop is Stop.INTERRUPTED:
             return first
     # Checked before the better tree is taken: what an incumbent covers up would be a wrong claim all the same.
-    solution = _checked(call.problem, _run(call, name, first, options))
+    solution = _checked(call.problem, _solved(call, name, first))
     return _with_better_tree(solution, first) if REGISTRY[name].proves else solution
 
 
@@ -244,43 +260,44 @@ def _first_tree(call: _Call, name: str) -> Solution:
     if _registration(call.problem, name) is TWO_FEATURE:
         # A few milliseconds; without it a proof that is stopped while it lays out its tables has next to nothing.
         axis = replace(call.problem, split="axis", split_size=None, integer_normals=None)
-        return replace(call, problem=axis).run("exact", None, share=SEARCH_SHARE)
+        return replace(call, problem=axis).solve("exact", None, share=SEARCH_SHARE)
     try:
-        return call.run("search", None, share=SEARCH_SHARE, options={"restarts": FIRST_RESTARTS})
+        return call.solve("search", None, share=SEARCH_SHARE, options={"restarts": FIRST_RESTARTS})
     except KeyboardInterrupt:
-        return replace(call.run("cart", None), stop=Stop.INTERRUPTED)
+        return replace(call.solve("cart", None), stop=Stop.INTERRUPTED)
 
 
-def _run(call: _Call, name: str, first: Solution | None, options: Mapping[str, Any]) -> Solution:
+def _solved(call: _Call, name: str, first: Solution | None) -> Solution:
     """Return one solver's solution; a Ctrl-C that it did not see itself ends with the incumbent."""
     try:
-        if "assist" in options:
-            return _assisted(call, name, first, options)
-        return call.run(name, first.tree if first else None, options=options)
+        if "assist" in call.run.options:
+            return _assisted(call, name, first)
+        return call.solve(name, first.tree if first else None, options=call.run.options)
     except KeyboardInterrupt:
         if first is None:
-            first = call.run("cart", None)
+            first = call.solve("cart", None)
         return replace(first, stop=Stop.INTERRUPTED)
 
 
-def _assisted(call: _Call, name: str, first: Solution | None, options: Mapping[str, Any]) -> Solution:
+def _assisted(call: _Call, name: str, first: Solution | None) -> Solution:
     """Return the solution of a mixed-integer method that the exact core, the search or both assist."""
-    own = {key: value for key, value in options.items() if key != "assist"}
+    assistants = call.run.options["assist"]
+    own = {key: value for key, value in call.run.options.items() if key != "assist"}
     tree = first.tree if first else None
-    if "exact" in options["assist"]:
-        proven = _checked(call.problem, call.run("exact", tree, share=SEARCH_SHARE))
+    if "exact" in assistants:
+        proven = _checked(call.problem, call.solve("exact", tree, share=SEARCH_SHARE))
         if proven.stop is Stop.INTERRUPTED:
             return replace(proven, solver=name)
         tree, own["lower_bound"] = proven.tree, proven.bound
-    if "search" not in options["assist"]:
-        return call.run(name, tree, options=own)
+    if "search" not in assistants:
+        return call.solve(name, tree, options=own)
     from octmip.mip.highs.injector import IncumbentInjector
 
     def searched(turn: int) -> Node | None:
-        return call.run("search", None, turn=turn + 1, options={"restarts": FIRST_RESTARTS}).tree
+        return call.solve("search", None, turn=turn + 1, options={"restarts": FIRST_RESTARTS}).tree
 
     with IncumbentInjector(searched) as injector:
-        return call.run(name, tree, options=own | {"inject": injector})
+        return call.solve(name, tree, options=own | {"inject": injector})
 
 
 def _checked_incumbent(problem: Problem, incumbent: Node | Solution | None) -> Solution | None:

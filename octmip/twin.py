@@ -1,4 +1,4 @@
-"""What monitor and gap know of any model: the Twin and the Effects that it may lack.
+"""Protocols through which monitor and gap know any model: a Twin, and an Effect that it may lack.
 
 A twin answers one question: which strains do the gauges show in a known state at a known load. An effect is something
 that a real structure or a real measuring chain has and the twin lacks; near the twin it changes the readings by
@@ -28,7 +28,7 @@ QUANTITIES = {
     "frequency": "the first natural frequencies",
     "thermal_zero": "readings at zero load and another temperature",
 }
-"""What can be measured beside strain under load; an effect says by `seen_by` which of these show it."""
+"""Quantities that can be measured beside strain under load; an effect's `seen_by` names those that show it."""
 
 
 @runtime_checkable
@@ -52,7 +52,7 @@ class Twin(Protocol):
 
     @property
     def effects(self) -> Mapping[str, "Effect"]:
-        """What a real structure of this kind may have and the model lacks, by name."""
+        """Effects that a real structure of this kind may have and the model lacks, by name."""
         ...
 
     def predict(self, state: State, load_factor: float) -> NDArray[np.float64]:
@@ -81,7 +81,7 @@ class Effect(Protocol):
 
     @property
     def parameter(self) -> str:
-        """What the size measures, in words."""
+        """Quantity that the size measures, in words."""
         ...
 
     @property
@@ -101,7 +101,7 @@ class Effect(Protocol):
 
     @property
     def prior_source(self) -> str:
-        """Why this scale."""
+        """Source of the prior scale."""
         ...
 
     @property
@@ -111,7 +111,7 @@ class Effect(Protocol):
 
     @property
     def separated_by(self) -> str:
-        """What separates the effect from its nearest confounder."""
+        """Observation that separates the effect from its nearest confounder."""
         ...
 
     @property

@@ -21,6 +21,7 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
         "problem": 2,
         "solution": 2,
         "formats.table": 2,
+        "run": 3,
         "encoding": 3,
         "formats.problem_file": 3,
         "formats.tree_schema": 3,

@@ -17,13 +17,13 @@ from octmip.errors import CertificateError, DataError, OctmipError, SolverError
 from octmip.formats.names import visible
 
 COMMANDS = {
-    "solve": "find the best tree of a table, and prove it",
-    "certify": "recount what a tree file claims, from tree and data alone",
+    "solve": "find the best tree for a table, and prove how good it is",
+    "certify": "recompute what a tree file claims, from tree and data alone",
     "predict": "apply a tree file to a table",
-    "compare": "every method side by side, with gaps",
-    "frontier": "the least cost against depth, sensor budget or leaf penalty",
-    "diagnose": "why an asset does not behave like its twin, and what to test next",
-    "report": "a tree file in words, or as a page, Markdown or DOT",
+    "compare": "run every method on a table and show their gaps side by side",
+    "frontier": "show the least cost against depth, sensor budget or leaf penalty",
+    "diagnose": "explain why an asset does not behave like its twin, and what to test next",
+    "report": "show a tree file in words, or as a page, Markdown, DOT or a drawing",
 }
 MOST_MESSAGE = 2000  # characters of an error on standard error
 
@@ -44,11 +44,11 @@ def main(words: Sequence[str] | None = None) -> int:
         sys.stderr.close()
         return 0
     except UnicodeEncodeError as error:
-        held = f"{error.object[error.start]!a} has no place in its encoding {error.encoding}"
+        held = f"its encoding {error.encoding} lacks {error.object[error.start]!a}"
         print(f"octmip: standard output cannot be written ({held}); set PYTHONIOENCODING=utf-8", file=sys.stderr)
         return 1
     except MemoryError:
-        print("octmip: memory is at its end; give fewer rows or columns, or a lower --memory", file=sys.stderr)
+        print("octmip: out of memory; give fewer rows or columns, or a lower --memory", file=sys.stderr)
         return 1
     except OSError as error:  # files have their own sentences by now, so this is standard output
         print(f"octmip: standard output cannot be written ({error.strerror})", file=sys.stderr)
@@ -89,6 +89,6 @@ def _overview() -> str:
             "",
             *lines,
             "",
-            "octmip COMMAND --help says what a command takes; octmip --version which octmip this is.",
+            "octmip COMMAND --help describes a command; octmip --version prints the version.",
         ]
     )

@@ -24,48 +24,48 @@ class Parser(argparse.ArgumentParser):
         )
 
     def error(self, message: str) -> NoReturn:
-        """Raise what argparse has to say as a DataError."""
+        """Raise the message of argparse as a DataError."""
         raise DataError(f"{message}; see {self.prog} --help")
 
 
 def add_problem_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add what says which tree is wanted."""
+    """Add the table and the arguments that describe the tree."""
     parser.add_argument("data", metavar="DATA", help="table of samples, .csv or .parquet")
-    group = parser.add_argument_group("the tree that is wanted")
+    group = parser.add_argument_group("tree")
     group.add_argument("--label", metavar="COL", required=True, help="column with the class of each sample")
     group.add_argument("--depth", metavar="D", type=int, required=True, help="levels of splits")
     group.add_argument("--features", metavar="A,B,...", help="columns to split on (default: all but label and weights)")
-    group.add_argument("--split", choices=("axis", "hyperplane"), help="default axis; hyperplane with --split-size > 1")
+    group.add_argument(
+        "--split", choices=("axis", "hyperplane"), help="kind of split (default axis; hyperplane with --split-size > 1)"
+    )
     group.add_argument("--split-size", metavar="K", type=int, help="at most K features in one split")
     group.add_argument(
-        "--allowed-splits", metavar="FILE", help="text: on each line the features that may meet in a split"
+        "--allowed-splits", metavar="FILE", help="text file: on each line the features that may meet in one split"
     )
     group.add_argument("--integer-normals", metavar="N", type=int, help="hyperplane coefficients are integers up to N")
     group.add_argument("--leaf-size", metavar="N", type=int, default=1, help="at least N samples in a leaf (default 1)")
     group.add_argument(
-        "--leaf-penalty", metavar="P", type=float, default=0.0, help="cost of one more split (default 0)"
+        "--leaf-penalty", metavar="P", type=float, default=0.0, help="price of one feature in one split (default 0)"
     )
     group.add_argument("--weights", metavar="COL", help="column with the risk weight of each sample (default: all 1)")
     group.add_argument("--costs", metavar="FILE", help="CSV of misclassification costs: true class by predicted class")
-    group.add_argument("--budget", metavar="B", type=float, help="at most B of sensor cost in the whole tree")
+    group.add_argument("--budget", metavar="B", type=float, help="most sensor cost of the whole tree")
     group.add_argument("--sensor-cost", metavar="FILE", help="CSV with columns [feature,]sensor,cost (default: all 1)")
 
 
 def add_run_arguments(parser: argparse.ArgumentParser, seconds: float = math.inf) -> None:
     """Add limits, seed, threads and output."""
-    group = parser.add_argument_group("how it is run")
+    group = parser.add_argument_group("run")
     shown = "no limit" if math.isinf(seconds) else f"{seconds:g}"
     group.add_argument(
         "--seconds", metavar="S", type=float, default=seconds, help=f"stop after S seconds (default {shown})"
     )
-    group.add_argument(
-        "--gap", metavar="G", type=float, default=0.0, help="a relative gap that is good enough (default 0)"
-    )
+    group.add_argument("--gap", metavar="G", type=float, default=0.0, help="stop at this relative gap (default 0)")
     group.add_argument("--nodes", metavar="N", type=float, default=math.inf, help="stop after N search nodes")
     group.add_argument(
-        "--memory", metavar="GB", type=float, default=8.0, help="memory of the solver's tables (default 8)"
+        "--memory", metavar="GB", type=float, default=8.0, help="most memory of the solver's tables (default 8)"
     )
-    group.add_argument("--seed", metavar="N", type=int, default=0, help="of all random choices (default 0)")
+    group.add_argument("--seed", metavar="N", type=int, default=0, help="seed of all random choices (default 0)")
     group.add_argument("--threads", metavar="N", type=int, default=1, help="threads of one solver (default 1)")
     add_json_argument(group)
 
@@ -83,12 +83,12 @@ def add_method_argument(parser: argparse.ArgumentParser) -> None:
         "--method",
         choices=METHODS,
         default="auto",
-        help="default auto: exact, or search for hyperplanes; exact proves those of at most 2 features to depth 2",
+        help="default auto: exact, or search for hyperplanes; exact proves hyperplanes of 2 features to depth 2",
     )
 
 
 def limits_of(arguments: argparse.Namespace) -> Limits:
-    """Return the limits that the arguments say.
+    """Return the limits that the arguments give.
 
     Raises
     ------

@@ -1,7 +1,7 @@
-"""Recount what a tree file claims, sample by sample, from the tree and its training data alone.
+"""Recompute what a tree file claims, sample by sample, from the tree and its training data alone.
 
-With --proof, also check a proof log: that no tree of the problem costs less than the bound, by a checker that knows no
-solver. Exit code 0: every claim holds. 1: one does not, and one line says which. 2: a file cannot be read.
+With --proof, a checker that knows no solver also checks a proof log: that no tree of the problem costs less than the
+bound. Exit code 0: every claim holds. 1: one does not, and one line says which. 2: a file cannot be read.
 """
 
 import argparse
@@ -23,9 +23,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `octmip certify`."""
     parser.add_argument("tree", metavar="TREE.json", help="tree file of octmip solve --out")
     parser.add_argument("data", metavar="DATA", help="the table that it was trained on, .csv or .parquet")
-    parser.add_argument("--label", metavar="COL", help="column with the class (default: the one of the training)")
-    parser.add_argument("--weights", metavar="COL", help="column with the weights (default: the one of the training)")
-    parser.add_argument("--proof", metavar="LOG", help="proof log of octmip solve --proof, to be checked too")
+    parser.add_argument("--label", metavar="COL", help="column with the class (default: that of the training)")
+    parser.add_argument("--weights", metavar="COL", help="column with the weights (default: that of the training)")
+    parser.add_argument("--proof", metavar="LOG", help="also check this proof log of octmip solve --proof")
     parser.add_argument("--threads", metavar="N", type=int, default=1, help="threads of that check (default 1)")
     add_json_argument(parser)
 
@@ -40,7 +40,7 @@ def run(arguments: argparse.Namespace) -> int:
         log = {} if proof is None else {"proof": dataclasses.asdict(proof)}
         print_json({"is_certified": True, "n_samples": problem.n_samples, **_fields(certificate), **log})
         return 0
-    print("certified: every claim was recounted from tree and data alone")
+    print("certified: every claim was recomputed from tree and data alone")
     print(printable(solution_text(file.solution, certificate, problem.n_samples)))
     if proof is not None:
         print(f"proof: no tree costs less than {number(proof.bound)}; {proof.n_lines} lines, {proof.seconds:.3g} s")

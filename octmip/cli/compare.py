@@ -1,8 +1,8 @@
-"""Every method side by side on one table, each within the same time limit.
+"""Run every method on one table, each within the same time limit, and show them side by side.
 
-Each has its own gap and the gap to the best bound that any of them proved: how far from optimal it can be at most.
+Each has its own gap, and the gap to the best bound that any of them proved: the most by which it can miss the optimum.
 
-A method that cannot answer the problem stands in the table with the reason.
+A method that cannot answer the problem is listed with the reason.
 """
 
 import argparse
@@ -28,7 +28,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `octmip compare`."""
     add_problem_arguments(parser)
     add_run_arguments(parser, seconds=60.0)
-    parser.add_argument("--methods", metavar="A,B,...", help="default: all that suit the kind of split")
+    parser.add_argument(
+        "--methods", metavar="A,B,...", help="methods to run (default: all that suit the kind of split)"
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -50,7 +52,7 @@ def run(arguments: argparse.Namespace) -> int:
         if "error" in row:
             print(f"\n{row['method']}: {visible(row['error'])}")
         elif row["scope"]:
-            print(f"\n{row['method']}: its bound speaks about {row['scope']} only")
+            print(f"\n{row['method']}: its bound holds for {row['scope']} only")
     return 0
 
 

@@ -1,7 +1,7 @@
-"""Say why the asset does not behave like its twin: where, which effect, how far the gap closes, what to test next.
+"""Explain why an asset does not behave like its twin: where, which effect, how far the gap closes, what to test next.
 
-CAMPAIGN.csv holds one row a reading: test, load_factor, the known state parameters, optional time and temperature, and
-one column for each gauge under the twin's name, in microstrain.
+CAMPAIGN.csv holds one row per reading: test, load_factor, the known state parameters, optional time and temperature,
+and one column per gauge under the twin's name for it, in microstrain.
 """
 
 import argparse
@@ -21,14 +21,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `octmip diagnose`."""
     parser.add_argument("campaign", metavar="CAMPAIGN.csv", help="readings of the asset")
     parser.add_argument(
-        "--twin", metavar="MODULE:NAME", required=True, help="the twin, or what makes it, such as femlib.wing:uav_twin"
+        "--twin",
+        metavar="MODULE:NAME",
+        required=True,
+        help="the twin, its class or a function that makes it, such as femlib.wing:uav_twin",
     )
     parser.add_argument("--commissioning", metavar="RUN.csv", help="readings of the same asset while it was sound")
-    parser.add_argument("--tree", metavar="TREE.json", help="a deployed tree: rank its nodes by flipped decisions")
+    parser.add_argument("--tree", metavar="TREE.json", help="rank the nodes of this deployed tree by flipped decisions")
     parser.add_argument(
-        "--noise", metavar="SD", type=float, help="microstrain of one reading, where no load was read three times"
+        "--noise",
+        metavar="SD",
+        type=float,
+        help="standard deviation of one reading in microstrain, used where no load was read three times",
     )
-    parser.add_argument("--out", metavar="REPORT.html", help="write a page with figures here")
+    parser.add_argument("--out", metavar="REPORT.html", help="write a page with figures to this file")
     add_json_argument(parser)
 
 
@@ -76,7 +82,7 @@ def load_twin(name: str) -> Twin:
     Raises
     ------
     DataError
-        no such module or attribute, or what it gives is no twin.
+        there is no such module or attribute, or it gives no twin.
     """
     module, colon, attribute = name.partition(":")
     if not (module and colon and attribute):

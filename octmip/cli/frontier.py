@@ -1,8 +1,8 @@
-"""The least cost against depth, sensor budget or leaf penalty: one row a value, each with its bound.
+"""Show the least cost against depth, sensor budget or leaf penalty: one row per value, each with its bound.
 
-The limits hold for each value by itself. Each value starts from the tree of the one before, and bounds proven under
-wider limits serve the tighter ones. With --folds each depth or penalty also shows what it costs on samples held out,
-per unit of weight, and the best pair of depth and penalty is named.
+The limits apply to each value separately. Each value starts from the tree of the one before, and bounds proven under
+wider limits are used for the tighter ones. With --folds each depth or penalty also shows its cost on samples held out,
+per unit of weight, and the best pair of depth and penalty is chosen.
 """
 
 import argparse
@@ -34,14 +34,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_problem_arguments(parser)
     add_run_arguments(parser, seconds=60.0)
     add_method_argument(parser)
-    parser.add_argument("--over", choices=OVERS, required=True, help="what is varied")
+    parser.add_argument("--over", choices=OVERS, required=True, help="setting to vary")
     parser.add_argument(
         "--values",
         metavar="A,B,...",
-        help="its values (default: depths 1 to D; 1, 2, ... sensors; a penalty for each tree that is best for one)",
+        help="its values (default: depths 1 to D; 1, 2, ... sensors; a penalty for each tree on the frontier)",
     )
-    parser.add_argument("--folds", metavar="K", type=int, help="also by cross-validation on K folds (depth, penalty)")
-    parser.add_argument("--out", metavar="FILE", help=f"draw the frontier here, one of {', '.join(PICTURES)}")
+    parser.add_argument("--folds", metavar="K", type=int, help="also cross-validate on K folds (depth, penalty)")
+    parser.add_argument("--out", metavar="FILE", help=f"draw the frontier in this file, one of {', '.join(PICTURES)}")
 
 
 def run(arguments: argparse.Namespace) -> int:

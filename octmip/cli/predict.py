@@ -2,9 +2,9 @@
 
 With --label the predictions are also compared with the true classes.
 
-Class names are written as they are, so that a program reads back what was trained on; on a terminal, characters that
-act are shown as escapes. A spreadsheet takes a cell that begins with one of = + - @ for a formula: import such a file
-as text.
+Class names are written as they are, so that a program reads back what was trained on; on a terminal, control
+characters are shown as escapes. A spreadsheet takes a cell that begins with one of = + - @ for a formula: import such
+a file as text.
 """
 
 import argparse
@@ -31,8 +31,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("tree", metavar="TREE.json", help="tree file of octmip solve --out")
     parser.add_argument("data", metavar="DATA", help="table with the features that the tree reads, .csv or .parquet")
     parser.add_argument("--label", metavar="COL", help="column with the true class, to count the errors")
-    parser.add_argument("--probabilities", action="store_true", help="add each class's share of the leaf at training")
-    parser.add_argument("--out", metavar="FILE.csv", help="write the predictions here")
+    parser.add_argument(
+        "--probabilities", action="store_true", help="add each class's share of the training samples in the leaf"
+    )
+    parser.add_argument("--out", metavar="FILE.csv", help="write the predictions to this file")
     add_json_argument(parser)
 
 
@@ -48,7 +50,7 @@ def run(arguments: argparse.Namespace) -> int:
     errors = None
     if arguments.label:
         true = table.labels(arguments.label, file.class_names).tolist()
-        errors = sum(told != label for told, label in zip(predictions, true, strict=True))
+        errors = sum(predicted != label for predicted, label in zip(predictions, true, strict=True))
     shares = _shares(file)[reached].tolist() if arguments.probabilities else None
     content = _csv(file, predictions, shares)
     if arguments.out:
@@ -81,7 +83,7 @@ def _shares(file: TreeFile) -> NDArray[np.float64]:
 def _csv(file: TreeFile, predictions: list[Any], shares: list[list[float]] | None) -> str:
     names = [f"share of {name}" for name in file.class_names] if shares is not None else []
     lines = [_csv_line(["prediction", *names])]
-    lines += [_csv_line([told, *(shares[row] if shares is not None else ())]) for row, told in enumerate(predictions)]
+    lines += [_csv_line([label, *(shares[row] if shares is not None else ())]) for row, label in enumerate(predictions)]
     return "".join(lines)
 
 

@@ -1,6 +1,6 @@
-"""Show a tree file: in words on standard output, or as a file whose ending says the kind.
+"""Show a tree file in words on standard output, or write it as a file of the kind that its ending names.
 
-.html  a page whole in itself    .md  Markdown    .dot  Graphviz    .txt  words    .svg .png .pdf  a drawing
+.html  a self-contained page    .md  Markdown    .dot  Graphviz    .txt  words    .svg .png .pdf  a drawing
 """
 
 import argparse

@@ -1,7 +1,7 @@
-"""Find the best tree of a table within the limits, and the bound that proves how good it is.
+"""Find the best tree for a table within the limits, and the bound that proves how good it is.
 
-The result is certified (recounted from tree and data alone) before it is shown. A limit that is reached is no error,
-nor is Ctrl-C: the best tree so far and its bound are shown and written.
+The result is certified (recomputed from tree and data alone) before it is shown. Reaching a limit is no error, nor is
+Ctrl-C: the best tree so far and its bound are shown and written.
 """
 
 import argparse
@@ -26,8 +26,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_problem_arguments(parser)
     add_run_arguments(parser)
     add_method_argument(parser)
-    parser.add_argument("--incumbent", metavar="TREE.json", help="a tree of this problem to start from")
-    parser.add_argument("--write", metavar="MODEL", help="write the mixed-integer model to this .mps or .lp file too")
+    parser.add_argument("--incumbent", metavar="TREE.json", help="start from this tree of the problem")
+    parser.add_argument("--write", metavar="MODEL", help="also write the mixed-integer model to this .mps or .lp file")
     parser.add_argument(
         "--assist",
         nargs="+",
@@ -36,14 +36,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--proof", metavar="LOG", help="write a proof log that octmip certify --proof checks (exact)")
     parser.add_argument(
-        "--checkpoint", metavar="FILE", help="keep what is proven here, and go on from it where it exists (exact, axis)"
+        "--checkpoint",
+        metavar="FILE",
+        help="keep what is proven in this file, and resume from it where it exists (exact, axis)",
     )
     parser.add_argument(
         "--write-problem",
         metavar="FILE",
         help="write the problem, samples included, to this JSON file for octmip-check",
     )
-    parser.add_argument("--out", metavar="TREE.json", help="write the tree here")
+    parser.add_argument("--out", metavar="TREE.json", help="write the tree to this file")
 
 
 def run(arguments: argparse.Namespace) -> int:

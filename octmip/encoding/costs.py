@@ -56,7 +56,7 @@ class IntegerCosts:
 
     @property
     def unit(self) -> float:
-        """What a whole-numbered objective is multiplied by, `base` left out."""
+        """Factor from a whole-numbered objective to the problem's, `base` left out."""
         return math.ldexp(1.0, -self.exponent)
 
     @property

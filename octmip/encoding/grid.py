@@ -36,7 +36,7 @@ def integer_costs(problem: Problem, known: Node | None = None) -> IntegerCosts:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Excess:
-    """What predictions cost above the cheapest ones of their samples, scaled by a power of two to below 1.
+    """Excess costs: predictions above the cheapest of their samples, scaled by a power of two to below 1.
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ class _Excess:
     scale
         weight times cost is ``2**scale`` times these.
     most
-        what the best known tree costs, or a little more: costs above need not be told apart.
+        what the best known tree costs, or a little more: costs above need not be distinguished.
     """
 
     weights: NDArray[np.float64]

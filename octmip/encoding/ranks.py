@@ -63,7 +63,7 @@ def native_problem(problem: Problem, ranks: Ranks, costs: IntegerCosts) -> _nati
 def _planes(
     problem: Problem,
 ) -> tuple[NDArray[np.float64], int, list[list[int]] | None, int | None] | None:
-    """Return what hyperplane splits need beside the ranks: values (n_samples, n_features) and the limits of a split."""
+    """Return data of hyperplane splits beside the ranks: values (n_samples, n_features) and the limits of a split."""
     if problem.max_split_size == 1:
         return None
     groups = problem.allowed_splits

@@ -37,11 +37,11 @@ class MisfitError(DataError):
 
 
 class Kind(Protocol):
-    """What a value must be."""
+    """The kind that a value must have."""
 
     @property
     def words(self) -> str:
-        """What is expected, in a few words."""
+        """The expected value, in a few words."""
         ...
 
     def take(self, value: Any) -> Any:
@@ -92,7 +92,7 @@ class Number:
 
     @property
     def words(self) -> str:
-        """What is expected."""
+        """The expected value."""
         ends = [f"of {self.low:g} or more"] if self.low > -MOST else []
         ends += [f"of {self.high:g} at most"] if self.high < MOST else []
         return " ".join(["a finite number", *ends])
@@ -117,7 +117,7 @@ class Whole:
 
     @property
     def words(self) -> str:
-        """What is expected."""
+        """The expected value."""
         return f"a whole number from {self.low} to {self.high}"
 
     def take(self, value: Any) -> int:
@@ -141,7 +141,7 @@ class Text:
 
     @property
     def words(self) -> str:
-        """What is expected."""
+        """The expected value."""
         return f"{self.meaning} of at most {MOST_NAME} characters"
 
     def take(self, value: Any) -> str:
@@ -180,7 +180,7 @@ class Choice:
 
     @property
     def words(self) -> str:
-        """What is expected."""
+        """The expected value."""
         return "one of " + ", ".join(repr(choice) for choice in self.choices)
 
     def take(self, value: Any) -> str:
@@ -202,7 +202,7 @@ class Either:
 
     @property
     def words(self) -> str:
-        """What is expected."""
+        """The expected value."""
         return " or ".join(kind.words for kind in self.kinds)
 
     def take(self, value: Any) -> Any:
@@ -264,7 +264,7 @@ class AsItIs:
 
     @property
     def words(self) -> str:
-        """What is expected."""
+        """The expected value."""
         return self.kind.words
 
     def take(self, value: Any) -> Any:
@@ -286,7 +286,7 @@ class ListOf:
 
     @property
     def words(self) -> str:
-        """What is expected."""
+        """The expected value."""
         return f"a list of at least {self.least}" if self.least else "a list"
 
     def take(self, value: Any) -> list[Any]:
@@ -334,7 +334,7 @@ class Record:
 
     @property
     def words(self) -> str:
-        """What is expected."""
+        """The expected value."""
         return f"an object with {', '.join(self.entries)}"
 
     def take(self, value: Any) -> dict[str, Any]:

@@ -109,8 +109,8 @@ class Table:
 
     def _beyond(self, name: str, row: int, column: "pd.Series[Any]") -> str:
         return (
-            f"{self.place(row, name)}: {shown(int(column.iloc[row]))} is beyond 2^53, where float64 no longer tells "
-            "integers apart; subtract an offset first"
+            f"{self.place(row, name)}: {shown(int(column.iloc[row]))} is beyond 2^53, where float64 merges "
+            "neighbouring integers; subtract an offset first"
         )
 
     def labels(self, column: str, known: Sequence[Any] | None = None, purpose: str = "label") -> NDArray[Any]:
@@ -314,7 +314,7 @@ def read_costs(path: PathLike, class_names: Sequence[Any]) -> NDArray[np.float64
 
 @dataclass(frozen=True, slots=True)
 class Sensors:
-    """Which sensor each feature is read from, and what each sensor costs."""
+    """The sensor that each feature is read from, and the cost of each sensor."""
 
     of_feature: tuple[str, ...]
     cost: Mapping[str, float]

@@ -34,7 +34,7 @@ from octmip.tree import HyperplaneSplit, Leaf, Node, Split, leaf_index, leaves, 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TreeFile:
-    """What a tree file holds.
+    """The content of a tree file.
 
     Attributes
     ----------

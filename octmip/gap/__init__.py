@@ -1,4 +1,4 @@
-"""Why the real asset does not behave like its twin: where, which effect, how far the gap closes, what to test next."""
+"""The gap between an asset and its twin: where it lies, what explains it, how far it closes, what to test next."""
 
 from octmip.gap.campaign.campaign import Campaign, Cell
 from octmip.gap.campaign.reader import read_campaign

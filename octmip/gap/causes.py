@@ -1,9 +1,9 @@
-"""Causes: the posterior told so that nobody is misled by effects that these readings cannot tell apart.
+"""Causes: the posterior over sets of effects, grouped by what these readings cannot tell apart.
 
-Members of a set that are not identifiable (d' < 3 from their own absence) are taken out of it. The most probable
+Members of a set that are not identifiable (d' < 3 from their own absence) are removed from it. The most probable
 hypothesis then gives a cause its name. Hypotheses of the same number of effects whose members are, one by one, less
-than d' = 3 from its members are the same cause seen from elsewhere: their probabilities add up, and their names are
-told beside it. Then the most probable hypothesis that is left gives the next cause.
+than d' = 3 from its members are the same cause under other names: their probabilities add up, and their names are
+reported beside it. Then the most probable hypothesis that is left gives the next cause.
 """
 
 from collections.abc import Sequence
@@ -21,16 +21,16 @@ from octmip.gap.sizes import Parameter, parameters
 UNKNOWN = "unknown"
 """Name of the cause that no effect of the library describes."""
 CREDIBLE = 0.95
-"""Probability that the causes which are told hold together."""
+"""Probability that the reported causes hold together."""
 MOST_CAUSES = 12
 MISFIT = 1e-3
 """Chance of the remaining chi-squared below which the best cause does not explain the readings."""
 EXPLAINED = 0.8
-"""Share of the held-out gap beyond which a cause stands although something smaller remains."""
+"""Share of the held-out gap beyond which a cause is kept although something smaller remains."""
 IDLE = 1e-4
-"""Probability below which a hypothesis is not searched for idle members."""
-TOLD = 3
-"""Confounders whose separation is told."""
+"""Probability below which a hypothesis is not searched for members that are not identifiable."""
+MOST_SEPARATIONS = 3
+"""Effects of one group for which a reason says what would separate them."""
 SENSITIVE = 12
 """Most probable hypotheses among which the winner may change with the priors."""
 
@@ -64,8 +64,8 @@ class Cause:
     Attributes
     ----------
     effects
-        names, each once (two places of one effect are two parameters); empty when no effect is needed,
-        ("unknown",) when the library does not hold it.
+        names, each once (two places of one effect are two parameters); empty when no effect is needed, ("unknown",)
+        when the library does not hold the cause.
     probability
         of this explanation, confounded ones included.
     parameters
@@ -73,11 +73,11 @@ class Cause:
     confounded
         for every effect that has confounders.
     is_identifiable
-        whether every effect of it stands d' = 3 clear of the noise; else its name means little.
+        whether every effect stands d' = 3 above the noise; else its name means little.
     is_prior_sensitive
         whether another cause would lead with all priors three times narrower or wider.
     judged
-        the hypothesis that gives it its name.
+        the hypothesis that names the cause.
     """
 
     effects: tuple[str, ...]
@@ -95,17 +95,17 @@ class Cause:
         return tuple(alike.get(name, frozenset({name})) for name in self.effects)
 
 
-def tell_causes(posterior: Posterior) -> tuple[Cause, ...]:
+def causes_of(posterior: Posterior) -> tuple[Cause, ...]:
     """Return the explanations, most probable first, down to `CREDIBLE` together (at least three if there are)."""
     left = with_identifiable(posterior.judged)
     found: list[Cause] = []
-    told = 0.0
-    while left and len(found) < MOST_CAUSES and (told < CREDIBLE or len(found) < 3):
+    covered = 0.0
+    while left and len(found) < MOST_CAUSES and (covered < CREDIBLE or len(found) < 3):
         head = left[0]
         parts = [] if head.has_unknown else _parts(head)
         same = [h for h in left if h is head or _is_same(head, parts, h)]
         found.append(_cause(head, same))
-        told += found[-1].probability
+        covered += found[-1].probability
         taken = {id(h) for h in same}
         left = [h for h in left if id(h) not in taken]
     found.sort(key=lambda cause: -cause.probability)
@@ -169,7 +169,7 @@ def credible_set(found: Sequence[Cause]) -> tuple[Cause, ...]:
 def _parts(head: Judged) -> list[set[int]]:
     """Return for every effect of a hypothesis the candidates that are the same cause.
 
-    Those are confounded with it (d' < 3), or, where the effect lies between places, next to it: two such are one.
+    Those are confounded with it (d' < 3), or, where the effect lies between places, next to it: neighbours are one.
     """
     found: dict[object, set[int]] = {}
     for j in head.members:
@@ -214,7 +214,9 @@ def _confounded(head: Judged, member: int, found: Sequence[Confounder]) -> Confo
         return None
     candidates = head.model.inputs.candidates
     members = [member, *(c.candidate for c in found)]
-    separations = "; ".join(f"{candidates[j].name}: {candidates[j].effect.separated_by}" for j in members[:TOLD])
+    separations = "; ".join(
+        f"{candidates[j].name}: {candidates[j].effect.separated_by}" for j in members[:MOST_SEPARATIONS]
+    )
     exact = all(c.d_prime < 0.5 for c in found)
     way = "change these readings in the same way" if exact else "have signatures in these readings that are too alike"
     return ConfoundedEffects(

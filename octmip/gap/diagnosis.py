@@ -1,4 +1,4 @@
-"""Diagnose: campaign and twin in; where, which, how far, and what to test next out."""
+"""Diagnosis of a campaign: where the gap lies, which effects explain it, how far it closes, what to test next."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -12,8 +12,8 @@ from octmip.gap.causes import (
     UNKNOWN,
     Cause,
     ConfoundedEffects,
+    causes_of,
     credible_set,
-    tell_causes,
     with_identifiable,
     with_misfit,
 )
@@ -35,7 +35,7 @@ from octmip.twin import Effect, Twin
 CORRELATED = 0.9
 """Posterior correlation of a damage and an effect beyond which they are not told apart."""
 INVISIBLE = 1e6
-"""Detectable size over the prior's sd beyond which the signature is nothing but zero."""
+"""Detectable size over the prior's sd beyond which the signature is zero."""
 BASELINE = "a healthy commissioning run at load factors 0, 1, 2 and 3 would separate them"
 
 
@@ -58,7 +58,7 @@ class StateEstimate:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Diagnosis:
-    """What the campaign says about the twin.
+    """The result: what the campaign says about the twin.
 
     Attributes
     ----------
@@ -69,7 +69,7 @@ class Diagnosis:
     shrinkage
         how far the first cause of the library closes the gap (None when it names no effect).
     next_test
-        tests worth running, best value first; empty when little doubt is left.
+        tests worth running, best value first; empty when little uncertainty remains.
     noise
         what the repeats say.
     inclusion
@@ -139,22 +139,30 @@ def diagnose(
 ) -> Diagnosis:
     """Return where campaign and twin differ, which effects explain it, how far the gap closes, and what to test next.
 
-    Args:
-        campaign: readings of the asset.
-        twin: the model, with the structure's effects in `twin.effects`.
-        effects: the library; None: the measuring chain's effects and the twin's own.
-        commissioning: readings of the same asset while it was known to be sound; calibrates the twin gauge by gauge. Or
-            the discrepancy that an earlier calibration left.
-        tree: a deployed tree, to rank its nodes by flipped decisions.
-        feature_names: the tree's features, names of gauges.
-        noise_sd: standard deviation of one reading [microstrain], of all gauges or by gauge, from the instrument's
-            card; used where no load was read often enough to tell the noise.
+    Parameters
+    ----------
+    campaign
+        readings of the asset.
+    twin
+        the model, with the structure's effects in `twin.effects`.
+    effects
+        the library; None: the measuring chain's effects and the twin's own.
+    commissioning
+        readings of the same asset while it was known to be sound; calibrates the twin gauge by gauge. Or
+        the discrepancy that an earlier calibration left.
+    tree
+        a deployed tree, to rank its nodes by flipped decisions.
+    feature_names
+        the tree's features, names of gauges.
+    noise_sd
+        standard deviation of one reading [microstrain], of all gauges or by gauge, from the instrument's
+        card; used where no load was read often enough to estimate the noise.
 
     Raises
     ------
     DataError
-        nothing to compare (no repeats at all, a gauge that the twin does not know, a commissioning run that
-        lacks a gauge or a known state).
+        nothing to compare (no repeats at all, a gauge that the twin does not know, a commissioning run that lacks a
+        gauge or a known state).
     """
     with threadpool_limits(1):  # the matrices are small: threads cost more than they save
         return _diagnose(campaign, twin, effects, commissioning, tree, feature_names, noise_sd)
@@ -194,7 +202,7 @@ def _diagnose(
 
 def _which(posterior: Posterior) -> tuple[tuple[Cause, ...], Shrinkage | None, float]:
     """Return the causes, how far the first of the library closes the gap, and the probability of the unknown."""
-    which = tell_causes(posterior)
+    which = causes_of(posterior)
     best = next((cause for cause in which if UNKNOWN not in cause.effects), None)
     closing = None
     if best is not None and best.effects:
@@ -233,7 +241,7 @@ def _too_weak(model: LinearModel, sizes: Mapping[str, float]) -> dict[str, str]:
         elif size > ABSURD * effect.prior_sd and effect.prior_mean == 0.0:
             hidden = "hidden behind the unknown damage" if model.inputs.groups else "too weak in these readings"
             hint = f"; {BASELINE}" if model.inputs.groups else ""
-            refused[name] = f"{hidden}: only more than {size:.3g} {effect.unit} would have been seen{hint}"
+            refused[name] = f"{hidden}: only a size above {size:.3g} {effect.unit} would have been seen{hint}"
     return refused
 
 

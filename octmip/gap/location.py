@@ -1,4 +1,4 @@
-"""Where the gap lies: entries, gauges, loads, tests; and which nodes of a deployed tree it flips.
+"""Location of the gap: by entry, gauge, load and test, and at the nodes of a deployed tree that it flips.
 
 Residuals are readings less the (calibrated) twin, in standard deviations of noise and of what two good models differ
 by. Entries are significant under the false-discovery rate of 5 %: Benjamini and Hochberg (1995), J. R. Statist. Soc.
@@ -78,7 +78,7 @@ class Where:
 
 @dataclass(frozen=True, slots=True)
 class Flip:
-    """A node of a tree at which twin and asset part.
+    """A node of a tree at which readings of twin and asset go different ways.
 
     Attributes
     ----------

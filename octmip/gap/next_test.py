@@ -1,4 +1,4 @@
-"""Which test to run next: the expected information about the open question, per unit of cost.
+"""The next test: its expected information about the open question, per unit of cost.
 
 For a strain test the hypotheses predict normal readings N_i; the mutual information between hypothesis and reading is
 at least
@@ -27,13 +27,13 @@ Floats = NDArray[np.float64]
 MOST_HYPOTHESES = 16
 """Hypotheses that compete for the next test."""
 REPEATS = 50
-"""Repeats of a strain test that is proposed."""
+"""Repeats of a proposed strain test."""
 RELIABLE = 0.9
-"""Information that a test outside the strain gauges keeps of a perfect answer."""
+"""Share of a perfect answer's information that a test outside the strain gauges gives."""
 SETTLED = 0.15
-"""Nats of doubt below which no test is needed."""
+"""Entropy [nats] of the hypotheses below which no test is needed."""
 WORTH = 0.05
-"""Nats below which a test is not proposed."""
+"""Expected information [nats] below which a test is not proposed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,7 +102,7 @@ class Proposal:
 
 
 def next_tests(model: LinearModel, judged: Sequence[Judged]) -> tuple[Proposal, ...]:
-    """Return the tests worth running, best value first; none when little doubt is left."""
+    """Return the tests worth running, best value first; none when little uncertainty remains."""
     if judged and not judged[0].members and not judged[0].has_unknown:
         return ()  # sound: what competes with it is too small to name
     open_ones = [h for h in judged[:MOST_HYPOTHESES] if not h.has_unknown and h.probability > 1e-3]

@@ -1,6 +1,6 @@
-"""Retrain a deployed tree on the augmented twin, and see how much of what the gap cost comes back.
+"""Retraining of a deployed tree on the augmented twin, and the share of the gap's cost that it recovers.
 
-A tree that tells damage from strain learns from readings that a twin simulates: every state of a plan, so many noisy
+A tree that reads damage from strain learns from readings that a twin simulates: every state of a plan, so many noisy
 repeats each, divided by the load factor. With E the mean absolute error on the asset's readings,
 
     recovered = (E_before - E_after) / (E_before - E_oracle),
@@ -26,27 +26,27 @@ from octmip.twin import Twin, predict_states
 Floats = NDArray[np.float64]
 
 ANSWERS = 400
-"""Readings a state on which an error is measured."""
-CLEAR = 3.0
-"""Standard errors by which the gap's cost must stand clear of noise before a share of it means anything."""
+"""Readings per state on which an error is measured."""
+SIGNIFICANT = 3.0
+"""Standard errors by which the gap's cost must exceed zero before a share of it means anything."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Lesson:
-    """What a tree is to learn.
+    """The task that a tree is to learn.
 
     Attributes
     ----------
     states
         (n_states, n_parameters) values of the twin's state parameters.
     labels
-        (n_states,) number that the tree is to tell in each state, a damage in per cent for instance.
+        (n_states,) number that the tree is to predict in each state, for instance a damage in per cent.
     gauges
         names of the gauges that the tree may read; its features, in this order.
     load_factor
         of the readings; they are divided by it.
     repeats
-        noisy readings a state.
+        noisy readings per state.
     sd
         standard deviation of one reading [microstrain] before the division, or one per gauge (n_gauges,).
     depth
@@ -102,11 +102,16 @@ def samples(lesson: Lesson, mean: ArrayLike, repeats: int, seed: int) -> tuple[F
 def trained(lesson: Lesson, mean: ArrayLike, method: Method = "search", seed: int = 0) -> Solution:
     """Return the tree of least mean absolute error on noisy readings about means (n_states, n_gauges).
 
-    Args:
-        lesson: what it is to learn.
-        mean: of the readings [microstrain], from `means` or from an asset whose states are known.
-        method: of `octmip.solve`; "search" and "cart" take seconds.
-        seed: of the noise and of the search.
+    Parameters
+    ----------
+    lesson
+        what it is to learn.
+    mean
+        of the readings [microstrain], from `means` or from an asset whose states are known.
+    method
+        of `octmip.solve`; "search" and "cart" take seconds.
+    seed
+        of the noise and of the search.
     """
     features, labels = samples(lesson, mean, lesson.repeats, seed)
     classes = np.unique(lesson.labels)
@@ -147,8 +152,8 @@ class Recovery:
 
     def __post_init__(self) -> None:
         cost = self.before - self.oracle
-        is_clear = cost > CLEAR * self.standard_error
-        object.__setattr__(self, "recovered", (self.before - self.after) / cost if is_clear else math.nan)
+        is_significant = cost > SIGNIFICANT * self.standard_error
+        object.__setattr__(self, "recovered", (self.before - self.after) / cost if is_significant else math.nan)
 
 
 def recovery(
@@ -156,18 +161,24 @@ def recovery(
 ) -> Recovery:
     """Return what retraining recovers on the asset's readings; NaN where the gap costs no more than noise.
 
-    Args:
-        lesson: what the trees were to learn.
-        asset_means: (n_states, n_gauges) the asset's mean readings in the lesson's states [microstrain].
-        trees: trained on the twin, on the augmented twin and on the asset.
-        seed: of the readings on which all three are tried; another than the training's.
-        answers: readings a state.
+    Parameters
+    ----------
+    lesson
+        what the trees were to learn.
+    asset_means
+        (n_states, n_gauges) the asset's mean readings in the lesson's states [microstrain].
+    trees
+        trained on the twin, on the augmented twin and on the asset.
+    seed
+        of the readings on which all three are tried; another than the training's.
+    answers
+        readings per state.
     """
     features, labels = samples(lesson, asset_means, answers, seed)
-    before, after, oracle = (np.abs(_told(tree, lesson, features) - labels) for tree in trees)
+    before, after, oracle = (np.abs(_predicted(tree, lesson, features) - labels) for tree in trees)
     error = float(np.std(before - oracle) / np.sqrt(len(labels)))
     return Recovery(float(before.mean()), float(after.mean()), float(oracle.mean()), error)
 
 
-def _told(tree: Node, lesson: Lesson, features: Floats) -> Floats:
+def _predicted(tree: Node, lesson: Lesson, features: Floats) -> Floats:
     return np.unique(lesson.labels)[predict(tree, features)]

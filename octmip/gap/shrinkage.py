@@ -1,4 +1,4 @@
-"""How far the gap closes when the effect is added, on readings that the effect's size was not fitted to.
+"""Shrinkage: how far the gap closes when an effect is added, on readings to which its size was not fitted.
 
 One load level, then one test, is held out at a time (never single repeats: they share the bias). With r the residual
 of a held-out entry, S theta the effect as fitted to the rest, and v the variance of noise alone,
@@ -27,7 +27,7 @@ Floats = NDArray[np.float64]
 DRAWS = 400
 """Bootstrap draws behind the interval."""
 LEAST_GAP = 2.0
-"""G0 must exceed G* by so many standard errors before a share of it means anything."""
+"""G0 must exceed G* by so many standard errors before its share means anything."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,8 +57,8 @@ class Shrinkage:
     Attributes
     ----------
     before, after, floor
-        root mean square gap on held-out readings [microstrain], noise taken off; the floor is
-        what twin and asset differ by before any effect.
+        root mean square gap on held-out readings [microstrain], noise taken off; the floor is the difference of twin
+        and asset before any effect.
     closed
         share of the squared gap closed, NaN when there is no gap to close.
     low, high
@@ -191,7 +191,7 @@ def _rms(left: Floats, noise: Floats) -> float:
 
 
 def _closed(whole: _Left, rng: np.random.Generator) -> tuple[float, float, float]:
-    """Return the share closed and its 90 % interval; NaN when the gap is not clear of noise and floor."""
+    """Return the share closed and its 90 % interval; NaN when the gap does not stand above noise and floor."""
     before, after, noise = whole.before, whole.after, whole.noise
     nan = float("nan")
     if not len(before):

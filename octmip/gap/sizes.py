@@ -1,4 +1,4 @@
-"""The size of an effect as it is told: with its interval, in its unit.
+"""Sizes of effects as they are reported: with a 90 % interval, in the effect's unit.
 
 The fit gives a normal size under the hypothesis that leads. Four things make the interval wider or move it:
 
@@ -7,8 +7,8 @@ The fit gives a normal size under the hypothesis that leads. Four things make th
 * where an effect may lie between places, size and place trade: a signature S_j (1 - x) + x S_k fitted by S_j alone has
   a size wrong by the factor 1 + x (1 / c_k - 1), c_k the best scale of the neighbour k, x ~ N(0, BETWEEN^2);
 * two models of one effect differ in its whole signature somewhat less than gauge by gauge: the size is no surer;
-* an effect with an exact forward map is not linear in its size: the size told is the one whose map moves the readings
-  as far along the signature as the linear fit does.
+* an effect with an exact forward map is not linear in its size: the size reported is the one whose map moves the
+  readings as far along the signature as the linear fit does.
 """
 
 from collections.abc import Sequence

@@ -1,9 +1,9 @@
-"""Which nodes of a deployed tree the gap flips.
+"""Nodes of a deployed tree at which the gap flips decisions.
 
-A clear gap can be irrelevant to the decision, and a small one decisive. The tree reads strain divided by load factor.
+A large gap can be irrelevant to the decision, and a small one decisive. The tree reads strain divided by load factor.
 For every known or estimated state of the campaign the twin says how readings would spread about each node's split; the
 asset's readings say how they do. A node's share is the part of all readings that reach it in the asset and pass it
-otherwise than the twin's would: reach * |P_sim(left) - P_real(left)|.
+other than the twin's would: reach * |P_sim(left) - P_real(left)|.
 """
 
 from collections.abc import Sequence
@@ -25,11 +25,16 @@ DRAWS = 200
 def flips(model: LinearModel, tree: Node, feature_names: Sequence[str], seed: int = 0) -> tuple[Flip, ...]:
     """Return the nodes, greatest share of flipped decisions first.
 
-    Args:
-        model: the campaign about its states.
-        tree: a tree whose features are gauges, in microstrain per unit of load factor.
-        feature_names: names of the features.
-        seed: of the simulated noise.
+    Parameters
+    ----------
+    model
+        the campaign about its states.
+    tree
+        a tree whose features are gauges, in microstrain per unit of load factor.
+    feature_names
+        names of the features.
+    seed
+        of the simulated noise.
 
     Raises
     ------

@@ -2,7 +2,7 @@
 
 Every function returns a `matplotlib.figure.Figure` made without pyplot: no window, no global state, any thread. Save
 it with ``figure.savefig``. Classes that are numbers (a loss of stiffness of 0, 20, 40 percent) get the colours of one
-scale in their order, other classes get colours that are told apart by colour-blind readers too.
+scale in their order, other classes get colours that colour-blind readers can tell apart too.
 """
 
 from octmip.plot.curves import choice_figure, frontier_figure, progress_figure, reliability_figure

@@ -24,7 +24,9 @@ def progress_figure(progress: Sequence[Progress], title: str | None = None) -> F
         there is no progress to draw.
     """
     if not progress:
-        raise ProblemError("no progress was recorded; give solve a progress callback that keeps what it is told")
+        raise ProblemError(
+            "no progress was recorded; give solve a progress callback that keeps the states that it receives"
+        )
     seconds = np.array([state.seconds for state in progress])
     objective = np.array([state.objective for state in progress])
     bound = np.array([state.bound for state in progress])
@@ -74,7 +76,7 @@ def frontier_figure(
 
 
 def reliability_figure(curves: Mapping[str, Sequence[ReliabilityBin]], title: str | None = None) -> Figure:
-    """Return the share of hits against the probability told, one line a name; areas of points go by weight.
+    """Return the share of hits against the predicted probability, one line per name; areas of points go by weight.
 
     Raises
     ------
@@ -88,12 +90,12 @@ def reliability_figure(curves: Mapping[str, Sequence[ReliabilityBin]], title: st
     axes.plot([0, 1], [0, 1], color=INK, linewidth=0.8, linestyle="--", label="calibrated")
     for k, bins in enumerate(curves.values()):
         colour = DISTINCT[k % len(DISTINCT)]
-        told, hits = [b.probability for b in bins], [b.hits for b in bins]
-        axes.plot(told, hits, color=colour, linewidth=1.2, label="curve")
-        axes.scatter(told, hits, [200 * b.weight for b in bins], color=colour, zorder=3, clip_on=False)
+        predicted, hits = [b.probability for b in bins], [b.hits for b in bins]
+        axes.plot(predicted, hits, color=colour, linewidth=1.2, label="curve")
+        axes.scatter(predicted, hits, [200 * b.weight for b in bins], color=colour, zorder=3, clip_on=False)
     axes.set_xlim(0, 1)
     axes.set_ylim(0, 1)
-    axes.set_xlabel("probability told", color=INK)
+    axes.set_xlabel("predicted probability", color=INK)
     axes.set_ylabel("share of hits", color=INK)
     name_entries(axes.legend(frameon=False, fontsize=8, loc="upper left"), ["calibrated", *curves])
     quiet_frame(axes)
@@ -103,7 +105,7 @@ def reliability_figure(curves: Mapping[str, Sequence[ReliabilityBin]], title: st
 
 
 def choice_figure(choice: Choice, title: str | None = None) -> Figure:
-    """Return cross-validated cost against alpha, one line a depth, the choice and its standard error marked."""
+    """Return cross-validated cost against alpha, one line per depth, the choice and its standard error marked."""
     figure = Figure(figsize=(5.6, 3.4), layout="tight")
     axes = figure.add_subplot()
     ends = [step.alpha_low for step in choice.steps if step.alpha_low > 0]

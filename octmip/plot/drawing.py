@@ -35,7 +35,7 @@ def split_text(split: Split | HyperplaneSplit, feature_names: Sequence[str]) -> 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Place:
-    """Where a node stands in the drawing, x counted in leaves and y in levels below the root."""
+    """Position of a node in the drawing, x counted in leaves and y in levels below the root."""
 
     node: Node
     x: float

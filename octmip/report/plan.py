@@ -16,7 +16,7 @@ from octmip.tree import HyperplaneSplit, Leaf, Node, Split, leaf_index, leaves
 
 @dataclass(frozen=True, slots=True)
 class Wording:
-    """How values and answers are written.
+    """Units and names in which values and decisions are written.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What a leaf says of the classes, how well such numbers hold, and sets of classes with a stated coverage.
+"""Distributions of the classes in leaves, their calibration, and sets of classes with a stated coverage.
 
 leaf_distribution   probabilities of the classes in each leaf: smoothing, priors, Bayes' rule
 calibration         do probabilities hold? reliability, expected calibration error, Brier score

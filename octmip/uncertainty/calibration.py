@@ -26,7 +26,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class ReliabilityBin:
-    """Samples of about the same probability: the mean of it, their share of hits, and their share of all weight."""
+    """Samples of about the same probability: its mean, their share of hits, and their share of all weight."""
 
     probability: float
     hits: float
@@ -53,12 +53,18 @@ def reliability(
 ) -> list[ReliabilityBin]:
     """Return the bins that are not empty, by rising probability.
 
-    Args:
-        probabilities: (n, n_classes), 1 in all in each row.
-        codes: (n,) index of each true class.
-        weights: (n,) of the samples; None: 1 each.
-        class_index: the class whose probability is looked at; None: the most probable one of each row.
-        n_bins: of equal width between 0 and 1; a probability at an edge belongs below it.
+    Parameters
+    ----------
+    probabilities
+        (n, n_classes), 1 in all in each row.
+    codes
+        (n,) index of each true class.
+    weights
+        (n,) of the samples; None: 1 each.
+    class_index
+        the class whose probability is looked at; None: the most probable one of each row.
+    n_bins
+        of equal width between 0 and 1; a probability at an edge belongs below it.
 
     Raises
     ------
@@ -68,13 +74,13 @@ def reliability(
     table, truth, weight = _checked(probabilities, codes, weights)
     if n_bins < 1 or (class_index is not None and not 0 <= class_index < table.shape[1]):
         raise ProblemError(f"n_bins is {n_bins} and class_index {class_index}; expected 1 or more, and a class")
-    told = table.argmax(axis=1) if class_index is None else np.full(len(table), class_index)
-    given, is_hit = table[np.arange(len(table)), told], told == truth
+    chosen = table.argmax(axis=1) if class_index is None else np.full(len(table), class_index)
+    given, is_hit = table[np.arange(len(table)), chosen], chosen == truth
     at = np.clip(np.ceil(given * n_bins).astype(int) - 1, 0, n_bins - 1)
-    mass = np.bincount(at, weight, n_bins)
+    total = np.bincount(at, weight, n_bins)
     means, hits = np.bincount(at, weight * given, n_bins), np.bincount(at, weight * is_hit, n_bins)
-    filled = np.flatnonzero(mass > 0)
-    return [ReliabilityBin(float(means[b] / mass[b]), float(hits[b] / mass[b]), float(mass[b])) for b in filled]
+    filled = np.flatnonzero(total > 0)
+    return [ReliabilityBin(float(means[b] / total[b]), float(hits[b] / total[b]), float(total[b])) for b in filled]
 
 
 def calibration_error(
@@ -96,14 +102,14 @@ def brier_score(probabilities: ArrayLike, codes: ArrayLike, *, weights: ArrayLik
     is_class = np.eye(table.shape[1])[truth]
     rows, at = np.unique(table, axis=0, return_inverse=True)
     at = at.ravel()
-    mass = np.bincount(at, weight)
+    total = np.bincount(at, weight)
     counts = np.stack([np.bincount(at, weight * column) for column in is_class.T], axis=1)
-    shares: Floats = counts / np.where(mass > 0, mass, 1.0)[:, None]
+    shares: Floats = counts / np.where(total > 0, total, 1.0)[:, None]
     base = weight @ is_class
     return Brier(
         score=float(weight @ ((table - is_class) ** 2).sum(axis=1)),
-        reliability=float(mass @ ((rows - shares) ** 2).sum(axis=1)),
-        resolution=float(mass @ ((shares - base) ** 2).sum(axis=1)),
+        reliability=float(total @ ((rows - shares) ** 2).sum(axis=1)),
+        resolution=float(total @ ((shares - base) ** 2).sum(axis=1)),
         uncertainty=float((base * (1.0 - base)).sum()),
     )
 

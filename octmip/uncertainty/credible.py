@@ -31,7 +31,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CredibleSets:
-    """Thresholds of the scores, one a class.
+    """Thresholds of the scores, one per class.
 
     Attributes
     ----------
@@ -94,12 +94,17 @@ def calibrate_sets(
 ) -> CredibleSets:
     """Return the thresholds from samples that took no part in the training.
 
-    Args:
-        probabilities: (n, n_classes) that the tree gives them; codes: (n,) index of each true class.
-        by_class: a threshold for each class. A class with fewer than coverage / (1 - coverage) samples is in every set.
-        weights: (n,) how often what each sample stands for comes where the sets are used, relative to here; a sample to
-            come counts as the heaviest of them, which is on the safe side.
-        rng: breaks ties; then give one to `CredibleSets.sets` too.
+    Parameters
+    ----------
+    probabilities
+        (n, n_classes) that the tree gives them; codes: (n,) index of each true class.
+    by_class
+        a threshold for each class. A class with fewer than coverage / (1 - coverage) samples is in every set.
+    weights
+        (n,) how often what each sample stands for comes where the sets are used, relative to here; a sample to
+        come counts as the heaviest of them, which is on the safe side.
+    rng
+        breaks ties; then give one to `CredibleSets.sets` too.
 
     Raises
     ------

@@ -111,7 +111,7 @@ class LeafDistribution:
         if weights.ndim != 2 or len(weights) != len(leaves(self.tree)) or (weights < 0).any():
             raise ProblemError(
                 f"weights has shape {weights.shape} and the tree {len(leaves(self.tree))} leaves; "
-                "expected one row a leaf, weights of 0 or more"
+                "expected one row per leaf, weights of 0 or more"
             )
         for name, values in (
             ("weights", weights),
@@ -132,9 +132,11 @@ class LeafDistribution:
     ) -> "LeafDistribution":
         """Return the distribution of a tree over the samples of a problem.
 
-        Args:
-            is_weighted: count samples by the problem's weights; False: each as one, where weights are what an error
-                costs and not how often a sample comes.
+        Parameters
+        ----------
+        is_weighted
+            count samples by the problem's weights; False: each as one, where weights are what an error
+            costs and not how often a sample comes.
         """
         weights = np.zeros((len(leaves(tree)), problem.n_classes))
         added = problem.weights if is_weighted else np.ones(problem.n_samples)

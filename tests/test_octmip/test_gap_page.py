@@ -55,9 +55,9 @@ def test_the_page_says_what_an_effect_means_and_what_closed(diagnoses):
     assert "temperature_uniform: size of the field" in page
     assert "gap closed" in page
     assert "load factor 3 held out" in page
-    assert "Nothing can be held out of one load and one test" in page_of_words(diagnoses["one load"])
+    assert "With one load and one test nothing can be held out" in page_of_words(diagnoses["one load"])
     assert "T1: mu1 0.0" in page_of_words(diagnoses["unknown state"])
-    assert "These readings would have shown" in page_of_words(diagnoses["sound"])
+    assert "With 95 % power these readings would have shown" in page_of_words(diagnoses["sound"])
 
 
 def test_certainty_is_never_claimed(diagnoses):

@@ -272,4 +272,4 @@ def test_an_output_without_the_letters_of_a_name_says_so(tmp_path, capsys, monke
 
     monkeypatch.setattr(sys.stdout, "write", cannot)
     assert main(["report", str(tmp_path / "tree.json")]) == 1
-    assert r"'\xb5' has no place in its encoding ascii); set PYTHONIOENCODING=utf-8" in capsys.readouterr().err
+    assert r"its encoding ascii lacks '\xb5'); set PYTHONIOENCODING=utf-8" in capsys.readouterr().err

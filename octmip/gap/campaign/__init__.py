@@ -1,1 +1,1 @@
-"""What was measured: readings as a campaign, how they are read and doubted, and what their repeats say of the noise."""
+"""Measurements: a campaign of readings, its file, its plausibility, and the noise that its repeats show."""

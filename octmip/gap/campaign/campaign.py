@@ -1,4 +1,4 @@
-"""Campaign: what was measured, one row a reading, grouped into cells of one test, one state and one load.
+"""Campaign: what was measured, one row per reading, grouped into cells of one test, one state and one load.
 
 Readings are microstrain at their load (never divided by it), compressive positive; NaN is "not recorded". A state
 parameter that is NaN is unknown: it is marginalised, not guessed. All rows of one test share one state.
@@ -179,7 +179,7 @@ class Campaign:
 
     @property
     def has_repeats(self) -> bool:
-        """Whether some cell has enough repeats to tell the noise."""
+        """Whether some cell has enough repeats to estimate the noise."""
         return any(int(cell.count.max()) >= FEWEST_REPEATS for cell in self.cells)
 
     def without(self, cells: set[int]) -> "Campaign":

@@ -35,7 +35,7 @@ SCALE_SIGNIFICANT = 1.08
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Noise:
-    """What the repeats say of the noise.
+    """The noise of the readings, from their repeats.
 
     Attributes
     ----------
@@ -145,7 +145,7 @@ def _no_repeats(campaign: Campaign) -> str:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Scatter:
-    """How the repeats scatter about the means of their cells.
+    """The scatter of the repeats about the means of their cells.
 
     Attributes
     ----------

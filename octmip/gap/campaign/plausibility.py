@@ -1,6 +1,6 @@
-"""What readings cannot be, beside what the twin predicts: other units, a turned sign, copies, marks for "nothing".
+"""Plausibility of readings beside the twin's predictions: other units, a reversed sign, copies, placeholders.
 
-Refused is what no physics explains and a typing mistake does; told as a doubt is what may be real and is used.
+What no physics explains and a mistake in the file does is refused; what may be real is used, with a warning.
 """
 
 from collections.abc import Callable
@@ -20,13 +20,13 @@ ABSURD_FACTOR = 100.0
 SMALLEST_SIGNAL = 20.0
 """Predictions below this [microstrain] say nothing about the unit."""
 TURNED = -0.9
-"""Correlation of readings and twin below which the sign is turned."""
+"""Correlation of readings and twin below which the sign is reversed."""
 DIVIDED = 0.1
 """Readings within this share of prediction over load factor were divided by the load factor."""
 FAR_OUT = 15.0
-"""Robust standard deviations from the other repeats beyond which a reading is told as an outlier."""
+"""Robust standard deviations from the other repeats beyond which a reading is reported as an outlier."""
 FEW = 3
-"""Repeats that an outlier needs beside it; outliers that are told."""
+"""Repeats that an outlier needs beside it; most outliers that are reported."""
 DISTINCT = 6
 """Different readings in a column below which two columns may be equal by chance."""
 
@@ -73,8 +73,8 @@ class Sheet:
     def slope(self, rows: NDArray[np.bool_], gauges: list[int] | slice = slice(None)) -> tuple[float, float]:
         """Return readings over predictions by least squares, and their correlation; NaN where nothing is predicted."""
         x, y = self.healthy[rows][:, gauges].ravel(), self.readings[rows][:, gauges].ravel()
-        told = np.isfinite(y) & (np.abs(x) > SMALLEST_SIGNAL)
-        x, y = x[told], y[told]
+        used = np.isfinite(y) & (np.abs(x) > SMALLEST_SIGNAL)
+        x, y = x[used], y[used]
         largest = float(np.abs(y).max(initial=0.0))
         if largest == 0.0:
             return float("nan"), float("nan")
@@ -151,9 +151,9 @@ def _refuse_sign(sheet: Sheet) -> None:
     _, correlation = sheet.slope(np.ones(len(sheet.tests), dtype=bool))
     if correlation < TURNED:
         raise DataError(
-            f"{sheet.where}: readings run against what the twin predicts (correlation {correlation:.2f}); expected "
-            "compressive strain positive, and positive load factors for lift; turn the sign of the readings or of the "
-            "column load_factor"
+            f"{sheet.where}: readings have the opposite sign of the twin's (correlation {correlation:.2f}); expected "
+            "compressive strain positive, and positive load factors for lift; reverse the sign of the readings or of "
+            "the column load_factor"
         )
 
 
@@ -176,7 +176,7 @@ def _refuse_column_units(sheet: Sheet) -> None:
     rows = np.ones(len(sheet.tests), dtype=bool)
     for k, name in enumerate(sheet.gauges):
         if len(np.unique(sheet.readings[:, k])) < DISTINCT:
-            continue  # stuck: told with the noise
+            continue  # stuck: reported with the noise
         slope, correlation = sheet.slope(rows, [k])
         if correlation > 0.9 and not UNIT_FACTOR**-1 < slope < UNIT_FACTOR:
             first = int(np.flatnonzero(np.isfinite(sheet.readings[:, k]))[0])
@@ -192,7 +192,7 @@ def _refuse_twin_columns(sheet: Sheet) -> None:
     first: dict[bytes, int] = {}
     for k, name in enumerate(sheet.gauges):
         if len(np.unique(filled[:, k])) < DISTINCT:
-            continue  # stuck, empty or coarse: told elsewhere
+            continue  # stuck, empty or coarse: reported elsewhere
         twin = first.setdefault(np.ascontiguousarray(filled[:, k]).tobytes(), k)
         if twin != k:
             raise DataError(
@@ -217,8 +217,8 @@ def _refuse_copies(sheet: Sheet) -> None:
     )
 
 
-def doubts(sheet: Sheet) -> list[str]:
-    """Return sentences on what may be real but should be looked at, and on what is missing."""
+def warnings_on(sheet: Sheet) -> list[str]:
+    """Return a sentence on each thing that may be real but should be looked at, and on what is missing."""
     return [*_missing(sheet), *_turned_gauges(sheet), *_outliers(sheet)]
 
 
@@ -234,7 +234,7 @@ def _missing(sheet: Sheet) -> list[str]:
 def _turned_gauges(sheet: Sheet) -> list[str]:
     rows = np.ones(len(sheet.tests), dtype=bool)
     return [
-        f"Column {name} runs against the twin at every load: its bridge may be wired the wrong way round."
+        f"Column {name} has the opposite sign of the twin at every load: its bridge may be wired the wrong way round."
         for k, name in enumerate(sheet.gauges)
         if sheet.slope(rows, [k])[1] < TURNED
     ]
@@ -245,8 +245,8 @@ def _outliers(sheet: Sheet) -> list[str]:
     left = np.full_like(sheet.readings, np.nan)
     for rows in sheet.cells():
         here = sheet.readings[rows]
-        told = np.isfinite(here).sum(axis=0) >= FEW
-        left[np.ix_(rows, np.flatnonzero(told))] = here[:, told] - np.nanmedian(here[:, told], axis=0)
+        enough = np.isfinite(here).sum(axis=0) >= FEW
+        left[np.ix_(rows, np.flatnonzero(enough))] = here[:, enough] - np.nanmedian(here[:, enough], axis=0)
     if not np.isfinite(left).any():
         return []
     known = np.isfinite(left).any(axis=0)
@@ -261,5 +261,5 @@ def _outliers(sheet: Sheet) -> list[str]:
     )
     return [
         f"{len(far)} reading{'s are' if len(far) > 1 else ' is'} more than {FAR_OUT:g} standard deviations from the "
-        f"other repeats ({shown}); used as recorded: clear the cell where it is the logger's mark for nothing."
+        f"other repeats ({shown}); used as recorded: clear the cell if it is the logger's placeholder for no reading."
     ]

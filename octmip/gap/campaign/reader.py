@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from octmip.errors import DataError
 from octmip.gap.campaign.campaign import Campaign
-from octmip.gap.campaign.plausibility import Sheet, doubts, refuse_nonsense
+from octmip.gap.campaign.plausibility import Sheet, refuse_nonsense, warnings_on
 from octmip.gap.campaign.table import CampaignTable, read_campaign_table
 from octmip.twin import Twin, state_parameters
 
@@ -45,7 +45,7 @@ def read_campaign(path: str | Path, twin: Twin) -> Campaign:
     sheet = _sheet(table, twin, gauges, tests, loads, readings)
     refuse_nonsense(sheet)
     time, temperature = _optional(table, "time"), _optional(table, "temperature")
-    notes = [*doubts(sheet), *_notes(table, twin, gauges, states), *_side_notes(table, time, temperature)]
+    notes = [*warnings_on(sheet), *_notes(table, twin, gauges, states), *_side_notes(table, time, temperature)]
     return Campaign(gauges, parameters, tests, loads, states, readings, time, temperature, tuple(notes), table.numbers)
 
 
@@ -139,7 +139,7 @@ def _states(table: CampaignTable, parameters: tuple[str, ...], tests: tuple[str,
             here, there = (_shown(states[k, int(apart[0])]) for k in (row, start))
             raise DataError(
                 f"row {table.numbers[row]}, column {name} is {here} but row {table.numbers[start]} of the same test "
-                f"{test!r} has {there}; expected one state a test; give the tests two names, or both rows the same"
+                f"{test!r} has {there}; expected one state per test; give the tests two names, or both rows the same"
             )
     return states
 
@@ -154,7 +154,7 @@ def _notes(table: CampaignTable, twin: Twin, gauges: tuple[str, ...], states: ND
     if absent:
         notes.append(f"{len(absent)} of the twin's gauges are not in the file ({', '.join(absent[:6])}); not used.")
     if states.size and np.isnan(states).any():
-        notes.append("Some states are unknown; the diagnosis holds them open and marginalises them.")
+        notes.append("Some states are unknown; the diagnosis marginalises over them.")
     return notes
 
 
@@ -162,7 +162,7 @@ def _side_notes(table: CampaignTable, time: NDArray[np.float64], temperature: ND
     notes = []
     missing = np.flatnonzero(np.isnan(time))
     if 0 < missing.size < len(time):
-        notes.append(f"Row {table.numbers[missing[0]]}, column time is empty: the course of time is not used.")
+        notes.append(f"Row {table.numbers[missing[0]]}, column time is empty: times are not used.")
     back = np.flatnonzero(np.diff(time) < 0.0)
     if back.size:
         notes.append(f"Row {table.numbers[back[0] + 1]}, column time: earlier than the row before; order rows by time.")

@@ -69,7 +69,7 @@ def read_campaign_table(path: str | Path) -> CampaignTable:
     if not rows:
         raise DataError(
             f"campaign file {path} is empty (lines that begin with # are comments); expected a header row and one row "
-            "a reading; export the table again"
+            "per reading; export the table again"
         )
     (number, head), body = rows[0], rows[1:]
     header = tuple(name.strip() for name in head)
@@ -80,7 +80,7 @@ def read_campaign_table(path: str | Path) -> CampaignTable:
     if not body:
         raise DataError(
             f"campaign file {path} has a header in row {number} and no reading (lines that begin with # are comments); "
-            "expected one row a reading; add the readings"
+            "expected one row per reading; add the readings"
         )
     for k, row in body:
         if len(row) != len(header):
@@ -106,7 +106,9 @@ def _parsed(text: str) -> Iterator[tuple[int, list[str]]]:
         for row in rows:
             yield rows.first, row
     except csv.Error as error:
-        raise DataError(f"row {rows.first} is no CSV ({error}); close its quotation marks or take them out") from error
+        raise DataError(
+            f"row {rows.first} is not valid CSV ({error}); close its quotation marks or remove them"
+        ) from error
 
 
 def _content(text: str) -> Iterator[tuple[int, str]]:

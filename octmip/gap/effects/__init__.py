@@ -1,4 +1,4 @@
-"""What a measuring chain does to readings: one effect, one line here."""
+"""Effects of the measuring chain on readings: one effect, one line here."""
 
 from octmip.gap.effects.common_gain import CommonGain
 from octmip.gap.effects.crosstalk import Crosstalk

@@ -22,7 +22,7 @@ class Crosstalk:
     is_one_sided: bool = False
     separated_by: str = (
         "in one state it equals a gain of the gauge; "
-        "states that change the neighbour's strain alone, or a shunt on the neighbour, tell"
+        "states that change the neighbour's strain alone, or a shunt on the neighbour, separate them"
     )
     load_power: int | None = None
     seen_by: tuple[str, ...] = ("shunt_reading",)

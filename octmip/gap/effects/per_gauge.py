@@ -1,4 +1,4 @@
-"""What may be wrong with one gauge, as a formula: the change of its reading per unit of the effect's size.
+"""Faults of one gauge as formulas: the change of its reading per unit of the effect's size.
 
 | effect | reading of gauge g with size s |
 |---|---|
@@ -134,7 +134,7 @@ GAUGE_GAIN = PerGauge(
     prior_source="gauge factors are given to 0.5 to 1 %, lead wires and bonding add as much again",
     separated_by=(
         "a misalignment or an offset of the same gauge gives the same reading in one state; "
-        "a shunt calibration tells the gain"
+        "a shunt calibration shows the gain"
     ),
     formula=_gain,
     seen_by=("shunt_reading",),
@@ -188,7 +188,7 @@ POSITION_OFFSET = PerGauge(
     unit="mm",
     prior_sd=3.0,
     prior_source="gauges are placed to some millimetres",
-    separated_by="in one state it equals a gain of the gauge; measuring its place on the structure tells",
+    separated_by="in one state it equals a gain of the gauge; measuring its place on the structure separates them",
     formula=_offset,
     needs_positions=True,
     seen_by=("gauge_placement",),

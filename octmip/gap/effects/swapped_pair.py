@@ -18,7 +18,7 @@ class SwappedPair:
     unit: str = "-"
     prior_mean: float = 1.0
     prior_sd: float = 0.02
-    prior_source: str = "it is so or it is not"
+    prior_source: str = "two channels are exchanged or they are not"
     is_one_sided: bool = True
     separated_by: str = "tapping or heating one gauge shows which channel answers"
     load_power: int | None = None

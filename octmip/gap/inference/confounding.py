@@ -1,4 +1,4 @@
-"""What these readings cannot tell apart.
+"""Confounding: candidates whose contributions these readings cannot tell apart.
 
 Two candidates a and b are d' apart when the best b leaves of a's contribution, in standard deviations of the mean
 readings,
@@ -25,7 +25,7 @@ SEPARABLE = 3.0
 ABSURD = 9.0
 """Sizes beyond this many prior sd are no explanation (three times the widest of the scale mixture)."""
 IMPOSSIBLE = 30.0
-"""The limit where the signatures are one: a gain of 20 % is told beside a modulus, -100 % not beside a dead gauge."""
+"""The limit where the signatures are one: a gain of 20 % is named beside a modulus, -100 % not beside a dead gauge."""
 EXACT = 0.5
 """d' below which two signatures are one."""
 POWER = 3.3 + 1.645
@@ -54,10 +54,14 @@ class Confounder:
 def confounders(model: LinearModel, own: Fit, member: int) -> list[Confounder]:
     """Return the best confounder of every other effect with d' below `SEPARABLE` from a fitted member, closest first.
 
-    Args:
-        model: under the errors of the set's signatures.
-        own: the fit of the set.
-        member: one of its candidates.
+    Parameters
+    ----------
+    model
+        under the errors of the set's signatures.
+    own
+        the fit of the set.
+    member
+        one of its candidates.
     """
     candidates = model.inputs.candidates
     d_prime, needed = _from_member(model, own, member)

@@ -1,9 +1,9 @@
-"""Twin and asset before any effect: what two good models of one structure differ by.
+"""Discrepancy: the difference of twin and asset before any effect, as between two good models of one structure.
 
 At load L and gauge g the asset shows f_g(z, L) + phi(L) d_g + e_g (f_g(z, L) - f_g(0, L)) where f is the twin, phi
 the size of the healthy prediction relative to the greatest load, d a pattern over the gauges and e the relative error
-of the change that damage makes. Without a commissioning run d has a common part and an own part per gauge; with one, d
-is estimated gauge by gauge from the healthy readings and its posterior covariance is carried along:
+of the change that damage makes. Without a commissioning run d has a part common to all gauges and one per gauge; with
+one, d is estimated gauge by gauge from the healthy readings and its posterior covariance is propagated:
 
     K = (K0^-1 + sum_c phi_c^2 (V/N_c)^-1)^-1,    d = K sum_c phi_c (V/N_c)^-1 (mean_c - f_c).
 """

@@ -27,7 +27,7 @@ Members = tuple[int, ...]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Fit:
-    """What the readings say if exactly the candidates `members` act.
+    """Evidence and sizes if exactly the candidates `members` act.
 
     Attributes
     ----------
@@ -142,7 +142,7 @@ def _single_logs(prior: Priors, scale: float, variance: Floats, gain: Floats) ->
     """Return the log evidence (n_candidates,) that each adds alone, its prior sd scaled."""
     sd = np.where(prior.is_discrete, prior.sd, prior.sd * scale)
     precision = np.maximum(variance, 0.0) + sd**-2
-    pulled = prior.mean / sd**2 + gain
-    size, spread = pulled / precision, precision**-0.5
-    value = 0.5 * (pulled**2 / precision - prior.mean**2 / sd**2 - np.log(precision * sd**2))
+    eta = prior.mean / sd**2 + gain
+    size, spread = eta / precision, precision**-0.5
+    value = 0.5 * (eta**2 / precision - prior.mean**2 / sd**2 - np.log(precision * sd**2))
     return np.asarray(value + np.where(prior.one_sided, log_ndtr(size / spread) - log_ndtr(prior.mean / sd), 0.0))

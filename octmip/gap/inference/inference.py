@@ -1,4 +1,4 @@
-"""The inference about one linear model: every set of candidates is fitted and judged once, whoever asks."""
+"""The inference about one linear model: every set of candidates is fitted and judged once."""
 
 from collections.abc import Sequence
 
@@ -25,7 +25,7 @@ PASSES = 2
 
 
 class Inference:
-    """What a linear model says of sets of its candidates; answers are kept.
+    """Fits and judgements of sets of a linear model's candidates; each is made once and kept.
 
     Sets are fitted together where they can be: one by one they cost several times as much.
 
@@ -108,7 +108,7 @@ class Inference:
         return np.asarray(np.abs(judged.fit.size) * np.sqrt(np.maximum(left, 0.0)))
 
     def identifiable(self, members: Members) -> Members:
-        """Return the members that stand d' = 3 clear of the noise, the faintest taken out one at a time."""
+        """Return the members that stand d' = 3 above the noise, the faintest removed one at a time."""
         if members not in self._identifiable:
             self._identifiable[members] = self._without_idle(members)
         return self._identifiable[members]

@@ -48,7 +48,7 @@ class AveragedCell:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Inputs:
-    """What an inference starts from.
+    """The inputs of an inference.
 
     Attributes
     ----------
@@ -183,7 +183,7 @@ def _source_of_noise(
     if campaign.has_repeats:
         unused = "The noise is estimated from the repeats; the given standard deviation is not used."
         return estimate_noise(campaign, run), [] if given is None else [unused]
-    few = "Every test holds too few repeats to tell the noise; "
+    few = "Every test holds too few repeats to estimate the noise; "
     if given is not None:
         return given, [few + "the given standard deviation is taken as known."]
     return estimate_noise(campaign, run).of_gauges(campaign.gauges), [few + "the commissioning run's noise is used."]
@@ -214,7 +214,7 @@ def _open_groups(campaign: Campaign) -> tuple[Groups, list[str]]:
     """Return the cells that share an unknown state.
 
     Rows of one test share their state. Tests that were read at one load each, all loads different, are one state
-    carried through the loads, as in a commissioning run.
+    at several loads, as in a commissioning run.
     """
     by_test: dict[str, list[int]] = {}
     for k, cell in enumerate(campaign.cells):

@@ -71,7 +71,7 @@ class Whitened:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class OpenStates:
-    """What the readings say of the unknown states, about the point of linearisation.
+    """Posterior of the unknown states, about the point of linearisation.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Which effect: the posterior over sets of candidates, summed over what may be held together.
+"""The posterior over sets of candidates: how probable each set is as the explanation of the readings.
 
 Every hypothesis is judged in the linear model whose states are closest to those it prefers itself (see states.py); the
 posterior is normalised over no effect, sets of one to three candidates, and the unknown. Sets whose members imitate

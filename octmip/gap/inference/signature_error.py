@@ -1,4 +1,4 @@
-"""Errors of the effects' own signatures: what a large effect leaves although its name is right.
+"""Errors of the effects' own signatures: the misfit that a large effect leaves although its name is right.
 
 A signature comes from a model: each gauge's part of it is known to some per cent, and where an effect may act anywhere
 its places are samples of a continuum. Given that candidate j acts with size theta_j, the readings hold

@@ -25,10 +25,14 @@ LATTICE = 0.2
 def signatures_of(inputs: Inputs, states: Floats, expected: Floats) -> Floats:
     """Return the signatures (n_candidates, n_averages * n_gauges).
 
-    Args:
-        inputs: campaign, twin and candidates.
-        states: (n_cells, n_parameters).
-        expected: (n_averages, n_gauges) readings that the calibrated twin predicts [microstrain].
+    Parameters
+    ----------
+    inputs
+        campaign, twin and candidates.
+    states
+        (n_cells, n_parameters).
+    expected
+        (n_averages, n_gauges) readings that the calibrated twin predicts [microstrain].
     """
     at = _states_of(inputs, states)
     history = load_steps(inputs.campaign)

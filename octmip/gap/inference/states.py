@@ -1,4 +1,4 @@
-"""Unknown damage states: a grid of nodes to find where one may lie, local Gaussians about them to integrate.
+"""Unknown damage states: found on a grid of nodes, integrated by local Gaussians about the best ones.
 
 Every group of cells with one unknown state is screened over a grid, under a covariance that allows for every effect
 at its prior scale, so that no effect can hide the right node. The model is then linearised about the best nodes; each

@@ -1,4 +1,4 @@
-"""The unknown: a broad discrepancy that no effect of the library describes, with an evidence of its own.
+"""The unknown: a discrepancy that no effect of the library describes, as a hypothesis with its own evidence.
 
 The asset shows an extra field tau * u over the gauges, u ~ N(0, kernel), at every state alike, with the load as L^0,
 L^1 or L^2; the kernel is either white over the gauges or smooth along the structure. With the whitened field's

@@ -42,7 +42,7 @@ class CachedTwin:
 
     @property
     def gauge_positions(self) -> NDArray[np.float64] | None:
-        """Places (n_gauges, 2) [m], or None when the twin does not tell."""
+        """Places (n_gauges, 2) [m], or None when the twin does not say."""
         places = getattr(self.twin, "gauge_positions", None)
         return None if places is None else np.asarray(places, dtype=np.float64)
 
@@ -80,7 +80,7 @@ class CachedTwin:
         """Return the effect's signatures (n_places, n_gauges) at its places.
 
         A pure power of the load is asked for at load factor 1 only; the time is passed on only where it matters.
-        Effects are told apart as objects: two of one name are two.
+        Effects are distinguished as objects: two of one name are two.
         """
         power: int | None = getattr(effect, "load_power", None)
         time = time if getattr(effect, "uses_time", False) else 0.0

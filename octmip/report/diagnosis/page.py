@@ -117,7 +117,7 @@ def _causes(diagnosis: Diagnosis) -> str:
 def _shrinkage(diagnosis: Diagnosis) -> str:
     s = diagnosis.shrinkage
     if s is None:
-        return "<h2>How far</h2><p>No effect was added, so nothing closes.</p>"
+        return "<h2>How far</h2><p>No effect was added, so the gap does not close.</p>"
     if not s.held_out:
         return f"<h2>How far</h2><p>{escape(closed_words(s))}</p>"
     labels, values = [], []
@@ -136,7 +136,7 @@ def _nodes(diagnosis: Diagnosis) -> str:
     if not diagnosis.where.nodes:
         return ""
     if not nodes:
-        return "<h2>Tree nodes that flip</h2><p>None: readings of the asset go the way of the twin's.</p>"
+        return "<h2>Tree nodes that flip</h2><p>None: readings of the asset go the same way as the twin's.</p>"
     rows = "".join(
         f'<tr><td>{escape(n.path or "root")}</td><td>{escape(n.words)}</td><td class="n">{percent(n.simulated)}</td>'
         f'<td class="n">{percent(n.real)}</td><td class="n">{percent(n.share)}</td></tr>'
@@ -150,7 +150,7 @@ def _nodes(diagnosis: Diagnosis) -> str:
 
 def _next(diagnosis: Diagnosis) -> str:
     if not diagnosis.next_test:
-        return "<h2>Next test</h2><p>Little doubt is left among the effects of the library.</p>"
+        return "<h2>Next test</h2><p>Little uncertainty remains among the effects of the library.</p>"
     rows = "".join(
         f'<tr><td>{escape(p.words)}</td><td class="n">{p.information / np.log(2):.2f} bits</td><td class="n">{p.cost:g}'
         f"</td></tr>"

@@ -68,12 +68,12 @@ def gauge_map(points: Floats, values: Floats, names: Sequence[str], limit: float
 
 
 def _dot(x: float, y: float, value: float, name: str, limit: float) -> str:
-    told = "no reading" if np.isnan(value) else f"{value:+.1f} microstrain"
+    tooltip = "no reading" if np.isnan(value) else f"{value:+.1f} microstrain"
     shown = "" if np.isnan(value) else f"{value:+.0f}"
     ink = "#fff" if abs(value) > 0.6 * limit else "#1b1f24"
     return (
         f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{DOT}" fill="{colour(value, limit)}" stroke="#1b1f24">'
-        f"<title>{escape(name)}: {told}</title></circle>"
+        f"<title>{escape(name)}: {tooltip}</title></circle>"
         f'<text x="{x:.1f}" y="{y + 3:.1f}" font-size="10" fill="{ink}">{escape(name)}</text>'
         f'<text x="{x:.1f}" y="{y + DOT + 12:.1f}" font-size="11" fill="#57606a">{shown}</text>'
     )

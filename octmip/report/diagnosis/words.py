@@ -14,7 +14,7 @@ from octmip.gap.sizes import Parameter
 FEW = 5
 """Places of one kind that a page lists."""
 LEAST_FLIP = 0.001
-"""Share of the readings that a node must flip to be told."""
+"""Share of the readings that a node must flip to be listed."""
 WIDTH = 118
 """Characters in a line of the page."""
 
@@ -62,17 +62,17 @@ def _answer(diagnosis: Diagnosis) -> str:
 def cause_words(cause: Cause) -> str:
     """Return the effects of a cause with size and interval, and what cannot be told from them."""
     if not cause.effects:
-        return "nothing: no effect"
+        return "no effect"
     if UNKNOWN in cause.effects:
         known = " and ".join(size_words(parameter) for parameter in cause.parameters)
         return f"something outside the library{f' beside {known}' if known else ''}"
     if not cause.is_identifiable:
         return f"some effect too small to name in these readings ({' + '.join(cause.effects)} or another)"
-    told = []
+    shown = []
     for parameter in cause.parameters:
         found = next((c for c in cause.confounded if c.effects[0] == parameter.effect), None)
-        told.append(size_words(parameter, found.effects[1:] if found else ()))
-    return " and ".join(told)
+        shown.append(size_words(parameter, found.effects[1:] if found else ()))
+    return " and ".join(shown)
 
 
 def size_words(parameter: Parameter, others: Sequence[str] = ()) -> str:
@@ -114,10 +114,10 @@ def _hang(line: str) -> str:
 def where_lines(diagnosis: Diagnosis) -> list[str]:
     """Return the whole gap, its greatest parts and the tree nodes that flip, a sentence each."""
     where = diagnosis.where
-    clear = [entry for entry in where.entries if entry.is_significant]
+    significant = [entry for entry in where.entries if entry.is_significant]
     lines = [
-        f"Gap of {where.rms_microstrain:.1f} microstrain root mean square beyond noise; {len(clear)} of "
-        f"{len(where.entries)} mean readings differ clearly (false-discovery rate 5 %); chance of no gap at all "
+        f"Gap of {where.rms_microstrain:.1f} microstrain root mean square beyond noise; {len(significant)} of "
+        f"{len(where.entries)} mean readings differ significantly (false-discovery rate 5 %); p-value of no gap "
         f"{_chance(where.p_value)}."
     ]
     for kind, places in (("gauge", where.gauges), ("load", where.loads), ("test", where.tests)):
@@ -127,7 +127,7 @@ def where_lines(diagnosis: Diagnosis) -> list[str]:
             lines.append(f"By {kind}: {'; '.join(_place(place) for place in worth[:FEW])}{more}.")
     flipping = flipping_nodes(diagnosis)
     if where.nodes and not flipping:
-        lines.append("No node of the tree sends readings of the asset another way than the twin's.")
+        lines.append("At every node of the tree readings of the asset go the same way as the twin's.")
     for flip in flipping[:FEW]:
         lines.append(
             f"Tree node {flip.path or 'root'} ({flip.words}): {percent(flip.share)} of all readings go the other way "
@@ -160,11 +160,11 @@ def _which(diagnosis: Diagnosis) -> list[str]:
             lines += _explained(cause)
     if first.is_prior_sensitive:
         lines.append(
-            "Prior-sensitive: another cause would lead if all effects were thought three times smaller or larger."
+            "Prior-sensitive: another cause would lead if all prior scales were three times smaller or larger."
         )
     lines.append(f"Something outside the library: {likely(diagnosis.unknown_probability)}.")
     if diagnosis.is_sound:
-        lines.append(f"These readings would have shown, with 95 % power: {_limits(diagnosis)}.")
+        lines.append(f"With 95 % power these readings would have shown: {_limits(diagnosis)}.")
     lines += [f"No statement on {name}: {reason}." for name, reason in list(diagnosis.refused.items())[:FEW]]
     return lines
 
@@ -172,25 +172,25 @@ def _which(diagnosis: Diagnosis) -> list[str]:
 def _explained(cause: Cause) -> list[str]:
     """Return what the effects of a cause mean and what cannot be told from them, a line each."""
     indent = " " * 14
-    told = cause.parameters if cause.is_identifiable else ()
-    meant = [f"{indent}{effect}: {words}" for effect, words in {p.effect: p.words for p in told}.items()]
+    shown = cause.parameters if cause.is_identifiable else ()
+    meant = [f"{indent}{effect}: {words}" for effect, words in {p.effect: p.words for p in shown}.items()]
     return meant + [f"{indent}cannot be told apart: {' / '.join(c.effects)}: {c.reason}" for c in cause.confounded]
 
 
 def _limits(diagnosis: Diagnosis) -> str:
     candidates = diagnosis.posterior.model.inputs.candidates
     units = {c.name: c.effect.unit for c in candidates if not c.is_discrete}
-    told = [(n, s) for n, s in diagnosis.detectable.items() if n in units and n not in diagnosis.refused]
-    return ", ".join(f"{name} {with_unit(float(f'{size:.2g}'), units[name])}" for name, size in told)
+    shown = [(n, s) for n, s in diagnosis.detectable.items() if n in units and n not in diagnosis.refused]
+    return ", ".join(f"{name} {with_unit(float(f'{size:.2g}'), units[name])}" for name, size in shown)
 
 
 def _how_far(diagnosis: Diagnosis) -> list[str]:
     s = diagnosis.shrinkage
     if s is None:
-        return ["No effect was added, so nothing closes."]
+        return ["No effect was added, so the gap does not close."]
     lines = [
         closed_words(s),
-        f"Chi-squared per reading {s.chi2_before:.2f} -> {s.chi2_after:.2f} (chance of what remains "
+        f"Chi-squared per reading {s.chi2_before:.2f} -> {s.chi2_after:.2f} (p-value of what remains "
         f"{_chance(s.p_after)}).",
     ]
     if s.p_after < MISFIT:
@@ -202,43 +202,45 @@ def _how_far(diagnosis: Diagnosis) -> list[str]:
 def closed_words(s: Shrinkage) -> str:
     """Return how far the first cause of the library closes the gap on held-out readings, as a sentence."""
     if not s.held_out:
-        return "Nothing can be held out of one load and one test: repeat the test at another load to see the gap close."
-    gap = f"Held-out gap {s.before:.1f} -> {s.after:.1f} microstrain (what two good models differ by: {s.floor:.1f})"
+        return (
+            "With one load and one test nothing can be held out: repeat the test at another load to see the gap close."
+        )
+    gap = f"Held-out gap {s.before:.1f} -> {s.after:.1f} microstrain (two good models differ by {s.floor:.1f})"
     if math.isnan(s.closed):
-        return f"{gap}: too small beside noise for a share of it to mean anything."
+        return f"{gap}: too small beside the noise for a share to mean anything."
     if abs(s.closed) < 0.01 and s.chi2_after < 0.5 * s.chi2_before:
-        return f"{gap}: the effect shows in one load or test alone, so the others say nothing about its size there."
-    interval = f"90 % {percent(s.low)} to {percent(s.high)}"
+        return f"{gap}: the effect shows at one load or in one test only; the others say nothing about its size there."
+    interval = f"90 % interval {percent(s.low)} to {percent(s.high)}"
     if s.closed >= 1.0:
-        return f"{gap}: all of the gap closed that could ({percent(s.closed)} of its square; {interval})."
+        return f"{gap}: the gap closed as far as it can ({percent(s.closed)} of its square; {interval})."
     return f"{gap}: {percent(s.closed)} of the squared gap closed ({interval})."
 
 
 def _next(diagnosis: Diagnosis) -> list[str]:
     if not diagnosis.next_test:
-        return ["Little doubt is left among the effects of the library; no further test is needed."]
+        return ["Little uncertainty remains among the effects of the library; no further test is needed."]
     lines = [
         f"{p.words} ({p.name}): about {p.information / math.log(2):.2f} bits at cost {p.cost:g}"
         for p in diagnosis.next_test[:4]
     ]
     if not any(p.is_strain_test for p in diagnosis.next_test):
-        lines.append("No strain test can help: the open effects change every strain in the same way.")
+        lines.append("No strain test helps: the effects in question change all strains in the same way.")
     return lines
 
 
 def _noise(diagnosis: Diagnosis) -> list[str]:
     noise = diagnosis.noise
     lines = [
-        f"One reading scatters by {noise.sd_microstrain:.1f} microstrain (typical gauge; variance "
+        f"Standard deviation of one reading {noise.sd_microstrain:.1f} microstrain (typical gauge; variance "
         f"{noise.sd_microstrain**2:.0f}); lag-1 correlation {noise.lag1:.2f}, excess kurtosis {noise.kurtosis:.2f}, "
         f"step {noise.step:g} microstrain."
     ]
     if noise.inflation > 1.0:
         lines.append(
-            f"Successive readings are correlated: a mean is {noise.inflation:.1f} times as uncertain (variance)."
+            f"Successive readings are correlated: the variance of a mean is {noise.inflation:.1f} times as large."
         )
     if noise.findings:
-        lines.append(f"Not plain white noise: {', '.join(noise.findings)}.")
+        lines.append(f"Not white noise: {', '.join(noise.findings)}.")
     return lines
 
 
