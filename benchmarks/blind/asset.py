@@ -206,7 +206,7 @@ class FemlibAsset(Asset):
         return (self._answers(self.wing, self.wing.lift) / self._answers(wing, wing.lift) - 1.0) / THICKER
 
     def _flaw(self, flaw: Flaw) -> FloatArray:
-        """Solve the flawed wing anew, by conjugate gradients that the sound wing's factors precondition."""
+        """Solve the flawed wing again, by conjugate gradients that the sound wing's factors precondition."""
         structure = self.wing.structure
         supports = structure.supports
         sound = self.kept("sound", lambda: supports.reduce(structure.shells.stiffness()))

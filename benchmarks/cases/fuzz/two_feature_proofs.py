@@ -25,7 +25,7 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
 
 
 def corrupted(seed: int) -> tuple[str, str]:
-    """Corrupt one thing and return its kind and "refused", "true" (accepted, and still true) or "wrong"."""
+    """Corrupt one thing and return its name and "refused", "true" (accepted, and still true) or "wrong"."""
     return FUZZ.corrupted(seed)
 
 
@@ -38,7 +38,7 @@ def _solved(problem: Problem, path: Path) -> Solution:
 
 
 def _other_place(rng: Generator, lines: list[str]) -> None:
-    """Move the edge or the value of t where a region is cut."""
+    """Move the edge or the value of t where a node is cut."""
     cuts = [row for row in range(HEADER, len(lines)) if lines[row].startswith(("T ", "R "))]
     if cuts:
         row = int(rng.choice(cuts))

@@ -59,11 +59,11 @@ def measured(refinement: float, asked: Sequence[Asked], again: int = AGAIN) -> I
         begin = time.process_time()
         twin = wing_twin(refinement)
         built = time.process_time() - begin
-        memory = CachedTwin(twin)
+        cached = CachedTwin(twin)
         commissioning = campaign(twin, Asked((0.0, 0.0), True, "torsion", "", 0.0), seed=99)
         for seed, one in enumerate(asked):
             if one.is_known == is_known:
-                line = _line(memory, one, campaign(twin, one, seed), commissioning, again)
+                line = _line(cached, one, campaign(twin, one, seed), commissioning, again)
                 yield {"size": f"refinement {refinement:g}", "seed": seed, **line, "built_cpu_seconds": round(built, 2)}
                 built = 0.0
 
