@@ -1,4 +1,4 @@
-"""What the fuzzers of proof logs share: ways to corrupt the lines of a log or the data, and the table of outcomes."""
+"""Shared by the fuzzers of proof logs: ways to corrupt the lines of a log or the data, and the table of outcomes."""
 
 import dataclasses
 import tempfile
@@ -21,8 +21,8 @@ from octmip.tree import Leaf, Node
 Generator = np.random.Generator
 HEADER = 5  # lines
 N_CORRUPTIONS, CHUNK = 1000, 100
-KINDS = ("log", "claim raised", "data", "data and header", "tree")
-LOGS = 3  # a log is corrupted so many times as often as each other kind
+CORRUPTIONS = ("log", "claim raised", "data", "data and header", "tree")
+LOGS = 3  # a log is corrupted so many times as often as anything else
 
 
 def body_row(rng: np.random.Generator, lines: list[str]) -> int:
@@ -86,7 +86,7 @@ def changed_data(rng: np.random.Generator, problem: Problem) -> Problem:
 
 
 def summary(lines: Sequence[Line]) -> str:
-    """Return what became of the corruptions."""
+    """Return the table of corruptions by outcome."""
     counts = sum((Counter(line["counts"]) for line in lines), Counter[str]())
     wrong = [seed for line in lines for seed in line["wrong"]]
     rows = [f"| {kind} | {counts[kind]} |" for kind in sorted(counts)]
@@ -133,32 +133,32 @@ class ProofFuzz:
     changed_split: Callable[[Generator, Problem, Node], Node]
 
     def results(self) -> Iterator[Line]:
-        """Yield a line for each chunk of corruptions: counts by kind and outcome, and those wrongly accepted."""
+        """Yield a line for each chunk of corruptions: counts by corruption and outcome, and those wrongly accepted."""
         for first in range(0, N_CORRUPTIONS, CHUNK):
             outcomes = [self.corrupted(seed) for seed in range(first, first + CHUNK)]
             wrong = [first + i for i, (_, outcome) in enumerate(outcomes) if outcome == "wrong"]
-            counts = Counter(f"{kind}: {outcome}" for kind, outcome in outcomes)
+            counts = Counter(f"{corruption}: {outcome}" for corruption, outcome in outcomes)
             size = f"corruptions {first} to {first + CHUNK - 1}"
             yield {"size": size, "seed": self.stream, "counts": counts, "wrong": wrong}
 
     def corrupted(self, seed: int) -> tuple[str, str]:
-        """Corrupt one thing and return its kind and "refused", "true" (accepted, and still true) or "wrong"."""
+        """Corrupt one thing and return its name and "refused", "true" (accepted, and still true) or "wrong"."""
         rng = np.random.default_rng([self.stream, seed])
         problem = self.draw(rng)
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "proof.log"
             solution = self.solve(problem, path)
             check_proof(problem, path, bound=solution.bound)
-            kind = str(rng.choice([*[KINDS[0]] * LOGS, *KINDS]))
-            return kind, self._outcome(kind, rng, problem, solution, path)
+            corruption = str(rng.choice([*[CORRUPTIONS[0]] * LOGS, *CORRUPTIONS]))
+            return corruption, self._outcome(corruption, rng, problem, solution, path)
 
-    def _outcome(self, kind: str, rng: Generator, problem: Problem, solution: Solution, path: Path) -> str:
-        if kind == "tree":
+    def _outcome(self, corruption: str, rng: Generator, problem: Problem, solution: Solution, path: Path) -> str:
+        if corruption == "tree":
             return self._of_tree(rng, problem, solution)
-        if kind.startswith("data"):
-            return self._of_data(rng, problem, path, kind == "data and header")
+        if corruption.startswith("data"):
+            return self._of_data(rng, problem, path, corruption == "data and header")
         lines = path.read_text().split("\n")
-        if kind == "log":
+        if corruption == "log":
             self.line_changes[int(rng.integers(len(self.line_changes)))](rng, lines)
         else:
             self.raise_claim(rng, lines)

@@ -1,4 +1,4 @@
-"""What a problem may be asked besides samples and labels, where a benchmark or an oracle gathers it piece by piece."""
+"""Options of a problem besides samples and labels, for benchmarks and oracles that gather them piece by piece."""
 
 from collections.abc import Sequence
 from typing import Literal, TypedDict

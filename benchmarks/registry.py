@@ -1,4 +1,4 @@
-"""What can be measured: each family of cases is one file under benchmarks/cases and one line here.
+"""The families of cases: each is one file under benchmarks/cases and one line here.
 
 A family's module has `cases()`, questions that several solvers answer side by side, or `results(limit, threads)`, a
 study that yields its own result lines; it may have `summary(lines)`, which returns its table in Markdown.

@@ -21,7 +21,7 @@ MOST_BINARY_FEATURES = 300
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """What a solver said: `bound` is -inf where it claims no proof."""
+    """The answer of a solver: `bound` is -inf where it claims no proof."""
 
     objective: float
     bound: float

@@ -1,6 +1,6 @@
 """Measure a family of cases: `python -m benchmarks.run NAME [--limit 60] [--threads 1,2] [--out FILE]`.
 
-Prints one JSON line a result. Every solver answers in a process of its own, killed soon after its limit; CPU and wall
+Prints one JSON line per result. Every solver answers in a process of its own, killed soon after its limit; CPU and wall
 seconds are those of the solving call alone (all threads of it), the median of several where it is short.
 """
 

@@ -1,4 +1,4 @@
-"""Markdown tables of benchmark lines: one row a case, one column a solver; ratios and their geometric mean."""
+"""Markdown tables of benchmark lines: one row per case, one column per solver; ratios and their geometric mean."""
 
 import math
 from collections.abc import Iterable

@@ -1,12 +1,11 @@
-"""What the families of two-feature cases share: rows of the published strains, and one measured and certified run."""
+"""Shared by the families of two-feature cases: rows of the published strains, and one measured and certified run."""
 
-import resource
-import time
 from collections.abc import Callable
 from functools import partial
 
 import numpy as np
 
+from benchmarks.cpu import Stopwatch
 from benchmarks.data import Table, published, uci
 from benchmarks.tables import Line
 from octmip.certificate import certify
@@ -57,16 +56,15 @@ CASES: tuple[tuple[tuple[str, Callable[[], Table]], str, str], ...] = (
 
 def measure(problem: Problem, limit: float, n_threads: int) -> Line:
     """Solve, certify, and return the figures of one result line."""
-    before, start = resource.getrusage(resource.RUSAGE_SELF), time.perf_counter()
+    watch = Stopwatch()
     solution = two_feature_branch_and_bound(problem, limits=Limits(seconds=limit), n_jobs=n_threads)
-    wall = time.perf_counter() - start
-    after = resource.getrusage(resource.RUSAGE_SELF)
+    cpu, wall = watch.read()
     certify(problem, solution)
     return {
         "objective": solution.objective,
         "bound": solution.bound,
         "outcome": "proven" if solution.is_optimal else f"not proven ({solution.stop})",
         "n_nodes": solution.n_nodes,
-        "cpu_seconds": round(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, 3),
+        "cpu_seconds": round(cpu, 3),
         "wall_seconds": round(wall, 3),
     }

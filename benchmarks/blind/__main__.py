@@ -1,6 +1,6 @@
 """Make, diagnose and score a sealed set: `python -m benchmarks.blind [--cases 600] [--seed N] [--jobs 2] [--out DIR]`.
 
-Three steps, each its own function: the cases are sealed, diagnosed by processes that are told the campaigns' folder
+Three steps, each its own function: the cases are sealed, diagnosed by processes that know the campaigns' folder
 alone, and only then are the keys opened. Without --seed the seed comes from the clock, so no code can have been made
 for it. A run with --out that was stopped goes on where it was when it is started again.
 """

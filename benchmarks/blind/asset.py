@@ -31,7 +31,7 @@ STATES: tuple[State, ...] = ((0.0, 0.0), (0.2, 0.0), (0.0, 0.4), (0.25, 0.45), (
 TREE_STATES: tuple[State, ...] = tuple((round(0.2 * i, 1), round(0.2 * j, 1)) for i in range(5) for j in range(5))
 PARAMETERS = ("mu1", "mu2")
 STEP = 0.02
-"""Step of the damage that tells how strains change with it."""
+"""Step of the damage from which the change of the strains with it is taken."""
 THICKER = 0.08
 """The skin's stiffness is raised by this share to see what it does."""
 BENT_REFINEMENT = 0.4
@@ -43,7 +43,7 @@ LENGTH = 0.07
 
 @dataclass(frozen=True)
 class Flaw:
-    """One local fault of a structure, drawn once a set.
+    """One local fault of a structure, drawn once per set.
 
     Attributes
     ----------
@@ -66,7 +66,7 @@ def neighbours(state: State) -> tuple[State, ...]:
 
 
 class Asset(ABC):
-    """What cases ask of an asset, whatever code computes its strains.
+    """An asset as the cases see it, whatever code computes its strains.
 
     Attributes
     ----------
@@ -206,7 +206,7 @@ class FemlibAsset(Asset):
         return (self._answers(self.wing, self.wing.lift) / self._answers(wing, wing.lift) - 1.0) / THICKER
 
     def _flaw(self, flaw: Flaw) -> FloatArray:
-        """Solve the flawed wing anew, by conjugate gradients that the sound wing's factors precondition."""
+        """Solve the flawed wing again, by conjugate gradients that the sound wing's factors precondition."""
         structure = self.wing.structure
         supports = structure.supports
         sound = self.kept("sound", lambda: supports.reduce(structure.shells.stiffness()))

@@ -39,7 +39,7 @@ def is_installed() -> bool:
 
 
 class Settings(TypedDict, total=False):
-    """What acts beside, or instead of, the wing's own lift, as `write_deck` takes it."""
+    """Loads beside, or instead of, the wing's own lift, as `write_deck` takes them."""
 
     lift: FloatArray
     warming: float | FloatArray

@@ -42,7 +42,7 @@ class Case:
     states
         one test for each, mu1 and mu2.
     is_known
-        whether the file tells the states.
+        whether the file gives the states.
     loads
         load factors of every test.
     noise

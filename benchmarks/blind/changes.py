@@ -1,4 +1,4 @@
-"""What a truth does to the mean readings of a case: formulae of their own, none shared with the diagnosis."""
+"""Changes of a case's mean readings by a truth: formulae of their own, none shared with the diagnosis."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -44,7 +44,7 @@ class Moment:
 
 
 Change = Callable[[Truth, Asset, Moment, FloatArray], FloatArray]
-"""What a truth adds to the mean readings (n_times, n_gauges) of an asset at a moment."""
+"""Change of the mean readings (n_times, n_gauges) of an asset at a moment by a truth."""
 
 
 def change(truth: Truth, asset: Asset, moment: Moment, before: FloatArray) -> FloatArray:

@@ -1,4 +1,4 @@
-"""What a score must be compared with: shuffled keys, a classifier, a ranking without priors, a lasso.
+"""Guards and baselines to compare a score with: shuffled keys, a classifier, a ranking without priors, a lasso.
 
 Baselines say one name; by group means that the name's group, fixed before any data, holds the truth. The same rule is
 applied to this diagnosis.
@@ -19,7 +19,7 @@ GROUPS = (
     {"modulus", "load_factor_error", "common_gain", "skin_thickness", "planform"},
     {"gauge_gain", "misalignment", "position_offset", "crosstalk"},
 )
-"""Names that strain proportional to load does not tell apart in one state."""
+"""Names that cannot be told apart in one state by strain proportional to load."""
 FEWEST = 5
 """Cases of a name from which a classifier can learn it."""
 

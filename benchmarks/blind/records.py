@@ -1,4 +1,4 @@
-"""What a scorer reads back from files: the diagnosis of a case, and its opened key."""
+"""Records that a scorer reads back from files: the diagnosis of a case, and its opened key."""
 
 from typing import NotRequired, TypedDict
 
@@ -25,7 +25,7 @@ class CauseRecord(TypedDict):
 
 
 class AugmentedRecord(TypedDict):
-    """What makes an augmented twin: (effect, place, size) of its additions, calibration at a load, end of campaign."""
+    """The parts of an augmented twin: additions (effect, place, size), calibration at a load, end of the campaign."""
 
     additions: list[tuple[str, str, float]]
     calibration: list[float]

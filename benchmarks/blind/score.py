@@ -29,8 +29,8 @@ SAME_UNIT = {
 """Effects whose size means the same in key and diagnosis. Not so: a lift shape or zone of another form, creep (the
 diagnosis counts the time from the start of the campaign), an offset along a slope that two models do not share."""
 PRIOR = {"none": 0.50, "single": 0.38, "pair": 0.07, "outside": 0.04}
-"""How probable the diagnosis takes each stratum to be before any data (docs/theory/gap.md). Its probabilities can only
-be those of a world in which that is so; the cases are drawn otherwise, with many faults, and weighted back."""
+"""Probability of each stratum before any data, as the diagnosis assumes it (docs/theory/gap.md). Its probabilities can
+only be those of a world in which that is so; the cases are drawn otherwise, with many faults, and weighted back."""
 ONE_GAUGE = {"gauge_gain", "gauge_bias", "gauge_drift", "misalignment", "crosstalk"}
 INFINITY = float("inf")
 
@@ -166,7 +166,7 @@ def _channel_named(found: Found, answer: Key) -> bool:
 
 
 def _beliefs(by: ByStratum, clear: Sequence[Pair]) -> list[Figure]:
-    strange = [f["unknown_probability"] for f, a in by["outside"] if d_prime(f, a) > SEEN]
+    outside = [f["unknown_probability"] for f, a in by["outside"] if d_prime(f, a) > SEEN]
     usual = [f["unknown_probability"] for s in ("none", "single", "pair") for f, _ in by[s]]
     told = [(f, a) for s in PRIOR for f, a in by[s]]
     stated = [f["which"][0]["probability"] for f, _ in told]

@@ -1,4 +1,4 @@
-"""Seal a set: campaigns and fingerprints into one folder, answers into a file that no diagnosis is told of.
+"""Seal a set: campaigns and fingerprints into one folder, answers into a file that no diagnosis knows of.
 
 `folder/<asset>/commissioning.csv` and `folder/<asset>/campaigns/*.csv` are all that a diagnosis reads.
 """
@@ -32,13 +32,13 @@ from femlib.arrays import FloatArray
 HELD_LOAD = 2.5  # never measured: the correction is judged there
 TREE_LOAD = 3.0
 COMMON, OWN, LEAST = 0.01, 0.01, 0.003
-"""Without a commissioning run: what two models of one wing differ by, in common, a gauge, and of the mean strain."""
+"""Without a commissioning run: what two models of one wing differ by, in common, per gauge, and of the mean strain."""
 DAMAGE = 0.5
 """Typical size of an unknown damage."""
 
 
 class Facts(TypedDict):
-    """What the scorer needs of a case besides the case itself.
+    """Facts of a case that the scorer needs besides the case itself.
 
     `d_prime` (of all truths) and `d_prime_of_parts` (of each) are by "calibrated" and "bare", with and without a
     commissioning run; the others are (n_gauges,), `entries` by test and load.
@@ -125,7 +125,7 @@ def distance(
 ) -> float:
     """Return d': how many standard deviations a change (n_cells, n_gauges) stands from noise, model and damage.
 
-    With `beside`, a change of the same shape, what the best multiple of that leaves of it.
+    With `beside`, a change of the same shape: of the remainder after subtracting the best multiple of that.
     """
     flat = moved.ravel()
     weighed = np.linalg.solve(_covariance(case, asset, is_calibrated), flat)

@@ -1,4 +1,4 @@
-"""What retraining recovers: a tree that tells mu1 learns from the twin, from the augmented twin, and from the asset."""
+"""Recovery by retraining: a tree for mu1 learns from the twin, from the augmented twin, and from the asset."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What may be wrong with an asset: each truth draws its name, size and place."""
+"""Truths, the things that may be wrong with an asset: each draws its name, size and place."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -10,7 +10,7 @@ from benchmarks.blind.asset import Asset, log_uniform
 
 
 class Extra(TypedDict, total=False):
-    """What a change outside the library needs besides: the seed of its own draws, the name of a hot spot."""
+    """Further data of a change outside the library: the seed of its own draws, the name of a hot spot."""
 
     seed: int
     spot: str
@@ -47,14 +47,14 @@ SCALES = {
 """Typical sizes; drawn between 0.3 and 3 times these."""
 ONE_SIDED = {"payload_inertia", "large_deflection", "creep", "misalignment"}
 FLAWS = ("damage_outside_library", "spar_skin_debond")
-FACTS = ("swapped_pair", "dead_gauge")
+DISCRETE = ("swapped_pair", "dead_gauge")
 TRACELESS = "root_flexibility"
 OUTSIDE = ("hot_spot", "quadratic_gauges", "rib_field", "patchy_gain", "hysteresis", "passing_sun")
-SINGLES = (*SCALES, *FLAWS, *FACTS)
+SINGLES = (*SCALES, *FLAWS, *DISCRETE)
 CHANNEL = ("stuck_gauge", "clipping")
-"""Faults of a channel that the noise tells, not an effect with a size."""
+"""Faults of a channel that show in the noise, not effects with a size."""
 CHAIN = {
-    "gauge_gain", "gauge_bias", "gauge_drift", "misalignment", "position_offset", "crosstalk", "common_gain", *FACTS
+    "gauge_gain", "gauge_bias", "gauge_drift", "misalignment", "position_offset", "crosstalk", "common_gain", *DISCRETE
 }  # fmt: skip
 
 
@@ -64,7 +64,7 @@ def draw(name: str, rng: np.random.Generator, asset: Asset) -> Truth:
         flaw = [f for f in asset.flaws if f.name == name][int(rng.integers(asset.n_places[name]))]
         return Truth(name, flaw.size, flaw.place)
     place = _place(name, rng, asset)
-    if name in FACTS:
+    if name in DISCRETE:
         return Truth(name, 1.0, place)
     sign = 1.0 if name in ONE_SIDED else float(rng.choice([-1.0, 1.0]))
     return Truth(name, sign * log_uniform(rng) * SCALES[name], place)
@@ -101,4 +101,4 @@ def draw_channel(rng: np.random.Generator, asset: Asset) -> Truth:
 
 def in_order(truths: Iterable[Truth]) -> list[Truth]:
     """Return the truths in the order of action: the structure first, then the load, then the measuring chain."""
-    return sorted(truths, key=lambda truth: (truth.name in CHAIN, truth.name in FACTS))
+    return sorted(truths, key=lambda truth: (truth.name in CHAIN, truth.name in DISCRETE))

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
+from femlib.arrays import FloatArray
 from octmip.errors import TreeError
 from octmip.monitor.export import c_source, names_json, onnx_model, sql_expression
 from octmip.tree import HyperplaneSplit, Leaf, Split, predict
@@ -24,7 +25,7 @@ TREE = Split(0, 0.1, Leaf(0), HyperplaneSplit((0, 1), (1 / 3, -0.7), 0.2, Leaf(1
 PLAIN = "plain"
 
 
-def readings() -> np.ndarray:
+def readings() -> FloatArray:
     """Return readings on the thresholds of `TREE`, one unit in the last place beside them, and anywhere, (n, 2)."""
     rng = np.random.default_rng(0)
     values = [np.nextafter(t, side) for t in (0.1, -1e-5, 0.2) for side in (-9.0, t, 9.0)]

@@ -5,7 +5,7 @@ import string
 from collections.abc import Callable
 
 CANARY = "DROP TABLE secret"
-"""What names for SQL try; the table `secret` must survive."""
+"""Statement that names for SQL try to run; the table `secret` must survive."""
 
 Kind = Callable[[random.Random], str]
 

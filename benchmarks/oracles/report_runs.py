@@ -57,7 +57,7 @@ def tree_file(names: Sequence[str]) -> TreeFile:
 
 
 def run_text(names: Sequence[str]) -> list[str]:
-    """Read the words as a terminal would: one line a node, and no character that acts."""
+    """Read the words as a terminal would: one line per node, and no character that acts."""
     text = tree_text(tree_over(len(names)), names, (*names, "plain"))
     is_still = all(c in ALLOWED or (c.isprintable() and unicodedata.category(c) != "Cf") for c in text)
     if not is_still or len(text.split("\n")) != len(text.splitlines()) or len(text.splitlines()) != 3 * len(names) + 1:

@@ -145,13 +145,13 @@ def straight_beam(shape: str, direction: str, n: int = 6, n_across: int = 1) -> 
 
     `direction`: "u" extension, "v" in-plane shear, "w" out-of-plane shear, "x" twist.
     """
-    lean = {"rectangular": (0.0, 0.0), "trapezoidal": (1.0, -1.0), "parallelogram": (1.0, 1.0)}[shape]
+    slant = {"rectangular": (0.0, 0.0), "trapezoidal": (1.0, -1.0), "parallelogram": (1.0, 1.0)}[shape]
 
     def place(u: FloatArray, v: FloatArray) -> FloatArray:
         station = np.round(u * n)
         inner = (station > 0) & (station < n)
         sign = np.where(station % 2 == 1, 1.0, -1.0) if shape == "trapezoidal" else 1.0
-        shift = 0.1 * sign * np.where(v > 0.5, lean[0], -1.0 if shape == "parallelogram" else lean[1]) * inner
+        shift = 0.1 * sign * np.where(v > 0.5, slant[0], -1.0 if shape == "parallelogram" else slant[1]) * inner
         return np.stack([6.0 * u + shift, 0.2 * (v - 0.5), 0.0 * u], axis=-1)
 
     shells, node = mapped(place, n, n_across, isotropic_plate(1e7, 0.3, 0.1))

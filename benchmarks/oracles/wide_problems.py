@@ -22,7 +22,7 @@ EXTREMES = np.array([0.0, -0.0, *TINY, np.nextafter(1.0, 0.0), 1.0, 1e300, -1e30
 def wide_problem(rng: Generator, *, split: Literal["axis", "hyperplane"], max_samples: int = 7) -> Problem:
     """Return a random problem of the kind "axis" or "hyperplane" that exact enumeration can answer.
 
-    Hyperplanes have at most two features a split and depth 2 at most, axis-aligned trees depth 3 at most.
+    Hyperplanes have at most two features per split and depth 2 at most, axis-aligned trees depth 3 at most.
     """
     n, p = int(rng.integers(2, max_samples + 1)), int(rng.integers(1, 4))
     is_axis = split == "axis"

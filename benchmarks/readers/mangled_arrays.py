@@ -10,9 +10,12 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from benchmarks.readers.mangling import CELLS, Generator, mangled_bytes, mangled_json, pick
 
+AnyArray = NDArray[np.generic]
+"""An array of whatever kind a file holds."""
 CANARY = "OCTMIP_FUZZ_CANARY"
 """Variable of the environment that unpickling a hostile object sets."""
 
@@ -113,11 +116,11 @@ def mangled_archive(rng: Generator, content: bytes) -> bytes:
     return out.getvalue()
 
 
-def _loaded(content: bytes) -> np.ndarray:
+def _loaded(content: bytes) -> AnyArray:
     return np.lib.format.read_array(io.BytesIO(content), allow_pickle=False)
 
 
-def _saved(array: np.ndarray) -> bytes:
+def _saved(array: AnyArray) -> bytes:
     out = io.BytesIO()
     np.lib.format.write_array(out, array, allow_pickle=True)
     return out.getvalue()
@@ -150,7 +153,7 @@ def _other_array(rng: Generator, content: bytes) -> bytes:
         return _saved(np.array(["x", "y"]))
 
 
-def _promise(shape: str, array: np.ndarray) -> bytes:
+def _promise(shape: str, array: AnyArray) -> bytes:
     """Return an array whose header promises another shape than its bytes hold."""
     header = f"{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}".ljust(117) + "\n"
     return b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header.encode() + array.tobytes()[:64]

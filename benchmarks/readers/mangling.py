@@ -1,4 +1,4 @@
-"""What the fuzz of file readers shares: ways to mangle the bytes, values, cells, tokens and arrays of a valid file.
+"""Shared by the fuzz of file readers: ways to mangle the bytes, values, cells, tokens and arrays of a valid file.
 
 Each function takes a generator and a content, and returns another content; nothing here knows who reads it.
 """
@@ -6,7 +6,7 @@ Each function takes a generator and a content, and returns another content; noth
 import csv
 import io
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, TypeVar
 
 import numpy as np
@@ -14,6 +14,8 @@ import numpy as np
 T = TypeVar("T")
 Generator = np.random.Generator
 Mangler = Callable[[Generator, bytes], bytes]
+Holder = dict[str, Any] | list[Any]
+"""A JSON object or array, whose entries may be anything."""
 
 NUMBERS = ("0", "-1", "1", "1.0", "0.5", "-0.0", "1e308", "-1e308", "5e-324", "1e999", "-1e999", "9007199254740993")
 LONG = ("9" * 30, "-" + "9" * 30, "9" * 400, "9" * 5000, "18446744073709551616", "9223372036854775808", "2147483648")
@@ -107,14 +109,14 @@ def mangled_json(rng: Generator, content: bytes) -> bytes:
     return text.encode()
 
 
-def _holders(value: Any) -> Any:
+def _holders(value: object) -> Iterator[Holder]:
     if isinstance(value, dict | list) and value:
         yield value
         for inner in value.values() if isinstance(value, dict) else value:
             yield from _holders(inner)
 
 
-def _change_entry(rng: Generator, holder: Any, holders: list[Any], raw: dict[str, str]) -> None:
+def _change_entry(rng: Generator, holder: Any, holders: list[Holder], raw: dict[str, str]) -> None:
     key = pick(rng, list(holder)) if isinstance(holder, dict) else int(rng.integers(len(holder)))
     mark = f"@@{len(raw)}@@"
     action = int(rng.integers(10))

@@ -6,7 +6,7 @@ import importlib
 import json
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Protocol
 
 import numpy as np
 import pandas as pd
@@ -14,20 +14,19 @@ import pandas as pd
 from benchmarks.readers.file_reader import Reader, run
 from benchmarks.readers.mangled_arrays import mangled_parquet
 from benchmarks.readers.mangling import Generator, mangled_csv, mangled_json, mangled_tokens, pick
+from benchmarks.readers.monitoring import make_campaign, make_selector, read_gap, read_selector
 from octmip.certificate import certify
 from octmip.errors import OctmipError
 from octmip.formats.files import read_json_object
 from octmip.formats.table import read_costs, read_sensors, read_table
 from octmip.formats.tree_file import read_tree_file, record_tree, write_tree_file
 from octmip.formats.tree_schema import CONTENT, FORMAT
-from octmip.gap import read_campaign
 from octmip.methods.exact import branch_and_bound
 from octmip.methods.search import local_search
 from octmip.methods.two_feature import two_feature_branch_and_bound
-from octmip.monitor import Library, ModelSelector
 from octmip.problem import Problem
 from octmip.proof import check_proof
-from octmip.tree import HyperplaneSplit, Leaf, Split, predict
+from octmip.tree import predict
 
 # Trees.
 
@@ -86,10 +85,19 @@ def read_tree(rng: Generator, folder: Path) -> None:
         certify(file.problem(table.numbers(file.feature_names), labels, weights), file.solution)
 
 
+class Validator(Protocol):
+    """A checker of JSON values against a schema, as `jsonschema` makes it."""
+
+    def is_valid(self, instance: object) -> bool:
+        """Return whether a value is of the schema."""
+        ...
+
+
 @functools.cache
-def _validator() -> Any:
+def _validator() -> Validator:
     schema = json.loads((Path(importlib.import_module("octmip").__file__ or "").parent / SCHEMA).read_text())
-    return importlib.import_module("jsonschema").Draft202012Validator(schema)
+    validator: Validator = importlib.import_module("jsonschema").Draft202012Validator(schema)
+    return validator
 
 
 SCHEMA = "schemas/tree.schema.json"
@@ -231,60 +239,6 @@ def read_log(rng: Generator, folder: Path) -> None:
     file, table = read_tree_file(folder / "tree.json"), read_table(folder / "table.csv")
     problem = file.problem(table.numbers(file.feature_names), table.labels("y"), None)
     assert check_proof(problem, folder / "proof.log").bound <= file.solution.objective
-
-
-# Monitoring and campaigns.
-
-
-def make_selector(number: int, folder: Path) -> None:
-    """Write a selector of four states."""
-    rng = np.random.default_rng([91, number])
-    states = np.array([[0.0, 0.0], [0.2, 0.0], [0.0, 0.4], [0.2, 0.4]])
-    slopes = rng.normal(size=(4, 2, 3)) if number % 2 else np.zeros(0)
-    gauges, strains = ("g1", "g2", "g3"), 100 * rng.normal(size=(4, 3))
-    library = Library(("mu1", "mu2"), states, gauges, strains, np.ones(3), slopes=slopes)
-    right = HyperplaneSplit((0, 2), (1.0, -0.5), 3.0, Leaf(2), Leaf(3))
-    ModelSelector(library, Split(1, 2.5, Split(0, 0.1, Leaf(0), Leaf(1)), right)).write(folder / "selector.json")
-
-
-def read_selector(rng: Generator, folder: Path) -> None:
-    """Read a selector and select by it."""
-    selector = ModelSelector.read(folder / "selector.json")
-    with contextlib.suppress(OctmipError):
-        selector.select(np.full(len(selector.library.gauges), pick(rng, (0.0, 1e6, -3.0))), 1.0)
-    selector.write(folder / "again.json")
-
-
-class Beam:
-    """A twin in a few lines: a cantilever with four gauges."""
-
-    gauges = ("g1", "g2", "g3", "g4")
-    parameters = ("mu1", "mu2")
-    is_linear_in_load = True
-    effects: Mapping[str, Any] = {}
-
-    def predict(self, state: Mapping[str, float], load_factor: float) -> np.ndarray:
-        """Return the strains [microstrain]."""
-        healthy = np.array([900.0, 700.0, 500.0, 300.0])
-        damage = np.array([state.get("mu1", 0.0), state.get("mu1", 0.0), state.get("mu2", 0.0), state.get("mu2", 0.0)])
-        return load_factor * healthy * (1.0 + damage)
-
-
-def make_campaign(number: int, folder: Path) -> None:
-    """Write a campaign of two loads, three repeats each."""
-    rng, twin = np.random.default_rng([92, number]), Beam()
-    lines = ["# a comment", "test,load_factor,mu1,mu2,time,temperature,g1,g2,g3,g4"]
-    for k, load in enumerate((1.0, 1.0, 1.0, 2.0, 2.0, 2.0)):
-        cells = twin.predict({}, load) + rng.normal(0.0, 5.0, 4)
-        lines.append(f"first,{load:g},0,0,{k},20," + ",".join(f"{cell:.2f}" for cell in cells))
-    (folder / "campaign.csv").write_text("\n".join(lines) + "\n")
-
-
-def read_gap(rng: Generator, folder: Path) -> None:
-    """Read a campaign, or have it diagnosed."""
-    read_campaign(folder / "campaign.csv", Beam())
-    if rng.random() < 0.02:
-        run("diagnose", folder / "campaign.csv", "--twin", "benchmarks.readers.octmip:Beam")
 
 
 OCTMIP = {

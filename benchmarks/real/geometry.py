@@ -10,10 +10,12 @@ from functools import cache
 
 import numpy as np
 
+from femlib.arrays import FloatArray
 from femlib.wing import Wing, uav_wing
 from femlib.wing.damage import UAV_REGIONS
 from femlib.wing.gauges import GaugeSet
 from femlib.wing.planform import PLANFORM, SECTION
+from octmip.twin import State, Twin
 
 STEP = 0.01
 """Fraction of span or chord by which a place is moved for its signature."""
@@ -37,10 +39,12 @@ class Moved:
     separated_by: str = "a drawing, or a tape measure"
     load_power: int = 1
 
-    def places(self, twin):
+    def places(self, twin: Twin) -> tuple[str, ...]:
+        """Return the places: the whole wing."""
         return ("",)
 
-    def signature(self, twin, state, load_factor, place="", time=0.0):
+    def signature(self, twin: Twin, state: State, load_factor: float, place: str = "", time: float = 0.0) -> FloatArray:
+        """Return the change of the strains (n_gauges,) in microstrain per unit of size."""
         change = self.moved().strain_microstrain(state, load_factor) - self.wing.strain_microstrain(state, load_factor)
         return self.per_unit * change
 

@@ -8,27 +8,26 @@ place, the dial gauge's zero and the scale of the masses that were hung.
 `python -m benchmarks.real.measured [--picture FILE]` prints the diagnosis and the tables of docs/gap-measured.md.
 """
 
-import argparse
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache
 
 import matplotlib.pyplot as plt
 import numpy as np
-import pandas as pd
 from scipy.linalg import eigh
 
-from benchmarks.data import SHARED
-from benchmarks.real.telling import show_causes
+from benchmarks.data import tip_test, vibration_test
+from benchmarks.real.telling import picture_path, show_causes
+from femlib.arrays import FloatArray
 from femlib.assembly import Mode, natural_modes, point_masses
 from femlib.wing import Wing, uav_wing
 from femlib.wing.effects.planform import manufactured_wing
 from femlib.wing.effects.root_flexibility import rolled
 from femlib.wing.loads import GRAVITY
 from femlib.wing.structure import WingMaterials
-from octmip.gap import CHAIN, Campaign, diagnose
+from octmip.gap import CHAIN, Campaign, Diagnosis, diagnose
+from octmip.twin import Effect, State, Twin
 
-FOLDER = SHARED / "uav"
 REFINEMENT = 0.5
 GAUGES = ("tip", "period_1_squared", "period_2_squared")
 SCALES = np.array([1.0, 1e3, 1e4])
@@ -48,7 +47,7 @@ class Answer:
     """What a wing answers: tip deflection [mm] per hung kilogram, periods squared [SCALES], its modes."""
 
     tip: float
-    periods_squared: np.ndarray
+    periods_squared: FloatArray
 
 
 def answer(wing: Wing, masses: Mapping[float, float] | None = None) -> Answer:
@@ -62,7 +61,7 @@ def answer(wing: Wing, masses: Mapping[float, float] | None = None) -> Answer:
     return Answer(1e3 * GRAVITY / wing.tip_stiffness(), SCALES[1:] * squares)
 
 
-def carrying(wing: Wing, modes: list[Mode], eta: float, mass: float) -> np.ndarray:
+def carrying(wing: Wing, modes: list[Mode], eta: float, mass: float) -> FloatArray:
     """Return the periods squared [SCALES] with a point mass, from modes of the bare wing: m adds m R' R to the masses.
 
     R holds the three displacements of the mass's node in each mode. Against a solution of the whole structure the
@@ -74,16 +73,16 @@ def carrying(wing: Wing, modes: list[Mode], eta: float, mass: float) -> np.ndarr
     stiffness = np.diag([(2.0 * np.pi * mode.frequency) ** 2 for mode in modes])
     squares, mixed = eigh(stiffness, np.eye(len(modes)) + mass * rows.T @ rows)
     flapping = [k for k in range(len(modes)) if _flaps(wing, shapes @ mixed[:, k])][:2]
-    return SCALES[1:] * (2.0 * np.pi) ** 2 / squares[flapping]
+    return np.asarray(SCALES[1:] * (2.0 * np.pi) ** 2 / squares[flapping])
 
 
 def _cap(wing: Wing, eta: float) -> int:
     return int(wing.grid.upper[int(np.abs(wing.grid.eta - eta).argmin()), wing.grid.spar_column])
 
 
-def _flaps(wing: Wing, shape: np.ndarray) -> bool:
+def _flaps(wing: Wing, shape: FloatArray) -> bool:
     tip = 6 * _cap(wing, 1.0)
-    return abs(shape[tip + 2]) > abs(shape[tip])
+    return bool(abs(shape[tip + 2]) > abs(shape[tip]))
 
 
 @dataclass(frozen=True)
@@ -96,23 +95,26 @@ class Shift:
     prior_sd: float
     prior_source: str
     separated_by: str
-    changes: Mapping[str, np.ndarray]
+    changes: Mapping[str, FloatArray]
     is_one_sided: bool = False
     prior_mean: float = 0.0
     load_power: int | None = None
 
-    def places(self, twin):
+    def places(self, twin: Twin) -> tuple[str, ...]:
+        """Return the places."""
         return tuple(self.changes)
 
-    def signature(self, twin, state, load_factor, place="", time=0.0):
-        return self.changes[place] * np.array([load_factor, 1.0, 1.0])
+    def signature(self, twin: Twin, state: State, load_factor: float, place: str = "", time: float = 0.0) -> FloatArray:
+        """Return the change of the three readings per unit of size."""
+        return np.asarray(self.changes[place] * np.array([load_factor, 1.0, 1.0]))
 
 
 @dataclass(frozen=True)
 class DialZero(Shift):
     """The dial gauge's zero: the same at every load."""
 
-    def signature(self, twin, state, load_factor, place="", time=0.0):
+    def signature(self, twin: Twin, state: State, load_factor: float, place: str = "", time: float = 0.0) -> FloatArray:
+        """Return the change of the three readings per unit of size."""
         return self.changes[place]
 
 
@@ -121,25 +123,26 @@ class MeasuredTwin:
     """The wing with the three readings."""
 
     own: Answer
-    gauges: tuple = GAUGES
-    parameters: tuple = ()
-    effects: Mapping = field(default_factory=dict)
+    gauges: tuple[str, ...] = GAUGES
+    parameters: tuple[str, ...] = ()
+    effects: Mapping[str, Effect] = field(default_factory=dict)
 
-    def predict(self, state, load_factor):
+    def predict(self, state: State, load_factor: float) -> FloatArray:
+        """Return the three readings under a hung mass of `load_factor` [kg]."""
         return np.concatenate([[load_factor * self.own.tip], self.own.periods_squared])
 
 
-def _apart(other: Answer, own: Answer) -> np.ndarray:
+def _apart(other: Answer, own: Answer) -> FloatArray:
     return np.concatenate([[other.tip - own.tip], other.periods_squared - own.periods_squared])
 
 
-def library(wing: Wing, own: Answer) -> dict:
+def library(wing: Wing, own: Answer) -> dict[str, Effect]:
     """Return the effects, each from the finite elements."""
     cards = wing.materials
     flat = np.concatenate([[own.tip], own.periods_squared])
     heavier = replace(cards, skin_density=1.1 * cards.skin_density, wood_density=1.1 * cards.wood_density)
     fuller = replace(cards, skin_taper=cards.skin_taper + 0.05)
-    found = [
+    found: list[Effect] = [
         Shift("modulus", "all moduli above the model's", "%", 3.0, "batches of fabric and plywood differ by so much",
               "a density changes the periods and not the deflection", {"": -0.01 * flat}),
         Shift("skin_taper", "stiffness of the skin at the tip over that at the root, above the model's", "-", 0.05,
@@ -150,7 +153,7 @@ def library(wing: Wing, own: Answer) -> dict:
               {"": _apart(answer(manufactured_wing(wing)), own)}),
         Shift("root_flexibility", "turn of the mount per bending moment at the root", "rad/(kN m)", 0.1,
               "a stiff mount has some hundredths", "as a modulus, but the tip feels three quarters of it",
-              {"": _mount(wing, own)}, is_one_sided=True),
+              {"": _mount(wing)}, is_one_sided=True),
         Shift("structural_mass", "mass of the structure above the model's", "%", 5.0,
               "the wing's weight was never published; 2.3 kg is assumed", "the deflection does not feel it",
               {"": _apart(answer(_with(heavier)), own) / 10.0}),
@@ -163,7 +166,7 @@ def library(wing: Wing, own: Answer) -> dict:
     return {effect.name: effect for effect in found} | {"load_factor_error": CHAIN["load_factor_error"]}
 
 
-def _masses(wing: Wing, own: Answer) -> dict[str, np.ndarray]:
+def _masses(wing: Wing, own: Answer) -> dict[str, FloatArray]:
     """Return what a kilogram at each station changes, as the secant to TYPICAL_MASS."""
     shells = wing.structure.shells
     modes = natural_modes(shells.stiffness(), shells.mass(), wing.structure.supports, 12)
@@ -175,7 +178,7 @@ def _with(materials: WingMaterials) -> Wing:
     return uav_wing(refinement=REFINEMENT, materials=materials)
 
 
-def _mount(wing: Wing, own: Answer) -> np.ndarray:
+def _mount(wing: Wing) -> FloatArray:
     """Return what a mount of 1 rad/(kN m) adds: a turn c M of the root, c = 1e-3 rad/(N m).
 
     The tip falls by c F span^2. By Rayleigh's quotient of flexibilities a mode phi of unit modal mass has
@@ -200,16 +203,15 @@ def measured_twin() -> MeasuredTwin:
 
 def campaign() -> Campaign:
     """Return the measurements: two repeats of four masses, and the two frequencies in a row of their own."""
-    tip = pd.read_csv(FOLDER / "load_displacement_measurements.csv")
-    table = pd.read_csv(FOLDER / "mass_optimization_results.csv")
-    ringing = SCALES[1:] * np.array([float(table[f"target_freq_{k}"].iloc[0]) for k in (1, 2)]) ** -2
-    readings = [[value, np.nan, np.nan] for value in tip["displacement"]] + [[np.nan, *ringing]]
+    tip = tip_test("measurements")
+    ringing = SCALES[1:] * np.array(vibration_test().measured) ** -2
+    readings = [[value, np.nan, np.nan] for value in tip.deflection] + [[np.nan, *ringing]]
     n = len(readings)
     return Campaign(
         gauges=GAUGES,
         parameters=(),
         test=("tip load",) * (n - 1) + ("ringing",),
-        load_factor=np.round([*(tip["load"] / GRAVITY), RINGING_LOAD], 2),
+        load_factor=np.round([*(tip.load / GRAVITY), RINGING_LOAD], 2),
         states=np.zeros((n, 0)),
         readings=np.array(readings),
         time=np.full(n, np.nan),
@@ -219,16 +221,15 @@ def campaign() -> Campaign:
 
 def noise() -> dict[str, float]:
     """Return the sd of one reading: of the dial from its two repeats, of the periods as assumed."""
-    tip = pd.read_csv(FOLDER / "load_displacement_measurements.csv")
-    pairs = tip["displacement"].to_numpy().reshape(2, -1)
+    pairs = tip_test("measurements").deflection.reshape(2, -1)
     periods = campaign().readings[-1, 1:]
     own = float(np.sqrt(np.mean((pairs[0] - pairs[1]) ** 2) / 2.0))
     return dict(zip(GAUGES, [own, *(2.0 * FREQUENCY_SD * periods).tolist()], strict=True))
 
 
-def frequencies(reading) -> np.ndarray:
+def frequencies(reading: FloatArray) -> FloatArray:
     """Return the frequencies [Hz] of a reading (3,)."""
-    return np.sqrt(SCALES[1:] / np.asarray(reading)[1:])
+    return np.sqrt(SCALES[1:] / reading[1:])
 
 
 def without_second_frequency() -> Campaign:
@@ -239,13 +240,13 @@ def without_second_frequency() -> Campaign:
     return replace(whole, readings=readings)
 
 
-def diagnosis(readings: Campaign | None = None):
+def diagnosis(readings: Campaign | None = None) -> Diagnosis:
     """Return the diagnosis of the measurements."""
     twin = measured_twin()
     return diagnose(campaign() if readings is None else readings, twin, dict(twin.effects), noise_sd=noise())
 
 
-def table(found) -> list[tuple[str, float, float, float]]:
+def table(found: Diagnosis) -> list[tuple[str, float, float, float]]:
     """Return (name, tip stiffness [N/mm], f1 [Hz], f2 [Hz]) of twin, corrected twin, exact solution and measurement."""
     twin = measured_twin()
     masses = {float(p.place.removeprefix("eta ")): p.size for p in found.which[0].parameters if p.unit == "kg"}
@@ -253,26 +254,26 @@ def table(found) -> list[tuple[str, float, float, float]]:
     cells = campaign().cells
     tip = np.array([(c.load_factor, c.mean[0]) for c in cells if c.test == "tip load"])
     slope = float(tip[:, 0] @ tip[:, 1] / (tip[:, 0] @ tip[:, 0]))
-    published = pd.read_csv(FOLDER / "mass_optimization_results.csv")
-    model = pd.read_csv(FOLDER / "load_displacement_model.csv")
-    theirs = float(model["load"] @ model["displacement"] / (model["displacement"] @ model["displacement"]))
     lines = [
         ("femlib's bare wing", twin.predict({}, 1.0)),
         ("with the first cause, as diagnosed", found.augmented(twin).predict({}, 1.0)),
         ("with its masses, solved again", np.concatenate([[exact.tip], exact.periods_squared])),
         ("measured", np.array([slope, *campaign().readings[-1, 1:]])),
     ]
-    rows = [(name, GRAVITY / reading[0], *frequencies(reading).tolist()) for name, reading in lines]
-    rows.insert(3, ("published model, masses fitted", theirs, *(float(published[f"freq_{k}"].mean()) for k in (1, 2))))
+    rows: list[tuple[str, float, float, float]] = []
+    for name, reading in lines:
+        first, second = frequencies(reading).tolist()
+        rows.append((name, GRAVITY / reading[0], first, second))
+    rows.insert(3, ("published model, masses fitted", tip_test("model").stiffness, *vibration_test().model))
     return rows
 
 
-def picture(found, path: str) -> None:
+def picture(found: Diagnosis, path: str) -> None:
     """Draw deflection over load, and both frequencies of all models over the measured ones."""
     rows = table(found)
     figure, (left, right) = plt.subplots(1, 2, figsize=(10, 3.8), layout="constrained")
-    tip = pd.read_csv(FOLDER / "load_displacement_measurements.csv")
-    left.plot(tip["load"], tip["displacement"], "o", color="#1b1f24", label="measured, two repeats")
+    tip = tip_test("measurements")
+    left.plot(tip.load, tip.deflection, "o", color="#1b1f24", label="measured, two repeats")
     load = np.linspace(0.0, 10.0, 2)
     for (name, stiffness, *_), style in zip(rows[:2], ("--", "-"), strict=True):
         left.plot(load, load / stiffness, style, color="#2f6db3", label=name)
@@ -296,9 +297,7 @@ def picture(found, path: str) -> None:
 
 def main() -> None:
     """Print the causes and the tables, and draw."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--picture", metavar="FILE.png")
-    path = parser.parse_args().picture
+    path = picture_path(__doc__)
     found = diagnosis()
     show_causes(found)
     print("\n| wing | tip stiffness, N/mm | f1, Hz | f2, Hz |\n|---|---|---|---|")

@@ -8,7 +8,6 @@ proportion. Heavy masses are held out.
 `python -m benchmarks.real.pazy [--picture FILE]` prints the tables of docs/gap-pazy.md.
 """
 
-import argparse
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -16,9 +15,11 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from benchmarks.data import SHARED
-from benchmarks.real.telling import show_causes
-from octmip.gap import CHAIN, Campaign, diagnose
+from benchmarks.real.telling import picture_path, show_causes
+from femlib.arrays import FloatArray
+from octmip.gap import CHAIN, Campaign, Diagnosis, diagnose
 from octmip.report.diagnosis.words import size_words
+from octmip.twin import Effect, State, Twin
 
 DATA = SHARED / "pazy"
 SETUPS = ("bending", "torsion")
@@ -32,16 +33,16 @@ HELD_OUT = 1.6
 class Curve:
     """A computed deflection curve: mass [kg], deflection below that without mass [mm]."""
 
-    mass: np.ndarray
-    deflection: np.ndarray
+    mass: FloatArray
+    deflection: FloatArray
 
     @property
-    def slope(self):
+    def slope(self) -> float:
         """Slope for small masses [mm/kg]."""
         small = self.mass <= SMALL
         return float(self.mass[small] @ self.deflection[small] / (self.mass[small] @ self.mass[small]))
 
-    def beyond(self, mass):
+    def beyond(self, mass: float) -> float:
         """Return what the curve adds to its own slope [mm]."""
         return float(np.interp(mass, self.mass, self.deflection)) - self.slope * mass
 
@@ -68,10 +69,12 @@ class LargeDeflection:
     separated_by: str = "it grows faster than the load, a scale with the load"
     load_power: None = None
 
-    def places(self, twin):
+    def places(self, twin: Twin) -> tuple[str, ...]:
+        """Return the places: the whole wing."""
         return ("",)
 
-    def signature(self, twin, state, load_factor, place="", time=0.0):
+    def signature(self, twin: Twin, state: State, load_factor: float, place: str = "", time: float = 0.0) -> FloatArray:
+        """Return the change of both deflections [mm] per unit of size."""
         return np.array([self.curves[setup].beyond(load_factor) for setup in twin.gauges])
 
 
@@ -80,11 +83,12 @@ class PazyTwin:
     """The linear twin: two "gauges", the tip deflections of the two setups [mm]; the load factor is the mass [kg]."""
 
     curves: Mapping[str, Curve]
-    gauges: tuple = SETUPS
-    parameters: tuple = ()
-    effects: Mapping = field(default_factory=dict)
+    gauges: tuple[str, ...] = SETUPS
+    parameters: tuple[str, ...] = ()
+    effects: Mapping[str, Effect] = field(default_factory=dict)
 
-    def predict(self, state, load_factor):
+    def predict(self, state: State, load_factor: float) -> FloatArray:
+        """Return both deflections [mm] under a mass of `load_factor` [kg]."""
         return np.array([self.curves[setup].slope * load_factor for setup in self.gauges])
 
 
@@ -122,13 +126,13 @@ LIBRARY = ("gauge_gain", "gauge_bias", "load_factor_error", "common_gain")
 """The measuring chain's effects that a deflection can have."""
 
 
-def diagnosis():
+def diagnosis() -> Diagnosis:
     """Return the diagnosis of all masses."""
     twin = pazy_twin()
     return diagnose(measured(), twin, {name: CHAIN[name] for name in LIBRARY} | dict(twin.effects))
 
 
-def fitted_to(limit: float):
+def fitted_to(limit: float) -> Diagnosis:
     """Return the diagnosis of the masses up to `limit` [kg]."""
     twin, campaign = pazy_twin(), measured()
     heavy = {k for k, cell in enumerate(campaign.cells) if cell.load_factor > limit}
@@ -140,14 +144,15 @@ def held_out(limit: float = HELD_OUT) -> tuple[float, float, float]:
     twin, campaign = pazy_twin(), measured()
     heavy = {k for k, cell in enumerate(campaign.cells) if cell.load_factor > limit}
     augmented = fitted_to(limit).augmented(twin)
-    before, after = [], []
+    before: list[float] = []
+    after: list[float] = []
     for k in sorted(heavy):
         cell = campaign.cells[k]
         seen = cell.count > 0
         before += (cell.mean - twin.predict({}, cell.load_factor))[seen].tolist()
         after += (cell.mean - augmented.predict({}, cell.load_factor))[seen].tolist()
     first, second = float(np.mean(np.square(before))), float(np.mean(np.square(after)))
-    return np.sqrt(first), np.sqrt(second), 1.0 - second / first
+    return float(np.sqrt(first)), float(np.sqrt(second)), 1.0 - second / first
 
 
 def picture(path: str) -> None:
@@ -174,9 +179,7 @@ def picture(path: str) -> None:
 
 def main() -> None:
     """Print the causes and the held-out gaps, and draw."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--picture", metavar="FILE.png")
-    path = parser.parse_args().picture
+    path = picture_path(__doc__)
     found = diagnosis()
     show_causes(found, "mm")
     for size in found.which[0].parameters:

@@ -6,22 +6,24 @@ diagnosis has repeats to estimate it from. Four states are diagnosed, five other
 `python -m benchmarks.real.published [--picture FILE]` prints the tables of docs/gap-published.md.
 """
 
-import argparse
 import csv
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import PathCollection
 
 from benchmarks.data import SHARED
 from benchmarks.real.geometry import placing_effects
-from benchmarks.real.telling import show_causes
+from benchmarks.real.telling import picture_path, show_causes
+from femlib.arrays import FloatArray
 from femlib.wing import WingTwin, uav_twin
 from octmip.gap import CHAIN, Addition, AugmentedTwin, Campaign, Diagnosis, diagnose
 from octmip.gap.inference.discrepancy import Discrepancy
 from octmip.gap.twins.cached import CachedTwin
-from octmip.twin import Twin
+from octmip.twin import Effect, Twin
 
 TABLE = SHARED / "uav" / "strains.csv"
 STATES = ((0, 0), (40, 0), (0, 40), (60, 60))
@@ -35,7 +37,7 @@ GLOBAL = ("modulus", "skin_thickness", "lift_distribution", "torsion", "planform
 N_ROUNDS = 3
 
 
-def means() -> dict[tuple[int, int, float], np.ndarray]:
+def means() -> dict[tuple[int, int, float], FloatArray]:
     """Return the table's mean strains (24,) [microstrain] by state in per cent and load factor."""
     with TABLE.open() as file:
         return {
@@ -47,7 +49,7 @@ def means() -> dict[tuple[int, int, float], np.ndarray]:
         }
 
 
-def campaign(states=STATES, without: tuple[str, ...] = (), seed: int = 0) -> Campaign:
+def campaign(states: Sequence[tuple[int, int]] = STATES, without: tuple[str, ...] = (), seed: int = 0) -> Campaign:
     """Return the table's means in some states at load factors 2 and 3, with noise, some gauges left out."""
     rng = np.random.default_rng(seed)
     rows = []
@@ -70,7 +72,7 @@ def campaign(states=STATES, without: tuple[str, ...] = (), seed: int = 0) -> Cam
     )
 
 
-def held_out_gap(twin, gauges: tuple[str, ...]) -> float:
+def held_out_gap(twin: Twin, gauges: tuple[str, ...]) -> float:
     """Return the rms distance [microstrain] of a twin from the table's held-out states at load factor 3."""
     order = [twin.gauges.index(name) for name in gauges]
     table = means()
@@ -93,7 +95,7 @@ def best_of_library(found: Diagnosis) -> tuple[Addition, ...]:
 
 
 def rounds_of(
-    readings: Campaign, twin, library: Mapping, run: Campaign | None = None
+    readings: Campaign, twin: Twin, library: Mapping[str, Effect], run: Campaign | None = None
 ) -> Iterator[tuple[Diagnosis, tuple[Addition, ...], AugmentedTwin]]:
     """Diagnose, add the best of the library, diagnose again; yield diagnosis, additions and the twin with all of them.
 
@@ -114,47 +116,50 @@ def rounds_of(
         yield found, additions, current
 
 
-def picture(twin, corrected, path: str) -> None:
+def picture(twin: WingTwin, corrected: Twin, path: str) -> None:
     """Draw the residuals of the 24 gauges on the wing, pristine and with mu1 = 60 %, mu2 = 20 %, before and after."""
     table = means()
-    places, outline = twin.gauge_positions, twin.outline
     figure, axes = plt.subplots(2, 2, figsize=(11, 5.2), layout="constrained", sharex=True, sharey=True)
-    drawn = None
-    for column, state in enumerate(((0, 0), (60, 20))):
-        for row, (title, one) in enumerate(
-            (("femlib's wing", twin), ("calibrated, with the effects found", corrected))
-        ):
-            apart = table[(*state, 3.0)] - one.predict({"mu1": state[0] / 100, "mu2": state[1] / 100}, 3.0)
-            axis = axes[row, column]
-            axis.plot(outline[:, 1], outline[:, 0], color="#8c959f")
-            drawn = axis.scatter(
-                places[:, 1], places[:, 0], c=apart, cmap="RdBu_r", vmin=-200, vmax=200, s=90, edgecolor="black"
-            )
-            used = [k for k, name in enumerate(twin.gauges) if name not in INSIDE]
+    models: dict[str, Twin] = {"femlib's wing": twin, "calibrated, with the effects found": corrected}
+    used = [k for k, name in enumerate(twin.gauges) if name not in INSIDE]
+    drawn = []
+    for column, (mu1, mu2) in enumerate(((0, 0), (60, 20))):
+        for row, (title, model) in enumerate(models.items()):
+            apart = table[mu1, mu2, 3.0] - model.predict({"mu1": mu1 / 100, "mu2": mu2 / 100}, 3.0)
+            drawn.append(_residuals(axes[row, column], twin, apart))
             rms = np.sqrt(np.mean(apart[used] ** 2))
-            axis.set_title(f"{title}, mu1 = {state[0]} %, mu2 = {state[1]} %: {rms:.0f} rms of 20", fontsize=9)
+            axes[row, column].set_title(f"{title}, mu1 = {mu1} %, mu2 = {mu2} %: {rms:.0f} rms of 20", fontsize=9)
     axes[0, 0].invert_yaxis()
     for axis in axes[-1]:
         axis.set_xlabel("span [m]")
-    figure.colorbar(drawn, ax=axes, label="table - twin at load factor 3 [microstrain]", shrink=0.8)
+    figure.colorbar(drawn[-1], ax=axes, label="table - twin at load factor 3 [microstrain]", shrink=0.8)
     figure.savefig(path, dpi=110)
     plt.close(figure)
 
 
-def libraries(twin: WingTwin) -> dict[str, Mapping]:
+def _residuals(axis: Axes, twin: WingTwin, apart: FloatArray) -> PathCollection:
+    """Draw the planform and the gauges coloured by their residuals (n_gauges,) [microstrain]."""
+    places, outline = twin.gauge_positions, twin.outline
+    assert places is not None
+    assert outline is not None
+    axis.plot(outline[:, 1], outline[:, 0], color="#8c959f")
+    return axis.scatter(
+        places[:, 1], places[:, 0], c=apart, cmap="RdBu_r", vmin=-200, vmax=200, s=90, edgecolor="black"
+    )
+
+
+def libraries(twin: WingTwin) -> dict[str, Mapping[str, Effect]]:
     """Return the library as it is, and what two models of one wing may differ by: no measuring chain, no damage."""
-    shared = {name: twin.effects[name] for name in GLOBAL}
+    shared: dict[str, Effect] = {name: twin.effects[name] for name in GLOBAL}
     return {
         "the whole library": {**CHAIN, **twin.effects},
-        "what models differ by": shared | placing_effects(twin.wing),
+        "what models differ by": {**shared, **placing_effects(twin.wing)},
     }
 
 
 def main() -> None:
     """Print where, which, how far for all gauges, 22 and 20; a run of pristine rows; both libraries in rounds."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--picture", metavar="FILE.png")
-    path = parser.parse_args().picture
+    path = picture_path(__doc__)
     whole = uav_twin()
     twin = CachedTwin(whole)
     for title, without in (("24 gauges", ()), ("22 gauges", WEAK), ("20 gauges", INSIDE)):
@@ -167,7 +172,7 @@ def main() -> None:
     found = diagnose(campaign(STATES[1:], INSIDE), twin, commissioning=pristine)
     show_where(found)
     show_causes(found)
-    best = whole
+    best: Twin = whole
     for title, library in libraries(whole).items():
         for words, states, run in (("", STATES, None), (", pristine rows known", STATES[1:], pristine)):
             last = show_rounds(f"{title}{words}", whole, library, campaign(states, INSIDE), run)
@@ -176,11 +181,13 @@ def main() -> None:
         picture(whole, best, path)
 
 
-def show_rounds(title: str, whole: WingTwin, library: Mapping, readings: Campaign, run: Campaign | None):
+def show_rounds(
+    title: str, whole: WingTwin, library: Mapping[str, Effect], readings: Campaign, run: Campaign | None
+) -> Twin:
     """Print what each round adds and the held-out gap after it; return the twin that came closest."""
     before = held_out_gap(whole, readings.gauges)
     print(f"\n20 gauges, {title}: {before:.1f} microstrain on held-out states")
-    corrected = [(before, whole)]
+    corrected: list[tuple[float, Twin]] = [(before, whole)]
     for found, additions, current in rounds_of(readings, whole, library, run):
         if run is not None and len(corrected) == 1:
             alone = AugmentedTwin(whole, (), current.calibration, current.calibration_load)

@@ -1,9 +1,18 @@
-"""What the pages on real data print of every diagnosis: causes, inclusion, what closes, what remains."""
+"""What the programs on real data share: their one option, and the causes of a diagnosis as they print them."""
 
+import argparse
 import math
 
 from octmip.gap import Diagnosis
 from octmip.report.diagnosis.words import cause_words, likely, verdict
+
+
+def picture_path(description: str | None) -> str | None:
+    """Return the file that `--picture` names on the command line, None without it."""
+    parser = argparse.ArgumentParser(description=description)
+    parser.add_argument("--picture", metavar="FILE.png")
+    path: str | None = parser.parse_args().picture
+    return path
 
 
 def show_causes(found: Diagnosis, unit: str = "") -> None:

@@ -1,4 +1,4 @@
-"""The cells of the study: which tree is asked for, by which method, and what came of it."""
+"""The cells of the study: the tree that is asked for, its method, its errors."""
 
 import time
 from collections.abc import Sequence
@@ -146,7 +146,7 @@ def best_pair(data: Dataset, label: str, seed: int) -> tuple[str, ...]:
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """What is asked for in a block of cells: on which gauges, to which depths, by which methods."""
+    """The request of a block of cells: on which gauges, to which depths, by which methods."""
 
     name: str
     gauge_sets: tuple[str, ...]

@@ -1,14 +1,13 @@
-"""What a user waits for: one plain call on 1,750 x 20 at depth 2, and a million samples at depth 2."""
+"""The time that a user waits: one plain call on 1,750 x 20 at depth 2, and a million samples at depth 2."""
 
 import resource
 import statistics
-import time
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 import numpy as np
 
-from benchmarks.data import published, synthetic_uav
+from benchmarks.cpu import Stopwatch
+from benchmarks.data import Table, published, synthetic_uav
 from benchmarks.tables import Line
 from octmip.problem import Problem
 from octmip.solver import solve
@@ -23,29 +22,28 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
         ("a call on the published strains, mu2, depth 2", published("mu2", 0)),
         ("a call on the synthetic UAV B, depth 2", synthetic_uav("B")),
     ):
-        timed = [_call(table.features, table.labels, 1) for _ in range(CALLS)]
+        timed = [_call(table, 1) for _ in range(CALLS)]
         seconds = {key: statistics.median(line[key] for line in timed) for key in ("wall_seconds", "cpu_seconds")}
         yield {"size": size, "seed": 0, "threads": 1, "calls": CALLS, **timed[0], **seconds}
-    features, labels = _million()
+    table = _million()
     for n_jobs in threads:
-        line = _call(features, labels, n_jobs)
+        line = _call(table, n_jobs)
         peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024
         yield {"size": "1,000,000 x 10, depth 2", "seed": 0, "threads": n_jobs, "peak_megabytes": peak, **line}
 
 
-def _million() -> tuple[Any, Any]:
+def _million() -> Table:
     rng = np.random.default_rng(0)
     features = rng.normal(size=(1_000_000, 10))
     score = (features[:, 0] > 0.3).astype(int) + (features[:, 1] > -0.5) * (features[:, 2] > 0)
     noise = rng.random(1_000_000) < 0.1
-    return features, np.where(noise, rng.integers(0, 3, 1_000_000), score)
+    return Table(features, np.where(noise, rng.integers(0, 3, 1_000_000), score))
 
 
-def _call(features: Any, labels: Any, n_jobs: int) -> Line:
-    usage, start = resource.getrusage(resource.RUSAGE_SELF), time.perf_counter()
-    solution = solve(Problem(features, labels, depth=2), n_jobs=n_jobs)
-    wall, after = time.perf_counter() - start, resource.getrusage(resource.RUSAGE_SELF)
-    cpu = after.ru_utime + after.ru_stime - usage.ru_utime - usage.ru_stime
+def _call(table: Table, n_jobs: int) -> Line:
+    watch = Stopwatch()
+    solution = solve(Problem(table.features, table.labels, depth=2), n_jobs=n_jobs)
+    cpu, wall = watch.read()
     return {
         "outcome": "proven" if solution.is_optimal else "not proven",
         "objective": solution.objective,

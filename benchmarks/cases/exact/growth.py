@@ -1,4 +1,4 @@
-"""How the exact core's time grows with samples (10^3 to 10^5) and features, on one kind of data of its own."""
+"""Growth of the exact core's time with samples (10^3 to 10^5) and features, on one kind of data of its own."""
 
 import math
 import resource

@@ -7,6 +7,7 @@ import numpy as np
 
 from benchmarks.tables import Line
 from benchmarks.wing.calculix import LOAD_FACTOR, calculix
+from femlib.arrays import FloatArray
 from femlib.wing import Wing, bend, uav_wing
 
 HEALTHY: dict[str, float] = {}
@@ -16,7 +17,7 @@ BENT = ((HEALTHY, 0.5), (DAMAGED, 0.5))
 
 
 def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
-    """Yield a line a state and mesh; one line that says so where CalculiX (ccx) is not installed."""
+    """Yield a line per state and mesh; one line that says so where CalculiX (ccx) is not installed."""
     if shutil.which("ccx") is None:
         yield {"size": "all", "seed": 0, "outcome": "skipped: CalculiX (ccx) is not installed"}
         return
@@ -54,7 +55,7 @@ def _line(kind: str, state: dict[str, float], refinement: float, wing: Wing) -> 
     return {"size": size, "seed": 0, "kind": kind, "state": words, "refinement": refinement, "unknowns": unknowns}
 
 
-def _sizes(name: str, error: np.ndarray) -> dict[str, float]:
+def _sizes(name: str, error: FloatArray) -> dict[str, float]:
     return {f"{name}_rms": float(np.sqrt(np.mean(error**2))), f"{name}_most": float(np.abs(error).max())}
 
 

@@ -5,16 +5,18 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
-import pandas as pd
+from numpy.typing import NDArray
 
-from benchmarks.data import SHARED
+from benchmarks.data import SHARED, tip_test, vibration_test
 from benchmarks.tables import Line
 from femlib.assembly import natural_modes, point_masses
 from femlib.dataset import MeanStrains, build_dataset, published_strains, simulated_strains
 from femlib.wing import Wing, uav_wing
 
+Floats = NDArray[np.float64]
 FOLDER = SHARED / "uav"
-MASS_PLACES = {
+
+MASS_PLACES: Mapping[str, Mapping[float, str]] = {
     "none": {},
     "servos at 0.40 and 0.65, pitot at 0.80 of the span": {
         0.40: "mass_servo_1",
@@ -29,7 +31,7 @@ FREQUENCY_REFINEMENT = 0.5
 
 
 def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
-    """Yield a line a gauge, then lines on increments, all states, best possible errors, stiffness and frequencies."""
+    """Yield a line per gauge, then lines on increments, all states, best possible errors, stiffness and frequencies."""
     wing = uav_wing()
     ours, theirs = simulated_strains(wing), published_strains(FOLDER / "strains.csv")
     yield from gauges(ours, theirs)
@@ -70,31 +72,23 @@ def distances(ours: MeanStrains, theirs: MeanStrains) -> Iterator[Line]:
 
 def tip(wing: Wing) -> Line:
     """Return the tip stiffness beside the published model's and the one measured [N/mm]."""
-    slopes = []
-    for source in ("model", "measurements"):
-        table = pd.read_csv(FOLDER / f"load_displacement_{source}.csv")
-        slopes.append(float(table["load"] @ table["displacement"] / (table["displacement"] @ table["displacement"])))
-    words = ("published", "measured", "ours")
-    values = dict(zip(words, (*slopes, wing.tip_stiffness() / 1000.0), strict=True))
-    return {"size": "tip stiffness", "seed": 0, "unit": "N/mm", **values}
+    theirs = {"published": tip_test("model").stiffness, "measured": tip_test("measurements").stiffness}
+    return {"size": "tip stiffness", "seed": 0, "unit": "N/mm", **theirs, "ours": wing.tip_stiffness() / 1000.0}
 
 
 def frequencies(wing: Wing) -> Iterator[Line]:
     """Yield the two lowest frequencies [Hz] without point masses and with the published ones at assumed places."""
-    table = pd.read_csv(FOLDER / "mass_optimization_results.csv")
-    shells = wing.structure.shells
-    measured = [float(table[f"target_freq_{k}"].iloc[0]) for k in (1, 2)]
-    published = [float(table[f"freq_{k}"].mean()) for k in (1, 2)]
+    test, shells = vibration_test(), wing.structure.shells
     for places, names in MASS_PLACES.items():
-        masses = _masses(wing, {eta: float(table[name].mean()) for eta, name in names.items()})
+        masses = _masses(wing, {eta: test.masses[name] for eta, name in names.items()})
         mass = shells.mass() + point_masses(shells.mesh, masses)
         modes = natural_modes(shells.stiffness(), mass, wing.structure.supports, 6)
         ours = [modes[k].frequency for k in _flapping(wing, [mode.shape for mode in modes])[:2]]
         line = {"size": f"frequencies, point masses: {places}", "seed": 0, "places": places, "unit": "Hz"}
-        yield line | {"measured": measured, "published": published, "ours": ours}
+        yield {**line, "measured": list(test.measured), "published": list(test.model), "ours": ours}
 
 
-def _flapping(wing: Wing, shapes: Sequence[np.ndarray]) -> list[int]:
+def _flapping(wing: Wing, shapes: Sequence[Floats]) -> list[int]:
     """Return the modes whose tip moves up more than fore and aft."""
     tip_node = int(wing.grid.upper[-1, wing.grid.spar_column])
     moves = [np.abs(shape[6 * tip_node : 6 * tip_node + 3]) for shape in shapes]
@@ -107,12 +101,12 @@ def _masses(wing: Wing, masses: Mapping[float, float]) -> dict[int, float]:
     return {int(wing.grid.upper[row, wing.grid.spar_column]): masses[eta] for eta, row in rows.items()}
 
 
-def _change(means: MeanStrains, mu1: int, mu2: int) -> np.ndarray:
+def _change(means: MeanStrains, mu1: int, mu2: int) -> Floats:
     """Return the pristine strains (n_gauges,), or what a damage adds to them."""
     pristine, damaged = (
         means.strain_microstrain[(means.states_percent == levels).all(axis=1)][0] for levels in ([0, 0], [mu1, mu2])
     )
-    return damaged - pristine if mu1 or mu2 else pristine
+    return np.asarray(damaged - pristine if mu1 or mu2 else pristine)
 
 
 def _least_errors(means: MeanStrains, seed: int) -> list[float]:
@@ -128,7 +122,7 @@ def _least_errors(means: MeanStrains, seed: int) -> list[float]:
     return wrong
 
 
-def _rms(values: np.ndarray) -> float:
+def _rms(values: Floats) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
 
 

@@ -23,7 +23,7 @@ SIZES = (
 
 
 def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
-    """Yield a line a size, each measured in a process of its own."""
+    """Yield a line per size, each measured in a process of its own."""
     for model, n_states, n_readings, n_jobs in SIZES:
         with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as process:
             yield process.submit(streamed, model, n_states, n_readings, n_jobs, 1.0).result()

@@ -6,6 +6,7 @@ import numpy as np
 
 from benchmarks.cpu import Stopwatch
 from benchmarks.tables import Line
+from femlib.arrays import FloatArray
 from femlib.wing import uav_wing
 
 REFINEMENTS = (0.5, 0.7, 1.0, 1.4, 2.0)
@@ -15,7 +16,7 @@ LOAD_FACTOR = 3.0
 
 
 def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
-    """Yield a line a mesh; CPU seconds are those of building the wing and solving three states."""
+    """Yield a line per mesh; CPU seconds are those of building the wing and solving three states."""
     yield from compared(REFINEMENTS, REFERENCE)
 
 
@@ -34,7 +35,7 @@ def compared(refinements: Sequence[float], reference: float) -> Iterator[Line]:
         yield line
 
 
-def _increments(refinement: float) -> tuple[np.ndarray, int, float]:
+def _increments(refinement: float) -> tuple[FloatArray, int, float]:
     """Return pristine strain and the two increments (3, 20), the unknowns, and CPU seconds."""
     watch = Stopwatch()
     wing = uav_wing(refinement=refinement)

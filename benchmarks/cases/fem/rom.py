@@ -2,8 +2,8 @@
 
 For two regions and for 28: the worst gauge error over random states (load factor 3), how often the bound was below it,
 processor time of a query and of a state in a batch. The truth is the structure at its ports, solved exactly, which is
-itself compared with the full model. pyMOR takes part on the coarse mesh: its solver needs seconds a snapshot on the
-default one. The default mesh with 28 regions needs `--limit 600`.
+itself compared with the full model. pyMOR takes part on the coarse mesh: its solver needs seconds per snapshot on
+the default one. The default mesh with 28 regions needs `--limit 600`.
 """
 
 import time

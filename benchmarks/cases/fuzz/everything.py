@@ -55,7 +55,7 @@ METHODS: dict[Literal["axis", "hyperplane"], tuple[Method, ...]] = {
 }
 MIXED_INTEGER = ("oct", "flow", "oct_h")
 SHARE = {"exact": 1.0, "search": 0.6, "cart": 0.3, "oct": 0.12, "flow": 0.12, "oct_h": 0.15}
-"""How often each solver is asked: those on HiGHS take a hundred times as long as the others."""
+"""Share of the problems that each solver is asked: those on HiGHS take a hundred times as long as the others."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,6 +1,6 @@
 """The exact solver against exhaustive enumeration on random problems full of what breaks solvers.
 
-`python -m benchmarks.run fuzz_exact --limit 300 --threads 2`: so many seconds in so many processes, a line a chunk.
+`python -m benchmarks.run fuzz_exact --limit 300 --threads 2`: so many seconds in so many processes, a line per chunk.
 """
 
 import time

@@ -27,7 +27,7 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
 
 
 def corrupted(seed: int) -> tuple[str, str]:
-    """Corrupt one thing and return its kind and "refused", "true" (accepted, and still true) or "wrong"."""
+    """Corrupt one thing and return its name and "refused", "true" (accepted, and still true) or "wrong"."""
     return FUZZ.corrupted(seed)
 
 

@@ -18,7 +18,7 @@ MOST_SAMPLES = {1: 14, 2: 10}
 
 
 def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
-    """Yield a line for each chunk of 250 problems, four chunks a depth; `limit` has no effect."""
+    """Yield a line for each chunk of 250 problems, four chunks per depth; `limit` has no effect."""
     for depth in (1, 2):
         for first in range(0, 4 * CHUNK, CHUNK):
             wrong = {}

@@ -1,12 +1,11 @@
-"""How far each effect stands from none and from its nearest confounder, with what damage can imitate projected out.
+"""Distance of each effect from none and from its nearest confounder, what damage can imitate projected out.
 
 d' is the distance in standard deviations of the mean readings (50 repeats of variance 1000, the calibration's error
 included) of an effect at its prior scale, at its median place; the confounder is the effect of another name whose best
-size leaves least of it. Below 3 nothing can be said. No readings enter: the table stands before any test.
+size leaves the least distance. Below 3 nothing can be said. No readings enter: the table stands before any test.
 """
 
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 import numpy as np
 
@@ -19,6 +18,9 @@ from octmip.gap.inference.confounding import separations
 from octmip.gap.inference.inputs import prepare
 from octmip.gap.inference.linear_model import LinearModel, linearise
 from octmip.gap.twins.cached import CachedTwin
+
+Distance = tuple[float, str, float]
+"""d' from no effect, the nearest confounder's name, d' from that."""
 
 LOADS = (0.0, 1.0, 2.0, 3.0)
 SOUND, DAMAGED = (0.0, 0.0), (0.25, 0.45)
@@ -62,17 +64,17 @@ def model_of(
     return linearise(inputs, np.tile(np.array(state), (len(campaign.cells), 1)))
 
 
-def distances(model: LinearModel) -> dict[str, list[Any]]:
+def distances(model: LinearModel) -> dict[str, Distance]:
     """Return d' from no effect, the nearest confounder's name and d' from it, by effect."""
     candidates, prior = model.inputs.candidates, model.inputs.priors
     names = tuple(dict.fromkeys(candidate.name for candidate in candidates))
     own = np.hypot(prior.mean, np.where(prior.is_discrete, 0.0, prior.sd)) * np.sqrt(model.whitened.lengths)
     table = separations(model, names)
-    found: dict[str, list[Any]] = {}
+    found: dict[str, Distance] = {}
     for k, name in enumerate(names):
         of_name = [j for j, candidate in enumerate(candidates) if candidate.name == name]
         confounder = int(np.argmin(table[k]))
-        found[name] = [float(np.median(own[of_name])), names[confounder], float(table[k, confounder])]
+        found[name] = (float(np.median(own[of_name])), names[confounder], float(table[k, confounder]))
     return found
 
 
@@ -107,5 +109,5 @@ def summary(lines: Sequence[Line]) -> str:
     return "\n".join([head + " nearest confounder |", "|" + "---|" * (len(SETUPS) + 2), *rows])
 
 
-def _cell(found: list[Any]) -> str:
+def _cell(found: Distance) -> str:
     return f"{found[0]:.1f} ({found[2]:.1f})"

@@ -1,7 +1,7 @@
 """CPU seconds of a diagnosis: the first of a twin, which makes what it and its `CachedTwin` keep, and the same again.
 
-Six fixed campaigns (50 readings at load factors 0 to 3, with a commissioning run): three states that the file tells,
-three that it does not. The readings are the twin's own with one effect, an error a gauge and noise: how well a
+Six fixed campaigns (50 readings at load factors 0 to 3, with a commissioning run): three states that the file gives,
+three that it does not. The readings are the twin's own with one effect, an error per gauge and noise: how well a
 diagnosis does is measured by `make blind`, here only how long it takes. Single-threaded; every kind of state starts
 with a twin of its own, and each campaign is diagnosed again three times.
 """
@@ -23,12 +23,12 @@ DEFAULT = 1.0
 """Refinement of the twin's mesh."""
 LOADS, REPEATS, NOISE_SD, OWN, INTERVAL = (0.0, 1.0, 2.0, 3.0), 50, np.sqrt(1000.0), 0.008, 6.0
 AGAIN = 3
-"""Diagnoses of a campaign whose median is told, after the first."""
+"""Diagnoses of a campaign after the first, whose median is reported."""
 
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """One campaign: the true damage, whether the file tells it, and one effect with its place and size."""
+    """One campaign: the true damage, whether the file gives it, and one effect with its place and size."""
 
     state: tuple[float, float]
     is_known: bool
@@ -59,11 +59,11 @@ def measured(refinement: float, asked: Sequence[Asked], again: int = AGAIN) -> I
         begin = time.process_time()
         twin = wing_twin(refinement)
         built = time.process_time() - begin
-        memory = CachedTwin(twin)
+        cached = CachedTwin(twin)
         commissioning = campaign(twin, Asked((0.0, 0.0), True, "torsion", "", 0.0), seed=99)
         for seed, one in enumerate(asked):
             if one.is_known == is_known:
-                line = _line(memory, one, campaign(twin, one, seed), commissioning, again)
+                line = _line(cached, one, campaign(twin, one, seed), commissioning, again)
                 yield {"size": f"refinement {refinement:g}", "seed": seed, **line, "built_cpu_seconds": round(built, 2)}
                 built = 0.0
 

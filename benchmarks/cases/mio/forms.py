@@ -12,10 +12,10 @@ The limit is in CPU seconds of the whole process, so that a busy machine does no
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
 
 from benchmarks.cpu import cpu_limit, cpu_seconds
 from benchmarks.data import Table, first_rows, published, synthetic_uav, uci
+from benchmarks.problem_options import ProblemOptions
 from benchmarks.tables import Line
 from octmip.certificate import certify
 from octmip.methods.search import local_search
@@ -43,7 +43,7 @@ class Question:
 
     size: str
     table: Callable[[], Table]
-    options: dict[str, Any]
+    options: ProblemOptions
     forms: dict[str, Form]
 
 
@@ -66,7 +66,7 @@ def questions() -> Iterator[Question]:
                 ("published mu1, 175 rows", _rows("mu1", 175)),
             ):
                 words = "any features" if size is None else f"at most {size} features"
-                options = {"depth": depth, "split": "hyperplane", "split_size": size}
+                options: ProblemOptions = {"depth": depth, "split": "hyperplane", "split_size": size}
                 yield Question(f"{name}, depth {depth}, hyperplanes, {words}", table, options, HYPERPLANE)
 
 
@@ -113,7 +113,7 @@ def _measure(form: Form, problem: Problem, start: Node, limit: float, threads: i
 
 
 def summary(lines: list[Line]) -> str:
-    """Return the table: one row a question and form."""
+    """Return the table: one row per question and form."""
     head = ["case", "form", "start", "found", "root bound", "bound", "gap", "nodes", "CPU s", "wall s", "stop"]
     table = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
     for line in lines:

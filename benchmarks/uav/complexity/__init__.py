@@ -1,1 +1,1 @@
-"""The paper's complexity study: error of trees against depth and features a split, and what of it is overfitting."""
+"""The paper's complexity study: error of trees against depth and features per split, and its part by overfitting."""

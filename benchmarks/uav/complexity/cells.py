@@ -1,4 +1,4 @@
-"""The cells of the complexity study: one tree each, and what it tells of unseen readings."""
+"""The cells of the complexity study: one tree each, and its errors on unseen readings."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass

@@ -1,4 +1,4 @@
-"""The study's two figures: MAE against depth, one line a split size, on training and on unseen readings."""
+"""The study's two figures: MAE against depth, one line per split size, on training and on unseen readings."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -15,7 +15,7 @@ MARKERS = "osd^"
 def complexity_figure(lines: Lines, limits: dict[str, BayesLimit], objective: Objective, rows: str) -> Figure:
     """Return MAE against depth on the "train" or "test" rows, one panel a label; bars show the range over the seeds.
 
-    What lies in the shade is below the Bayes limit: on training readings that is noise learnt by heart.
+    What lies in the shade is below the Bayes limit: on training readings that is overfitted noise.
     """
     figure = Figure(figsize=(8.4, 3.8), layout="constrained")
     seeds = max(cell.seed for cell in lines) + 1
@@ -50,7 +50,7 @@ def _line(axes: Axes, lines: Lines, cell: Cell, name: str, k: int) -> None:
     low = means - [found[depth].min() for depth in depths]
     high = [found[depth].max() for depth in depths] - means
     places = np.array(depths) + 0.06 * (k - 1.5)
-    label = "axis-aligned" if cell.split_size == 1 else f"{SIZE_NAMES[cell.split_size]} features a split"
+    label = "axis-aligned" if cell.split_size == 1 else f"{SIZE_NAMES[cell.split_size]} features per split"
     axes.errorbar(
         places, means, (low, high), color=DISTINCT[k], marker=MARKERS[k], markersize=4, linewidth=1.2, label=label
     )

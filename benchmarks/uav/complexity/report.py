@@ -19,9 +19,9 @@ def write_complexity(
     shown = ", ".join(f"{label} {limits[label].mae:.2f}" for label in LABELS)
     seeds = f"means of {n_seeds} seeds" if n_seeds > 1 else "one seed"
     text = (
-        "# Complexity: depth and features a split\n\n"
+        "# Complexity: depth and features per split\n\n"
         f"Train / test MAE in percent stiffness by local search, {seeds}. "
-        f"Bayes limit: {shown}. A star marks a training MAE below it: noise learnt by heart.\n"
+        f"Bayes limit: {shown}. A star marks a training MAE below it: overfitted noise.\n"
     )
     for objective in objectives:
         text += f"\n## Trained for {objective}\n\n{complexity_table(lines, objective, limits)}\n\n"

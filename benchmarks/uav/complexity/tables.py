@@ -46,11 +46,11 @@ def values(lines: Lines, cell: Cell, name: str) -> NDArray[np.float64]:
 
 
 def complexity_table(lines: Lines, objective: Objective, limits: dict[str, BayesLimit]) -> str:
-    """Return the study's grid: one row a depth, one column a split size, train / test MAE; a star marks overfitting."""
+    """Return the study's grid: one row per depth, one column per split size, train / test MAE; a star: overfitting."""
     parts = []
     for label in LABELS:
         limit = limits[label].mae
-        head = [f"{label}: depth", *(f"{SIZE_NAMES[size]} features a split" for size in SPLIT_SIZES), "Bayes limit"]
+        head = [f"{label}: depth", *(f"{SIZE_NAMES[size]} features per split" for size in SPLIT_SIZES), "Bayes limit"]
         rows = []
         for depth in DEPTHS:
             cells = [Cell(label, "all", depth, size, objective, 0) for size in SPLIT_SIZES]
@@ -72,7 +72,7 @@ def overfitting(lines: Lines, objective: Objective, limits: dict[str, BayesLimit
             firsts.append(f"{SIZE_NAMES[size]}: " + (f"from depth {min(below)}" if below else "nowhere"))
         best = min((cell for cell in cells if not np.isnan(mean[cell][1])), key=lambda cell: mean[cell][1])
         sentences.append(
-            f"{label}: training MAE below the Bayes limit of {limit:.2f}, by features a split: {', '.join(firsts)}; "
+            f"{label}: training MAE below the Bayes limit of {limit:.2f}, by features per split: {', '.join(firsts)}; "
             f"the best on unseen readings is depth {best.depth} with {SIZE_NAMES[best.split_size]}: "
             f"{mean[best][0]:.2f} in training, {mean[best][1]:.2f} unseen."
         )
@@ -115,8 +115,8 @@ def _cell(figure: PaperFigure, objective: Objective) -> Cell:
 
 def _name(figure: PaperFigure) -> str:
     gauges = {"two": "two gauges", "all": "20 gauges"}[figure.gauge_set]
-    size = {1: "axis-aligned", None: "unlimited features a split"}.get(figure.split_size)
-    return f"{figure.label}, {gauges}, depth {figure.depth}, {size or f'{figure.split_size} features a split'}"
+    size = {1: "axis-aligned", None: "unlimited features per split"}.get(figure.split_size)
+    return f"{figure.label}, {gauges}, depth {figure.depth}, {size or f'{figure.split_size} features per split'}"
 
 
 def _verdict(lines: Lines, figure: PaperFigure) -> str:

@@ -1,4 +1,4 @@
-"""One mission, step by step, with everything that the page shows of it."""
+"""One mission, step by step, with everything that its page shows."""
 
 from typing import Any
 
@@ -26,7 +26,7 @@ TRACES = 3
 
 
 def recorded(aircraft: Aircraft, kind: str, seed: int) -> dict[str, Any]:
-    """Return a mission of a kind as JSON values: what stays the same, and one entry a step."""
+    """Return a mission of a kind as JSON values: what stays the same, and one entry per step."""
     rng = np.random.default_rng([seed, 9])
     read = tuple(aircraft.gauges.index(gauge) for gauge in aircraft.selector.gauges_read)
     histories = draw(kind, 1, rng, read)

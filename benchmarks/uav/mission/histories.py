@@ -1,4 +1,4 @@
-"""What may happen to the wing: damage over time, gauges that fail, damage where the library has none."""
+"""Histories of the wing: damage over time, gauges that fail, damage where the library has none."""
 
 from dataclasses import dataclass
 
@@ -16,7 +16,7 @@ KINDS = ("paper", "own rate", "sudden", "dead gauge", "outside")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Histories:
-    """What happens to n aircraft.
+    """The histories of n aircraft.
 
     Attributes
     ----------

@@ -20,14 +20,14 @@ Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 LOST = 200.0
-"""What the loss of an aircraft costs, in steps of flight: two missions."""
+"""Cost of the loss of an aircraft, in steps of flight: two missions."""
 STEP_PRICE = 0.105
 """Steps that a cautious step costs: the wide way is so much longer (course.py)."""
 
 
 @dataclass(frozen=True, slots=True)
 class Policy:
-    """How to decide.
+    """A rule for deciding.
 
     Attributes
     ----------

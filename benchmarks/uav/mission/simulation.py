@@ -15,7 +15,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Flights:
-    """What became of n missions.
+    """Outcomes of n missions.
 
     Attributes
     ----------

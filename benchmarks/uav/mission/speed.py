@@ -1,4 +1,4 @@
-"""How fast the parts answer, and how much memory a long stream takes. CPU seconds, one thread, median of five."""
+"""Time of each part per reading, and memory of a long stream. CPU seconds, one thread, median of five."""
 
 import resource
 import time
@@ -15,7 +15,7 @@ BATCH = 100_000
 
 
 def speed_rows(aircraft: Aircraft, n_stream: int, seed: int) -> list[dict[str, object]]:
-    """Return microseconds a reading of every part, and what a stream of `n_stream` readings took."""
+    """Return microseconds per reading of every part, and what a stream of `n_stream` readings took."""
     rng = np.random.default_rng(seed)
     selector, compiled = aircraft.selector, aircraft.selector.compiled
     strains = selector.library.strains[rng.integers(selector.library.n_states, size=BATCH)]

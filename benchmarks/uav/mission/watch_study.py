@@ -1,7 +1,7 @@
 """The watch on simulated missions: false alarms in the library, and what it finds of damage in a third region.
 
 Where the noise allows it. Let d be the length of the signature that the damage leaves in the residuals, summed over the
-mission in quadrature and in standard deviations. A test that is told region, size and beginning beforehand, and only
+mission in quadrature and in standard deviations. A test that knows region, size and beginning beforehand, and only
 asks whether, finds it with probability Phi(d - z(rate)): 95 % needs d >= 3.97 at a rate of 1 %. A test that must look
 for all candidates and beginnings shares its rate among them: with 1 % over (candidates x readings) it needs about 6.8.
 Both limits are computed here; no test that uses the same residuals passes the first.
@@ -68,7 +68,7 @@ def outside_rows(aircraft: Aircraft, watch: Watch, folder: Path, n: int, seed: i
 
 
 def told_limit(rate: float) -> float:
-    """Return the d at which a test that is told region, size and beginning has 95 % power."""
+    """Return the d at which a test that knows region, size and beginning has 95 % power."""
     return float(norm.isf(rate) + norm.ppf(POWER))
 
 

@@ -1,4 +1,4 @@
-"""How far the leaves of a proven tree of depth 3 can be trusted: calibration, credible sets, other priors."""
+"""Trust in the leaves of a proven tree of depth 3: calibration, credible sets, other priors."""
 
 from dataclasses import dataclass
 

@@ -18,7 +18,7 @@ def decision_table(rows: Sequence[Row]) -> str:
         "missed critical, train / test",
         "false alarms, train / test",
         "regret in test",
-        "CPU s a tree",
+        "CPU s per tree",
     )
     lines = _head(head)
     keys = list(dict.fromkeys((row.classes, row.task, row.price) for row in rows))

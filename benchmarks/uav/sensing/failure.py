@@ -41,7 +41,7 @@ DEPTH = 3
 LOAD = 3.0
 RATE = 0.01
 BIASES = (50.0, 75.0, 100.0, 125.0, 150.0, 200.0, 250.0, 300.0, 500.0)
-"""Faults at the gauge at 3 g [microstrain]; the features are a third of it."""
+"""Faults at the gauge at 3 g [microstrain], a third of that in the features."""
 FAULTS = {
     "dead (reads 0)": Fault("stuck", 0.0),
     "drift +300": Fault("drift", 300.0 / LOAD),

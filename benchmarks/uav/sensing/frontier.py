@@ -1,6 +1,6 @@
 """Frontiers over 67 candidates: errors against the number and against the cost of gauges, each with its bound.
 
-Axis-aligned trees are proven. Trees with two or four features a split are searched; their bound is the best of the
+Axis-aligned trees are proven. Trees with two or four features per split are searched; their bound is the best of the
 classes that a tree can name at all and of mixed-integer proofs on some of the samples.
 """
 
@@ -52,7 +52,7 @@ def _axis_rows(problem: Problem, over: Literal["number", "cost"], values: Sequen
 
 
 def hyperplane_rows(data: Dataset, depth: int, is_smoke: bool) -> list[Row]:
-    """Return the searched frontier over the number of gauges, four features a split, with its bound."""
+    """Return the searched frontier over the number of gauges, four features per split, with its bound."""
     problem = problem_of(data, "mu2", depth, data.gauges, 4)
     before = cpu_seconds()
     limits = Limits(seconds=2.0 if is_smoke else MIO_SECONDS)
@@ -72,7 +72,7 @@ def _row(kind: str, point: Point, cpu: float) -> Row:
     tree = point.solution.tree
     assert tree is not None
     return {
-        "features a split, over": kind,
+        "features per split, over": kind,
         "depth": point.problem.depth,
         "at most": f"{point.value:g}",
         "errors": round(point.solution.objective),

@@ -1,9 +1,9 @@
 """Placement: 67 candidate gauges against the 20 installed ones and against other ways to choose as many gauges.
 
-mu2 (the hard label), at most four features a split, trained for the MAE by the cost matrix |mu_i - mu_k|. The tree over
-all candidates says how many gauges it reads; every other way of choosing gets as many. At each depth the trees of every
-set of gauges are searched with the same effort. At depths 4 and 5 only the paper's comparison is made: candidates
-against installed.
+mu2 (the hard label), at most four features per split, trained for the MAE by the cost matrix |mu_i - mu_k|. The tree
+over all candidates gives the number of gauges that it reads; every other way of choosing gets as many. At each depth
+the trees of every set of gauges are searched with the same effort. At depths 4 and 5 only the paper's comparison is
+made: candidates against installed.
 """
 
 import hashlib
@@ -37,11 +37,11 @@ from octmip.sensing import by_chance, by_information, by_reading, by_tree, place
 LABEL, SPLIT_SIZE = "mu2", 4
 DEPTHS = (3, 4, 5)
 COMPARED_DEPTH = 3  # at which all ways of choosing are compared
-RANDOM_CHOICES = 1  # a seed
+RANDOM_CHOICES = 1  # per seed
 DEEPER_SEEDS = 1  # trees of depth 4 and 5 take minutes
 EFFORT = {"restarts": 6}
 GREEDY_ROWS = 400
-# The paper's train MAE at depth 3, four features a split: the installed gauges, all candidates.
+# The paper's train MAE at depth 3, four features per split: the installed gauges, all candidates.
 PAPER = {"installed": 11.64, "candidates": 9.89}
 STARTED = "candidates, from D-optimal"  # the search over all candidates begins at the D-optimal choice's tree
 CHOICES = ("candidates", "installed", "D-optimal", STARTED, "random", "greedy", "highest strain")
