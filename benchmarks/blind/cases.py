@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.blind.asset import PARAMETERS, Asset, State
-from benchmarks.blind.changes import Moment, change
+from benchmarks.blind.assets.asset import PARAMETERS, Asset, State
+from benchmarks.blind.assets.changes import Moment, change
 from benchmarks.blind.truths import SINGLES, TRACELESS, Truth, draw, draw_channel, draw_outside, in_order
 from femlib.arrays import FloatArray
 

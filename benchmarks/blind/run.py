@@ -8,9 +8,9 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from benchmarks.blind import calculix_asset
+from benchmarks.blind.assets import calculix
 from benchmarks.blind.answers import Task, answer, code
-from benchmarks.blind.asset import REFINEMENT, Asset, FemlibAsset
+from benchmarks.blind.assets.asset import REFINEMENT, Asset, FemlibAsset
 from benchmarks.blind.figure import Figure
 from benchmarks.blind.guards import guards
 from benchmarks.blind.records import Found, Key, Pair
@@ -80,9 +80,9 @@ def _settled(folder: Path, plan: Plan) -> Plan:
 def _seal(folder: Path, keys: Path, plan: Plan) -> None:
     assets: list[Asset] = [FemlibAsset(plan.seed, plan.asset_mesh)]
     shares = [1.0]
-    if plan.calculix > 0.0 and calculix_asset.is_installed():
+    if plan.calculix > 0.0 and calculix.is_installed():
         store = keys.with_suffix(".calculix.json")
-        assets.append(calculix_asset.CalculixAsset(plan.seed, store=store, jobs=plan.jobs))
+        assets.append(calculix.CalculixAsset(plan.seed, store=store, jobs=plan.jobs))
         shares = [1.0 - plan.calculix, plan.calculix]
     seal(folder, keys, plan.seed, plan.count, assets, shares, plan.trees)
 

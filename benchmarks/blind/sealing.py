@@ -13,7 +13,8 @@ from typing import TypedDict
 
 import numpy as np
 
-from benchmarks.blind.asset import TREE_STATES, Asset, FemlibAsset, neighbours
+from benchmarks.blind.assets.asset import TREE_STATES, Asset, FemlibAsset, neighbours
+from benchmarks.blind.assets.changes import Moment
 from benchmarks.blind.cases import (
     ALL_LOADS,
     INTERVAL,
@@ -25,7 +26,6 @@ from benchmarks.blind.cases import (
     moments,
     write_campaign,
 )
-from benchmarks.blind.changes import Moment
 from benchmarks.blind.truths import Truth
 from femlib.arrays import FloatArray
 

@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 
 from benchmarks.blind.answers import twin
-from benchmarks.blind.asset import TREE_STATES
+from benchmarks.blind.assets.asset import TREE_STATES
 from benchmarks.blind.cases import VARIANCE
 from benchmarks.blind.figure import Figure, share, statistic
 from benchmarks.blind.records import Found, Key

@@ -6,7 +6,7 @@ from typing import TypedDict
 
 import numpy as np
 
-from benchmarks.blind.asset import Asset, log_uniform
+from benchmarks.blind.assets.asset import Asset, log_uniform
 
 
 class Extra(TypedDict, total=False):

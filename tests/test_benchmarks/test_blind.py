@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.blind import calculix_asset
+from benchmarks.blind.assets import calculix
 from benchmarks.blind import run as blind
 from benchmarks.blind.answers import Task
-from benchmarks.blind.asset import FemlibAsset
+from benchmarks.blind.assets.asset import FemlibAsset
+from benchmarks.blind.assets.changes import Moment
 from benchmarks.blind.cases import Case, draw_cases, mean_readings, moments
-from benchmarks.blind.changes import Moment
 from benchmarks.blind.figure import Figure, calibration, share
 from benchmarks.blind.guards import chance, shuffled
 from benchmarks.blind.score import CLEAR, d_prime, figures, is_right, open_keys, size_held, top
@@ -22,7 +22,7 @@ from femlib.assembly import thermal_load
 from femlib.wing.bent import stiffness_factor
 
 ROOT = Path(__file__).parents[2] / "benchmarks" / "blind"
-CASE_MAKER = ("forces", "asset", "calculix_asset", "truths", "changes", "cases", "sealing")
+CASE_MAKER = ("assets/forces", "assets/asset", "assets/calculix", "truths", "assets/changes", "cases", "sealing")
 
 
 @pytest.fixture(scope="module")
@@ -131,8 +131,8 @@ def families(tmp_path_factory):
     """Return both assets on one mesh, femlib solving the decks of CalculiX's, and the file that keeps their strains."""
     store = tmp_path_factory.mktemp("calculix") / "strains.json"
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(calculix_asset, "run_deck", solved_by_femlib)
-        other = calculix_asset.CalculixAsset(5, refinement=0.3, store=store, jobs=1)
+        patch.setattr(calculix, "run_deck", solved_by_femlib)
+        other = calculix.CalculixAsset(5, refinement=0.3, store=store, jobs=1)
     asset = FemlibAsset(5, refinement=0.3)
     asset.own = np.ones(len(asset.gauges))
     return asset, other, store
@@ -174,8 +174,8 @@ def test_decks_that_were_run_are_not_run_again(families, monkeypatch):
     def run(deck):
         raise AssertionError(f"{deck.key} was run again")
 
-    monkeypatch.setattr(calculix_asset, "run_deck", run)
-    again = calculix_asset.CalculixAsset(5, refinement=0.3, store=store, jobs=1)
+    monkeypatch.setattr(calculix, "run_deck", run)
+    again = calculix.CalculixAsset(5, refinement=0.3, store=store, jobs=1)
     assert again.strain((0.6, 0.2)) == pytest.approx(other.strain((0.6, 0.2)))
 
 

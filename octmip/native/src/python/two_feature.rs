@@ -9,8 +9,8 @@ use crate::two_feature::options::Options;
 use crate::two_feature::switches::Switches;
 use crate::two_feature::{proof, solve};
 
-/// The best tree whose splits have up to two features, and a bound. `incumbent` is the cost of a feasible tree: trees of
-/// this cost and more are of no interest.
+/// The best tree whose splits have up to two features, and a bound. `incumbent` is the cost of a feasible tree:
+/// trees of this cost and more are of no interest.
 #[allow(clippy::too_many_arguments)]
 #[pyfunction]
 #[pyo3(signature = (problem, incumbent, limit_values, n_threads, seed=0, off=Vec::new(), progress=None, *,

@@ -12,7 +12,7 @@ from typing import ClassVar, TypeVar, cast
 import numpy as np
 from scipy.sparse.linalg import LinearOperator, cg
 
-from benchmarks.blind import forces
+from benchmarks.blind.assets import forces
 from femlib.arrays import FloatArray, IntArray
 from femlib.assembly import thermal_load
 from femlib.mesh import DOFS_PER_NODE

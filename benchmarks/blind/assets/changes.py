@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from benchmarks.blind.asset import Asset, Flaw, State
+from benchmarks.blind.assets.asset import Asset, Flaw, State
 from benchmarks.blind.truths import Truth
 from femlib.arrays import FloatArray
 

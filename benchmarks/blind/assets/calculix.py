@@ -18,8 +18,8 @@ from typing import ClassVar, TypedDict
 
 import numpy as np
 
-from benchmarks.blind import forces
-from benchmarks.blind.asset import PARAMETERS, STATES, THICKER, Asset, Flaw, State, neighbours
+from benchmarks.blind.assets import forces
+from benchmarks.blind.assets.asset import PARAMETERS, STATES, THICKER, Asset, Flaw, State, neighbours
 from femlib.arrays import FloatArray
 from femlib.components import DamagedStructure
 from femlib.wing import Wing, uav_wing
