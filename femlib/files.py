@@ -21,7 +21,7 @@ _DEEP = f"nested deeper than {MOST_LEVELS} levels"
 
 @contextmanager
 def whole_file(target: Path) -> Iterator[Path]:
-    """Give a temporary file beside `target` to fill, then rename it; if the filling fails, nothing is left.
+    """Give a temporary file beside `target` to fill, then rename it; if that fails, nothing is left.
 
     Raises
     ------

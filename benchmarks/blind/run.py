@@ -8,8 +8,8 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from benchmarks.blind.assets import calculix
 from benchmarks.blind.answers import Task, answer, code
+from benchmarks.blind.assets import calculix
 from benchmarks.blind.assets.asset import REFINEMENT, Asset, FemlibAsset
 from benchmarks.blind.figure import Figure
 from benchmarks.blind.guards import guards

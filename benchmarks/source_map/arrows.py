@@ -46,7 +46,7 @@ def rust_arrows(crates: Mapping[str, Path] = CRATES) -> Arrows:
 
 
 def circles(arrows: Arrows) -> list[list[str]]:
-    """Return the sets of files that reach each other, each sorted: none in a tidy house."""
+    """Return the sets of files that reach each other, each sorted: none where data flows one way."""
     reached = {name: _reached(name, arrows) for name in arrows}
     found = {
         tuple(sorted({other for other in reached[name] if name in reached[other]} | {name}))

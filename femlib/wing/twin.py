@@ -179,7 +179,7 @@ class _OnDemand(Mapping[str, WingEffect]):
         if wing.model_hash != self._reduced.model_hash:
             raise InputError(
                 f"the reduced wing was made of the wing {self._reduced.model_hash[:12]} but the full one is "
-                f"{wing.model_hash[:12]}; expected the same; give make_wing, or reduce this wing anew"
+                f"{wing.model_hash[:12]}; expected the same; give make_wing, or reduce this wing again"
             )
         return wing
 

@@ -46,10 +46,10 @@ def greedy_tree(
         from the limits only; every Problem has a greedy tree, in the worst case a single leaf.
     """
     start = time.perf_counter()
-    grower = _Grower(problem, rank_features(problem), seed)
-    tree, stop = grower.grow(grower.usable_features()), Stop.FINISHED
+    builder = _GreedyBuilder(problem, rank_features(problem), seed)
+    tree, stop = builder.build(builder.usable_features()), Stop.FINISHED
     if problem.sensor_cost_of(tree) > problem.sensor_limit:
-        tree, stop = _within_budget(grower, start + limits.seconds)
+        tree, stop = _within_budget(builder, start + limits.seconds)
     return Solution(
         tree=tree,
         objective=problem.objective(tree),
@@ -64,7 +64,7 @@ def greedy_tree(
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Grower:
+class _GreedyBuilder:
     """Grows one CART on any subset of the features of a problem."""
 
     problem: Problem
@@ -78,7 +78,7 @@ class _Grower:
         ]
         return np.array(usable, dtype=np.int64)
 
-    def grow(self, features: NDArray[np.int64]) -> Node:
+    def build(self, features: NDArray[np.int64]) -> Node:
         """Return CART on these features, its leaves and splits judged by the objective of the problem."""
         problem = self.problem
         if len(features) == 0:
@@ -111,20 +111,20 @@ class _Grower:
         return Split(feature, threshold, left_tree, right_tree), cost
 
 
-def _within_budget(grower: _Grower, deadline: float) -> tuple[Node, Stop]:
+def _within_budget(builder: _GreedyBuilder, deadline: float) -> tuple[Node, Stop]:
     """Return the best of the trees grown while sensors are added one by one, and why that ended."""
-    problem = grower.problem
-    usable = grower.usable_features()
+    problem = builder.problem
+    usable = builder.usable_features()
     sensor_of_usable = problem.sensor_index[usable]
     chosen = set(np.flatnonzero(problem.sensor_costs == 0).tolist())
-    best = grower.grow(usable[np.isin(sensor_of_usable, list(chosen))])
+    best = builder.build(usable[np.isin(sensor_of_usable, list(chosen))])
     best_rank = _rank(problem, best)
     while affordable := _affordable(problem, chosen, set(sensor_of_usable.tolist())):
         trials = []
         for sensor in affordable:
             if time.perf_counter() > deadline:
                 return best, Stop.TIME
-            tree = grower.grow(usable[np.isin(sensor_of_usable, [*chosen, sensor])])
+            tree = builder.build(usable[np.isin(sensor_of_usable, [*chosen, sensor])])
             trials.append((_rank(problem, tree), sensor, tree))
         rank, sensor, tree = min(trials, key=lambda trial: trial[:2])
         chosen.add(sensor)

@@ -3,7 +3,7 @@
 Line 1 names the format and the sha256 of line 2, a JSON object: to which problem, question, grid and version it
 belongs, what was spent, the best tree, and the solved cuts of the root with lower bounds of both sides (`KnownRow`).
 Written whole or not at all. The sum finds accidents, not forgers: a resumed search believes the bounds of its file, so
-that a proof which was resumed rests on whoever kept the file. A proof log does not: its search begins anew.
+that a proof which was resumed rests on whoever kept the file. A proof log does not: its search begins again.
 """
 
 import hashlib
@@ -120,7 +120,7 @@ def read_checkpoint(path: PathLike, identity: Mapping[str, str]) -> tuple[Kept, 
 
 def unusable(path: PathLike, reason: str) -> DataError:
     """Return the error of a checkpoint from which no search can go on."""
-    return DataError(f"checkpoint {path} {reason}; give another file, or remove this one to begin anew")
+    return DataError(f"checkpoint {path} {reason}; give another file, or remove this one to begin again")
 
 
 def _check_identity(path: PathLike, content: Any, identity: Mapping[str, str]) -> None:
@@ -146,12 +146,12 @@ def _kept(content: Mapping[str, Any]) -> Kept:
 
 
 def _known(row: Any) -> KnownRow:
-    level, whole, order, attained, cuts, bound, (objective, rows), sets, n_nodes = row
+    level, whole, order, incumbents, cuts, bound, (objective, rows), sets, n_nodes = row
     return (
         _whole(level),
         _whole(whole),
         [(_whole(cost), _whole(place)) for cost, place in order],
-        [(_whole(cost), _whole(place)) for cost, place in attained],
+        [(_whole(cost), _whole(place)) for cost, place in incumbents],
         [(_whole(f), _whole(k), _whole(left), _whole(right)) for f, k, left, right in cuts],
         _whole(bound),
         (_whole(objective), _rows(rows)),

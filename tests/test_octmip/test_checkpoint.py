@@ -104,7 +104,7 @@ print(solution.objective, solution.bound, solution.stop, bool(solution.details.g
 
 
 def test_a_search_killed_at_any_moment_goes_on_to_the_same_optimum(tmp_path):
-    """SIGKILL gives no time to tidy up: the file is the last whole one."""
+    """SIGKILL gives no time to clean up: the file is the last whole one."""
     command, moments = [sys.executable, "-c", CHILD, str(tmp_path / "kept")], random.Random(0)
     for _ in range(3):
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as child:

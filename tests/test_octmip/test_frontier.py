@@ -67,10 +67,10 @@ def test_a_value_that_makes_no_problem_is_refused(over, values, sentence):
 
 
 def test_budgets_must_be_named_where_sensors_differ_in_cost():
-    dear = dataclasses.replace(PROBLEM, sensor_cost=[1, 2, 5])
+    expensive = dataclasses.replace(PROBLEM, sensor_cost=[1, 2, 5])
     with pytest.raises(ProblemError, match="name the values"):
-        trace_frontier(dear, "budget")
-    assert len(trace_frontier(dear, "budget", [2, 3], method="cart")) == 2
+        trace_frontier(expensive, "budget")
+    assert len(trace_frontier(expensive, "budget", [2, 3], method="cart")) == 2
 
 
 def test_penalties_have_no_default_values_without_their_path():

@@ -207,7 +207,7 @@ def test_sets_hold_what_they_say_on_histories_drawn_from_the_model(cells, kind):
             low, high = belief.interval(name, 0.9)
             truth = cells.states[state, j] + place[:, j]
             covered.append(((low <= truth) & (truth <= high)).mean())
-    # 400 histories of some ten independent stretches each: a standard error of half a per cent. A whole reading tells
+    # 400 histories of some ten independent stretches each: a standard error of half a per cent. A whole reading keeps
     # places within a cell apart, which the belief spreads out: its sets are a little wide.
     low, high = (0.885, 0.915) if kind == "leaf" else (0.885, 0.935)
     assert low < np.mean(covered) < high

@@ -26,7 +26,7 @@ from octmip.sensing import (
 
 
 def readings(n: int = 120, p: int = 8) -> Problem:
-    """Return a problem that sensors s1 and s3 tell: s0 reads highest and tells nothing; two features each."""
+    """Return a problem that sensors s1 and s3 decide: s0 reads highest and decides nothing; two features each."""
     rng = np.random.default_rng(0)
     features = rng.normal(size=(n, p))
     features[:, :2] += 50.0

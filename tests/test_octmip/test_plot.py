@@ -17,14 +17,14 @@ RNG = np.random.default_rng(0)
 POINTS = RNG.random((60, 2)) * [10, 1000]
 PROBLEM = Problem(POINTS, RNG.integers(0, 3, 60), depth=3, feature_names=("g01", "g02"), class_names=(0, 1, 2))
 AXIS = Split(0, 4.0, Split(1, 300.0, Leaf(0), Leaf(1)), Split(0, 8.0, Leaf(2), Split(1, 700.0, Leaf(1), Leaf(0))))
-OBLIQUE = HyperplaneSplit((0, 1), (100.0, -1.0), 20.0, Split(1, 500.0, Leaf(0), Leaf(1)), Leaf(2))
+SLANTED = HyperplaneSplit((0, 1), (100.0, -1.0), 20.0, Split(1, 500.0, Leaf(0), Leaf(1)), Leaf(2))
 
 
 def texts(figure: Figure) -> str:
     return "\n".join(text.get_text() for axes in figure.axes for text in axes.texts)
 
 
-@pytest.mark.parametrize("tree", [AXIS, OBLIQUE, Leaf(1), Split(0, 99.0, Leaf(0), Leaf(1))])
+@pytest.mark.parametrize("tree", [AXIS, SLANTED, Leaf(1), Split(0, 99.0, Leaf(0), Leaf(1))])
 @pytest.mark.parametrize("kind", ["svg", "png"])
 def test_figures_can_be_saved(tree, kind):
     for figure in (tree_figure(PROBLEM, tree, "tree"), partition_figure(PROBLEM, tree, title="plane")):
@@ -43,7 +43,7 @@ def test_a_tree_says_its_conditions_classes_and_errors():
     assert sum(said) == wrong
 
 
-@pytest.mark.parametrize("tree", [AXIS, OBLIQUE, Leaf(1)])
+@pytest.mark.parametrize("tree", [AXIS, SLANTED, Leaf(1)])
 def test_every_point_of_the_plane_has_the_tint_of_its_prediction(tree):
     axes = partition_figure(PROBLEM, tree).axes[0]
     colours = class_colours(PROBLEM.class_names)

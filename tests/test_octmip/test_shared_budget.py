@@ -98,9 +98,9 @@ def test_search_is_never_worse_than_the_best_split_by_hand_nor_better_than_the_p
 
 
 def gauges_for_two(n_each: int = 12) -> list[Problem]:
-    """Return two labels that one shared gauge tells well together, and two private gauges a little better apart.
+    """Return two labels that one shared gauge predicts well together, and two private gauges a little better one by one.
 
-    g0 tells all but one sample of either label; a tells the first label wholly, b the second; c tells nothing.
+    g0 predicts all but one sample of either label; a predicts the first label wholly, b the second; c nothing.
     """
     rng = np.random.default_rng(0)
     first = rng.permutation(np.repeat([0, 1], n_each))

@@ -20,9 +20,9 @@ from octmip.uncertainty import (
 TREE = Split(0, 0.5, Leaf(0), Leaf(1))
 
 
-def coin(rng, n, sharpness=2.0):
+def coin(rng, n, concentration=2.0):
     """Return probabilities of three classes, on a grid so that they tie, and classes drawn by them."""
-    table = np.round(rng.dirichlet(np.full(3, 1 / sharpness), n), 1)
+    table = np.round(rng.dirichlet(np.full(3, 1 / concentration), n), 1)
     table /= table.sum(axis=1, keepdims=True)
     codes = (rng.random((n, 1)) > np.cumsum(table, axis=1)).sum(axis=1).clip(0, 2)
     return table, codes

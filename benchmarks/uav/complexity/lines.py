@@ -1,7 +1,7 @@
 """Lines that are kept: a run that is repeated, or goes on, does only what is missing.
 
 A line is kept under a key of everything that it depends on: its cell, the mean strains, the recipe, the restarts, and
-the native core that searched. After the core is built anew nothing old is shown as its work.
+the native core that searched. After the core is built again nothing old is shown as its work.
 """
 
 import hashlib

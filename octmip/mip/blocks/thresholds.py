@@ -7,7 +7,7 @@
 Branching on S_mjr halves an interval of thresholds, where branching on the paper's b_t moves nothing.
 
 Cuts that no better tree needs are left out of the model (`octmip.mip.blocks.fixing`); those that remain are numbered
-anew.
+again.
 """
 
 from collections.abc import Mapping

@@ -5,7 +5,7 @@ label by itself would choose other gauges than all together do, and no split of 
 gauges that serve two. Which sensors serve all best is found over sets of sensors:
 
 exact    axis-aligned trees: branch and bound over sets, each label's tree by the exact core (see sensor_sets.py)
-search   any trees: from the best baseline split, the labels find their trees anew in turn, the others' sensors free;
+search   any trees: from the best baseline split, the labels find their trees again in turn, the others' sensors free;
          then each sensor is given up once and the turns are taken again
 
 Both begin with the best baseline split (`octmip.sensing.shared.baseline_split`: the budget divided between the labels)
@@ -160,7 +160,7 @@ def _search(labels: LabelTrees) -> Proof:
 
 
 def _without(labels: LabelTrees, trees: Sequence[Node], sensor: str) -> tuple[Node, ...]:
-    """Return the trees, those that read `sensor` found anew without it; the others' sensors stay paid for."""
+    """Return the trees, those that read `sensor` found again without it; the others' sensors stay paid for."""
     kept = labels.sensors_of(trees) - {sensor}
     found = list(trees)
     for label, (problem, tree) in enumerate(zip(labels.problems, trees, strict=True)):

@@ -132,7 +132,7 @@ class LabelTrees:
         return False
 
     def alternate(self, trees: Sequence[Node]) -> tuple[Node, ...]:
-        """Return trees no worse, one label after the other found anew: sensors of the others free, the rest left."""
+        """Return trees no worse, one label after the other found again: sensors of the others free, the rest left."""
         current, is_better = list(trees), True
         while is_better and not self.is_over:
             is_better = False

@@ -20,7 +20,7 @@ pub(crate) struct Found {
 /// evaluated cuts show it.
 ///
 /// `ids` are indices of the problem's samples, none twice. A search that is stopped from outside finds nothing. The
-/// workspaces are made anew: what an earlier call has laid out knows nothing of the samples of this one.
+/// workspaces are made again: what an earlier call has laid out knows nothing of the samples of this one.
 pub(crate) fn best_subtree(
     samples: &Samples,
     control: &Control,
