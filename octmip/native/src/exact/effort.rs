@@ -20,7 +20,7 @@ impl Default for Control {
 }
 
 impl Control {
-    /// A flag that nobody sets but `stop`, no limit.
+    /// A flag that nobody sets, no limit.
     pub fn new() -> Self {
         Self::reading(&Arc::default())
     }
@@ -37,11 +37,6 @@ impl Control {
 
     fn sharing(stop: Arc<AtomicBool>, most: u64) -> Self {
         Self { stop, n_evaluated: AtomicU64::new(0), most, is_spent: AtomicBool::new(false) }
-    }
-
-    /// Set the flag: every search that reads it returns soon, without a proof.
-    pub fn stop(&self) {
-        self.stop.store(true, Ordering::Relaxed);
     }
 
     /// Whether the flag is set or the evaluated cuts are spent.

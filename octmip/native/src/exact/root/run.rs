@@ -1,0 +1,240 @@
+//! State of the whole search, and its levels one after the other.
+
+use crate::control::{KeepGoing, Limits, Outcome, Progress, Stop};
+use crate::exact::effort::Control;
+use crate::exact::node::plan::Plan;
+use crate::exact::node::result::FeatureIncumbent;
+use crate::exact::node::search::Search;
+use crate::exact::root::frontier::Frontier;
+use crate::exact::root::known::{Due, Known, Saver};
+use crate::exact::samples::Samples;
+use crate::exact::switches::Switches;
+use crate::exact::view::View;
+use crate::problem::Problem;
+use crate::supervise::Supervision;
+use crate::tree::Tree;
+
+/// Options of the search.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// When to stop early.
+    pub limits: Limits,
+    /// Worker threads.
+    pub n_threads: usize,
+    /// A feasible tree and its objective.
+    pub incumbent: Option<(i64, Tree)>,
+    /// Prunes that are on.
+    pub switches: Switches,
+}
+
+/// Origin of the best tree.
+#[derive(Debug, Clone)]
+pub(crate) enum Best {
+    /// The incumbent that was given.
+    Given,
+    /// A plan of this search.
+    Plan(Plan),
+    /// An earlier search, or the one over sensor sets.
+    Tree(Tree),
+}
+
+/// State of a search.
+pub(crate) struct Run<'a, 's> {
+    pub(crate) problem: &'a Problem,
+    pub(crate) samples: &'a Samples,
+    pub(crate) view: &'a View,
+    pub(crate) options: &'a Options,
+    pub(crate) control: Control,
+    pub(crate) supervision: Supervision,
+    /// Bytes of the tables that do not grow.
+    pub(crate) tables: f64,
+    pub(crate) base: i64,
+    /// Objective (above the base) of the best tree, and where it comes from.
+    pub(crate) best: (i64, Best),
+    pub(crate) bound: i64,
+    pub(crate) known: Option<Known>,
+    pub(crate) due: Due<'s>,
+}
+
+impl<'a, 's> Run<'a, 's> {
+    /// A search that begins with the best of leaf, incumbent and what is known.
+    pub(crate) fn new(
+        problem: &'a Problem,
+        (samples, view): (&'a Samples, &'a View),
+        options: &'a Options,
+        supervision: Supervision,
+        tables: f64,
+        known: Option<Known>,
+        saver: Option<Saver<'s>>,
+    ) -> Self {
+        let base: i64 = samples.base.iter().sum();
+        let mut run = Run {
+            problem,
+            samples,
+            view,
+            options,
+            control: Control::reading(supervision.flag()),
+            supervision,
+            tables,
+            base,
+            best: (view.leaf(), Best::Plan(Plan::Leaf)),
+            bound: 0,
+            known,
+            due: Due::new(saver),
+        };
+        if let Some((objective, _)) = &options.incumbent
+            && objective - base <= run.best.0
+        {
+            run.best = (objective - base, Best::Given);
+        }
+        if let Some(Known { best: (cost, tree), .. }) = &run.known
+            && *cost < run.best.0
+        {
+            run.best = (*cost, Best::Tree(tree.clone()));
+        }
+        run
+    }
+}
+
+impl Run<'_, '_> {
+    /// Level after level; the bound of the last, without the budget of sensors.
+    pub(crate) fn search(&mut self, depth: usize, keep_going: KeepGoing<'_>) {
+        if self.best.0 <= self.samples.penalty || self.samples.p == 0 || self.samples.n_labels == 1 {
+            self.bound = self.best.0;
+            return;
+        }
+        let ((mut whole, mut incumbents), first) = match &self.known {
+            Some(known) => ((known.whole, known.order.clone()), known.level),
+            None => (self.shallow(depth.min(2), keep_going), 3),
+        };
+        if depth <= 2 {
+            self.bound = whole;
+            return;
+        }
+        if self.known.as_ref().is_some_and(|known| known.sets.is_some()) {
+            self.bound = self.known.as_ref().map_or(0, |known| known.bound);
+            return;
+        }
+        for level in first..=depth {
+            if self.supervision.reason().is_some() {
+                return;
+            }
+            (whole, incumbents) = self.deep(level, level == depth, &incumbents, whole, keep_going);
+            self.known = None;
+        }
+    }
+
+    /// Depth one or two, by one thread; a bound of that depth's trees, and each feature's incumbent.
+    fn shallow(&mut self, depth: usize, keep_going: KeepGoing<'_>) -> (i64, Vec<FeatureIncumbent>) {
+        let upper = self.view.leaf() + 1;
+        let work = || {
+            let mut search = Search::new(self.samples, self.options.switches, &self.control, depth);
+            let result = search.solve(self.view, depth, upper, 0);
+            (result, search.incumbents)
+        };
+        let (result, incumbents) = self.supervision.run(work, || {
+            self.poll(keep_going, self.progress(self.best.0 + self.base, self.base), self.tables);
+        });
+        if let Some((cost, plan)) = result.best
+            && cost < self.best.0
+        {
+            self.best = (cost, Best::Plan(plan));
+        }
+        (if self.supervision.reason().is_some() { 0 } else { result.lower }, incumbents)
+    }
+
+    /// Depth three or more, by all threads.
+    fn deep(
+        &mut self,
+        depth: usize,
+        is_last: bool,
+        incumbents: &[FeatureIncumbent],
+        whole: i64,
+        keep_going: KeepGoing<'_>,
+    ) -> (i64, Vec<FeatureIncumbent>) {
+        let (samples, view, switches) = (self.samples, self.view, self.options.switches);
+        // The incumbent may be deeper than this level: the level's own trees are asked for up to the last level's cost.
+        let upper = self.best.0;
+        let known = self.known.take();
+        let frontier =
+            Frontier::new(samples, switches, &self.control, view, depth, incumbents, whole, upper, known.as_ref());
+        let (base, tables, before, control) = (self.base, self.tables, self.tree(), &self.control);
+        let state_now = || {
+            let (_, bound) = frontier.progress();
+            let best = frontier.best().map(|(cost, plan)| (cost, plan.tree(samples, view)));
+            Known {
+                level: depth,
+                whole,
+                order: incumbents.to_vec(),
+                incumbents: frontier.incumbents(),
+                cuts: frontier.solved(),
+                bound: if is_last { bound } else { 0 },
+                best: best.unwrap_or_else(|| (upper, before.clone())),
+                n_nodes: control.n_evaluated(),
+                sets: None,
+            }
+        };
+        let work = || {
+            let mut search = Search::new(samples, switches, control, depth);
+            if depth == 3 {
+                search.prepare(view);
+            }
+            frontier.work(&mut search);
+        };
+        let mut due = std::mem::take(&mut self.due);
+        self.supervision.run_all(self.options.n_threads.max(1), work, || {
+            let (cost, bound) = frontier.progress();
+            let progress = self.progress(cost + base, if is_last { bound + base } else { base });
+            self.poll(
+                &mut |state| keep_going(state) && due.save(false, &state_now),
+                progress,
+                tables + frontier.bytes() as f64,
+            );
+        });
+        if is_last || self.supervision.reason().is_some() {
+            due.save(true, &state_now);
+        }
+        self.due = due;
+        let (cost, bound) = frontier.progress();
+        if let Some((cost, plan)) = frontier.best() {
+            self.best = (cost, Best::Plan(plan));
+        }
+        if is_last {
+            self.bound = bound;
+        }
+        (bound.min(cost), frontier.incumbents())
+    }
+
+    /// Progress with a bound, the evaluated cuts counted so far.
+    pub(crate) fn progress(&self, objective: i64, bound: i64) -> Progress {
+        Progress { seconds: 0.0, objective, bound, n_nodes: self.control.n_evaluated() }
+    }
+
+    /// Report to the caller and compare a state with all limits.
+    pub(crate) fn poll(&self, keep_going: KeepGoing<'_>, state: Progress, bytes: f64) {
+        self.supervision.poll(keep_going, state);
+        let gap = self.supervision.gap_reached((state.objective - state.bound) as f64, state.objective as f64);
+        if let Some(reason) = self.supervision.spent(state.n_nodes, bytes).or(gap) {
+            self.supervision.stop(reason);
+        }
+    }
+
+    /// The best tree.
+    pub(crate) fn tree(&self) -> Tree {
+        match (&self.best.1, &self.options.incumbent) {
+            (Best::Tree(tree), _) | (Best::Given, Some((_, tree))) => tree.clone(),
+            (Best::Plan(plan), _) => plan.tree(self.samples, self.view),
+            (Best::Given, None) => Plan::Leaf.tree(self.samples, self.view),
+        }
+    }
+
+    /// Tree, bound and reason at the end.
+    pub(crate) fn outcome(self) -> Outcome {
+        let objective = self.base + self.best.0;
+        let bound = self.base + self.bound.min(self.best.0);
+        let tree = self.tree();
+        let stop =
+            if bound >= objective { Stop::Optimal } else { self.supervision.reason().unwrap_or(Stop::Interrupted) };
+        Outcome { tree, objective, bound, stop, n_nodes: self.control.n_evaluated() }
+    }
+}
