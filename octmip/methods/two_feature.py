@@ -1,4 +1,4 @@
-"""Optimal trees whose splits use one or two features, proven by branch and bound: a thin wrapper of the native core.
+"""Optimal trees whose splits use one or two features, proven by branch and bound: a wrapper of the native core.
 
     minimise  the objective of the Problem
     over      trees of depth 1 or 2 whose splits are lines  a x_f + b x_g = c  or thresholds  x_f = c

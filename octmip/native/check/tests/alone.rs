@@ -1,4 +1,4 @@
-//! The checker depends on nothing: cargo would have to be told of a solver before one could be used here.
+//! The checker depends on nothing: a solver could be used here only if the manifest named it.
 
 #[test]
 fn the_crate_has_no_dependency() {

@@ -58,7 +58,7 @@ fn files_that_cannot_be_used_are_named() {
 }
 
 #[test]
-fn other_arguments_are_told_how_it_is_used() {
+fn other_arguments_are_refused_with_the_usage() {
     let done = Command::new(env!("CARGO_BIN_EXE_octmip-check")).arg("one").output().expect("the command runs");
     let err = String::from_utf8_lossy(&done.stderr).into_owned();
     assert_eq!(done.status.code(), Some(2));

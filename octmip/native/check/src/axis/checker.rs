@@ -11,9 +11,9 @@ pub(super) type Cut = (usize, usize, [i64; 2]);
 /// A problem, what its samples cost, and the log that is read.
 pub(super) struct Checker<'a> {
     pub(super) q: &'a Problem,
-    /// Cost of each sample when it is answered worst.
+    /// Cost of each sample under its most expensive label.
     pub(super) worst: Vec<i64>,
-    /// Answers to each sample, and what they save of that.
+    /// Labels of each sample that save some of that, and how much.
     pub(super) savings: Vec<Vec<(usize, i64)>>,
     /// No sum is larger.
     pub(super) most: i64,

@@ -11,7 +11,7 @@ use super::checker::Checker;
 
 impl Checker<'_> {
     /// A bound of trees of `depth` levels, without penalties, by class weights: they give at most 2^depth
-    /// answers, and a class that is none of them pays for its cheapest wrong answer.
+    /// labels, and a class that is none of them pays for its cheapest wrong label.
     pub(super) fn spread(&self, classes: &[i64], depth: usize) -> i64 {
         let (q, mut sure, mut more) = (self.q, 0, Vec::with_capacity(classes.len()));
         for (c, &weight) in classes.iter().enumerate() {

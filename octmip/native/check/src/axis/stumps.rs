@@ -25,8 +25,8 @@ impl Checker<'_> {
         parts.chunks(LANES).flat_map(|parts| count(self, orders, parts)).collect()
     }
 
-    /// The same for as many parts as there are lanes. What a tree costs is what its samples cost when answered worst,
-    /// less what the best answers on both sides save of that.
+    /// The same for as many parts as there are lanes. What a tree costs is what its samples cost under their most
+    /// expensive labels, less what the best labels on both sides save of that.
     fn count<T: Lane>(&self, orders: &Orders, parts: &[&[u32]]) -> Vec<i64> {
         let of = |number: i64| T::try_from(number).unwrap_or_default();
         let mut is_in = vec![[of(0); LANES]; self.q.n];
@@ -59,20 +59,20 @@ impl Checker<'_> {
         parts.iter().enumerate().map(cost).collect()
     }
 
-    /// Savings of the best answer to the first samples of an order, to none, one, two and so on, in each part.
-    /// More samples never save less by an answer: the most so far is the most.
+    /// Savings of the best label for the first samples of an order, for none, one, two and so on, in each part.
+    /// More samples never save less by a label: the most so far is the most.
     fn saved<T: Lane>(&self, order: &[u32], is_in: &[Lanes<T>], by: &[Vec<(usize, i64)>]) -> Vec<Lanes<T>> {
         let mut best = [T::default(); LANES];
-        let mut answers = vec![best; self.q.n_classes];
+        let mut labels = vec![best; self.q.n_classes];
         let mut best_of = Vec::with_capacity(self.q.n + 1);
         best_of.push(best);
         for i in order.iter().map(|&i| i as usize) {
             for &(k, saving) in &by[i] {
-                let (answer, is_in) = (&mut answers[k], &is_in[i]);
+                let (label, is_in) = (&mut labels[k], &is_in[i]);
                 let saving = T::try_from(saving).unwrap_or_default();
                 for lane in 0..LANES {
-                    answer[lane] = answer[lane] + saving.min(is_in[lane]);
-                    best[lane] = best[lane].max(answer[lane]);
+                    label[lane] = label[lane] + saving.min(is_in[lane]);
+                    best[lane] = best[lane].max(label[lane]);
                 }
             }
             best_of.push(best);

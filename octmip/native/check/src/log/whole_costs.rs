@@ -12,7 +12,7 @@ pub(crate) const CAPACITY: i64 = 1 << 61;
 /// Rows of costs that a log may have beyond those of the classes: a table of them squared is held in memory.
 const MOST_OWN_ROWS: usize = 1024;
 
-/// Whole numbers: a sample `i` with answer `k` costs `weights[i] * costs[rows[i] * n_rows + k]`.
+/// Whole numbers: a sample `i` with label `k` costs `weights[i] * costs[rows[i] * n_rows + k]`.
 pub(crate) struct WholeCosts {
     pub(crate) n_rows: usize,
     pub(crate) rows: Vec<u32>,
@@ -22,7 +22,7 @@ pub(crate) struct WholeCosts {
     pub(crate) penalty: i64,
     /// Of the unit: a cost of 1 is one of 2^-exponent.
     exponent: i64,
-    /// Cost of the cheapest answers, which is paid besides.
+    /// Cost of the cheapest labels, which is paid besides.
     unavoidable: Exact,
 }
 
@@ -103,7 +103,7 @@ pub(crate) fn written_out(
     })
 }
 
-/// Refuse a weight times a cost that is above what the answer costs more than the cheapest one does.
+/// Refuse a weight times a cost that is above what the label costs more than the cheapest one does.
 fn check_below(question: &Question, exponent: i64, [table, rows, weights]: [&[i64]; 3], line: usize) -> Checked<()> {
     let k = question.n_classes;
     let beyond_cheapest = excess_costs(question);
@@ -125,7 +125,7 @@ fn check_below(question: &Question, exponent: i64, [table, rows, weights]: [&[i6
     Ok(())
 }
 
-/// Cost of each answer above that of the cheapest one, row by row.
+/// Cost of each label above that of the cheapest one, row by row.
 fn excess_costs(question: &Question) -> Vec<Exact> {
     let rows = question.costs.chunks(question.n_classes);
     let row = |row: &[f64]| {
@@ -135,7 +135,7 @@ fn excess_costs(question: &Question) -> Vec<Exact> {
     rows.flat_map(row).collect()
 }
 
-/// Cost of the cheapest answers to all samples.
+/// Cost of the cheapest labels of all samples.
 fn unavoidable(question: &Question) -> Exact {
     let cheapest = |row: &[f64]| row.iter().copied().fold(f64::INFINITY, f64::min);
     let costs: Vec<f64> = question.costs.chunks(question.n_classes).map(cheapest).collect();
@@ -149,7 +149,7 @@ fn unavoidable(question: &Question) -> Exact {
     paid.fold(Exact::default(), |sum, paid| sum.plus(&paid))
 }
 
-/// A table of `k` columns with as many columns as rows. Those beyond are no answers, and cost as much as the worst one.
+/// A table of `k` columns with as many columns as rows. Those beyond are no labels, and cost as much as the worst one.
 fn squared(table: &[i64], k: usize) -> Vec<i64> {
     let n_rows = table.len() / k;
     let row = |row: &[i64]| {

@@ -19,7 +19,7 @@ pub(super) type SlopeInterval = (DualPlane, f64, f64);
 pub(super) struct Checker<'a> {
     pub(super) q: &'a Problem,
     pub(super) points: Points,
-    /// Cost of the cheaper of two answers, for each pair of them and each class.
+    /// Cost of the cheaper of two labels, for each pair of them and each class.
     pub(super) cheaper: Vec<i64>,
     pub(super) claim: i64,
 }
@@ -36,7 +36,7 @@ impl<'a> Checker<'a> {
     }
 }
 
-/// Cost of the cheaper of two answers, for each pair of them and each class.
+/// Cost of the cheaper of two labels, for each pair of them and each class.
 fn cheaper(q: &Problem) -> Vec<i64> {
     let k = q.n_classes;
     let pairs = (0..k).flat_map(|a| (0..k).map(move |b| (a, b)));

@@ -26,16 +26,16 @@ impl Checker<'_> {
         self.q.penalty * if dual_plane.1 == self.q.p { 1 } else { 2 }
     }
 
-    /// Cost of samples that each have the cheapest of some answers.
-    pub(super) fn choosing(&self, tally: &[i64], answers: &[usize]) -> i64 {
-        let cheapest = |c| answers.iter().map(|&k| self.q.cost(c, k)).min().unwrap_or(0);
+    /// Cost of samples that each have the cheapest of some labels.
+    pub(super) fn choosing(&self, tally: &[i64], labels: &[usize]) -> i64 {
+        let cheapest = |c| labels.iter().map(|&k| self.q.cost(c, k)).min().unwrap_or(0);
         (0..self.q.n_classes).map(|c| tally[c] * cheapest(c)).sum()
     }
 
     /// Cost of samples in one leaf.
     pub(super) fn leaf(&self, tally: &[i64]) -> i64 {
-        let answers = 0..self.q.n_classes;
-        answers.map(|k| self.choosing(tally, &[k])).min().unwrap_or(0)
+        let labels = 0..self.q.n_classes;
+        labels.map(|k| self.choosing(tally, &[k])).min().unwrap_or(0)
     }
 
     /// The most that samples can cost.
@@ -44,7 +44,7 @@ impl Checker<'_> {
         (0..self.q.n_classes).map(|c| tally[c] * highest(c)).sum()
     }
 
-    /// Label-count bound of two children and the samples between them: a child gives two answers at most, costs what is
+    /// Label-count bound of two children and the samples between them: a child gives two labels at most, costs what is
     /// known and what its samples cost with these; a sample between has the cheapest of all four.
     pub(super) fn label_count_bound(&self, costs: [i64; 2], sides: &[Tally; 2], open: &Tally) -> i64 {
         let k = self.q.n_classes;
@@ -61,8 +61,8 @@ impl Checker<'_> {
                 if one + other >= best {
                     break;
                 }
-                let answers = [a[0], a[1], b[0], b[1]];
-                best = best.min(one + other + self.choosing(open, &answers));
+                let labels = [a[0], a[1], b[0], b[1]];
+                best = best.min(one + other + self.choosing(open, &labels));
             }
         }
         best

@@ -47,8 +47,8 @@ impl Checker<'_> {
         (places, alive)
     }
 
-    /// Whether two different answers may cost samples less than `owed`, by those that may go left and those that may go
-    /// right: one that may do both has the cheaper answer.
+    /// Whether two different labels may cost samples less than `owed`, by those that may go left and those that may go
+    /// right: one that may do both has the cheaper label.
     fn may_be_below(
         &self,
         samples: &Samples<'_>,
@@ -61,9 +61,9 @@ impl Checker<'_> {
         if may_left[k] < samples.need || may_right[k] < samples.need {
             return false;
         }
-        let sure = |may: &[i64], answer| -> i64 { (0..k).map(|c| (total[c] - may[c]) * q.cost(c, answer)).sum() };
+        let sure = |may: &[i64], label| -> i64 { (0..k).map(|c| (total[c] - may[c]) * q.cost(c, label)).sum() };
         scratch.clear();
-        scratch.extend((0..k).map(|answer| sure(may_left, answer)));
+        scratch.extend((0..k).map(|label| sure(may_left, label)));
         scratch.extend((0..k).map(|c| may_left[c] + may_right[c] - total[c]));
         let (right, both) = scratch.split_at(k);
         (0..k).any(|a| {

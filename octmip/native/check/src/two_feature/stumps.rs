@@ -20,7 +20,7 @@ impl Checker<'_> {
         let k = self.q.n_classes;
         let mut pairs = (0..k).flat_map(|a| (a..k).map(move |b| [a, b]));
         if pairs.all(|pair| self.choosing(&samples.total, &pair) >= claim) {
-            return true; // a child gives two answers at most
+            return true; // a child gives two labels at most
         }
         let is_leaf_enough = self.leaf(&samples.total) >= claim || samples.total[k] < need;
         is_leaf_enough

@@ -126,7 +126,7 @@ fn bad_numbers() -> Vec<BadLog> {
             7,
             "sample 1, class 0: 102 x 2 is above the true cost",
         ),
-        ("a price for the right answer", tenths(), out("0 1 1 0", "0 1 1 1"), 7, "sample 1, class 1: 102 x 1 is above"),
+        ("a price for the right label", tenths(), out("0 1 1 0", "0 1 1 1"), 7, "sample 1, class 1: 102 x 1 is above"),
         (
             "a row of another class",
             tenths(),

@@ -55,7 +55,7 @@ fn good_axis_logs() -> Vec<GoodLog> {
             axis("2", "N 1 1 2 | E | end").replace("grid 0 0", "grid 3 0"),
             0.25,
         ),
-        // .1 is more than 102/1024. What every answer costs besides, .5 times four weights, is .2.
+        // .1 is more than 102/1024. What every label costs besides, .5 times four weights, is .2.
         ("numbers written out", tenths(), written_out(WRITTEN_OUT), 0.5 * 4.0 * 0.1 + 102.0 / 1024.0),
         // Only one of two sensors can be paid for: the second feature has one value, so without the first a leaf pays
         // 2.

@@ -2,7 +2,7 @@
 
 use octmip_check::question::Question;
 
-/// Samples in the order of one feature, of classes 0 and 1 in turn; a wrong answer costs 1.
+/// Samples in the order of one feature, of classes 0 and 1 in turn; a wrong label costs 1.
 pub fn stripes(n: usize, depth: usize) -> Question {
     Question {
         n,
@@ -66,7 +66,7 @@ pub fn two_sensors(is_hyperplane: bool) -> Question {
     }
 }
 
-/// Four stripes of weight .1; a right answer costs .5, a wrong one 1.5.
+/// Four stripes of weight .1; a right label costs .5, a wrong one 1.5.
 pub fn tenths() -> Question {
     Question { weights: vec![0.1; 4], costs: vec![0.5, 1.5, 1.5, 0.5], ..stripes(4, 1) }
 }

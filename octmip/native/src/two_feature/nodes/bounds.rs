@@ -196,39 +196,18 @@ impl SearchContext<'_> {
         let Goal { target, upper } = goal;
         let (price, most) = (self.price(root), partition.open_most);
         let switches = self.instance.switches;
+        self.raise_wide_by_labels(root, partition);
         for s in [0, 1] {
-            let by_classes = self.two_labels(&partition.wide_tallies[s]);
-            let child = &mut root.children[s];
-            child.wide.0 = child.wide.0.max(child.floor).max(by_classes);
-        }
-        for s in [0, 1] {
-            let other = &root.children[1 - s];
-            let task = StumpTask {
-                ids: &partition.wide[s],
-                need: self.need(),
-                cutoff: target - price + most - other.wide.0,
-                floor: root.children[s].wide.0,
-                most_tried: usize::MAX,
-                hopeless: target - price + most - reach[1 - s],
-                // What is learnt here is of more samples than an interval's bound has to hold for: it kills none.
-                dead: INFEASIBLE,
-                // True of every child with leaves of the full size. A log speaks of children that lack samples (where
-                // no interval is struck off), and may only say so where one sample fills a leaf.
-                less: if switches.dead_intervals || self.need() == 1 { most } else { INFEASIBLE },
-            };
-            let less = task.less;
-            let dead = upper - price - other.floor;
+            let owed = target - price + most;
+            let task = self.wide_task(root, partition, s, [owed - root.children[1 - s].wide.0, owed - reach[1 - s]]);
+            let dead = upper - price - root.children[1 - s].floor;
             let dead = if switches.dead_intervals { dead } else { INFEASIBLE };
-            let alive = root.children[s].intervals.iter().filter(|s| s.bound < dead);
-            let mut intervals: Vec<SlopeInterval> = alive.copied().collect();
-            if intervals.len() < root.children[s].intervals.len() {
-                root.children[s].struck = root.children[s].struck.min(dead);
-            }
+            let mut intervals = root.children[s].intervals_below(dead);
             let result = self.solve_stump(&root.children[s], task, &mut intervals);
             reach[s] = result.incumbent;
             let child = &mut root.children[s];
             child.wide.0 = child.wide.0.max(result.lower);
-            child.floor = child.floor.max(result.lower - less);
+            child.floor = child.floor.max(result.lower - task.less);
             child.remember(result.line);
             if result.lower > task.floor {
                 notes.add([&partition.sides[s], &partition.open], result.lower.min(child.struck), result.line);
@@ -241,6 +220,37 @@ impl SearchContext<'_> {
             }
         }
         self.raise_key_by_label_count(root, partition);
+    }
+
+    /// Raise the bounds of the children with all open samples by their other bounds.
+    fn raise_wide_by_labels(&self, root: &mut Node, partition: &Partition) {
+        for (child, tally) in root.children.iter_mut().zip(&partition.wide_tallies) {
+            child.wide.0 = child.wide.0.max(child.floor).max(self.two_labels(tally));
+        }
+    }
+
+    /// The stump of a child with all open samples, to be solved as far as the cutoff.
+    fn wide_task<'p>(
+        &self,
+        root: &Node,
+        partition: &'p Partition,
+        s: usize,
+        [cutoff, hopeless]: [i64; 2],
+    ) -> StumpTask<'p> {
+        let keeps_bound = self.instance.switches.dead_intervals || self.need() == 1;
+        StumpTask {
+            ids: &partition.wide[s],
+            need: self.need(),
+            cutoff,
+            floor: root.children[s].wide.0,
+            most_tried: usize::MAX,
+            hopeless,
+            // The bounds found here are of more samples than an interval's bound has to hold for: none is left out.
+            dead: INFEASIBLE,
+            // True of every child with leaves of the full size. A log speaks of children that lack samples (where no
+            // interval is struck off), and may only say so where one sample fills a leaf.
+            less: if keeps_bound { partition.open_most } else { INFEASIBLE },
+        }
     }
 
     /// Solve the stump of a child in some of its slope intervals.

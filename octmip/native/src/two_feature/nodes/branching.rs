@@ -97,11 +97,7 @@ impl SearchContext<'_> {
             if distance < -CLEARANCE && self.instance.switches.room {
                 continue;
             }
-            let sides = [true, false].map(|wanted| {
-                let mut side = partition.sides[usize::from(!wanted)].clone();
-                chosen(wanted).for_each(|(point, _)| side.extend(point));
-                side
-            });
+            let sides = partition.with(points, dichotomy);
             let Some((lower, results)) = self.solve_sides(root, &sides, upper, notes) else {
                 continue;
             };

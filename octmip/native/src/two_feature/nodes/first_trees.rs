@@ -46,12 +46,7 @@ pub(crate) fn first_tree(
         if is_done || context.stop.load(Ordering::Relaxed) || intervals.is_empty() {
             break;
         }
-        let interval = one_of(intervals[draws.below(intervals.len())], &mut draws);
-        let dual_plane = &context.dual_planes[interval.dual_plane as usize];
-        let (k, bin) = (interval.first as usize, 4 + draws.below(REGIONS - 8));
-        let region = dual_plane.region((k, k + 1), (bin, bin + 1));
-        let (t, r) = region.center();
-        let mut line = Line { features: dual_plane.features, t, r };
+        let mut line = random_root(context, intervals, &mut draws);
         let mut last = INFEASIBLE;
         for _ in 0..MOST_ROUNDS {
             let children = context.best_children(line, intervals, &mut draws);
@@ -73,6 +68,15 @@ pub(crate) fn first_tree(
         }
     }
     best
+}
+
+/// The middle line of a random region, neither among the lowest nor among the highest of its slope interval.
+fn random_root(context: &SearchContext<'_>, intervals: &[SlopeInterval], draws: &mut Draws) -> Line {
+    let interval = one_of(intervals[draws.below(intervals.len())], draws);
+    let dual_plane = &context.dual_planes[interval.dual_plane as usize];
+    let (k, bin) = (interval.first as usize, 4 + draws.below(REGIONS - 8));
+    let (t, r) = dual_plane.region((k, k + 1), (bin, bin + 1)).center();
+    Line { features: dual_plane.features, t, r }
 }
 
 impl SearchContext<'_> {

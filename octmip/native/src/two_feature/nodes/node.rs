@@ -78,6 +78,15 @@ impl Child {
         }
     }
 
+    /// The intervals below a bound, in which a split may cost less.
+    pub(crate) fn intervals_below(&mut self, dead: i64) -> Vec<SlopeInterval> {
+        let below: Vec<SlopeInterval> = self.intervals.iter().filter(|s| s.bound < dead).copied().collect();
+        if below.len() < self.intervals.len() {
+            self.struck = self.struck.min(dead);
+        }
+        below
+    }
+
     /// Leave out the intervals that cannot hold the child's split in a tree of interest, here and in every node inside.
     ///
     /// An interval's bound holds for the child's settled samples, hence for whatever the child holds beside them. Where
@@ -142,6 +151,18 @@ pub(crate) struct Partition {
     /// Each side with the open samples.
     pub(crate) wide: [Vec<u32>; 2],
     pub(crate) wide_tallies: [Vec<i64>; 2],
+}
+
+impl Partition {
+    /// Both sides with the open points that a dichotomy sends there.
+    pub(crate) fn with(&self, points: &[Vec<u32>], dichotomy: &[bool]) -> [Vec<u32>; 2] {
+        [true, false].map(|wanted| {
+            let mut side = self.sides[usize::from(!wanted)].clone();
+            let chosen = points.iter().zip(dichotomy).filter(|(_, goes_left)| **goes_left == wanted);
+            chosen.for_each(|(point, _)| side.extend(point));
+            side
+        })
+    }
 }
 
 impl SearchContext<'_> {
