@@ -139,7 +139,7 @@ def test_no_line_of_a_comment_is_long():
 
 def wing_cards() -> list[dict[str, object]]:
     """Return name and seen_by of every effect of the wing, as its file says them."""
-    calls = [node for file in sorted(EFFECTS.glob("*.py")) for node in ast.walk(ast.parse(file.read_text()))]
+    calls = [node for file in sorted(EFFECTS.rglob("*.py")) for node in ast.walk(ast.parse(file.read_text()))]
     cards = []
     for call in (node for node in calls if isinstance(node, ast.Call)):
         words = {keyword.arg: keyword.value for keyword in call.keywords}
