@@ -31,11 +31,11 @@ Floats = NDArray[np.float64]
 NOISE_SD = float(np.sqrt(1000.0))
 """Of a reading at any load [microstrain]: the paper's."""
 LEVELS = (0.0, 0.2, 0.4, 0.6, 0.8)
-"""States of the library that the trees tell."""
+"""States of the library that the trees predict."""
 CRITICAL = 0.4
 """Damage beyond which the wing does not bear 3 g: the paper's limit."""
 RATES = (0.0005, 0.004, 0.0075)
-"""Paces of growth that the filter allows for, a step: hardly any, half and nearly all of 0 to 80 % in 100 steps."""
+"""Growth rates that the filter allows for, per step: hardly any, half and nearly all of 0 to 80 % in 100 steps."""
 SUDDEN, CHANGE = 0.0005, 0.01
 MISS = 5.0
 """In the risk-weighted trees, to call a critical damage harmless costs so many times its error."""
