@@ -18,7 +18,7 @@ from octmip.gap.inference.hypotheses import UNKNOWN_PRIOR, Hypothesis, likely_se
 from octmip.gap.inference.inference import Inference
 from octmip.gap.inference.inputs import Inputs
 from octmip.gap.inference.linear_model import LinearModel, linearise
-from octmip.gap.inference.states import NEAR, distance, log_box, moved_states, starting_states
+from octmip.gap.inference.states import STATE_RESOLUTION, distance, log_box, moved_states, starting_states
 from octmip.gap.inference.unknown import Unknown, weigh_unknown
 
 EXACT = 100
@@ -142,7 +142,7 @@ def _polished(started: list[Inference], sets: list[Members]) -> list[Inference]:
             break
         for start in started[:2]:
             found = _settled(start, members, kept)
-            if not any(distance(found.model.states, one.model.states) < NEAR / 5 for one in kept):
+            if not any(distance(found.model.states, one.model.states) < STATE_RESOLUTION / 5 for one in kept):
                 kept.append(found)
     return kept
 
@@ -152,9 +152,9 @@ def _settled(start: Inference, members: Members, kept: list[Inference]) -> Infer
     found = start
     for _ in range(3):
         states = moved_states(found.model, found.fit(members))
-        if distance(states, found.model.states) < NEAR / 10:
+        if distance(states, found.model.states) < STATE_RESOLUTION / 10:
             break
-        near = [one for one in kept if distance(states, one.model.states) < NEAR / 5]
+        near = [one for one in kept if distance(states, one.model.states) < STATE_RESOLUTION / 5]
         found = near[0] if near else Inference(linearise(found.model.inputs, states))
     return found
 
@@ -200,7 +200,7 @@ def _exact(inferences: list[Inference], members: Members) -> Weighed:
         away = distance(moved_states(model, own), model.states) if model.inputs.groups else 0.0
         value = model.log_none + judgement.log_factor + log_box(model, own) + log_prior(model.inputs, members)
         tried.append((away, value, inference))
-    near = [t for t in tried if t[0] < NEAR / 2] or [min(tried, key=lambda t: t[0])]
+    near = [t for t in tried if t[0] < STATE_RESOLUTION / 2] or [min(tried, key=lambda t: t[0])]
     _, value, nearest = max(near, key=lambda t: t[1])
     return Hypothesis(members, False, value), nearest
 

@@ -23,8 +23,8 @@ MOST = 0.9
 """Largest damage that is considered."""
 LINES = {1: 37, 2: 17}
 """Grid lines for each parameter by the number of parameters; more parameters get pairs of active ones."""
-NEAR = 0.05
-"""States closer than this are one place."""
+STATE_RESOLUTION = 0.05
+"""Distance of states, as fractions of damage, below which they count as one."""
 MODES = 3
 """Nodes per group that are looked at."""
 NODE_ERROR = 0.02
@@ -111,7 +111,7 @@ def _likely_nodes(inputs: Inputs, group: tuple[int, ...]) -> list[Floats]:
     for k in np.argsort(-logs, kind="stable"):
         if logs[k] < logs.max() - PLAUSIBLE or len(found) == MODES:
             break
-        if all(np.abs(nodes[k] - other).max() > 3 * NEAR for other in found):
+        if all(np.abs(nodes[k] - other).max() > 3 * STATE_RESOLUTION for other in found):
             found.append(nodes[k])
     return found
 
