@@ -107,6 +107,6 @@ def _utf8(content: str) -> bytes:
     except UnicodeEncodeError as error:
         line = visible(content[: error.start + 1].rpartition("\n")[2])
         raise DataError(
-            f"the class name in {line} holds half of a surrogate pair, which no file can; expected text that UTF-8 "
-            "holds; use --json, or rename the class"
+            f"the class name in {line} holds half of a surrogate pair, which no file can hold; expected text that "
+            "UTF-8 encodes; use --json, or rename the class"
         ) from error

@@ -121,12 +121,12 @@ def _proposed(watch: Watch, monitor_state: MonitorState, row: int, state: int, c
     """Return the state with the size that fits the residuals best, by least squares over the best beginning."""
     library = watch.library
     every = np.ones(len(library.gauges), dtype=bool)
-    trace = candidate.signature / library.noise_sd @ watch.parity.projector(every)
+    projected = candidate.signature / library.noise_sd @ watch.parity.projector(every)
     sums, counts = monitor_state.sums, monitor_state.counts
     if candidate.load_power == 1:
         sums, counts = monitor_state.loaded_sums, monitor_state.squared_loads
-    weight = np.maximum(counts[row] * float(trace @ trace), 1e-300)
-    fit = sums[row] @ trace
+    weight = np.maximum(counts[row] * float(projected @ projected), 1e-300)
+    fit = sums[row] @ projected
     best = int(np.argmax(fit**2 / weight))
     size, sd = float(fit[best] / weight[best]), float(1.0 / np.sqrt(weight[best]))
     value = size / 100.0 if candidate.unit == "%" else size
@@ -145,15 +145,15 @@ def _unknown(watch: Watch, monitor_state: MonitorState, row: int, state: int, wi
 
 
 def _nearest(watch: Watch, monitor_state: MonitorState, row: int, window: int) -> str:
-    """Return the place whose trace is most like the mean residual, if any has three quarters of its length."""
+    """Return the place whose signature is most like the mean residual, if any has three quarters of its length."""
     library, seen = watch.library, monitor_state.sums[row, window]
     every = np.ones(len(library.gauges), dtype=bool)
     best, nearest = 0.75, ""
     for candidate in watch.candidates:
-        trace = candidate.signature / library.noise_sd @ watch.parity.projector(every)
-        length = float(np.linalg.norm(trace) * np.linalg.norm(seen))
-        if length > 0.0 and float(trace @ seen) / length > best:
-            best, nearest = float(trace @ seen) / length, candidate.name
+        projected = candidate.signature / library.noise_sd @ watch.parity.projector(every)
+        length = float(np.linalg.norm(projected) * np.linalg.norm(seen))
+        if length > 0.0 and float(projected @ seen) / length > best:
+            best, nearest = float(projected @ seen) / length, candidate.name
     return nearest
 
 

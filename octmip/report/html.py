@@ -37,14 +37,14 @@ def tree_page(file: TreeFile, source: str) -> str:
         inline_svg(figure),
         "<h2>In words</h2>",
         f"<pre>{escape(tree_text(file.tree, file.feature_names, file.class_names, file.leaf_counts))}</pre>",
-        "<h2>What was claimed</h2>",
+        "<h2>Claims</h2>",
         _pairs(_claims(file)),
-        "<h2>What was asked</h2>",
+        "<h2>Settings</h2>",
         _pairs(_settings(file)),
         "<h2>Training samples: true class by predicted class</h2>",
         _confusion(file),
         f"<footer>Training data: {file.n_samples} samples, sha256 {html_text(file.sha256)}. The claims can be "
-        f"recounted with <code>octmip certify {html_text(shlex.quote(visible(source)))} DATA</code>.</footer>",
+        f"recomputed with <code>octmip certify {html_text(shlex.quote(visible(source)))} DATA</code>.</footer>",
     ]
     head = f'<meta charset="utf-8">{PAGE_POLICY}<title>{html_text(source)}</title><style>{STYLE}</style>'
     return f'<!doctype html>\n<html lang="en"><head>{head}</head><body>\n' + "\n".join(sections) + "\n</body></html>\n"

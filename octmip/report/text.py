@@ -65,7 +65,7 @@ def percent(share: float) -> str:
 
 
 def narrow_scope(solution: Solution) -> str:
-    """Return over which trees the bound speaks where that is not all trees of the problem, else nothing."""
+    """Return the trees for which the bound holds where these are not all trees of the problem, else nothing."""
     scope = str(solution.details.get("scope", "all"))
     return "" if scope.startswith("all") else visible(scope)
 

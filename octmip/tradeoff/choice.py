@@ -28,10 +28,11 @@ from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
 from octmip.problem import Problem
+from octmip.run import NO_OPTIONS, Run
 from octmip.solution import Limits, Solution
-from octmip.solver import Method, solve
+from octmip.solver import Method, solve_run
 from octmip.tradeoff.folds import Fold, Rows, checked_folds, fold_numbers, part_of, stratified_folds
-from octmip.tradeoff.path import MOST_SOLVES, NO_OPTIONS, PenaltyPath, middle, trace_depths
+from octmip.tradeoff.path import MOST_SOLVES, PenaltyPath, middle, trace_depths
 from octmip.tree import Node, predict
 
 Rule = Literal["least", "one_se"]
@@ -191,7 +192,7 @@ def choose_tree(
     chosen = _chosen(steps, rule)
     final = replace(problem, depth=chosen.depth, leaf_penalty=chosen.alpha * problem.baseline)
     known = paths[levels.index(chosen.depth)].best_at(final.leaf_penalty).tree
-    solution = solve(final, method, limits, known, seed, options=options)
+    solution = solve_run(final, Run(method, limits, seed, options=options), known)
     return Choice(final, solution, chosen, steps, tuple(paths), fold_numbers(problem, pairs), rule)
 
 

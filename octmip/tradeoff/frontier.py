@@ -13,9 +13,10 @@ from typing import Any, Literal
 
 from octmip.errors import ProblemError
 from octmip.problem import Problem
+from octmip.run import NO_OPTIONS, Run
 from octmip.solution import Limits, ProgressCallback, Solution, Stop
-from octmip.solver import Method, solve
-from octmip.tradeoff.path import NO_OPTIONS, trace_path
+from octmip.solver import Method, solve_run
+from octmip.tradeoff.path import trace_run
 from octmip.tree import Node
 
 Over = Literal["depth", "budget", "penalty"]
@@ -74,35 +75,34 @@ def trace_frontier(
     ProblemError
         `over` is unknown, or a value makes no problem.
     """
+    return frontier_run(problem, over, values, Run(method, limits, seed, n_jobs, options, progress))
+
+
+def frontier_run(problem: Problem, over: Over, values: Sequence[float] | None, run: Run) -> list[Point]:
+    """Return what `trace_frontier` returns for the method, limits, seed, threads, options and progress of a run.
+
+    Raises
+    ------
+    ProblemError
+        as `trace_frontier`.
+    """
     if over not in OVERS:
         raise ProblemError(f"over is {over!r}; expected one of {', '.join(OVERS)}")
     points: list[Point] = []
-    for value, tree in _starts(problem, over, values, method, limits, seed, n_jobs, progress, options):
+    for value, tree in _starts(problem, over, values, run):
         here = _problem_at(problem, over, value)
         known = tree or (points[-1].solution.tree if points else None)
-        solution = solve(here, method, limits, known, seed, n_jobs, progress, options)
+        solution = solve_run(here, run, known)
         points.append(Point(value, here, solution))
         if solution.stop is Stop.INTERRUPTED:
             break
     return points if over == "penalty" else _with_bounds_of_wider_limits(points)
 
 
-def _starts(
-    problem: Problem,
-    over: Over,
-    values: Sequence[float] | None,
-    method: Method,
-    limits: Limits,
-    seed: int,
-    n_jobs: int,
-    progress: ProgressCallback | None,
-    options: Mapping[str, Any],
-) -> list[tuple[float, Node | None]]:
+def _starts(problem: Problem, over: Over, values: Sequence[float] | None, run: Run) -> list[tuple[float, Node | None]]:
     """Return the values, ascending, each with a tree to start from where one is known beforehand."""
     if over == "penalty" and values is None:
-        path = trace_path(
-            problem, method=method, limits=limits, seed=seed, n_jobs=n_jobs, progress=progress, options=options
-        )
+        path = trace_run(problem, run)
         return [(best.penalty, best.tree) for best in path.trees]
     chosen = default_values(problem, over) if values is None and over != "penalty" else values
     assert chosen is not None

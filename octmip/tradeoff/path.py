@@ -19,19 +19,18 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from types import MappingProxyType
 from typing import Any
 
 from octmip.errors import ProblemError
 from octmip.problem import Problem
+from octmip.run import NO_OPTIONS, Run
 from octmip.solution import Limits, ProgressCallback, Solution, Stop
-from octmip.solver import Method, chosen_method, solve
+from octmip.solver import Method, chosen_method, solve_run
 from octmip.tree import Leaf, Node, complexity
 
 BY_SPLITS = ("oct", "oct_h", "flow")
 MOST_SOLVES = 32
 _ROUNDING = 1e-9  # two sums of the same numbers in another order differ by less, relatively
-NO_OPTIONS: Mapping[str, Any] = MappingProxyType({})
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,14 +144,26 @@ def trace_path(
     SolverError
         a solver failed.
     """
+    return trace_run(problem, Run(method, limits, seed, n_jobs, options, progress), incumbents, most_solves)
+
+
+def trace_run(
+    problem: Problem, run: Run, incumbents: Iterable[Node] = (), most_solves: int = MOST_SOLVES
+) -> PenaltyPath:
+    """Return what `trace_path` returns for the method, limits, seed, threads, options and progress of a run.
+
+    Raises
+    ------
+    ProblemError, SolverError
+        as `trace_path`.
+    """
     if most_solves < 1:
         raise ProblemError(f"most_solves is {most_solves}; expected 1 or more; raise it")
     free = replace(problem, leaf_penalty=0.0)
-    settings = {"method": method, "limits": limits, "seed": seed, "n_jobs": n_jobs, "progress": progress}
-    tracer = _Tracer(free, settings, options)
+    tracer = _Tracer(free, run)
     for tree in (Leaf(int(free.class_costs().argmin())), *incumbents):
         tracer.add(tree)
-    go = tracer.by_splits if chosen_method(problem, method) in BY_SPLITS else tracer.by_penalty
+    go = tracer.by_splits if chosen_method(problem, run.method) in BY_SPLITS else tracer.by_penalty
     is_whole = go(most_solves)
     return tracer.path(is_whole)
 
@@ -174,18 +185,11 @@ def trace_depths(
     ProblemError, SolverError
         as `trace_path`.
     """
+    run = Run(method, limits, seed, options=options)
     paths: list[PenaltyPath] = []
     for level in sorted(depths):
         known = [known.tree for known in paths[-1].trees] if paths else []
-        path = trace_path(
-            replace(problem, depth=level),
-            method=method,
-            limits=limits,
-            incumbents=known,
-            most_solves=most_solves,
-            seed=seed,
-            options=options,
-        )
+        path = trace_run(replace(problem, depth=level), run, known, most_solves)
         paths.append(path)
         if path.is_interrupted:
             break
@@ -218,8 +222,7 @@ class _Tracer:
     """The search for the hull of one problem; its known trees and bounds only grow."""
 
     free: Problem
-    settings: Mapping[str, Any]  # of every solve
-    options: Mapping[str, Any]
+    run: Run  # of every solve
     best: dict[int, _Known] = field(default_factory=dict)  # by complexity
     bounds: dict[float, float] = field(default_factory=dict)  # by penalty
     tolerance: float = 0.0
@@ -271,7 +274,7 @@ class _Tracer:
             self.bounds[penalty] = solution.bound
 
     def _solve(self, problem: Problem, start: Node, more: Mapping[str, int]) -> Solution:
-        solution = solve(problem, incumbent=start, options={**self.options, **more}, **self.settings)
+        solution = solve_run(problem, replace(self.run, options={**self.run.options, **more}), start)
         self.n_solves += 1
         self.is_interrupted |= solution.stop is Stop.INTERRUPTED
         self.tolerance = max(self.tolerance, solution.tolerance)

@@ -13,9 +13,9 @@ from numpy.typing import ArrayLike
 
 from octmip.problem import Problem
 from octmip.risk import ErrorRates, RiskModel
+from octmip.run import NO_OPTIONS, Run
 from octmip.solution import Limits, Solution, Stop
-from octmip.solver import Method, solve
-from octmip.tradeoff.path import NO_OPTIONS
+from octmip.solver import Method, solve_run
 from octmip.tree import predict
 
 
@@ -67,12 +67,13 @@ def trace_risk_frontier(
     ProblemError
         the model has more than two decisions, or it makes no problem.
     """
+    run = Run(method, limits, seed, n_jobs, options)
     points: list[RiskPoint] = []
     for price in sorted(failure_losses):
         here = replace(model, failure_loss=price)
         problem = here.decision_problem(features, losses, depth=depth, **asked)
         known = points[-1].solution.tree if points else None
-        solution = solve(problem, method, limits, known, seed, n_jobs, None, options)
+        solution = solve_run(problem, run, known)
         assert solution.tree is not None  # one leaf is a tree of every such problem
         rates = here.rates(losses, predict(solution.tree, problem.features))
         points.append(RiskPoint(here, problem, solution, rates))

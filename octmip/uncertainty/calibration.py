@@ -1,4 +1,4 @@
-"""Do probabilities hold? Reliability diagram, expected calibration error, Brier score and its parts.
+"""Calibration of probabilities: reliability diagram, expected calibration error, Brier score and its parts.
 
 Samples that were given about the same probability are put into one bin; in a calibrated one the share of hits is the
 mean probability. With w_b the weight of bin b, p_b its mean probability and o_b its share of hits
@@ -127,11 +127,11 @@ def _checked(
         )
     if not (table >= 0).all() or not np.allclose(table.sum(axis=1), 1.0, atol=1e-9):
         raise ProblemError(
-            "a row of probabilities is not 0 or more, or not 1 in all; expected a distribution in each row"
+            "a row of probabilities holds a negative number or does not sum to 1; expected a distribution in each row"
         )
     if truth.dtype.kind not in "iu" or not ((truth >= 0) & (truth < table.shape[1])).all():
         raise ProblemError(
-            f"codes holds what is no index of a class; expected whole numbers from 0 to {table.shape[1] - 1}"
+            f"codes holds a value that is no index of a class; expected whole numbers from 0 to {table.shape[1] - 1}"
         )
     if not (weight >= 0).all() or weight.sum() <= 0:
         raise ProblemError("weights holds a number below 0, or is 0 in all; expected 0 or more")

@@ -62,7 +62,7 @@ class CredibleSets:
         scores = 1.0 - _table(probabilities)
         if scores.shape[1] != len(self.thresholds):
             raise ProblemError(
-                f"probabilities has {scores.shape[1]} columns; expected {len(self.thresholds)}, one a class"
+                f"probabilities has {scores.shape[1]} columns; expected {len(self.thresholds)}, one per class"
             )
         if rng is None:
             return np.asarray(scores <= self.thresholds)

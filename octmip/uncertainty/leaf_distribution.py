@@ -77,7 +77,7 @@ def checked_prior(prior: ArrayLike, n_classes: int) -> Floats:
     values = np.array(prior, dtype=np.float64)
     if values.shape != (n_classes,) or not np.isfinite(values).all() or (values < 0).any() or values.sum() <= 0:
         raise ProblemError(
-            f"prior is {values.tolist()}; expected {n_classes} numbers of 0 or more, one a class, not all 0"
+            f"prior is {values.tolist()}; expected {n_classes} numbers of 0 or more, one per class, not all 0"
         )
     return np.asarray(values / values.sum())
 

@@ -9,8 +9,9 @@ import pytest
 
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem
-from octmip import Limits, Problem, Solution, Stop, certify, solve
+from octmip import Limits, Problem, Solution, Stop, certify
 from octmip.errors import ProblemError
+from octmip.solver import solve_run
 from octmip.tradeoff import path as paths
 from octmip.tradeoff import trace_path
 from octmip.tree import complexity, depth
@@ -124,10 +125,10 @@ def test_a_path_that_is_cut_short_says_so_and_proves_only_what_it_saw():
 
 
 def test_ctrl_c_ends_the_path_with_what_is_known(monkeypatch):
-    def interrupted(problem, *args, **kwargs):
-        return replace(solve(problem, *args, **kwargs), stop=Stop.INTERRUPTED)
+    def interrupted(problem, *args):
+        return replace(solve_run(problem, *args), stop=Stop.INTERRUPTED)
 
-    monkeypatch.setattr(paths, "solve", interrupted)
+    monkeypatch.setattr(paths, "solve_run", interrupted)
     path = trace_path(WEIGHTED, method="exact")
     assert path.is_interrupted
     assert not path.is_whole

@@ -98,7 +98,7 @@ class Aircraft:
 
 
 class _EffectOfWing:
-    """The wing's damage outside the library, for a twin of another table: places and traces are the wing's."""
+    """The wing's damage outside the library, for a twin of another table: places and signatures are the wing's."""
 
     def __init__(self) -> None:
         self.twin = uav_twin()
@@ -108,7 +108,7 @@ class _EffectOfWing:
         return getattr(self.effect, name)
 
     def signature(self, twin: object, state: object, load_factor: float, place: str = "", time: float = 0.0) -> Floats:
-        """Return the trace (n_gauges,) of the wing's own gauges, which the table's are named after."""
+        """Return the signature (n_gauges,) of the wing's own gauges, which the table's are named after."""
         return np.asarray(self.effect.signature(self.twin, {}, load_factor, place))
 
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from benchmarks.uav.mission import course
 from benchmarks.uav.mission.aircraft import CRITICAL, Aircraft, capability
 from benchmarks.uav.mission.histories import MOST_STEPS, Histories, draw
-from benchmarks.uav.mission.outside import example_trace
+from benchmarks.uav.mission.outside import example_signature
 from benchmarks.uav.mission.policies import Pilot, Policy
 from benchmarks.uav.mission.simulation import damage_at, readings_at
 from octmip.formats.tree_file import TreeFile
@@ -32,14 +32,14 @@ def recorded(aircraft: Aircraft, kind: str, seed: int) -> dict[str, Any]:
     histories = draw(kind, 1, rng, read)
     chain = aircraft.filter(16)
     pilot = Pilot(POLICY, aircraft, 1, chain, aircraft.watch())
-    trace = example_trace(aircraft.gauges) if kind == "outside" else None
+    signature = example_signature(aircraft.gauges) if kind == "outside" else None
     chosen = _traced(aircraft, histories)
     compiled = [CompiledTree(file.tree, file.feature_names) for file in aircraft.trees]
     steps: list[dict[str, Any]] = []
     x, width, load = np.zeros(1), np.zeros(1), np.full(1, 3.0)
     for k in range(MOST_STEPS):
         truth = damage_at(histories, k)
-        readings = readings_at(aircraft, histories, k, load, rng, trace)
+        readings = readings_at(aircraft, histories, k, load, rng, signature)
         is_cautious = pilot.decide(readings, load, truth)
         assert pilot.belief is not None
         assert pilot.monitor_state is not None

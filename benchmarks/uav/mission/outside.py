@@ -1,8 +1,8 @@
-"""Damage in a third region: what it adds to the gauges, from a wing that has that region as a component.
+"""Damage in a third region: its signature at the gauges, from a wing that has that region as a component.
 
 The 26 regions of femlib's damage library beyond the study's two are the truth; the watch's candidates are other zones,
-with traces to first order only. A third damage is added to the readings of the first two: within the library damages
-add up to 0.2 microstrain in 3000 (published table).
+with signatures to first order only. A third damage is added to the readings of the first two: within the library
+damages add up to 0.2 microstrain in 3000 (published table).
 """
 
 from pathlib import Path
@@ -20,8 +20,8 @@ EXAMPLE = "R7"
 SIZES = (0.4, 0.6)
 
 
-def example_trace(gauges: tuple[str, ...]) -> Floats:
-    """Return what the example region adds (n_gauges,) per unit of load and of damage: at 60 %, over 0.6."""
+def example_signature(gauges: tuple[str, ...]) -> Floats:
+    """Return the signature (n_gauges,) of the example region per unit of load and of damage: at 60 %, over 0.6."""
     region = next(region for region in damage_library() if region.name == EXAMPLE)
     wing = uav_wing(regions=(*UAV_REGIONS, region))
     strains = wing.strains_microstrain(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.6]]), 1.0)
@@ -29,8 +29,8 @@ def example_trace(gauges: tuple[str, ...]) -> Floats:
     return np.asarray((strains[1] - strains[0])[columns] / 0.6)
 
 
-def all_traces(folder: Path, gauges: tuple[str, ...]) -> dict[tuple[str, float], Floats]:
-    """Return what each of the 26 regions adds (n_gauges,) per unit of load, by region and damage.
+def all_signatures(folder: Path, gauges: tuple[str, ...]) -> dict[tuple[str, float], Floats]:
+    """Return the signature (n_gauges,) of each of the 26 regions per unit of load, by region and damage.
 
     The wing with 28 components takes a minute and a half; its strains are kept in `folder`.
     """

@@ -6,7 +6,7 @@ import numpy as np
 
 from benchmarks.uav.mission.aircraft import Aircraft
 from benchmarks.uav.mission.histories import KINDS, draw
-from benchmarks.uav.mission.outside import example_trace
+from benchmarks.uav.mission.outside import example_signature
 from benchmarks.uav.mission.policies import POLICIES, Pilot, Policy
 from benchmarks.uav.mission.simulation import Flights, fly
 
@@ -23,7 +23,7 @@ def policy_rows(aircraft: Aircraft, n: int, seed: int, kinds: Sequence[str] = KI
     """Return one row for every kind of mission and policy, n missions each, the same histories for all policies."""
     read = tuple(aircraft.gauges.index(gauge) for gauge in aircraft.selector.gauges_read)
     chain, watch = aircraft.filter(CELLS), aircraft.watch()
-    trace = example_trace(aircraft.gauges)
+    signature = example_signature(aircraft.gauges)
     rows = []
     for kind in kinds:
         for policy in POLICIES:
@@ -34,7 +34,7 @@ def policy_rows(aircraft: Aircraft, n: int, seed: int, kinds: Sequence[str] = KI
                 rng = np.random.default_rng([seed, KINDS.index(kind), first])
                 histories = draw(kind, min(CHUNK, n - first), rng, read)
                 pilot = Pilot(policy, aircraft, histories.n, chain, watch)
-                flights.append(fly(aircraft, histories, pilot, rng, trace))
+                flights.append(fly(aircraft, histories, pilot, rng, signature))
             rows.append(_row(kind, policy, flights, seed))
     return rows
 

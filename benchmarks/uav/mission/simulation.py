@@ -37,12 +37,12 @@ class Flights:
 
 
 def fly(
-    aircraft: Aircraft, histories: Histories, pilot: Pilot, rng: np.random.Generator, trace: Floats | None = None
+    aircraft: Aircraft, histories: Histories, pilot: Pilot, rng: np.random.Generator, signature: Floats | None = None
 ) -> Flights:
     """Return what becomes of missions with these histories under a policy.
 
     Args:
-        trace: (n_gauges,) what a wholly damaged third region adds, microstrain per unit of load and of damage.
+        signature: (n_gauges,) what a wholly damaged third region adds, microstrain per unit of load and of damage.
     """
     n = histories.n
     x, width, load = np.zeros(n), np.zeros(n), np.full(n, 3.0)
@@ -51,7 +51,7 @@ def fly(
     for k in range(MOST_STEPS):
         truth = damage_at(histories, k)
         is_on = ~is_lost & ~is_there
-        readings = readings_at(aircraft, histories, k, load, rng, trace)  # at the load of the last manoeuvre
+        readings = readings_at(aircraft, histories, k, load, rng, signature)  # at the load of the last manoeuvre
         is_cautious = pilot.decide(readings, load, truth)
         load = np.where(is_cautious, 2.0, 3.0)
         x, width = course.advance(x, width, is_cautious)
@@ -79,13 +79,13 @@ def readings_at(
     step: int,
     load: Floats,
     rng: np.random.Generator,
-    trace: Floats | None = None,
+    signature: Floats | None = None,
 ) -> Floats:
     """Return the noisy readings (n, n_gauges) of a step, at the load that is being flown."""
     truth = damage_at(histories, step)
     strains = aircraft.strains(truth[:, :2])
-    if trace is not None:
-        strains = strains + truth[:, 2:] * trace
+    if signature is not None:
+        strains = strains + truth[:, 2:] * signature
     readings = load[:, None] * strains + rng.normal(0.0, NOISE_SD, strains.shape)
     rows = np.flatnonzero(step >= histories.dead_from)
     readings[rows, histories.dead_gauge[rows]] = 0.0

@@ -1,6 +1,6 @@
 """The watch on simulated missions: false alarms in the library, and what it finds of damage in a third region.
 
-Where the noise allows it. Let d be the length of the trace that the damage leaves in the residuals, summed over the
+Where the noise allows it. Let d be the length of the signature that the damage leaves in the residuals, summed over the
 mission in quadrature and in standard deviations. A test that knows region, size and beginning beforehand, and only
 asks whether, finds it with probability Phi(d - z(rate)): 95 % needs d >= 3.97 at a rate of 1 %. A test that must look
 for all candidates and beginnings shares its rate among them: with 1 % over (candidates x readings) it needs about 6.8.
@@ -15,7 +15,7 @@ from scipy.stats import norm
 
 from benchmarks.uav.mission.aircraft import NOISE_SD, Aircraft
 from benchmarks.uav.mission.histories import STEPS, Histories, draw
-from benchmarks.uav.mission.outside import all_traces
+from benchmarks.uav.mission.outside import all_signatures
 from benchmarks.uav.mission.simulation import readings_at
 from octmip.monitor import MonitorState, Watch, explain
 
@@ -44,13 +44,13 @@ def outside_rows(aircraft: Aircraft, watch: Watch, folder: Path, n: int, seed: i
     projector = watch.parity.projector(every)
     loads = np.sqrt(float(np.square(_loads()[BEGIN:]).sum()))
     rows = []
-    for (region, size), trace in all_traces(folder, aircraft.gauges).items():
-        length = loads * float(np.linalg.norm(trace / NOISE_SD @ projector))
+    for (region, size), signature in all_signatures(folder, aircraft.gauges).items():
+        length = loads * float(np.linalg.norm(signature / NOISE_SD @ projector))
         rng = np.random.default_rng([seed, 6, int(region[1:]), int(100 * size)])
         if length < told_limit(watch.rate):
             rows.append({"region": region, "damage %": round(100 * size), "d": round(length, 1)})
             continue
-        monitor_state, _, at = _watched(aircraft, watch, draw("paper", n, rng, (0,)), rng, trace)
+        monitor_state, _, at = _watched(aircraft, watch, draw("paper", n, rng, (0,)), rng, signature)
         is_found = (at >= BEGIN) & (at < STEPS)
         finding = explain(watch, monitor_state, int(np.argmax(is_found)))
         rows.append(
@@ -84,13 +84,13 @@ def _loads() -> Floats:
 
 
 def _watched(
-    aircraft: Aircraft, watch: Watch, histories: Histories, rng: np.random.Generator, trace: Floats
+    aircraft: Aircraft, watch: Watch, histories: Histories, rng: np.random.Generator, signature: Floats
 ) -> tuple[MonitorState, Floats, NDArray[np.int64]]:
     """Return the last monitor state, all p-values (STEPS, n) and the step of each alarm, STEPS: none."""
     monitor_state, p_values, at = watch.start(histories.n), [], np.full(histories.n, STEPS)
     for k, load in enumerate(_loads().tolist()):
         readings = readings_at(aircraft, histories, k, np.full(histories.n, load), rng)
-        readings = readings + (load * trace if k >= BEGIN else 0.0)
+        readings = readings + (load * signature if k >= BEGIN else 0.0)
         monitor_state = watch.observe(monitor_state, readings, load)
         p_values.append(monitor_state.p_value)
         at = np.where((at == STEPS) & monitor_state.is_alarm, k, at)

@@ -6,27 +6,25 @@ from femlib.wing.effects import (
     creep,
     damage_outside_library,
     large_deflection,
-    lift_distribution,
     modulus,
     payload_inertia,
     planform,
     root_flexibility,
     skin_thickness,
     spar_skin_debond,
-    temperature_gradient,
-    temperature_uniform,
-    torsion,
 )
 from femlib.wing.effects.card import WingEffect
+from femlib.wing.effects.lift import distribution, torsion
 from femlib.wing.effects.response import Response
+from femlib.wing.effects.thermal import gradient, uniform
 from femlib.wing.model import Wing
 
 EFFECTS = (
     modulus.effect,
     skin_thickness.effect,
-    temperature_uniform.effect,
-    temperature_gradient.effect,
-    lift_distribution.effect,
+    uniform.effect,
+    gradient.effect,
+    distribution.effect,
     torsion.effect,
     large_deflection.effect,
     payload_inertia.effect,

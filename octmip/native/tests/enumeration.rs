@@ -49,7 +49,7 @@ fn exact_trees_cost_what_the_best_of_all_trees_does() {
 fn two_feature_trees_cost_what_the_best_of_all_trees_does() {
     for depth in 1..=2 {
         for (seed, Case { problem, question }) in cases(depth, 2) {
-            let options = two_feature::Options {
+            let options = two_feature::options::Options {
                 limits: Limits::default(),
                 n_threads: 1,
                 known: None,

@@ -22,10 +22,11 @@ import numpy as np
 
 from octmip.errors import ProblemError
 from octmip.problem import Problem
+from octmip.run import NO_OPTIONS, Run
 from octmip.solution import Limits, Solution, Stop
-from octmip.solver import Method, solve
-from octmip.tradeoff import Point, trace_frontier
-from octmip.tradeoff.path import NO_OPTIONS
+from octmip.solver import Method, solve_run
+from octmip.tradeoff import Point
+from octmip.tradeoff.frontier import frontier_run
 from octmip.tree import Leaf, Node, Split
 
 MOST_LABEL_SETS = 20_000  # of which label_bound tries each
@@ -83,12 +84,12 @@ def place_sensors(
     SolverError
         a solver failed.
     """
-    settings: dict[str, Any] = {"method": method, "limits": limits, "seed": seed, "n_jobs": n_jobs, "options": options}
-    known = [placement_on(problem, sensors, **settings) for sensors in starts]
+    run = Run(method, limits, seed, n_jobs, options)
+    known = [_placement_on(problem, sensors, run) for sensors in starts]
     known = [placement for placement in known if placement.solution.tree is not None]
     best = min(known, key=lambda placement: placement.solution.objective, default=None)
     first = None if best is None else _among_all(best, problem)
-    solution = solve(problem, method, limits, first, seed, n_jobs, None, options)
+    solution = solve_run(problem, run, first)
     if solution.tree is None:
         return Placement((), 0.0, problem, solution)
     sensors = problem.sensors_used(solution.tree)
@@ -130,13 +131,12 @@ def placement_on(
     SolverError
         as `octmip.solve`.
     """
+    return _placement_on(problem, sensors, Run(method, limits, seed, n_jobs, options))
+
+
+def _placement_on(problem: Problem, sensors: Iterable[str], run: Run) -> Placement:
     part = problem_on(problem, sensors)
-    return Placement(
-        part.sensors,
-        math.fsum(part.sensor_costs),
-        part,
-        solve(part, method, limits, None, seed, n_jobs, None, options),
-    )
+    return Placement(part.sensors, math.fsum(part.sensor_costs), part, solve_run(part, run))
 
 
 def problem_on(problem: Problem, sensors: Iterable[str]) -> Problem:
@@ -208,9 +208,7 @@ def placement_frontier(
         as `octmip.solve`.
     """
     counted = replace(problem, sensor_cost=None) if over == "number" else problem
-    points = trace_frontier(
-        counted, "budget", values, method=method, limits=limits, seed=seed, n_jobs=n_jobs, options=options
-    )
+    points = frontier_run(counted, "budget", values, Run(method, limits, seed, n_jobs, options))
     known = max(bound, label_bound(problem))
     return [replace(point, solution=_bounded(point.solution, known)) for point in points]
 
@@ -272,6 +270,7 @@ def sample_bound(
         raise ProblemError(
             f"{n_blocks} blocks of {block_size} rows are {n_blocks * block_size}; expected 1 to {problem.n_samples}"
         )
+    run = Run(method, limits, seed, n_jobs)
     rows = np.random.default_rng(seed).permutation(problem.n_samples)[: block_size * n_blocks]
     total = []
     for block in rows.reshape(n_blocks, block_size):
@@ -284,6 +283,6 @@ def sample_bound(
                 leaf_size=1,
                 leaf_penalty=0.0,
             )
-            total.append(max(0.0, solve(part, method, limits, None, seed, n_jobs).bound))
+            total.append(max(0.0, solve_run(part, run).bound))
     total_cost = math.fsum(total)
     return total_cost if problem.has_integer_costs else math.nextafter(total_cost, -math.inf)

@@ -10,13 +10,13 @@ so that no other split is better; else `MOST_STEPS` equal steps.
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 from octmip.problem import Problem
 from octmip.sensing.shared.label_trees import LabelTrees
 from octmip.sensing.shared.solution import BaselineSplit, weighted_sum
 from octmip.solution import Stop
-from octmip.tradeoff import Point, trace_frontier
+from octmip.tradeoff import Point
+from octmip.tradeoff.frontier import frontier_run
 from octmip.tree import Node
 
 MOST_STEPS = 12
@@ -36,10 +36,9 @@ def best_baseline_split(labels: LabelTrees, budget: float) -> BaselineSplit:
 def _frontier(labels: LabelTrees, problem: Problem, budgets: Sequence[float], n_points: int) -> list[Point]:
     if labels.is_over:
         return []
-    seconds = labels.limits.seconds / (2 * n_points)  # half of the time is for what comes after
-    settings: dict[str, Any] = {"seed": labels.seed, "n_jobs": labels.n_jobs, "options": labels.options}
-    limits = replace(labels.remaining, seconds=seconds)
-    points = trace_frontier(problem, "budget", budgets, method=labels.method, limits=limits, **settings)
+    seconds = labels.run.limits.seconds / (2 * n_points)  # half of the time is for what comes after
+    run = replace(labels.run, limits=replace(labels.remaining, seconds=seconds))
+    points = frontier_run(problem, "budget", budgets, run)
     labels.is_interrupted |= any(point.solution.stop is Stop.INTERRUPTED for point in points)
     return points
 

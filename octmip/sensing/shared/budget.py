@@ -16,12 +16,12 @@ import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from types import MappingProxyType
 from typing import Any, Literal
 
 from octmip._native import __version__
 from octmip.errors import ProblemError
 from octmip.problem import Problem
+from octmip.run import NO_OPTIONS, Run
 from octmip.sensing.shared.baseline_split import best_baseline_split
 from octmip.sensing.shared.certificate import certify_joint
 from octmip.sensing.shared.label_trees import JointTrees, LabelTrees
@@ -43,7 +43,7 @@ def shared_budget(
     limits: Limits = Limits(),  # noqa: B008 (frozen)
     seed: int = 0,
     n_jobs: int = 1,
-    options: Mapping[str, Any] = MappingProxyType({}),
+    options: Mapping[str, Any] = NO_OPTIONS,
 ) -> JointSolution:
     """Return one tree for each problem, all within one budget of sensors, and the bound of their weighted sum.
 
@@ -81,16 +81,12 @@ def shared_budget(
         problems=shared,
         weights=shares,
         prices=sensor_prices(shared),
-        method=_chosen_method(shared, method),
-        limits=limits,
-        seed=seed,
-        n_jobs=n_jobs,
-        options=options,
+        run=Run(_chosen_method(shared, method), limits, seed, n_jobs, options),
         best=_leaves(shared, shares),
     )
     baseline = best_baseline_split(labels, budget)
     labels.alternate(labels.best.trees)
-    proof = SetSearch(labels).run() if labels.method == "exact" else _search(labels)
+    proof = SetSearch(labels).run() if labels.run.method == "exact" else _search(labels)
     joint = JointSolution(
         problems=labels.problems,
         weights=labels.weights,
@@ -187,5 +183,5 @@ def _solution(labels: LabelTrees, label: int, own_bound: float) -> Solution:
         n_nodes=0,
         solver="shared budget",
         version=__version__,
-        seed=labels.seed,
+        seed=labels.run.seed,
     )

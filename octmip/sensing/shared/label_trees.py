@@ -10,12 +10,12 @@ import math
 import time
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 from octmip.problem import Problem
+from octmip.run import Run
 from octmip.sensing.shared.solution import weighted_sum
 from octmip.solution import Limits, Solution, Stop
-from octmip.solver import Method, solve
+from octmip.solver import solve_run
 from octmip.tree import Leaf, Node
 
 Sensors = frozenset[str]
@@ -42,8 +42,8 @@ class LabelTrees:
         (n_labels,).
     prices
         of the sensors by name.
-    method, limits, seed, n_jobs, options
-        of every solve; the limits hold for all together.
+    run
+        method, limits, seed, threads and options of every solve; the limits hold for all together.
     best
         the best trees known so far.
     started
@@ -57,11 +57,7 @@ class LabelTrees:
     problems: tuple[Problem, ...]
     weights: tuple[float, ...]
     prices: Mapping[str, float]
-    method: Method
-    limits: Limits
-    seed: int
-    n_jobs: int
-    options: Mapping[str, Any]
+    run: Run
     best: JointTrees
     started: float = field(default_factory=time.perf_counter)
     is_interrupted: bool = False
@@ -70,14 +66,13 @@ class LabelTrees:
     @property
     def is_over(self) -> bool:
         """Whether time is up or Ctrl-C was pressed."""
-        return self.is_interrupted or time.perf_counter() >= self.started + self.limits.seconds
+        return self.is_interrupted or time.perf_counter() >= self.started + self.run.limits.seconds
 
     @property
     def remaining(self) -> Limits:
         """Limits of the next solve: the time that is left."""
-        return Limits(
-            seconds=max(0.0, self.started + self.limits.seconds - time.perf_counter()), memory=self.limits.memory
-        )
+        seconds = max(0.0, self.started + self.run.limits.seconds - time.perf_counter())
+        return Limits(seconds=seconds, memory=self.run.limits.memory)
 
     def cost(self, sensors: Iterable[str]) -> float:
         """Return the cost of the sensors together."""
@@ -91,9 +86,9 @@ class LabelTrees:
         """Return the solution of z_label(held, banned)."""
         own = frozenset(self.problems[label].sensors)
         question = label, held, banned & own
-        if question not in self.known or (start is not None and self.method == "search"):
+        if question not in self.known or (start is not None and self.run.method == "search"):
             asked = self._asked(label, held, banned)
-            solution = solve(asked, self.method, self.remaining, start, self.seed, self.n_jobs, options=self.options)
+            solution = solve_run(asked, replace(self.run, limits=self.remaining), start)
             self.is_interrupted |= solution.stop is Stop.INTERRUPTED
             self.known[question] = solution
         return self.known[question]

@@ -93,8 +93,8 @@ class SetSearch:
 
     def _is_done(self) -> bool:
         best, least = self.labels.best.objective, self.open[0].bound
-        is_near = best - least <= max(self.tolerance, self.labels.limits.gap * best)
-        return is_near or self.labels.is_over or self.n_nodes >= self.labels.limits.nodes
+        is_near = best - least <= max(self.tolerance, self.labels.run.limits.gap * best)
+        return is_near or self.labels.is_over or self.n_nodes >= self.labels.run.limits.nodes
 
     def _early_stop(self) -> Stop:
         if self.labels.is_interrupted:
@@ -102,7 +102,7 @@ class SetSearch:
         if self.labels.is_over:
             return Stop.TIME
         if self.open:
-            return Stop.NODES if self.n_nodes >= self.labels.limits.nodes else Stop.GAP
+            return Stop.NODES if self.n_nodes >= self.labels.run.limits.nodes else Stop.GAP
         # Some solution lacks its proof, and not for lack of time.
         stops = {solution.stop for solution in self.labels.known.values()}
         return Stop.MEMORY if Stop.MEMORY in stops else Stop.NUMERICS

@@ -117,7 +117,8 @@ impl Samples {
         self.set_profiles(problem, &has_samples, &costs);
     }
 
-    /// Classes whose gains are in proportion share a cost profile: cost matrices have few, however many classes there are.
+    /// Classes whose gains are in proportion share a cost profile: cost matrices have few, however many classes there
+    /// are.
     fn set_profiles(&mut self, problem: &Problem, has_samples: &[bool], costs: &ClassCosts) {
         let rows: Vec<Vec<i64>> = (0..problem.n_classes)
             .map(|class| self.labels.iter().map(|&label| costs.gain(class, label as usize)).collect())

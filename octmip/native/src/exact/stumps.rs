@@ -17,8 +17,8 @@ use buckets::Buckets;
 use place::StumpSolver;
 use scan::Scan;
 
-/// Index of the width of histogram numbers (16, 32, 64 bits) that holds three times a total range: a bucket's bound adds
-/// two gains and a range.
+/// Index of the width of histogram numbers (16, 32, 64 bits) that holds three times a total range: a bucket's bound
+/// adds two gains and a range.
 pub(crate) fn width(total_range: i64) -> usize {
     let largest = 3 * total_range as i128 + 2;
     usize::from(largest > i16::MAX as i128) + usize::from(largest > i32::MAX as i128)

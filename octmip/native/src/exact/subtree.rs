@@ -16,8 +16,8 @@ pub(crate) struct Found {
     pub(crate) is_proof: bool,
 }
 
-/// The best tree of at most `depth` levels on the samples `ids` that costs less than `upper`, as far as `most` evaluated
-/// cuts show it.
+/// The best tree of at most `depth` levels on the samples `ids` that costs less than `upper`, as far as `most`
+/// evaluated cuts show it.
 ///
 /// `ids` are indices of the problem's samples, none twice. A search that is stopped from outside finds nothing. The
 /// workspaces are made anew: what an earlier call has laid out knows nothing of the samples of this one.

@@ -1,4 +1,4 @@
-//! What the exact search can do without; the optimum is the same without any of them.
+//! Switches of the exact search; the optimum is the same without any of them.
 
 crate::switches::switches! {
     /// A set of samples costs no less than a part of it.

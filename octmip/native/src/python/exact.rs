@@ -15,9 +15,9 @@ use crate::python::problem::PyProblem;
 use crate::python::rows::{NodeRow, rows_from_tree, tree_from_rows};
 use crate::python::run::{Found, LimitValues, found, limits, supervised, switches, written};
 
-/// What is known: level, bound of one level fewer, best cost and cut of each feature one level lower and at this level,
-/// solved cuts (feature, samples left of it, bounds of both sides), bound, objective and rows of the best tree, open sets
-/// of sensors (held, banned), evaluated cuts. Costs are above the base, the objective of the tree is not.
+/// State of a search: level, bound of one level fewer, best cost and cut of each feature one level lower and at this
+/// level, solved cuts (feature, samples left of it, bounds of both sides), bound, objective and rows of the best tree,
+/// open sets of sensors (held, banned), evaluated cuts. Costs are above the base, the objective of the tree is not.
 type KnownRow = (
     usize,
     i64,
@@ -30,8 +30,8 @@ type KnownRow = (
     u64,
 );
 
-/// The best tree and a bound. `incumbent` is `(objective, rows)` of a feasible tree; `checkpoint` says how often to hand out
-/// what is known, to whom, and what an earlier search handed out last.
+/// The best tree and a bound. `incumbent` is `(objective, rows)` of a feasible tree; `checkpoint` says how often to
+/// hand out what is known, to whom, and what an earlier search handed out last.
 #[pyfunction]
 #[pyo3(signature = (problem, incumbent, limit_values, n_threads, off=Vec::new(), progress=None, *, checkpoint=None))]
 #[allow(clippy::too_many_arguments)]

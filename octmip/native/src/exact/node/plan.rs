@@ -18,7 +18,7 @@ pub(crate) enum Plan {
         feature: usize,
         /// Largest rank that goes left.
         cut: u32,
-        /// What follows on both sides.
+        /// Plans of both sides.
         sides: Box<[Plan; 2]>,
     },
 }

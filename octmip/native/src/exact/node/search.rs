@@ -24,7 +24,7 @@ pub(crate) struct Cut {
     pub(crate) bounds: [i64; 2],
     /// Both children together must cost less.
     pub(crate) target: i64,
-    /// What a child's bound is worth to neighbouring cuts.
+    /// Worth of a child's bound to neighbouring cuts.
     pub(crate) slack: i64,
 }
 
@@ -48,7 +48,7 @@ struct Level {
 
 /// One thread's search: workspaces and counters.
 pub(crate) struct Search<'a> {
-    /// What is searched.
+    /// Samples that are searched.
     pub(crate) samples: &'a Samples,
     /// Prunes that are on.
     pub(crate) switches: Switches,

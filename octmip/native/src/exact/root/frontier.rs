@@ -1,6 +1,7 @@
 //! The open intervals of the root, best bound first, worked by all threads.
 //!
-//! The least bound over the open intervals and those in work bounds every tree not yet seen: it rises during the search.
+//! The least bound over the open intervals and those in work bounds every tree not yet seen: it rises during the
+//! search.
 //!
 //! Work is handed out in rounds of a fixed number of cuts, chosen before the round and entered in order after it. So
 //! what is searched, and which tree is found, does not depend on the number of threads or on their speed.
@@ -101,7 +102,7 @@ impl<'a> Frontier<'a> {
         known: Option<&Known>,
     ) -> Self {
         let mut features: Vec<usize> = (0..samples.p).collect();
-        features.sort_by_key(|&f| incumbents.get(f).map_or(i64::MAX, |reached| reached.cost));
+        features.sort_by_key(|&f| incumbents.get(f).map_or(i64::MAX, |incumbent| incumbent.cost));
         let (mut heap, mut axes, mut round) = (BinaryHeap::new(), Vec::new(), Vec::new());
         let mut solved = Vec::new();
         for (place, &f) in features.iter().enumerate() {
@@ -117,7 +118,7 @@ impl<'a> Frontier<'a> {
                 let bound = samples.penalty + axis.least(&interval);
                 let open = Open::new(bound, place, interval);
                 let best = incumbents.get(f).filter(|_| place < N_FIRST && known.is_none());
-                match best.and_then(|reached| axis.cut_at(reached.position)) {
+                match best.and_then(|incumbent| axis.cut_at(incumbent.position)) {
                     Some(k) => round.push(Task {
                         place,
                         k,

@@ -1,14 +1,14 @@
 //! Distance of the gains of one cost profile from being in proportion to those of another.
 //!
 //! Samples whose gains are all `t * v` for one direction `v` and any t >= 0 move the gain of each label in a straight
-//! line as they pass a cut one after the other, so that the best gains of both sides together are convex in how much has
-//! passed, and largest before the first or after the last. What a sample's gains differ from that, at the best t and up
-//! to a number that is the same for all labels, adds its span (largest less smallest) to that at most.
+//! line as they pass a cut one after the other, so that the best gains of both sides together are convex in how much
+//! has passed, and largest before the first or after the last. What a sample's gains differ from that, at the best t
+//! and up to a number that is the same for all labels, adds its span (largest less smallest) to that at most.
 
 /// Twice the span that is left of each profile beside each direction, rounded up (`n_directions * n_profiles`).
 ///
-/// The directions are the profiles' own: sums of two as well proved no tree faster. `gains` of one sample of each profile
-/// (`n_profiles * n_labels`).
+/// The directions are the profiles' own: sums of two as well proved no tree faster. `gains` of one sample of each
+/// profile (`n_profiles * n_labels`).
 pub(crate) fn doubled_spans(gains: &[i64], n_labels: usize) -> Vec<i64> {
     let profiles: Vec<&[i64]> = gains.chunks(n_labels).collect();
     profiles.iter().flat_map(|v| profiles.iter().map(|profile| doubled_span(profile, v))).collect()

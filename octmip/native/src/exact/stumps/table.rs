@@ -195,8 +195,8 @@ impl<'a> Uncertainty<'a> {
     }
 }
 
-/// Mark the ends of buckets in a list: as long as the cost range outside the largest label keeps to the quota, and mixed
-/// ones as long as few samples have to be walked; given up past `most` of them.
+/// Mark the ends of buckets in a list: as long as the cost range outside the largest label keeps to the quota, and
+/// mixed ones as long as few samples have to be walked; given up past `most` of them.
 fn mark_ends(
     samples: &Samples,
     list: &[u32],

@@ -33,7 +33,8 @@ impl Sides {
     /// Whether enough is known when the best stumps gain at most `reach`.
     ///
     /// So it is when their cost is `threshold` or more; or `target` or more, and the remaining uncertainty is small
-    /// beside what it is above that. Such a cut loses anyway, and the exact cost would rule out only few more neighbours.
+    /// beside what it is above that. Such a cut loses anyway, and the exact cost would rule out only few more
+    /// neighbours.
     pub(crate) fn is_closed(&self, reach: [i64; 2], target: i64, threshold: i64) -> bool {
         let lower = self.total([0, 1].map(|side| reach[side].max(self.best[side])));
         lower >= threshold || (lower >= target && 4 * (self.total(self.best) - lower) <= lower - target)

@@ -1,0 +1,1 @@
+"""Effects of temperature: the whole wing warmer, and one skin warmer than the other."""

@@ -1,0 +1,37 @@
+"""Temperature difference of the skins: the upper skin warmer than the lower one, as under the sun."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from femlib.arrays import FloatArray
+from femlib.wing.effects.card import WingEffect
+from femlib.wing.effects.response import Response
+from femlib.wing.effects.thermal.warming import WarmEffect, WarmWing
+
+
+def effect(response: Response) -> WingEffect:
+    """Return the effect: half the difference above, half below zero, web and ribs between."""
+    wing = response.wing
+    mesh = wing.structure.shells.mesh
+    patch = mesh.patch_of_element
+    upper = np.isin(patch, [k for k, name in enumerate(mesh.patches) if name not in ("bottom", "web", "ribs")])
+    lower = patch == mesh.patches.index("bottom")
+    warm = WarmWing(wing, 0.5 * upper - 0.5 * lower)
+
+    def force(state: Mapping[str, float], load_factor: float, place: str) -> FloatArray:
+        return warm.force(state)
+
+    return WarmEffect(
+        name="temperature_gradient",
+        parameter="temperature of the upper skin above the lower one",
+        unit="K",
+        prior_sd=5.0,
+        prior_source="sun on a dark skin warms it by five to twenty kelvin",
+        separated_by="moisture of one skin gives the same readings; a thermometer on each skin separates them",
+        seen_by=("thermal_zero",),
+        load_power=0,
+        response=response,
+        force=force,
+        warm=warm,
+    )
