@@ -5,13 +5,12 @@ import importlib
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypedDict
 
 import numpy as np
 
 import femlib
 import octmip
-from benchmarks.blind.records import AugmentedRecord, Found
 from femlib.wing import WingTwin, uav_wing
 from femlib.wing.effects import wing_effects
 from octmip.gap import AugmentedTwin, Campaign, Diagnosis, diagnose, read_campaign
@@ -47,6 +46,58 @@ class Task:
     refinement: float = 1.0
     without: bool = True
     lasso: bool = False
+
+
+class ParameterRecord(TypedDict):
+    """One effect of a cause, its place, and its size with a 90 % interval."""
+
+    effect: str
+    place: str
+    size: float
+    low: float
+    high: float
+
+
+class CauseRecord(TypedDict):
+    """A cause as the diagnosis writes it: names of its effects, probability, sizes."""
+
+    effects: list[str]
+    probability: float
+    parameters: list[ParameterRecord]
+
+
+class AugmentedRecord(TypedDict):
+    """The parts of an augmented twin: additions (effect, place, size), calibration at a load, end of the campaign."""
+
+    additions: list[tuple[str, str, float]]
+    calibration: list[float]
+    load: float
+    end: float
+
+
+class Found(TypedDict):
+    """The diagnosis of one case, with the commissioning run (`calibrated`) or without.
+
+    `names` holds for each cause of `which` the groups of names that cannot be told apart, `credible` the same for the
+    causes of the 95 % set. `ranking`, `residual` and `lasso` are the baselines'.
+    """
+
+    name: str
+    calibrated: bool
+    seconds: float
+    which: list[CauseRecord]
+    credible: list[list[list[str]]]
+    names: list[list[list[str]]]
+    unknown_probability: float
+    inclusion: dict[str, float]
+    findings: list[str]
+    stuck: list[str]
+    significant: list[str]
+    correction: list[float]
+    ranking: str
+    residual: list[float]
+    lasso: str | None
+    augmented: AugmentedRecord
 
 
 def twin(refinement: float = 1.0) -> CachedTwin:

@@ -11,9 +11,10 @@ import numpy as np
 from sklearn.linear_model import LogisticRegression
 from sklearn.model_selection import StratifiedKFold, cross_val_predict
 
+from benchmarks.blind.answers import Found
 from benchmarks.blind.figure import Figure, share, statistic
-from benchmarks.blind.records import Found, Key, Pair
-from benchmarks.blind.score import CLEAR, d_prime, names_of, top
+from benchmarks.blind.score import CLEAR, Pair, d_prime, names_of, top
+from benchmarks.blind.sealing import Key
 
 GROUPS = (
     {"modulus", "load_factor_error", "common_gain", "skin_thickness", "planform"},

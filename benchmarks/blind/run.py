@@ -8,14 +8,13 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from benchmarks.blind.answers import Task, answer, code
+from benchmarks.blind.answers import Found, Task, answer, code
 from benchmarks.blind.assets import calculix
 from benchmarks.blind.assets.asset import REFINEMENT, Asset, FemlibAsset
 from benchmarks.blind.figure import Figure
 from benchmarks.blind.guards import guards
-from benchmarks.blind.records import Found, Key, Pair
-from benchmarks.blind.score import by_effect, figures, is_standard, open_keys, strata
-from benchmarks.blind.sealing import seal
+from benchmarks.blind.score import Pair, by_effect, figures, is_standard, open_keys, strata
+from benchmarks.blind.sealing import Key, seal
 from benchmarks.blind.trees import Retraining, recovered, tree_figures
 from octmip.gap.retrain import Recovery
 

@@ -7,13 +7,15 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.blind.answers import Found
 from benchmarks.blind.cases import ALL_LOADS, CONFOUNDED, REPEATS, VARIANCE
 from benchmarks.blind.figure import Figure, area, calibration, share, statistic
-from benchmarks.blind.records import Found, Key, Pair
-from benchmarks.blind.sealing import LEAST, OWN, fingerprint
+from benchmarks.blind.sealing import LEAST, OWN, Key, fingerprint
 from benchmarks.blind.truths import TRACELESS
 from femlib.arrays import FloatArray
 
+Pair = tuple[Found, Key]
+"""A diagnosis and the opened key of its case."""
 ByStratum = Mapping[str, Sequence[Pair]]
 
 CLEAR = 5.0

@@ -9,7 +9,7 @@ import secrets
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import TypedDict
+from typing import NotRequired, TypedDict
 
 import numpy as np
 
@@ -26,7 +26,7 @@ from benchmarks.blind.cases import (
     moments,
     write_campaign,
 )
-from benchmarks.blind.truths import Truth
+from benchmarks.blind.truths import Extra, Truth
 from femlib.arrays import FloatArray
 
 HELD_LOAD = 2.5  # never measured: the correction is judged there
@@ -50,6 +50,36 @@ class Facts(TypedDict):
     entries: dict[str, list[float]]
     strain: list[float]
     gauges: list[str]
+
+
+class TruthRecord(TypedDict):
+    """A truth as it was sealed."""
+
+    name: str
+    size: float
+    place: str
+    extra: Extra
+
+
+class CaseRecord(TypedDict):
+    """A case as it was sealed."""
+
+    name: str
+    stratum: str
+    truths: list[TruthRecord]
+    states: list[list[float]]
+    is_known: bool
+    loads: list[float]
+    noise: str
+    family: str
+
+
+class Key(Facts):
+    """The opened key of a case; `tree_means` (n_states, n_gauges) where its retrained tree is scored."""
+
+    case: CaseRecord
+    salt: str
+    tree_means: NotRequired[list[list[float]]]
 
 
 def seal(

@@ -6,12 +6,11 @@ from functools import cache
 
 import numpy as np
 
-from benchmarks.blind.answers import twin
+from benchmarks.blind.answers import Found, twin
 from benchmarks.blind.assets.asset import TREE_STATES
 from benchmarks.blind.cases import VARIANCE
 from benchmarks.blind.figure import Figure, share, statistic
-from benchmarks.blind.records import Found, Key
-from benchmarks.blind.sealing import TREE_LOAD
+from benchmarks.blind.sealing import TREE_LOAD, Key
 from femlib.arrays import FloatArray
 from octmip.gap import CHAIN, Addition, AugmentedTwin
 from octmip.gap.retrain import Lesson, Recovery, recovery, retrained, trained

@@ -3,7 +3,7 @@
 HiGHS works in floating point with tolerances, so a "solution" of its model need not be one of the problem, and a bound
 need not hold. The objective that it is given is made of whole numbers of moderate size (`octmip.mip.prices`); its bound
 is lowered by what its tolerances allow (`octmip.mip.highs.claims`); its splits become a tree, every sample is routed
-through that tree, and the objective is counted again. If the count is worse than HiGHS claims, or better than HiGHS says
+through that tree, and the objective is counted again. If the count is worse than HiGHS claims, or better than it says
 any tree can be, the run is repeated with tighter tolerances. What is contradicted even then is not believed: the best
 tree known comes back with a bound that holds, and `Stop.NUMERICS` (`octmip.mip.result`).
 """

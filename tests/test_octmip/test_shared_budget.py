@@ -98,7 +98,7 @@ def test_search_is_never_worse_than_the_best_split_by_hand_nor_better_than_the_p
 
 
 def gauges_for_two(n_each: int = 12) -> list[Problem]:
-    """Return two labels that one shared gauge predicts well together, and two private gauges a little better one by one.
+    """Return two labels that a shared gauge predicts well together, and two private gauges a little better one by one.
 
     g0 predicts all but one sample of either label; a predicts the first label wholly, b the second; c nothing.
     """
