@@ -37,7 +37,7 @@ class SequentialProblem:
         ranks: NDArray[np.uint32],
         paid: NDArray[np.float64],
         frequency: NDArray[np.float64],
-        haste: NDArray[np.float64],
+        delay_costs: NDArray[np.float64],
         shape: tuple[float, int, int, list[int], list[bool], list[int]],
         prices: tuple[list[float], list[int], list[float], list[int]],
         multiplier: float,
@@ -46,7 +46,7 @@ class SequentialProblem:
         """Take the problem.
 
         `shape`: penalty, depth, leaf size, sensor of each feature, whether it may be used, most readings of each label.
-        `prices`: cost and group of each sensor, opening cost of each group, sensors read before the root.
+        `prices`: cost and group of each sensor, set-up cost of each group, sensors read before the root.
         """
 
 class Question:
@@ -131,12 +131,12 @@ def two_feature_branch_and_bound(
     *,
     whole_coefficients: int | None = None,
 ) -> tuple[list[NodeRow], int, int, str, int]:
-    """Return node table, objective, bound, stop and number of boxes; the incumbent is the cost of a feasible tree."""
+    """Return node table, objective, bound, stop and number of nodes; the incumbent is the cost of a feasible tree."""
 
 def two_feature_prunes() -> list[str]:
     """Return the names of all prunes and bounds of the two-feature core."""
 
-def prove_lines(problem: Problem, claim: int, n_threads: int) -> str | None:
+def prove_two_feature(problem: Problem, claim: int, n_threads: int) -> str | None:
     """Return the body of a log that proves a claim about two-feature trees, None when stopped or not shown."""
 
 def sequential(

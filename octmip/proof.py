@@ -1,10 +1,11 @@
-"""Proof logs: a file that shows, to a checker that knows no solver, that no tree of a problem costs less than claimed.
+"""Proof logs: a file that proves, to a checker without a solver, that no tree of a problem costs less than claimed.
 
 The header binds the log to one problem and names whole numbers that its costs are not below, so that a bound of theirs
 is one of the problem: weights and costs times powers of two, rounded down, or numbers that are compared with the true
-ones one by one. Header and body are checked by the crate octmip-check, which depends on no other and holds no solver;
-here it is handed the problem as it was given. Format and proofs: docs/theory/proof.md; for splits over two features,
-docs/theory/two-feature.md.
+ones one by one. Header and body are checked by the crate octmip-check; cargo enforces that it depends on no
+solver, nor on any other crate. The solvers depend on it: the two-feature solver writes its logs with the checker's own
+regions, coordinates and dichotomies. Here the checker gets the problem as it was given. Format and proofs:
+docs/theory/proof.md; for splits over two features, docs/theory/two-feature.md.
 """
 
 import math
@@ -21,7 +22,7 @@ from octmip.formats.files import read_bytes
 from octmip.formats.problem_file import data_digest, question_digest
 from octmip.problem import Problem
 
-# First line of a log, by the kind of split.
+# First line of a log, by `Problem.split`.
 FORMATS = {"axis": "octmip-proof 3", "hyperplane": "octmip-proof 3 two-feature"}
 MOST_DEPTH, MOST_FEATURES = 2, 2  # of trees of two-feature splits that have logs
 
@@ -78,7 +79,7 @@ def check_proof(problem: Problem, path: str | Path, *, bound: float = -math.inf,
     Raises
     ------
     ProblemError
-        trees of this kind have no proof logs.
+        such trees have no proof logs.
     DataError
         the log cannot be read.
     CertificateError
@@ -98,7 +99,7 @@ def check_proof(problem: Problem, path: str | Path, *, bound: float = -math.inf,
 
 
 def check_provable(problem: Problem) -> None:
-    """Raise a `ProblemError` if trees of a problem's kind have no proof logs."""
+    """Raise a `ProblemError` if the trees of a problem have no proof logs."""
     if problem.split == "hyperplane" and (problem.depth > MOST_DEPTH or problem.max_split_size > MOST_FEATURES):
         raise ProblemError(
             f"depth {problem.depth} with {problem.max_split_size} features a split has no proof log; expected depth "

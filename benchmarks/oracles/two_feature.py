@@ -59,16 +59,16 @@ def best_objective(problem: Problem) -> float:
     def best(samples: int, depth: int) -> dict[frozenset[int], float]:
         options = {frozenset[int](): leaf(samples)}
         parts: dict[int, set[tuple[int, frozenset[int]]]] = {}
-        for side, ways in made.items() if depth else ():
+        for side, splits in made.items() if depth else ():
             if 0 < side & samples < samples:
-                parts.setdefault(side & samples, set()).update(ways)
+                parts.setdefault(side & samples, set()).update(splits)
         known: dict[int, dict[frozenset[int], float]] = {}
-        for side, ways in parts.items():
+        for side, splits in parts.items():
             for part in (side, samples ^ side):
                 known[part] = known.get(part) or best(part, depth - 1)
             for left, left_cost in known[side].items():
                 for right, right_cost in known[samples ^ side].items():
-                    for size, features in ways:
+                    for size, features in splits:
                         used = frozenset() if math.isinf(problem.sensor_limit) else left | right | features
                         cost = left_cost + right_cost + problem.leaf_penalty * size
                         if cost < options.get(used, math.inf) and affordable(used | features):

@@ -50,12 +50,12 @@ def clouds(seed: int, *, most_samples: int = 260) -> Problem:
 
 
 def _features(rng: np.random.Generator, n: int, p: int) -> np.ndarray[Any, np.dtype[np.float64]]:
-    kind = rng.integers(4)
-    if kind == 0:  # a small grid: duplicates and many points on one line
+    pattern = rng.integers(4)
+    if pattern == 0:  # a small grid: duplicates and many points on one line
         return rng.integers(0, 4, (n, p)).astype(float)
-    if kind == 1:
+    if pattern == 1:
         return rng.normal(size=(n, p))
-    if kind == 2:  # a grid of other units in every column
+    if pattern == 2:  # a grid of other units in every column
         return rng.integers(0, 8, (n, p)) / 8 * 2.0 ** rng.integers(-3, 9, p)
     features = rng.integers(0, 6, (n, p)).astype(float)
     if p > 1:  # nearly all points on one line

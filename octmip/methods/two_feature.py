@@ -5,9 +5,9 @@
 
 The bound holds for every tree whose lines are taken in exact arithmetic over the float64 values as given: nothing is
 rounded to a grid. Coordinates scaled to [0, 1] settle all samples that keep 2^-42 clear of a line; the few others are
-parted in whole numbers of as many bits as it takes. A way of parting that no float64 line does with that much room
-counts for the bound but is not returned: `Stop.NUMERICS` and `Solution.details["thin"]` then say so. See
-docs/theory/two-feature.md.
+parted in whole numbers of as many bits as it takes. A dichotomy that no float64 line makes with that much room is
+numerically undecided: it counts for the bound but is not returned, and `Stop.NUMERICS` and
+`Solution.details["numerically_undecided"]` report it. See docs/theory/two-feature.md.
 """
 
 import time
@@ -65,7 +65,7 @@ def two_feature_branch_and_bound(
         problem: of depth 1 or 2 and at most two features a split (`split_size=2`, or no more than two features).
         limits: when to stop early.
         incumbent: a tree of this problem; the result is never worse.
-        seed: has no effect on the optimum; kept for the record.
+        seed: has no effect on the optimum; kept in the solution.
         n_jobs: threads; the result does not depend on them.
         progress: called every few hundredths of a second.
         proof: file for a log that `octmip.proof.check_proof` verifies; it takes a second search, about as long.
@@ -127,7 +127,7 @@ def two_feature_branch_and_bound(
 
 
 def _open_stop(problem: Problem, stop: str) -> Stop:
-    """Return why a search that did not meet its bound ended: a limit, or all boxes done and rounding in the way."""
+    """Return why a search that did not meet its bound ended: a limit, or all nodes done and rounding in the way."""
     if stop not in ("optimal", "finished"):
         return Stop(stop)
     return Stop.NUMERICS if problem.integer_normals is None else Stop.FINISHED
@@ -138,7 +138,7 @@ def _details(problem: Problem, *, is_open: bool) -> dict[str, object]:
     if problem.integer_normals is not None:
         # Trees of real coefficients include those of whole ones: their bound holds, but need not be met.
         return details | {"coefficients": "whole; the bound is that of real ones"}
-    return details | {"thin": is_open}
+    return details | {"numerically_undecided": is_open}
 
 
 def _check(problem: Problem, n_jobs: int) -> None:
@@ -164,7 +164,7 @@ def _write_proof(
 ) -> None:
     """Write the log of a claim, if the checker accepts it (or is not asked); else raise a `ProofError`."""
     solution, n_jobs, check_log = given
-    body = _native.prove_lines(native, claim, n_jobs)
+    body = _native.prove_two_feature(native, claim, n_jobs)
     if body is None:
         raise _no_log(
             path, "it was interrupted, the budget allows too many sets of sensors, or rounding decides", solution

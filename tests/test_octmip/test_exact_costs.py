@@ -10,7 +10,7 @@ from octmip.methods.native_call import without
 from octmip.problem import Problem
 
 BLOCK = 50
-COST_BOUNDS = ("mixed_labels", "buckets", "swing", "vectors")
+COST_BOUNDS = ("mixed_labels", "buckets", "cost_range", "vectors")
 
 
 def cost_problem(rng, n, p, depth):

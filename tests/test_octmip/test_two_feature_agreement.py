@@ -1,4 +1,4 @@
-"""Boxes of lines, mixed-integer programs and enumeration agree: a part of `benchmarks.cases.two_feature.agreement`."""
+"""Branch and bound, mixed-integer programs and enumeration agree: part of `benchmarks.cases.two_feature.agreement`."""
 
 from itertools import islice
 

@@ -49,9 +49,9 @@ def log_of(problem: Problem, path: Path) -> list[str]:
         (lambda lines: ["octmip-proof 3", *lines[1:]], 'line 1: got "octmip-proof 3", expected "octmip-proof 3 two-f'),
         (lambda lines: [*lines[:5], *lines[6:]], 'line 6: got .*, expected "C 0 1"'),
         (lambda lines: [*lines[:-2], ""], "expected end"),
-        (lambda lines: [*lines[:6], "N 99 99", *lines[7:]], "is not proven to cost 99|expected the next chart"),
+        (lambda lines: [*lines[:6], "N 99 99", *lines[7:]], "is not proven to cost 99|expected the next dual plane"),
         (lambda lines: [*lines[:6], "F", *lines[7:]], "line 7: both children may hold 1 samples"),
-        (lambda lines: [*lines[:6], "T 3", *lines[7:]], "line 7: t = 3 is outside the cell"),
+        (lambda lines: [*lines[:6], "T 3", *lines[7:]], "line 7: t = 3 is outside the region"),
         (lambda lines: [*lines[:6], "T up", *lines[7:]], 'line 7: expected 1 numbers, got "up"'),
         (lambda lines: [*lines[:4], f"claim {int(lines[4][6:]) + 1}", *lines[5:]], "line .*: "),
     ],
@@ -72,9 +72,9 @@ def test_a_log_is_bound_to_its_samples_and_its_question(tmp_path: Path) -> None:
     other = Problem(problem.features * 2, problem.labels, depth=2, split="hyperplane", split_size=2)
     with pytest.raises(CertificateError, match="line 2"):
         check_proof(other, path)
-    dearer = Problem(problem.features, problem.labels, depth=2, split="hyperplane", split_size=2, leaf_penalty=1)
+    penalised = Problem(problem.features, problem.labels, depth=2, split="hyperplane", split_size=2, leaf_penalty=1)
     with pytest.raises(CertificateError, match="line 3"):
-        check_proof(dearer, path)
+        check_proof(penalised, path)
 
 
 def test_values_however_far_apart_are_proven(tmp_path: Path) -> None:

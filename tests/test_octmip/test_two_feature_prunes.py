@@ -49,14 +49,14 @@ def test_the_optimum_stays_without_any_of_many_together() -> None:
 
 @pytest.mark.parametrize(("seed", "best"), [(177, 14), (98, 39), (355, 4), (279, 59)])
 def test_what_more_samples_teach_about_a_strip_is_not_held_against_fewer(seed: int, best: int) -> None:
-    """Strips bounded with a box's open samples were once passed over as if bounded without: these came out dearer."""
+    """Slope intervals bounded with open samples once counted as bounded without: these optima came out too high."""
     problem = clouds(seed)
     assert optimum(problem, []) == optimum(problem, ["wide"]) == best
 
 
 @pytest.mark.parametrize("seed", [0, 4, 8, 21])
 def test_what_one_set_of_sensors_teaches_is_not_used_under_another(seed: int) -> None:
-    """Good lines of other boxes once served sets that may not read their sensors: the tree was over its budget."""
+    """Good lines of other nodes once served sets that may not read their sensors: the tree was over its budget."""
     problem = clouds(seed, most_samples=130)
     budget = dataclasses.replace(problem, sensor_budget=problem.n_features - 1.0)
     solution = two_feature_branch_and_bound(budget)

@@ -30,7 +30,7 @@ CASES: dict[str, tuple[list[list[float]], list[int], dict[str, Any]]] = {
         [0, 0, 0, 1, 1, 1, 1],
         {"weights": [7.0, 6.0, 10.0, 9.0, 6.0, 7.0, 8.0], "leaf_penalty": 0.5, "class_names": (0, 1)},
     ),
-    # The writer took a sample for open that the checker had settled, so their ways had other names.
+    # The writer took a sample for open that the checker had settled, so their dichotomies had other names.
     "a sample 1e-13 from an edge": (
         [
             [0.0, 1.0000000000000002, 3.8560894053302093e-10],
@@ -185,5 +185,5 @@ def test_boxes_within_boxes_without_end_are_refused(tmp_path: Path) -> None:
     lines = path.read_text().split("\n")
     first = next(row for row, line in enumerate(lines) if line.startswith(("T ", "R ")))
     path.write_text("\n".join([*lines[:first], *["R 0 0"] * 200_000, *lines[first:]]))
-    with pytest.raises(CertificateError, match="expected 1000 boxes in one another at most"):
+    with pytest.raises(CertificateError, match="expected 1000 nodes in one another at most"):
         check_proof(problem, path)

@@ -35,20 +35,20 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
     for first in range(0, N_CORRUPTIONS, CHUNK):
         outcomes = [corrupted(seed) for seed in range(first, first + CHUNK)]
         wrong = [first + i for i, (_, outcome) in enumerate(outcomes) if outcome == "wrong"]
-        counts = Counter(f"{kind}: {outcome}" for kind, outcome in outcomes)
+        counts = Counter(f"{corruption}: {outcome}" for corruption, outcome in outcomes)
         yield {"size": f"corruptions {first} to {first + CHUNK - 1}", "seed": STREAM, "counts": counts, "wrong": wrong}
 
 
 def corrupted(seed: int) -> tuple[str, str]:
-    """Corrupt one thing and return its kind and "refused", "true" (accepted, and still true) or "wrong"."""
+    """Corrupt one thing and return its name and "refused", "true" (accepted, and still true) or "wrong"."""
     rng = np.random.default_rng([STREAM, seed])
     problem = random_two_feature_problem(rng, depth=2 - int(rng.random() < 0.2), max_samples=9)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "proof.log"
         solution = two_feature_branch_and_bound(problem, proof=path)
         check_proof(problem, path, bound=solution.bound)
-        kind = str(rng.choice(["log", "log", "log", *KINDS]))
-        return kind, KINDS[kind](rng, problem, solution, path)
+        corruption = str(rng.choice(["log", "log", "log", *CORRUPTIONS]))
+        return corruption, CORRUPTIONS[corruption](rng, problem, solution, path)
 
 
 def _judged(problem: Problem, path: Path) -> str:
@@ -69,7 +69,7 @@ def _log(rng: Generator, problem: Problem, solution: Solution, path: Path) -> st
 
 
 def _other_place(rng: Generator, lines: list[str]) -> None:
-    """Move the edge or the value of t where a box is cut."""
+    """Move the edge or the value of t where a node is cut."""
     cuts = [row for row in range(HEADER, len(lines)) if lines[row].startswith(("T ", "R "))]
     if cuts:
         row = int(rng.choice(cuts))
@@ -127,7 +127,7 @@ def _other_tree(rng: Generator, problem: Problem, tree: Node) -> Node:
     return dataclasses.replace(tree, **{side: _other_tree(rng, problem, getattr(tree, side))})
 
 
-KINDS: dict[str, Callable[[Generator, Problem, Solution, Path], str]] = {
+CORRUPTIONS: dict[str, Callable[[Generator, Problem, Solution, Path], str]] = {
     "log": _log,
     "claim raised": _raised_claim,
     "data": _data,

@@ -1,8 +1,9 @@
-"""Boxes of lines = mixed-integer programs on HiGHS = enumeration: two-feature trees, three programs, no shared proof.
+"""Branch and bound = mixed-integer programs on HiGHS = enumeration: two-feature trees, three programs, no shared proof.
 
 `oct_h` and `flow` ask every sample to keep a distance from the line, HiGHS's tolerance over the range of the features;
-the boxes ask for none. So a mixed-integer optimum may lie above theirs, never below, and where it does its bound is one
-of fewer trees. Each side starts from a local search of its own and is told nothing of the others.
+branch and bound asks for none. So a mixed-integer optimum may lie above its optimum, never below, and where it does the
+bound of the program is one of fewer trees. Each side starts from a local search of its own and knows nothing of the
+others.
 """
 
 from collections.abc import Callable, Iterator
@@ -25,7 +26,7 @@ from octmip.problem import Problem
 from octmip.solution import Limits, Solution
 
 Line = dict[str, Any]
-RANDOM = 60  # small random problems of every kind, half of depth 1 and half of depth 2
+RANDOM = 60  # small random problems of every sort, half of depth 1 and half of depth 2
 MIO: dict[str, Callable[..., Solution]] = {"flow": solve_flow, "oct_h": solve_oct_h}
 
 
@@ -93,7 +94,7 @@ def verdict(line: Line) -> str:
 
 def summary(lines: list[Line]) -> str:
     """Return the table of the named problems, and one line about the random ones."""
-    head = ["problem", "boxes", "enumeration", "flow", "its bound", "oct_h", "its bound", "verdict"]
+    head = ["problem", "branch and bound", "enumeration", "flow", "its bound", "oct_h", "its bound", "verdict"]
     table = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
     for line in lines:
         if not line["size"].startswith("random"):

@@ -29,8 +29,8 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[dict[str, Any]]:
 
 
 def summary(lines: Sequence[dict[str, Any]]) -> str:
-    """Return the table: optimum, boxes and CPU seconds beside the prototype's."""
-    head = "| case | threads | objective | bound | boxes | CPU s | prototype | prototype, CPU s |"
+    """Return the table: optimum, nodes and CPU seconds beside the prototype's."""
+    head = "| case | threads | objective | bound | nodes | CPU s | prototype | prototype, CPU s |"
     rows = [
         f"| {line['size']} | {line['threads']} | {line['objective']:g} | {line['bound']:g} | {line['n_nodes']} "
         f"| {line['cpu_seconds']:.2f} | {line['prototype']} | {line['prototype_cpu_seconds']} |"

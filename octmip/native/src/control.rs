@@ -56,7 +56,7 @@ pub struct Progress {
 /// Called every few hundredths of a second from the calling thread; `false` means stop now.
 pub type KeepGoing<'a> = &'a mut dyn FnMut(Progress) -> bool;
 
-/// What a solver returns.
+/// Result of a solver.
 #[derive(Debug, Clone)]
 pub struct Outcome {
     /// The best tree.

@@ -8,12 +8,17 @@
 //! subtree, proof   the same search for local search, and for a log
 //! ```
 
-pub mod effort;
-pub mod node;
-pub mod proof;
-pub mod root;
-pub mod samples;
-pub mod stumps;
-pub mod subtree;
-pub mod switches;
-pub mod view;
+pub(crate) mod effort;
+pub(crate) mod node;
+pub(crate) mod proof;
+pub(crate) mod root;
+pub(crate) mod samples;
+pub(crate) mod stumps;
+pub(crate) mod subtree;
+pub(crate) mod switches;
+pub(crate) mod view;
+
+pub use effort::Control;
+pub use proof::write as write_proof;
+pub use root::{Options, solve};
+pub use switches::Switches;

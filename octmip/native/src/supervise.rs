@@ -48,7 +48,7 @@ impl Supervision {
         self.flag.load(Ordering::Relaxed)
     }
 
-    /// Why the search was told to stop, if it was; the first reason stays.
+    /// Why the search is to stop, if it is; the first reason stays.
     pub(crate) fn reason(&self) -> Option<Stop> {
         self.reason.get().copied()
     }

@@ -30,15 +30,14 @@ fn log_of(question: &Question, claim: i64, body: &str) -> String {
 fn exact_trees_cost_what_the_best_of_all_trees_does() {
     for depth in 1..=3 {
         for (seed, Case { problem, question }) in cases(depth, 1) {
-            let switches = exact::switches::Switches::default();
-            let options = exact::root::Options { limits: Limits::default(), n_threads: 1, incumbent: None, switches };
-            let found = exact::root::solve(&problem, &options, &mut |_| true);
+            let switches = exact::Switches::default();
+            let options = exact::Options { limits: Limits::default(), n_threads: 1, incumbent: None, switches };
+            let found = exact::solve(&problem, &options, &mut |_| true);
             let best = optimum(&problem);
             assert_eq!((found.objective, found.bound), (best, best), "depth {depth}, seed {seed}");
             assert_eq!(cost_of(&problem, &found.tree), Some(best), "depth {depth}, seed {seed}");
-            let control = exact::effort::Control::new();
-            let body =
-                exact::proof::write(&problem, best, exact::switches::Switches::default(), &control).expect("a proof");
+            let control = exact::Control::new();
+            let body = exact::write_proof(&problem, best, exact::Switches::default(), &control).expect("a proof");
             let report = check(&question, &log_of(&question, best, &body), 1);
             assert_eq!(report.map(|report| report.bound), Ok(best as f64), "depth {depth}, seed {seed}");
             assert!(check(&question, &log_of(&question, best + 1, &body), 1).is_err(), "depth {depth}, seed {seed}");
@@ -50,7 +49,7 @@ fn exact_trees_cost_what_the_best_of_all_trees_does() {
 fn two_feature_trees_cost_what_the_best_of_all_trees_does() {
     for depth in 1..=2 {
         for (seed, Case { problem, question }) in cases(depth, 2) {
-            let options = two_feature::Options {
+            let options = two_feature::options::Options {
                 limits: Limits::default(),
                 n_threads: 1,
                 known: None,

@@ -1,4 +1,5 @@
-//! An independent checker of octmip's proof logs: does a log prove that no tree of a problem costs less than it claims?
+//! The checker of octmip's proof logs: a log is accepted if it proves that no tree of a problem costs less than it
+//! claims.
 //!
 //! It holds no solver and depends on no other crate. A log is checked against a [`question::Question`]: the problem as
 //! it was given, in float64. Formats and proofs: docs/theory/proof.md and, for splits over two features,
@@ -6,35 +7,33 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | `question`, `json`, `sha256` | the problem, read from its file, and the digests that bind a log to it |
-//! | `header`, `whole_costs`, `exact_numbers` | the header of a log: whole numbers, none above the true cost |
+//! | `input` | the problem, read from its file, and the digests that bind a log to it |
+//! | `log` | lines of a log and its header: whole numbers, none above the true cost |
+//! | `numbers` | exact arithmetic |
 //! | `problem`, `ranked` | the problem in ranks and whole numbers, as checkers and solvers hold it |
 //! | `axis` | the checker of logs of axis-aligned trees |
-//! | `lines` | the checker of logs of two-feature trees |
+//! | `two_feature` | the checker of logs of two-feature trees |
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 #![cfg_attr(not(test), deny(clippy::unwrap_used))]
 
 mod axis;
-mod cursor;
-pub mod exact_numbers;
-mod header;
-pub mod json;
-pub mod lines;
+mod input;
+mod log;
+mod numbers;
 pub mod problem;
-pub mod question;
 mod ranked;
 mod refusal;
-mod sensors;
-pub mod sha256;
-mod whole_costs;
+pub mod two_feature;
 
+pub use input::question;
 pub use refusal::Refusal;
 
-use cursor::Cursor;
-use question::Question;
+use input::question::Question;
+use log::cursor::Cursor;
+use log::header;
 
-/// What a log proves that was accepted.
+/// The proof of a log that was accepted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Report {
     /// No tree of the problem costs less.
@@ -52,7 +51,7 @@ pub fn check(question: &Question, log: &str, n_threads: usize) -> Result<Report,
     let header = header::read(question, &mut cursor)?;
     let problem = ranked::problem_of(question, &header.costs);
     if question.is_hyperplane {
-        lines::check(&problem, cursor, header.claim, n_threads)?;
+        two_feature::check(&problem, cursor, header.claim, n_threads)?;
     } else {
         axis::check(&problem, cursor, header.claim)?;
     }

@@ -1,6 +1,6 @@
 //! A classification problem over dense ranks, with integer weights and costs.
 
-/// What is wrong with a problem, with numbers.
+/// A fault of a problem, with its numbers.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ProblemError(pub String);
 
@@ -23,7 +23,7 @@ pub struct Problem {
     pub labels: Vec<u32>,
     /// Risk weight of each sample (`n`), 0 or more.
     pub weights: Vec<i64>,
-    /// Cost of predicting column `k` for class row `i` (`n_classes * n_classes`, row-major), 0 or more.
+    /// Cost of predicting label `k` for class `i` (`n_classes * n_classes`, row-major), 0 or more.
     pub costs: Vec<i64>,
     /// Price of one feature in one split.
     pub penalty: i64,
@@ -39,11 +39,11 @@ pub struct Problem {
     pub sensor_limit: f64,
     /// Whether a feature may be used in an axis-aligned split (`p`).
     pub allowed: Vec<bool>,
-    /// What hyperplane splits need; none where every split is axis-aligned.
+    /// Data of hyperplane splits; none where every split is axis-aligned.
     pub planes: Option<Planes>,
 }
 
-/// What splits over more than one feature need to know.
+/// Data of splits over more than one feature.
 #[derive(Debug, Clone)]
 pub struct Planes {
     /// Feature values, sample-major: feature `f` of sample `i` is `values[i * p + f]`.

@@ -1,8 +1,8 @@
 //! A question with the whole numbers of a log, as the checkers count it.
 
+use crate::input::question::Question;
+use crate::log::whole_costs::WholeCosts;
 use crate::problem::{Planes, Problem};
-use crate::question::Question;
-use crate::whole_costs::WholeCosts;
 
 /// The problem that the checkers count: ranks in place of values, whole numbers in place of costs.
 pub(crate) fn problem_of(question: &Question, costs: &WholeCosts) -> Problem {

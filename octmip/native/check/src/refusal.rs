@@ -1,15 +1,15 @@
-//! Why a log is refused.
+//! The refusal of a log.
 
 /// The line of a log (from 1) that is refused, and the reason.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Refusal {
     /// Number of the line.
     pub line: usize,
-    /// What is wrong with it.
+    /// The reason why it is refused.
     pub reason: String,
 }
 
-/// What a step of checking returns.
+/// Result of a step of checking.
 pub(crate) type Checked<T> = Result<T, Refusal>;
 
 /// Refuse a line unless something holds.

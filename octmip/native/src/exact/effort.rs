@@ -1,9 +1,9 @@
-//! What the threads of a search share: the word to stop, and how much was done.
+//! Stop flag and effort of a search, shared by its threads.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-/// See the module.
+/// Stop flag, evaluated cuts and a limit of them.
 #[derive(Debug)]
 pub struct Control {
     stop: Arc<AtomicBool>,
@@ -20,18 +20,18 @@ impl Default for Control {
 }
 
 impl Control {
-    /// Nobody has said stop.
+    /// A flag that nobody sets but `stop`, no limit.
     pub fn new() -> Self {
         Self::reading(&Arc::default())
     }
 
-    /// One that is stopped by a flag, as a search's supervision has it.
+    /// The same with the flag of a search's supervision.
     pub fn reading(flag: &Arc<AtomicBool>) -> Self {
         Self::sharing(flag.clone(), u64::MAX)
     }
 
-    /// One that hears the same word to stop and, besides, stops after so many evaluated cuts.
-    pub fn limited(&self, most: u64) -> Self {
+    /// The same flag, with a count of its own that stops after so many evaluated cuts.
+    pub(crate) fn limited(&self, most: u64) -> Self {
         Self::sharing(self.stop.clone(), most)
     }
 
@@ -39,26 +39,26 @@ impl Control {
         Self { stop, n_evaluated: AtomicU64::new(0), most, is_spent: AtomicBool::new(false) }
     }
 
-    /// Say stop: every search that looks here returns soon, without a proof.
+    /// Set the flag: every search that reads it returns soon, without a proof.
     pub fn stop(&self) {
         self.stop.store(true, Ordering::Relaxed);
     }
 
-    /// Whether someone said stop, or the evaluated cuts are spent.
+    /// Whether the flag is set or the evaluated cuts are spent.
     #[inline]
-    pub fn is_stopped(&self) -> bool {
+    pub(crate) fn is_stopped(&self) -> bool {
         self.stop.load(Ordering::Relaxed) || self.is_spent.load(Ordering::Relaxed)
     }
 
     /// Count evaluated cuts.
-    pub fn add(&self, n: u64) {
+    pub(crate) fn add(&self, n: u64) {
         if self.n_evaluated.fetch_add(n, Ordering::Relaxed) + n >= self.most {
             self.is_spent.store(true, Ordering::Relaxed);
         }
     }
 
     /// Evaluated cuts so far.
-    pub fn n_evaluated(&self) -> u64 {
+    pub(crate) fn n_evaluated(&self) -> u64 {
         self.n_evaluated.load(Ordering::Relaxed)
     }
 }

@@ -1,8 +1,8 @@
 //! The search of one node: the best tree of some samples, or the proof that none is cheap enough.
 
-pub mod axis;
+pub(crate) mod axis;
 mod depth_two;
-pub mod log;
-pub mod plan;
-pub mod result;
-pub mod search;
+pub(crate) mod log;
+pub(crate) mod plan;
+pub(crate) mod result;
+pub(crate) mod search;

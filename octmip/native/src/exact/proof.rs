@@ -30,16 +30,22 @@ pub fn write(problem: &Problem, claim: i64, switches: Switches, control: &Contro
 }
 
 /// The record that no tree over these features costs less than `upper` above the base.
-pub fn record(samples: &Samples, switches: Switches, control: &Control, depth: usize, upper: i64) -> Option<String> {
+pub(crate) fn record(
+    samples: &Samples,
+    switches: Switches,
+    control: &Control,
+    depth: usize,
+    upper: i64,
+) -> Option<String> {
     let view = View::root(samples);
     let mut search = Search::new(samples, switches, control, depth);
     search.log = Some(Log::default());
-    let answer = search.solve(&view, depth, upper, i64::MIN);
+    let result = search.solve(&view, depth, upper, i64::MIN);
     let record = search.log.as_mut().and_then(Log::take);
-    record.filter(|_| answer.lower >= upper && !control.is_stopped())
+    record.filter(|_| result.lower >= upper && !control.is_stopped())
 }
 
-/// Whether a wrong answer costs the same whichever it is: then columns are classes, for the checker as for the search.
+/// Whether all mistakes on a class cost the same: then labels are classes, for the checker as for the search.
 fn is_plain(problem: &Problem) -> bool {
     (0..problem.n_classes).all(|class| {
         let mut wrong = (0..problem.n_classes).filter(|&k| k != class).map(|k| problem.cost(class, k));

@@ -1,15 +1,15 @@
 //! The whole search: incumbent, shallower depths, the root's frontier, limits.
 
-pub mod frontier;
-pub mod known;
-pub mod memory;
-pub mod sensor_sets;
+pub(crate) mod frontier;
+pub(crate) mod known;
+pub(crate) mod memory;
+pub(crate) mod sensor_sets;
 
 use crate::control::{KeepGoing, Limits, Outcome, Progress, Stop};
 use crate::costs::{base_cost, best_leaf};
 use crate::exact::effort::Control;
 use crate::exact::node::plan::Plan;
-use crate::exact::node::result::Reached;
+use crate::exact::node::result::FeatureIncumbent;
 use crate::exact::node::search::Search;
 use crate::exact::samples::Samples;
 use crate::exact::switches::Switches;
@@ -22,7 +22,7 @@ use frontier::Frontier;
 use known::{Due, Known, Saver};
 use sensor_sets::{Sets, is_within};
 
-/// How to search.
+/// Options of the search.
 #[derive(Debug, Clone)]
 pub struct Options {
     /// When to stop early.
@@ -31,16 +31,16 @@ pub struct Options {
     pub n_threads: usize,
     /// A feasible tree and its objective.
     pub incumbent: Option<(i64, Tree)>,
-    /// Which prunes are on.
+    /// Prunes that are on.
     pub switches: Switches,
 }
 
-/// Where the best tree comes from.
+/// Origin of the best tree.
 #[derive(Debug, Clone)]
 enum Best {
     /// The incumbent that was given.
     Given,
-    /// This search.
+    /// A plan of this search.
     Plan(Plan),
     /// An earlier search, or the one over sensor sets.
     Tree(Tree),
@@ -69,8 +69,10 @@ pub fn solve(problem: &Problem, options: &Options, keep_going: KeepGoing<'_>) ->
     go_on(problem, options, None, None, keep_going).unwrap_or_else(|_| without_search(problem, options))
 }
 
-/// The same from what an earlier search has proven, handing out what is known every so often; an error when that cannot be.
-pub fn go_on(
+/// The same from what an earlier search has proven, handing out what is known every so often.
+///
+/// An error says why what is known cannot be.
+pub(crate) fn go_on(
     problem: &Problem,
     options: &Options,
     known: Option<Known>,
@@ -134,11 +136,11 @@ fn without_search(problem: &Problem, options: &Options) -> Outcome {
 
 impl Run<'_, '_> {
     fn search(&mut self, depth: usize, keep_going: KeepGoing<'_>) {
-        if self.best.0 <= self.samples.penalty || self.samples.p == 0 || self.samples.n_columns == 1 {
+        if self.best.0 <= self.samples.penalty || self.samples.p == 0 || self.samples.n_labels == 1 {
             self.bound = self.best.0;
             return;
         }
-        let ((mut whole, mut attained), first) = match &self.known {
+        let ((mut whole, mut incumbents), first) = match &self.known {
             Some(known) => ((known.whole, known.order.clone()), known.level),
             None => (self.shallow(depth.min(2), keep_going), 3),
         };
@@ -154,28 +156,28 @@ impl Run<'_, '_> {
             if self.supervision.reason().is_some() {
                 return;
             }
-            (whole, attained) = self.deep(level, level == depth, &attained, whole, keep_going);
+            (whole, incumbents) = self.deep(level, level == depth, &incumbents, whole, keep_going);
             self.known = None;
         }
     }
 
-    /// Depth one or two, by one thread; a bound of that depth's trees, and what each feature reached.
-    fn shallow(&mut self, depth: usize, keep_going: KeepGoing<'_>) -> (i64, Vec<Reached>) {
+    /// Depth one or two, by one thread; a bound of that depth's trees, and each feature's incumbent.
+    fn shallow(&mut self, depth: usize, keep_going: KeepGoing<'_>) -> (i64, Vec<FeatureIncumbent>) {
         let upper = self.view.leaf() + 1;
         let work = || {
             let mut search = Search::new(self.samples, self.options.switches, &self.control, depth);
-            let answer = search.solve(self.view, depth, upper, 0);
-            (answer, search.attained)
+            let result = search.solve(self.view, depth, upper, 0);
+            (result, search.incumbents)
         };
-        let (answer, attained) = self.supervision.run(work, || {
+        let (result, incumbents) = self.supervision.run(work, || {
             self.poll(keep_going, self.progress(self.best.0 + self.base, self.base), self.tables);
         });
-        if let Some((cost, plan)) = answer.best
+        if let Some((cost, plan)) = result.best
             && cost < self.best.0
         {
             self.best = (cost, Best::Plan(plan));
         }
-        (if self.supervision.reason().is_some() { 0 } else { answer.lower }, attained)
+        (if self.supervision.reason().is_some() { 0 } else { result.lower }, incumbents)
     }
 
     /// Depth three or more, by all threads.
@@ -183,16 +185,16 @@ impl Run<'_, '_> {
         &mut self,
         depth: usize,
         is_last: bool,
-        attained: &[Reached],
+        incumbents: &[FeatureIncumbent],
         whole: i64,
         keep_going: KeepGoing<'_>,
-    ) -> (i64, Vec<Reached>) {
+    ) -> (i64, Vec<FeatureIncumbent>) {
         let (samples, view, switches) = (self.samples, self.view, self.options.switches);
         // The incumbent may be deeper than this level: the level's own trees are asked for up to the last level's cost.
         let upper = self.best.0;
         let known = self.known.take();
         let frontier =
-            Frontier::new(samples, switches, &self.control, view, depth, attained, whole, upper, known.as_ref());
+            Frontier::new(samples, switches, &self.control, view, depth, incumbents, whole, upper, known.as_ref());
         let (base, tables, before, control) = (self.base, self.tables, self.tree(), &self.control);
         let state_now = || {
             let (_, bound) = frontier.progress();
@@ -200,8 +202,8 @@ impl Run<'_, '_> {
             Known {
                 level: depth,
                 whole,
-                order: attained.to_vec(),
-                attained: frontier.attained(),
+                order: incumbents.to_vec(),
+                incumbents: frontier.incumbents(),
                 cuts: frontier.solved(),
                 bound: if is_last { bound } else { 0 },
                 best: best.unwrap_or_else(|| (upper, before.clone())),
@@ -237,7 +239,7 @@ impl Run<'_, '_> {
         if is_last {
             self.bound = bound;
         }
-        (bound.min(cost), frontier.attained())
+        (bound.min(cost), frontier.incumbents())
     }
 
     /// After the search without the budget, whose bound stands: the best tree within it.
@@ -271,8 +273,8 @@ impl Run<'_, '_> {
             Known {
                 level: problem.depth,
                 whole: 0,
-                order: vec![Reached::NOTHING; p],
-                attained: vec![Reached::NOTHING; p],
+                order: vec![FeatureIncumbent::NOTHING; p],
+                incumbents: vec![FeatureIncumbent::NOTHING; p],
                 cuts: Vec::new(),
                 bound: bound.min(cost),
                 best: (cost, tree.unwrap_or_else(|| before.clone())),
@@ -309,7 +311,7 @@ impl Run<'_, '_> {
         Progress { seconds: 0.0, objective, bound, n_nodes: self.control.n_evaluated() }
     }
 
-    /// Ask the caller and hold all limits against a state.
+    /// Report to the caller and compare a state with all limits.
     fn poll(&self, keep_going: KeepGoing<'_>, state: Progress, bytes: f64) {
         self.supervision.poll(keep_going, state);
         let gap = self.supervision.gap_reached((state.objective - state.bound) as f64, state.objective as f64);

@@ -1,17 +1,17 @@
 //! The problem as the exact core counts it: gains instead of costs.
 //!
-//! Every sample has a swing, the largest cost that its prediction can add to its smallest, and gives a gain of
-//! `swing - added cost` to each column (label) that is predicted for it. Then
+//! Every sample has a cost range, the largest cost that its prediction can add to its smallest, and gives each label
+//! that is predicted for it a gain of `cost range - added cost`. Then
 //!
 //! ```text
-//! cost of a leaf S = base(S) + swing(S) - max over columns of gain(S, column)
+//! cost of a leaf S = base(S) + range(S) - max over labels of gain(S, label)
 //! ```
 //!
-//! and every bound reads as it does for counts of samples, with "number of samples" replaced by swing:
-//! adding a sample never lowers the cost of the best tree above the base, and raises it by at most its swing.
+//! and every bound reads as it does for counts of samples, with "number of samples" replaced by cost range:
+//! adding a sample never lowers the cost of the best tree above the base, and raises it by at most its cost range.
 
-pub mod directions;
-pub mod label_sets;
+pub(crate) mod directions;
+pub(crate) mod label_sets;
 
 use crate::costs::ClassCosts;
 use crate::problem::Problem;
@@ -21,47 +21,47 @@ use label_sets::LabelSets;
 
 /// Samples, gains and limits; read by all threads.
 #[derive(Debug, Clone)]
-pub struct Samples {
+pub(crate) struct Samples {
     /// Number of samples.
-    pub n: usize,
+    pub(crate) n: usize,
     /// Number of usable features: allowed and not constant.
-    pub p: usize,
-    /// Number of columns: labels worth predicting.
-    pub n_columns: usize,
+    pub(crate) p: usize,
+    /// Number of labels worth predicting; no tree needs the others.
+    pub(crate) n_labels: usize,
     /// The problem's index of each usable feature (`p`).
-    pub features: Vec<u32>,
+    pub(crate) features: Vec<u32>,
     /// Dense ranks, feature-major (`p * n`).
-    pub ranks: Vec<u32>,
+    pub(crate) ranks: Vec<u32>,
     /// Sample ids in the order of each feature, ties by id (`p * n`).
-    pub order: Vec<u32>,
-    /// Largest added cost of each sample (`n`).
-    pub swing: Vec<i64>,
+    pub(crate) order: Vec<u32>,
+    /// Cost range of each sample (`n`).
+    pub(crate) ranges: Vec<i64>,
     /// Smallest cost of each sample, which no tree avoids (`n`).
-    pub base: Vec<i64>,
-    /// Whether every sample gains in one column only (0/1 costs with any weights, for instance).
-    pub is_single: bool,
-    /// Kind of each sample (`n`): where `is_single` the column that it gains in, else the row of `gains`.
-    pub kind: Vec<u32>,
-    /// How often a sample counts in its kind (`n`): its gains are `amount * gains[kind]`.
-    pub amount: Vec<i64>,
-    /// Gains of one sample of each kind (`n_kinds * n_columns`).
-    pub gains: Vec<i64>,
-    /// Twice the span that is left of each kind beside each direction (`n_directions * n_kinds`); none where
+    pub(crate) base: Vec<i64>,
+    /// Whether every sample gains in one label only (0/1 costs with any weights, for instance).
+    pub(crate) is_single: bool,
+    /// Cost profile of each sample (`n`): where `is_single` the label that it gains in, else the row of `gains`.
+    pub(crate) profile: Vec<u32>,
+    /// Multiplicity of each sample in its profile (`n`): its gains are `multiplicity * gains[profile]`.
+    pub(crate) multiplicity: Vec<i64>,
+    /// Gains of one sample of each profile (`n_profiles * n_labels`).
+    pub(crate) gains: Vec<i64>,
+    /// Twice the span that is left of each profile beside each direction (`n_directions * n_profiles`); none where
     /// `is_single`.
-    pub spans: Vec<i64>,
-    /// Sets of 2, 4, 8, ... columns, as far as they bound anything; none where `is_single`.
+    pub(crate) spans: Vec<i64>,
+    /// Sets of 2, 4, 8, ... labels, as far as they bound anything; none where `is_single`.
     sets: Vec<Option<LabelSets>>,
-    /// Label of each column (`n_columns`).
-    pub labels: Vec<u32>,
+    /// The problem's index of each label (`n_labels`).
+    pub(crate) labels: Vec<u32>,
     /// Price of a split.
-    pub penalty: i64,
+    pub(crate) penalty: i64,
     /// Fewest samples in a leaf.
-    pub leaf_size: usize,
+    pub(crate) leaf_size: usize,
 }
 
 impl Samples {
     /// Encode a validated problem; features that are not allowed or constant are left out.
-    pub fn new(problem: &Problem) -> Self {
+    pub(crate) fn new(problem: &Problem) -> Self {
         let features: Vec<u32> =
             (0..problem.p).filter(|&f| problem.allowed[f] && problem.n_ranks[f] > 1).map(|f| f as u32).collect();
         let n = problem.n;
@@ -75,15 +75,15 @@ impl Samples {
         let mut samples = Self {
             n,
             p: features.len(),
-            n_columns: 0,
+            n_labels: 0,
             features,
             ranks,
             order,
-            swing: Vec::with_capacity(n),
+            ranges: Vec::with_capacity(n),
             base: Vec::with_capacity(n),
             is_single: true,
-            kind: Vec::with_capacity(n),
-            amount: Vec::with_capacity(n),
+            profile: Vec::with_capacity(n),
+            multiplicity: Vec::with_capacity(n),
             gains: Vec::new(),
             spans: Vec::new(),
             sets: Vec::new(),
@@ -102,10 +102,10 @@ impl Samples {
         for i in 0..self.n {
             let class = problem.labels[i] as usize;
             has_samples[class] |= problem.weights[i] > 0;
-            self.swing.push(problem.weights[i] * costs.range(class));
+            self.ranges.push(problem.weights[i] * costs.range(class));
             self.base.push(problem.weights[i] * costs.base(class));
         }
-        // A column that gains no more than another in any present class (the first of equals stays) is never needed.
+        // A label that gains no more than another in any present class (the first of equals stays) is never needed.
         let present: Vec<usize> = (0..k).filter(|&class| has_samples[class]).collect();
         let is_covered = |label: usize, by: usize| {
             let differs = present.iter().any(|&class| costs.gain(class, label) != costs.gain(class, by));
@@ -113,63 +113,64 @@ impl Samples {
         };
         self.labels =
             (0..k).filter(|&label| !(0..k).any(|by| is_covered(label, by))).map(|label| label as u32).collect();
-        self.n_columns = self.labels.len();
-        self.set_kinds(problem, &has_samples, &costs);
+        self.n_labels = self.labels.len();
+        self.set_profiles(problem, &has_samples, &costs);
     }
 
-    /// Classes whose gains are in proportion are one kind: cost matrices have few, however many classes there are.
-    fn set_kinds(&mut self, problem: &Problem, has_samples: &[bool], costs: &ClassCosts) {
+    /// Classes whose gains are in proportion share a cost profile: cost matrices have few, however many classes there
+    /// are.
+    fn set_profiles(&mut self, problem: &Problem, has_samples: &[bool], costs: &ClassCosts) {
         let rows: Vec<Vec<i64>> = (0..problem.n_classes)
             .map(|class| self.labels.iter().map(|&label| costs.gain(class, label as usize)).collect())
             .collect();
         let is_row_single = |row: &Vec<i64>| row.iter().filter(|&&gain| gain > 0).count() <= 1;
         self.is_single = (0..rows.len()).filter(|&class| has_samples[class]).all(|class| is_row_single(&rows[class]));
-        let mut kinds: Vec<Vec<i64>> = Vec::new();
+        let mut profiles: Vec<Vec<i64>> = Vec::new();
         if self.is_single {
-            kinds = (0..self.n_columns).map(|c| (0..self.n_columns).map(|d| i64::from(c == d)).collect()).collect();
+            profiles = (0..self.n_labels).map(|c| (0..self.n_labels).map(|d| i64::from(c == d)).collect()).collect();
         }
         let mut of_class = vec![(0, 0); rows.len()];
         for class in (0..rows.len()).filter(|&class| has_samples[class]) {
             let factor = rows[class].iter().fold(0, |a, &b| greatest_divisor(a, b));
             if factor > 0 {
                 let row: Vec<i64> = rows[class].iter().map(|gain| gain / factor).collect();
-                let kind = kinds.iter().position(|known| *known == row).unwrap_or(kinds.len());
-                if kind == kinds.len() {
-                    kinds.push(row);
+                let profile = profiles.iter().position(|known| *known == row).unwrap_or(profiles.len());
+                if profile == profiles.len() {
+                    profiles.push(row);
                 }
-                of_class[class] = (kind as u32, factor);
+                of_class[class] = (profile as u32, factor);
             }
         }
         for i in 0..self.n {
-            let (kind, factor) = of_class[problem.labels[i] as usize];
-            self.kind.push(kind);
-            self.amount.push(problem.weights[i] * factor);
+            let (profile, factor) = of_class[problem.labels[i] as usize];
+            self.profile.push(profile);
+            self.multiplicity.push(problem.weights[i] * factor);
         }
-        self.gains = kinds.concat();
+        self.gains = profiles.concat();
         if !self.is_single {
-            self.spans = doubled_spans(&self.gains, self.n_columns);
-            let sizes = (1..self.n_columns).map(|level| 1 << level).take_while(|&size| size < self.n_columns);
-            self.sets = sizes.map(|size| LabelSets::new(&self.gains, self.n_columns, size)).collect();
+            self.spans = doubled_spans(&self.gains, self.n_labels);
+            let sizes = (1..self.n_labels).map(|level| 1 << level).take_while(|&size| size < self.n_labels);
+            self.sets = sizes.map(|size| LabelSets::new(&self.gains, self.n_labels, size)).collect();
         }
     }
 
-    /// The sets of as many columns as a child of this many leaves may predict, where they bound anything.
-    pub fn label_sets(&self, n_leaves: usize) -> Option<&LabelSets> {
+    /// The sets of as many labels as a child of this many leaves may predict, where they bound anything.
+    pub(crate) fn label_sets(&self, n_leaves: usize) -> Option<&LabelSets> {
         self.sets.get((n_leaves.max(2).ilog2() - 1) as usize)?.as_ref()
     }
 
-    /// Number of kinds of samples.
-    pub fn n_kinds(&self) -> usize {
-        self.gains.len() / self.n_columns
+    /// Number of cost profiles.
+    pub(crate) fn n_profiles(&self) -> usize {
+        self.gains.len() / self.n_labels
     }
 
-    /// Gains of one sample of a kind (`n_columns`).
-    pub fn gains_of(&self, kind: usize) -> &[i64] {
-        &self.gains[kind * self.n_columns..(kind + 1) * self.n_columns]
+    /// Gains of one sample of a profile (`n_labels`).
+    pub(crate) fn gains_of(&self, profile: usize) -> &[i64] {
+        &self.gains[profile * self.n_labels..(profile + 1) * self.n_labels]
     }
 
     /// The same samples with only these of the usable features.
-    pub fn with_features(&self, usable: &[usize]) -> Self {
+    pub(crate) fn with_features(&self, usable: &[usize]) -> Self {
         let pick = |lists: &[u32]| -> Vec<u32> {
             usable.iter().flat_map(|&f| lists[f * self.n..(f + 1) * self.n].iter().copied()).collect()
         };
@@ -178,10 +179,10 @@ impl Samples {
             features: usable.iter().map(|&f| self.features[f]).collect(),
             ranks: pick(&self.ranks),
             order: pick(&self.order),
-            swing: self.swing.clone(),
+            ranges: self.ranges.clone(),
             base: self.base.clone(),
-            kind: self.kind.clone(),
-            amount: self.amount.clone(),
+            profile: self.profile.clone(),
+            multiplicity: self.multiplicity.clone(),
             gains: self.gains.clone(),
             spans: self.spans.clone(),
             sets: self.sets.clone(),
@@ -191,20 +192,20 @@ impl Samples {
     }
 
     /// The ranks of one usable feature, by sample.
-    pub fn ranks_of(&self, f: usize) -> &[u32] {
+    pub(crate) fn ranks_of(&self, f: usize) -> &[u32] {
         &self.ranks[f * self.n..(f + 1) * self.n]
     }
 
     /// Add (`sign` 1) or take away (-1) the gains of a sample.
     #[inline(always)]
-    pub fn count(&self, sample: u32, sign: i64, totals: &mut [i64]) {
+    pub(crate) fn count(&self, sample: u32, sign: i64, totals: &mut [i64]) {
         let i = sample as usize;
-        let (kind, amount) = (self.kind[i] as usize, sign * self.amount[i]);
+        let (profile, multiplicity) = (self.profile[i] as usize, sign * self.multiplicity[i]);
         if self.is_single {
-            totals[kind] += amount;
+            totals[profile] += multiplicity;
         } else {
-            for (total, gain) in totals.iter_mut().zip(self.gains_of(kind)) {
-                *total += amount * gain;
+            for (total, gain) in totals.iter_mut().zip(self.gains_of(profile)) {
+                *total += multiplicity * gain;
             }
         }
     }

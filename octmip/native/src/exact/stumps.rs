@@ -1,34 +1,35 @@
-//! The best stump (at most one split) left and right of a moving cut: what a depth-two search asks most often.
+//! The best stump (at most one split) left and right of a moving cut: the inner loop of a depth-two search.
 
-pub mod aligned;
-pub mod buckets;
-pub mod groups;
+pub(crate) mod aligned;
+pub(crate) mod buckets;
+pub(crate) mod groups;
 mod inside;
-pub mod place;
-pub mod scan;
-pub mod sweep;
-pub mod table;
-pub mod uncertainty;
+pub(crate) mod place;
+pub(crate) mod scan;
+pub(crate) mod sweep;
+pub(crate) mod table;
+pub(crate) mod uncertainty;
 
 use crate::exact::samples::Samples;
 use crate::exact::switches::Switches;
 
 use buckets::Buckets;
-use place::Stumps;
+use place::StumpSolver;
 use scan::Scan;
 
-/// Widths of histogram numbers: which one holds three times a swing (a bucket's bound adds two gains and a swing).
-pub fn width(mass: i64) -> usize {
-    let largest = 3 * mass as i128 + 2;
+/// Index of the width of histogram numbers (16, 32, 64 bits) that holds three times a total range: a bucket's bound
+/// adds two gains and a range.
+pub(crate) fn width(total_range: i64) -> usize {
+    let largest = 3 * total_range as i128 + 2;
     usize::from(largest > i16::MAX as i128) + usize::from(largest > i32::MAX as i128)
 }
 
-/// The stump finder that fits a set of this swing.
-pub fn finder(samples: &Samples, mass: i64, switches: &Switches) -> Box<dyn Stumps> {
+/// The stump solver that fits a set of this total range.
+pub(crate) fn solver(samples: &Samples, total_range: i64, switches: &Switches) -> Box<dyn StumpSolver> {
     if !switches.buckets || samples.leaf_size > 1 {
         return Box::new(Scan::default());
     }
-    match width(mass) {
+    match width(total_range) {
         0 => Box::new(Buckets::<i16, 32, 16>::new(samples, switches)),
         1 => Box::new(Buckets::<i32, 16, 8>::new(samples, switches)),
         _ => Box::new(Buckets::<i64, 8, 4>::new(samples, switches)),

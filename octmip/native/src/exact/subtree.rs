@@ -1,4 +1,4 @@
-//! Exact subtrees on a subset of the samples: what a local search asks for.
+//! Exact subtrees on a subset of the samples, for the local search.
 
 use crate::exact::effort::Control;
 use crate::exact::node::search::Search;
@@ -7,21 +7,28 @@ use crate::exact::switches::Switches;
 use crate::exact::view::View;
 use crate::tree::Tree;
 
-/// What a limited search of a subtree found.
+/// Result of a limited search of a subtree.
 #[derive(Debug, Clone)]
-pub struct Found {
+pub(crate) struct Found {
     /// Objective (of the samples asked for alone) and tree, if one costs less than was asked for.
-    pub tree: Option<(i64, Tree)>,
+    pub(crate) tree: Option<(i64, Tree)>,
     /// Whether no tree costs less than the one found, or than was asked for.
-    pub is_proof: bool,
+    pub(crate) is_proof: bool,
 }
 
-/// The best tree of at most `depth` levels on the samples `ids` that costs less than `upper`, as far as `most` evaluated
-/// cuts show it.
+/// The best tree of at most `depth` levels on the samples `ids` that costs less than `upper`, as far as `most`
+/// evaluated cuts show it.
 ///
 /// `ids` are indices of the problem's samples, none twice. A search that is stopped from outside finds nothing. The
 /// workspaces are made anew: what an earlier call has laid out knows nothing of the samples of this one.
-pub fn best_subtree(samples: &Samples, control: &Control, ids: &[u32], depth: usize, upper: i64, most: u64) -> Found {
+pub(crate) fn best_subtree(
+    samples: &Samples,
+    control: &Control,
+    ids: &[u32],
+    depth: usize,
+    upper: i64,
+    most: u64,
+) -> Found {
     let limited = control.limited(most);
     if ids.is_empty() {
         return Found { tree: None, is_proof: true };
@@ -29,9 +36,9 @@ pub fn best_subtree(samples: &Samples, control: &Control, ids: &[u32], depth: us
     let view = View::subset(samples, ids);
     let base: i64 = ids.iter().map(|&i| samples.base[i as usize]).sum();
     let mut search = Search::new(samples, Switches::default(), &limited, depth);
-    let answer = search.solve(&view, depth, upper.saturating_sub(base), 0);
+    let result = search.solve(&view, depth, upper.saturating_sub(base), 0);
     // What was found before the cuts were spent is a tree with its true cost; only the proof is missing.
-    let found = answer.best.filter(|_| !control.is_stopped());
+    let found = result.best.filter(|_| !control.is_stopped());
     Found { tree: found.map(|(cost, plan)| (base + cost, plan.tree(samples, &view))), is_proof: !limited.is_stopped() }
 }
 

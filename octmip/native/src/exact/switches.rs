@@ -1,11 +1,11 @@
-//! What the exact search can do without; the optimum is the same without any of them.
+//! Switches of the exact search; the optimum is the same without any of them.
 
 crate::switches::switches! {
-    /// Fewer samples cost no more.
+    /// A set of samples costs no less than a part of it.
     monotone,
-    /// A sample costs at most its swing.
-    swing,
-    /// Samples between two cuts cost what more labels than leaves must cost.
+    /// A set of samples costs at most the cost range of the new samples more than a part of it.
+    cost_range,
+    /// Samples between two cuts cost what they do with as many labels as leaves.
     mixed_labels,
     /// The same for a whole node.
     label_count,
@@ -13,9 +13,9 @@ crate::switches::switches! {
     shallower_first,
     /// Solve children beyond what their own cut needs.
     slack,
-    /// Take features in the order of what they reached.
+    /// Take features in the order of their incumbents one level lower.
     feature_order,
-    /// Stumps from histograms, not from walks along the lists.
+    /// StumpSolver from histograms, not from walks along the lists.
     buckets,
     /// Pass over groups of features that cannot hold the best stump.
     group_skip,

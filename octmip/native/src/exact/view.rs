@@ -1,30 +1,30 @@
-//! The samples that reach a node: one list of ids a feature, each in the order of that feature.
+//! The samples that reach a node: one list of ids per feature, each in the order of that feature.
 
 use crate::exact::samples::Samples;
 
 /// Samples of a node. The cut at position `k` of feature `f` sends the first `k` samples of list `f` left.
 #[derive(Debug, Clone, Default)]
-pub struct View {
+pub(crate) struct View {
     /// Number of samples.
-    pub len: usize,
+    pub(crate) len: usize,
     /// Sample ids, list after list (`p * len`).
-    pub lists: Vec<u32>,
-    /// Gain of predicting each column for all of them (`n_columns`).
-    pub totals: Vec<i64>,
-    /// Their swing.
-    pub mass: i64,
+    pub(crate) lists: Vec<u32>,
+    /// Gain of predicting each label for all of them (`n_labels`).
+    pub(crate) totals: Vec<i64>,
+    /// Sum of their cost ranges.
+    pub(crate) total_range: i64,
 }
 
 impl View {
     /// All the samples.
-    pub fn root(samples: &Samples) -> Self {
+    pub(crate) fn root(samples: &Samples) -> Self {
         let mut view = Self { len: samples.n, lists: samples.order.clone(), ..Self::default() };
         view.recount(samples, 0..samples.n as u32);
         view
     }
 
     /// The samples of `ids`, none twice.
-    pub fn subset(samples: &Samples, ids: &[u32]) -> Self {
+    pub(crate) fn subset(samples: &Samples, ids: &[u32]) -> Self {
         let mut chosen = vec![false; samples.n];
         for &i in ids {
             chosen[i as usize] = true;
@@ -36,12 +36,12 @@ impl View {
     }
 
     /// The samples in the order of feature `f`.
-    pub fn list(&self, f: usize) -> &[u32] {
+    pub(crate) fn list(&self, f: usize) -> &[u32] {
         &self.lists[f * self.len..(f + 1) * self.len]
     }
 
     /// All sample ids, in some order.
-    pub fn ids<'a>(&'a self, samples: &Samples) -> Box<dyn Iterator<Item = u32> + 'a> {
+    pub(crate) fn ids<'a>(&'a self, samples: &Samples) -> Box<dyn Iterator<Item = u32> + 'a> {
         match samples.p {
             0 => Box::new(0..self.len as u32), // without features nothing is ever split
             _ => Box::new(self.list(0).iter().copied()),
@@ -49,18 +49,18 @@ impl View {
     }
 
     /// Added cost of the best leaf.
-    pub fn leaf(&self) -> i64 {
-        self.mass - self.totals.iter().copied().max().unwrap_or(0)
+    pub(crate) fn leaf(&self) -> i64 {
+        self.total_range - self.totals.iter().copied().max().unwrap_or(0)
     }
 
-    /// The column of the best leaf, the lowest among equals.
-    pub fn best_column(&self) -> usize {
-        let best = self.mass - self.leaf();
+    /// The label of the best leaf, the lowest among equals.
+    pub(crate) fn best_label(&self) -> usize {
+        let best = self.total_range - self.leaf();
         self.totals.iter().position(|&gain| gain == best).unwrap_or(0)
     }
 
     /// Fill `sides` with the samples left and right of the cut at position `k` of feature `f`.
-    pub fn split(&self, samples: &Samples, f: usize, k: usize, marks: &mut [bool], sides: &mut [View; 2]) {
+    pub(crate) fn split(&self, samples: &Samples, f: usize, k: usize, marks: &mut [bool], sides: &mut [View; 2]) {
         for (position, &i) in self.list(f).iter().enumerate() {
             marks[i as usize] = position >= k;
         }
@@ -89,11 +89,11 @@ impl View {
 
     fn recount(&mut self, samples: &Samples, ids: impl Iterator<Item = u32>) {
         self.totals.clear();
-        self.totals.resize(samples.n_columns, 0);
-        self.mass = 0;
+        self.totals.resize(samples.n_labels, 0);
+        self.total_range = 0;
         for i in ids {
             samples.count(i, 1, &mut self.totals);
-            self.mass += samples.swing[i as usize];
+            self.total_range += samples.ranges[i as usize];
         }
     }
 }

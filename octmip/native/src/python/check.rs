@@ -11,7 +11,7 @@ type Limits = (usize, bool, usize, usize, f64);
 /// Sensor of each feature, cost of each sensor, budget.
 type Sensors = (Vec<u32>, Vec<f64>, f64);
 /// The bound, the lines of the log and the line of its claim; or the line that is refused, and the reason.
-type Answer = (Option<(f64, usize, usize)>, Option<(usize, String)>);
+type Verdict = (Option<(f64, usize, usize)>, Option<(usize, String)>);
 
 /// `octmip_check::question::Question` as a Python object.
 #[pyclass(name = "Question", frozen)]
@@ -60,7 +60,7 @@ impl PyQuestion {
     }
 
     /// Check a log.
-    fn check(&self, py: Python<'_>, log: &str, n_threads: usize) -> Answer {
+    fn check(&self, py: Python<'_>, log: &str, n_threads: usize) -> Verdict {
         match py.detach(|| check(&self.inner, log, n_threads)) {
             Ok(report) => (Some((report.bound, report.n_lines, report.claim_line)), None),
             Err(refusal) => (None, Some((refusal.line, refusal.reason))),

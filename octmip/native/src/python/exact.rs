@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 
 use crate::costs::base_cost;
 use crate::exact::effort::Control;
-use crate::exact::node::result::{Reached, Solved};
+use crate::exact::node::result::{FeatureIncumbent, Solved};
 use crate::exact::proof::write;
 use crate::exact::root::known::{Held, Known, Saver};
 use crate::exact::root::memory;
@@ -15,9 +15,9 @@ use crate::python::problem::PyProblem;
 use crate::python::rows::{NodeRow, rows_from_tree, tree_from_rows};
 use crate::python::run::{Found, LimitValues, found, limits, supervised, switches, written};
 
-/// What is known: level, bound of one level fewer, best cost and cut of each feature one level lower and at this level,
-/// solved cuts (feature, samples left of it, bounds of both sides), bound, objective and rows of the best tree, open sets
-/// of sensors (held, banned), evaluated cuts. Costs are above the base, the objective of the tree is not.
+/// State of a search: level, bound of one level fewer, best cost and cut of each feature one level lower and at this
+/// level, solved cuts (feature, samples left of it, bounds of both sides), bound, objective and rows of the best tree,
+/// open sets of sensors (held, banned), evaluated cuts. Costs are above the base, the objective of the tree is not.
 type KnownRow = (
     usize,
     i64,
@@ -30,8 +30,8 @@ type KnownRow = (
     u64,
 );
 
-/// The best tree and a bound. `incumbent` is `(objective, rows)` of a feasible tree; `checkpoint` says how often to hand out
-/// what is known, to whom, and what an earlier search handed out last.
+/// The best tree and a bound. `incumbent` is `(objective, rows)` of a feasible tree; `checkpoint` says how often to
+/// hand out what is known, to whom, and what an earlier search handed out last.
 #[pyfunction]
 #[pyo3(signature = (problem, incumbent, limit_values, n_threads, off=Vec::new(), progress=None, *, checkpoint=None))]
 #[allow(clippy::too_many_arguments)]
@@ -67,13 +67,13 @@ fn branch_and_bound(
 /// Give Python what is known; what it raises stops the search and is kept.
 fn hand_out(taker: Option<&Py<PyAny>>, known: &Known, base: i64, unsaved: &mut Option<PyErr>) -> bool {
     let Some(taker) = taker else { return true };
-    let pairs = |reached: &[Reached]| -> Vec<_> { reached.iter().map(|r| (r.cost, r.position)).collect() };
+    let pairs = |cuts: &[FeatureIncumbent]| -> Vec<_> { cuts.iter().map(|cut| (cut.cost, cut.position)).collect() };
     let cut = |cut: &Solved| (cut.feature, cut.position, cut.bounds[0], cut.bounds[1]);
     let row: KnownRow = (
         known.level,
         known.whole,
         pairs(&known.order),
-        pairs(&known.attained),
+        pairs(&known.incumbents),
         known.cuts.iter().map(cut).collect(),
         known.bound,
         (known.best.0 + base, rows_from_tree(&known.best.1)),
@@ -85,16 +85,16 @@ fn hand_out(taker: Option<&Py<PyAny>>, known: &Known, base: i64, unsaved: &mut O
 }
 
 fn known_from_row(row: KnownRow, base: i64) -> PyResult<Known> {
-    let (level, whole, order, attained, cuts, bound, (objective, rows), sets, n_nodes) = row;
-    let reached = |pairs: Vec<(i64, usize)>| -> Vec<_> {
-        pairs.into_iter().map(|(cost, position)| Reached { cost, position }).collect()
+    let (level, whole, order, incumbents, cuts, bound, (objective, rows), sets, n_nodes) = row;
+    let from_pairs = |pairs: Vec<(i64, usize)>| -> Vec<_> {
+        pairs.into_iter().map(|(cost, position)| FeatureIncumbent { cost, position }).collect()
     };
     let cut = |(feature, position, left, right)| Solved { feature, position, bounds: [left, right] };
     Ok(Known {
         level,
         whole,
-        order: reached(order),
-        attained: reached(attained),
+        order: from_pairs(order),
+        incumbents: from_pairs(incumbents),
         cuts: cuts.into_iter().map(cut).collect(),
         bound,
         best: (objective - base, tree_from_rows(rows)?),

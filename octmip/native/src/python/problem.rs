@@ -1,4 +1,4 @@
-//! What a solver is asked, as Python objects: arrays in, checked once.
+//! Problems of the solvers as Python objects: arrays in, checked once.
 //!
 //! Every solver is called with the same arguments in the same order:
 //!
@@ -6,17 +6,17 @@
 //! problem, incumbent, limits, n_threads, seed, off, progress, then its own by name
 //! ```
 //!
-//! each left out where a solver has no use for it. `limits` is `(seconds, gap, nodes, memory)`, `off` names the prunes to do
-//! without, `progress` takes `(seconds, objective, bound, n_nodes)`.
+//! each left out where a solver has no use for it. `limits` is `(seconds, gap, nodes, memory)`, `off` names the prunes
+//! that are switched off, `progress` takes `(seconds, objective, bound, n_nodes)`.
 
 use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::problem::{Planes, Problem};
-use crate::sequential::Question;
+use crate::sequential::SequentialProblem;
 
-/// What hyperplane splits need: values (n, p), split_size, groups, integer_normals.
+/// Data of hyperplane splits: values (n, p), split_size, groups, integer_normals.
 type PlaneArguments<'py> = (PyReadonlyArray2<'py, f64>, usize, Option<Vec<Vec<u32>>>, Option<i64>);
 
 /// `crate::problem::Problem` as a Python object.
@@ -77,50 +77,50 @@ impl PyProblem {
     }
 }
 
-/// Cost of each sensor, group of each sensor, opening cost of each group, sensors read before the root.
+/// Cost of each sensor, group of each sensor, set-up cost of each group, sensors read before the root.
 type Prices = (Vec<f64>, Vec<usize>, Vec<f64>, Vec<usize>);
 /// Penalty of a split, depth, leaf size, sensor of each feature, whether it may be used, most readings of each label.
 type Shape = (f64, usize, usize, Vec<usize>, Vec<bool>, Vec<usize>);
 
-/// `crate::sequential::Question` as a Python object.
+/// `crate::sequential::SequentialProblem` as a Python object.
 #[pyclass(name = "SequentialProblem", frozen)]
 pub(crate) struct PySequentialProblem {
-    /// The question.
-    pub(crate) inner: Question,
+    /// The problem.
+    pub(crate) inner: SequentialProblem,
 }
 
 #[pymethods]
 impl PySequentialProblem {
     #[new]
-    #[pyo3(signature = (ranks, paid, frequency, haste, shape, prices, multiplier, cap))]
+    #[pyo3(signature = (ranks, paid, frequency, delay_costs, shape, prices, multiplier, cap))]
     #[allow(clippy::too_many_arguments)]
     fn new(
         ranks: PyReadonlyArray2<'_, u32>,
         paid: PyReadonlyArray2<'_, f64>,
         frequency: PyReadonlyArray1<'_, f64>,
-        haste: PyReadonlyArray1<'_, f64>,
+        delay_costs: PyReadonlyArray1<'_, f64>,
         shape: Shape,
         prices: Prices,
         multiplier: f64,
         cap: Option<f64>,
     ) -> PyResult<Self> {
         let (penalty, depth, leaf_size, sensor_of_feature, allowed, most_readings) = shape;
-        let (sensor_cost, group_of_sensor, opening, read) = prices;
-        let inner = Question {
+        let (sensor_cost, group_of_sensor, setup_costs, read) = prices;
+        let inner = SequentialProblem {
             n: ranks.shape()[1],
             p: ranks.shape()[0],
             n_classes: paid.shape()[1],
             ranks: ranks.as_slice()?.to_vec(),
             paid: paid.as_slice()?.to_vec(),
             frequency: frequency.as_slice()?.to_vec(),
-            haste: haste.as_slice()?.to_vec(),
+            delay_costs: delay_costs.as_slice()?.to_vec(),
             penalty,
             depth,
             leaf_size,
             sensor_of_feature,
             sensor_cost,
             group_of_sensor,
-            opening,
+            setup_costs,
             most_readings,
             allowed,
             read,

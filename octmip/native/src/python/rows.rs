@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 
 use crate::tree::{Node, Tree};
 
-/// One row of the node table: kind, feature, cut, left, right, label, hyperplane terms, hyperplane offset.
+/// One row of the node table: type, feature, cut, left, right, label, hyperplane terms, hyperplane offset.
 pub(crate) type NodeRow = (u8, u32, u32, u32, u32, u32, Vec<(u32, f64)>, f64);
 
 /// The node table of a tree.
@@ -26,11 +26,11 @@ pub(crate) fn tree_from_rows(rows: Vec<NodeRow>) -> PyResult<Tree> {
     let nodes = rows
         .into_iter()
         .enumerate()
-        .map(|(i, (kind, feature, cut, left, right, label, terms, offset))| {
-            if kind != 0 && !(left > i as u32 && left < n && right > i as u32 && right < n) {
+        .map(|(i, (node_type, feature, cut, left, right, label, terms, offset))| {
+            if node_type != 0 && !(left > i as u32 && left < n && right > i as u32 && right < n) {
                 return Err(PyValueError::new_err(format!("node {i} of {n} has children {left} and {right}")));
             }
-            Ok(match kind {
+            Ok(match node_type {
                 0 => Node::Leaf { label },
                 1 => Node::Split { feature, cut, left, right },
                 _ => Node::Hyperplane { terms, offset, left, right },

@@ -19,6 +19,6 @@ pub(crate) fn sequential(
     room: f64,
     limit_values: LimitValues,
 ) -> PyResult<Found> {
-    let answer = supervised(py, None, |keep_going| solve(&problem.inner, room, limits(limit_values), keep_going))?;
-    Ok((answer.tree.as_ref().map(rows_from_tree), answer.bound, stop_name(answer.stop), answer.n_cuts))
+    let result = supervised(py, None, |keep_going| solve(&problem.inner, room, limits(limit_values), keep_going))?;
+    Ok((result.tree.as_ref().map(rows_from_tree), result.bound, stop_name(result.stop), result.n_cuts))
 }

@@ -5,8 +5,9 @@ use pyo3::prelude::*;
 
 use crate::python::problem::PyProblem;
 use crate::python::run::{Found, LimitValues, found, limits, supervised, switches, written};
+use crate::two_feature::options::Options;
 use crate::two_feature::switches::Switches;
-use crate::two_feature::{Options, proof, solve};
+use crate::two_feature::{proof, solve};
 
 /// The best tree whose splits have up to two features, and a bound. `incumbent` is the cost of a feasible tree: trees of
 /// this cost and more are of no interest.
@@ -40,9 +41,10 @@ fn two_feature_prunes() -> Vec<&'static str> {
     Switches::NAMES.to_vec()
 }
 
-/// The body of a log that proves `claim` of all two-feature trees; None when it was stopped, or the claim is not shown.
+/// The body of a log that proves `claim` of all two-feature trees; None when it was stopped, or the claim is not
+/// shown.
 #[pyfunction]
-fn prove_lines(py: Python<'_>, problem: &PyProblem, claim: i64, n_threads: usize) -> PyResult<Option<String>> {
+fn prove_two_feature(py: Python<'_>, problem: &PyProblem, claim: i64, n_threads: usize) -> PyResult<Option<String>> {
     written(py, claim, |supervision| proof::write(&problem.inner, claim, n_threads, supervision.flag()))
 }
 
@@ -50,5 +52,5 @@ fn prove_lines(py: Python<'_>, problem: &PyProblem, claim: i64, n_threads: usize
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(two_feature_branch_and_bound, module)?)?;
     module.add_function(wrap_pyfunction!(two_feature_prunes, module)?)?;
-    module.add_function(wrap_pyfunction!(prove_lines, module)?)
+    module.add_function(wrap_pyfunction!(prove_two_feature, module)?)
 }

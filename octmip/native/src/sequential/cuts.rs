@@ -3,7 +3,7 @@
 use std::collections::BinaryHeap;
 
 use super::pool::{Found, Goal, Pool};
-use super::question::Path;
+use super::problem::Path;
 use super::run::{End, Run};
 use super::samples::{Orders, Sums, side_of};
 use super::solve::Search;
@@ -15,7 +15,7 @@ struct Feature {
     places: Vec<usize>,
     /// Their stretches, summed.
     stretches: Vec<f64>,
-    /// What its split adds, error and cost, and both weighed.
+    /// Error and cost that its split adds, and both weighed.
     charge: (f64, f64),
     weighed: f64,
     next: Path,
@@ -23,7 +23,7 @@ struct Feature {
 
 impl Search<'_> {
     /// Put every tree of interest with a split at this node into the pool; return the least bound left open.
-    pub fn cuts(
+    pub(crate) fn cuts(
         &mut self,
         orders: &Orders,
         sums: &Sums,
@@ -33,20 +33,20 @@ impl Search<'_> {
         inner: Goal,
     ) -> f64 {
         let features: Vec<Option<Feature>> =
-            (0..self.question.p).map(|feature| self.feature(orders, sums, depth, path, feature)).collect();
+            (0..self.problem.p).map(|feature| self.feature(orders, sums, depth, path, feature)).collect();
         let mut queue: BinaryHeap<Run> = features
             .iter()
             .enumerate()
             .filter_map(|(feature, cuts)| Some(first_run(feature, cuts.as_ref()?)))
             .collect();
-        let mut is_left = vec![false; self.question.n];
+        let mut is_left = vec![false; self.problem.n];
         while let Some(run) = queue.pop() {
             let Some(cuts) = features[run.feature].as_ref().filter(|_| run.bound < pool.room) else { break };
             let Some(run) = self.trimmed(run, cuts, pool.room) else { continue };
-            if depth == self.question.depth {
-                self.watch.compare(run.bound, pool.room);
+            if depth == self.problem.depth {
+                self.supervision.compare(run.bound, pool.room);
             }
-            if self.watch.must_stop() {
+            if self.supervision.must_stop() {
                 return queue.iter().map(|other| other.bound).fold(run.bound, f64::min);
             }
             let cut = usize::midpoint(run.low, run.high);
@@ -56,7 +56,7 @@ impl Search<'_> {
             }
             let [left, right] = self.children(orders, &is_left, depth, (&run, cuts, cut), pool.room, inner);
             self.join(list[cuts.places[cut] - 1].rank, run.feature, cuts, pool, [&left, &right]);
-            if self.watch.stop().is_some() {
+            if self.supervision.stop().is_some() {
                 return queue.iter().map(|other| other.bound).fold(run.bound, f64::min);
             }
             let solved = End { left: left.bound, right: right.bound, stretch: cuts.stretches[cut] };
@@ -66,26 +66,26 @@ impl Search<'_> {
     }
 
     fn feature(&self, orders: &Orders, sums: &Sums, depth: usize, path: Path, feature: usize) -> Option<Feature> {
-        let question = self.question;
-        if !question.allowed[feature] {
+        let problem = self.problem;
+        if !problem.allowed[feature] {
             return None;
         }
-        let (next, price) = question.step(path, feature);
+        let (next, price) = problem.step(path, feature);
         let charge = self.charge(sums, path, next, price);
-        let dearest_path = question.multiplier * question.dearest(depth - 1);
+        let most_path = problem.multiplier * problem.most_path_cost(depth - 1);
         let (mut places, mut stretches, mut stretch) = (Vec::new(), Vec::new(), 0.0);
         for (at, pair) in orders[feature].windows(2).enumerate() {
             let sample = pair[0].sample as usize;
-            stretch += self.dearest[sample]
-                + question.frequency[sample] * dearest_path
-                + question.haste[sample] * (depth - 1) as f64;
-            let is_large = at + 1 >= question.leaf_size && sums.count - at > question.leaf_size;
+            stretch += self.most[sample]
+                + problem.frequency[sample] * most_path
+                + problem.delay_costs[sample] * (depth - 1) as f64;
+            let is_large = at + 1 >= problem.leaf_size && sums.count - at > problem.leaf_size;
             if pair[0].rank < pair[1].rank && is_large {
                 places.push(at + 1);
                 stretches.push(stretch);
             }
         }
-        let weighed = charge.0 + question.multiplier * charge.1;
+        let weighed = charge.0 + problem.multiplier * charge.1;
         (!places.is_empty()).then_some(Feature { places, stretches, charge, weighed, next })
     }
 
@@ -105,7 +105,7 @@ impl Search<'_> {
     }
 
     fn is_monotone(&self) -> bool {
-        self.question.leaf_size == 1
+        self.problem.leaf_size == 1
     }
 
     /// The two children of a cut, each looked for within what the pair may cost and the stretch to the end of the run:
@@ -147,7 +147,7 @@ impl Search<'_> {
         }
     }
 
-    /// What is left of a run when one of its cuts is solved.
+    /// The runs that are left when one of a run's cuts is solved.
     fn halves(&self, run: Run, cut: usize, solved: End, cuts: &Feature) -> Vec<Run> {
         let mut halves = Vec::with_capacity(2);
         if cut > run.low {

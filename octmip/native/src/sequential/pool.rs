@@ -4,18 +4,18 @@ use crate::tree::Tree;
 
 /// A tree with its two sums.
 #[derive(Debug, Clone)]
-pub struct Point {
-    /// Of leaves, splits and haste.
-    pub error: f64,
-    /// Of the sensors read.
-    pub cost: f64,
+pub(crate) struct Point {
+    /// Sum over leaves, splits and delay costs.
+    pub(crate) error: f64,
+    /// Sum over the sensors read.
+    pub(crate) cost: f64,
     /// The tree.
-    pub tree: Tree,
+    pub(crate) tree: Tree,
 }
 
-/// What a search is after.
+/// Goal of a search.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Goal {
+pub(crate) enum Goal {
     /// The least `error + multiplier * cost`.
     Best,
     /// Every tree below the room that no other beats in both.
@@ -31,32 +31,32 @@ pub enum Goal {
 
 /// Trees found at a node.
 #[derive(Debug)]
-pub struct Pool {
+pub(crate) struct Pool {
     goal: Goal,
     multiplier: f64,
     /// Only trees whose weighed sum is less are of interest.
-    pub room: f64,
-    /// What was kept.
-    pub points: Vec<Point>,
+    pub(crate) room: f64,
+    /// Trees that were kept.
+    pub(crate) points: Vec<Point>,
 }
 
 /// Trees, and a number below which the weighed sum of no tree of the node lies.
 #[derive(Debug)]
-pub struct Found {
+pub(crate) struct Found {
     /// Trees below the room.
-    pub points: Vec<Point>,
+    pub(crate) points: Vec<Point>,
     /// The bound.
-    pub bound: f64,
+    pub(crate) bound: f64,
 }
 
 impl Pool {
     /// An empty pool.
-    pub fn new(goal: Goal, multiplier: f64, room: f64) -> Self {
+    pub(crate) fn new(goal: Goal, multiplier: f64, room: f64) -> Self {
         Self { goal, multiplier, room, points: Vec::new() }
     }
 
     /// Keep a tree if it is of interest.
-    pub fn offer(&mut self, error: f64, cost: f64, tree: impl FnOnce() -> Tree) {
+    pub(crate) fn offer(&mut self, error: f64, cost: f64, tree: impl FnOnce() -> Tree) {
         let sum = error + self.multiplier * cost;
         if sum >= self.room {
             return;
@@ -86,14 +86,14 @@ impl Pool {
     }
 
     /// Keep every point of interest of another pool of the same node.
-    pub fn take(&mut self, points: Vec<Point>) {
+    pub(crate) fn take(&mut self, points: Vec<Point>) {
         for point in points {
             self.offer(point.error, point.cost, || point.tree);
         }
     }
 
     /// Close the pool; `open` is the least bound of what was not looked at.
-    pub fn found(self, open: f64) -> Found {
+    pub(crate) fn found(self, open: f64) -> Found {
         let sums = self.points.iter().map(|point| point.error + self.multiplier * point.cost);
         let least = sums.fold(self.room, f64::min);
         let bound = if matches!(self.goal, Goal::Capped { .. }) { self.room } else { least }.min(open);

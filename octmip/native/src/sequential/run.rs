@@ -1,43 +1,43 @@
-//! A run of cuts of one feature between two that were solved, and what the two say about those between.
+//! A run of cuts of one feature between two that were solved, and the bounds that the two give those between.
 
 use std::cmp::Ordering;
 
-/// What is known of a solved cut: lower bounds of its two children, and the stretch of the samples left of it.
+/// A solved cut: lower bounds of its two children, and the stretch of the samples left of it.
 #[derive(Debug, Clone, Copy)]
-pub struct End {
+pub(crate) struct End {
     /// Of the left child.
-    pub left: f64,
+    pub(crate) left: f64,
     /// Of the right child.
-    pub right: f64,
+    pub(crate) right: f64,
     /// Sum of the stretches of the samples that go left.
-    pub stretch: f64,
+    pub(crate) stretch: f64,
 }
 
 /// Cuts `low..=high` of the list of a feature's cuts.
 #[derive(Debug, Clone)]
-pub struct Run {
+pub(crate) struct Run {
     /// Feature.
-    pub feature: usize,
+    pub(crate) feature: usize,
     /// First cut.
-    pub low: usize,
+    pub(crate) low: usize,
     /// Last cut.
-    pub high: usize,
+    pub(crate) high: usize,
     /// The solved cut before the first.
-    pub before: End,
+    pub(crate) before: End,
     /// The solved cut after the last.
-    pub after: End,
+    pub(crate) after: End,
     /// No cut of the run costs less, the price of its own split included.
-    pub bound: f64,
+    pub(crate) bound: f64,
 }
 
 impl Run {
     /// Lower bounds of the children of a cut with `stretch` to its left.
     ///
-    /// Monotone: the best tree of the larger left side, idle splits removed, serves the smaller and costs no more: every
-    /// sample keeps its leaf's label and reads a subset of the sensors, which costs no more and closes no label. Not so
-    /// where leaves have a least size. Stretch: the best tree of the smaller side is feasible on the larger, where a
-    /// sample adds at most its stretch, its dearest label and its dearest path.
-    pub fn children(&self, stretch: f64, is_monotone: bool) -> (f64, f64) {
+    /// Monotone: the best tree of the larger left side, idle splits removed, serves the smaller and costs no more:
+    /// every sample keeps its leaf's label and reads a subset of the sensors, which costs no more and closes no label.
+    /// Not so where leaves have a least size. Stretch: the best tree of the smaller side is feasible on the larger,
+    /// where a sample adds at most its stretch: its most expensive label and path.
+    pub(crate) fn children(&self, stretch: f64, is_monotone: bool) -> (f64, f64) {
         let (left, right) = if is_monotone { (self.before.left, self.after.right) } else { (0.0, 0.0) };
         (
             left.max(self.after.left - (self.after.stretch - stretch)),

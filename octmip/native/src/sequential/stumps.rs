@@ -1,12 +1,12 @@
 //! The best stumps of the two sides of a cut in one pass over the lists of their node.
 
 use super::pool::{Found, Goal, Pool};
-use super::question::{Lanes, Path};
+use super::problem::{Lanes, Path};
 use super::samples::{Orders, Sums, add, cheapest, cheapest_label, cheapest_rest};
 use super::solve::Search;
 use crate::tree::Tree;
 
-/// What a sweep along one feature knows of one side.
+/// State of one side in a sweep along one feature.
 struct Sweep {
     left: Vec<Lanes>,
     count: usize,
@@ -21,7 +21,7 @@ struct Sweep {
 
 impl Search<'_> {
     /// The best leaf or stump of each side, `is_left` by sample, both after the readings of `path`.
-    pub fn stumps(
+    pub(crate) fn stumps(
         &self,
         orders: &Orders,
         is_left: &[bool],
@@ -30,17 +30,17 @@ impl Search<'_> {
         rooms: [f64; 2],
         goal: Goal,
     ) -> [Found; 2] {
-        let question = self.question;
-        let closed = question.closed_labels(path.n_read);
-        let mut pools = rooms.map(|room| Pool::new(goal, question.multiplier, room));
+        let problem = self.problem;
+        let closed = problem.closed_labels(path.n_read);
+        let mut pools = rooms.map(|room| Pool::new(goal, problem.multiplier, room));
         for (pool, sum) in pools.iter_mut().zip(sums) {
             pool.offer(cheapest(&sum.labels, &closed), 0.0, || Tree::leaf(cheapest_label(&sum.labels, &closed)));
         }
-        for feature in (0..question.p).filter(|&feature| question.allowed[feature]) {
-            let (next, price) = question.step(path, feature);
-            let closed = question.closed_labels(next.n_read);
+        for feature in (0..problem.p).filter(|&feature| problem.allowed[feature]) {
+            let (next, price) = problem.step(path, feature);
+            let closed = problem.closed_labels(next.n_read);
             let charges = [0, 1].map(|side| self.charge(sums[side], path, next, price));
-            let limits = [0, 1].map(|side| pools[side].room - charges[side].0 - question.multiplier * charges[side].1);
+            let limits = [0, 1].map(|side| pools[side].room - charges[side].0 - problem.multiplier * charges[side].1);
             let sweeps = self.sweep(&orders[feature], is_left, sums, &closed, limits);
             for (side, sweep) in sweeps.into_iter().enumerate() {
                 let Some(cut) = sweep.cut else { continue };
@@ -61,7 +61,7 @@ impl Search<'_> {
         closed: &[Lanes],
         limits: [f64; 2],
     ) -> [Sweep; 2] {
-        let (chunks, least) = (closed.len(), self.question.leaf_size);
+        let (chunks, least) = (closed.len(), self.problem.leaf_size);
         let mut sweeps = limits.map(|limit| Sweep {
             left: vec![[0.0; 8]; chunks],
             count: 0,
@@ -80,7 +80,8 @@ impl Search<'_> {
             let sweep = &mut sweeps[side];
             if entry.rank != sweep.rank {
                 let is_large = sweep.count >= least && sums[side].count - sweep.count >= least;
-                // A sample that changes sides lowers the sum by its swing at most: it leaves a label and enters one.
+                // A sample that changes sides lowers the sum by its cost range at most: it leaves a label and enters
+                // one.
                 if sweep.passed > sweep.wait && is_large {
                     let rest = cheapest_rest(&sums[side].labels, &sweep.left, closed);
                     let value = cheapest(&sweep.left, closed) + rest;
@@ -92,7 +93,7 @@ impl Search<'_> {
                 sweep.rank = entry.rank;
             }
             sweep.count += 1;
-            sweep.passed += self.swing[sample];
+            sweep.passed += self.ranges[sample];
             add(&mut sweep.left, &self.paid[sample * chunks..(sample + 1) * chunks]);
         }
         sweeps

@@ -6,14 +6,15 @@ use crate::problem::Problem;
 const MOST_READ: usize = 6;
 const MOST_SETS: usize = 20_000;
 
-/// For every largest affordable set of sensors, whether each feature is in it; one set of all where money is no object.
+/// For every largest affordable set of sensors, whether each feature is in it; one set of all where the budget does not
+/// bind.
 ///
 /// None if there are too many sets.
-pub fn affordable_sets(problem: &Problem) -> Option<Vec<Vec<bool>>> {
+pub(crate) fn affordable_sets(problem: &Problem) -> Option<Vec<Vec<bool>>> {
     let mut costs = problem.sensor_cost.clone();
     costs.sort_unstable_by(|a, b| b.total_cmp(a));
-    let dearest: f64 = costs.iter().take(MOST_READ).sum();
-    if dearest <= problem.sensor_limit {
+    let highest: f64 = costs.iter().take(MOST_READ).sum();
+    if highest <= problem.sensor_limit {
         return Some(vec![vec![true; problem.p]]);
     }
     let mut sets = Vec::new();

@@ -1,33 +1,33 @@
-//! What it costs to send samples to leaves, from their weights by class.
+//! Costs of samples in leaves, from their weights by class.
 //!
 //! Samples enter as vectors of `lanes` numbers: total weight by class, then the number of samples (for leaf sizes).
 
 use crate::costs::{ClassCosts, uniform_cost};
 use crate::problem::Problem;
 
-/// No tree at all.
-pub const INFEASIBLE: i64 = i64::MAX / 4;
+/// The cost of no tree at all.
+pub(crate) const INFEASIBLE: i64 = i64::MAX / 4;
 
-/// Costs by class, and what every leaf must hold.
+/// Costs by class, and the fewest samples of a leaf.
 #[derive(Debug, Clone)]
-pub struct Loss {
+pub(crate) struct Loss {
     /// Classes.
-    pub k: usize,
+    pub(crate) k: usize,
     /// Cost by class of the sample and of the leaf; empty where every mistake costs 1.
     costs: Vec<i64>,
     /// Most that one unit of weight of a class can cost.
-    pub worst: Vec<i64>,
+    pub(crate) worst: Vec<i64>,
     /// Price of a split over one feature and over two.
-    pub prices: [i64; 2],
+    pub(crate) prices: [i64; 2],
     /// Fewest samples in a leaf.
-    pub leaf_size: usize,
+    pub(crate) leaf_size: usize,
 }
 
 impl Loss {
     /// The loss of a problem, and the factor by which the weights are to be multiplied.
     ///
     /// Where all mistakes cost the same, that cost goes into the weights and the costs become 0 and 1.
-    pub fn of(problem: &Problem) -> (Self, i64) {
+    pub(crate) fn of(problem: &Problem) -> (Self, i64) {
         let (k, uniform, class_costs) = (problem.n_classes, uniform_cost(problem), ClassCosts::of(problem));
         let worst = |class: usize| if uniform.is_some() { 1 } else { class_costs.most(class) };
         let loss = Self {
@@ -40,28 +40,28 @@ impl Loss {
         (loss, uniform.unwrap_or(1))
     }
 
-    /// Mistakes between two classes, each at cost 1 and free of charge for splits: what moving one split asks.
-    pub fn two_sides() -> Self {
+    /// Mistakes between two classes, each at cost 1, and splits free of charge: the loss of moving one split.
+    pub(crate) fn two_sides() -> Self {
         Self { k: 2, costs: Vec::new(), worst: vec![1; 2], prices: [0, 0], leaf_size: 1 }
     }
 
     /// Numbers in a vector of samples.
-    pub fn lanes(&self) -> usize {
+    pub(crate) fn lanes(&self) -> usize {
         self.k + 1
     }
 
     /// Whether every mistake costs the same.
-    pub fn is_uniform(&self) -> bool {
+    pub(crate) fn is_uniform(&self) -> bool {
         self.costs.is_empty()
     }
 
     /// Cost of one unit of weight of a class under a label.
-    pub fn cost(&self, class: usize, label: usize) -> i64 {
+    pub(crate) fn cost(&self, class: usize, label: usize) -> i64 {
         if self.costs.is_empty() { i64::from(class != label) } else { self.costs[class * self.k + label] }
     }
 
     /// Cost and label of the best leaf for samples with these class weights.
-    pub fn leaf(&self, weights: &[i64]) -> (i64, usize) {
+    pub(crate) fn leaf(&self, weights: &[i64]) -> (i64, usize) {
         let mut best = (INFEASIBLE, 0);
         if self.costs.is_empty() {
             let total: i64 = weights[..self.k].iter().sum();
@@ -82,7 +82,7 @@ impl Loss {
     }
 
     /// Cost of the best label for each side, infeasible where a side has fewer than `need` samples.
-    pub fn sides(&self, left: &[i64], right: &[i64], need: i64) -> i64 {
+    pub(crate) fn sides(&self, left: &[i64], right: &[i64], need: i64) -> i64 {
         if left[self.k] < need.max(1) || right[self.k] < need.max(1) {
             return INFEASIBLE;
         }
@@ -90,16 +90,16 @@ impl Loss {
     }
 
     /// Most that samples with these class weights can cost: adding them raises no optimum by more.
-    pub fn most(&self, weights: &[i64]) -> i64 {
+    pub(crate) fn most(&self, weights: &[i64]) -> i64 {
         (0..self.k).map(|c| weights[c] * self.worst[c]).sum()
     }
 
     /// A lower bound of the cost with two labels, where `may_left` and `may_right` hold all samples that may go there.
     ///
-    /// A sample that may go to both sides costs at least the cheaper of the two labels; equal labels are one leaf, which
-    /// is looked at elsewhere.
+    /// A sample that may go to both sides costs at least the cheaper of the two labels; equal labels are one leaf,
+    /// which is looked at elsewhere.
     #[inline]
-    pub fn bound(&self, total: &[i64], may_left: &[i64], may_right: &[i64], need: i64) -> i64 {
+    pub(crate) fn bound(&self, total: &[i64], may_left: &[i64], may_right: &[i64], need: i64) -> i64 {
         if may_left[self.k] < need || may_right[self.k] < need {
             return INFEASIBLE;
         }
@@ -107,10 +107,10 @@ impl Loss {
             let all: i64 = total[..self.k].iter().sum();
             return all - two_labels(&may_left[..self.k], &may_right[..self.k]);
         }
-        self.dear_bound(total, may_left, may_right)
+        self.graded_bound(total, may_left, may_right)
     }
 
-    fn dear_bound(&self, total: &[i64], may_left: &[i64], may_right: &[i64]) -> i64 {
+    fn graded_bound(&self, total: &[i64], may_left: &[i64], may_right: &[i64]) -> i64 {
         let mut best = INFEASIBLE;
         for a in 0..self.k {
             for b in (0..self.k).filter(|&b| b != a) {
@@ -129,7 +129,7 @@ impl Loss {
     }
 
     /// Cost of samples that may each choose the cheapest of some labels.
-    pub fn choosing(&self, weights: &[i64], labels: &[usize]) -> i64 {
+    pub(crate) fn choosing(&self, weights: &[i64], labels: &[usize]) -> i64 {
         (0..self.k)
             .map(|c| {
                 let cheapest = labels.iter().map(|&label| self.cost(c, label)).min();

@@ -2,9 +2,9 @@
 
 use std::ops::Add;
 
-use super::{Checker, Orders};
+use super::checker::{Checker, Orders};
 
-/// So many parts of the samples are counted at once.
+/// Number of parts of the samples that are counted at once.
 const LANES: usize = 64;
 type Lanes<T> = [T; LANES];
 
@@ -59,7 +59,7 @@ impl Checker<'_> {
         parts.iter().enumerate().map(cost).collect()
     }
 
-    /// What the best answer saves of the first samples of an order, of none, of one, of two and so on, in each part.
+    /// Savings of the best answer to the first samples of an order, to none, one, two and so on, in each part.
     /// More samples never save less by an answer: the most so far is the most.
     fn saved<T: Lane>(&self, order: &[u32], is_in: &[Lanes<T>], by: &[Vec<(usize, i64)>]) -> Vec<Lanes<T>> {
         let mut best = [T::default(); LANES];

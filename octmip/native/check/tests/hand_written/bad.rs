@@ -6,16 +6,27 @@ use crate::problems::*;
 use crate::{axis, run, two_feature};
 
 /// Name, question, log, the line that is refused, and how the reason begins.
-fn bad_logs() -> Vec<(&'static str, Question, String, usize, &'static str)> {
-    let four = || stripes(4, 1);
-    let six = || stripes(6, 2);
-    let stump = |claim: &str| axis(claim, &format!("N 1 1 {claim} | E | end"));
-    let body = |body: &str| two_feature("1", &format!("C 0 1 | {CUT} | {body}"));
-    let out = |old: &str, new: &str| written_out(&WRITTEN_OUT.replacen(old, new, 1));
-    let halving = format!("C 0 1 | {}N 0 0 | end", "R 0 0 | ".repeat(1001));
-    let two_leaves = || Question { leaf_size: 2, ..stripes(4, 1) };
+type BadLog = (&'static str, Question, String, usize, &'static str);
+
+fn four() -> Question {
+    stripes(4, 1)
+}
+
+fn six() -> Question {
+    stripes(6, 2)
+}
+
+fn stump(claim: &str) -> String {
+    axis(claim, &format!("N 1 1 {claim} | E | end"))
+}
+
+fn bad_logs() -> Vec<BadLog> {
+    [bad_headers(), bad_numbers(), bad_axis_bodies(), bad_two_feature_bodies()].into_iter().flatten().collect()
+}
+
+/// Headers.
+fn bad_headers() -> Vec<BadLog> {
     vec![
-        // Headers.
         ("nothing", four(), "".into(), 1, "got \"\", expected \"octmip-proof 3\""),
         ("another format", four(), stump("1").replace("proof 3", "proof 4"), 1, "got \"octmip-proof 4\""),
         (
@@ -26,14 +37,14 @@ fn bad_logs() -> Vec<(&'static str, Question, String, usize, &'static str)> {
             "\"octmip-proof 2\" was written by an",
         ),
         (
-            "another kind of split",
+            "another sort of split",
             corners(1),
             axis("1", "D | end"),
             1,
             "got \"octmip-proof 3\", expected \"octmip-proof 3 two",
         ),
         (
-            "a kind without logs",
+            "trees without logs",
             corners(3),
             two_feature("0", "end"),
             1,
@@ -67,7 +78,13 @@ fn bad_logs() -> Vec<(&'static str, Question, String, usize, &'static str)> {
         ("a claim beyond 64 bits", four(), stump("99999999999999999999"), 5, "got \"claim 9999"),
         ("a claim of 2^61", four(), stump("2305843009213693952"), 5, "got \"claim 2305843009213693952\""),
         ("no claim", four(), stump("1").replace("claim 1\n", ""), 5, "got \"N 1 1 1\", expected \"claim\""),
-        // Numbers written out: unit 4, costs 5, rows 6, weights 7, penalty 8, claim 9.
+    ]
+}
+
+/// Numbers written out: unit 4, costs 5, rows 6, weights 7, penalty 8, claim 9.
+fn bad_numbers() -> Vec<BadLog> {
+    let out = |old: &str, new: &str| written_out(&WRITTEN_OUT.replacen(old, new, 1));
+    vec![
         ("no unit", tenths(), out("unit 10", "unit ten"), 4, "got \"unit ten\", expected \"unit\" and one exponent"),
         (
             "a cost that is no number",
@@ -132,7 +149,13 @@ fn bad_logs() -> Vec<(&'static str, Question, String, usize, &'static str)> {
             "with these weights a tree may cost 4611686018427387900, expected less than 2^61",
         ),
         ("a penalty too large", tenths(), out("penalty 0", "penalty 1"), 8, "the penalty 1 is above the problem's, 0"),
-        // Axis-aligned bodies, from line 6.
+    ]
+}
+
+/// Axis-aligned bodies, from line 6.
+fn bad_axis_bodies() -> Vec<BadLog> {
+    let two_leaves = || Question { leaf_size: 2, ..stripes(4, 1) };
+    vec![
         ("no body", four(), axis("1", "end"), 6, "got \"end\", expected N and 3 numbers"),
         ("a bound that is no number", four(), axis("1", "N 1 1 x | E | end"), 6, "got \"N 1 1 x\", expected N and 3"),
         ("a bound below 0", four(), axis("1", "N 1 1 -1 | E | end"), 6, "got \"N 1 1 -1\", expected N and 3 numbers"),
@@ -188,10 +211,23 @@ fn bad_logs() -> Vec<(&'static str, Question, String, usize, &'static str)> {
         ("a case too few", two_sensors(false), axis("1", "S 0 | N 1 1 2 | E | end"), 9, "got \"end\", expected N"),
         ("no end", four(), axis("1", "N 1 1 1 | E"), 8, "got \"\", expected end"),
         ("more after the end", four(), axis("1", "N 1 1 1 | E | end | end"), 9, "got \"end\" after the end"),
-        // Two-feature bodies, from line 6.
+    ]
+}
+
+/// Two-feature bodies, from line 6.
+fn bad_two_feature_bodies() -> Vec<BadLog> {
+    let body = |body: &str| two_feature("1", &format!("C 0 1 | {CUT} | {body}"));
+    let halving = format!("C 0 1 | {}N 0 0 | end", "R 0 0 | ".repeat(1001));
+    vec![
         ("a leaf of less", corners(1), two_feature("3", "D | end"), 5, "one leaf costs 2, less than the claim"),
         ("a line of less", corners(1), two_feature("2", "D | end"), 6, "a single split is not proven to cost 2"),
-        ("a chart too few", corners(2), two_feature("0", "C 0 1 | N 0 0 | end"), 8, "got \"end\", expected \"C 0 2\""),
+        (
+            "a dual plane too few",
+            corners(2),
+            two_feature("0", "C 0 1 | N 0 0 | end"),
+            8,
+            "got \"end\", expected \"C 0 2\"",
+        ),
         ("more than a section", corners(1), two_feature("1", "D | N 0 0 | end"), 7, "got \"N 0 0\", expected the next"),
         (
             "a line sensor twice",
@@ -200,7 +236,7 @@ fn bad_logs() -> Vec<(&'static str, Question, String, usize, &'static str)> {
             7,
             "sensor 0 cannot be decided here",
         ),
-        ("a box too few", runs(1), body("N 0 1 | end"), 8 + 1, "cannot read \"nothing\" here"),
+        ("a node too few", runs(1), body("N 0 1 | end"), 8 + 1, "cannot read \"nothing\" here"),
         ("a word that is no tag", runs(1), body("X | end"), 8, "cannot read \"X\" here"),
         ("one number of two", runs(1), body("N 0 | N 1 0 | end"), 8, "expected 2 numbers, got \"0\""),
         ("settled samples that cost less", runs(1), body("N 0 0 | N 1 0 | end"), 8, "this proves 0, not 1"),
@@ -231,13 +267,13 @@ fn bad_logs() -> Vec<(&'static str, Question, String, usize, &'static str)> {
         ("samples enough for two leaves", runs(1), body("F | N 1 0 | end"), 8, "both children may hold 1 samples"),
         // Leaves of three: below 5/16 both children may hold as many.
         ("leaves that are just large enough", runs(3), body("F | F | end"), 8, "both children may hold 3 samples"),
-        ("a slope on an axis", runs(1), body("T 0 | N 0 1 | N 0 1 | N 1 0 | end"), 8, "t = 0 is outside the cell"),
+        ("a slope on an axis", runs(1), body("T 0 | N 0 1 | N 0 1 | N 1 0 | end"), 8, "t = 0 is outside the region"),
         (
             "a slope that is no number",
             runs(1),
             body("T NaN | N 0 1 | N 0 1 | N 1 0 | end"),
             8,
-            "t = NaN is outside the cell",
+            "t = NaN is outside the region",
         ),
         (
             "an edge far away",
@@ -253,7 +289,7 @@ fn bad_logs() -> Vec<(&'static str, Question, String, usize, &'static str)> {
             8,
             "the edge [NaN, 0.0] is",
         ),
-        ("boxes without end", runs(1), two_feature("1", &halving), 1007, "expected 1000 boxes in one another at most"),
+        ("nodes without end", runs(1), two_feature("1", &halving), 1007, "expected 1000 nodes in one another at most"),
         (
             "too many open samples",
             parabola(),
@@ -262,18 +298,18 @@ fn bad_logs() -> Vec<(&'static str, Question, String, usize, &'static str)> {
             "50 open samples are too many to part",
         ),
         (
-            "a way left out",
+            "a dichotomy left out",
             runs(1),
             two_feature("1", &format!("C 0 1 | {CUT} | R .1875 .1875 | N 0 1 | E 0:0 | N 1 0 | end")),
             10,
-            "the way 1 is left out, but a line goes it",
+            "the dichotomy 1 is left out, but a line makes it",
         ),
         (
-            "a way said to cost more",
+            "a dichotomy said to cost more",
             runs(1),
             two_feature("1", &format!("C 0 1 | {CUT} | R .1875 .1875 | N 0 1 | E 0:1 1:1 | N 1 0 | end")),
             10,
-            "the way 0 is not proven to cost 1",
+            "the dichotomy 0 is not proven to cost 1",
         ),
     ]
 }

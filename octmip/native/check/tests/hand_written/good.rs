@@ -5,9 +5,12 @@ use octmip_check::question::Question;
 use crate::problems::*;
 use crate::{axis, run, two_feature};
 
-#[test]
-fn good_logs_are_accepted_for_what_they_prove() {
-    let good: Vec<(&str, Question, String, f64)> = vec![
+/// Name, question, log, and the bound that it proves.
+type GoodLog = (&'static str, Question, String, f64);
+
+/// Logs of axis-aligned trees, and cases of sensors.
+fn good_axis_logs() -> Vec<GoodLog> {
+    vec![
         // 0 1 0 1: one cut makes two runs, so one sample goes wrong. The checker counts depth 1 by itself.
         ("depth 1", stripes(4, 1), axis("1", "N 1 1 1 | E | end"), 1.0),
         // 0 1 0 1 0 1 in four runs: one wrong. Of cut 3 either side, 0 1 0 and 1 0 1, costs one with one split; every
@@ -70,13 +73,19 @@ fn good_logs_are_accepted_for_what_they_prove() {
             two_feature("2", "D | end"),
             2.0,
         ),
+    ]
+}
+
+/// Logs of two-feature trees.
+fn good_two_feature_logs() -> Vec<GoodLog> {
+    vec![
         // Four corners, 0 and 1 across: one line leaves one wrong. The checker counts depth 1 by itself.
         ("one line", corners(1), two_feature("1", "D | end"), 1.0),
         ("one line under a budget", two_sensors(true), two_feature("1", "S 0 | D | D | end"), 1.0),
         // Six stripes on an axis, at 0, 1/8 .. 5/8 in coordinates. Right of a cut below 5/16 lies 1 0 1, left of one
         // above it 0 1 0, and either costs one with one split.
         (
-            "boxes closed by settled samples",
+            "nodes closed by settled samples",
             runs(1),
             two_feature("1", &format!("C 0 1 | {CUT} | N 0 1 | N 1 0 | end")),
             1.0,
@@ -84,14 +93,14 @@ fn good_logs_are_accepted_for_what_they_prove() {
         // Between 3/16 and 5/16 one sample is open: 0 1 0 and 0 1 0 1 cost one each, less the one that is counted
         // twice.
         (
-            "a box closed by settled and open samples",
+            "a node closed by settled and open samples",
             runs(1),
             two_feature("1", &format!("C 0 1 | {CUT} | R .1875 .1875 | N 0 1 | W 1 1 | N 1 0 | end")),
             1.0,
         ),
         // The same sample sent right (0): the left child 0 1 costs nothing; or left (1): 0 1 0 costs one.
         (
-            "a box closed by its ways",
+            "a node closed by its dichotomies",
             runs(1),
             two_feature("1", &format!("C 0 1 | {CUT} | R .1875 .1875 | N 0 1 | E 0:0 1:1 | N 1 0 | end")),
             1.0,
@@ -113,15 +122,19 @@ fn good_logs_are_accepted_for_what_they_prove() {
             two_feature("2", "C 0 1 | N 0 0 | C 0 2 | E 10:1 | C 1 0 | T 0 | N 0 0 | N 0 0 | C 1 2 | E 10:1 | end"),
             2.0,
         ),
-        // Leaves of three out of four: every way of parting the corners leaves one side too small.
+        // Leaves of three out of four: every dichotomy of the corners leaves one side too small.
         (
-            "no way has two leaves",
+            "no dichotomy has two leaves",
             Question { leaf_size: 3, ..corners(2) },
             two_feature("2", "C 0 1 | E | C 0 2 | E | C 1 0 | E | C 1 2 | E | end"),
             2.0,
         ),
-    ];
-    for (name, question, log, bound) in good {
+    ]
+}
+
+#[test]
+fn good_logs_are_accepted_for_what_they_prove() {
+    for (name, question, log, bound) in good_axis_logs().into_iter().chain(good_two_feature_logs()) {
         let report = run(&question, &log).unwrap_or_else(|refusal| panic!("{name}: {refusal:?}"));
         assert_eq!(report.bound, bound, "{name}");
         assert_eq!(report.n_lines, log.lines().count(), "{name}");

@@ -1,12 +1,12 @@
 //! One feature of a node: its cuts, what is known of them, and the proofs by which runs of cuts are dropped.
 //!
 //! Notation: cut `k` sends a set L(k) left and R(k) right, `e` is the added cost of the best tree of the children's
-//! depth, `mass(k)` the swing of L(k). For cuts a < k < b:
+//! depth, `range(k)` the total cost range of L(k). For cuts a < k < b:
 //!
 //! * monotone: `e(L(k)) >= e(L(a))` and `e(R(k)) >= e(R(b))`: the best tree for the larger set, used on the smaller
 //!   one, costs no more there. False when leaves have a least size (the tree may be infeasible on the smaller set).
-//! * swing: `e(L(k)) >= e(L(b)) - (mass(b) - mass(k))` and `e(R(k)) >= e(R(a)) - (mass(k) - mass(a))`: the best tree
-//!   for the smaller set is feasible on the larger and costs at most the swing of the new samples more.
+//! * cost range: `e(L(k)) >= e(L(b)) - (range(b) - range(k))` and `e(R(k)) >= e(R(a)) - (range(k) - range(a))`: the
+//!   best tree for the smaller set is feasible on the larger and costs at most the range of the new samples more.
 //! * mixed labels: `e(L(k)) >= e(L(a)) + g(a, k)`, g the least cost of the samples between when only as many labels
 //!   may be predicted as the child has leaves: each of them lands in some leaf of the same tree. Needs monotone.
 
@@ -28,66 +28,74 @@ const LANE: [[i32; WIDTH]; WIDTH] = {
     masks
 };
 
-/// What is summed up along a feature for the bound of mixed labels.
+/// Sums along a feature for the bound of mixed labels.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
 enum Counted {
     /// Nothing: no bound.
     #[default]
     Nothing,
-    /// Swing of each column, where samples gain in one column each.
-    Columns,
+    /// Cost range of each label, where samples gain in one label each.
+    Labels,
     /// Cost under each set of labels.
     Sets,
 }
 
 /// Cuts of a feature in order; the first and the last are the trivial ones that leave a side empty.
 #[derive(Debug, Default)]
-pub struct Axis {
+pub(crate) struct Axis {
     /// Samples left of each cut.
-    pub positions: Vec<u32>,
-    /// Swing left of each cut.
-    pub mass: Vec<i64>,
+    pub(crate) positions: Vec<u32>,
+    /// Total cost range left of each cut.
+    pub(crate) total_range: Vec<i64>,
     /// Lower bound of the left child; of the cuts that were solved.
-    pub left: Vec<i64>,
+    pub(crate) left: Vec<i64>,
     /// Lower bound of the right child; of the cuts that were solved.
-    pub right: Vec<i64>,
-    /// The stump finder's number of each evaluated cut.
-    pub record: Vec<u32>,
-    /// Left of each cut, `width` vectors a cut: swing of each column, or cost under each set of labels.
+    pub(crate) right: Vec<i64>,
+    /// The stump solver's number of each evaluated cut.
+    pub(crate) evaluated: Vec<u32>,
+    /// Left of each cut, `width` vectors a cut: cost range of each label, or cost under each set of labels.
     prefix: Vec<[i32; WIDTH]>,
     width: usize,
     n_cuts: usize,
     n_leaves: usize,
     counted: Counted,
     is_monotone: bool,
-    has_swing: bool,
+    has_range: bool,
 }
 
 /// Cuts `low..=high` between the solved cuts `a` and `b` are open.
 #[derive(Debug, Clone, Copy)]
-pub struct Interval {
+pub(crate) struct Interval {
     /// Solved cut before.
-    pub a: usize,
+    pub(crate) a: usize,
     /// Solved cut after.
-    pub b: usize,
+    pub(crate) b: usize,
     /// First open cut.
-    pub low: usize,
+    pub(crate) low: usize,
     /// Last open cut.
-    pub high: usize,
+    pub(crate) high: usize,
 }
 
 impl Axis {
     /// Lay out the cuts of feature `f`, with `whole` a lower bound of the child problem on all samples.
-    pub fn lay(&mut self, samples: &Samples, view: &View, f: usize, n_leaves: usize, whole: i64, switches: &Switches) {
+    pub(crate) fn lay(
+        &mut self,
+        samples: &Samples,
+        view: &View,
+        f: usize,
+        n_leaves: usize,
+        whole: i64,
+        switches: &Switches,
+    ) {
         self.n_leaves = n_leaves;
         self.is_monotone = samples.leaf_size == 1 && switches.monotone;
-        self.has_swing = switches.swing;
+        self.has_range = switches.cost_range;
         let sets = samples.label_sets(n_leaves);
-        let is_counted = switches.mixed_labels && self.is_monotone && view.mass < i64::from(i32::MAX);
+        let is_counted = switches.mixed_labels && self.is_monotone && view.total_range < i64::from(i32::MAX);
         (self.counted, self.width) = match sets {
             Some(sets) if is_counted => (Counted::Sets, sets.width()),
-            None if is_counted && samples.is_single && samples.n_columns > n_leaves => {
-                (Counted::Columns, samples.n_columns.div_ceil(WIDTH))
+            None if is_counted && samples.is_single && samples.n_labels > n_leaves => {
+                (Counted::Labels, samples.n_labels.div_ceil(WIDTH))
             }
             _ => (Counted::Nothing, 0),
         };
@@ -95,33 +103,33 @@ impl Axis {
         let counts = &mut vec![[0i32; WIDTH]; self.width][..];
         let (ranks, list) = (samples.ranks_of(f), view.list(f));
         let smallest = samples.leaf_size.max(1);
-        let mut mass = 0;
+        let mut total_range = 0;
         let mut rank = list.first().map_or(0, |&i| ranks[i as usize]);
         self.n_cuts = 0;
         self.push(0, 0, counts);
         for (k, &i) in list.iter().enumerate() {
             let next = ranks[i as usize];
             if next != rank && k >= smallest && view.len - k >= smallest {
-                self.push(k, mass, counts);
+                self.push(k, total_range, counts);
             }
             rank = next;
-            mass += samples.swing[i as usize];
-            if self.counted == Counted::Columns {
-                let column = samples.kind[i as usize] as usize;
-                let swing = samples.swing[i as usize] as i32;
-                let mask = &LANE[column % WIDTH];
-                let part = &mut counts[column / WIDTH];
-                *part = std::array::from_fn(|lane| part[lane] + (mask[lane] & swing));
+            total_range += samples.ranges[i as usize];
+            if self.counted == Counted::Labels {
+                let label = samples.profile[i as usize] as usize;
+                let range = samples.ranges[i as usize] as i32;
+                let mask = &LANE[label % WIDTH];
+                let part = &mut counts[label / WIDTH];
+                *part = std::array::from_fn(|lane| part[lane] + (mask[lane] & range));
             } else if let Some(sets) = sets.filter(|_| self.counted == Counted::Sets) {
-                let amount = samples.amount[i as usize] as i32;
-                for (part, costs) in counts.iter_mut().zip(sets.costs_of(samples.kind[i as usize] as usize)) {
-                    *part = std::array::from_fn(|lane| part[lane] + amount * costs[lane]);
+                let multiplicity = samples.multiplicity[i as usize] as i32;
+                for (part, costs) in counts.iter_mut().zip(sets.costs_of(samples.profile[i as usize] as usize)) {
+                    *part = std::array::from_fn(|lane| part[lane] + multiplicity * costs[lane]);
                 }
             }
         }
-        self.push(view.len, mass, counts);
+        self.push(view.len, total_range, counts);
         let last = self.last();
-        (self.record[0], self.record[last]) = (0, 1);
+        (self.evaluated[0], self.evaluated[last]) = (0, 1);
         (self.left[0], self.right[0]) = (0, whole);
         (self.left[last], self.right[last]) = (whole, 0);
     }
@@ -130,18 +138,18 @@ impl Axis {
     fn make_room(&mut self, n_cuts: usize) {
         let room = self.positions.len().max(n_cuts);
         self.positions.resize(room, 0);
-        self.record.resize(room, 0);
-        for list in [&mut self.mass, &mut self.left, &mut self.right] {
+        self.evaluated.resize(room, 0);
+        for list in [&mut self.total_range, &mut self.left, &mut self.right] {
             list.resize(room, 0);
         }
         self.prefix.resize(self.prefix.len().max(room * self.width), [0; WIDTH]);
     }
 
     #[inline(always)]
-    fn push(&mut self, position: usize, mass: i64, counts: &[[i32; WIDTH]]) {
+    fn push(&mut self, position: usize, total_range: i64, counts: &[[i32; WIDTH]]) {
         let cut = self.n_cuts;
         self.positions[cut] = position as u32;
-        self.mass[cut] = mass;
+        self.total_range[cut] = total_range;
         for (part, &count) in counts.iter().enumerate() {
             self.prefix[cut * self.width + part] = count;
         }
@@ -149,18 +157,18 @@ impl Axis {
     }
 
     /// Index of the trivial cut at the end.
-    pub fn last(&self) -> usize {
+    pub(crate) fn last(&self) -> usize {
         self.n_cuts - 1
     }
 
     /// All the cuts that split, None when there are none.
-    pub fn whole(&self) -> Option<Interval> {
+    pub(crate) fn whole(&self) -> Option<Interval> {
         let last = self.last();
         (last > 1).then(|| Interval { a: 0, b: last, low: 1, high: last - 1 })
     }
 
-    /// Take up the bounds of cuts of feature `f` that were solved before; which they are, ascending.
-    pub fn take_up(&mut self, f: usize, solved: &[Solved]) -> Vec<usize> {
+    /// Take up the bounds of cuts of feature `f` that were solved before; returns their indices, ascending.
+    pub(crate) fn take_up(&mut self, f: usize, solved: &[Solved]) -> Vec<usize> {
         let mut cuts = Vec::new();
         for known in solved.iter().filter(|known| known.feature == f) {
             if let Some(k) = self.cut_at(known.position) {
@@ -174,7 +182,7 @@ impl Axis {
     }
 
     /// The runs of open cuts between solved ones.
-    pub fn gaps<'a>(&'a self, solved: &'a [usize]) -> impl Iterator<Item = Interval> + 'a {
+    pub(crate) fn gaps<'a>(&'a self, solved: &'a [usize]) -> impl Iterator<Item = Interval> + 'a {
         let ends = std::iter::once(0).chain(solved.iter().copied());
         let others = solved.iter().copied().chain(std::iter::once(self.last()));
         let open = ends.zip(others).filter(|(a, b)| a + 1 < *b);
@@ -182,16 +190,16 @@ impl Axis {
     }
 
     /// The cut that splits with so many samples left of it.
-    pub fn cut_at(&self, position: usize) -> Option<usize> {
+    pub(crate) fn cut_at(&self, position: usize) -> Option<usize> {
         let inner = self.positions.get(1..self.last())?;
         inner.binary_search(&(position as u32)).ok().map(|k| k + 1)
     }
 
     /// Shrink an interval to cuts whose children may cost less than `target` together; None when there are none.
-    pub fn narrow(&self, mut interval: Interval, target: i64) -> Option<Interval> {
+    pub(crate) fn narrow(&self, mut interval: Interval, target: i64) -> Option<Interval> {
         let Interval { a, b, .. } = interval;
-        // swing on both sides: e(L(k)) + e(R(k)) >= e(L(b)) + e(R(a)) - (mass(b) - mass(a)) for every k between
-        if self.has_swing && self.left[b] + self.right[a] - (self.mass[b] - self.mass[a]) >= target {
+        // cost range on both sides: e(L(k)) + e(R(k)) >= e(L(b)) + e(R(a)) - (range(b) - range(a)) for every k between
+        if self.has_range && self.left[b] + self.right[a] - (self.total_range[b] - self.total_range[a]) >= target {
             return None;
         }
         if self.is_monotone {
@@ -199,12 +207,12 @@ impl Axis {
             if self.left[a] + self.right[b] >= target {
                 return None;
             }
-            if self.has_swing {
-                // monotone left of k, swing right of it: e(L(a)) + e(R(a)) - (mass(k) - mass(a)) < target is needed
-                let from = self.mass[a] + self.left[a] + self.right[a] - target;
-                interval.low += self.mass[interval.low..=interval.high].partition_point(|&m| m <= from);
-                let to = self.mass[b] - (self.left[b] + self.right[b] - target);
-                let kept = self.mass.get(interval.low..=interval.high)?.partition_point(|&m| m < to);
+            if self.has_range {
+                // monotone left of k, range right: e(L(a)) + e(R(a)) - (range(k) - range(a)) < target is needed
+                let from = self.total_range[a] + self.left[a] + self.right[a] - target;
+                interval.low += self.total_range[interval.low..=interval.high].partition_point(|&m| m <= from);
+                let to = self.total_range[b] - (self.left[b] + self.right[b] - target);
+                let kept = self.total_range.get(interval.low..=interval.high)?.partition_point(|&m| m < to);
                 if kept == 0 {
                     return None;
                 }
@@ -215,12 +223,12 @@ impl Axis {
     }
 
     /// Lower bounds of both children of cut `k`, from the solved cuts around it.
-    pub fn bounds(&self, interval: &Interval, k: usize) -> (i64, i64) {
+    pub(crate) fn bounds(&self, interval: &Interval, k: usize) -> (i64, i64) {
         let Interval { a, b, .. } = *interval;
         let (mut left, mut right) = (0, 0);
-        if self.has_swing {
-            left = self.left[b] - (self.mass[b] - self.mass[k]);
-            right = self.right[a] - (self.mass[k] - self.mass[a]);
+        if self.has_range {
+            left = self.left[b] - (self.total_range[b] - self.total_range[k]);
+            right = self.right[a] - (self.total_range[k] - self.total_range[a]);
         }
         if self.is_monotone {
             left = left.max(self.left[a] + self.mixed(a, k));
@@ -230,13 +238,13 @@ impl Axis {
     }
 
     /// Lower bound of the children of any cut of an interval.
-    pub fn least(&self, interval: &Interval) -> i64 {
+    pub(crate) fn least(&self, interval: &Interval) -> i64 {
         let bounds = (interval.low..=interval.high).map(|k| self.bounds(interval, k));
         bounds.map(|(left, right)| left + right).min().unwrap_or(i64::MAX)
     }
 
     /// The open cut nearest the middle of the interval whose children's bounds stay below `target`.
-    pub fn pick(&self, interval: &Interval, target: i64) -> Option<usize> {
+    pub(crate) fn pick(&self, interval: &Interval, target: i64) -> Option<usize> {
         let middle = interval.low + (interval.high - interval.low) / 2;
         let (left, right) = self.bounds(interval, middle);
         if self.counted == Counted::Nothing || left + right < target {
@@ -272,9 +280,10 @@ impl Axis {
         order.iter().find_map(|&half| self.survivor(interval, halves[half], target, from_end))
     }
 
-    /// Swing between `k` and the farther end of the interval: what a child's bound is worth to its neighbours.
-    pub fn slack(&self, interval: &Interval, k: usize) -> i64 {
-        (self.mass[k] - self.mass[interval.low]).max(self.mass[interval.high] - self.mass[k])
+    /// Cost range between `k` and the farther end of the interval: what a child's bound is worth to its neighbours.
+    pub(crate) fn slack(&self, interval: &Interval, k: usize) -> i64 {
+        (self.total_range[k] - self.total_range[interval.low])
+            .max(self.total_range[interval.high] - self.total_range[k])
     }
 
     /// Least cost of the samples between two cuts when at most `n_leaves` labels are predicted for them.
@@ -291,7 +300,7 @@ impl Axis {
             }
             return i64::from(least.into_iter().min().unwrap_or(0));
         }
-        let between = self.mass[to] - self.mass[from];
+        let between = self.total_range[to] - self.total_range[from];
         if self.n_leaves == 2 {
             let (mut first, mut second) = (0, 0);
             for (low, high) in low.iter().zip(high).take(self.width) {
@@ -303,9 +312,9 @@ impl Axis {
             }
             return between - i64::from(first) - i64::from(second);
         }
-        let columns = low.iter().zip(high).take(self.width);
+        let labels = low.iter().zip(high).take(self.width);
         let mut counts: Vec<i32> =
-            columns.flat_map(|(low, high)| std::array::from_fn::<_, WIDTH, _>(|c| high[c] - low[c])).collect();
+            labels.flat_map(|(low, high)| std::array::from_fn::<_, WIDTH, _>(|c| high[c] - low[c])).collect();
         counts.sort_unstable_by(|a, b| b.cmp(a));
         between - counts.iter().take(self.n_leaves).map(|&count| i64::from(count)).sum::<i64>()
     }

@@ -1,52 +1,52 @@
-//! The best tree of at most two levels: bisection over the cuts of the root, both children answered by best stumps.
+//! The best tree of at most two levels: bisection over the cuts of the root, both children solved by best stumps.
 
 use crate::exact::node::axis::Interval;
 use crate::exact::node::plan::Plan;
-use crate::exact::node::result::{Answer, Reached};
+use crate::exact::node::result::{FeatureIncumbent, NodeResult};
 use crate::exact::node::search::Search;
-use crate::exact::stumps::place::{Neighbour, Place, Stumps};
+use crate::exact::stumps::place::{Neighbour, Place, StumpSolver};
 use crate::exact::view::View;
 
 impl Search<'_> {
     /// The best tree of at most two levels if it costs less than `upper`, else the proof that none does.
     ///
     /// `floor` is a bound known beforehand: a tree that costs no more ends the search.
-    pub fn depth_two(&mut self, view: &View, upper: i64, floor: i64) -> Answer {
+    pub(crate) fn depth_two(&mut self, view: &View, upper: i64, floor: i64) -> NodeResult {
         let leaf = view.leaf();
         if upper <= floor {
-            return Answer::none(floor);
+            return NodeResult::none(floor);
         }
         if leaf <= floor.max(self.samples.penalty) || view.len < 2 * self.samples.leaf_size {
-            return Answer::cheapest(leaf, Plan::Leaf, upper);
+            return NodeResult::cheapest(leaf, Plan::Leaf, upper);
         }
-        let mut finder = self.take_finder(view);
-        let stump = finder.load(self.samples, view);
+        let mut solver = self.take_solver(view);
+        let stump = solver.load(self.samples, view);
         self.n_evaluated += 1;
-        let scores = finder.scores().to_vec();
-        let mut best = Answer::cheapest(stump.value, Plan::Stump, upper);
-        self.attained.clear();
-        self.attained.resize(self.samples.p, Reached::NOTHING);
+        let scores = solver.scores().to_vec();
+        let mut best = NodeResult::cheapest(stump.value, Plan::Stump, upper);
+        self.incumbents.clear();
+        self.incumbents.resize(self.samples.p, FeatureIncumbent::NOTHING);
         for f in self.features_by(|f| -scores[f]) {
             let current = best.cost(upper);
             if current <= floor || self.is_stopped() {
                 break;
             }
-            self.depth_two_feature(&mut *finder, view, f, stump.lower, current, &mut best);
+            self.depth_two_feature(&mut *solver, view, f, stump.lower, current, &mut best);
             self.report_effort();
         }
         self.report_effort();
-        self.return_finder(view, finder);
+        self.return_solver(view, solver);
         best.closed(upper)
     }
 
     fn depth_two_feature(
         &mut self,
-        finder: &mut dyn Stumps,
+        solver: &mut dyn StumpSolver,
         view: &View,
         f: usize,
         whole: i64,
         mut current: i64,
-        best: &mut Answer,
+        best: &mut NodeResult,
     ) {
         let samples = self.samples;
         let mut axis = std::mem::take(&mut self.axis);
@@ -66,30 +66,30 @@ impl Search<'_> {
             if self.is_stopped() {
                 break;
             }
-            let close = target + if self.switches.slack { axis.slack(&interval, k) } else { 0 };
+            let threshold = target + if self.switches.slack { axis.slack(&interval, k) } else { 0 };
             if std::mem::take(&mut is_fresh) {
-                finder.rewind();
+                solver.rewind();
                 for (position, &i) in view.list(f).iter().enumerate() {
                     positions[i as usize] = position as u32;
                 }
             }
             let neighbours = [interval.a, interval.b].map(|cut| Neighbour {
-                record: axis.record[cut] as usize,
-                distance: (axis.mass[k] - axis.mass[cut]).abs(),
+                evaluated: axis.evaluated[cut] as usize,
+                distance: (axis.total_range[k] - axis.total_range[cut]).abs(),
             });
             let k_left = axis.positions[k] as usize;
             let place = Place { view, f, k: k_left, positions: &positions, neighbours, target };
-            let [left, right] = finder.both(samples, &place, close);
+            let [left, right] = solver.both(samples, &place, threshold);
             counted.push(k_left as u32);
-            axis.record[k] = finder.last_record() as u32;
+            axis.evaluated[k] = solver.last_evaluated() as u32;
             self.n_evaluated += 1;
             (axis.left[k], axis.right[k]) = (left.lower, right.lower);
             let cost = left.value + right.value + samples.penalty;
-            self.attained[f].see(cost, k_left);
+            self.incumbents[f].see(cost, k_left);
             if cost < current {
                 current = cost;
                 let sides = [Plan::Stump, Plan::Stump];
-                *best = Answer::found(cost, Plan::split(samples, view, f, place.k, sides));
+                *best = NodeResult::found(cost, Plan::split(samples, view, f, place.k, sides));
             }
             if interval.high > k {
                 open.push(Interval { a: k, b: interval.b, low: k + 1, high: interval.high });

@@ -1,4 +1,4 @@
-//! Records of what a search proves, for a proof log.
+//! Records of a proof log: what a search proves of each node.
 
 use crate::log::Body;
 
@@ -10,7 +10,7 @@ pub(crate) struct Log {
 }
 
 impl Log {
-    /// Begin a node; what is returned is to be given back to `close`.
+    /// Begin a node; returns the outer node's lines, which `close` takes back.
     pub(crate) fn open(&mut self) -> Body {
         self.last = None;
         std::mem::take(&mut self.body)
@@ -33,7 +33,7 @@ impl Log {
         self.last.take()
     }
 
-    /// The same samples, one level less.
+    /// Add the record of the same samples one level shallower.
     pub(crate) fn shallower(&mut self) {
         if let Some(record) = self.last.take() {
             self.body.append("B\n");
@@ -41,7 +41,7 @@ impl Log {
         }
     }
 
-    /// Cuts whose stumps were counted, by number of samples on the left.
+    /// Add cuts whose stumps were counted, by number of samples on the left.
     pub(crate) fn counted(&mut self, feature: u32, cuts: &mut [u32]) {
         cuts.sort_unstable();
         if cuts.is_empty() {
@@ -56,7 +56,7 @@ impl Log {
         self.body.append("\n");
     }
 
-    /// A cut with the records of its sides.
+    /// Add a cut with the records of its sides.
     pub(crate) fn cut(&mut self, feature: u32, position: usize, sides: [Option<String>; 2]) {
         if sides.iter().all(Option::is_none) {
             return;

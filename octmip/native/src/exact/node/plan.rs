@@ -5,9 +5,9 @@ use crate::exact::stumps::scan::best_cut;
 use crate::exact::view::View;
 use crate::tree::Tree;
 
-/// Every search keeps the plan of its best tree; only the plan that wins becomes a tree.
+/// The best tree of a search, in short; only the plan that wins becomes a tree.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Plan {
+pub(crate) enum Plan {
     /// The best leaf of the samples that arrive.
     Leaf,
     /// Their best tree of at most one split.
@@ -18,22 +18,22 @@ pub enum Plan {
         feature: usize,
         /// Largest rank that goes left.
         cut: u32,
-        /// What follows on both sides.
+        /// Plans of both sides.
         sides: Box<[Plan; 2]>,
     },
 }
 
 impl Plan {
     /// A cut at position `k` of feature `f` of a view.
-    pub fn split(samples: &Samples, view: &View, f: usize, k: usize, sides: [Plan; 2]) -> Self {
+    pub(crate) fn split(samples: &Samples, view: &View, f: usize, k: usize, sides: [Plan; 2]) -> Self {
         let cut = samples.ranks_of(f)[view.list(f)[k - 1] as usize];
         Self::Split { feature: f, cut, sides: Box::new(sides) }
     }
 
     /// The tree on the samples of a view, features and cuts as the problem numbers them.
-    pub fn tree(&self, samples: &Samples, view: &View) -> Tree {
+    pub(crate) fn tree(&self, samples: &Samples, view: &View) -> Tree {
         match self {
-            Self::Leaf => Tree::leaf(samples.labels[view.best_column()]),
+            Self::Leaf => Tree::leaf(samples.labels[view.best_label()]),
             Self::Stump => match best_stump(samples, view) {
                 Some((f, cut)) => {
                     Self::Split { feature: f, cut, sides: Box::new([Self::Leaf, Self::Leaf]) }.tree(samples, view)
@@ -61,6 +61,6 @@ fn best_stump(samples: &Samples, view: &View) -> Option<(usize, u32)> {
             best = Some((found.gain, f, found.cut));
         }
     }
-    let leaf = view.mass - view.leaf();
+    let leaf = view.total_range - view.leaf();
     best.filter(|&(gain, _, _)| gain - samples.penalty > leaf).map(|(_, f, cut)| (f, cut))
 }

@@ -6,35 +6,35 @@ use crate::exact::effort::Control;
 use crate::exact::node::axis::{Axis, Interval};
 use crate::exact::node::log::Log;
 use crate::exact::node::plan::Plan;
-use crate::exact::node::result::{Answer, Reached};
+use crate::exact::node::result::{FeatureIncumbent, NodeResult};
 use crate::exact::samples::Samples;
-use crate::exact::stumps::place::Stumps;
-use crate::exact::stumps::{finder, width};
+use crate::exact::stumps::place::StumpSolver;
+use crate::exact::stumps::{solver, width};
 use crate::exact::switches::Switches;
 use crate::exact::view::View;
 
 /// A cut to be solved.
 #[derive(Debug, Clone, Copy)]
-pub struct Cut {
+pub(crate) struct Cut {
     /// Usable feature.
-    pub feature: usize,
+    pub(crate) feature: usize,
     /// Samples left of it.
-    pub position: usize,
+    pub(crate) position: usize,
     /// Known lower bounds of both children.
-    pub bounds: [i64; 2],
+    pub(crate) bounds: [i64; 2],
     /// Both children together must cost less.
-    pub target: i64,
-    /// What a child's bound is worth to neighbouring cuts.
-    pub slack: i64,
+    pub(crate) target: i64,
+    /// Worth of a child's bound to neighbouring cuts.
+    pub(crate) slack: i64,
 }
 
-/// What became of a cut.
+/// The children of a solved cut.
 #[derive(Debug)]
-pub struct Children {
+pub(crate) struct Children {
     /// Lower bounds of both children.
-    pub bounds: [i64; 2],
+    pub(crate) bounds: [i64; 2],
     /// Cost and plan when both were found, the cut itself included.
-    pub tree: Option<(i64, Plan)>,
+    pub(crate) tree: Option<(i64, Plan)>,
 }
 
 /// Buffers of one level of the recursion.
@@ -47,80 +47,80 @@ struct Level {
 }
 
 /// One thread's search: workspaces and counters.
-pub struct Search<'a> {
-    /// What is searched.
-    pub samples: &'a Samples,
-    /// Which prunes are on.
-    pub switches: Switches,
+pub(crate) struct Search<'a> {
+    /// Samples that are searched.
+    pub(crate) samples: &'a Samples,
+    /// Prunes that are on.
+    pub(crate) switches: Switches,
     /// Cuts evaluated by stumps.
-    pub n_evaluated: u64,
-    /// Best cut seen of each feature at the root of the last search (`p`).
-    pub attained: Vec<Reached>,
+    pub(crate) n_evaluated: u64,
+    /// Incumbent of each feature at the root of the last search (`p`).
+    pub(crate) incumbents: Vec<FeatureIncumbent>,
     /// Whether any tree below the budget will do: the search ends with the first one at its root.
-    pub takes_first: bool,
+    pub(crate) takes_first: bool,
     /// The records of what is proven, when a proof is written.
     pub(crate) log: Option<Log>,
     pub(super) axis: Axis,
     pub(super) positions: Vec<u32>,
     control: &'a Control,
     levels: Vec<Level>,
-    finders: [Option<Box<dyn Stumps>>; 3],
+    solvers: [Option<Box<dyn StumpSolver>>; 3],
     marks: Vec<bool>,
 }
 
 impl<'a> Search<'a> {
     /// Workspaces for searches of at most `depth` levels.
-    pub fn new(samples: &'a Samples, switches: Switches, control: &'a Control, depth: usize) -> Self {
+    pub(crate) fn new(samples: &'a Samples, switches: Switches, control: &'a Control, depth: usize) -> Self {
         Self {
             samples,
             switches,
             n_evaluated: 0,
-            attained: Vec::new(),
+            incumbents: Vec::new(),
             takes_first: false,
             log: None,
             axis: Axis::default(),
             positions: vec![0; samples.n],
             control,
             levels: (0..=depth).map(|_| Level::default()).collect(),
-            finders: [None, None, None],
+            solvers: [None, None, None],
             marks: vec![false; samples.n],
         }
     }
 
-    /// Whether someone said stop; what is returned after that proves nothing.
-    pub fn is_stopped(&self) -> bool {
+    /// Whether the search is stopped; what is returned after that proves nothing.
+    pub(crate) fn is_stopped(&self) -> bool {
         self.control.is_stopped()
     }
 
     /// The best tree of at most `depth` levels if it costs less than `upper`, else the proof that none does.
-    pub fn solve(&mut self, view: &View, depth: usize, upper: i64, floor: i64) -> Answer {
+    pub(crate) fn solve(&mut self, view: &View, depth: usize, upper: i64, floor: i64) -> NodeResult {
         let Some(log) = &mut self.log else {
             return self.solve_unlogged(view, depth, upper, floor);
         };
         let outer = log.open();
         if upper <= floor {
             log.pass_over(outer);
-            return Answer::none(floor);
+            return NodeResult::none(floor);
         }
-        let answer = self.solve_unlogged(view, depth, upper, 0);
+        let result = self.solve_unlogged(view, depth, upper, 0);
         let base: i64 = view.ids(self.samples).map(|i| self.samples.base[i as usize]).sum();
         if let Some(log) = &mut self.log {
-            log.close(outer, depth, self.samples.leaf_size, base + answer.lower);
+            log.close(outer, depth, self.samples.leaf_size, base + result.lower);
         }
-        answer
+        result
     }
 
-    fn solve_unlogged(&mut self, view: &View, depth: usize, upper: i64, floor: i64) -> Answer {
+    fn solve_unlogged(&mut self, view: &View, depth: usize, upper: i64, floor: i64) -> NodeResult {
         if upper <= floor {
-            return Answer::none(floor);
+            return NodeResult::none(floor);
         }
         let leaf = view.leaf();
-        let is_leaf_best = leaf <= floor.max(self.samples.penalty) || self.samples.n_columns == 1;
+        let is_leaf_best = leaf <= floor.max(self.samples.penalty) || self.samples.n_labels == 1;
         if depth == 0 || is_leaf_best || view.len < 2 * self.samples.leaf_size || self.samples.p == 0 {
-            return Answer::cheapest(leaf, Plan::Leaf, upper);
+            return NodeResult::cheapest(leaf, Plan::Leaf, upper);
         }
         if self.label_bound(view, depth) >= upper {
-            return Answer::none(upper);
+            return NodeResult::none(upper);
         }
         match depth {
             1 => self.depth_one(view, upper),
@@ -132,61 +132,61 @@ impl<'a> Search<'a> {
     /// A tree of this depth predicts at most `2^depth` labels: the samples of all others are lost.
     fn label_bound(&self, view: &View, depth: usize) -> i64 {
         let n_leaves = 1usize << depth.min(20);
-        if !self.switches.label_count || !self.samples.is_single || self.samples.n_columns <= n_leaves {
+        if !self.switches.label_count || !self.samples.is_single || self.samples.n_labels <= n_leaves {
             return 0;
         }
         let mut totals = view.totals.clone();
         totals.sort_unstable_by(|a, b| b.cmp(a));
-        view.mass - totals[..n_leaves].iter().sum::<i64>()
+        view.total_range - totals[..n_leaves].iter().sum::<i64>()
     }
 
-    fn depth_one(&mut self, view: &View, upper: i64) -> Answer {
-        let mut finder = self.take_finder(view);
-        let stump = finder.load(self.samples, view);
-        self.return_finder(view, finder);
+    fn depth_one(&mut self, view: &View, upper: i64) -> NodeResult {
+        let mut solver = self.take_solver(view);
+        let stump = solver.load(self.samples, view);
+        self.return_solver(view, solver);
         self.n_evaluated += 1;
-        Answer::cheapest(stump.value, Plan::Stump, upper)
+        NodeResult::cheapest(stump.value, Plan::Stump, upper)
     }
 
-    fn deep(&mut self, view: &View, depth: usize, upper: i64, floor: i64) -> Answer {
+    fn deep(&mut self, view: &View, depth: usize, upper: i64, floor: i64) -> NodeResult {
         let takes_first = std::mem::take(&mut self.takes_first);
         self.levels[depth].takes_first = takes_first;
         let leaf = view.leaf();
         // One level shallower first: its tree is an incumbent, its cost bounds the children of the trivial cuts, and
-        // the features are taken in the order of what they reached.
-        let mut best = Answer::cheapest(leaf, Plan::Leaf, upper);
+        // the features are taken in the order of their incumbents.
+        let mut best = NodeResult::cheapest(leaf, Plan::Leaf, upper);
         let mut whole = 0;
         let mut order: Vec<usize> = (0..self.samples.p).collect();
         if depth == 3 {
             self.prepare(view);
         }
         if self.switches.shallower_first {
-            let answer = self.solve(view, depth - 1, leaf + 1, floor);
-            whole = answer.lower;
+            let result = self.solve(view, depth - 1, leaf + 1, floor);
+            whole = result.lower;
             if let Some(log) = self.log.as_mut().filter(|_| depth > 2) {
                 log.shallower();
             }
-            if answer.cost(i64::MAX) < best.cost(upper) {
-                best = answer;
+            if result.cost(i64::MAX) < best.cost(upper) {
+                best = result;
             }
-            if self.attained.len() == self.samples.p {
-                let attained = std::mem::take(&mut self.attained);
-                order = self.features_by(|f| attained[f].cost);
+            if self.incumbents.len() == self.samples.p {
+                let incumbents = std::mem::take(&mut self.incumbents);
+                order = self.features_by(|f| incumbents[f].cost);
             }
         }
-        let mut attained = vec![Reached::NOTHING; self.samples.p];
+        let mut incumbents = vec![FeatureIncumbent::NOTHING; self.samples.p];
         for f in order {
             let is_done = takes_first && best.best.is_some();
             if best.cost(upper) <= floor || is_done || self.is_stopped() {
                 break;
             }
             let before = best.cost(upper);
-            let answer = self.deep_feature(view, depth, f, whole, before, &mut attained[f]);
-            if answer.cost(i64::MAX) < before {
-                best = answer;
+            let result = self.deep_feature(view, depth, f, whole, before, &mut incumbents[f]);
+            if result.cost(i64::MAX) < before {
+                best = result;
             }
         }
-        self.attained = attained;
+        self.incumbents = incumbents;
         best.closed(upper)
     }
 
@@ -198,14 +198,14 @@ impl<'a> Search<'a> {
         f: usize,
         whole: i64,
         upper: i64,
-        seen: &mut Reached,
-    ) -> Answer {
+        seen: &mut FeatureIncumbent,
+    ) -> NodeResult {
         let samples = self.samples;
         let mut level = std::mem::take(&mut self.levels[depth]);
         level.axis.lay(samples, view, f, 1 << (depth - 1).min(20), whole, &self.switches);
         level.queue.clear();
         level.queue.extend(level.axis.whole());
-        let mut best = Answer::none(upper);
+        let mut best = NodeResult::none(upper);
         while let Some(interval) = level.queue.pop_front() {
             let target = best.cost(upper) - samples.penalty;
             let Some(interval) = level.axis.narrow(interval, target) else {
@@ -230,7 +230,7 @@ impl<'a> Search<'a> {
             if let Some((cost, plan)) = children.tree {
                 seen.see(cost, cut.position);
                 if cost < best.cost(upper) {
-                    best = Answer::found(cost, plan);
+                    best = NodeResult::found(cost, plan);
                     if level.takes_first {
                         break;
                     }
@@ -260,12 +260,12 @@ impl<'a> Search<'a> {
         let mut records = [None, None];
         for side in [first, 1 - first] {
             let budget = cut.target + cut.slack - bounds[1 - side];
-            let answer = self.solve(&sides[side], depth - 1, budget, bounds[side]);
+            let result = self.solve(&sides[side], depth - 1, budget, bounds[side]);
             if self.is_stopped() {
                 return Children { bounds: cut.bounds, tree: None };
             }
-            bounds[side] = bounds[side].max(answer.lower);
-            plans[side] = answer.best;
+            bounds[side] = bounds[side].max(result.lower);
+            plans[side] = result.best;
             records[side] = self.log.as_mut().and_then(Log::take);
         }
         if let Some(log) = &mut self.log {
@@ -282,8 +282,8 @@ impl<'a> Search<'a> {
         Children { bounds, tree }
     }
 
-    /// Tell the other threads how many cuts were evaluated here.
-    pub fn report_effort(&mut self) {
+    /// Add the cuts evaluated here to those of the other threads.
+    pub(crate) fn report_effort(&mut self) {
         self.control.add(std::mem::take(&mut self.n_evaluated));
     }
 
@@ -297,25 +297,27 @@ impl<'a> Search<'a> {
     }
 
     /// Lay out the buckets that the children of this view share.
-    pub fn prepare(&mut self, view: &View) {
+    pub(crate) fn prepare(&mut self, view: &View) {
         self.forget();
-        let mut own = self.take_finder(view);
+        let mut own = self.take_solver(view);
         own.prepare(self.samples, view);
-        self.return_finder(view, own);
+        self.return_solver(view, own);
     }
 
-    /// The samples that follow are not a part of those before.
-    pub fn forget(&mut self) {
-        self.finders.iter_mut().flatten().for_each(|finder| finder.forget());
+    /// Forget what was laid out: the samples that follow are not a part of those before.
+    pub(crate) fn forget(&mut self) {
+        self.solvers.iter_mut().flatten().for_each(|solver| solver.forget());
     }
 
-    /// The stump finder for a view of this swing.
-    pub(super) fn take_finder(&mut self, view: &View) -> Box<dyn Stumps> {
-        self.finders[width(view.mass)].take().unwrap_or_else(|| finder(self.samples, view.mass, &self.switches))
+    /// The stump solver for a view of this total range.
+    pub(super) fn take_solver(&mut self, view: &View) -> Box<dyn StumpSolver> {
+        self.solvers[width(view.total_range)]
+            .take()
+            .unwrap_or_else(|| solver(self.samples, view.total_range, &self.switches))
     }
 
-    /// Give the finder back.
-    pub(super) fn return_finder(&mut self, view: &View, finder: Box<dyn Stumps>) {
-        self.finders[width(view.mass)] = Some(finder);
+    /// Give the solver back.
+    pub(super) fn return_solver(&mut self, view: &View, solver: Box<dyn StumpSolver>) {
+        self.solvers[width(view.total_range)] = Some(solver);
     }
 }

@@ -1,8 +1,9 @@
 //! The open intervals of the root, best bound first, worked by all threads.
 //!
-//! The least bound over the open intervals and those in work bounds every tree not yet seen: it rises while one watches.
+//! The least bound over the open intervals and those in work bounds every tree not yet seen: it rises during the
+//! search.
 //!
-//! Work is handed out in rounds of a fixed number of cuts, chosen before the round and recorded in order after it. So
+//! Work is handed out in rounds of a fixed number of cuts, chosen before the round and entered in order after it. So
 //! what is searched, and which tree is found, does not depend on the number of threads or on their speed.
 
 use std::cmp::Reverse;
@@ -13,7 +14,7 @@ use std::time::Duration;
 use crate::exact::effort::Control;
 use crate::exact::node::axis::{Axis, Interval};
 use crate::exact::node::plan::Plan;
-use crate::exact::node::result::{Reached, Solved};
+use crate::exact::node::result::{FeatureIncumbent, Solved};
 use crate::exact::node::search::{Children, Cut, Search};
 use crate::exact::root::known::Known;
 use crate::exact::samples::Samples;
@@ -56,15 +57,15 @@ struct State {
     n_handed_out: usize,
     results: Vec<Option<Children>>,
     is_finished: bool,
-    attained: Vec<Reached>,
-    /// Places of the features and cuts that are recorded.
+    incumbents: Vec<FeatureIncumbent>,
+    /// Places of the features and cuts that are entered.
     solved: Vec<(usize, usize)>,
     cost: i64,
     plan: Option<Plan>,
 }
 
 /// The root's search, shared by the threads.
-pub struct Frontier<'a> {
+pub(crate) struct Frontier<'a> {
     samples: &'a Samples,
     switches: Switches,
     control: &'a Control,
@@ -86,22 +87,22 @@ struct Task {
 }
 
 impl<'a> Frontier<'a> {
-    /// All cuts of all features; trees below `upper` are wanted, and `attained` is where one level fewer was best.
+    /// All cuts of all features; trees below `upper` are wanted, and `incumbents` are those of one level fewer.
     /// `known`: what an earlier search of this level has proven.
     #[allow(clippy::too_many_arguments)]
-    pub fn new(
+    pub(crate) fn new(
         samples: &'a Samples,
         switches: Switches,
         control: &'a Control,
         view: &'a View,
         depth: usize,
-        attained: &[Reached],
+        incumbents: &[FeatureIncumbent],
         whole: i64,
         upper: i64,
         known: Option<&Known>,
     ) -> Self {
         let mut features: Vec<usize> = (0..samples.p).collect();
-        features.sort_by_key(|&f| attained.get(f).map_or(i64::MAX, |reached| reached.cost));
+        features.sort_by_key(|&f| incumbents.get(f).map_or(i64::MAX, |incumbent| incumbent.cost));
         let (mut heap, mut axes, mut round) = (BinaryHeap::new(), Vec::new(), Vec::new());
         let mut solved = Vec::new();
         for (place, &f) in features.iter().enumerate() {
@@ -116,8 +117,8 @@ impl<'a> Frontier<'a> {
             } else if let Some(interval) = axis.whole() {
                 let bound = samples.penalty + axis.least(&interval);
                 let open = Open::new(bound, place, interval);
-                let best = attained.get(f).filter(|_| place < N_FIRST && known.is_none());
-                match best.and_then(|reached| axis.cut_at(reached.position)) {
+                let best = incumbents.get(f).filter(|_| place < N_FIRST && known.is_none());
+                match best.and_then(|incumbent| axis.cut_at(incumbent.position)) {
                     Some(k) => round.push(Task {
                         place,
                         k,
@@ -138,7 +139,8 @@ impl<'a> Frontier<'a> {
             n_handed_out: 0,
             results,
             is_finished: false,
-            attained: known.map_or_else(|| vec![Reached::NOTHING; samples.p], |known| known.attained.clone()),
+            incumbents: known
+                .map_or_else(|| vec![FeatureIncumbent::NOTHING; samples.p], |known| known.incumbents.clone()),
             solved,
             cost: upper,
             plan: None,
@@ -152,7 +154,7 @@ impl<'a> Frontier<'a> {
     }
 
     /// Lowest cost so far (or the budget), and a bound of all trees not better than it.
-    pub fn progress(&self) -> (i64, i64) {
+    pub(crate) fn progress(&self) -> (i64, i64) {
         let state = self.lock();
         let open = state.heap.peek().map_or(i64::MAX, |Reverse(open)| open.bound);
         let in_work = state.round.iter().map(|task| task.bound).min();
@@ -161,29 +163,29 @@ impl<'a> Frontier<'a> {
     }
 
     /// Bytes of the queue.
-    pub fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         self.lock().heap.capacity() * size_of::<Reverse<Open>>()
     }
 
     /// The best tree below the budget, of the cuts of the round that are back included.
-    pub fn best(&self) -> Option<(i64, Plan)> {
+    pub(crate) fn best(&self) -> Option<(i64, Plan)> {
         let state = self.lock();
-        let recorded = state.plan.as_ref().map(|plan| (state.cost, plan));
+        let entered = state.plan.as_ref().map(|plan| (state.cost, plan));
         let back = state.results.iter().flatten().filter_map(|children| children.tree.as_ref());
         let below = back.map(|(cost, plan)| (*cost, plan)).filter(|(cost, _)| *cost < state.cost);
-        let best = recorded.into_iter().chain(below).min_by_key(|(cost, _)| *cost);
+        let best = entered.into_iter().chain(below).min_by_key(|(cost, _)| *cost);
         best.map(|(cost, plan)| (cost, plan.clone()))
     }
 
-    /// Best cut seen of each feature at the root (`p`).
-    pub fn attained(&self) -> Vec<Reached> {
-        self.lock().attained.clone()
+    /// Incumbent of each feature at the root (`p`).
+    pub(crate) fn incumbents(&self) -> Vec<FeatureIncumbent> {
+        self.lock().incumbents.clone()
     }
 
     /// The solved cuts, those of the round that are back included.
-    pub fn solved(&self) -> Vec<Solved> {
+    pub(crate) fn solved(&self) -> Vec<Solved> {
         let state = self.lock();
-        let recorded = state.solved.iter().map(|&(place, k)| {
+        let entered = state.solved.iter().map(|&(place, k)| {
             let axis = &state.axes[place];
             let bounds = [axis.left[k], axis.right[k]];
             Solved { feature: self.features[place], position: axis.positions[k] as usize, bounds }
@@ -192,17 +194,17 @@ impl<'a> Frontier<'a> {
             let bounds = children.as_ref()?.bounds;
             Some(Solved { feature: task.cut.feature, position: task.cut.position, bounds })
         });
-        recorded.chain(back).collect()
+        entered.chain(back).collect()
     }
 
-    /// Work until nothing is open or someone says stop.
-    pub fn work(&self, search: &mut Search<'_>) {
+    /// Work until nothing is open or the search is stopped.
+    pub(crate) fn work(&self, search: &mut Search<'_>) {
         let mut sides = [View::default(), View::default()];
         while let Some((index, task)) = self.next() {
             let children = search.children(self.view, self.depth, &task.cut, &mut sides);
             search.report_effort();
             if self.control.is_stopped() {
-                break; // what was found may be no proof: the round is never recorded, its bounds stand
+                break; // what was found may be no proof: the round is never entered, its bounds stand
             }
             self.lock().results[index] = Some(children);
             self.changed.notify_all();
@@ -225,17 +227,17 @@ impl<'a> Frontier<'a> {
                 self.turn(&mut state);
                 continue;
             }
-            // Woken by results; looks up now and then, as nobody wakes it when the word to stop is given.
+            // Woken by results; looks up now and then, as nobody wakes it when the search is stopped.
             let waited = self.changed.wait_timeout(state, Duration::from_millis(20));
             state = waited.unwrap_or_else(PoisonError::into_inner).0;
         }
     }
 
-    /// Record a round and choose the next.
+    /// Enter a round's results and choose the next.
     fn turn(&self, state: &mut State) {
         let (round, results) = (std::mem::take(&mut state.round), std::mem::take(&mut state.results));
         for (task, children) in round.iter().zip(results.into_iter().flatten()) {
-            self.record(state, task, children);
+            self.enter(state, task, children);
         }
         while state.round.len() < ROUND
             && let Some(task) = self.pop(state)
@@ -268,7 +270,7 @@ impl<'a> Frontier<'a> {
         None
     }
 
-    fn record(&self, state: &mut State, task: &Task, children: Children) {
+    fn enter(&self, state: &mut State, task: &Task, children: Children) {
         state.solved.push((task.place, task.k));
         let axis = &mut state.axes[task.place];
         [axis.left[task.k], axis.right[task.k]] = children.bounds;
@@ -285,7 +287,7 @@ impl<'a> Frontier<'a> {
             .collect();
         state.heap.extend(opened.into_iter().map(Reverse));
         if let Some((cost, plan)) = children.tree {
-            state.attained[task.cut.feature].see(cost, task.cut.position);
+            state.incumbents[task.cut.feature].see(cost, task.cut.position);
             if cost < state.cost {
                 (state.cost, state.plan) = (cost, Some(plan));
             }

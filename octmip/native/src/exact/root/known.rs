@@ -1,48 +1,48 @@
-//! What a search has proven so far, small enough to be kept: the solved cuts of the root, and the best tree.
+//! State of a search, small enough to be kept: the solved cuts of the root, and the best tree.
 //!
-//! A later search takes it up where it was left. It believes the bounds of the cuts, which it could only check by the work
-//! that made them; what a glance can refute is refused (`Known::check`).
+//! A later search takes it up where it was left. It believes the bounds of the cuts, which it could only check by the
+//! work that made them; what a glance can refute is refused (`Known::check`).
 
 use std::time::Instant;
 
-use crate::exact::node::result::{Reached, Solved};
+use crate::exact::node::result::{FeatureIncumbent, Solved};
 use crate::exact::samples::Samples;
 use crate::exact::view::View;
 use crate::tree::Tree;
 
 /// Sensors that a node of the search over sensor sets holds and bans.
-pub type Held = (Vec<bool>, Vec<bool>);
+pub(crate) type Held = (Vec<bool>, Vec<bool>);
 
-/// See the module. Costs are above the base.
+/// Proven bounds and best tree of a search. Costs are above the base.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Known {
+pub(crate) struct Known {
     /// Levels of the trees whose root was searched, 3 or more; those of fewer levels are done.
-    pub level: usize,
+    pub(crate) level: usize,
     /// Lower bound of the trees of one level fewer on all samples.
-    pub whole: i64,
-    /// Best cut of each feature one level lower, which orders the features (`p`, or none).
-    pub order: Vec<Reached>,
-    /// Best cut of each feature at this level (`p`).
-    pub attained: Vec<Reached>,
+    pub(crate) whole: i64,
+    /// Incumbent of each feature one level lower, which orders the features (`p`, or none).
+    pub(crate) order: Vec<FeatureIncumbent>,
+    /// Incumbent of each feature at this level (`p`).
+    pub(crate) incumbents: Vec<FeatureIncumbent>,
     /// Solved cuts of the root.
-    pub cuts: Vec<Solved>,
+    pub(crate) cuts: Vec<Solved>,
     /// Lower bound of all trees without the budget of sensors.
-    pub bound: i64,
+    pub(crate) bound: i64,
     /// Best tree; while sensor sets are not searched yet it may break the budget.
-    pub best: (i64, Tree),
+    pub(crate) best: (i64, Tree),
     /// Cuts evaluated by this search.
-    pub n_nodes: u64,
+    pub(crate) n_nodes: u64,
     /// Open nodes of the search over sensor sets, once it has begun.
-    pub sets: Option<Vec<Held>>,
+    pub(crate) sets: Option<Vec<Held>>,
 }
 
 impl Known {
     /// Refuse what cannot be: numbers out of range, cuts that are none, bounds above what one leaf costs.
-    pub fn check(&self, samples: &Samples, view: &View, depth: usize, n_sensors: usize) -> Result<(), String> {
+    pub(crate) fn check(&self, samples: &Samples, view: &View, depth: usize, n_sensors: usize) -> Result<(), String> {
         let p = samples.p;
         let is_order = self.order.is_empty() || self.order.len() == p;
-        if !(3..=depth).contains(&self.level) || !is_order || self.attained.len() != p {
-            return Err(format!("level {} of {depth}, {} features of {p}", self.level, self.attained.len()));
+        if !(3..=depth).contains(&self.level) || !is_order || self.incumbents.len() != p {
+            return Err(format!("level {} of {depth}, {} features of {p}", self.level, self.incumbents.len()));
         }
         let leaf = view.leaf();
         if !(0..=leaf).contains(&self.whole) || !(0..=self.best.0).contains(&self.bound) {
@@ -65,7 +65,7 @@ fn check_feature(cuts: &[Solved], samples: &Samples, view: &View) -> Result<(), 
         return Err(format!("feature {feature} of {}", samples.p));
     }
     let (list, ranks) = (view.list(feature), samples.ranks_of(feature));
-    let (mut totals, mut mass, mut joined) = (vec![0; samples.n_columns], 0, 0);
+    let (mut totals, mut total_range, mut joined) = (vec![0; samples.n_labels], 0, 0);
     for cut in cuts {
         let k = cut.position;
         let splits = k > 0 && k < view.len && ranks[list[k - 1] as usize] != ranks[list[k] as usize];
@@ -74,12 +74,13 @@ fn check_feature(cuts: &[Solved], samples: &Samples, view: &View) -> Result<(), 
         }
         for &i in &list[joined..k] {
             samples.count(i, 1, &mut totals);
-            mass += samples.swing[i as usize];
+            total_range += samples.ranges[i as usize];
         }
         joined = k;
         let saved = |gains: &mut dyn Iterator<Item = i64>| gains.max().unwrap_or(0);
-        let left = mass - saved(&mut totals.iter().copied());
-        let right = view.mass - mass - saved(&mut view.totals.iter().zip(&totals).map(|(all, left)| all - left));
+        let left = total_range - saved(&mut totals.iter().copied());
+        let right =
+            view.total_range - total_range - saved(&mut view.totals.iter().zip(&totals).map(|(all, left)| all - left));
         let [low, high] = cut.bounds;
         if !(0..=left).contains(&low) || !(0..=right).contains(&high) {
             return Err(format!(
@@ -90,16 +91,16 @@ fn check_feature(cuts: &[Solved], samples: &Samples, view: &View) -> Result<(), 
     Ok(())
 }
 
-/// Something that is given what is known every so often.
-pub struct Saver<'a> {
+/// Taker of what is known, every so often.
+pub(crate) struct Saver<'a> {
     /// Seconds between two times.
-    pub every: f64,
+    pub(crate) every: f64,
     /// Takes it; `false` means stop now.
-    pub save: &'a mut dyn FnMut(&Known) -> bool,
+    pub(crate) save: &'a mut dyn FnMut(&Known) -> bool,
 }
 
 /// A saver, and when it was last given something.
-pub struct Due<'a> {
+pub(crate) struct Due<'a> {
     saver: Option<Saver<'a>>,
     saved: Instant,
 }
@@ -112,12 +113,12 @@ impl Default for Due<'_> {
 
 impl<'a> Due<'a> {
     /// Next due after the saver's interval from now.
-    pub fn new(saver: Option<Saver<'a>>) -> Self {
+    pub(crate) fn new(saver: Option<Saver<'a>>) -> Self {
         Self { saver, saved: Instant::now() }
     }
 
     /// Hand out what is known, now or if it is time; whether to go on.
-    pub fn save(&mut self, now: bool, known: &dyn Fn() -> Known) -> bool {
+    pub(crate) fn save(&mut self, now: bool, known: &dyn Fn() -> Known) -> bool {
         let Some(saver) = &mut self.saver else { return true };
         if !now && self.saved.elapsed().as_secs_f64() < saver.every {
             return true;

@@ -1,7 +1,8 @@
-//! What a search will take of memory, reckoned before it begins; what its queues take besides is counted as they grow.
+//! Memory of a search, reckoned before it begins; its queues are counted as they grow.
 //!
 //! Every list is reckoned at the longest that it can become. `n` samples, `p` features, `4 n p` bytes a set of lists.
 
+use crate::costs::ClassCosts;
 use crate::exact::samples::label_sets::{WIDTH, most_width};
 use crate::exact::stumps::width;
 use crate::exact::switches::Switches;
@@ -12,7 +13,7 @@ const VECTOR: f64 = 64.0;
 const SLOTS: [f64; 3] = [16.0, 8.0, 4.0];
 
 /// Bytes of the tables of a search, its queues left out.
-pub fn bytes(problem: &Problem, n_threads: usize, switches: &Switches) -> f64 {
+pub(crate) fn bytes(problem: &Problem, n_threads: usize, switches: &Switches) -> f64 {
     let (n, p) = (problem.n as f64, problem.p as f64);
     let lists = 4.0 * n * p;
     let samples = 2.0 * lists + 28.0 * n;
@@ -33,32 +34,34 @@ fn thread(problem: &Problem, switches: &Switches) -> f64 {
     sides + axes + 8.0 * n + stumps(problem, switches)
 }
 
-/// The cuts of a feature: place, swing, bounds of both sides, record; and eight at a time, where there are more columns
-/// than a child of this level has leaves, the swing of each column, or the cost under each set of labels.
+/// The cuts of a feature: position, total range, bounds of both sides, evaluated cut; and eight at a time, where there
+/// are more labels than a child of this level has leaves, the cost range of each label, or the cost under each set of
+/// labels.
 fn axis(problem: &Problem, level: usize) -> f64 {
     let (k, n_leaves) = (problem.n_classes, 1 << (level - 1).min(20));
-    let columns = if k > n_leaves { k.div_ceil(WIDTH) } else { 0 };
+    let labels = if k > n_leaves { k.div_ceil(WIDTH) } else { 0 };
     let sets = if is_plain(problem) { 0 } else { most_width(k, n_leaves) };
-    problem.n as f64 * (32.0 + 32.0 * columns.max(sets) as f64)
+    problem.n as f64 * (32.0 + 32.0 * labels.max(sets) as f64)
 }
 
-/// Tables of places in a histogram, histograms, and what each group may reach by evaluated cut. Below depth three there is
-/// one view and one table; from there on views share a table or have their own, and need numbers of any width up to
-/// the widest.
+/// Tables of offsets into histograms, histograms, and what each group may reach by evaluated cut.
+///
+/// Below depth three there is one view and one table; from there on views share a table or have their own, and need
+/// numbers of any width up to the widest.
 fn stumps(problem: &Problem, switches: &Switches) -> f64 {
     let (n, p) = (problem.n as f64, problem.p as f64);
     if !switches.buckets || problem.leaf_size > 1 {
         return 8.0 * p;
     }
-    let dearest = |label: usize| (0..problem.n_classes).map(|k| problem.cost(label, k)).max();
-    let swing = |i: usize| problem.weights[i] * dearest(problem.labels[i] as usize).unwrap_or(0);
-    let mass: i64 = (0..problem.n).map(swing).sum();
+    let costs = ClassCosts::of(problem);
+    let most = |i: usize| problem.weights[i] * costs.most(problem.labels[i] as usize);
+    let total_range: i64 = (0..problem.n).map(most).sum();
     let rows = problem.n_classes as f64;
-    // One column a bucket: a third of the samples where the difference of two columns is one row, else a sixth.
+    // One label a bucket: a third of the samples where the difference of two labels is one row, else a sixth.
     let differences = if problem.n_classes == 2 { n / 3.0 * 5.0 } else { 0.0 };
     let mixed = (n / 6.0).max(512.0f64.min(n)) * (2.0 * rows + 3.0);
     let histogram = VECTOR * mixed.max(differences);
-    let widest = width(mass);
+    let widest = width(total_range);
     let (n_tables, widths) = if problem.depth < 3 { (1.0, widest..=widest) } else { (2.0, 0..=widest) };
     let of_width = |slots: &f64| {
         let groups = (p / slots).ceil();
@@ -67,7 +70,7 @@ fn stumps(problem: &Problem, switches: &Switches) -> f64 {
     SLOTS[widths].iter().map(of_width).sum()
 }
 
-/// Whether each class has one answer that is cheaper than the others, which cost the same.
+/// Whether each class has one label that costs no more than the others, which cost the same.
 fn is_plain(problem: &Problem) -> bool {
     let k = problem.n_classes;
     let wrong = |c: usize| problem.cost(c, (c + 1) % k);

@@ -25,9 +25,9 @@ use crate::exact::view::View;
 use crate::problem::Problem;
 use crate::tree::{Node, Tree};
 
-/// Which sensors a node holds and bans, and the sensors of a tree that is known to break the budget here.
+/// Sensors that a node holds and bans, and those of a tree that is known to break the budget here.
 #[derive(Debug, Clone)]
-pub struct Choice {
+pub(crate) struct Choice {
     held: Vec<bool>,
     banned: Vec<bool>,
     breaking: Option<Vec<usize>>,
@@ -40,8 +40,8 @@ impl Choice {
     }
 }
 
-/// What a relaxation says.
-pub enum Relaxed {
+/// Result of a relaxation.
+pub(crate) enum Relaxed {
     /// No tree over these features is below the incumbent.
     Closed(Vec<usize>),
     /// A tree that keeps the budget, and its cost.
@@ -50,7 +50,7 @@ pub enum Relaxed {
     Breaking(Vec<usize>),
 }
 
-/// What a visit to a node found: the last of its trees within the budget, each cheaper than the one before, and its
+/// Result of a visit to a node: the last of its trees within the budget, each cheaper than the one before, and its
 /// branches, the one to visit first last.
 #[derive(Debug, Default)]
 struct Visit {
@@ -58,7 +58,7 @@ struct Visit {
     branches: Vec<Choice>,
 }
 
-/// How far an open node is.
+/// Progress of an open node.
 #[derive(Debug)]
 enum Mark {
     Waiting,
@@ -82,7 +82,7 @@ impl State {
         }
     }
 
-    /// Record the visits of the nodes that are next, as long as they are as one thread would have made them.
+    /// Enter the visits of the nodes that are next, as long as they are as one thread would have made them.
     fn advance(&mut self) {
         while let Some((choice, mark)) = self.open.pop() {
             match mark {
@@ -99,7 +99,7 @@ impl State {
 }
 
 /// The search over sensor sets, shared by the threads.
-pub struct Sets<'a> {
+pub(crate) struct Sets<'a> {
     pub(crate) problem: &'a Problem,
     pub(crate) samples: &'a Samples,
     pub(crate) switches: Switches,
@@ -111,7 +111,7 @@ pub struct Sets<'a> {
 impl<'a> Sets<'a> {
     /// All sensor sets; trees that cost less than `upper` (above the base) are wanted. `relaxed`: a tree below it
     /// that breaks the budget, if one is known.
-    pub fn new(
+    pub(crate) fn new(
         problem: &'a Problem,
         samples: &'a Samples,
         switches: Switches,
@@ -127,14 +127,14 @@ impl<'a> Sets<'a> {
     }
 
     /// Go on from the nodes that an earlier search left open.
-    pub fn go_on(self, open: &[Held]) -> Self {
+    pub(crate) fn go_on(self, open: &[Held]) -> Self {
         let node = |(held, banned): &Held| Choice { held: held.clone(), banned: banned.clone(), breaking: None };
         self.lock().open = open.iter().map(|nodes| (node(nodes), Mark::Waiting)).collect();
         self
     }
 
     /// The nodes that are open; what visits to them found is left out.
-    pub fn open(&self) -> Vec<Held> {
+    pub(crate) fn open(&self) -> Vec<Held> {
         self.lock().open.iter().map(|(node, _)| (node.held.clone(), node.banned.clone())).collect()
     }
 
@@ -143,13 +143,13 @@ impl<'a> Sets<'a> {
     }
 
     /// Lowest cost so far, and the tree that has it if it was found here.
-    pub fn best(&self) -> (i64, Option<Tree>) {
+    pub(crate) fn best(&self) -> (i64, Option<Tree>) {
         let state = self.lock();
         (state.cost, state.tree.clone())
     }
 
     /// Bytes of the nodes that wait or are in work.
-    pub fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         let state = self.lock();
         let of_mark = |mark: &Mark| match mark {
             Mark::Visited(_, visit) => visit.branches.iter().map(Choice::bytes).sum(),
@@ -159,8 +159,8 @@ impl<'a> Sets<'a> {
         nodes.map(|(node, mark)| node.bytes() + of_mark(mark)).sum()
     }
 
-    /// Work until no set is open or someone says stop.
-    pub fn work(&self) {
+    /// Work until no set is open or the search is stopped.
+    pub(crate) fn work(&self) {
         while let Some((index, choice, upper)) = self.next() {
             let visit = self.visit(&choice, upper);
             let mut state = self.lock();
@@ -188,7 +188,7 @@ impl<'a> Sets<'a> {
                 state.open[index].1 = Mark::InWork;
                 return Some((index, state.open[index].0.clone(), state.cost));
             }
-            // Woken by visits; looks up now and then, as nobody wakes it when the word to stop is given.
+            // Woken by visits; looks up now and then, as nobody wakes it when the search is stopped.
             let waited = self.changed.wait_timeout(state, Duration::from_millis(20));
             state = waited.unwrap_or_else(PoisonError::into_inner).0;
         }
@@ -257,8 +257,8 @@ impl<'a> Sets<'a> {
         let costs = self.problem.sensor_cost.iter().zip(&usable);
         let all: f64 = costs.filter(|(_, usable)| **usable).map(|(cost, _)| cost).sum();
         search.takes_first = all > self.problem.sensor_limit;
-        let answer = search.solve(&view, self.problem.depth, upper, 0);
-        match answer.best.filter(|_| !self.control.is_stopped()) {
+        let result = search.solve(&view, self.problem.depth, upper, 0);
+        match result.best.filter(|_| !self.control.is_stopped()) {
             None => Relaxed::Closed(features),
             Some((cost, plan)) => {
                 let tree = plan.tree(&samples, &view);
@@ -272,7 +272,7 @@ impl<'a> Sets<'a> {
 }
 
 /// Whether a tree keeps the budget.
-pub fn is_within(problem: &Problem, tree: &Tree) -> bool {
+pub(crate) fn is_within(problem: &Problem, tree: &Tree) -> bool {
     let total: f64 = sensors_of(problem, tree).iter().map(|&s| problem.sensor_cost[s]).sum();
     total <= problem.sensor_limit
 }

@@ -1,36 +1,35 @@
-//! What samples cost when only so many labels are predicted, by every set of labels: the bound of mixed labels where
-//! wrong answers differ in cost.
+//! Costs of samples under every set of so many labels: the bound of mixed labels where mistakes differ in cost.
 
 /// Sets that are counted together.
-pub const WIDTH: usize = 8;
+pub(crate) const WIDTH: usize = 8;
 
-/// With more sets than this the bound is left out: what it takes of memory and time would show.
+/// Most sets; with more the bound is left out, as its memory and time would show.
 const MOST_SETS: usize = 64;
 
-/// The sets of as many columns as a tree has leaves.
+/// The sets of as many labels as a tree has leaves.
 #[derive(Debug, Clone, Default)]
-pub struct LabelSets {
+pub(crate) struct LabelSets {
     /// Number of sets, in vectors of `WIDTH`; the last ones are repeated where they do not fill a vector.
     width: usize,
-    /// Cost of one sample of each kind when the cheapest label of each set is predicted (`n_kinds * width`).
+    /// Cost of one sample of each profile when the cheapest label of each set is predicted (`n_profiles * width`).
     costs: Vec<[i32; WIDTH]>,
 }
 
 impl LabelSets {
-    /// The sets of `n_leaves` columns; None where they bound nothing, or are too many.
+    /// The sets of `n_leaves` labels; None where they bound nothing, or are too many.
     ///
     /// A tree of that many leaves predicts the labels of some set at most. So on any samples it costs what they cost
     /// when each is given the cheapest label of that set, or more; the least over all sets bounds every tree.
     ///
-    /// `gains` of one sample of each kind in each of `n` columns (`n_kinds * n`).
-    pub fn new(gains: &[i64], n: usize, n_leaves: usize) -> Option<Self> {
+    /// `gains` of one sample of each profile in each of `n` labels (`n_profiles * n`).
+    pub(crate) fn new(gains: &[i64], n: usize, n_leaves: usize) -> Option<Self> {
         let width = width(n, n_leaves)?;
         let sets = subsets(n, n_leaves);
         let mut costs = Vec::with_capacity(gains.len() / n * width);
         for row in gains.chunks(n) {
-            let best = |columns: &[usize]| columns.iter().map(|&c| row[c]).max().unwrap_or(0);
-            let swing = row.iter().copied().max().unwrap_or(0);
-            let cost = |set: usize| i32::try_from(swing - best(&sets[set.min(sets.len() - 1)])).ok();
+            let best = |labels: &[usize]| labels.iter().map(|&c| row[c]).max().unwrap_or(0);
+            let most = row.iter().copied().max().unwrap_or(0);
+            let cost = |set: usize| i32::try_from(most - best(&sets[set.min(sets.len() - 1)])).ok();
             for part in 0..width {
                 let mut row = [0; WIDTH];
                 for (lane, held) in row.iter_mut().enumerate() {
@@ -43,26 +42,26 @@ impl LabelSets {
     }
 
     /// Vectors of a row.
-    pub fn width(&self) -> usize {
+    pub(crate) fn width(&self) -> usize {
         self.width
     }
 
-    /// Cost of one sample of a kind under each set.
-    pub fn costs_of(&self, kind: usize) -> &[[i32; WIDTH]] {
-        &self.costs[kind * self.width..(kind + 1) * self.width]
+    /// Cost of one sample of a profile under each set.
+    pub(crate) fn costs_of(&self, profile: usize) -> &[[i32; WIDTH]] {
+        &self.costs[profile * self.width..(profile + 1) * self.width]
     }
 }
 
-/// Vectors of a row for sets of `n_leaves` of `n` columns; None where they bound nothing, or are too many.
-pub fn width(n: usize, n_leaves: usize) -> Option<usize> {
+/// Vectors of a row for sets of `n_leaves` of `n` labels; None where they bound nothing, or are too many.
+pub(crate) fn width(n: usize, n_leaves: usize) -> Option<usize> {
     if n <= n_leaves {
         return None;
     }
     n_sets(n, n_leaves).filter(|&sets| sets <= MOST_SETS).map(|sets| sets.div_ceil(WIDTH))
 }
 
-/// The same, at most, for as many columns or fewer: labels that are never worth predicting fall away.
-pub fn most_width(n: usize, n_leaves: usize) -> usize {
+/// The same, at most, for as many labels or fewer: labels that are never worth predicting fall away.
+pub(crate) fn most_width(n: usize, n_leaves: usize) -> usize {
     (0..=n).filter_map(|n| width(n, n_leaves)).max().unwrap_or(0)
 }
 

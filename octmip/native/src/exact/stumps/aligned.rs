@@ -6,7 +6,7 @@ const LINE: usize = 64;
 
 /// A buffer of numbers on a 64-byte boundary.
 #[derive(Debug, Default, Clone)]
-pub struct Aligned<P> {
+pub(crate) struct Aligned<P> {
     data: Vec<P>,
     start: usize,
     len: usize,
@@ -14,7 +14,7 @@ pub struct Aligned<P> {
 
 impl<P: Pod + Zeroable> Aligned<P> {
     /// Make it `len` zeros.
-    pub fn zero(&mut self, len: usize) {
+    pub(crate) fn zero(&mut self, len: usize) {
         self.data.clear();
         self.data.resize(len + LINE / size_of::<P>(), P::zeroed());
         self.start = self.data.as_ptr().align_offset(LINE).min(LINE / size_of::<P>());
@@ -23,13 +23,13 @@ impl<P: Pod + Zeroable> Aligned<P> {
 
     /// The numbers.
     #[inline(always)]
-    pub fn get(&self) -> &[P] {
+    pub(crate) fn get(&self) -> &[P] {
         &self.data[self.start..self.start + self.len]
     }
 
     /// The numbers, to write.
     #[inline(always)]
-    pub fn get_mut(&mut self) -> &mut [P] {
+    pub(crate) fn get_mut(&mut self) -> &mut [P] {
         &mut self.data[self.start..self.start + self.len]
     }
 }

@@ -1,36 +1,36 @@
 //! Best stumps from histograms: a vector pass over bucket edges, then a walk inside the few buckets that may hide more.
 //!
 //! Slots hold a feature's two sides next to each other; moving the cut over a sample moves it from the one to the
-//! other in every feature. Groups of features are passed over when what they reached at the evaluated cuts before and
-//! after shows that they cannot hold the best stump here: a stump's gain on a side grows by at most the swing that
+//! other in every feature. Groups of features are passed over when their gains at the evaluated cuts before and
+//! after show that they cannot hold the best stump here: a stump's gain on a side grows by at most the cost range that
 //! enters, and never grows when samples leave.
 
 use crate::exact::samples::Samples;
-use crate::exact::stumps::groups::{Histogram, Kinds};
-use crate::exact::stumps::place::{NEVER, Neighbour, Place, Stump, Stumps};
+use crate::exact::stumps::groups::{Histogram, Profiles};
+use crate::exact::stumps::place::{NEVER, Neighbour, Place, Stump, StumpSolver};
 use crate::exact::stumps::sweep::Lane;
 use crate::exact::stumps::table::{Shape, Table};
 use crate::exact::stumps::uncertainty::{Candidate, Sides};
 use crate::exact::switches::Switches;
 use crate::exact::view::View;
 
-/// See the module.
-pub struct Buckets<T: Lane, const N: usize, const S: usize> {
+/// Stump solver from histograms.
+pub(crate) struct Buckets<T: Lane, const N: usize, const S: usize> {
     arch: pulp::Arch,
     pub(super) shape: Shape,
-    pub(super) kinds: Kinds<T>,
+    pub(super) profiles: Profiles<T>,
     skips: bool,
     pub(super) tables: [Table; 2],
     /// 0: the table shared with other views, 1: the view's own.
     pub(super) used: usize,
     pub(super) groups: Vec<Histogram<T, N, S>>,
     scores: Vec<i64>,
-    /// What each group may reach on both sides, by evaluated cut (`[record][group][side]`).
+    /// Gain that each group may reach on both sides, by evaluated cut (`[evaluated cut][group][side]`).
     pub(super) reaches: Vec<[i64; 2]>,
     k: usize,
     pub(super) totals: [Vec<i64>; 2],
     pub(super) whole: Vec<i64>,
-    mass: [i64; 2],
+    total_range: [i64; 2],
     lane_totals: Vec<[T; N]>,
     pub(super) candidates: Vec<Candidate>,
     pub(super) left: Vec<i64>,
@@ -38,14 +38,14 @@ pub struct Buckets<T: Lane, const N: usize, const S: usize> {
 
 impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
     /// Without tables yet.
-    pub fn new(samples: &Samples, switches: &Switches) -> Self {
-        let kinds = Kinds::new(samples);
-        let rows = kinds.rows(samples.n_columns);
-        let columns = vec![0; samples.n_columns];
+    pub(crate) fn new(samples: &Samples, switches: &Switches) -> Self {
+        let profiles = Profiles::new(samples);
+        let rows = profiles.rows(samples.n_labels);
+        let labels = vec![0; samples.n_labels];
         Self {
             arch: if switches.vectors { pulp::Arch::new() } else { pulp::Arch::Scalar },
-            shape: Shape { slots: S, rows, has_differences: samples.is_single && samples.n_columns == 2 },
-            kinds,
+            shape: Shape { slots: S, rows, has_differences: samples.is_single && samples.n_labels == 2 },
+            profiles,
             skips: switches.group_skip,
             tables: [Table::default(), Table::default()],
             used: 1,
@@ -53,9 +53,9 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
             scores: vec![0; samples.p],
             reaches: Vec::new(),
             k: 0,
-            totals: [columns.clone(), columns.clone()],
-            whole: columns,
-            mass: [0; 2],
+            totals: [labels.clone(), labels.clone()],
+            whole: labels,
+            total_range: [0; 2],
             lane_totals: Vec::new(),
             candidates: Vec::new(),
             left: Vec::new(),
@@ -63,10 +63,10 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
     }
 
     /// Most buckets of a feature: few where the vector pass is the price, more where walks inside are. Under a cost
-    /// matrix more is in doubt inside a bucket, so there are more walks.
+    /// matrix more is uncertain inside a bucket, so there are more walks.
     fn most_buckets(&self, len: usize) -> usize {
         let cheap = 256 / (self.groups.len() * self.shape.rows);
-        let many = if self.kinds.swings.is_empty() { 2 } else { 4 };
+        let many = if self.profiles.ranges.is_empty() { 2 } else { 4 };
         cheap.max(64).max(many * len.isqrt())
     }
 
@@ -76,12 +76,12 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
         let sign = if place.k > self.k { 1 } else { -1 };
         for &i in &place.view.list(place.f)[from..to] {
             samples.count(i, sign, &mut self.totals[0]);
-            self.mass[0] += sign * samples.swing[i as usize];
+            self.total_range[0] += sign * samples.ranges[i as usize];
         }
         for (c, whole) in self.whole.iter().enumerate() {
             self.totals[1][c] = whole - self.totals[0][c];
         }
-        self.mass[1] = place.view.mass - self.mass[0];
+        self.total_range[1] = place.view.total_range - self.total_range[0];
         self.k = place.k;
     }
 
@@ -95,13 +95,13 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
 
     fn sides(&self, penalty: i64) -> Sides {
         let leaf = [0, 1].map(|side| self.totals[side].iter().copied().max().unwrap_or(0));
-        Sides { mass: self.mass, leaf, best: leaf, penalty }
+        Sides { total_range: self.total_range, leaf, best: leaf, penalty }
     }
 
-    /// What a group may reach on both sides here, from the evaluated cuts before and after.
+    /// Gain that a group may reach on both sides here, from the evaluated cuts before and after.
     fn inherited(&self, group: usize, neighbours: &[Neighbour; 2]) -> [i64; 2] {
         let n = self.groups.len();
-        let [before, after] = neighbours.map(|n_| (self.reaches[n_.record * n + group], n_.distance));
+        let [before, after] = neighbours.map(|n_| (self.reaches[n_.evaluated * n + group], n_.distance));
         // The left side grew since the cut before by that distance, and is part of the left side of the cut after.
         [(before.0[0] + before.1).min(after.0[0]), before.0[1].min(after.0[1] + after.1)]
     }
@@ -113,22 +113,22 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
             let best = histogram.sweep_differences(self.arch, &self.lane_totals);
             return (best, best);
         }
-        histogram.sweep(self.arch, &self.lane_totals, &self.kinds)
+        histogram.sweep(self.arch, &self.lane_totals, &self.profiles)
     }
 
-    /// Sweep a group; what it attained joins `sides.best`, what it may reach is returned.
+    /// Sweep a group: its best gain joins `sides.best`, the gain that it may reach is returned.
     fn visit(&mut self, group: usize, sides: &mut Sides) -> [i64; 2] {
         let (best, reach) = self.sweep(group);
-        let mut reached = [0; 2];
+        let mut reachable = [0; 2];
         for lane in 0..N {
             sides.best[lane % 2] = sides.best[lane % 2].max(best[lane].widen());
-            reached[lane % 2] = reached[lane % 2].max(reach[lane].widen());
+            reachable[lane % 2] = reachable[lane % 2].max(reach[lane].widen());
         }
-        reached
+        reachable
     }
 }
 
-impl<T: Lane, const N: usize, const S: usize> Stumps for Buckets<T, N, S> {
+impl<T: Lane, const N: usize, const S: usize> StumpSolver for Buckets<T, N, S> {
     fn prepare(&mut self, samples: &Samples, view: &View) {
         let most = self.most_buckets(view.len);
         self.tables[0].lay(samples, view, self.shape, most);
@@ -154,7 +154,7 @@ impl<T: Lane, const N: usize, const S: usize> Stumps for Buckets<T, N, S> {
         self.totals[0].fill(0);
         self.whole.clone_from(&view.totals);
         self.totals[1].clone_from(&view.totals);
-        self.mass = [0, view.mass];
+        self.total_range = [0, view.total_range];
         self.k = 0;
         let place = Place {
             view,
@@ -162,7 +162,7 @@ impl<T: Lane, const N: usize, const S: usize> Stumps for Buckets<T, N, S> {
             k: 0,
             positions: &[],
             target: NEVER,
-            neighbours: [Neighbour { record: 0, distance: 0 }; 2],
+            neighbours: [Neighbour { evaluated: 0, distance: 0 }; 2],
         };
         self.set_lane_totals();
         let mut sides = self.sides(samples.penalty);
@@ -176,11 +176,11 @@ impl<T: Lane, const N: usize, const S: usize> Stumps for Buckets<T, N, S> {
                 self.scores[self.tables[self.used].feature_of_slot[slot]] = best[lane].widen();
                 sides.best[1] = sides.best[1].max(best[lane].widen());
             }
-            let mut reached = [0, reach.iter().skip(1).step_by(2).map(|r| r.widen()).max().unwrap_or(0)];
-            if reached[1] > sides.best[1] {
-                self.refine(samples, &place, (group, 1), &mut sides, &mut reached, i64::MAX);
+            let mut reachable = [0, reach.iter().skip(1).step_by(2).map(|r| r.widen()).max().unwrap_or(0)];
+            if reachable[1] > sides.best[1] {
+                self.refine(samples, &place, (group, 1), &mut sides, &mut reachable, i64::MAX);
             }
-            self.reaches.push(reached);
+            self.reaches.push(reachable);
         }
         for group in 0..self.groups.len() {
             self.reaches.push([self.reaches[group][1], 0]);
@@ -197,11 +197,11 @@ impl<T: Lane, const N: usize, const S: usize> Stumps for Buckets<T, N, S> {
         self.groups.iter_mut().for_each(Histogram::rewind);
         self.reaches.truncate(2 * self.groups.len());
         self.totals[0].fill(0);
-        self.mass[0] = 0;
+        self.total_range[0] = 0;
         self.k = 0;
     }
 
-    fn both(&mut self, samples: &Samples, place: &Place<'_>, close: i64) -> [Stump; 2] {
+    fn both(&mut self, samples: &Samples, place: &Place<'_>, threshold: i64) -> [Stump; 2] {
         self.shift_totals(samples, place);
         self.set_lane_totals();
         let mut sides = self.sides(samples.penalty);
@@ -216,7 +216,7 @@ impl<T: Lane, const N: usize, const S: usize> Stumps for Buckets<T, N, S> {
             }
             self.reaches.push(reach);
         }
-        self.finish(samples, place, &mut sides, first_reach, close);
+        self.finish(samples, place, &mut sides, first_reach, threshold);
         let n = self.groups.len();
         let reach = [0, 1].map(|side| {
             let open = self.reaches[first_reach..first_reach + n].iter().map(|reach| reach[side]).max();
@@ -225,12 +225,7 @@ impl<T: Lane, const N: usize, const S: usize> Stumps for Buckets<T, N, S> {
         [0, 1].map(|side| Stump { lower: sides.cost(side, reach[side]), value: sides.cost(side, sides.best[side]) })
     }
 
-    fn last_record(&self) -> usize {
+    fn last_evaluated(&self) -> usize {
         self.reaches.len() / self.groups.len() - 1
-    }
-
-    fn bytes(&self) -> usize {
-        let tables = self.tables.iter().map(|table| 4 * table.offsets.len()).sum::<usize>();
-        tables + self.groups.iter().map(Histogram::bytes).sum::<usize>()
     }
 }

@@ -7,44 +7,44 @@ use crate::exact::stumps::sweep::{Difference, Group, Lane, STRIDE};
 use crate::exact::stumps::table::{Shape, Table};
 use crate::exact::view::View;
 
-/// What one sample of each kind gains, as the lanes count it.
+/// Gains of one sample of each cost profile, as the lanes count them.
 #[derive(Debug)]
-pub struct Kinds<T> {
-    /// In each column (`kinds * columns`); empty where each kind gains in its own column.
-    pub gains: Vec<T>,
-    /// At most (`kinds`); empty likewise.
-    pub swings: Vec<T>,
-    /// Twice the span that is left beside each direction (`directions * kinds`); empty likewise.
-    pub spans: Vec<T>,
+pub(crate) struct Profiles<T> {
+    /// In each label (`profiles * labels`); empty where each profile gains in its own label.
+    pub(crate) gains: Vec<T>,
+    /// At most (`profiles`); empty likewise.
+    pub(crate) ranges: Vec<T>,
+    /// Twice the span that is left beside each direction (`directions * profiles`); empty likewise.
+    pub(crate) spans: Vec<T>,
 }
 
-impl<T: Lane> Kinds<T> {
-    /// Of the kinds of these samples.
-    pub fn new(samples: &Samples) -> Self {
-        let kinds = if samples.is_single { 0 } else { samples.n_kinds() };
-        let swing = |kind| samples.gains_of(kind).iter().copied().max().unwrap_or(0);
+impl<T: Lane> Profiles<T> {
+    /// Gains of the cost profiles of these samples.
+    pub(crate) fn new(samples: &Samples) -> Self {
+        let profiles = if samples.is_single { 0 } else { samples.n_profiles() };
+        let range = |profile| samples.gains_of(profile).iter().copied().max().unwrap_or(0);
         Self {
-            gains: (0..kinds).flat_map(|kind| samples.gains_of(kind)).map(|&gain| T::narrow(gain)).collect(),
-            swings: (0..kinds).map(|kind| T::narrow(swing(kind))).collect(),
+            gains: (0..profiles).flat_map(|profile| samples.gains_of(profile)).map(|&gain| T::narrow(gain)).collect(),
+            ranges: (0..profiles).map(|profile| T::narrow(range(profile))).collect(),
             spans: samples.spans.iter().map(|&span| T::narrow(span)).collect(),
         }
     }
 
-    /// Rows of a bucket: a kind each.
-    pub fn rows(&self, n_columns: usize) -> usize {
-        if self.swings.is_empty() { n_columns } else { self.swings.len() }
+    /// Rows of a bucket: one per profile.
+    pub(crate) fn rows(&self, n_labels: usize) -> usize {
+        if self.ranges.is_empty() { n_labels } else { self.ranges.len() }
     }
 }
 
 /// A histogram of the slots of one group: pairs `[bucket][row][slot]`.
-pub struct Histogram<T: Lane, const N: usize, const S: usize> {
+pub(crate) struct Histogram<T: Lane, const N: usize, const S: usize> {
     pairs: Aligned<T::Pair>,
     start: Aligned<T::Pair>,
     open: Vec<[T; N]>,
     /// Largest gain inside each bucket, from the last pass.
-    pub caps: Vec<[T; N]>,
+    pub(crate) caps: Vec<[T; N]>,
     /// The same over `STRIDE` buckets.
-    pub tops: Vec<[T; N]>,
+    pub(crate) tops: Vec<[T; N]>,
     runs: Vec<[T; N]>,
     /// Samples left of the cut; None: not yet put back for this feature.
     k: Option<usize>,
@@ -53,7 +53,7 @@ pub struct Histogram<T: Lane, const N: usize, const S: usize> {
 
 impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
     /// The histogram of one group, empty.
-    pub fn new(group: usize) -> Self {
+    pub(crate) fn new(group: usize) -> Self {
         Self {
             pairs: Aligned::default(),
             start: Aligned::default(),
@@ -72,7 +72,7 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
     }
 
     /// Enter all samples of a view on the right.
-    pub fn load(&mut self, samples: &Samples, view: &View, table: &Table, shape: Shape) {
+    pub(crate) fn load(&mut self, samples: &Samples, view: &View, table: &Table, shape: Shape) {
         let b = table.n_buckets;
         let per_group = b * table.rows(shape) * shape.slots;
         self.pairs.zero(per_group);
@@ -85,7 +85,7 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
         self.open.resize(b, [T::default(); N]);
         self.caps.resize(b, [T::default(); N]);
         self.tops.resize(b / STRIDE, [T::default(); N]);
-        self.runs.resize(b / STRIDE * samples.n_columns, [T::default(); N]);
+        self.runs.resize(b / STRIDE * samples.n_labels, [T::default(); N]);
         let slots = self.slots(samples.p, shape);
         for slot in slots.clone() {
             let f = table.feature_of_slot[slot];
@@ -101,15 +101,15 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
         self.k = Some(0);
     }
 
-    /// Put the cut back to 0 when it is next moved.
-    pub fn rewind(&mut self) {
+    /// Put the cut back to 0 before it is next moved.
+    pub(crate) fn rewind(&mut self) {
         if self.k != Some(0) {
             self.k = None;
         }
     }
 
     /// Move the cut.
-    pub fn shift(&mut self, samples: &Samples, place: &Place<'_>, table: &Table) {
+    pub(crate) fn shift(&mut self, samples: &Samples, place: &Place<'_>, table: &Table) {
         let at = self.k.unwrap_or_else(|| {
             self.pairs.get_mut().copy_from_slice(self.start.get());
             0
@@ -128,9 +128,9 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
         let used = (samples.p - self.group * S).min(S);
         let pairs = self.pairs.get_mut();
         for &i in ids {
-            let is_second = table.is_difference && samples.kind[i as usize] == 1;
+            let is_second = table.is_difference && samples.profile[i as usize] == 1;
             let sign = if is_second { -sign } else { sign };
-            let by = change(sign * samples.amount[i as usize]);
+            let by = change(sign * samples.multiplicity[i as usize]);
             let row = &offsets[i as usize];
             if used == S {
                 for &offset in row {
@@ -145,8 +145,8 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
     }
 
     /// The vector pass: by lane, the best gain at a bucket edge and the largest that any stump may have.
-    pub fn sweep(&mut self, arch: pulp::Arch, totals: &[[T; N]], kinds: &Kinds<T>) -> ([T; N], [T; N]) {
-        let rows = kinds.rows(totals.len());
+    pub(crate) fn sweep(&mut self, arch: pulp::Arch, totals: &[[T; N]], profiles: &Profiles<T>) -> ([T; N], [T; N]) {
+        let rows = profiles.rows(totals.len());
         let histogram: &[T] = pulp::bytemuck::cast_slice(self.pairs.get());
         let mut group = Group {
             histogram: &histogram.as_chunks::<N>().0[..self.open.len() * rows],
@@ -155,9 +155,9 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
             caps: &mut self.caps,
             tops: &mut self.tops,
             runs: &mut self.runs,
-            gains: &kinds.gains,
-            swings: &kinds.swings,
-            spans: &kinds.spans,
+            gains: &profiles.gains,
+            ranges: &profiles.ranges,
+            spans: &profiles.spans,
             best: [T::default(); N],
             reach: [T::default(); N],
         };
@@ -166,7 +166,7 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
     }
 
     /// The vector pass over differences: by lane, the best gain, which no stump surpasses.
-    pub fn sweep_differences(&self, arch: pulp::Arch, totals: &[[T; N]]) -> [T; N] {
+    pub(crate) fn sweep_differences(&self, arch: pulp::Arch, totals: &[[T; N]]) -> [T; N] {
         let histogram: &[T] = pulp::bytemuck::cast_slice(self.pairs.get());
         let mut pass =
             Difference { histogram: &histogram.as_chunks::<N>().0[..self.open.len()], totals, best: [T::default(); N] };
@@ -175,28 +175,23 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
     }
 
     /// Gains left of a bucket's start on one lane, from the last checkpoint of the last pass.
-    pub fn running_sums(&self, lane: usize, bucket: usize, kinds: &Kinds<T>, sums: &mut [i64]) {
+    pub(crate) fn running_sums(&self, lane: usize, bucket: usize, profiles: &Profiles<T>, sums: &mut [i64]) {
         let checkpoint = &self.runs[bucket / STRIDE * sums.len()..][..sums.len()];
         for (sum, row) in sums.iter_mut().zip(checkpoint) {
             *sum = row[lane].widen();
         }
         let histogram: &[T] = pulp::bytemuck::cast_slice(self.pairs.get());
-        let rows = kinds.rows(sums.len());
+        let rows = profiles.rows(sums.len());
         for row in bucket / STRIDE * STRIDE * rows..bucket * rows {
             let held = histogram[row * N + lane].widen();
-            if kinds.swings.is_empty() {
+            if profiles.ranges.is_empty() {
                 sums[row % rows] += held;
             } else {
-                let gains = &kinds.gains[row % rows * sums.len()..];
+                let gains = &profiles.gains[row % rows * sums.len()..];
                 for (sum, gain) in sums.iter_mut().zip(gains) {
                     *sum += held * gain.widen();
                 }
             }
         }
-    }
-
-    /// Bytes.
-    pub fn bytes(&self) -> usize {
-        2 * size_of_val(self.pairs.get()) + size_of_val(&self.caps[..]) + size_of_val(&self.runs[..])
     }
 }

@@ -1,4 +1,4 @@
-//! Looking inside buckets: only those whose bound is above the best edge, and only until what is asked is decided.
+//! Walks inside buckets: only those whose bound is above the best edge, and only until the threshold is decided.
 
 use crate::exact::samples::Samples;
 use crate::exact::stumps::buckets::Buckets;
@@ -8,27 +8,35 @@ use crate::exact::stumps::sweep::{Lane, STRIDE};
 use crate::exact::stumps::uncertainty::{Candidate, Sides};
 
 impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
-    /// Look inside buckets, the side of the wider doubt first, until the stumps are exact or close the interval.
-    pub(super) fn finish(&mut self, samples: &Samples, place: &Place<'_>, sides: &mut Sides, first: usize, close: i64) {
+    /// Look inside buckets, the side of larger remaining uncertainty first, until the stumps are exact or close the
+    /// interval.
+    pub(super) fn finish(
+        &mut self,
+        samples: &Samples,
+        place: &Place<'_>,
+        sides: &mut Sides,
+        first: usize,
+        threshold: i64,
+    ) {
         let n = self.groups.len();
         loop {
             let reach = |side: usize| (0..n).map(|g| (self.reaches[first + g][side], g)).max().unwrap_or((0, 0));
             let widest = [reach(0), reach(1)];
-            let doubt = [0, 1].map(|side| widest[side].0 - sides.best[side]);
-            let side = usize::from(doubt[1] > doubt[0]);
+            let uncertainty = [0, 1].map(|side| widest[side].0 - sides.best[side]);
+            let side = usize::from(uncertainty[1] > uncertainty[0]);
             let gains = [0, 1].map(|side| widest[side].0.max(sides.best[side]));
-            if doubt[side] <= 0 || sides.is_closed(gains, place.target, close) {
+            if uncertainty[side] <= 0 || sides.is_closed(gains, place.target, threshold) {
                 return;
             }
             let group = widest[side].1;
             let other = gains[1 - side];
             let mut reach = [other, other];
-            self.refine(samples, place, (group, side), sides, &mut reach, close);
+            self.refine(samples, place, (group, side), sides, &mut reach, threshold);
             self.reaches[first + group][side] = reach[side];
         }
     }
 
-    /// Largest gain inside the buckets of a group on one side, given that `best` is known and `close` is enough.
+    /// Largest gain inside the buckets of a group on one side, given that `best` is known and `threshold` is enough.
     pub(super) fn refine(
         &mut self,
         samples: &Samples,
@@ -36,14 +44,14 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
         (group, side): (usize, usize),
         sides: &mut Sides,
         reach: &mut [i64; 2],
-        close: i64,
+        threshold: i64,
     ) {
         self.collect(group, side, sides.best[side], samples.p);
         for index in 0..=self.candidates.len() {
             let next = self.candidates.get(index).copied();
             let best = sides.best[side];
             reach[side] = next.map_or(best, |candidate| best.max(candidate.cap));
-            let is_closed = sides.is_closed(*reach, place.target, close);
+            let is_closed = sides.is_closed(*reach, place.target, threshold);
             let Some(candidate) = next.filter(|candidate| candidate.cap > best && !is_closed) else {
                 break;
             };
@@ -80,7 +88,7 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
         let mut left = std::mem::take(&mut self.left);
         left.resize(self.whole.len(), 0);
         let lane = 2 * (slot % self.shape.slots) + side;
-        self.groups[group].running_sums(lane, bucket, &self.kinds, &mut left);
+        self.groups[group].running_sums(lane, bucket, &self.profiles, &mut left);
         let table = &self.tables[self.used];
         let feature = table.feature_of_slot[slot];
         let ranks = samples.ranks_of(feature);

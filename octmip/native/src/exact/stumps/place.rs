@@ -1,65 +1,65 @@
-//! What a stump solver is asked, and what it returns.
+//! Stump solvers: the cut they are asked about, and the stumps they return.
 
 use crate::exact::samples::Samples;
 use crate::exact::view::View;
 
-/// What is known of the best stump of a set.
+/// Bounds of the best stump of a set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Stump {
+pub(crate) struct Stump {
     /// No stump (or leaf) costs less.
-    pub lower: i64,
+    pub(crate) lower: i64,
     /// One that costs this much is known.
-    pub value: i64,
+    pub(crate) value: i64,
 }
 
-/// A cut that was evaluated: which, and the swing between it and the cut asked for.
+/// A cut that was evaluated, and the cost range between it and the cut asked for.
 #[derive(Debug, Clone, Copy)]
-pub struct Neighbour {
-    /// Its record, as `both` numbered it; 0: everything right of the cut, 1: everything left.
-    pub record: usize,
-    /// Swing between.
-    pub distance: i64,
+pub(crate) struct Neighbour {
+    /// Its number, as `both` counts; 0: everything right of the cut, 1: everything left.
+    pub(crate) evaluated: usize,
+    /// Cost range between.
+    pub(crate) distance: i64,
 }
 
 /// The place of the cut: the first `k` samples of list `f` of `view` are left.
 #[derive(Debug, Clone, Copy)]
-pub struct Place<'a> {
+pub(crate) struct Place<'a> {
     /// All samples of the node.
-    pub view: &'a View,
+    pub(crate) view: &'a View,
     /// Feature of the cut.
-    pub f: usize,
+    pub(crate) f: usize,
     /// Samples left of the cut.
-    pub k: usize,
+    pub(crate) k: usize,
     /// Position of every sample in list `f`.
-    pub positions: &'a [u32],
+    pub(crate) positions: &'a [u32],
     /// The evaluated cuts before and after.
-    pub neighbours: [Neighbour; 2],
+    pub(crate) neighbours: [Neighbour; 2],
     /// Both sides together must cost less for the cut to matter.
-    pub target: i64,
+    pub(crate) target: i64,
 }
 
 /// A target that no cost reaches: the stumps are wanted exactly.
-pub const NEVER: i64 = i64::MAX;
+pub(crate) const NEVER: i64 = i64::MAX;
 
 impl Place<'_> {
     /// Whether a sample is on a side (0 left, 1 right).
     #[inline(always)]
-    pub fn is_on(&self, side: usize, sample: u32) -> bool {
+    pub(crate) fn is_on(&self, side: usize, sample: u32) -> bool {
         ((self.positions[sample as usize] as usize) < self.k) == (side == 0)
     }
 
     /// Number of samples on a side.
-    pub fn size(&self, side: usize) -> usize {
+    pub(crate) fn size(&self, side: usize) -> usize {
         if side == 0 { self.k } else { self.view.len - self.k }
     }
 }
 
-/// A way to find best stumps.
-pub trait Stumps: Send {
+/// A solver for best stumps.
+pub(crate) trait StumpSolver: Send {
     /// Prepare for views that are subsets of this one and not much smaller.
     fn prepare(&mut self, samples: &Samples, view: &View);
 
-    /// What was prepared no longer holds: views that follow are not subsets of it.
+    /// Forget what was prepared: views that follow are not subsets of it.
     fn forget(&mut self);
 
     /// Take up a view: the best stump of all its samples.
@@ -71,12 +71,9 @@ pub trait Stumps: Send {
     /// Put the cut back to 0, everything right of it, for another feature.
     fn rewind(&mut self);
 
-    /// Best stumps of both sides, exact unless their bounds reach `close` together.
-    fn both(&mut self, samples: &Samples, place: &Place<'_>, close: i64) -> [Stump; 2];
+    /// Best stumps of both sides, exact unless their bounds reach `threshold` together.
+    fn both(&mut self, samples: &Samples, place: &Place<'_>, threshold: i64) -> [Stump; 2];
 
     /// Number of the cut last evaluated.
-    fn last_record(&self) -> usize;
-
-    /// Bytes of its tables.
-    fn bytes(&self) -> usize;
+    fn last_evaluated(&self) -> usize;
 }

@@ -1,26 +1,26 @@
-//! Best stumps by a plain walk along every list: the yardstick, and the way when leaves have a least size.
+//! Best stumps by a plain walk along every list: the reference, and the solver where leaves have a least size.
 
 use crate::exact::samples::Samples;
-use crate::exact::stumps::place::{NEVER, Neighbour, Place, Stump, Stumps};
+use crate::exact::stumps::place::{NEVER, Neighbour, Place, Stump, StumpSolver};
 use crate::exact::view::View;
 
-/// See the module.
+/// Stump solver by walks.
 #[derive(Debug, Default)]
-pub struct Scan {
+pub(crate) struct Scan {
     scores: Vec<i64>,
 }
 
 /// The best stump of one feature on one side: gain and cut (largest rank that goes left).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct BestCut {
+pub(crate) struct BestCut {
     /// Gain of both leaves.
-    pub gain: i64,
+    pub(crate) gain: i64,
     /// Largest rank that goes left.
-    pub cut: u32,
+    pub(crate) cut: u32,
 }
 
 /// Walk one list over the samples that `keeps`, of total gains `totals` and number `size`.
-pub fn best_cut(
+pub(crate) fn best_cut(
     samples: &Samples,
     list: &[u32],
     f: usize,
@@ -52,7 +52,7 @@ pub fn best_cut(
 }
 
 /// Gain of two leaves, the left of gains `left`, together of gains `totals`.
-pub fn split_gain(left: &[i64], totals: &[i64]) -> i64 {
+pub(crate) fn split_gain(left: &[i64], totals: &[i64]) -> i64 {
     let (mut low, mut high) = (i64::MIN, i64::MIN);
     for (l, t) in left.iter().zip(totals) {
         low = low.max(*l);
@@ -63,13 +63,13 @@ pub fn split_gain(left: &[i64], totals: &[i64]) -> i64 {
 
 impl Scan {
     fn stump(&mut self, samples: &Samples, place: &Place<'_>, side: usize) -> Stump {
-        let mut totals = vec![0; samples.n_columns];
-        let mut mass = 0;
+        let mut totals = vec![0; samples.n_labels];
+        let mut total_range = 0;
         let list = place.view.list(place.f);
         let members = if side == 0 { &list[..place.k] } else { &list[place.k..] };
         for &i in members {
             samples.count(i, 1, &mut totals);
-            mass += samples.swing[i as usize];
+            total_range += samples.ranges[i as usize];
         }
         let mut gain = totals.iter().copied().max().unwrap_or(0);
         for f in 0..samples.p {
@@ -78,18 +78,18 @@ impl Scan {
             self.scores[f] = best.map_or(0, |best| best.gain);
             gain = gain.max(self.scores[f] - samples.penalty);
         }
-        Stump { lower: mass - gain, value: mass - gain }
+        Stump { lower: total_range - gain, value: total_range - gain }
     }
 }
 
-impl Stumps for Scan {
+impl StumpSolver for Scan {
     fn prepare(&mut self, _: &Samples, _: &View) {}
 
     fn forget(&mut self) {}
 
     fn load(&mut self, samples: &Samples, view: &View) -> Stump {
         self.scores.resize(samples.p, 0);
-        let neighbours = [Neighbour { record: 0, distance: 0 }; 2];
+        let neighbours = [Neighbour { evaluated: 0, distance: 0 }; 2];
         self.stump(samples, &Place { view, f: 0, k: 0, positions: &[], neighbours, target: NEVER }, 1)
     }
 
@@ -99,15 +99,11 @@ impl Stumps for Scan {
 
     fn rewind(&mut self) {}
 
-    fn both(&mut self, samples: &Samples, place: &Place<'_>, _close: i64) -> [Stump; 2] {
+    fn both(&mut self, samples: &Samples, place: &Place<'_>, _threshold: i64) -> [Stump; 2] {
         [0, 1].map(|side| self.stump(samples, place, side))
     }
 
-    fn last_record(&self) -> usize {
+    fn last_evaluated(&self) -> usize {
         0
-    }
-
-    fn bytes(&self) -> usize {
-        self.scores.len() * 8
     }
 }

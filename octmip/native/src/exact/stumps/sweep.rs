@@ -9,7 +9,7 @@ mod group;
 mod lanes;
 mod profiles;
 
-pub use difference::Difference;
-pub use edge::STRIDE;
-pub use group::Group;
-pub use lanes::Lane;
+pub(crate) use difference::Difference;
+pub(crate) use edge::STRIDE;
+pub(crate) use group::Group;
+pub(crate) use lanes::Lane;

@@ -3,37 +3,37 @@
 use crate::exact::samples::Samples;
 use crate::exact::view::View;
 
-/// Which bucket of every feature a sample lies in, as an offset into a histogram.
+/// Bucket of every sample in every feature, as an offset into a histogram.
 ///
 /// The histogram is laid out `[group][bucket][row][slot]`; a slot holds the two sides of a feature. The features with
 /// the best stumps share the first groups, so that later groups can often be passed over.
 #[derive(Debug, Default)]
-pub struct Table {
+pub(crate) struct Table {
     /// Offset of sample `i` in slot `s` of group `g`, its own row included: `offsets[(g * n + i) * slots + s]`.
-    pub offsets: Vec<u32>,
+    pub(crate) offsets: Vec<u32>,
     /// Smallest rank in each bucket (`p * n_buckets`), past the largest for buckets without values.
-    pub edges: Vec<u32>,
+    pub(crate) edges: Vec<u32>,
     /// Whether a bucket holds two values or more (`p * n_buckets`).
-    pub is_open: Vec<bool>,
+    pub(crate) is_open: Vec<bool>,
     /// Buckets of a feature.
-    pub n_buckets: usize,
-    /// Whether buckets hold one column each and histograms the difference of the two columns.
-    pub is_difference: bool,
+    pub(crate) n_buckets: usize,
+    /// Whether buckets hold one label each and histograms the difference of the two labels.
+    pub(crate) is_difference: bool,
     /// Size of the view that it was laid out for.
-    pub len: usize,
+    pub(crate) len: usize,
     /// Feature of each slot (`p`).
-    pub feature_of_slot: Vec<usize>,
+    pub(crate) feature_of_slot: Vec<usize>,
     /// Slot of each feature (`p`).
-    pub slot_of_feature: Vec<usize>,
-    /// Where the buckets of each feature end in its list.
+    pub(crate) slot_of_feature: Vec<usize>,
+    /// Ends of each feature's buckets in its list.
     ends: Vec<Vec<u32>>,
 }
 
-/// Buckets of one column each are used where so many samples share one on average: the pass over them is then no longer
-/// than it would be with buckets of mixed columns, and nothing is walked.
+/// Buckets of one label each are used where so many samples share one on average: the pass over them is then no longer
+/// than it would be with buckets of mixed labels, and nothing is walked.
 const PER_PURE_BUCKET: usize = 6;
 
-/// The same where a bucket holds but a difference: its pass is a quarter as long. Up to `MANY` it is always worth it.
+/// The same where a bucket holds only a difference: its pass is a quarter as long. Up to `MANY` it is always worth it.
 const PER_DIFFERENCE: usize = 3;
 const MANY: usize = 512;
 
@@ -42,22 +42,22 @@ const SHORT: usize = 8;
 
 /// Shape of a histogram.
 #[derive(Debug, Clone, Copy)]
-pub struct Shape {
+pub(crate) struct Shape {
     /// Slots of a group.
-    pub slots: usize,
-    /// Rows of a bucket of mixed columns.
-    pub rows: usize,
-    /// Whether a bucket of one column can do with one row, the difference of the two columns that there are.
-    pub has_differences: bool,
+    pub(crate) slots: usize,
+    /// Rows of a bucket of mixed labels.
+    pub(crate) rows: usize,
+    /// Whether a bucket of one label can do with one row, the difference of the two labels that there are.
+    pub(crate) has_differences: bool,
 }
 
 impl Table {
     /// Lay out buckets for a view, never splitting equal values; at most `most` of them where labels mix.
     ///
-    /// Inside a bucket a gain is in doubt by the bucket's swing outside its largest column (or beside one direction) at most. So buckets hold one
-    /// column each where that makes few of them: then nothing is ever in doubt, however rare a column is. Else a bucket
-    /// ends where it would pass a quota of that swing, or would be long to walk.
-    pub fn lay(&mut self, samples: &Samples, view: &View, shape: Shape, most: usize) {
+    /// Inside a bucket a gain is uncertain by the bucket's cost range outside its largest label (or beside one
+    /// direction) at most. So buckets hold one label each where that makes few of them: then nothing is ever uncertain,
+    /// however rare a label is. Else a bucket ends where it would pass a quota of that range, or would be long to walk.
+    pub(crate) fn lay(&mut self, samples: &Samples, view: &View, shape: Shape, most: usize) {
         let p = samples.p;
         self.len = view.len;
         self.offsets.resize(p.div_ceil(shape.slots) * samples.n * shape.slots, 0);
@@ -72,7 +72,7 @@ impl Table {
         self.is_difference =
             shape.has_differences && mark_all(samples, view, (0, view.len), most_differences, &mut ends);
         if !self.is_difference && !mark_all(samples, view, (0, view.len), most_pure, &mut ends) {
-            let minor = Doubt::of(samples, view.ids(samples)).minor();
+            let minor = Uncertainty::of(samples, view.ids(samples)).minor();
             let (mut quota, mut longest) = (minor / most as i64, (view.len / most).max(SHORT));
             while !mark_all(samples, view, (quota, longest), most, &mut ends) {
                 quota += quota / 2 + 1;
@@ -84,7 +84,7 @@ impl Table {
     }
 
     /// Enter the samples into the buckets that are marked, features in the order of their slots.
-    pub fn fill(&mut self, samples: &Samples, view: &View, shape: Shape) {
+    pub(crate) fn fill(&mut self, samples: &Samples, view: &View, shape: Shape) {
         let ends = std::mem::take(&mut self.ends);
         let longest = ends.iter().map(Vec::len).max().unwrap_or(1);
         self.n_buckets = longest.next_multiple_of(8);
@@ -99,12 +99,12 @@ impl Table {
     }
 
     /// Rows of a bucket.
-    pub fn rows(&self, shape: Shape) -> usize {
+    pub(crate) fn rows(&self, shape: Shape) -> usize {
         if self.is_difference { 1 } else { shape.rows }
     }
 
     /// Put the features in this order; needs to be filled again.
-    pub fn reorder(&mut self, order: Vec<usize>) {
+    pub(crate) fn reorder(&mut self, order: Vec<usize>) {
         for (slot, &f) in order.iter().enumerate() {
             self.slot_of_feature[f] = slot;
         }
@@ -124,7 +124,7 @@ impl Table {
             self.is_open[f * self.n_buckets + bucket] = ranks[members[members.len() - 1] as usize] != rank;
             let offset = slot % shape.slots + bucket * stride;
             for &i in members {
-                let row = if self.is_difference { 0 } else { samples.kind[i as usize] as usize };
+                let row = if self.is_difference { 0 } else { samples.profile[i as usize] as usize };
                 self.offsets[first + i as usize * shape.slots] = (offset + row * shape.slots) as u32;
             }
             start = end as usize;
@@ -132,7 +132,7 @@ impl Table {
     }
 
     /// The samples of a bucket among a list in the order of feature `f`.
-    pub fn members<'a>(&self, samples: &Samples, list: &'a [u32], f: usize, bucket: usize) -> &'a [u32] {
+    pub(crate) fn members<'a>(&self, samples: &Samples, list: &'a [u32], f: usize, bucket: usize) -> &'a [u32] {
         let ranks = samples.ranks_of(f);
         let edges = &self.edges[f * self.n_buckets..(f + 1) * self.n_buckets];
         let from = list.partition_point(|&i| ranks[i as usize] < edges[bucket]);
@@ -145,54 +145,58 @@ impl Table {
     }
 }
 
-/// What is in doubt inside a bucket: its swing outside its largest column, or beside its best direction.
-struct Doubt<'a> {
+/// Remaining uncertainty inside a bucket: its cost range outside its largest label, or beside its best direction.
+struct Uncertainty<'a> {
     samples: &'a Samples,
-    /// Swing of each column, or twice the span that is left beside each direction.
+    /// Cost range of each label, or twice the span that is left beside each direction.
     parts: Vec<i64>,
-    mass: i64,
+    total_range: i64,
     top: i64,
 }
 
-impl<'a> Doubt<'a> {
+impl<'a> Uncertainty<'a> {
     fn none(samples: &'a Samples) -> Self {
-        let n_parts = if samples.is_single { samples.n_columns } else { samples.spans.len() / samples.n_kinds() };
-        Self { samples, parts: vec![0; n_parts], mass: 0, top: 0 }
+        let n_parts = if samples.is_single { samples.n_labels } else { samples.spans.len() / samples.n_profiles() };
+        Self { samples, parts: vec![0; n_parts], total_range: 0, top: 0 }
     }
 
     fn of(samples: &'a Samples, ids: impl Iterator<Item = u32>) -> Self {
-        let mut doubt = Self::none(samples);
-        ids.for_each(|i| doubt.join(i as usize));
-        doubt
+        let mut uncertainty = Self::none(samples);
+        ids.for_each(|i| uncertainty.join(i as usize));
+        uncertainty
     }
 
     #[inline(always)]
     fn join(&mut self, i: usize) {
-        let (kind, amount) = (self.samples.kind[i] as usize, self.samples.amount[i]);
+        let (profile, multiplicity) = (self.samples.profile[i] as usize, self.samples.multiplicity[i]);
         if self.samples.is_single {
-            self.mass += amount;
-            self.parts[kind] += amount;
-            self.top = self.top.max(self.parts[kind]);
+            self.total_range += multiplicity;
+            self.parts[profile] += multiplicity;
+            self.top = self.top.max(self.parts[profile]);
         } else {
-            for (part, spans) in self.parts.iter_mut().zip(self.samples.spans.chunks_exact(self.samples.n_kinds())) {
-                *part += amount * spans[kind];
+            for (part, spans) in self.parts.iter_mut().zip(self.samples.spans.chunks_exact(self.samples.n_profiles())) {
+                *part += multiplicity * spans[profile];
             }
         }
     }
 
     #[inline(always)]
     fn minor(&self) -> i64 {
-        if self.samples.is_single { self.mass - self.top } else { self.parts.iter().copied().min().unwrap_or(0) / 2 }
+        if self.samples.is_single {
+            self.total_range - self.top
+        } else {
+            self.parts.iter().copied().min().unwrap_or(0) / 2
+        }
     }
 
     fn clear(&mut self) {
         self.parts.fill(0);
-        (self.mass, self.top) = (0, 0);
+        (self.total_range, self.top) = (0, 0);
     }
 }
 
-/// Where buckets end in a list: as long as the swing outside the largest column keeps to the quota, and mixed ones
-/// as long as few samples have to be walked; given up past `most` of them.
+/// Mark the ends of buckets in a list: as long as the cost range outside the largest label keeps to the quota, and
+/// mixed ones as long as few samples have to be walked; given up past `most` of them.
 fn mark_ends(
     samples: &Samples,
     list: &[u32],
@@ -201,7 +205,7 @@ fn mark_ends(
     ends: &mut Vec<u32>,
 ) {
     let ranks = samples.ranks_of(f);
-    let mut doubt = Doubt::none(samples);
+    let mut uncertainty = Uncertainty::none(samples);
     let mut first = 0;
     ends.clear();
     let mut start = 0;
@@ -210,17 +214,17 @@ fn mark_ends(
         let mut end = start;
         loop {
             while end < list.len() && ranks[list[end] as usize] == rank {
-                doubt.join(list[end] as usize);
+                uncertainty.join(list[end] as usize);
                 end += 1;
             }
-            let minor = doubt.minor();
+            let minor = uncertainty.minor();
             let is_full = minor > quota || (minor > 0 && end - first > longest);
             if !is_full || first == start {
                 break;
             }
             // these values begin a bucket of their own: count them again for it
             ends.push(start as u32);
-            doubt.clear();
+            uncertainty.clear();
             (first, end) = (start, start);
         }
         start = end;
@@ -228,7 +232,7 @@ fn mark_ends(
     ends.push(list.len() as u32);
 }
 
-/// Mark the ends of every feature's buckets; whether no feature has more than `most`.
+/// Mark the ends of every feature's buckets; returns whether no feature has more than `most`.
 fn mark_all(
     samples: &Samples,
     view: &View,

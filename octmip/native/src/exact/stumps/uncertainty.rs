@@ -1,41 +1,43 @@
-//! What is not yet known of the best stumps on both sides of a cut.
+//! Remaining uncertainty of the best stumps on both sides of a cut.
 
 /// A bucket that may hide a better stump.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Candidate {
+pub(crate) struct Candidate {
     /// Largest gain that it may hide.
-    pub cap: i64,
+    pub(crate) cap: i64,
     /// Slot of its feature.
-    pub slot: usize,
-    /// Which.
-    pub bucket: usize,
+    pub(crate) slot: usize,
+    /// The bucket.
+    pub(crate) bucket: usize,
 }
 
-/// What is known of both sides while groups are visited.
+/// Bounds of both sides while groups are visited.
 #[derive(Debug, Clone, Copy)]
-pub struct Sides {
-    /// Swing of each side.
-    pub mass: [i64; 2],
+pub(crate) struct Sides {
+    /// Total cost range of each side.
+    pub(crate) total_range: [i64; 2],
     /// Gain of the best leaf.
-    pub leaf: [i64; 2],
+    pub(crate) leaf: [i64; 2],
     /// Gain of the best stump known.
-    pub best: [i64; 2],
+    pub(crate) best: [i64; 2],
     /// Price of a split.
-    pub penalty: i64,
+    pub(crate) penalty: i64,
 }
 
 impl Sides {
     /// Cost of a side whose best stump has this gain.
-    pub fn cost(&self, side: usize, gain: i64) -> i64 {
-        self.mass[side] - self.leaf[side].max(gain - self.penalty)
+    pub(crate) fn cost(&self, side: usize, gain: i64) -> i64 {
+        self.total_range[side] - self.leaf[side].max(gain - self.penalty)
     }
 
-    /// Whether enough is known when the best stumps gain at most `reach`: their cost is `close` or more; or `target` or
-    /// more, and what is in doubt is small beside what it is above that. Such a cut loses anyway, and the exact
-    /// cost would rule out only few more neighbours.
-    pub fn is_closed(&self, reach: [i64; 2], target: i64, close: i64) -> bool {
+    /// Whether enough is known when the best stumps gain at most `reach`.
+    ///
+    /// So it is when their cost is `threshold` or more; or `target` or more, and the remaining uncertainty is small
+    /// beside what it is above that. Such a cut loses anyway, and the exact cost would rule out only few more
+    /// neighbours.
+    pub(crate) fn is_closed(&self, reach: [i64; 2], target: i64, threshold: i64) -> bool {
         let lower = self.total([0, 1].map(|side| reach[side].max(self.best[side])));
-        lower >= close || (lower >= target && 4 * (self.total(self.best) - lower) <= lower - target)
+        lower >= threshold || (lower >= target && 4 * (self.total(self.best) - lower) <= lower - target)
     }
 
     /// Cost of both sides.

@@ -4,7 +4,7 @@ use crate::search::planes::plane_search::PlaneSearch;
 use crate::search::prepared::dual_planes::{DualPlanes, PairQuestion};
 use crate::search::tree::allowance::Allowance;
 use crate::search::tree::view::NodeView;
-use crate::two_feature::view::Line;
+use crate::two_feature::geometry::line::Line;
 
 /// Samples that the pairs of one visit may look at together, and pairs at most.
 const MOST_SAMPLES: usize = 6000;

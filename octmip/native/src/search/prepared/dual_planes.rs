@@ -7,12 +7,13 @@ use std::sync::atomic::AtomicBool;
 use crate::problem::Problem;
 use crate::ranks::Ranker;
 use crate::search::prepared::values::{Values, exponent_of, times_power};
-use crate::two_feature::chart::Chart;
+use crate::two_feature::geometry::line::Line;
+use crate::two_feature::geometry::plane::Plane;
 use crate::two_feature::loss::Loss;
-use crate::two_feature::plane::Plane;
-use crate::two_feature::single::best_of_charts;
+use crate::two_feature::regions::dual_plane::DualPlane;
+use crate::two_feature::stumps::depth_one::best_of_dual_planes;
 use crate::two_feature::switches::Switches;
-use crate::two_feature::view::{Line, View};
+use crate::two_feature::weighted_samples::WeightedSamples;
 
 /// Slope intervals of a dual plane.
 const SLOPE_INTERVALS: usize = 8;
@@ -28,7 +29,7 @@ const MOST_BYTES: usize = 200_000_000;
 #[derive(Debug)]
 pub(crate) struct DualPlanes {
     plane: Plane,
-    dual_planes: Vec<OnceLock<Chart>>,
+    dual_planes: Vec<OnceLock<DualPlane>>,
     /// Costs of the problem, and its weights in the unit of these costs.
     pub(crate) loss: Loss,
     pub(crate) weights: Vec<i64>,
@@ -68,7 +69,7 @@ impl DualPlanes {
 
     /// The best line over two features that costs less than the cutoff, as far as a few regions show.
     pub(crate) fn best_line(&self, pair: (usize, usize), asked: PairQuestion, stop: &AtomicBool) -> Option<Line> {
-        let view = View {
+        let samples = WeightedSamples {
             plane: &self.plane,
             labels: asked.labels,
             weights: asked.weights,
@@ -76,14 +77,14 @@ impl DualPlanes {
             switches: Switches::default(),
         };
         let dual_planes = [pair, (pair.1, pair.0)].map(|features| self.dual_plane(features));
-        let answer = best_of_charts(view, dual_planes, asked.ids, asked.need, asked.cutoff, MOST_TRIED, stop);
-        answer.line.filter(|_| answer.attained < asked.cutoff)
+        let answer = best_of_dual_planes(samples, dual_planes, asked.ids, asked.need, asked.cutoff, MOST_TRIED, stop);
+        answer.line.filter(|_| answer.incumbent < asked.cutoff)
     }
 
-    fn dual_plane(&self, (f, g): (usize, usize)) -> &Chart {
+    fn dual_plane(&self, (f, g): (usize, usize)) -> &DualPlane {
         let others = self.plane.p - 1;
         let slot = f * others + if g > f { g - 1 } else { g };
-        self.dual_planes[slot].get_or_init(|| Chart::new(&self.plane, (f, g), SLOPE_INTERVALS))
+        self.dual_planes[slot].get_or_init(|| DualPlane::new(&self.plane, (f, g), SLOPE_INTERVALS))
     }
 
     /// Whether a line sends a sample left.

@@ -4,14 +4,14 @@ use pulp::{Simd, WithSimd};
 
 use super::lanes::{Lane, Row, add, max, min, sub};
 
-/// Two columns, buckets of one column each: what the first gains less what the second does is all that is needed.
-pub struct Difference<'a, T, const N: usize> {
-    /// Gain of the first column less that of the second, and `BIAS` (`n_buckets`).
-    pub histogram: &'a [Row<T, N>],
-    /// Sum of each of the two columns, by lane.
-    pub totals: &'a [Row<T, N>],
+/// Two labels, buckets of one label each: the first gain less the second is all that is needed.
+pub(crate) struct Difference<'a, T, const N: usize> {
+    /// Gain of the first label less that of the second, and `BIAS` (`n_buckets`).
+    pub(crate) histogram: &'a [Row<T, N>],
+    /// Sum of each of the two labels, by lane.
+    pub(crate) totals: &'a [Row<T, N>],
     /// Largest gain of a stump, out. Inside a bucket there is no larger one: its difference only grows or only shrinks.
-    pub best: Row<T, N>,
+    pub(crate) best: Row<T, N>,
 }
 
 impl<T: Lane, const N: usize> WithSimd for &mut Difference<'_, T, N> {

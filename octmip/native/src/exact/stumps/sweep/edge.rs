@@ -3,9 +3,9 @@
 use super::lanes::{Lane, Row, add, max, min, zip};
 
 /// Buckets between two checkpoints of the running sums.
-pub const STRIDE: usize = 8;
+pub(crate) const STRIDE: usize = 8;
 
-/// What is carried from one bucket edge to the next.
+/// Sums and bounds that are carried from one bucket edge to the next.
 pub(super) struct Edge<T, const N: usize> {
     high: Row<T, N>,
     score: Row<T, N>,
@@ -24,16 +24,17 @@ impl<T: Lane, const N: usize> Edge<T, N> {
         Self { high, score: high, best: high, reach: high, top: [T::default(); N] }
     }
 
-    /// Pass a bucket: `low`, `high` the best gain left and right of its end, `count` its swing, `minor` its swing
-    /// outside its largest column, or the least span that is left of its gains beside one direction.
+    /// Pass a bucket: `low`, `high` the best gain left and right of its end, `count` its cost range, `minor` its cost
+    /// range outside its largest label, or the least span that is left of its gains beside one direction.
     ///
     /// A cut inside the bucket has at most the least of these gains (start, end: the bucket's edges):
     /// * `low(end) + high(start)`: gains grow with the set.
-    /// * `score(start) + c1` and `score(end) + c2` for the swings c1 + c2 = count on both sides of it, so at most
-    ///   their mean: moving a sample changes a gain by at most its swing.
-    /// * `max(score(start), score(end)) + minor`: without the samples outside the largest column, low + high is a
-    ///   convex function of how many samples of that one column lie left, so largest at an end, where it is at most
-    ///   the score with them; putting them back gains at most their swing. For directions: see `exact::samples::directions`.
+    /// * `score(start) + c1` and `score(end) + c2` for the ranges c1 + c2 = count on both sides of it, so at most
+    ///   their mean: moving a sample changes a gain by at most its cost range.
+    /// * `max(score(start), score(end)) + minor`: without the samples outside the largest label, low + high is a
+    ///   convex function of how many samples of that one label lie left, so largest at an end, where it is at most
+    ///   the score with them; putting them back gains at most their cost range. For directions: see
+    ///   `exact::samples::directions`.
     #[inline(always)]
     pub(super) fn pass(
         &mut self,

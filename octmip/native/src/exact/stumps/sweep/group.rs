@@ -5,30 +5,30 @@ use pulp::{Simd, WithSimd};
 use super::edge::{Edge, STRIDE};
 use super::lanes::{Lane, Row, add, max, sub};
 
-/// One group of lanes: what goes in and comes out.
-pub struct Group<'a, T, const N: usize> {
+/// One group of lanes, its inputs and results.
+pub(crate) struct Group<'a, T, const N: usize> {
     /// Histogram (`n_buckets * rows`).
-    pub histogram: &'a [Row<T, N>],
+    pub(crate) histogram: &'a [Row<T, N>],
     /// The largest where a bucket may have a cut inside, 0 where it has not (`n_buckets`).
-    pub open: &'a [Row<T, N>],
-    /// Sum of each column, by lane (`columns`).
-    pub totals: &'a [Row<T, N>],
+    pub(crate) open: &'a [Row<T, N>],
+    /// Sum of each label, by lane (`labels`).
+    pub(crate) totals: &'a [Row<T, N>],
     /// Largest gain that a stump inside a bucket may have, out (`n_buckets`).
-    pub caps: &'a mut [Row<T, N>],
+    pub(crate) caps: &'a mut [Row<T, N>],
     /// The largest of `caps` over each `STRIDE` buckets, out (`n_buckets / STRIDE`).
-    pub tops: &'a mut [Row<T, N>],
-    /// Running sums before every `STRIDE`-th bucket, out (`n_buckets / STRIDE * columns`).
-    pub runs: &'a mut [Row<T, N>],
-    /// Gains of one sample of each kind (`kinds * columns`); empty where each kind gains in its own column.
-    pub gains: &'a [T],
-    /// Swing of one sample of each kind (`kinds`); empty likewise.
-    pub swings: &'a [T],
-    /// Twice the span that is left of each kind beside each direction (`directions * kinds`); empty likewise.
-    pub spans: &'a [T],
+    pub(crate) tops: &'a mut [Row<T, N>],
+    /// Running sums before every `STRIDE`-th bucket, out (`n_buckets / STRIDE * labels`).
+    pub(crate) runs: &'a mut [Row<T, N>],
+    /// Gains of one sample of each profile (`profiles * labels`); empty where each profile gains in its own label.
+    pub(crate) gains: &'a [T],
+    /// Cost range of one sample of each profile (`profiles`); empty likewise.
+    pub(crate) ranges: &'a [T],
+    /// Twice the span that is left of each profile beside each direction (`directions * profiles`); empty likewise.
+    pub(crate) spans: &'a [T],
     /// Largest gain seen at an edge, out.
-    pub best: Row<T, N>,
+    pub(crate) best: Row<T, N>,
     /// Largest gain that any stump may have, out.
-    pub reach: Row<T, N>,
+    pub(crate) reach: Row<T, N>,
 }
 
 impl<T: Lane, const N: usize> WithSimd for &mut Group<'_, T, N> {
@@ -36,18 +36,18 @@ impl<T: Lane, const N: usize> WithSimd for &mut Group<'_, T, N> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        match (self.swings.len(), self.totals.len()) {
+        match (self.ranges.len(), self.totals.len()) {
             (0, 2) => self.sweep::<2>(),
             (0, 3) => self.sweep::<3>(),
             (0, 4) => self.sweep::<4>(),
             (0, 5) => self.sweep::<5>(),
             (0, 6) => self.sweep::<6>(),
             (0, _) => self.sweep_any(),
-            (3, 3) => self.sweep_kinds::<3>(),
-            (4, 4) => self.sweep_kinds::<4>(),
-            (5, 5) => self.sweep_kinds::<5>(),
-            (6, 6) => self.sweep_kinds::<6>(),
-            _ => self.sweep_any_kinds(),
+            (3, 3) => self.sweep_profiles::<3>(),
+            (4, 4) => self.sweep_profiles::<4>(),
+            (5, 5) => self.sweep_profiles::<5>(),
+            (6, 6) => self.sweep_profiles::<6>(),
+            _ => self.sweep_any_profiles(),
         }
     }
 }

@@ -3,8 +3,8 @@
 use pulp::bytemuck;
 
 /// A number of a histogram lane.
-pub trait Lane: bytemuck::Pod + Ord + Default + Send {
-    /// From a sum that fits (see `finder`).
+pub(crate) trait Lane: bytemuck::Pod + Ord + Default + Send {
+    /// From a sum that fits (see `stumps::width`).
     fn narrow(value: i64) -> Self;
     /// To a sum.
     fn widen(self) -> i64;
@@ -14,10 +14,10 @@ pub trait Lane: bytemuck::Pod + Ord + Default + Send {
     fn minus(self, other: Self) -> Self;
     /// Two numbers side by side: left and right of the cut.
     type Pair: bytemuck::Pod + Default + Send;
-    /// The change of a pair when an amount moves from right to left.
-    fn shift(amount: i64) -> Self::Pair;
-    /// The change of a pair when an amount enters on the right.
-    fn enter(amount: i64) -> Self::Pair;
+    /// The change of a pair when a number moves from right to left.
+    fn shift(number: i64) -> Self::Pair;
+    /// The change of a pair when a number enters on the right.
+    fn enter(number: i64) -> Self::Pair;
     /// A pair after a change; both halves stay 0 or more.
     fn change(pair: Self::Pair, by: Self::Pair) -> Self::Pair;
     /// Product, of numbers whose product fits.
@@ -26,7 +26,8 @@ pub trait Lane: bytemuck::Pod + Ord + Default + Send {
     fn half(self) -> Self;
     /// The largest.
     const MAX: Self;
-    /// Added to both halves of a pair that holds differences, so that they stay 0 or more: above any swing that fits.
+    /// Added to both halves of a pair that holds differences, so that they stay 0 or more: above any total range
+    /// that fits.
     const BIAS: Self;
 }
 
@@ -37,12 +38,12 @@ macro_rules! lane {
             const BIAS: Self = $bias;
             type Pair = $pair;
             #[inline(always)]
-            fn shift(amount: i64) -> $pair {
-                $shift(amount)
+            fn shift(number: i64) -> $pair {
+                $shift(number)
             }
             #[inline(always)]
-            fn enter(amount: i64) -> $pair {
-                $enter(amount)
+            fn enter(number: i64) -> $pair {
+                $enter(number)
             }
             #[inline(always)]
             fn change(pair: $pair, by: $pair) -> $pair {
@@ -82,19 +83,19 @@ lane!(
     i16,
     1 << 14,
     u32,
-    |amount: i64| (amount as u32).wrapping_sub((amount as u32) << 16),
-    |amount: i64| (amount as u32) << 16,
+    |number: i64| (number as u32).wrapping_sub((number as u32) << 16),
+    |number: i64| (number as u32) << 16,
     u32::wrapping_add
 );
 lane!(
     i32,
     1 << 30,
     u64,
-    |amount: i64| (amount as u64).wrapping_sub((amount as u64) << 32),
-    |amount: i64| (amount as u64) << 32,
+    |number: i64| (number as u64).wrapping_sub((number as u64) << 32),
+    |number: i64| (number as u64) << 32,
     u64::wrapping_add
 );
-lane!(i64, 0, [i64; 2], |amount: i64| [amount, -amount], |amount: i64| [0, amount], |pair: [i64; 2], by: [i64; 2]| [
+lane!(i64, 0, [i64; 2], |number: i64| [number, -number], |number: i64| [0, number], |pair: [i64; 2], by: [i64; 2]| [
     pair[0] + by[0],
     pair[1] + by[1]
 ]);

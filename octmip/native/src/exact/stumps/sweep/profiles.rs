@@ -1,4 +1,4 @@
-//! The vector pass where samples gain in several columns: a bucket holds how much there is of each kind of sample.
+//! The vector pass where samples gain in several labels: a bucket holds the number of samples of each cost profile.
 
 use super::edge::{Edge, STRIDE};
 use super::group::Group;
@@ -10,13 +10,13 @@ fn scale<T: Lane, const N: usize>(a: &Row<T, N>, by: T) -> Row<T, N> {
 }
 
 impl<T: Lane, const N: usize> Group<'_, T, N> {
-    /// Rows are kinds, and samples of a kind gain in several columns; as many kinds as columns.
+    /// Rows are profiles, and samples of a profile gain in several labels; as many profiles as labels.
     #[inline(always)]
-    pub(super) fn sweep_kinds<const K: usize>(&mut self) {
-        let (mut totals, mut gains, mut swings) = ([[T::default(); N]; K], [[T::default(); K]; K], [T::default(); K]);
+    pub(super) fn sweep_profiles<const K: usize>(&mut self) {
+        let (mut totals, mut gains, mut ranges) = ([[T::default(); N]; K], [[T::default(); K]; K], [T::default(); K]);
         totals.copy_from_slice(&self.totals[..K]);
         gains.copy_from_slice(&self.gains.as_chunks::<K>().0[..K]);
-        swings.copy_from_slice(&self.swings[..K]);
+        ranges.copy_from_slice(&self.ranges[..K]);
         let mut run = [[T::default(); N]; K];
         let mut edge = Edge::first(&totals);
         let (buckets, _) = self.histogram.as_chunks::<K>();
@@ -27,10 +27,10 @@ impl<T: Lane, const N: usize> Group<'_, T, N> {
             let mut low = [T::default(); N];
             let mut high = [T::default(); N];
             let mut count = [T::default(); N];
-            for kind in 0..K {
-                count = add(&count, &scale(&bucket[kind], swings[kind]));
+            for profile in 0..K {
+                count = add(&count, &scale(&bucket[profile], ranges[profile]));
                 for c in 0..K {
-                    run[c] = add(&run[c], &scale(&bucket[kind], gains[kind][c]));
+                    run[c] = add(&run[c], &scale(&bucket[profile], gains[profile][c]));
                 }
             }
             for c in 0..K {
@@ -40,8 +40,8 @@ impl<T: Lane, const N: usize> Group<'_, T, N> {
             let mut minor = [T::MAX; N];
             for spans in self.spans.as_chunks::<K>().0 {
                 let mut left = [T::default(); N];
-                for kind in 0..K {
-                    left = add(&left, &scale(&bucket[kind], spans[kind]));
+                for profile in 0..K {
+                    left = add(&left, &scale(&bucket[profile], spans[profile]));
                 }
                 minor = min(&minor, &left);
             }
@@ -53,21 +53,21 @@ impl<T: Lane, const N: usize> Group<'_, T, N> {
         (self.best, self.reach) = (edge.best, edge.reach);
     }
 
-    /// The same for any number of kinds and columns.
+    /// The same for any number of profiles and labels.
     #[inline(always)]
-    pub(super) fn sweep_any_kinds(&mut self) {
+    pub(super) fn sweep_any_profiles(&mut self) {
         let k = self.totals.len();
         let mut run = vec![[T::default(); N]; k];
         let mut edge = Edge::first(self.totals);
-        for (b, bucket) in self.histogram.chunks_exact(self.swings.len()).enumerate() {
+        for (b, bucket) in self.histogram.chunks_exact(self.ranges.len()).enumerate() {
             if b % STRIDE == 0 {
                 self.runs[b / STRIDE * k..][..k].copy_from_slice(&run);
             }
             let mut low = [T::default(); N];
             let mut high = [T::default(); N];
             let mut count = [T::default(); N];
-            for ((held, swing), gains) in bucket.iter().zip(self.swings).zip(self.gains.chunks_exact(k)) {
-                count = add(&count, &scale(held, *swing));
+            for ((held, range), gains) in bucket.iter().zip(self.ranges).zip(self.gains.chunks_exact(k)) {
+                count = add(&count, &scale(held, *range));
                 for (run, gain) in run.iter_mut().zip(gains) {
                     *run = add(run, &scale(held, *gain));
                 }
@@ -77,7 +77,7 @@ impl<T: Lane, const N: usize> Group<'_, T, N> {
                 high = max(&high, &sub(total, run));
             }
             let mut minor = [T::MAX; N];
-            for spans in self.spans.chunks_exact(self.swings.len()) {
+            for spans in self.spans.chunks_exact(self.ranges.len()) {
                 let mut left = [T::default(); N];
                 for (held, span) in bucket.iter().zip(spans) {
                     left = add(&left, &scale(held, *span));
