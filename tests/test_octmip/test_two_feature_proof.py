@@ -86,5 +86,5 @@ def test_values_however_far_apart_are_proven(tmp_path: Path) -> None:
 
 def test_deeper_trees_have_no_logs() -> None:
     problem = Problem(np.eye(4), [0, 1, 0, 1], depth=3, split="hyperplane", split_size=2)
-    with pytest.raises(ProblemError, match="depth 3 with 2 features a split has no proof log"):
+    with pytest.raises(ProblemError, match="depth 3 with 2 features per split has no proof log"):
         check_proof(problem, "nowhere.log")
