@@ -2,6 +2,7 @@
 
 import signal
 import threading
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -112,6 +113,17 @@ def test_a_time_limit_of_nothing_returns_a_tree_and_a_valid_bound() -> None:
     solution = two_feature_branch_and_bound(problem, limits=Limits(seconds=0.0))
     certify(problem, solution)
     assert solution.stop in (Stop.TIME, Stop.OPTIMAL)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_stop_while_the_tables_are_made_leaves_a_valid_bound_and_no_log(seed: int, tmp_path: Path) -> None:
+    problem = random_two_feature_problem(np.random.default_rng([63, seed]), depth=2, max_samples=12)
+    least = best_objective(problem)
+    for k, seconds in enumerate(np.geomspace(1e-6, 1e-2, 50)):
+        log = tmp_path / f"{k}.log"
+        solution = two_feature_branch_and_bound(problem, limits=Limits(seconds=float(seconds)), proof=log)
+        assert solution.bound <= least * (1 + 1e-12), seconds
+        assert solution.is_optimal <= (solution.objective == pytest.approx(least)), seconds
 
 
 def test_the_method_exact_proves_two_feature_trees() -> None:

@@ -47,13 +47,17 @@ pub(crate) fn solve_depth_two(
     let floor = floor_of(instance);
     let upper = options.known.unwrap_or(objective).min(objective);
     let prepare = || {
-        let context = SearchContext::new(problem, instance, n_intervals, supervision.flag());
+        let context = SearchContext::new(problem, instance, n_intervals, supervision.flag())?;
         let intervals: Vec<Intervals> = sets.iter().map(|set| intervals_of(&context, set)).collect();
         let first = first_trees(&context, &intervals, options.seed, floor);
-        (context, intervals, first)
+        Some((context, intervals, first))
     };
     let state = Progress { seconds: 0.0, objective: upper, bound: 0, n_nodes: 0 };
-    let (context, intervals, first) = supervision.run(prepare, || supervision.poll(&mut *keep_going, state));
+    let Some((context, intervals, first)) = supervision.run(prepare, || supervision.poll(&mut *keep_going, state))
+    else {
+        let stop = supervision.reason().unwrap_or(Stop::Interrupted);
+        return Outcome { tree, objective, bound: floor.min(upper), stop, n_nodes: 0 };
+    };
     let roots = intervals.iter().flat_map(|intervals| roots_of(&context, intervals, floor));
     let known = Known::new(instance, sets.len());
     let mut queue = Queue::new(&context, supervision, options.n_threads, roots.collect(), upper, known);

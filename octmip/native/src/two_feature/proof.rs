@@ -99,7 +99,7 @@ impl Writer<'_> {
             body.append("D\n");
             return Some(());
         }
-        let context = SearchContext::new(self.problem, instance, INTERVALS, self.stop);
+        let context = SearchContext::new(self.problem, instance, INTERVALS, self.stop)?;
         let intervals = intervals_of(&context, &vec![true; self.problem.p]);
         let sections: Vec<Mutex<Option<String>>> = context.dual_planes.iter().map(|_| Mutex::default()).collect();
         let next = AtomicUsize::new(0);

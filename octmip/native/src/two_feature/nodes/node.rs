@@ -40,11 +40,19 @@ pub(crate) struct SearchContext<'a> {
 }
 
 impl<'a> SearchContext<'a> {
-    /// The tables of all dual planes with at most so many intervals; fewer tables once the search has to stop.
-    pub(crate) fn new(problem: &'a Problem, instance: &'a Instance, n_intervals: usize, stop: &'a AtomicBool) -> Self {
-        let going = instance.dual_planes.iter().take_while(|_| !stop.load(Ordering::Relaxed));
-        let dual_planes = going.map(|&features| DualPlane::new(&instance.plane, features, n_intervals)).collect();
-        Self { problem, instance, dual_planes, all: instance.all(), stop }
+    /// The tables of all dual planes with at most so many intervals; None when the search has to stop before all are
+    /// made, as a bound over some of them is no bound over all trees.
+    pub(crate) fn new(
+        problem: &'a Problem,
+        instance: &'a Instance,
+        n_intervals: usize,
+        stop: &'a AtomicBool,
+    ) -> Option<Self> {
+        let tables = instance.dual_planes.iter().map(|&features| {
+            let is_going = !stop.load(Ordering::Relaxed);
+            is_going.then(|| DualPlane::new(&instance.plane, features, n_intervals))
+        });
+        Some(Self { problem, instance, dual_planes: tables.collect::<Option<_>>()?, all: instance.all(), stop })
     }
 }
 
