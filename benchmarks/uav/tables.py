@@ -28,7 +28,7 @@ def markdown(outcomes: Sequence[Outcome], answers: Sequence[str]) -> str:
         f"Data: {first['data']}. Labels in percent loss of stiffness; errors are misclassified training samples; MAE "
         "in percent stiffness. The Bayes limit is the least MAE of any classifier with these gauges and this noise: a "
         "training MAE below it is overfitting. Every row was certified; seed "
-        f"{first['seed']}, one thread a row. Tasks: axis-aligned splits; splits over two features; at most two of "
+        f"{first['seed']}, one thread per row. Tasks: axis-aligned splits; splits over two features; at most two of "
         f"the gauges; risk, where samples over {CRITICAL_PERCENT} % loss weigh {CRITICAL_WEIGHT:g}. The cost is what a "
         "method minimises and what its bound speaks of; a row that stops at its limit (last column) shows its gap.",
         "",

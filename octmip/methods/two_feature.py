@@ -62,7 +62,7 @@ def two_feature_branch_and_bound(
     """Return a proven optimal tree, or the best tree and the bound when a limit is reached.
 
     Args:
-        problem: of depth 1 or 2 and at most two features a split (`split_size=2`, or no more than two features).
+        problem: of depth 1 or 2 and at most two features per split (`split_size=2`, or no more than two features).
         limits: when to stop early.
         incumbent: a tree of this problem; the result is never worse.
         seed: has no effect on the optimum; kept in the solution.

@@ -153,14 +153,14 @@ def test_a_hostile_log_is_refused_with_its_line(tmp_path, limits, line, text, se
         check_proof(problem, path)
 
 
-def test_a_log_that_halves_cells_without_end_does_not_exhaust_the_stack(tmp_path):
+def test_a_log_that_halves_regions_without_end_does_not_exhaust_the_stack(tmp_path):
     problem = Problem(SAMPLES, LABELS, depth=2, split="hyperplane", split_size=2)
     path = tmp_path / "proof.log"
     two_feature_branch_and_bound(problem, proof=path)
     lines = path.read_text().split("\n")
     lines[6:6] = ["R -1 -1"] * 100_000
     path.write_text("\n".join(lines))
-    with pytest.raises(CertificateError, match="expected 1000 boxes in one another at most, got more"):
+    with pytest.raises(CertificateError, match="expected 1000 nodes in one another at most, got more"):
         check_proof(problem, path)
 
 

@@ -213,7 +213,7 @@ def test_strengthened_rows_prove_iris_at_depth_one_with_hyperplanes():
 
 
 def test_axis_problems_are_sent_elsewhere():
-    with pytest.raises(ProblemError, match="method='oct'"):
+    with pytest.raises(ProblemError, match="choose 'oct'"):
         solve_oct_h(uci("iris", depth=1))
 
 

@@ -142,7 +142,7 @@ def test_wrong_losses_labels_and_decisions_are_refused():
     model = RiskModel()
     with pytest.raises(ProblemError, match="not 40 percent"):
         model.regrets([[40.0]])
-    with pytest.raises(ProblemError, match="one column a region"):
+    with pytest.raises(ProblemError, match="one column per region"):
         model.regrets([0.4])
     with pytest.raises(ProblemError, match="add it to the model"):
         model.failure_probability(LOSSES, 2.5)

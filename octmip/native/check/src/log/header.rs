@@ -10,7 +10,7 @@ const FORMAT: &str = "octmip-proof 3";
 const EXPONENT: (i64, i64) = (-2200, 2200);
 /// Least and largest weight, cost, penalty or claim.
 const WHOLE: (i64, i64) = (0, CAPACITY - 1);
-/// Trees over more than one feature a split have logs up to this depth, and up to so many features a split.
+/// Trees over more than one feature per split have logs up to this depth, and up to so many features per split.
 const MOST_DEPTH: usize = 2;
 const MOST_FEATURES: usize = 2;
 
@@ -43,7 +43,7 @@ fn check_identity(question: &Question, cursor: &mut Cursor<'_>) -> Checked<()> {
     ensure!(got == first, 1, "got {}, expected {first:?}", shown(got));
     let is_covered = !question.is_hyperplane || (question.depth <= MOST_DEPTH && question.split_size <= MOST_FEATURES);
     let (depth, size) = (question.depth, question.split_size);
-    ensure!(is_covered, 1, "trees of depth {depth} with {size} features a split have no proof logs");
+    ensure!(is_covered, 1, "trees of depth {depth} with {size} features per split have no proof logs");
     let fields = [
         ("data", question.data_digest(), "the samples, labels and weights"),
         ("question", question.question_digest(), "depth, costs, limits and sensors"),

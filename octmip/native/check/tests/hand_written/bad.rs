@@ -48,7 +48,7 @@ fn bad_headers() -> Vec<BadLog> {
             corners(3),
             two_feature("0", "end"),
             1,
-            "trees of depth 3 with 2 features a split have no",
+            "trees of depth 3 with 2 features per split have no",
         ),
         ("other data", stripes(6, 1), stump("1").replace("DATA", &four().data_digest()), 2, "got \"data "),
         ("another question", six(), stump("1").replace("QUESTION", &four().question_digest()), 3, "got \"question "),
