@@ -107,7 +107,7 @@ def measured(
     mesh: float = 0.01,
     noise: Callable | None = None,
 ) -> Campaign:
-    """Return a campaign of a beam that differs from the twin by about 1 % per gauge, and by `change(state, load, time)`.
+    """Return a campaign of a beam that differs from the twin by some 1 % per gauge, and by `change(state, load, time)`.
 
     The difference is the same for all seeds: campaigns of one asset.
     """
