@@ -7,14 +7,12 @@ docs/theory/exact.md. Categorical features: one column of 0/1 for each category,
 
 import math
 import time
-from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from octmip import _native
 from octmip.encoding import (
     IntegerCosts,
-    NodeRow,
     Ranks,
     closing_tolerance,
     integer_costs,
@@ -25,8 +23,8 @@ from octmip.encoding import (
 )
 from octmip.errors import ProblemError, SolverError
 from octmip.formats.files import check_writable
-from octmip.formats.problem_file import question_digest
-from octmip.methods.checkpoint import Kept, KnownRow, grid_digest, read_checkpoint, unusable, write_checkpoint
+from octmip.methods.checkpoint import KnownRow, unusable
+from octmip.methods.keeper import Found, Keeper
 from octmip.methods.native_call import (
     feasible_incumbent,
     native_progress,
@@ -99,31 +97,33 @@ def branch_and_bound(
     start = feasible_incumbent(problem, incumbent)
     if proof is not None:
         check_writable(proof)
-    run = _Run(problem, limits, n_jobs, progress, started, checkpoint)
-    run.search(start)
+    ranks = rank_features(problem)
+    keeper = None if checkpoint is None else Keeper(problem, ranks, checkpoint, started)
+    search = _Search(problem, limits, n_jobs, progress, started, ranks, keeper)
+    search.search(start)
     ties = dict(UNBROKEN)
-    if break_ties and run.stop is Stop.OPTIMAL:
-        ties = run.smaller()
+    if break_ties and search.stop is Stop.OPTIMAL:
+        ties = search.smaller()
     if proof is not None:
-        run.bound = run.write_proof(Path(proof))
-    assert run.tree is not None
+        search.bound = search.write_proof(Path(proof))
+    assert search.tree is not None
     return Solution(
-        tree=run.tree,
-        objective=run.objective,
-        bound=run.bound,
-        stop=run.stop,
+        tree=search.tree,
+        objective=search.objective,
+        bound=search.bound,
+        stop=search.stop,
         seconds=time.perf_counter() - started,
-        n_nodes=run.n_nodes,
+        n_nodes=search.n_nodes,
         solver=SOLVER,
         version=_native.__version__,
         seed=seed,
-        tolerance=run.tolerance,
-        details={"ties_broken": ties} | run.resumed_from,
+        tolerance=search.tolerance,
+        details={"ties_broken": ties} | search.resumed_from,
     )
 
 
 @dataclass(slots=True)
-class _Run:
+class _Search:
     """A search, and again on a finer grid while rounding alone keeps the bound from the tree."""
 
     problem: Problem
@@ -131,8 +131,8 @@ class _Run:
     n_jobs: int
     progress: ProgressCallback | None
     started: float
-    checkpoint: str | Path | None = None
-    ranks: Ranks = field(init=False)
+    ranks: Ranks
+    keeper: Keeper | None
     off: list[str] = field(default_factory=switched_off)
     tree: Node | None = None
     objective: float = math.inf
@@ -141,12 +141,8 @@ class _Run:
     tolerance: float = 0.0
     n_nodes: int = 0
     proven: tuple[_native.Problem, IntegerCosts, int] | None = None  # of the best bound of this search
-    resumed: Kept | None = None
     grid: Node | None = None  # the tree from which the costs on the grid were made
     known: KnownRow | None = None  # what was last kept of this grid
-
-    def __post_init__(self) -> None:
-        self.ranks = rank_features(self.problem)
 
     def search(self, start: Node | None) -> None:
         """Search until the bound meets the tree, or no grid of whole numbers is finer."""
@@ -167,74 +163,25 @@ class _Run:
 
     def _resume(self) -> None:
         """Take up what a checkpoint holds, if there is one."""
-        if self.checkpoint is None:
+        found = None if self.keeper is None else self.keeper.read()
+        if self.keeper is None or found is None:
             return
-        check_writable(self.checkpoint)
-        found = read_checkpoint(self.checkpoint, self._identity())
-        if found is None:
-            return
-        self.resumed, digest = found
-        try:
-            grid, tree = (self._tree(rows) for rows in (self.resumed.grid, self.resumed.tree))
-            costs = integer_costs(self.problem, grid)
-            if digest != grid_digest(costs):
-                raise unusable(self.checkpoint, "holds costs on another grid than its tree makes")
-            if self.resumed.known is not None:
-                *row, (_, rows), sets, n_nodes = self.resumed.known
-                best = self._tree(rows, is_within=False)
-                assert best is not None
-                known = (costs.whole_objective(self.problem, best), rows_from_tree(best, self.ranks))
-                self.known = (*row, known, sets, n_nodes)  # type: ignore[assignment]
-        except (ProblemError, IndexError) as error:
-            raise unusable(self.checkpoint, f"holds a tree that is none of this problem ({error})") from error
-        self._keep(tree)
-        self.grid, self.bound = grid, self.resumed.bound
+        self._keep(found.tree)
+        self.grid, self.known, self.bound = found.grid, found.known, found.bound
         if self.bound > self.objective:
-            raise unusable(self.checkpoint, f"claims the bound {self.bound} above its tree's {self.objective}")
+            raise unusable(self.keeper.path, f"claims the bound {self.bound} above its tree's {self.objective}")
 
     @property
     def resumed_from(self) -> dict[str, object]:
         """What earlier searches have spent, for the details of a solution."""
-        kept = self.resumed
-        return {} if kept is None else {"resumed_from": {"seconds": kept.seconds, "nodes": kept.n_nodes}}
-
-    def _identity(self) -> dict[str, str]:
-        problem = self.problem
-        return {
-            "version": _native.__version__,
-            "data": problem.digest(),
-            "question": question_digest(problem),
-            "off": " ".join(sorted(self.off)),
-        }
-
-    def _tree(self, rows: Sequence[NodeRow] | None, *, is_within: bool = True) -> Node | None:
-        """Return the tree of a checkpoint's rows, refused where it is none of the problem."""
-        if rows is None:
-            return None
-        tree = tree_from_rows(rows, self.ranks)
-        return feasible_incumbent(self.problem if is_within else replace(self.problem, sensor_budget=None), tree)
+        spent = None if self.keeper is None else self.keeper.spent
+        return {} if spent is None else {"resumed_from": {"seconds": spent.seconds, "nodes": spent.n_nodes}}
 
     def _save(self, costs: IntegerCosts, known: KnownRow | None) -> None:
         """Write the checkpoint: what is known of the root, the best tree within the budget, what was spent."""
-        if self.checkpoint is None:
-            return
-        self.known = known
-        best, n_nodes = self.tree, self.n_nodes
-        if known is not None:
-            found = tree_from_rows(known[6][1], self.ranks)
-            if self.problem.sensor_cost_of(found) <= self.problem.sensor_limit:
-                best = min((tree for tree in (found, best) if tree is not None), key=self.problem.objective)
-            n_nodes = max(n_nodes, known[-1])
-        spent = self.resumed or Kept(0.0, 0, -math.inf, None, None, None)
-        kept = Kept(
-            seconds=spent.seconds + time.perf_counter() - self.started,
-            n_nodes=spent.n_nodes + n_nodes,
-            bound=self.bound,
-            tree=None if best is None else rows_from_tree(best, self.ranks),
-            grid=None if self.grid is None else rows_from_tree(self.grid, self.ranks),
-            known=known,
-        )
-        write_checkpoint(self.checkpoint, self._identity() | {"grid": grid_digest(costs)}, kept)
+        if self.keeper is not None:
+            self.known = known
+            self.keeper.write(costs, Found(self.tree, self.grid, known, self.bound), self.n_nodes)
 
     def _search_grid(self, costs: IntegerCosts) -> Stop:
         native = native_problem(self.problem, self.ranks, costs)
@@ -253,12 +200,12 @@ class _Run:
                 self.n_jobs,
                 self.off,
                 native_progress(self.progress, costs, before),
-                checkpoint=None if self.checkpoint is None else saving,
+                checkpoint=None if self.keeper is None else saving,
             )
         except ValueError as error:
-            if self.checkpoint is None or not str(error).startswith("known: "):
+            if self.keeper is None or not str(error).startswith("known: "):
                 raise
-            raise unusable(self.checkpoint, f"holds what cannot be proven: {error}") from error
+            raise unusable(self.keeper.path, f"holds what cannot be proven: {error}") from error
         self.n_nodes += n_nodes
         lower = costs.value(bound)
         if self.proven is None or lower > self.bound:
