@@ -19,7 +19,7 @@ from octmip.tree import Node
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """What a search knows: its best tree, the tree that its grid of costs is made from, the state of the root, the bound."""
+    """What a search knows: its best tree, the tree that made its grid of costs, the state of the root, the bound."""
 
     tree: Node | None
     grid: Node | None
