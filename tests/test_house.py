@@ -98,6 +98,18 @@ def test_folders_can_be_surveyed(suffix):
     assert not {str(place): n for place, n in counts.items() if n > MOST_FILES}
 
 
+def test_the_pages_of_the_documentation_can_be_surveyed():
+    counts = Counter(page.parent.relative_to(ROOT) for page in (ROOT / "docs").rglob("*.md"))
+    assert sum(counts.values()) > 30
+    assert not {str(place): n for place, n in counts.items() if n > MOST_FILES}
+
+
+def test_links_between_pages_lead_somewhere():
+    for page in [ROOT / "README.md", *(ROOT / "docs").rglob("*.md")]:
+        links = re.findall(r"\]\(([^)#\s]+)", page.read_text())
+        assert not [link for link in links if ":" not in link and not (page.parent / link).exists()], page
+
+
 def source_files(suffix: str) -> Iterator[Path]:
     for folder in ("octmip", "femlib", "benchmarks"):
         files = (ROOT / folder).rglob(f"*.{suffix}")

@@ -5,7 +5,7 @@ the squares of the two lowest flapping periods, which are linear in compliance a
 real wing may have: modulus, skin taper, planform as manufactured, mount, structural mass, point masses of unknown
 place, the dial gauge's zero and the scale of the masses that were hung.
 
-`python -m benchmarks.real.measured [--picture FILE]` prints the diagnosis and the tables of docs/gap-measured.md.
+`python -m benchmarks.real.measured [--picture FILE]` prints the diagnosis and the tables of docs/gap/measured.md.
 """
 
 from collections.abc import Mapping

@@ -5,7 +5,7 @@ The twin is linear: the deflection that an aeroelastic code (SHARPy) computes fo
 proportion. The library holds scale effects, an offset, and large deflection: what the same code computes beyond
 proportion. Heavy masses are held out.
 
-`python -m benchmarks.real.pazy [--picture FILE]` prints the tables of docs/gap-pazy.md.
+`python -m benchmarks.real.pazy [--picture FILE]` prints the tables of docs/gap/pazy.md.
 """
 
 from collections.abc import Mapping

@@ -3,7 +3,7 @@
 The table holds means without noise; noise of the study's recipe (variance 1000, 50 readings) is added so that the
 diagnosis has repeats to estimate it from. Four states are diagnosed, five others are held out.
 
-`python -m benchmarks.real.published [--picture FILE]` prints the tables of docs/gap-published.md.
+`python -m benchmarks.real.published [--picture FILE]` prints the tables of docs/gap/published.md.
 """
 
 import csv
