@@ -28,7 +28,7 @@ CASE_MAKER = ("assets/forces", "assets/asset", "assets/calculix", "truths", "ass
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("blind") / "set"
-    plan = blind.Plan(11, count=28, jobs=1, without=0.1, lasso=1, trees=1, calculix=0.0, asset_mesh=0.4, twin_mesh=0.3)
+    plan = blind.Plan(11, count=40, jobs=1, without=0.1, lasso=1, trees=1, calculix=0.0, asset_mesh=0.4, twin_mesh=0.3)
     blind.run(folder, plan)
     return folder
 
