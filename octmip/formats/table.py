@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import Any, SupportsFloat, cast
 
 import numpy as np
 import pandas as pd
@@ -169,7 +169,7 @@ def _is_number(value: object) -> bool:
         number = plain_number(value)
         return number is not None and not math.isnan(number)
     try:
-        return "_" not in str(value) and float(value) == float(value)  # type: ignore[arg-type]
+        return "_" not in str(value) and not math.isnan(float(cast(SupportsFloat, value)))
     except OverflowError:  # a whole number beyond float64
         return True
     except (TypeError, ValueError):

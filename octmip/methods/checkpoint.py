@@ -12,7 +12,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from octmip.encoding import IntegerCosts, NodeRow
 from octmip.errors import DataError
@@ -21,21 +21,41 @@ from octmip.formats.files import PathLike, read_bytes, write_bytes
 FIRST = "octmip-checkpoint 1"
 MOST = 2**63 - 1
 
-# Level, bound of one level fewer, best cost and cut of each feature (one level lower, at this level), solved cuts
-# (feature, samples left of it, bounds of both sides), bound, objective and rows of the best tree, open sets of sensors
-# (held, banned), evaluated cuts: as the native core hands it out.
 Pair = tuple[int, int]
-KnownRow = tuple[
-    int,
-    int,
-    list[Pair],
-    list[Pair],
-    list[tuple[int, int, int, int]],
-    int,
-    tuple[int, list[NodeRow]],
-    list[tuple[list[bool], list[bool]]] | None,
-    int,
-]
+
+
+class KnownRow(NamedTuple):
+    """What is proven of the root, as the native core hands it out and takes it back; costs on its grid, above the base.
+
+    Attributes
+    ----------
+    level
+        depth of the trees that are searched.
+    whole
+        bound of the trees one level shallower.
+    order, incumbents
+        (cost, cut) of each feature's best tree, one level shallower and at this level.
+    cuts
+        solved cuts: feature, samples left of it, bounds of both sides.
+    bound
+        of all trees.
+    best
+        objective, the base included, and rows of the best tree.
+    sets
+        open sets of sensors (held, banned); None without a budget.
+    n_nodes
+        cuts evaluated.
+    """
+
+    level: int
+    whole: int
+    order: list[Pair]
+    incumbents: list[Pair]
+    cuts: list[tuple[int, int, int, int]]
+    bound: int
+    best: tuple[int, list[NodeRow]]
+    sets: list[tuple[list[bool], list[bool]]] | None
+    n_nodes: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,17 +166,18 @@ def _kept(content: Mapping[str, Any]) -> Kept:
 
 
 def _known(row: Any) -> KnownRow:
-    level, whole, order, incumbents, cuts, bound, (objective, rows), sets, n_nodes = row
-    return (
-        _whole(level),
-        _whole(whole),
-        [(_whole(cost), _whole(place)) for cost, place in order],
-        [(_whole(cost), _whole(place)) for cost, place in incumbents],
-        [(_whole(f), _whole(k), _whole(left), _whole(right)) for f, k, left, right in cuts],
-        _whole(bound),
-        (_whole(objective), _rows(rows)),
-        None if sets is None else [(_flags(held), _flags(banned)) for held, banned in sets],
-        _whole(n_nodes),
+    row = KnownRow(*row)
+    objective, rows = row.best
+    return KnownRow(
+        level=_whole(row.level),
+        whole=_whole(row.whole),
+        order=[(_whole(cost), _whole(place)) for cost, place in row.order],
+        incumbents=[(_whole(cost), _whole(place)) for cost, place in row.incumbents],
+        cuts=[(_whole(f), _whole(k), _whole(left), _whole(right)) for f, k, left, right in row.cuts],
+        bound=_whole(row.bound),
+        best=(_whole(objective), _rows(rows)),
+        sets=None if row.sets is None else [(_flags(held), _flags(banned)) for held, banned in row.sets],
+        n_nodes=_whole(row.n_nodes),
     )
 
 

@@ -191,7 +191,7 @@ class _Search:
         first = None
         if self.tree is not None:
             first = whole_cost(self.problem, costs, self.tree), rows_from_tree(self.tree, self.ranks)
-        saving = (CHECKPOINT_SECONDS, lambda known: self._save(costs, known), self.known)
+        saving = (CHECKPOINT_SECONDS, lambda row: self._save(costs, KnownRow(*row)), self.known)
         try:
             rows, _, bound, stop, n_nodes = _native.branch_and_bound(
                 native,

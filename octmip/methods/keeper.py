@@ -65,10 +65,10 @@ class Keeper:
         """Write the checkpoint whole: the best tree within the budget, the root's state, what was spent in all."""
         best = found.tree
         if found.known is not None:
-            rows = tree_from_rows(found.known[6][1], self.ranks)
-            if self.problem.sensor_cost_of(rows) <= self.problem.sensor_limit:
-                best = min((tree for tree in (rows, best) if tree is not None), key=self.problem.objective)
-            n_nodes = max(n_nodes, found.known[-1])
+            known = tree_from_rows(found.known.best[1], self.ranks)
+            if self.problem.sensor_cost_of(known) <= self.problem.sensor_limit:
+                best = min((tree for tree in (known, best) if tree is not None), key=self.problem.objective)
+            n_nodes = max(n_nodes, found.known.n_nodes)
         spent = self.spent or Kept(0.0, 0, -math.inf, None, None, None)
         kept = Kept(
             seconds=spent.seconds + time.perf_counter() - self.started,
@@ -92,11 +92,9 @@ class Keeper:
         """Return the root's state with the cost of its best tree counted again."""
         if row is None:
             return None
-        *state, (_, rows), sets, n_nodes = row
-        best = self._tree(rows, is_within=False)
+        best = self._tree(row.best[1], is_within=False)
         assert best is not None
-        counted = (costs.whole_objective(self.problem, best), rows_from_tree(best, self.ranks))
-        return (*state, counted, sets, n_nodes)  # type: ignore[return-value]
+        return row._replace(best=(costs.whole_objective(self.problem, best), rows_from_tree(best, self.ranks)))
 
     def _tree(self, rows: Sequence[NodeRow] | None, *, is_within: bool = True) -> Node | None:
         """Return the tree of a checkpoint's rows, refused where it is none of the problem."""

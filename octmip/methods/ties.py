@@ -53,7 +53,7 @@ def break_ties(
 def _fewest_sensors(
     problem: Problem, ranks: Ranks, costs: IntegerCosts, best: tuple[int, list[NodeRow]], effort: Effort
 ) -> tuple[list[NodeRow], str]:
-    """Return the table of a tree no dearer than `best` that reads the fewest sensors, and what is proven of it.
+    """Return the table of a tree no costlier than `best` of the fewest sensors, and what is proven of it.
 
     One sensor fewer at a time, as a budget, until no tree within it is as cheap: none of still fewer is, as cost never
     falls when sensors are taken away.

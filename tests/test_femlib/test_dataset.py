@@ -144,7 +144,7 @@ def test_the_published_layout_is_read_in_any_row_order(tmp_path: Path) -> None:
         (lambda text: "", r"cannot be read"),
     ],
 )
-def test_a_bad_table_gets_a_sentence(tmp_path: Path, change, sentence: str) -> None:  # type: ignore[no-untyped-def]
+def test_a_bad_table_gets_a_sentence(tmp_path: Path, change, sentence: str) -> None:
     path = tmp_path / "strains.csv"
     text = table_text()
     lines = text.splitlines()
@@ -172,7 +172,7 @@ def test_a_missing_table_gets_a_sentence(tmp_path: Path) -> None:
 )
 def test_a_bad_recipe_gets_a_sentence(change: dict[str, float], sentence: str) -> None:
     with pytest.raises(InputError, match=sentence):
-        Recipe(**change)  # type: ignore[arg-type]
+        Recipe(**change)
 
 
 def test_a_negative_seed_gets_a_sentence(means: MeanStrains) -> None:

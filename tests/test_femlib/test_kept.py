@@ -15,7 +15,7 @@ def test_a_read_only_mapping_is_a_copy_that_goes_to_other_processes():
     assert held == {"a": 1, "b": 2} == pickle.loads(pickle.dumps(held))
     assert list(held) == ["a", "b"]
     with pytest.raises(TypeError, match="does not support item assignment"):
-        held["a"] = 5  # type: ignore[index]
+        held["a"] = 5
 
 
 def test_an_answer_is_made_once_and_goes_along():

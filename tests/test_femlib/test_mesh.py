@@ -39,7 +39,7 @@ def test_a_bad_element_is_refused_by_number(corners: list[list[float]], sentence
 
 def test_a_missing_node_is_refused_by_number() -> None:
     with pytest.raises(MeshError, match="element 0 names node 7; expected 0 to 3"):
-        Mesh(np.eye(4, 3), [[0, 1, 2, 7]], np.zeros((0, 3)), ("p",), [0])  # type: ignore[arg-type]
+        Mesh(np.eye(4, 3), [[0, 1, 2, 7]], np.zeros((0, 3)), ("p",), [0])
 
 
 def test_an_unknown_patch_is_refused_with_the_known_ones() -> None:

@@ -46,7 +46,7 @@ def test_the_deformed_wing_is_to_scale(small: Wing) -> None:
 def test_a_large_deflection_and_other_loads_reach_the_vtu_file(small: Wing, tmp_path: Path) -> None:
     texts = []
     for options in ({}, {"large_deflection": True}, {"lift": 2.0 * small.lift}):
-        write_vtu(small, tmp_path / "wing.vtu", {}, 3.0, **options)  # type: ignore[arg-type]
+        write_vtu(small, tmp_path / "wing.vtu", {}, 3.0, **options)
         texts.append((tmp_path / "wing.vtu").read_text())
     assert len(set(texts)) == 3
 

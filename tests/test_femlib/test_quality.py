@@ -21,7 +21,7 @@ def judged(monkeypatch: pytest.MonkeyPatch) -> list[Quality]:
     found: list[Quality] = []
     plain = shell_problems.solved
 
-    def solved(shells, held, load):  # type: ignore[no-untyped-def]
+    def solved(shells, held, load):
         moved = plain(shells, held, load)
         found.append(solution_quality(shells, moved.ravel()))
         return moved
@@ -53,7 +53,7 @@ def test_what_warp_costs_a_twisted_strip_is_estimated_and_refused(thickness: flo
     ],
     ids=["thick strip", "roof", "roof, more slanted", "roof, finer", "saddle", "tube"],
 )
-def test_the_estimate_is_what_warp_costs(make) -> None:  # type: ignore[no-untyped-def]
+def test_the_estimate_is_what_warp_costs(make) -> None:
     solved: Solved = make()
     assert solved.quality().warp_error == pytest.approx(solved.loss(), rel=0.2, abs=1e-3)
 

@@ -76,7 +76,7 @@ def library() -> StateLibrary:
 def noisy(**change: object) -> Sampling:
     settings = {"loads": [Load("2 g", 2.0), Load("3 g", 3.0)], "samples_per_state": 5, "seed": 7}
     noise = [WhiteNoise(30.0), ColouredNoise(10.0, 0.5, 0.3), Bias(2.0, 5.0)]
-    return Sampling(**(settings | {"noise": noise} | change))  # type: ignore[arg-type]
+    return Sampling(**(settings | {"noise": noise} | change))
 
 
 def test_rows_are_the_models_strains_divided_by_the_load(tmp_path: Path) -> None:
@@ -217,8 +217,8 @@ def test_a_changed_file_is_refused(tmp_path: Path) -> None:
 
 def draw(noise: object, shape: tuple[int, int, int]) -> np.ndarray:
     rng = np.random.default_rng(0)
-    offsets = noise.fix(shape[2], rng)  # type: ignore[attr-defined]
-    return np.broadcast_to(noise.draw(shape[0], shape[1], offsets, rng), shape)  # type: ignore[attr-defined]
+    offsets = noise.fix(shape[2], rng)
+    return np.broadcast_to(noise.draw(shape[0], shape[1], offsets, rng), shape)
 
 
 def test_white_noise_is_white() -> None:

@@ -27,7 +27,7 @@ def reduced(tiny: Wing, tiny_reduced: ReducedWing, full: WingTwin) -> WingTwin:
 def campaign(twin: WingTwin, state: dict[str, float], effect: str, size: float, is_known: bool) -> Campaign:
     """Readings of the full wing with one effect, at all loads."""
     rng = np.random.default_rng(3)
-    signature = twin.effects[effect].signature  # type: ignore[attr-defined]
+    signature = twin.effects[effect].signature
     means = [twin.predict(state, load) + size * signature(twin, state, load) for load in LOADS]
     rows = len(LOADS) * REPEATS
     values = [state.get(name, 0.0) for name in twin.parameters] if is_known else [np.nan] * len(twin.parameters)
@@ -49,8 +49,8 @@ def test_full_and_reduced_wing_answer_by_one_protocol(full: WingTwin, reduced: W
     assert all(isinstance(effect, Effect) for effect in reduced.effects.values())
     for name in ("gauges", "parameters", "is_linear_in_load"):
         assert getattr(full, name) == getattr(reduced, name)
-    assert np.array_equal(full.gauge_positions, reduced.gauge_positions)  # type: ignore[arg-type]
-    assert np.array_equal(full.outline, reduced.outline)  # type: ignore[arg-type]
+    assert np.array_equal(full.gauge_positions, reduced.gauge_positions)
+    assert np.array_equal(full.outline, reduced.outline)
     assert full.wing is reduced.wing
     assert full.model.model_hash == reduced.model.model_hash
 

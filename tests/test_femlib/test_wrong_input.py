@@ -43,20 +43,20 @@ ALONG = np.array([0.0, 1.0, 0.0])
 
 
 def region(*edges: object, name: str = "R9", parameter: str = "mu9", surface: str = "top") -> DamageRegion:
-    return DamageRegion(name, parameter, *edges, surface)  # type: ignore[arg-type]
+    return DamageRegion(name, parameter, *edges, surface)
 
 
 def with_materials(**change: object) -> Wing:
-    return uav_wing(refinement=0.3, materials=WingMaterials(**change))  # type: ignore[arg-type]
+    return uav_wing(refinement=0.3, materials=WingMaterials(**change))
 
 
 def gauge(position: object = (0.0, 0.9, 0.05), direction: object = ALONG, **more: object) -> StrainGauge:
-    return StrainGauge("q", position, direction, **({"patches": ("top",)} | more))  # type: ignore[arg-type]
+    return StrainGauge("q", position, direction, **({"patches": ("top",)} | more))
 
 
 def square(patch: int = 0, corner: float = 3) -> Mesh:
     corners = [[0, 1, 2, corner]]
-    return Mesh(SQUARE, corners, np.zeros((0, 3)), ("p",), [patch])  # type: ignore[arg-type]
+    return Mesh(SQUARE, corners, np.zeros((0, 3)), ("p",), [patch])
 
 
 # without a wing: what is tried, and how its sentence begins
@@ -66,17 +66,17 @@ ALONE: list[tuple[Callable[[], object], str]] = [
     (lambda: region("a", 0.9, 0.3, 0.5), "damage region R9 has eta a"),
     (lambda: region(0.5, 0.6, 0.3, 0.5, surface="side"), "damage region R9 is on 'side'; expected one of"),
     (lambda: uav_wing(regions=(region(0.5, 0.6, 0.05, 0.1),)), "damage region R9 has an edge at x/c 0.05"),
-    (lambda: uav_wing(regions=UAV_REGIONS[0]), "regions are DamageRegion.*expected a list"),  # type: ignore[arg-type]
+    (lambda: uav_wing(regions=UAV_REGIONS[0]), "regions are DamageRegion.*expected a list"),
     (lambda: uav_wing(regions=(UAV_REGIONS[0],) * 2), r"damage regions share the name \['R1'\]"),
     (
         lambda: uav_wing(regions=(UAV_REGIONS[0], region(0.67, 0.83, 0.345, 0.43, parameter="mu1"))),
         r"damage regions share the parameter \['mu1'\]",
     ),
     (lambda: uav_wing(regions=(region(0.5, 0.6, 0.4, 0.5, name="web"),)), r"damage regions are called \['web'\]"),
-    (lambda: uav_wing(refinement="fine"), "refinement is 'fine'; expected a positive finite number"),  # type: ignore[arg-type]
+    (lambda: uav_wing(refinement="fine"), "refinement is 'fine'; expected a positive finite number"),
     (lambda: uav_wing(refinement=0), "refinement is 0; expected a positive finite number"),
     (lambda: uav_wing(effective_mass=NAN), "effective_mass is nan; expected a positive finite number"),
-    (lambda: uav_wing(materials="carbon"), "materials are 'carbon'; expected WingMaterials"),  # type: ignore[arg-type]
+    (lambda: uav_wing(materials="carbon"), "materials are 'carbon'; expected WingMaterials"),
     (
         lambda: with_materials(skin_thickness=-1e-3),
         "face_height is 0.0011 m; expected 0 to half the skin's thickness, -",
@@ -84,18 +84,18 @@ ALONE: list[tuple[Callable[[], object], str]] = [
     (lambda: with_materials(wood_thickness=-1e-3), "ply thickness is -0.001; expected a positive number"),
     (lambda: with_materials(skin_young=NAN), "young is nan; expected a positive number of Pa"),
     (lambda: with_materials(skin_taper=-0.5), "skin_taper is -0.5; expected"),
-    (lambda: isotropic_plate("1 GPa", 0.3, 1e-3), "young is '1 GPa'; expected"),  # type: ignore[arg-type]
+    (lambda: isotropic_plate("1 GPa", 0.3, 1e-3), "young is '1 GPa'; expected"),
     (lambda: isotropic_plate(1e9, 0.3, 1e-3, NAN), "ply density is nan; expected a finite number"),
-    (lambda: FlightPoint(airspeed="fast"), "flight point airspeed is 'fast'; expected"),  # type: ignore[arg-type]
-    (lambda: ReductionSettings(tolerance="fine"), "reduction settings are tolerance fine"),  # type: ignore[arg-type]
+    (lambda: FlightPoint(airspeed="fast"), "flight point airspeed is 'fast'; expected"),
+    (lambda: ReductionSettings(tolerance="fine"), "reduction settings are tolerance fine"),
     (lambda: Planform(float("inf"), 1.0, 1.0, 0.3), "planform span is inf m; expected a positive length"),
-    (lambda: Planform("2 m", 1.0, 1.0, 0.3), "planform span is '2 m' m; expected"),  # type: ignore[arg-type]
+    (lambda: Planform("2 m", 1.0, 1.0, 0.3), "planform span is '2 m' m; expected"),
     (lambda: Naca4(0.04, 0.0, 0.15), "section has camber 0.04 at 0.0 and thickness 0.15; expected"),
     (lambda: Naca4(0.04, 0.4, 0.15).heights([2.0]), "section heights were asked for outside the chord"),
     (lambda: grid_lines([0.0, NAN], 0.1), "grid_lines got 2 different stops.*expected at least 2 finite stops"),
     (lambda: square(patch=3), "element 0 is of patch number 3; expected 0 to 0"),
     (lambda: square(corner=2.7), "mesh quads holds 2.7; expected whole numbers"),
-    (lambda: Mesh(SQUARE, np.zeros((0, 4)), np.zeros((0, 3)), ("p",), []), "mesh has no element"),  # type: ignore[arg-type]
+    (lambda: Mesh(SQUARE, np.zeros((0, 4)), np.zeros((0, 3)), ("p",), []), "mesh has no element"),
     (lambda: gauge((NAN, 0, 0)), r"gauge q position\[0\] is nan; expected finite numbers"),
     (lambda: gauge(direction=np.zeros(3)), "gauge q direction is zero; expected a direction"),
     (lambda: gauge(side="top"), "gauge q side is 'top'; expected -1"),
@@ -103,13 +103,13 @@ ALONE: list[tuple[Callable[[], object], str]] = [
     (lambda: grid_states({}), r"damage parameters are \[\]; expected one name or more"),
     (lambda: grid_states({"mu1": []}), "levels of mu1 are empty; expected at least one"),
     (lambda: grid_states({"mu1": [0, 20]}), "levels of mu1 hold 20; .*not in percent"),
-    (lambda: grid_states({"mu1": ["a"]}), "levels of mu1 is no array of numbers"),  # type: ignore[list-item]
+    (lambda: grid_states({"mu1": ["a"]}), "levels of mu1 is no array of numbers"),
     (
         lambda: random_states("mu1", 5, seed=0),
         "damage parameters are 'mu1'; expected one name or more, each once, in a",
     ),
-    (lambda: random_states(["mu1"], 2.5, seed=0), "n_states is 2.5; expected 1 or more"),  # type: ignore[arg-type]
-    (lambda: random_states(["mu1"], 5, seed="x"), "seed is 'x'; expected 0 or more"),  # type: ignore[arg-type]
+    (lambda: random_states(["mu1"], 2.5, seed=0), "n_states is 2.5; expected 1 or more"),
+    (lambda: random_states(["mu1"], 5, seed="x"), "seed is 'x'; expected 0 or more"),
     (lambda: random_states(["mu1"], 5, seed=0, n_damaged=3), "n_damaged is 3; expected 1 to 1"),
     (lambda: random_states(["mu1"], 5, seed=0, largest=80), "largest is 80; .*not in percent"),
     (lambda: listed_states(["mu1"], np.zeros((0, 1))), "the list of states is empty; expected at least one"),
@@ -117,30 +117,30 @@ ALONE: list[tuple[Callable[[], object], str]] = [
     (lambda: grid_states({"a": [0]}) + grid_states({"b": [0]}), r"state libraries have the parameters \['a'\] and"),
     (lambda: grid_states({"a": [0]}).between(0, 2), "states 0 to 2 were asked for; expected a range within 0 to 1"),
     (lambda: WhiteNoise(-1.0), "white noise standard_deviation is -1.0; expected 0 or more"),
-    (lambda: WhiteNoise("a"), "white noise standard_deviation is 'a'"),  # type: ignore[arg-type]
+    (lambda: WhiteNoise("a"), "white noise standard_deviation is 'a'"),
     (lambda: ColouredNoise(1.0, 1.0), "coloured noise between_readings is 1.0; expected a correlation"),
     (lambda: Bias(NAN), "bias offset is nan; expected a finite number"),
-    (lambda: Load("a", "3"), "load 'a' has the factor '3'; expected a finite number"),  # type: ignore[arg-type]
+    (lambda: Load("a", "3"), "load 'a' has the factor '3'; expected a finite number"),
     (lambda: Load("a", 1.0, np.array([NAN])), r"force of load 'a'\[0\] is nan"),
-    (lambda: Sampling(noise=WhiteNoise(1.0)), "sampling noise is WhiteNoise.*put it in a list"),  # type: ignore[arg-type]
-    (lambda: Sampling(loads=[3.0]), r"sampling loads is \[3.0\]; expected a list of Load"),  # type: ignore[list-item]
+    (lambda: Sampling(noise=WhiteNoise(1.0)), "sampling noise is WhiteNoise.*put it in a list"),
+    (lambda: Sampling(loads=[3.0]), r"sampling loads is \[3.0\]; expected a list of Load"),
     (lambda: Sampling(loads=[]), r"sampling loads are named \[\]; expected one load or more"),
     (lambda: Sampling(loads=[Load("a", 0.0)]), "a load has the factor 0 and readings are divided by it"),
-    (lambda: Sampling(samples_per_state=1.5), "samples_per_state is 1.5; expected 1 or more"),  # type: ignore[arg-type]
+    (lambda: Sampling(samples_per_state=1.5), "samples_per_state is 1.5; expected 1 or more"),
     (lambda: Sampling(train_fraction=2.0), "train_fraction is 2.0; expected 0 to 1"),
     (lambda: Sampling(seed=-1), "seed is -1; expected 0 or more"),
-    (lambda: Recipe(samples_per_state=2.5), "samples_per_state is 2.5; expected"),  # type: ignore[arg-type]
+    (lambda: Recipe(samples_per_state=2.5), "samples_per_state is 2.5; expected"),
 ]
 
 # with a wing and a folder
 ON_THE_WING: list[tuple[Callable[[Wing, Path], object], str]] = [
     (lambda w, p: w.strain_microstrain({"mu1": 1.0}, 3.0), "state 0 has mu1 = 1; .*leaves a mechanism"),
     (lambda w, p: w.strain_microstrain({"mu1": 40}, 3.0), "state 0 has mu1 = 40; .*not in percent"),
-    (lambda w, p: w.strain_microstrain({"mu1": "a lot"}, 3.0), "state has {'mu1': 'a lot'}; expected"),  # type: ignore[dict-item]
+    (lambda w, p: w.strain_microstrain({"mu1": "a lot"}, 3.0), "state has {'mu1': 'a lot'}; expected"),
     (lambda w, p: w.strain_microstrain({"mu3": 0.1}, 3.0), r"state names \['mu3'\]; expected some of"),
     (lambda w, p: w.strains_microstrain(np.zeros(2), 3.0), r"states has shape \(2,\); expected \('n', 2\)"),
-    (lambda w, p: w.strain_microstrain({}, "3 g"), "load_factor is '3 g'; expected a finite number"),  # type: ignore[arg-type]
-    (lambda w, p: w.strain_microstrain({}, None), "load_factor is None; expected a finite number"),  # type: ignore[arg-type]
+    (lambda w, p: w.strain_microstrain({}, "3 g"), "load_factor is '3 g'; expected a finite number"),
+    (lambda w, p: w.strain_microstrain({}, None), "load_factor is None; expected a finite number"),
     (lambda w, p: w.strain_microstrain({}, 3.0, NAN * w.lift), r"lift\[0\] is nan; expected finite numbers"),
     (lambda w, p: w.strain_map(3.0, w.lift[1:]), r"lift has shape .*; expected"),
     (lambda w, p: write_deck(w, p / "none" / "a.inp", {}, 3.0), "a.inp cannot be written .*expected a writable folder"),
@@ -175,10 +175,10 @@ ON_THE_WING: list[tuple[Callable[[Wing, Path], object], str]] = [
     (lambda w, p: bend(w, {}, 3.0, steps=0), "steps is 0; expected 1 or more load steps"),
     (lambda w, p: bend(w, {}, 3.0, warming=np.ones(3)), r"warming has shape \(3,\); expected one number or"),
     (lambda w, p: inertial_load(w, {1.5: 1.0}), "payload of 1.0 kg at eta 1.5; expected"),
-    (lambda w, p: inertial_load(w, [1.0]), r"payload is \[1.0\]; expected masses by span fraction"),  # type: ignore[arg-type]
+    (lambda w, p: inertial_load(w, [1.0]), r"payload is \[1.0\]; expected masses by span fraction"),
     (lambda w, p: strain_picture(w, np.ones(24), "t"), r"strains have shape \(24,\); expected"),
     (lambda w, p: line_load(w.structure.shells.mesh, [0, 10**9], np.ones(3)), "line load path names 2 nodes; expected"),
-    (lambda w, p: point_masses(w.structure.shells.mesh, {1: "a"}), "point mass 'a' kg at node 1"),  # type: ignore[dict-item]
+    (lambda w, p: point_masses(w.structure.shells.mesh, {1: "a"}), "point mass 'a' kg at node 1"),
     (lambda w, p: stream(w, p, Sampling(gauges=["g99"])), r"sampling names the gauges \['g99'\]; expected each once"),
     (lambda w, p: stream(w, p, Sampling(gauges=[])), "none of 24 gauges is left; expected at least one"),
     (lambda w, p: stream(WingTwin(w), p), "model is a WingTwin; expected one with gauges"),
@@ -232,7 +232,7 @@ def flight(**change: float) -> pd.DataFrame:
     return pd.DataFrame([good, good | change])
 
 
-def stream(model, folder, sampling=None, states=None, path=None, **more):  # type: ignore[no-untyped-def]
+def stream(model, folder, sampling=None, states=None, path=None, **more):
     library = grid_states({"mu1": [0.0]}) if states is None else states
     return stream_dataset(folder / "a.parquet" if path is None else path, model, library, sampling, **more)
 

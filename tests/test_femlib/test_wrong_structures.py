@@ -29,7 +29,7 @@ NAN = float("nan")
 
 def shells(card: object = SHEET, section: object = None, axis: object = (0.0, 0.0, 0.0)) -> Shells:
     number = np.zeros(16) if section is None else section
-    return Shells(MESH, (card,), number, np.ones(16), axis)  # type: ignore[arg-type]
+    return Shells(MESH, (card,), number, np.ones(16), axis)
 
 
 PLATE = shells()
@@ -41,11 +41,11 @@ CORNER = np.arange(16) < 4
 
 
 def mesh(nodes: object = MESH.nodes, quads: object = MESH.quads, patches: object = ("p",)) -> Mesh:
-    return Mesh(nodes, quads, NO_TRIAS, patches, np.zeros(len(quads)))  # type: ignore[arg-type]
+    return Mesh(nodes, quads, NO_TRIAS, patches, np.zeros(len(quads)))
 
 
 def damaged(elements: object = CORNER, supports: Supports = HELD) -> DamagedStructure:
-    return DamagedStructure(PLATE, supports, (Component("a", "mu", elements),))  # type: ignore[arg-type]
+    return DamagedStructure(PLATE, supports, (Component("a", "mu", elements),))
 
 
 def two_plates(gap: float) -> Mesh:
@@ -55,7 +55,7 @@ def two_plates(gap: float) -> Mesh:
 
 
 def gauge(position: object = (0.3, 0.3, 0.0), direction: object = (1.0, 0.0, 0.0)) -> StrainGauge:
-    return StrainGauge("q", position, direction, ("plate",))  # type: ignore[arg-type]
+    return StrainGauge("q", position, direction, ("plate",))
 
 
 WRONG: list[tuple[Callable[[], object], str]] = [
@@ -69,8 +69,8 @@ WRONG: list[tuple[Callable[[], object], str]] = [
     (lambda: Supports.clamping(mesh(np.vstack([MESH.nodes, [9, 9, 9]])), range(5)), "node 25 belongs to no element"),
     (lambda: Supports.holding(MESH, [0.5]), "held degrees of freedom holds 0.5; expected whole numbers"),
     (lambda: Supports.clamping(MESH, [999]), "supports name 6 degrees of freedom, not all in 0 to 149"),
-    (lambda: Supports(7, [3, 1]), "free degrees of freedom do not increase; expected each once"),  # type: ignore[arg-type]
-    (lambda: damaged(supports=Supports(7, [1, 3])), "supports are of 7 degrees of freedom but the mesh has 150"),  # type: ignore[arg-type]
+    (lambda: Supports(7, [3, 1]), "free degrees of freedom do not increase; expected each once"),
+    (lambda: damaged(supports=Supports(7, [1, 3])), "supports are of 7 degrees of freedom but the mesh has 150"),
     (lambda: factorise(HELD.reduce(PLATE.stiffness()), np.arange(3)), "groups name the nodes of 3 rows but"),
     (lambda: shells(section=np.full(16, 3)), "element 0 has section 3; expected 0 to 0, the laminates' numbers"),
     (lambda: shells(section=np.full(16, -1)), "element 0 has section -1; expected 0 to 0"),
@@ -79,24 +79,24 @@ WRONG: list[tuple[Callable[[], object], str]] = [
     (lambda: shells(card=WOVEN, axis=(0, 0, 2)), r"axis \[0.0, 0.0, 2.0\] is zero or normal to element 0"),
     (lambda: shells(card=isotropic_plate(7e10, 0.3, 3.81)), "laminate 0 is 3.81 m thick on a mesh 1.41 m across"),
     (lambda: shells(card=isotropic_plate(7e10, 0.3, 1e-9)), "laminate 0 is 1e-09 m thick on a mesh 1.41 m across"),
-    (lambda: PLATE.stiffness(CORNER.astype(int)), "elements are int64 of shape .16,.; expected .16,. booleans"),  # type: ignore[arg-type]
+    (lambda: PLATE.stiffness(CORNER.astype(int)), "elements are int64 of shape .16,.; expected .16,. booleans"),
     (lambda: damaged(CORNER.astype(int)), "region a has elements of int64; expected booleans, one for each"),
     (lambda: damaged([1.0] * 16), "region a has elements of float64; expected booleans"),
     (lambda: damaged(np.ones(16, dtype=bool)), "region a shares no moving node with the rest of the structure"),
-    (lambda: DamagedStructure(PLATE, HELD, Component("a", "mu", CORNER)), "components are a Component; expected a"),  # type: ignore[arg-type]
-    (lambda: damaged().solve_loads([0.1], LOAD, np.zeros(3)), r"pristine has shape \(3,\); expected \(150,\)"),  # type: ignore[arg-type]
+    (lambda: DamagedStructure(PLATE, HELD, Component("a", "mu", CORNER)), "components are a Component; expected a"),
+    (lambda: damaged().solve_loads([0.1], LOAD, np.zeros(3)), r"pristine has shape \(3,\); expected \(150,\)"),
     (lambda: damaged().solve_outputs(np.array([[0.1]]), LOAD, ROWS[:, :7]), r"rows have shape \(1, 7\); expected"),
     (lambda: reduce_structure(damaged(), LOAD, ROWS[:, :7], ("a",)), r"rows have shape \(1, 7\); expected"),
     (lambda: damage_row({"mu": True}, ("mu",)), "state has {'mu': True}; expected fractions"),
-    (lambda: damage_row([0.1], ("mu",)), "state is a list; expected damages by parameter name"),  # type: ignore[arg-type]
+    (lambda: damage_row([0.1], ("mu",)), "state is a list; expected damages by parameter name"),
     (lambda: line_load(MESH, [0, 6], np.ones(3)), "line load goes from node 0 to node 6, 0.354 m away, which no"),
     (lambda: line_load(MESH, [0, 2], np.ones(3)), "line load goes from node 0 to node 2, 0.5 m away, which no"),
-    (lambda: point_masses(MESH, {0.5: 1.0}), "point mass 1.0 kg at node 0.5; expected"),  # type: ignore[dict-item]
-    (lambda: point_masses(MESH, [1.0]), r"point masses are \[1.0\]; expected masses by node"),  # type: ignore[arg-type]
-    (lambda: deflect(PLATE, HELD, LOAD, fractions="ab"), "load fractions is no array of numbers"),  # type: ignore[arg-type]
+    (lambda: point_masses(MESH, {0.5: 1.0}), "point mass 1.0 kg at node 0.5; expected"),
+    (lambda: point_masses(MESH, [1.0]), r"point masses are \[1.0\]; expected masses by node"),
+    (lambda: deflect(PLATE, HELD, LOAD, fractions="ab"), "load fractions is no array of numbers"),
     (lambda: deflect(PLATE, HELD, LOAD, tolerance=-1.0), "tolerance is -1.0; expected a share of the load"),
     (lambda: deflect(PLATE, HELD, LOAD, stiffness_factor=-np.ones(16)), "stiffness factor of element 0 is -1.0"),
-    (lambda: laminate(PLY), "laminate got a Ply; expected a list of Ply"),  # type: ignore[arg-type]
+    (lambda: laminate(PLY), "laminate got a Ply; expected a list of Ply"),
     (lambda: replace(WOVEN, membrane=-np.eye(3)), "laminate membrane, coupling and bending is not positive definite"),
     (
         lambda: replace(WOVEN, coupling=1e9 * np.eye(3)),
@@ -107,13 +107,13 @@ WRONG: list[tuple[Callable[[], object], str]] = [
     (lambda: mesh(patches="p"), "mesh patches are 'p'; expected a tuple of names"),
     (lambda: mesh(patches=("p", "p")), "mesh patches are .*; expected each name once"),
     (lambda: mesh(quads=np.concatenate([MESH.quads, MESH.quads[2:3]])), "element 16 has the same corners as element 2"),
-    (lambda: Mesh(MESH.nodes, MESH.quads, NO_TRIAS, ("p",), np.zeros(16), None), "mesh limits are None; expected"),  # type: ignore[arg-type]
+    (lambda: Mesh(MESH.nodes, MESH.quads, NO_TRIAS, ("p",), np.zeros(16), None), "mesh limits are None; expected"),
     (lambda: QualityLimits(warp=-1.0), "quality limit warp is -1.0; expected a number of 0 or more"),
     (lambda: QualityLimits(warp_loss=NAN), "quality limit warp_loss is nan; expected a number of 0 or more"),
     (lambda: strain_rows(MESH, np.full(16, 0.01), [gauge((0.3, 0.3, 0.3))]), r"lies 0.3 m off element 5 of .'plate'"),
     (lambda: strain_rows(MESH, np.full(16, 0.01), [gauge(direction=(0, 0, 1))]), "measures along the shell's normal"),
     (lambda: strain_rows(MESH, np.full(16, -0.01), [gauge()]), "thickness of element 0 is -0.01 m; expected more"),
-    (lambda: strain_rows(MESH, np.full(16, 0.01), gauge()), "gauges are a StrainGauge; expected a list"),  # type: ignore[arg-type]
+    (lambda: strain_rows(MESH, np.full(16, 0.01), gauge()), "gauges are a StrainGauge; expected a list"),
     (
         lambda: Planform(1828.8, 435.61, 261.112, 0.3),
         "planform span is 1828.8 m; expected 0.001 to 100 m; give lengths",

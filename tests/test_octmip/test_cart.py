@@ -14,7 +14,7 @@ def random_problem(seed: int, **settings: object) -> Problem:
     rng = np.random.default_rng(seed)
     features = np.round(rng.normal(size=(60, 4)), 1)
     labels = (features[:, 0] + rng.normal(0, 0.7, 60) > 0).astype(int) + (features[:, 1] > 0.5)
-    return Problem(features, labels, depth=3, **settings)  # type: ignore[arg-type]
+    return Problem(features, labels, depth=3, **settings)
 
 
 @pytest.mark.parametrize("load", [load_iris, load_wine])

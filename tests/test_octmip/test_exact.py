@@ -116,8 +116,8 @@ def test_fewest_splits_are_found_among_optimal_trees() -> None:
     for seed in range(40):
         problem = random_problem(seed, depth=2)
         fewer = branch_and_bound(problem, break_ties=True)
-        assert fewer.details["ties_broken"]["splits"] == "fewest, proven"  # type: ignore[index]
-        assert fewer.details["ties_broken"]["sensors"] == "fewest, proven"  # type: ignore[index]
+        assert fewer.details["ties_broken"]["splits"] == "fewest, proven"
+        assert fewer.details["ties_broken"]["sensors"] == "fewest, proven"
         assert fewer.tree is not None
         assert certify(problem, fewer).objective == branch_and_bound(problem).objective
         best = optimum(problem)

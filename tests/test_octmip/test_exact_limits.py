@@ -34,7 +34,7 @@ def test_under_a_budget_the_tree_is_the_same_for_any_number_of_threads(seed: int
 def hard(n_features: int = 12, **options: object) -> Problem:
     generator = np.random.default_rng(5)
     features, labels = generator.normal(size=(400, n_features)), generator.integers(0, 3, 400)
-    return Problem(features, labels, depth=4, **options)  # type: ignore[arg-type]
+    return Problem(features, labels, depth=4, **options)
 
 
 def table_bytes(problem: Problem, n_jobs: int = 1) -> float:

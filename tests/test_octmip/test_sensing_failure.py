@@ -159,7 +159,7 @@ def test_what_makes_no_failure_problem_is_refused(options, says):
     with pytest.raises(ProblemError, match=says):
         FailureProblem(problem, options.get("scenarios", failures(problem)))
     with pytest.raises(ProblemError):
-        Fault("melted")  # type: ignore[arg-type]
+        Fault("melted")
     with pytest.raises(ProblemError, match="n_failed"):
         failures(problem, n_failed=4)
 

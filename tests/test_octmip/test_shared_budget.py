@@ -211,7 +211,7 @@ def test_wrong_input_is_named():
         (lambda: shared_budget(problems, 1.0, weights=[1.0]), "2 finite numbers"),
         (lambda: shared_budget(problems, 1.0, weights=[-1.0, 1.0]), "2 finite numbers"),
         (lambda: shared_budget(problems, -1.0), "sensor_budget"),
-        (lambda: shared_budget(problems, 1.0, method="oct"), "'exact' or 'search'"),  # type: ignore[arg-type]
+        (lambda: shared_budget(problems, 1.0, method="oct"), "'exact' or 'search'"),
         (lambda: shared_budget([replace(problems[0], split="hyperplane")], 1.0, method="exact"), "hyperplanes"),
     ):
         with pytest.raises(ProblemError, match=sentence):

@@ -51,7 +51,7 @@ def test_cart_answers_as_cart():
 
 def test_an_unknown_method_is_refused_with_the_known_ones():
     with pytest.raises(ProblemError, match="'magic'; expected one of auto, cart"):
-        solve(STRIPES, method="magic")  # type: ignore[arg-type]
+        solve(STRIPES, method="magic")
 
 
 def test_auto_is_exact_for_axis_and_search_for_hyperplanes():

@@ -19,7 +19,7 @@ from octmip.tree import HyperplaneSplit, Split, splits
 
 
 def solve_and_certify(problem: AnyProblem, **options: object) -> float:
-    solution = two_feature_branch_and_bound(problem, **options)  # type: ignore[arg-type]
+    solution = two_feature_branch_and_bound(problem, **options)
     certify(problem, solution)
     assert solution.is_optimal, solution
     return solution.objective
@@ -67,7 +67,7 @@ def test_the_line_is_the_one_with_the_widest_margin() -> None:
     ],
 )
 def test_what_is_not_proven_is_refused(options: dict[str, int], message: str) -> None:
-    problem = Problem(np.eye(4), [0, 1, 0, 1], split="hyperplane", **options)  # type: ignore[arg-type]
+    problem = Problem(np.eye(4), [0, 1, 0, 1], split="hyperplane", **options)
     with pytest.raises(ProblemError, match=message):
         two_feature_branch_and_bound(problem)
 

@@ -56,7 +56,7 @@ def log_of(problem: Problem, path: Path) -> list[str]:
         (lambda lines: [*lines[:4], f"claim {int(lines[4][6:]) + 1}", *lines[5:]], "line .*: "),
     ],
 )
-def test_a_log_is_refused_with_its_line_and_the_reason(change, complaint, tmp_path) -> None:  # type: ignore[no-untyped-def]
+def test_a_log_is_refused_with_its_line_and_the_reason(change, complaint, tmp_path) -> None:
     problem = clouds(2, most_samples=100)
     path = tmp_path / "proof.log"
     lines = log_of(problem, path)

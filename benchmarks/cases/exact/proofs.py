@@ -1,10 +1,10 @@
 """Proof logs of the exact core: sizes, and the CPU seconds of solving, writing and checking."""
 
-import resource
 import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from benchmarks.cpu import cpu_seconds
 from benchmarks.data import Table, published, synthetic_uav, uci
 from benchmarks.tables import Line
 from octmip.methods.exact import branch_and_bound
@@ -29,13 +29,13 @@ def _measured(table: Table, depth: int) -> Line:
     problem = Problem(table.features, table.labels, depth=depth)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "proof.log"
-        start = _cpu_seconds()
+        start = cpu_seconds()
         solution = branch_and_bound(problem)
-        solved = _cpu_seconds()
+        solved = cpu_seconds()
         branch_and_bound(problem, incumbent=solution, proof=path)
-        written = _cpu_seconds()
+        written = cpu_seconds()
         report = check_proof(problem, path, bound=solution.bound)
-        checked = _cpu_seconds()
+        checked = cpu_seconds()
     return {
         "objective": solution.objective,
         "bound": report.bound,
@@ -45,11 +45,6 @@ def _measured(table: Table, depth: int) -> Line:
         "solve_and_write_cpu_seconds": round(written - solved, 4),
         "check_cpu_seconds": round(checked - written, 4),
     }
-
-
-def _cpu_seconds() -> float:
-    usage = resource.getrusage(resource.RUSAGE_SELF)
-    return usage.ru_utime + usage.ru_stime
 
 
 def summary(lines: Sequence[Line]) -> str:

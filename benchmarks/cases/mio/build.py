@@ -57,7 +57,7 @@ def _through_pyomo(problem: Problem) -> None:
     with tempfile.TemporaryDirectory() as folder:
         path = str(Path(folder) / "oct.mps")
         paper.paper_model(problem).write(path)
-        reader = highspy.Highs()  # type: ignore[no-untyped-call]  # a compiled class without annotations
+        reader = highspy.Highs()
         reader.setOptionValue("output_flag", False)
         reader.readModel(path)
 

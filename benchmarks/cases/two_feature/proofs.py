@@ -1,10 +1,10 @@
 """Proof logs of two-feature trees: how large they are, and how long to write and to check beside the search itself."""
 
-import resource
 import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from benchmarks.cpu import cpu_seconds
 from benchmarks.tables import Line
 from benchmarks.two_feature import CASES
 from octmip.methods.two_feature import two_feature_branch_and_bound
@@ -26,15 +26,15 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
 
 
 def _line(problem: Problem, limit: float, n_threads: int) -> Line:
-    start = _cpu()
+    start = cpu_seconds()
     two_feature_branch_and_bound(problem, limits=Limits(seconds=limit), n_jobs=n_threads)
-    solved = _cpu()
+    solved = cpu_seconds()
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "proof.log"
         solution = two_feature_branch_and_bound(problem, limits=Limits(seconds=limit), n_jobs=n_threads, proof=path)
-        written = _cpu()
+        written = cpu_seconds()
         report = check_proof(problem, path, bound=solution.bound, n_jobs=n_threads)
-    checked = _cpu()
+    checked = cpu_seconds()
     return {
         "objective": solution.objective,
         "bound": report.bound,
@@ -44,11 +44,6 @@ def _line(problem: Problem, limit: float, n_threads: int) -> Line:
         "write_seconds": round(written - solved - (solved - start), 3),
         "check_seconds": round(checked - written, 3),
     }
-
-
-def _cpu() -> float:
-    usage = resource.getrusage(resource.RUSAGE_SELF)
-    return usage.ru_utime + usage.ru_stime
 
 
 def summary(lines: Sequence[Line]) -> str:

@@ -23,7 +23,7 @@ from octmip.mip.highs.process import START, Worker, lent_worker, resident_bytes
 from octmip.mip.rows import Rows
 from octmip.solution import Limits, Progress, ProgressCallback, Stop
 
-VERSION: str = highspy.Highs().version()  # type: ignore[no-untyped-call]
+VERSION: str = highspy.Highs().version()
 POLL = 0.02  # seconds between two looks at Ctrl-C and progress
 GRACE = 0.5  # seconds that HiGHS has to end by itself once it is asked to
 

@@ -79,7 +79,7 @@ def load(model: dict[str, Any]) -> highspy.Highs | None:
     lp.integrality_ = [kinds[i] for i in model["is_integer"].tolist()]
     if "names" in model:
         lp.col_names_, lp.row_names_ = model["names"]
-    highs = highspy.Highs()  # type: ignore[no-untyped-call]
+    highs = highspy.Highs()
     highs.setOptionValue("output_flag", False)
     return None if highs.passModel(lp) == highspy.HighsStatus.kError else highs
 

@@ -4,14 +4,14 @@
 //! samples, view    the problem as it is counted, and the samples of one node
 //! stumps           the best trees of one split left and right of a moving cut
 //! node             the search of one node: its cuts, their bounds, its plan and its proof
-//! root             the whole search: limits, threads, sensor budget, checkpoints
+//! root_search      the whole search: limits, threads, sensor budget, checkpoints
 //! subtree, proof   the same search for local search, and for a log
 //! ```
 
 pub(crate) mod effort;
 pub(crate) mod node;
 pub(crate) mod proof;
-pub(crate) mod root;
+pub(crate) mod root_search;
 pub(crate) mod samples;
 pub(crate) mod stumps;
 pub(crate) mod subtree;
@@ -20,5 +20,5 @@ pub(crate) mod view;
 
 pub use effort::Control;
 pub use proof::write as write_proof;
-pub use root::{Options, solve};
+pub use root_search::{Options, solve};
 pub use switches::Switches;

@@ -7,7 +7,7 @@
 use crate::exact::effort::Control;
 use crate::exact::node::log::Log;
 use crate::exact::node::search::Search;
-use crate::exact::root::sensor_sets::{Relaxed, Sets};
+use crate::exact::root_search::sensor_sets::{Relaxed, Sets};
 use crate::exact::samples::Samples;
 use crate::exact::switches::Switches;
 use crate::exact::view::View;

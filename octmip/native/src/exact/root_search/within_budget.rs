@@ -3,9 +3,9 @@
 use crate::control::KeepGoing;
 use crate::exact::node::plan::Plan;
 use crate::exact::node::result::FeatureIncumbent;
-use crate::exact::root::known::Known;
-use crate::exact::root::run::{Best, Run};
-use crate::exact::root::sensor_sets::{Sets, is_within};
+use crate::exact::root_search::known::Known;
+use crate::exact::root_search::run::{Best, Run};
+use crate::exact::root_search::sensor_sets::{Sets, is_within};
 
 impl Run<'_, '_> {
     /// After the search without the budget, whose bound stands: the best tree within it.

@@ -18,7 +18,7 @@ use std::time::Duration;
 
 use crate::exact::effort::Control;
 use crate::exact::node::search::Search;
-use crate::exact::root::known::Held;
+use crate::exact::root_search::known::Held;
 use crate::exact::samples::Samples;
 use crate::exact::switches::Switches;
 use crate::exact::view::View;

@@ -16,7 +16,7 @@ use crate::exact::node::axis::{Axis, Interval};
 use crate::exact::node::plan::Plan;
 use crate::exact::node::result::{FeatureIncumbent, Solved};
 use crate::exact::node::search::{Children, Cut, Search};
-use crate::exact::root::known::Known;
+use crate::exact::root_search::known::Known;
 use crate::exact::samples::Samples;
 use crate::exact::switches::Switches;
 use crate::exact::view::View;
