@@ -20,7 +20,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from octmip.errors import DataError
+from octmip.errors import DataError, needed_by
 from octmip.formats.cells import CsvRows, plain_number
 from octmip.formats.checked import MOST_NAME, several, shown
 from octmip.formats.files import PathLike, check_readable, read_text
@@ -224,10 +224,8 @@ def _read_csv(path: Path) -> pd.DataFrame:
 
 def _read_parquet(path: Path) -> pd.DataFrame:
     check_readable(path)
-    try:
+    with needed_by(f"{path}, a Parquet file,"):
         arrow, parquet = importlib.import_module("pyarrow"), importlib.import_module("pyarrow.parquet")
-    except ImportError as error:
-        raise DataError(f"{path} needs the package pyarrow to be read; install octmip[parquet]") from error
     try:
         with parquet.ParquetFile(path) as file:
             names = file.schema_arrow.names
