@@ -2,12 +2,14 @@
 
 import datetime
 import re
+from pathlib import Path
 
 import pytest
 
 pytest.importorskip("jinja2", reason="jinja2 is not installed")
 from jinja2 import UndefinedError
 
+from benchmarks.oracles.page_check import check_page
 from octmip.report import page
 from octmip.report.page import page_facts, render
 
@@ -60,3 +62,23 @@ def test_the_footer_names_day_data_digest_and_version():
         ("twin model", "wing"),
     ]
     assert facts[4][0] == "octmip"
+
+
+BAD = """<!doctype html><html><body style="background:#fff;color:#000"><p style="width:3000px">wide</p>
+<p style="font-size:8px">small</p><p style="color:#bbb">pale</p><button onclick="console.log('x')"></button>
+<div tabindex="0" style="outline:none">unseen</div><svg width="100" viewBox="0 0 200 100"><text y="20">drawn</text></svg>
+</body></html>"""
+
+
+def test_the_check_of_pages_finds_each_kind_of_fault(browser, tmp_path: Path):
+    path = tmp_path / "bad.html"
+    path.write_text(BAD)
+    found = " ".join(check_page(path, browser))
+    for kind in ("width: 3", "px (small)", "px (drawn)", "(pale)", "without a name", "focus on DIV", "console x"):
+        assert kind in found
+
+
+def test_a_page_of_the_template_keeps_all_that_is_checked(browser, tmp_path: Path):
+    path = tmp_path / "page.html"
+    path.write_text(render("try.html", name="y" * 300, value="ok", facts=page_facts("iris.csv", "ab" * 32)))
+    assert check_page(path, browser) == []
