@@ -66,7 +66,8 @@ def test_the_footer_names_day_data_digest_and_version():
 
 BAD = """<!doctype html><html><body style="background:#fff;color:#000"><p style="width:3000px">wide</p>
 <p style="font-size:8px">small</p><p style="color:#bbb">pale</p><button onclick="console.log('x')"></button>
-<div tabindex="0" style="outline:none">unseen</div><svg width="100" viewBox="0 0 200 100"><text y="20">drawn</text></svg>
+<div tabindex="0" style="outline:none">unseen</div>
+<svg width="100" viewBox="0 0 200 100"><text y="20">drawn</text></svg>
 </body></html>"""
 
 
