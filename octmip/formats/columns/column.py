@@ -1,0 +1,206 @@
+"""One column of a table, and the features that a tree reads from it.
+
+A number without missing cells is one feature. With missing cells it is two: in one a missing cell lies below every
+number, in the other above, so a cut `x <= t` of the first sends missing cells left and of the second right; a cut
+below the least number asks whether the cell is missing. The best tree over such features is therefore the best tree
+in which every split sends missing cells to whichever side is better, and nothing is imputed.
+
+A text is one yes/no feature (1: yes) for each of its values, or, where it has an order, its rank.
+
+Source: Twala, Jones & Hand (2008), "Good methods for coping with missing data in decision trees".
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.errors import DataError
+from octmip.formats.cells import plain_number
+from octmip.formats.checked import Choice, ListOf, Number, Record, Text, Truth, shown
+from octmip.formats.columns.cells import Cells
+
+FeatureKind = Literal["number", "missing-left", "missing-right", "is", "is-missing", "order"]
+
+CONTENT = Record(
+    {
+        "column": Text(),
+        "kind": Choice(("number", "values", "order")),
+        "has_missing": Truth(),
+        "least": Number(),
+        "most": Number(),
+        "values": ListOf(Text()),
+    },
+    closed=True,
+)
+"""A column in a file."""
+
+
+@dataclass(frozen=True, slots=True)
+class Feature:
+    """A number that a tree reads from a column: the cell itself, its rank, or the answer to a yes/no question."""
+
+    name: str
+    column: str
+    kind: FeatureKind
+    value: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """How the cells of one column become features.
+
+    Attributes
+    ----------
+    name
+        of the column.
+    kind
+        "number", "values" (text, one yes/no feature per value) or "order" (text, its rank).
+    has_missing
+        whether a cell was missing in training; where none was, a missing cell is refused later.
+    least, most
+        the numbers' range in training; 0 and 0 for text.
+    values
+        the texts seen in training, in their order; none for numbers.
+    """
+
+    name: str
+    kind: Literal["number", "values", "order"]
+    has_missing: bool
+    least: float = 0.0
+    most: float = 0.0
+    values: tuple[str, ...] = ()
+
+    @property
+    def features(self) -> tuple[Feature, ...]:
+        """The features in the order of the columns of `encode`."""
+        if self.kind == "values":
+            return self._questions()
+        plain: FeatureKind = "number" if self.kind == "number" else "order"
+        if not self.has_missing:
+            return (Feature(self.name, self.name, plain),)
+        return (
+            Feature(f"{self.name} (missing below)", self.name, "missing-left"),
+            Feature(f"{self.name} (missing above)", self.name, "missing-right"),
+        )
+
+    def _questions(self) -> tuple[Feature, ...]:
+        asked = self.values[1:] if len(self.values) == 2 and not self.has_missing else self.values
+        found = tuple(Feature(f"{self.name} is {value}", self.name, "is", value) for value in asked)
+        return (*found, Feature(f"{self.name} is missing", self.name, "is-missing")) if self.has_missing else found
+
+    @property
+    def beyond(self) -> tuple[float, float]:
+        """The numbers that stand for a missing cell, one below the range of the others and one above it."""
+        least, most = self._range
+        step = most - least or max(1.0, abs(least))
+        below, above = least - step, most + step
+        if not (-math.inf < below < least and most < above < math.inf):
+            raise DataError(
+                f"has missing cells and numbers from {least:g} to {most:g}, beyond which "
+                "float64 has no room for them; divide the column by a constant"
+            )
+        return below, above
+
+    @property
+    def _range(self) -> tuple[float, float]:
+        return (self.least, self.most) if self.kind == "number" else (0.0, len(self.values) - 1.0)
+
+    def encode(self, cells: Cells) -> NDArray[np.float64]:
+        """Return the features of some cells, shape (n_rows, len(features)).
+
+        Raises
+        ------
+        DataError
+            a text has no place in the order of training; the sentence begins behind the name of the column.
+        """
+        if self.kind == "values":
+            words = self.words_of(cells)
+            is_value = [words == (None if item.kind == "is-missing" else item.value) for item in self.features]
+            return np.column_stack(is_value).astype(np.float64)
+        numbers = cells.numbers if self.kind == "number" else self._ranks(self.words_of(cells))
+        if not self.has_missing:
+            return numbers[:, None]
+        is_missing, (below, above), (least, most) = np.isnan(numbers), self.beyond, self._range
+        # No cut lies between the ends of the range and what stands for missing but that which asks "is it missing?":
+        # a number outside the training's range counts as its end, and stays on its side of every cut.
+        left, right = np.maximum(numbers, least), np.minimum(numbers, most)
+        return np.column_stack((np.where(is_missing, below, left), np.where(is_missing, above, right)))
+
+    def words_of(self, cells: Cells) -> NDArray[Any]:
+        """Return the texts of some cells, (n_rows,); numbers by the text of training that means the same number.
+
+        A part of a table may hold nothing but numbers in a column of texts, and then a reader takes them for numbers.
+        """
+        if cells.is_text:
+            return cells.words
+        text = {plain_number(value): value for value in reversed(self.values)}
+        numbers = [None if math.isnan(number) else number for number in cells.numbers.tolist()]
+        return np.array([number if number is None else text.get(number, f"{number:g}") for number in numbers], object)
+
+    def _ranks(self, words: NDArray[Any]) -> NDArray[np.float64]:
+        rank = {value: float(k) for k, value in enumerate(self.values)} | {None: math.nan}
+        unseen = next((word for word in words if word not in rank), None)
+        if unseen is not None:
+            raise DataError(
+                f"holds {shown(unseen)}, which has no place in the order of training; train with it, or without the "
+                "order (categories 'yes-no')"
+            )
+        return np.array([rank[word] for word in words], dtype=np.float64)
+
+    def left_words(self, feature: Feature, threshold: float, number: Callable[[float], str]) -> str:
+        """Return what holds for the cells that a cut `feature <= threshold` sends left."""
+        if feature.kind == "is":
+            if len(self.values) == 2 and not self.has_missing:
+                return f"{self.name} is {self.values[0]}"
+            return f"{self.name} is not {feature.value}"
+        if feature.kind == "is-missing":
+            return f"{self.name} is not missing"
+        least, most = self._range
+        if feature.kind == "missing-left" and threshold < least:
+            return f"{self.name} is missing"
+        if feature.kind == "missing-right" and threshold >= most:
+            return f"{self.name} is not missing"
+        cut = f"{self.name} <= {number(threshold)}" if self.kind == "number" else self._rank_words(threshold)
+        return f"{cut} or missing" if feature.kind == "missing-left" else cut
+
+    def _rank_words(self, threshold: float) -> str:
+        left = self.values[: max(0, math.floor(threshold) + 1)]
+        return f"{self.name} is {' or '.join(left)}" if len(left) <= 3 else f"{self.name} is {left[-1]} or before it"
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the column as a JSON object."""
+        return {
+            "column": self.name,
+            "kind": self.kind,
+            "has_missing": self.has_missing,
+            "least": self.least,
+            "most": self.most,
+            "values": list(self.values),
+        }
+
+    @classmethod
+    def from_json(cls, content: object) -> Self:
+        """Return the column of a JSON object.
+
+        Raises
+        ------
+        DataError
+            it is none.
+        """
+        taken = CONTENT.take(content)
+        if len(set(taken["values"])) != len(taken["values"]) or taken["least"] > taken["most"]:
+            raise DataError(f"column {shown(taken['column'])} names a value twice, or its range ends before it begins")
+        if (taken["kind"] == "number") == bool(taken["values"]):
+            raise DataError(f"column {shown(taken['column'])}: texts have values, numbers none; write the file anew")
+        return cls(
+            taken["column"],
+            taken["kind"],
+            taken["has_missing"],
+            taken["least"],
+            taken["most"],
+            tuple(taken["values"]),
+        )

@@ -1,0 +1,246 @@
+"""Columns: how the columns of any table become the features of a Problem, the same way in training and prediction.
+
+`Columns.learn` looks at a table once; `encode` applies what it found to that table and to any later one. What was
+encoded, and how, is said by `changes`; a column that cannot be used is refused, all of them in one error.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Literal, Self
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from octmip.errors import DataError
+from octmip.formats.checked import ListOf, Record, shown
+from octmip.formats.columns.cells import Cells, read_cells
+from octmip.formats.columns.column import CONTENT, Column, Feature
+
+Categories = Literal["yes-no", "order", "refuse"]
+Missing = Literal["either-side", "refuse"]
+MOST_VALUES = 100
+"""Different texts of a column that becomes yes/no questions."""
+MOST_UNIQUE = 0.5
+"""Share of rows with a text of their own, above which a text names the rows."""
+FEW_VALUES = 20
+"""As few different texts never name the rows."""
+COLUMNS = Record({"columns": ListOf(CONTENT, least=1)}, closed=True)
+
+
+class ColumnsError(DataError):
+    """Columns that cannot become features; `reasons` has a sentence for each, with its cure."""
+
+    def __init__(self, reasons: Mapping[str, str], n_columns: int) -> None:
+        self.reasons = dict(reasons)
+        listed = "; ".join(f"{shown(name)} {reason}" for name, reason in reasons.items())
+        super().__init__(f"{len(reasons)} of {n_columns} columns cannot be used: {listed}")
+
+
+@dataclass(frozen=True, slots=True)
+class Columns:
+    """How the columns of a table become features.
+
+    Attributes
+    ----------
+    columns
+        each column, in the order of the table.
+    """
+
+    columns: tuple[Column, ...]
+
+    @classmethod
+    def learn(cls, frame: pd.DataFrame, *, categories: Categories = "yes-no", missing: Missing = "either-side") -> Self:
+        """Return how the columns of a table become features.
+
+        Parameters
+        ----------
+        frame
+            the columns to split on: numbers, booleans, text or pandas categories, cells missing or not.
+        categories
+            text becomes yes/no features ("yes-no"), its rank in alphabetical order or that of an ordered category
+            ("order"), or is refused ("refuse"). An ordered category becomes its rank in the first case too.
+        missing
+            missing cells go to whichever side of a split is better ("either-side"), or are refused ("refuse").
+
+        Raises
+        ------
+        ColumnsError
+            columns cannot be used; all of them are named.
+        """
+        found: list[Column] = []
+        reasons: dict[str, str] = {}
+        for name, series in zip(_names_of(frame), _series_of(frame), strict=True):
+            try:
+                cells = read_cells(series)
+                _refuse(cells, len(frame), categories, missing)
+                found.append(_column_of(name, cells, categories))
+            except DataError as error:
+                reasons[name] = str(error)
+        if reasons:
+            raise ColumnsError(reasons, frame.shape[1])
+        out = cls(tuple(found))
+        out._check_names()
+        return out
+
+    def _check_names(self) -> None:
+        names = self.feature_names
+        twice = next((name for name in names if names.count(name) > 1), None) if len(set(names)) < len(names) else None
+        if twice is not None:
+            raise DataError(f"two features would both be called {shown(twice)}; rename a column")
+
+    @property
+    def features(self) -> tuple[Feature, ...]:
+        """Every feature, in the order of the columns of `encode`."""
+        return tuple(feature for column in self.columns for feature in column.features)
+
+    @property
+    def feature_names(self) -> tuple[str, ...]:
+        """(n_features,) names: that of the column where nothing was encoded."""
+        return tuple(feature.name for feature in self.features)
+
+    @property
+    def column_of_feature(self) -> tuple[str, ...]:
+        """(n_features,) the column that each feature reads: `Problem.sensor_of_feature`, as one reading costs once."""
+        return tuple(feature.column for feature in self.features)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """(n_columns,) names of the columns."""
+        return tuple(column.name for column in self.columns)
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether every feature is its column as it stands."""
+        return all(feature.kind == "number" for feature in self.features)
+
+    def encode(self, frame: pd.DataFrame) -> NDArray[np.float64]:
+        """Return the features of a table's rows, shape (n_rows, n_features), finite.
+
+        Columns are found by name, others are left alone. A text that training had not gets the answer "no" to each
+        question for its value; `unseen` names such texts.
+
+        Raises
+        ------
+        ColumnsError
+            columns are missing or hold what they did not in training; all of them are named.
+        """
+        position = {name: k for k, name in enumerate(_names_of(frame))}
+        blocks: list[NDArray[np.float64]] = []
+        reasons: dict[str, str] = {}
+        for column in self.columns:
+            try:
+                if column.name not in position:
+                    raise DataError("is not in the table; spell it as in training")
+                blocks.append(_encoded(column, read_cells(frame.iloc[:, position[column.name]])))
+            except DataError as error:
+                reasons[column.name] = str(error)
+        if reasons:
+            raise ColumnsError(reasons, len(self.columns))
+        return np.hstack(blocks)
+
+    def unseen(self, frame: pd.DataFrame) -> tuple[str, ...]:
+        """Return a sentence for each column of text with values that training had not."""
+        found = []
+        for column in self.columns:
+            if column.kind == "values":
+                words = column.words_of(read_cells(frame[column.name])).tolist()
+                new = sorted(set(words) - {None, *column.values})
+                if new:
+                    rows = sum(word in new for word in words)
+                    found.append(
+                        f"{column.name} holds {shown(new[0])} ({len(new)} such values, {rows} rows), which training "
+                        "had not; every question for a value is answered no"
+                    )
+        return tuple(found)
+
+    def changes(self) -> tuple[str, ...]:
+        """Return what was encoded, and how, as sentences; none where every feature is its column."""
+        asked = [column for column in self.columns if column.kind == "values"]
+        ranked = [column for column in self.columns if column.kind == "order"]
+        gaps = [column for column in self.columns if column.has_missing]
+        found = []
+        if asked:
+            questions = sum(len(column.features) for column in asked)
+            found.append(f"text in {_listed(asked)} became {questions} yes/no question{'s' * (questions != 1)}")
+        if ranked:
+            found.append(f"text in {_listed(ranked)} became its rank in the order of its values")
+        if gaps:
+            found.append(f"cells are missing in {_listed(gaps)}; a split sends them to whichever side is better")
+        return tuple(found)
+
+    def left_words(self, feature: int, threshold: float, number: Callable[[float], str] = "{:.6g}".format) -> str:
+        """Return what holds for the rows that a cut sends left, such as "age <= 40.5 or missing"."""
+        item = self.features[feature]
+        column = next(column for column in self.columns if column.name == item.column)
+        return column.left_words(item, threshold, number)
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the columns as a JSON object."""
+        return {"columns": [column.to_json() for column in self.columns]}
+
+    @classmethod
+    def from_json(cls, content: object) -> Self:
+        """Return the columns of a JSON object.
+
+        Raises
+        ------
+        DataError
+            it is none.
+        """
+        out = cls(tuple(Column.from_json(entry) for entry in COLUMNS.take(content)["columns"]))
+        out._check_names()
+        return out
+
+
+def _names_of(frame: pd.DataFrame) -> list[str]:
+    return [str(name) for name in frame.columns]
+
+
+def _series_of(frame: pd.DataFrame) -> list["pd.Series[Any]"]:
+    return [frame.iloc[:, k] for k in range(frame.shape[1])]  # by place: a frame may call two columns alike
+
+
+def _listed(columns: list[Column]) -> str:
+    names = [shown(column.name) for column in columns]
+    more = f" and {len(names) - 6} more" if len(names) > 6 else ""
+    return f"{len(names)} column{'s' * (len(names) != 1)} ({', '.join(names[:6])}{more})"
+
+
+def _refuse(cells: Cells, n_rows: int, categories: Categories, missing: Missing) -> None:
+    """Refuse a column that the user wants refused, or that would not help."""
+    if cells.n_missing == n_rows:
+        raise DataError("has no value in any row; leave it out")
+    if cells.n_missing and missing == "refuse":
+        raise DataError(f"has {cells.n_missing} missing cells; fill them, or set missing to 'either-side'")
+    if cells.is_text and categories == "refuse":
+        raise DataError(f"holds text such as {shown(cells.values[0])}; encode it as numbers, or set categories")
+    if not cells.is_text or cells.is_ordered:
+        return
+    n_values = len(cells.values)
+    if n_values > FEW_VALUES and n_values > MOST_UNIQUE * n_rows:
+        raise DataError(f"holds {n_values} different texts in {n_rows} rows, as names of rows do; leave it out")
+    if n_values > MOST_VALUES and categories == "yes-no":
+        raise DataError(
+            f"holds {n_values} different texts; expected at most {MOST_VALUES} yes/no questions; leave it out, merge "
+            "values, or set categories to 'order'"
+        )
+
+
+def _column_of(name: str, cells: Cells, categories: Categories) -> Column:
+    has_missing = cells.n_missing > 0
+    if cells.is_text:
+        kind: Literal["order", "values"] = "order" if cells.is_ordered or categories == "order" else "values"
+        return Column(name, kind, has_missing, values=cells.values)
+    column = Column(name, "number", has_missing, float(np.nanmin(cells.numbers)), float(np.nanmax(cells.numbers)))
+    if has_missing:
+        _ = column.beyond  # raises where float64 has no room
+    return column
+
+
+def _encoded(column: Column, cells: Cells) -> NDArray[np.float64]:
+    if cells.n_missing and not column.has_missing:
+        raise DataError(f"has {cells.n_missing} missing cells, and had none in training; fill them or train with some")
+    if column.kind == "number" and cells.is_text and cells.n_missing < len(cells.words):
+        raise DataError(f"holds text such as {shown(cells.values[0])}; expected numbers, as in training")
+    return column.encode(cells)

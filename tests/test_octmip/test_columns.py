@@ -1,0 +1,200 @@
+"""Columns of any table as features: what is encoded and how, and that missing cells cost no optimality."""
+
+import itertools
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from octmip import Limits, Problem, solve
+from octmip.errors import DataError
+from octmip.formats.columns import Columns, ColumnsError
+
+
+def frame() -> pd.DataFrame:
+    return pd.DataFrame(
+        {
+            "age": [40.0, None, 31.0, 60.0],
+            "colour": ["red", "blue", "red", "green"],
+            "sex": ["f", "m", "m", "f"],
+            "load": [1, 2, 3, 4],
+            "town": ["Delft", None, "Ulm", "Ulm"],
+            "hot": [True, False, True, True],
+        }
+    )
+
+
+def test_text_becomes_questions_and_a_column_with_gaps_two_numbers():
+    columns = Columns.learn(frame())
+    assert columns.feature_names == (
+        "age (missing below)",
+        "age (missing above)",
+        "colour is blue",
+        "colour is green",
+        "colour is red",
+        "sex is m",
+        "load",
+        "town is Delft",
+        "town is Ulm",
+        "town is missing",
+        "hot",
+    )
+    encoded = columns.encode(frame())
+    assert encoded[:, 0].tolist() == [40, 31 - 29, 31, 60]
+    assert encoded[:, 1].tolist() == [40, 60 + 29, 31, 60]
+    assert encoded[:, 4].tolist() == [1, 0, 1, 0]
+    assert encoded[:, 9].tolist() == [0, 1, 0, 0]
+    assert columns.column_of_feature[:3] == ("age", "age", "colour")
+    assert not columns.is_plain
+    assert len(columns.changes()) == 2
+
+
+def test_numbers_stay_as_they_are():
+    columns = Columns.learn(frame()[["load", "hot"]])
+    assert columns.is_plain
+    assert columns.changes() == ()
+    assert columns.encode(frame()).tolist() == [[1, 1], [2, 0], [3, 1], [4, 1]]
+
+
+@pytest.mark.parametrize(
+    ("feature", "threshold", "words"),
+    [
+        (0, 35.5, "age <= 35.5 or missing"),
+        (0, 20.0, "age is missing"),
+        (1, 35.5, "age <= 35.5"),
+        (1, 70.0, "age is not missing"),
+        (2, 0.5, "colour is not blue"),
+        (5, 0.5, "sex is f"),
+        (6, 2.5, "load <= 2.5"),
+        (9, 0.5, "town is not missing"),
+    ],
+)
+def test_a_cut_is_said_in_words_that_hold_for_the_rows_it_sends_left(feature, threshold, words):
+    assert Columns.learn(frame()).left_words(feature, threshold) == words
+
+
+def best_with_gaps(numbers: np.ndarray, labels: np.ndarray) -> int:
+    """Return the fewest errors of one split that sends missing cells to the better side, or asks for them."""
+    is_missing = np.isnan(numbers)
+    cuts = [*(numbers[~is_missing] + 0.5), -np.inf]
+    lefts = [np.where(is_missing, side, numbers <= cut) for cut in cuts for side in (True, False)]
+    sides = [(labels[left.astype(bool)], labels[~left.astype(bool)]) for left in lefts]
+    return min(sum(len(side) - (np.bincount(side, minlength=1).max()) for side in pair) for pair in sides)
+
+
+def test_the_optimum_over_the_features_sends_every_missing_cell_to_the_better_side():
+    rng = np.random.default_rng(5)
+    for _ in range(60):
+        numbers = rng.integers(0, 6, 12).astype(float)
+        numbers[rng.random(12) < 0.4] = np.nan
+        labels = rng.integers(0, 3, 12)
+        if np.isnan(numbers).all() or len(set(labels)) < 2:
+            continue
+        table = pd.DataFrame({"x": numbers})
+        columns = Columns.learn(table)
+        problem = Problem(columns.encode(table), labels, depth=1)
+        assert solve(problem, "exact", Limits(seconds=10)).objective == best_with_gaps(numbers, labels)
+
+
+def test_a_number_beyond_the_range_of_training_stays_on_its_side_of_every_cut():
+    train = pd.DataFrame({"x": [1.0, 2.0, None, 4.0]})
+    columns = Columns.learn(train)
+    later = columns.encode(pd.DataFrame({"x": [-100.0, 100.0, None, 3.0]}))
+    below, above = columns.columns[0].beyond
+    assert later.tolist() == [[1, -100], [100, 4], [below, above], [3, 3]]
+
+
+def test_texts_that_training_had_not_answer_no_and_are_named():
+    columns = Columns.learn(frame()[["colour"]])
+    later = pd.DataFrame({"colour": ["red", "pink", "pink"]})
+    assert columns.encode(later).tolist() == [[0, 0, 1], [0, 0, 0], [0, 0, 0]]
+    assert "'pink' (1 such values, 2 rows)" in columns.unseen(later)[0]
+
+
+def test_numbers_among_texts_are_found_again_where_a_reader_took_them_for_numbers():
+    columns = Columns.learn(pd.DataFrame({"code": ["1", "2", "a", "1"]}))
+    assert columns.encode(pd.DataFrame({"code": [2, 1]})).tolist() == [[0, 1, 0], [1, 0, 0]]
+    assert columns.encode(pd.DataFrame({"code": [2.0, 1.0]})).tolist() == [[0, 1, 0], [1, 0, 0]]
+
+
+def test_words_for_missing_among_numbers_are_missing():
+    columns = Columns.learn(pd.DataFrame({"x": ["1.5", "?", "NA", "0.1"]}))
+    assert columns.columns[0].has_missing
+    assert columns.columns[0].least == 0.1
+    assert np.isfinite(columns.encode(pd.DataFrame({"x": ["1.5", "?"]}))).all()
+
+
+def test_an_ordered_category_becomes_its_rank():
+    kind = pd.CategoricalDtype(["low", "middle", "high"], ordered=True)
+    table = pd.DataFrame({"size": pd.Series(["high", "low", "middle", None], dtype=kind)})
+    columns = Columns.learn(table)
+    assert columns.encode(table).tolist() == [[2, 2], [0, 0], [1, 1], [-2, 4]]
+    assert columns.left_words(0, 1.5) == "size is low or middle or missing"
+    with pytest.raises(DataError, match="no place in the order"):
+        columns.encode(pd.DataFrame({"size": ["tiny"]}))
+
+
+def test_every_column_that_cannot_be_used_is_named_with_its_cure():
+    table = pd.DataFrame(
+        {
+            "name": [f"row {k}" for k in range(40)],
+            "day": pd.date_range("2020-01-01", periods=40),
+            "none": [None] * 40,
+            "big": [2**60 + k for k in range(40)],
+            "far": [np.inf] * 40,
+            "odd": [[1]] * 40,
+            "good": range(40),
+        }
+    )
+    with pytest.raises(ColumnsError) as caught:
+        Columns.learn(table)
+    assert set(caught.value.reasons) == {"name", "day", "none", "big", "far", "odd"}
+    assert "6 of 7 columns" in str(caught.value)
+
+
+@pytest.mark.parametrize(("option", "column"), [({"categories": "refuse"}, "colour"), ({"missing": "refuse"}, "age")])
+def test_encoding_can_be_refused(option, column):
+    with pytest.raises(ColumnsError, match=column):
+        Columns.learn(frame()[[column]], **option)
+
+
+def test_a_column_without_gaps_in_training_refuses_them_later():
+    columns = Columns.learn(frame()[["load", "colour"]])
+    with pytest.raises(ColumnsError) as caught:
+        columns.encode(pd.DataFrame({"load": [1, None], "colour": ["red", None]}))
+    assert set(caught.value.reasons) == {"load", "colour"}
+    with pytest.raises(ColumnsError, match="not in the table"):
+        columns.encode(pd.DataFrame({"load": [1]}))
+
+
+def test_columns_come_back_from_json():
+    columns = Columns.learn(frame())
+    assert Columns.from_json(json.loads(json.dumps(columns.to_json()))) == columns
+    for change in ({"kind": "number"}, {"values": ["a", "a"]}, {"least": 2.0}, {"has_missing": 1}):
+        content = columns.to_json()
+        content["columns"][1] |= change
+        with pytest.raises(DataError):
+            Columns.from_json(content)
+
+
+def test_two_features_of_one_name_are_refused():
+    table = pd.DataFrame({"a is b": [1, 2, 3], "a": ["b", "c", "d"]})
+    with pytest.raises(DataError, match="'a is b'"):
+        Columns.learn(table)
+
+
+@pytest.mark.parametrize("kind", ["Int64", "Float64", "boolean", "string", "category", "float32", "int8"])
+def test_every_kind_of_pandas_is_read(kind):
+    values = {"boolean": [True, False, True], "string": ["a", "b", "a"], "category": ["a", "b", "a"]}.get(
+        kind, [1, 2, 1]
+    )
+    columns = Columns.learn(pd.DataFrame({"x": pd.Series(values, dtype=kind)}))
+    assert columns.encode(pd.DataFrame({"x": pd.Series(values, dtype=kind)})).shape == (3, 1)
+
+
+def test_every_permutation_of_rows_gives_the_same_columns():
+    table = frame()
+    wanted = Columns.learn(table)
+    for order in itertools.islice(itertools.permutations(range(4)), 6):
+        assert Columns.learn(table.iloc[list(order)]) == wanted
