@@ -9,19 +9,13 @@ from numpy.typing import NDArray
 from octmip.certificate import Certificate
 from octmip.formats.names import shown, visible
 from octmip.solution import Solution
-from octmip.tree import HyperplaneSplit, Leaf, Node, Split
+from octmip.tree import HyperplaneSplit, Leaf, Node, Split, tree_lines
+from octmip.tree import condition as named_condition
 
 
 def condition(split: Split | HyperplaneSplit, feature_names: Sequence[str]) -> str:
     """Return the condition for going left on one line, numbers to six digits."""
-    if isinstance(split, Split):
-        return f"{shown(feature_names[split.feature])} <= {split.threshold:.6g}"
-    terms = ""
-    for feature, coefficient in zip(split.features, split.coefficients, strict=True):
-        sign = (" - " if coefficient < 0 else " + ") if terms else ("-" if coefficient < 0 else "")
-        size = "" if abs(coefficient) == 1 else f"{abs(coefficient):.6g} "
-        terms += f"{sign}{size}{shown(feature_names[feature])}"
-    return f"{terms} <= {split.offset:.6g}"
+    return named_condition(split, lambda feature: shown(feature_names[feature]))
 
 
 def tree_text(
@@ -31,20 +25,12 @@ def tree_text(
 
     `counts` has shape (n_leaves, n_classes), leaves from the left.
     """
-    lines: list[str] = []
     rows = iter([] if counts is None else counts.tolist())
 
-    def say(node: Node, indent: str) -> None:
-        if isinstance(node, Leaf):
-            lines.append(f"{indent}{shown(class_names[node.label])}{_leaf_note(next(rows, None), node.label)}")
-            return
-        lines.append(f"{indent}if {condition(node, feature_names)}")
-        say(node.left, indent + "    ")
-        lines.append(f"{indent}else")
-        say(node.right, indent + "    ")
+    def decision(leaf: Leaf) -> str:
+        return f"{shown(class_names[leaf.label])}{_leaf_note(next(rows, None), leaf.label)}"
 
-    say(tree, "")
-    return "\n".join(lines)
+    return "\n".join(tree_lines(tree, lambda split: condition(split, feature_names), decision))
 
 
 def _leaf_note(counts: list[int] | None, label: int) -> str:
