@@ -10,7 +10,8 @@ from octmip.certificate import Certificate
 from octmip.formats.columns import Columns
 from octmip.formats.names import shown, visible
 from octmip.solution import Solution
-from octmip.tree import HyperplaneSplit, Leaf, Node, Split
+from octmip.tree import HyperplaneSplit, Leaf, Node, Split, tree_lines
+from octmip.tree import condition as named_condition
 
 
 def condition(split: Split | HyperplaneSplit, feature_names: Sequence[str], columns: Columns | None = None) -> str:
@@ -19,17 +20,11 @@ def condition(split: Split | HyperplaneSplit, feature_names: Sequence[str], colu
     With `columns` it is said of the columns that the features were made from: "colour is not red" instead of
     "colour is red <= 0.5".
     """
+    if columns is None:
+        return named_condition(split, lambda feature: shown(feature_names[feature]))
     if isinstance(split, Split):
-        if columns is not None:
-            return visible(columns.left_words(split.feature, split.threshold))
-        return f"{shown(feature_names[split.feature])} <= {split.threshold:.6g}"
-    terms = ""
-    for feature, coefficient in zip(split.features, split.coefficients, strict=True):
-        sign = (" - " if coefficient < 0 else " + ") if terms else ("-" if coefficient < 0 else "")
-        size = "" if abs(coefficient) == 1 else f"{abs(coefficient):.6g} "
-        name = shown(feature_names[feature])
-        terms += f"{sign}{size}{name if columns is None else f'[{name}]'}"
-    return f"{terms} <= {split.offset:.6g}"
+        return visible(columns.left_words(split.feature, split.threshold))
+    return named_condition(split, lambda feature: f"[{shown(feature_names[feature])}]")
 
 
 def tree_text(
@@ -44,20 +39,12 @@ def tree_text(
     `columns` puts the conditions in words of the table that the features were made from. `counts` has shape
     (n_leaves, n_classes), leaves from the left.
     """
-    lines: list[str] = []
     rows = iter([] if counts is None else counts.tolist())
 
-    def say(node: Node, indent: str) -> None:
-        if isinstance(node, Leaf):
-            lines.append(f"{indent}{shown(class_names[node.label])}{_leaf_note(next(rows, None), node.label)}")
-            return
-        lines.append(f"{indent}if {condition(node, feature_names, columns)}")
-        say(node.left, indent + "    ")
-        lines.append(f"{indent}else")
-        say(node.right, indent + "    ")
+    def decision(leaf: Leaf) -> str:
+        return f"{shown(class_names[leaf.label])}{_leaf_note(next(rows, None), leaf.label)}"
 
-    say(tree, "")
-    return "\n".join(lines)
+    return "\n".join(tree_lines(tree, lambda split: condition(split, feature_names, columns), decision))
 
 
 def _leaf_note(counts: list[int] | None, label: int) -> str:

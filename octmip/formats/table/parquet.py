@@ -5,7 +5,7 @@ import io
 
 import pandas as pd
 
-from octmip.errors import DataError
+from octmip.errors import DataError, needed_by
 from octmip.formats.files import check_readable
 from octmip.formats.table.names import check_names
 from octmip.formats.table.source import Source
@@ -23,10 +23,8 @@ def read_parquet(source: Source) -> pd.DataFrame:
     """
     if source.held is None:
         check_readable(source.path)
-    try:
+    with needed_by(f"{source.name}, a Parquet file,"):
         arrow, parquet = importlib.import_module("pyarrow"), importlib.import_module("pyarrow.parquet")
-    except ImportError as error:
-        raise DataError(f"{source.name} needs the package pyarrow to be read; install octmip[parquet]") from error
     try:
         with parquet.ParquetFile(source.path if source.held is None else io.BytesIO(source.held)) as file:
             names = file.schema_arrow.names
