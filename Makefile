@@ -37,11 +37,11 @@ tools:
 # Editable: Python files are used where they lie, and the native core is built again when a Rust file changes.
 $(VENV)/.installed: pyproject.toml $(NATIVE) | tools
 	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --editable .
+	$(BIN)/python -m pip install --quiet --editable '.[all]'
 	@touch $@
 
 $(VENV)/.installed-test: $(VENV)/.installed
-	$(BIN)/python -m pip install --quiet --editable '.[test]'
+	$(BIN)/python -m pip install --quiet --editable '.[test,docs]'
 	@touch $@
 
 clean:

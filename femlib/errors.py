@@ -5,6 +5,8 @@ copied, checked, made read-only.
 """
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from numbers import Integral, Real
 from typing import TypeGuard
 
@@ -13,6 +15,15 @@ import numpy.typing as npt
 
 MOST_WHOLE = 2.0**53
 """Beyond it float64 merges neighbouring whole numbers."""
+EXTRA_OF = {
+    "pyfe3d": "wing",
+    "matplotlib": "report",
+    "pyarrow": "parquet",
+    "pypardiso": "pardiso",
+    "aerosandbox": "aero",
+    "pyvista": "pictures",
+}
+"""The extra of octmip (the distribution femlib comes with) that installs an optional package."""
 
 
 class FemlibError(Exception):
@@ -29,6 +40,35 @@ class MeshError(InputError):
 
 class SolveError(FemlibError, RuntimeError):
     """A linear or nonlinear system could not be solved to the asked accuracy."""
+
+
+class MissingExtraError(InputError, ImportError):
+    """A feature needs a package that belongs to an extra and is not installed."""
+
+
+@contextmanager
+def needed_by(what: str) -> Iterator[None]:
+    """Within the context, the import of an optional package that is not installed names the extra to install.
+
+    Parameters
+    ----------
+    what : str
+        The feature that needs the package, the beginning of the sentence.
+
+    Raises
+    ------
+    MissingExtraError
+        If a package of `EXTRA_OF` is missing.
+    """
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        package = str(error.name).partition(".")[0]
+        if package not in EXTRA_OF:
+            raise
+        raise MissingExtraError(
+            f"{what} needs the package {package}, which is not installed; install octmip[{EXTRA_OF[package]}]"
+        ) from error
 
 
 def is_number(value: object) -> TypeGuard[float]:

@@ -1,5 +1,18 @@
 """Errors that octmip raises on purpose; a message says what is wrong, where, got, expected, cure."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+EXTRA_OF = {
+    "pyomo": "mio",
+    "cvxpy": "sensing",
+    "matplotlib": "report",
+    "jinja2": "report",
+    "pyarrow": "parquet",
+    "onnx": "onnx",
+}
+"""The extra of octmip that installs an optional package."""
+
 
 class OctmipError(Exception):
     """Any error that octmip raises on purpose."""
@@ -23,3 +36,37 @@ class CertificateError(OctmipError, ValueError):
 
 class SolverError(OctmipError, RuntimeError):
     """A solver failed or returned something that its own decoding refutes."""
+
+
+class MissingExtraError(OctmipError, ImportError):
+    """A feature needs a package that belongs to an extra and is not installed."""
+
+
+@contextmanager
+def needed_by(what: str) -> Iterator[None]:
+    """Within the context, the import of an optional package that is not installed names the extra to install.
+
+    Parameters
+    ----------
+    what
+        the feature that needs the package, the beginning of the sentence.
+
+    Raises
+    ------
+    MissingExtraError
+        a package of `EXTRA_OF` is missing.
+
+    Examples
+    --------
+    >>> with needed_by("export to ONNX"):
+    ...     import onnx
+    """
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        package = str(error.name).partition(".")[0]
+        if package not in EXTRA_OF:
+            raise
+        raise MissingExtraError(
+            f"{what} needs the package {package}, which is not installed; install octmip[{EXTRA_OF[package]}]"
+        ) from error

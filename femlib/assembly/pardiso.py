@@ -7,7 +7,7 @@ import numpy as np
 import scipy.sparse as sparse
 
 from femlib.arrays import FloatArray
-from femlib.errors import InputError, SolveError
+from femlib.errors import SolveError, needed_by
 
 POSITIVE_DEFINITE = 2
 """PARDISO's matrix type: real, symmetric, positive definite; it wants the upper triangle."""
@@ -26,17 +26,13 @@ class PardisoFactors:
 
         Raises
         ------
-        InputError
+        MissingExtraError
             If pypardiso is not installed.
         SolveError
             If the matrix is not positive definite, as that of a structure which can still move.
         """
-        try:
+        with needed_by("solver 'pardiso'"):
             import pypardiso
-        except ImportError as error:
-            raise InputError(
-                "pypardiso is not installed; expected it for solver 'pardiso'; install the extra 'pardiso'"
-            ) from error
         solver = pypardiso.PyPardisoSolver(mtype=POSITIVE_DEFINITE)
         upper = sparse.csr_matrix(sparse.triu(matrix, format="csr"))
         try:

@@ -10,7 +10,7 @@ from typing import Any
 import pandas as pd
 
 from femlib.checked import shown
-from femlib.errors import InputError
+from femlib.errors import InputError, needed_by
 from femlib.files import regular_file
 
 GROUP_ROWS = 65_536
@@ -22,13 +22,11 @@ def pyarrow_modules() -> tuple[Any, Any]:
 
     Raises
     ------
-    InputError
+    MissingExtraError
         If they are not installed.
     """
-    try:
+    with needed_by("a Parquet file"):
         return importlib.import_module("pyarrow"), importlib.import_module("pyarrow.parquet")
-    except ImportError as error:
-        raise InputError("Parquet files need pyarrow, which is not installed; pip install 'octmip[parquet]'") from error
 
 
 @contextmanager

@@ -1,13 +1,33 @@
 """Parts of both elements: the laminate as the element library takes it, and strain rows in global axes."""
 
 from dataclasses import dataclass
+from functools import cache
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from pyfe3d import Quad4, Tria3DSG
-from pyfe3d.shellprop import ShellProp
 
 from femlib.arrays import FloatArray
+from femlib.errors import needed_by
 from femlib.material import Laminate
+
+if TYPE_CHECKING:
+    from pyfe3d import Quad4, Tria3DSG
+    from pyfe3d.shellprop import ShellProp
+
+
+@cache
+def element_library() -> Any:
+    """Return pyfe3d, imported with the first element: reading a data set or a reduced model needs none.
+
+    Raises
+    ------
+    MissingExtraError
+        If it is not installed.
+    """
+    with needed_by("a shell element"):
+        import_module("pyfe3d.shellprop")
+        return import_module("pyfe3d")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -28,9 +48,9 @@ class StrainOperator:
     axes: FloatArray
 
 
-def shell_property(laminate: Laminate, with_shear: bool = True) -> ShellProp:
+def shell_property(laminate: Laminate, with_shear: bool = True) -> "ShellProp":
     """Return the laminate in the element library's own form, transverse shear left at zero if so asked."""
-    prop = ShellProp()
+    prop = element_library().shellprop.ShellProp()
     prop.h = laminate.thickness
     for letter, matrix in (("A", laminate.membrane), ("B", laminate.coupling), ("D", laminate.bending)):
         for i, j, suffix in ((0, 0, "11"), (0, 1, "12"), (0, 2, "16"), (1, 1, "22"), (1, 2, "26"), (2, 2, "66")):
@@ -41,12 +61,12 @@ def shell_property(laminate: Laminate, with_shear: bool = True) -> ShellProp:
     return prop
 
 
-def element_axes(element: Quad4 | Tria3DSG) -> FloatArray:
+def element_axes(element: "Quad4 | Tria3DSG") -> FloatArray:
     """Return the rotation (3, 3) whose columns are the element's axes."""
     return np.array([[getattr(element, f"r{i}{j}") for j in (1, 2, 3)] for i in (1, 2, 3)])
 
 
-def align(element: Quad4 | Tria3DSG, axis: FloatArray) -> None:
+def align(element: "Quad4 | Tria3DSG", axis: FloatArray) -> None:
     """Let the laminate's axis be the projection of `axis` (3,), or the element's x if `axis` is zero or normal.
 
     The library's own computation takes the root of 1 - cos^2, which rounding makes negative where the axes coincide: it

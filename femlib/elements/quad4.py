@@ -5,14 +5,17 @@ drilling) and bilinear bending, both as in pyfe3d; the transverse shear is femli
 """
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
-from pyfe3d import INT, Quad4, Quad4Probe
 
 from femlib.arrays import FloatArray, IntArray
-from femlib.elements.frame import StrainOperator, align, element_axes, shell_property, to_global
+from femlib.elements.frame import StrainOperator, align, element_axes, element_library, shell_property, to_global
 from femlib.elements.mitc4 import shear_stiffness
 from femlib.material import Laminate
+
+if TYPE_CHECKING:
+    from pyfe3d import Quad4
 
 N_NODES = 4
 N_DOFS = 24
@@ -35,7 +38,7 @@ def stiffness(points: FloatArray, laminates: Sequence[Laminate], section: IntArr
     """
     properties = [shell_property(laminate, with_shear=False) for laminate in laminates]
     values = np.zeros((len(points), N_DOFS * N_DOFS))
-    unused = np.zeros(1, dtype=INT)
+    unused = np.zeros(1, dtype=element_library().INT)
     frames, turns = np.empty((len(points), 3, 3)), np.empty((len(points), 2, 2))
     for corners, kind, row, frame, turn in zip(points, section, values, frames, turns, strict=True):
         element = _placed(corners, axis)
@@ -49,7 +52,10 @@ def mass(points: FloatArray, laminates: Sequence[Laminate], section: IntArray) -
     """Return the consistent mass matrices (n, 24, 24) in global axes, arguments as `stiffness`."""
     properties = [shell_property(laminate) for laminate in laminates]
     matrices = np.zeros((len(points), N_DOFS, N_DOFS))
-    rows, columns = np.zeros(N_MASS_ENTRIES, dtype=INT), np.zeros(N_MASS_ENTRIES, dtype=INT)
+    rows, columns = (
+        np.zeros(N_MASS_ENTRIES, dtype=element_library().INT),
+        np.zeros(N_MASS_ENTRIES, dtype=element_library().INT),
+    )
     for corners, kind, matrix in zip(points, section, matrices, strict=True):
         values = np.zeros(N_MASS_ENTRIES)
         _placed(corners, np.zeros(3)).update_M(rows, columns, values, properties[kind], 0)
@@ -107,9 +113,10 @@ def _shear(
     return np.asarray(turned.reshape(-1, N_DOFS, N_DOFS))
 
 
-def _placed(corners: FloatArray, axis: FloatArray) -> Quad4:
+def _placed(corners: FloatArray, axis: FloatArray) -> "Quad4":
     """Return an element that sees only its own twelve coordinates."""
-    element = Quad4(Quad4Probe())
+    library = element_library()
+    element: Quad4 = library.Quad4(library.Quad4Probe())
     element.c1, element.c2, element.c3, element.c4 = 0, 6, 12, 18
     flat = np.ascontiguousarray(corners, dtype=np.float64).ravel()
     element.update_rotation_matrix(flat)

@@ -5,13 +5,16 @@ part is the constant-strain triangle: stiff in in-plane bending, so the wing use
 """
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
-from pyfe3d import INT, Tria3DSG, Tria3DSGProbe
 
 from femlib.arrays import FloatArray, IntArray
-from femlib.elements.frame import StrainOperator, align, element_axes, shell_property, to_global
+from femlib.elements.frame import StrainOperator, align, element_axes, element_library, shell_property, to_global
 from femlib.material import Laminate, isotropic_plate
+
+if TYPE_CHECKING:
+    from pyfe3d import Tria3DSG
 
 N_NODES = 3
 N_DOFS = 18
@@ -21,7 +24,7 @@ def stiffness(points: FloatArray, laminates: Sequence[Laminate], section: IntArr
     """Return the stiffness matrices (n, 18, 18) in global axes, arguments as the quadrilateral's."""
     properties = [shell_property(laminate) for laminate in laminates]
     values = np.zeros((len(points), N_DOFS * N_DOFS))
-    unused = np.zeros(1, dtype=INT)
+    unused = np.zeros(1, dtype=element_library().INT)
     for corners, kind, row in zip(points, section, values, strict=True):
         _placed(corners, axis).update_KC0(unused, unused, row, properties[kind], 1)
     return values.reshape(-1, N_DOFS, N_DOFS)
@@ -31,7 +34,7 @@ def mass(points: FloatArray, laminates: Sequence[Laminate], section: IntArray) -
     """Return the consistent mass matrices (n, 18, 18) in global axes."""
     properties = [shell_property(laminate) for laminate in laminates]
     matrices = np.zeros((len(points), N_DOFS, N_DOFS))
-    rows, columns = np.zeros(N_DOFS**2, dtype=INT), np.zeros(N_DOFS**2, dtype=INT)
+    rows, columns = np.zeros(N_DOFS**2, dtype=element_library().INT), np.zeros(N_DOFS**2, dtype=element_library().INT)
     for corners, kind, matrix in zip(points, section, matrices, strict=True):
         values = np.zeros(N_DOFS**2)
         _placed(corners, np.zeros(3)).update_M(rows, columns, values, properties[kind], 0)
@@ -44,7 +47,7 @@ def strain_operator(points: FloatArray) -> StrainOperator:
     element = _placed(points, np.zeros(3))
     probe = element.probe
     # the library fills the strain rows only while it forms a stiffness, whatever the section is
-    unused = np.zeros(1, dtype=INT)
+    unused = np.zeros(1, dtype=element_library().INT)
     element.update_KC0(unused, unused, np.zeros(N_DOFS**2), shell_property(isotropic_plate(1.0, 0.0, 1.0)), 1)
     axes = element_axes(element)
     membrane = np.array([probe.BLexx, probe.BLeyy, probe.BLgxy])
@@ -52,9 +55,10 @@ def strain_operator(points: FloatArray) -> StrainOperator:
     return StrainOperator(to_global(membrane, axes), to_global(curvature, axes), axes)
 
 
-def _placed(corners: FloatArray, axis: FloatArray) -> Tria3DSG:
+def _placed(corners: FloatArray, axis: FloatArray) -> "Tria3DSG":
     """Return an element that sees only its own nine coordinates."""
-    element = Tria3DSG(Tria3DSGProbe())
+    library = element_library()
+    element: Tria3DSG = library.Tria3DSG(library.Tria3DSGProbe())
     element.c1, element.c2, element.c3 = 0, 6, 12
     flat = np.ascontiguousarray(corners, dtype=np.float64).ravel()
     element.update_rotation_matrix(flat)

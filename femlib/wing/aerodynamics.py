@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from femlib.arrays import FloatArray
-from femlib.errors import InputError, SolveError, is_number
+from femlib.errors import InputError, SolveError, is_number, needed_by
 from femlib.mesh import DOFS_PER_NODE
 from femlib.wing.loads import EFFECTIVE_MASS, GRAVITY
 from femlib.wing.model import Wing, checked_load_factor
@@ -96,13 +96,8 @@ def vortex_lattice(wing: Wing, load_factor: float, flight: FlightPoint | None = 
 
 
 def _aerosandbox() -> Any:
-    try:
+    with needed_by("the vortex lattice (the elliptic lift needs nothing more)"):
         import aerosandbox
-    except ImportError as error:
-        raise InputError(
-            "the vortex lattice needs AeroSandbox, which is not installed; pip install 'octmip[aero]', "
-            "or use the elliptic lift"
-        ) from error
     return aerosandbox
 
 

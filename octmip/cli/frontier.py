@@ -6,6 +6,7 @@ per unit of weight, and the best pair of depth and penalty is chosen.
 """
 
 import argparse
+import importlib
 import io
 from pathlib import Path
 from typing import Any
@@ -19,7 +20,6 @@ from octmip.cli.question import ask
 from octmip.errors import DataError
 from octmip.formats.files import check_writable, write_bytes
 from octmip.formats.names import shown
-from octmip.plot import frontier_figure
 from octmip.problem import Problem
 from octmip.report.markdown import markdown_table
 from octmip.solution import Limits, Stop
@@ -50,6 +50,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.out:
         if Path(arguments.out).suffix not in PICTURES:
             raise DataError(f"--out {arguments.out} is no picture; expected one of {', '.join(PICTURES)}")
+        importlib.import_module("octmip.plot")  # matplotlib is an extra: missing, it is named before the work
         check_writable(arguments.out)
     if arguments.folds is not None and arguments.over == "budget":
         raise DataError("--folds chooses a depth and a penalty; expected --over depth or --over penalty")
@@ -127,6 +128,8 @@ def _row(over: str, point: Point) -> dict[str, Any]:
 
 
 def _draw(arguments: argparse.Namespace, points: list[Point]) -> None:
+    from octmip.plot import frontier_figure
+
     names = {"depth": "depth", "budget": "sensor budget", "penalty": "leaf penalty"}
     values = [point.value for point in points]
     objectives = [point.solution.objective for point in points]

@@ -12,9 +12,7 @@ from octmip.errors import DataError
 from octmip.formats.files import check_writable, write_bytes
 from octmip.formats.names import visible
 from octmip.formats.tree_file import TreeFile, read_tree_file
-from octmip.plot import counted_tree_figure
 from octmip.report.dot import tree_dot
-from octmip.report.html import tree_page
 from octmip.report.markdown import code_block, markdown_table
 from octmip.report.text import number, percent, tree_text
 
@@ -44,11 +42,15 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _content(file: TreeFile, kind: str, source: str) -> bytes:
     if kind in (".svg", ".png", ".pdf"):
+        from octmip.plot import counted_tree_figure  # needs the extra "report", which words do not
+
         buffer = io.BytesIO()
         figure = counted_tree_figure(file.tree, file.leaf_counts, file.feature_names, file.class_names)
         figure.savefig(buffer, format=kind[1:], dpi=150)
         return buffer.getvalue()
     if kind == ".html":
+        from octmip.report.html import tree_page
+
         return tree_page(file, source).encode()
     if kind == ".dot":
         return (tree_dot(file.tree, file.feature_names, file.class_names) + "\n").encode()

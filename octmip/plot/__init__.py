@@ -5,10 +5,13 @@ it with ``figure.savefig``. Classes that are numbers (a loss of stiffness of 0, 
 scale in their order, other classes get colours that colour-blind readers can tell apart too.
 """
 
-from octmip.plot.curves import choice_figure, frontier_figure, progress_figure, reliability_figure
-from octmip.plot.drawing import counted_tree_figure, split_text, tree_figure
-from octmip.plot.plane import partition_figure
-from octmip.plot.style import class_colours
+from octmip.errors import needed_by
+
+with needed_by("a picture"):
+    from octmip.plot.curves import choice_figure, frontier_figure, progress_figure, reliability_figure
+    from octmip.plot.drawing import counted_tree_figure, split_text, tree_figure
+    from octmip.plot.plane import partition_figure
+    from octmip.plot.style import class_colours
 
 __all__ = [
     "choice_figure",

@@ -6,16 +6,19 @@ from collections.abc import Iterable, Sequence
 from html import escape
 from typing import Any
 
-import matplotlib
 import numpy as np
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from octmip.errors import needed_by
 from octmip.formats.names import PAGE_POLICY, html_text, shown, visible
 from octmip.formats.tree_file import TreeFile
 from octmip.plot import counted_tree_figure
 from octmip.report.text import narrow_scope, number, percent, tree_text
 from octmip.tree import leaves
+
+with needed_by("a page"):
+    import matplotlib
+    from matplotlib.figure import Figure
 
 STYLE = """
 body { font: 16px/1.5 system-ui, sans-serif; color: #1f2933; max-width: 60rem; margin: 2rem auto; padding: 0 1rem;

@@ -76,4 +76,7 @@ def test_the_command_writes_its_pictures(
     main([str(tmp_path / "out"), "--refinement", "0.2", "--mu1", "0.5"])
     names = {path.name for path in (tmp_path / "out").iterdir()}
     assert names == {"wing_regions.png", "wing_strain.png", "wing_deformed.png", "wing.vtu"}
-    assert "rendering needs pyvista, which is not installed; pip install 'octmip[pictures]'" in capsys.readouterr().out
+    assert (
+        "rendering needs the package pyvista, which is not installed; install octmip[pictures]"
+        in capsys.readouterr().out
+    )

@@ -81,7 +81,9 @@ def test_hat_means_keep_sum_and_centre() -> None:
 
 def test_without_aerosandbox_the_cure_is_told(small: Wing, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "aerosandbox", None)
-    with pytest.raises(InputError, match=r"needs AeroSandbox, which is not installed; pip install 'octmip\[aero\]'"):
+    with pytest.raises(
+        InputError, match=r"needs the package aerosandbox, which is not installed; install octmip\[aero\]"
+    ):
         vortex_lattice(small, 1.0)
 
 

@@ -267,5 +267,7 @@ def assert_one_sentence(error: FemlibError) -> None:
 
 def test_parquet_without_pyarrow_gets_a_sentence(tiny: Wing, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pyarrow", None)
-    with pytest.raises(InputError, match="Parquet files need pyarrow, which is not installed; pip install"):
+    with pytest.raises(
+        InputError, match=r"needs the package pyarrow, which is not installed; install octmip\[parquet\]"
+    ):
         stream(tiny, tmp_path)

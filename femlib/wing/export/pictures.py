@@ -12,18 +12,20 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.collections import PolyCollection
-from matplotlib.figure import Figure
-from matplotlib.patches import Polygon
 
 from femlib.arrays import FloatArray, IntArray
-from femlib.errors import InputError
+from femlib.errors import InputError, needed_by
 from femlib.mesh import Mesh
 from femlib.wing.bent import bend
 from femlib.wing.damage import SURFACES, damage_library
 from femlib.wing.export.vtu import far_shape, near_shape, write_vtu
 from femlib.wing.model import Wing, uav_wing
+
+with needed_by("a picture of the wing"):
+    from matplotlib.axes import Axes
+    from matplotlib.collections import PolyCollection
+    from matplotlib.figure import Figure
+    from matplotlib.patches import Polygon
 
 INK, QUIET, ACCENT, DAMAGE = "#222222", "#5b6670", "#c2410c", "#f2b8a0"
 STRAINS = "RdBu_r"
@@ -103,13 +105,11 @@ def render(wing: Wing, displacement: FloatArray, strains: FloatArray, path: str 
 
     Raises
     ------
-    InputError
+    MissingExtraError
         If pyvista is not installed.
     """
-    try:
+    with needed_by("rendering"):
         pyvista = importlib.import_module("pyvista")
-    except ImportError as error:
-        raise InputError("rendering needs pyvista, which is not installed; pip install 'octmip[pictures]'") from error
     mesh = wing.structure.shells.mesh
     plotter = pyvista.Plotter(off_screen=True, window_size=(1500, 700))
     grid = pyvista.UnstructuredGrid({pyvista.CellType.QUAD: mesh.quads}, mesh.nodes + displacement)

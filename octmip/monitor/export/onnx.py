@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from octmip.errors import SolverError
+from octmip.errors import needed_by
 from octmip.monitor.export.fit import check_fit, class_values
 from octmip.tree import Leaf, Node, Split
 
@@ -30,18 +30,14 @@ def onnx_model(tree: Node, feature_names: Sequence[str], class_names: Sequence[A
 
     Raises
     ------
-    SolverError
+    MissingExtraError
         the package onnx is not installed.
     TreeError
         the names do not cover the tree.
     """
     check_fit(tree, feature_names, class_names)
-    try:
+    with needed_by("export to ONNX"):
         import onnx
-    except ImportError as error:
-        raise SolverError(
-            "export to ONNX needs the package onnx, which is not installed; pip install 'octmip[onnx]'"
-        ) from error
     graph = _Graph(onnx, len(feature_names))
     graph.build(tree)
     helper, kinds = onnx.helper, onnx.TensorProto

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from octmip.errors import ProblemError, SolverError
+from octmip.errors import ProblemError, SolverError, needed_by
 from octmip.problem import Problem
 from octmip.sensing.placement.placement import problem_on
 from octmip.solution import Limits
@@ -89,6 +89,8 @@ def by_information(problem: Problem, budget: float, sensitivity: ArrayLike) -> I
         shapes do not fit, or the sensors cannot tell the parameters apart within the budget.
     SolverError
         the relaxation was not solved.
+    MissingExtraError
+        cvxpy is not installed.
     """
     gradients = _scaled(problem, sensitivity)
     information = np.zeros((len(gradients), len(problem.sensors), *gradients.shape[2:], gradients.shape[2]))
@@ -124,7 +126,8 @@ def _relaxation(
     information: NDArray[np.float64], costs: NDArray[np.float64], budget: float
 ) -> tuple[NDArray[np.float64], float]:
     """Return shares (n_sensors,) and mean log det of the relaxation of information (n_states, n_sensors, p, p)."""
-    cp: Any = importlib.import_module("cvxpy")  # it takes a second, and only a D-optimal design needs it
+    with needed_by("a D-optimal design"):
+        cp: Any = importlib.import_module("cvxpy")  # it takes a second, and only this design needs it
     n_states, n_sensors, p, _ = information.shape
     shares = cp.Variable(n_sensors)
     flat = information.reshape(n_states, n_sensors, p * p)

@@ -1,0 +1,198 @@
+"""Without any extra: the core solves, certifies and predicts, and what needs an extra names it in one sentence."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+import textwrap
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from femlib import errors as femlib_errors
+from octmip import errors as octmip_errors
+
+ROOT = Path(__file__).parent.parent
+OPTIONAL = ("pyomo", "cvxpy", "pyfe3d", "matplotlib", "jinja2", "pyarrow", "onnx")
+
+REFUSE = f"""
+import sys
+
+class Refused:
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] in {OPTIONAL}:
+            raise ModuleNotFoundError(f"No module named {{name!r}}", name=name)
+
+sys.meta_path.insert(0, Refused())
+"""
+"""The import system of an environment without the extras."""
+
+CORE = """
+import contextlib, io, json
+import numpy as np
+from octmip import Problem, certify, predict, solve
+from octmip.cli import main
+
+features, labels = np.array([[0.0, 1], [1, 0], [2, 5], [3, 4], [4, 2], [5, 3]]), [0, 0, 1, 1, 0, 0]
+said = {"gap": {}}
+for method in ("cart", "search", "exact", "oct", "oct_h", "flow"):
+    problem = Problem(features, labels, depth=2, split="hyperplane" if method == "oct_h" else "axis")
+    solution = solve(problem, method)
+    certify(problem, solution)
+    said["gap"][method] = solution.gap
+said["predicted"] = predict(solution.tree, features).tolist()
+
+with open("t.csv", "w") as file:
+    file.write("a,b,kind\\n" + "".join(f"{a},{b},{k}\\n" for (a, b), k in zip(features, labels)))
+open("t.parquet", "wb").write(b"PAR1PAR1")
+ASK = "--label kind --depth 2"
+for words in (
+    f"solve t.csv {ASK} --out tree.json",
+    "certify tree.json t.csv",
+    "predict tree.json t.csv",
+    f"compare t.csv {ASK}",
+    f"frontier t.csv {ASK} --over depth",
+    "report tree.json",
+    "report tree.json --out tree.md",
+    "report tree.json --out tree.dot",
+    f"frontier t.csv {ASK} --over depth --out f.svg",
+    "report tree.json --out tree.svg",
+    "report tree.json --out tree.html",
+    f"solve t.parquet {ASK}",
+):
+    with contextlib.redirect_stdout(io.StringIO()) as out, contextlib.redirect_stderr(io.StringIO()) as err:
+        code = main(words.split())
+    said[words] = [code, err.getvalue()]
+
+
+def sentence(use):
+    try:
+        use()
+    except ImportError as error:
+        return [type(error).__module__, str(error)]
+    return ["", "no error"]
+
+
+def element():
+    from femlib.elements import quad4
+    quad4.strain_operator(np.array([[[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]])[0])
+
+
+def stored():
+    from femlib.dataset.parquet import pyarrow_modules
+    pyarrow_modules()
+
+
+def pictures():
+    import femlib.wing.export.pictures
+
+
+def plot():
+    import octmip.plot
+
+
+def paper():
+    from octmip.mip.paper_models import oct
+
+
+def design():
+    from octmip.sensing.placement.designs import by_information
+    by_information(problem, 2.0, np.ones((2, 1)))
+
+
+def onnx():
+    from octmip.monitor.export import onnx_model
+    onnx_model(solution.tree, ["a", "b"], [0, 1])
+
+
+for use in (element, stored, pictures, plot, paper, design, onnx):
+    said[use.__name__] = sentence(use)
+print(json.dumps(said))
+"""
+
+
+@pytest.fixture(scope="module")
+def said(tmp_path_factory):
+    """Return what a program says that runs without the extras."""
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", REFUSE + textwrap.dedent(CORE)],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path_factory.mktemp("core"),
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+    )
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def test_every_method_of_the_core_solves_and_predicts_without_an_extra(said):
+    proving = {method: gap for method, gap in said["gap"].items() if method not in ("cart", "search")}
+    assert set(proving) == {"exact", "oct", "oct_h", "flow"}
+    assert all(gap == 0.0 for gap in proving.values()), proving
+    assert said["predicted"] == [0, 0, 1, 1, 0, 0]
+
+
+def test_the_command_needs_no_extra_for_what_is_no_picture(said):
+    done = {words: told for words, told in said.items() if " " in words and told[0] == 0}
+    assert [words.split()[0] for words in done] == [
+        "solve",
+        "certify",
+        "predict",
+        "compare",
+        "frontier",
+        "report",
+        "report",
+        "report",
+    ]
+    assert not any("install octmip[" in err for _, err in done.values())
+
+
+@pytest.mark.parametrize(
+    ("use", "package"),
+    [
+        ("element", "pyfe3d"),
+        ("stored", "pyarrow"),
+        ("pictures", "matplotlib"),
+        ("plot", "matplotlib"),
+        ("paper", "pyomo"),
+        ("design", "cvxpy"),
+        ("onnx", "onnx"),
+    ],
+)
+def test_a_feature_whose_package_is_missing_names_the_extra(said, use, package):
+    module, sentence = said[use]
+    extra = (octmip_errors.EXTRA_OF | femlib_errors.EXTRA_OF)[package]
+    assert module in ("octmip.errors", "femlib.errors")
+    assert sentence.endswith(f"needs the package {package}, which is not installed; install octmip[{extra}]")
+    assert "\n" not in sentence
+
+
+@pytest.mark.parametrize(
+    ("words", "extra"),
+    [
+        ("frontier t.csv --label kind --depth 2 --over depth --out f.svg", "report"),
+        ("report tree.json --out tree.svg", "report"),
+        ("report tree.json --out tree.html", "report"),
+        ("solve t.parquet --label kind --depth 2", "parquet"),
+    ],
+)
+def test_a_command_whose_package_is_missing_ends_in_one_sentence(said, words, extra):
+    code, err = said[words]
+    assert code == 2
+    assert err.count("\n") == 1
+    assert err.endswith(f"which is not installed; install octmip[{extra}]\n")
+
+
+@pytest.mark.parametrize("errors", [octmip_errors, femlib_errors])
+def test_the_packages_named_in_errors_are_those_of_the_extras(errors):
+    extras = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
+    for package, extra in errors.EXTRA_OF.items():
+        assert package in {re.split(r"[<>=!\[]", line)[0] for line in extras[extra]}
+
+
+@pytest.mark.parametrize("errors", [octmip_errors, femlib_errors])
+def test_a_missing_module_of_nobody_stays_what_it_is(errors):
+    with pytest.raises(ModuleNotFoundError, match="no_such_module"), errors.needed_by("this"):
+        import no_such_module  # noqa: F401
