@@ -25,6 +25,7 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
         "run": 3,
         "encoding": 3,
         "formats.problem_file": 3,
+        "formats.tree_nodes": 3,
         "formats.tree_schema": 3,
         "risk": 3,
         "uncertainty": 3,

@@ -62,6 +62,15 @@ class Table:
         frame = self.frame[chosen] if chosen.dtype == bool else self.frame.iloc[chosen]
         return Table(self.source, frame)
 
+    def with_plain_numbers(self, name: str) -> "Table":
+        """Return the table with a column as whole numbers or numbers where missing cells had made it something else."""
+        column = self.frame[name]
+        if column.dtype.kind == "O" and all(isinstance(cell, str) and _is_number(cell) for cell in column):
+            column = pd.to_numeric(column)
+        if column.dtype.kind == "f" and (column == np.floor(column)).all() and column.abs().max() <= EXACT_INTEGERS:
+            column = column.astype(np.int64)
+        return Table(self.source, self.frame.assign(**{name: column}))
+
     def column(self, name: str, purpose: str) -> "pd.Series[Any]":
         """Return a column by name.
 
