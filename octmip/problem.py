@@ -15,7 +15,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
-from octmip.problem_values import distinct_labels, number_of, numbers_of, sensor_costs_of, whole_of
+from octmip.problem_values import (
+    distinct_labels,
+    features_of,
+    labels_of,
+    names_of_columns,
+    number_of,
+    numbers_of,
+    sensor_costs_of,
+    whole_of,
+)
 from octmip.tree import HyperplaneSplit, Node, complexity, features_used, predict, splits
 
 _DERIVED: Any = None  # a field that is filled in when it is left out
@@ -23,16 +32,16 @@ LEAST_COST, MOST_COST = 1e-280, 1e303  # of the worst tree
 MAX_DEPTH = 30  # 2**30 leaves: beyond any use, and the node tables of the solvers are indexed by 32 bits
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Problem:
     """A classification problem and the tree that is wanted of it.
 
     Attributes
     ----------
     features
-        (n_samples, n_features) float64, finite.
+        (n_samples, n_features) float64, finite; a data frame gives its names too.
     labels
-        (n_samples,) class of each sample, as values of `class_names`.
+        (n_samples,) class of each sample, as values of `class_names`; an array or a series.
     depth
         levels of splits, 1 or more.
     split
@@ -60,7 +69,7 @@ class Problem:
     integer_normals
         the coefficients of a hyperplane are integers of at most this size; None: real.
     feature_names
-        (n_features,); None: x0, x1, ...
+        (n_features,); None: the names of the data frame's columns, of an array x0, x1, ...
     class_names
         the classes in the order of the rows of `costs`; None: the sorted labels.
     Derived:
@@ -106,12 +115,12 @@ class Problem:
         object.__setattr__(self, name, value)
 
     def _set_samples(self) -> None:
-        features = numbers_of(self.features, "features", 2)
+        given = self.feature_names if self.feature_names is not None else names_of_columns(self.features)
+        features = features_of(self.features)
         if min(features.shape) == 0:
             raise ProblemError(f"features has shape {features.shape}; expected at least one sample and one feature")
         self._set("features", features)
-        names = tuple(f"x{j}" for j in range(features.shape[1])) if self.feature_names is None else self.feature_names
-        names = tuple(str(name) for name in names)
+        names = tuple(str(name) for name in ([f"x{j}" for j in range(features.shape[1])] if given is None else given))
         if len(names) != features.shape[1] or len(set(names)) != len(names):
             raise ProblemError(
                 f"feature_names has {len(names)} entries ({len(set(names))} different) but features has "
@@ -120,14 +129,11 @@ class Problem:
         self._set("feature_names", names)
 
     def _set_classes(self) -> None:
-        labels = np.array(self.labels)
+        labels = labels_of(self.labels)
         if labels.shape != (self.n_samples,):
             raise ProblemError(
                 f"labels has shape {labels.shape} but features has {self.n_samples} rows; give one label for each row"
             )
-        if labels.dtype.kind == "f" and not np.isfinite(labels).all():
-            row = int(np.flatnonzero(~np.isfinite(labels))[0])
-            raise ProblemError(f"labels[{row}] is {labels[row]}; expected a class; drop the row or give its label")
         present, inverse = distinct_labels(labels)
         if len(present) < 2:
             raise ProblemError(f"labels holds one class only ({present[0]!r}); expected two or more")
@@ -226,6 +232,16 @@ class Problem:
                 )
             groups.append(tuple(sorted(int(e) for e in indices)))
         self._set("allowed_splits", tuple(groups))
+
+    def __repr__(self) -> str:
+        words = [f"{self.n_samples} samples", f"{self.n_features} features", f"{self.n_classes} classes"]
+        words += [f"depth={self.depth}", f"split={self.split!r}"]
+        for name, usual in (("split_size", None), ("leaf_size", 1), ("leaf_penalty", 0.0), ("sensor_budget", None)):
+            value = getattr(self, name)
+            words += [] if value == usual else [f"{name}={value:g}"]
+        words += [] if (self.weights == 1).all() else ["weighted"]
+        words += [] if (self.costs == 1 - np.eye(self.n_classes)).all() else ["with costs"]
+        return f"Problem({', '.join(words)})"
 
     @property
     def n_samples(self) -> int:

@@ -9,6 +9,74 @@ from numpy.typing import ArrayLike, NDArray
 from octmip.errors import ProblemError
 
 
+def names_of_columns(features: object) -> tuple[str, ...] | None:
+    """Return the names of the columns of a data frame; None for an array, or where the columns are only numbered."""
+    columns = getattr(features, "columns", None)
+    if columns is None or all(isinstance(name, int | np.integer) for name in columns):
+        return None
+    return tuple(str(name) for name in columns)
+
+
+def features_of(values: ArrayLike) -> NDArray[np.float64]:
+    """Return the features (n_samples, n_features) of an array or a data frame as a float64 copy.
+
+    Raises
+    ------
+    ProblemError
+        some value is no finite number; of a data frame, the columns that hold such values are named.
+    """
+    names = names_of_columns(values)
+    if names is None:
+        return numbers_of(values, "features", 2)
+    wrong = [name for j, name in enumerate(names) if not _is_finite_column(values, j)]
+    if wrong:
+        shown = ", ".join(map(repr, wrong[:5])) + (f" and {len(wrong) - 5} more" if len(wrong) > 5 else "")
+        raise ProblemError(
+            f"features holds text, missing or infinite values in {shown}; expected finite numbers; drop or encode "
+            "these columns (octmip.OptimalTreeClassifier and octmip.formats.columns do so)"
+        )
+    return numbers_of(values, "features", 2)
+
+
+def _is_finite_column(frame: Any, position: int) -> bool:
+    try:
+        column = np.asarray(frame.iloc[:, position], dtype=np.float64)
+    except (TypeError, ValueError):
+        return False
+    return bool(np.isfinite(column).all())
+
+
+def labels_of(values: ArrayLike) -> NDArray[Any]:
+    """Return a copy of the labels of an array or a series.
+
+    Raises
+    ------
+    ProblemError
+        a label is missing or infinite.
+    """
+    labels = np.array(values)
+    is_absent = np.zeros(labels.shape, dtype=bool)
+    if labels.dtype.kind == "f":
+        is_absent = ~np.isfinite(labels)
+    elif labels.dtype.kind in "mM":
+        is_absent = np.isnat(labels)
+    elif labels.dtype == np.dtype(object):
+        is_absent = np.array([_is_missing(value) for value in labels.ravel()], dtype=bool).reshape(labels.shape)
+    if is_absent.any():
+        row = ", ".join(str(int(i)) for i in np.argwhere(is_absent)[0])
+        first = labels[is_absent][0]
+        raise ProblemError(
+            f"labels[{row}] is {first}; {int(is_absent.sum())} of {labels.size} labels are missing or infinite; "
+            "expected a class for each sample; drop the others or give their labels"
+        )
+    return labels
+
+
+def _is_missing(label: Any) -> bool:
+    """Whether a label is None, a NaN of any kind or the NA of pandas, which compares to nothing."""
+    return label is None or type(label).__name__ == "NAType" or bool(label != label)
+
+
 def distinct_labels(labels: NDArray[Any]) -> tuple[list[Any], NDArray[np.int64]]:
     """Return the distinct labels in ascending order and the index of each sample's label among them."""
     if labels.dtype != np.dtype(object):

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 from octmip.errors import ProblemError, SolverError
-from octmip.tree import Node
+from octmip.tree import Node, condition, depth, n_splits, tree_lines
 
 
 class Stop(enum.StrEnum):
@@ -122,6 +122,23 @@ class Solution:
             has = "without" if self.tree is None else "with"
             raise SolverError(f"{self.solver} returned objective {self.objective} {has} a tree; expected +inf iff none")
         object.__setattr__(self, "details", dict(self.details))
+
+    def __str__(self) -> str:
+        """Return objective, bound and proof, the solver, and the tree, features and classes by their index."""
+        found = f"{self.solver} {self.version}, {self.seconds:.3g} s, stop: {self.stop}"
+        if self.tree is None:
+            return f"no tree found, bound {self.bound:.6g}\n{found}"
+        proof = "proven optimal" if self.is_optimal else f"gap {100 * self.gap:.3g} %"
+        if math.isinf(self.bound):
+            proof = "no proof"
+        lines = tree_lines(
+            self.tree,
+            lambda split: condition(split, lambda feature: f"x{feature}"),
+            lambda leaf: f"class {leaf.label}",
+        )
+        splits = f"{n_splits(self.tree)} split" + ("" if n_splits(self.tree) == 1 else "s")
+        head = f"objective {self.objective:.6g}, bound {self.bound:.6g}: {proof}"
+        return "\n".join([head, f"depth {depth(self.tree)}, {splits}; {found}", "", *lines])
 
     @property
     def gap(self) -> float:

@@ -9,7 +9,7 @@ from the first feature to the last. Otherwise it goes right. Five values of one 
     goes to    L    L    L    R    R
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -205,3 +205,25 @@ def simplify(tree: Node) -> Node:
     if isinstance(left, Leaf) and left == right:
         return left
     return replace(tree, left=left, right=right)
+
+
+def condition(split: Split | HyperplaneSplit, name: Callable[[int], str]) -> str:
+    """Return the condition for going left on one line, numbers to six digits, features by their `name`."""
+    if isinstance(split, Split):
+        return f"{name(split.feature)} <= {split.threshold:.6g}"
+    terms = ""
+    for feature, coefficient in zip(split.features, split.coefficients, strict=True):
+        sign = (" - " if coefficient < 0 else " + ") if terms else ("-" if coefficient < 0 else "")
+        size = "" if abs(coefficient) == 1 else f"{abs(coefficient):.6g} "
+        terms += f"{sign}{size}{name(feature)}"
+    return f"{terms} <= {split.offset:.6g}"
+
+
+def tree_lines(
+    tree: Node, question: Callable[[Split | HyperplaneSplit], str], decision: Callable[[Leaf], str]
+) -> list[str]:
+    """Return a tree as indented lines, left before right; `decision` is called for the leaves from the left."""
+    if isinstance(tree, Leaf):
+        return [decision(tree)]
+    left, right = (tree_lines(side, question, decision) for side in (tree.left, tree.right))
+    return [f"if {question(tree)}", *(f"    {line}" for line in left), "else", *(f"    {line}" for line in right)]

@@ -8,7 +8,8 @@ from types import TracebackType
 from typing import Any
 
 from octmip.certificate import Certificate
-from octmip.formats.tree_file import encode_tree, finite_or_none
+from octmip.formats.tree_file import finite_or_none
+from octmip.formats.tree_nodes import encode_tree
 from octmip.problem import Problem
 from octmip.report.text import number, percent
 from octmip.solution import Progress, Solution, relative_gap

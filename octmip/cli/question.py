@@ -65,7 +65,7 @@ def _feature_columns(table: Table, arguments: argparse.Namespace) -> list[str]:
     if arguments.features is None:
         names = [name for name in table.columns if name not in taken]
         if not names:
-            raise DataError(f"{table.path} has no column beside {arguments.label!r}; expected at least one feature")
+            raise DataError(f"{table.name} has no column beside {arguments.label!r}; expected at least one feature")
         return names
     names = [name.strip() for name in arguments.features.split(",")]
     for name in names:

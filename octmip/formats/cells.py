@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 
 
 class CsvRows:
-    """Rows of comma-separated cells; a quoted cell may run over several lines.
+    """Rows of cells between commas, or another separator; a quoted cell may run over several lines.
 
     Attributes
     ----------
@@ -13,10 +13,10 @@ class CsvRows:
         numbers of the first and the last line of the row returned last, or of the one that could not be read.
     """
 
-    def __init__(self, lines: Iterable[tuple[int, str]], strict: bool = False) -> None:
+    def __init__(self, lines: Iterable[tuple[int, str]], strict: bool = False, separator: str = ",") -> None:
         """Take lines with their numbers; `strict` refuses quotation marks that are not closed (`csv.Error`)."""
         self._taken: list[int] = []
-        self._reader = csv.reader(self._texts(lines), strict=strict)
+        self._reader = csv.reader(self._texts(lines), strict=strict, delimiter=separator)
 
     def _texts(self, lines: Iterable[tuple[int, str]]) -> Iterator[str]:
         for number, line in lines:

@@ -66,7 +66,7 @@ def shown(value: object) -> str:
 def several(values: Iterable[object], most: int = 12) -> str:
     """Return the first few of some values as a message can show them."""
     found = [shown(value) for value in itertools.islice(values, most + 1)]
-    return f"[{', '.join(found[:most])}{', ...' if len(found) > most else ''}]"
+    return f"{', '.join(found[:most])}{', ...' if len(found) > most else ''}"
 
 
 def place(path: tuple[str | int, ...]) -> str:

@@ -134,13 +134,23 @@ def read_text(path: PathLike) -> str:
     DataError
         it cannot be read, is empty, or holds bytes that are not UTF-8.
     """
-    content = read_bytes(path)
+    return decoded(read_bytes(path), str(path))
+
+
+def decoded(content: bytes, name: str) -> str:
+    """Return UTF-8 text, without a byte-order mark; `name` is what a sentence calls its source.
+
+    Raises
+    ------
+    DataError
+        a byte is not UTF-8.
+    """
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = content[: error.start].count(b"\n") + 1
         raise DataError(
-            f"{path}, line {line}: byte 0x{content[error.start]:02x} is not UTF-8 text; save the file as UTF-8"
+            f"{name}, line {line}: byte 0x{content[error.start]:02x} is not UTF-8 text; save the file as UTF-8"
         ) from error
 
 

@@ -7,47 +7,48 @@ from typing import Any
 from numpy.typing import NDArray
 
 from octmip.certificate import Certificate
+from octmip.formats.columns import Columns
 from octmip.formats.names import shown, visible
 from octmip.solution import Solution
-from octmip.tree import HyperplaneSplit, Leaf, Node, Split
+from octmip.tree import HyperplaneSplit, Leaf, Node, Split, tree_lines
+from octmip.tree import condition as named_condition
 
 
-def condition(split: Split | HyperplaneSplit, feature_names: Sequence[str]) -> str:
-    """Return the condition for going left on one line, numbers to six digits."""
+def condition(split: Split | HyperplaneSplit, feature_names: Sequence[str], columns: Columns | None = None) -> str:
+    """Return the condition for going left on one line, numbers to six digits.
+
+    With `columns` it is said of the columns that the features were made from: "colour is not red" instead of
+    "colour is red <= 0.5".
+    """
+    if columns is None:
+        return named_condition(split, lambda feature: shown(feature_names[feature]))
     if isinstance(split, Split):
-        return f"{shown(feature_names[split.feature])} <= {split.threshold:.6g}"
-    terms = ""
-    for feature, coefficient in zip(split.features, split.coefficients, strict=True):
-        sign = (" - " if coefficient < 0 else " + ") if terms else ("-" if coefficient < 0 else "")
-        size = "" if abs(coefficient) == 1 else f"{abs(coefficient):.6g} "
-        terms += f"{sign}{size}{shown(feature_names[feature])}"
-    return f"{terms} <= {split.offset:.6g}"
+        return visible(columns.left_words(split.feature, split.threshold))
+    return named_condition(split, lambda feature: f"[{shown(feature_names[feature])}]")
 
 
 def tree_text(
-    tree: Node, feature_names: Sequence[str], class_names: Sequence[Any], counts: NDArray[Any] | None = None
+    tree: Node,
+    feature_names: Sequence[str],
+    class_names: Sequence[Any],
+    counts: NDArray[Any] | None = None,
+    columns: Columns | None = None,
 ) -> str:
     """Return a tree as indented lines, with the training samples of each leaf where `counts` are given.
 
-    `counts` has shape (n_leaves, n_classes), leaves from the left.
+    `columns` puts the conditions in words of the table that the features were made from. `counts` has shape
+    (n_leaves, n_classes), leaves from the left.
     """
-    lines: list[str] = []
     rows = iter([] if counts is None else counts.tolist())
 
-    def say(node: Node, indent: str) -> None:
-        if isinstance(node, Leaf):
-            lines.append(f"{indent}{shown(class_names[node.label])}{_leaf_note(next(rows, None), node.label)}")
-            return
-        lines.append(f"{indent}if {condition(node, feature_names)}")
-        say(node.left, indent + "    ")
-        lines.append(f"{indent}else")
-        say(node.right, indent + "    ")
+    def decision(leaf: Leaf) -> str:
+        return f"{shown(class_names[leaf.label])}{leaf_note(next(rows, None), leaf.label)}"
 
-    say(tree, "")
-    return "\n".join(lines)
+    return "\n".join(tree_lines(tree, lambda split: condition(split, feature_names, columns), decision))
 
 
-def _leaf_note(counts: list[int] | None, label: int) -> str:
+def leaf_note(counts: list[int] | None, label: int) -> str:
+    """Return the samples of a leaf and how many of them are wrong, nothing where they are unknown."""
     if counts is None:
         return ""
     total, wrong = sum(counts), sum(counts) - counts[label]

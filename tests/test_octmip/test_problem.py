@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from octmip import HyperplaneSplit, Leaf, Problem, Split, predict
@@ -154,3 +155,49 @@ def test_a_wrong_question_is_refused(name):
 def test_the_least_saving_is_that_of_one_sample_or_one_split(settings, least):
     problem = Problem(np.arange(4.0)[:, None], [0, 1, 0, 1], depth=1, **settings)
     assert problem.least_saving == least
+
+
+FRAME = pd.DataFrame({"age": [1.0, 2.0, 3.0, 4.0], "dose": [0, 1, 0, 1]})
+
+
+def test_a_data_frame_gives_its_names_to_features_and_sensors():
+    asked = Problem(FRAME, pd.Series(["a", "b", "a", "b"], index=[4, 3, 2, 1]), depth=1)
+    assert asked.feature_names == asked.sensors == ("age", "dose")
+    assert asked.labels.tolist() == ["a", "b", "a", "b"]
+    assert Problem(FRAME, [0, 1, 0, 1], depth=1, feature_names=("u", "v")).feature_names == ("u", "v")
+    assert Problem(pd.DataFrame(FRAME.to_numpy()), [0, 1, 0, 1], depth=1).feature_names == ("x0", "x1")
+
+
+@pytest.mark.parametrize("dtype", ["Int64", "boolean", "category", "string", "float32"])
+def test_labels_of_pandas_types_are_taken(dtype):
+    values = ["0", "1", "0", "1"] if dtype == "string" else [0, 1, 0, 1]
+    asked = Problem(FRAME, pd.Series(values).astype(dtype), depth=1)
+    assert asked.codes.tolist() == [0, 1, 0, 1]
+    assert list(asked.class_names) == sorted(set(values))
+
+
+@pytest.mark.parametrize(
+    "labels",
+    [
+        pd.Series([0, None, 1, None], dtype="Int64"),
+        pd.Series(["a", None, "b", None]),
+        pd.Series(["a", None, "b", None], dtype="category"),
+        pd.to_datetime(pd.Series(["2020-01-01", None, "2020-01-02", None])),
+        np.array(["a", None, "b", pd.NA], dtype=object),
+    ],
+)
+def test_missing_labels_are_refused_with_their_number(labels):
+    with pytest.raises(ProblemError, match=r"labels\[1\] is .*; 2 of 4 labels are missing"):
+        Problem(FRAME, labels, depth=1)
+
+
+@pytest.mark.parametrize("column", [["x", "y", "x", "y"], [1.0, None, 2.0, 3.0], [1.0, np.inf, 2.0, 3.0]])
+def test_columns_of_a_data_frame_that_are_no_numbers_are_all_named(column):
+    with pytest.raises(ProblemError, match="infinite values in 'kind', 'other';"):
+        Problem(FRAME.assign(kind=column, other=column), [0, 1, 0, 1], depth=1)
+
+
+def test_a_problem_shows_its_size_and_settings_and_no_arrays():
+    assert repr(problem()) == "Problem(4 samples, 3 features, 2 classes, depth=2, split='axis')"
+    asked = problem(leaf_size=2, leaf_penalty=0.5, weights=[1, 2, 1, 1], costs=[[0, 2], [1, 0]], sensor_budget=2)
+    assert repr(asked).endswith("split='axis', leaf_size=2, leaf_penalty=0.5, sensor_budget=2, weighted, with costs)")

@@ -5,7 +5,7 @@ import math
 
 import pytest
 
-from octmip import Leaf, Limits, Solution, Stop
+from octmip import HyperplaneSplit, Leaf, Limits, Solution, Split, Stop
 from octmip.errors import ProblemError, SolverError
 from octmip.solution import relative_gap
 
@@ -67,3 +67,22 @@ def test_a_negative_limit_is_refused(name, value):
 def test_a_solution_cannot_be_changed():
     with pytest.raises(dataclasses.FrozenInstanceError):
         solution().objective = 0.0
+
+
+def test_a_solution_prints_what_was_found_and_proven():
+    tree = Split(0, 2.5, Leaf(1), HyperplaneSplit((0, 2), (1.0, -0.5), 3.0, Leaf(0), Leaf(1)))
+    assert str(solution(tree=tree)).splitlines() == [
+        "objective 10, bound 8: gap 20 %",
+        "depth 2, 2 splits; exact 1, 1 s, stop: time",
+        "",
+        "if x0 <= 2.5",
+        "    class 1",
+        "else",
+        "    if x0 - 0.5 x2 <= 3",
+        "        class 0",
+        "    else",
+        "        class 1",
+    ]
+    assert str(solution(bound=10.0)).startswith("objective 10, bound 10: proven optimal\n")
+    assert str(solution(bound=-math.inf)).startswith("objective 10, bound -inf: no proof\n")
+    assert str(solution(objective=math.inf, bound=3.0, tree=None)).startswith("no tree found, bound 3\n")

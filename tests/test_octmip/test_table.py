@@ -1,5 +1,8 @@
 """Tables: every wrong cell is refused with its file, line and column, and every right one is read to the last bit."""
 
+import gzip
+import io
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -61,8 +64,6 @@ def test_a_file_that_is_no_table_is_refused(tmp_path, text, sentence):
         ("x,y\n1,a\n9007199254740993,b\n", "line 3, column 'x': 9007199254740993 is beyond 2"),
         ('x,y\n1,"a\nb"\n?,b\n', "line 4, column 'x'"),
         ("z,y\n1,a\n", "no column 'x'; expected the feature among its 2 columns"),
-        ("x;y\n1;a\n", "separate columns by commas"),
-        ("x\ty\n1\ta\n", "separate columns by commas"),
         (" x ,y\n1,a\n", "' x '"),
     ],
 )
@@ -116,7 +117,7 @@ def test_a_byte_order_mark_is_no_part_of_a_name(tmp_path):
 
 
 def test_another_suffix_is_refused(tmp_path):
-    with pytest.raises(DataError, match=r"neither \.csv nor \.parquet"):
+    with pytest.raises(DataError, match=r"data\.xlsx does not say what it holds.*add --format csv, tsv or parquet"):
         read_table(tmp_path / "data.xlsx")
 
 
@@ -136,8 +137,8 @@ def test_costs_are_read_in_any_order(tmp_path):
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [
-        ("true,a,b\na,0,1\n", r"rows \['a'\]; expected each of the classes"),
-        ("true,a,c\na,0,1\nb,1,0\n", r"columns \['a', 'c'\]; expected each"),
+        ("true,a,b\na,0,1\n", "rows 'a'; expected each of the classes"),
+        ("true,a,c\na,0,1\nb,1,0\n", "columns 'a', 'c'; expected each"),
         ("true,a,b\na,0,x\nb,1,0\n", "'x' is no number, and a cost"),
     ],
 )
@@ -171,3 +172,66 @@ def test_sensors_that_give_several_features(tmp_path):
 def test_wrong_sensors_are_refused(tmp_path, text, sentence):
     with pytest.raises(DataError, match=sentence):
         read_sensors(csv_file(tmp_path, text), ["a", "b"])
+
+
+@pytest.mark.parametrize(
+    ("name", "separator"), [("t.csv", ","), ("t.csv", ";"), ("t.csv", "\t"), ("t.tsv", "\t"), ("t.TSV", "\t")]
+)
+@pytest.mark.parametrize("is_packed", [False, True])
+def test_cells_are_separated_by_commas_semicolons_or_tabs_and_may_be_packed(tmp_path, name, separator, is_packed):
+    text = f"x{separator}y\n1.5{separator}a\n2.5{separator}b\n".encode()
+    path = tmp_path / (f"{name}.gz" if is_packed else name)
+    path.write_bytes(gzip.compress(text) if is_packed else text)
+    table = read_table(path)
+    assert table.numbers(["x"]).tolist() == [[1.5], [2.5]]
+    assert table.labels(table.columns[1]).tolist() == ["a", "b"]
+    assert "line 3" in table.place(1, "x")
+
+
+def test_semicolons_allow_decimal_commas_but_no_mixture(tmp_path):
+    values = np.random.default_rng(0).normal(size=50) * 10.0 ** np.arange(-25, 25)
+    cells = [repr(value).replace(".", ",") for value in values.tolist()]
+    assert (
+        read_table(csv_file(tmp_path, "x;y\n" + "".join(f"{v};a\n" for v in cells))).numbers(["x"])[:, 0] == values
+    ).all()
+    with pytest.raises(DataError, match=r"decimal comma \(1,5\) and with a decimal point \(2\.5\)"):
+        read_table(csv_file(tmp_path, "x;y\n1,5;a\n2.5;b\n"))
+
+
+@pytest.mark.parametrize("content", [b"x,y\n1,a\n2,b\n", gzip.compress(b"x,y\n1,a\n2,b\n"), b"x\ty\n1\ta\n2\tb\n"])
+def test_standard_input_is_a_table(monkeypatch, content):
+    monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(content)))
+    table = read_table("-")
+    assert table.numbers(["x"]).tolist() == [[1], [2]]
+    assert table.place(1, "y") == "standard input, line 3, column 'y'"
+
+
+def test_standard_input_may_be_parquet_and_must_not_be_empty(monkeypatch):
+    buffer = io.BytesIO()
+    pd.DataFrame({"x": [1, 2]}).to_parquet(buffer)
+    monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(buffer.getvalue())))
+    assert read_table("-").numbers(["x"]).tolist() == [[1], [2]]
+    monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(b"\n")))
+    with pytest.raises(DataError, match="standard input is empty"):
+        read_table("-")
+
+
+def test_a_format_says_what_another_ending_holds(tmp_path):
+    (tmp_path / "t.data").write_text("x\ty\n1\ta\n")
+    assert read_table(tmp_path / "t.data", "tsv").columns == ("x", "y")
+
+
+@pytest.mark.parametrize(
+    ("content", "sentence"),
+    [
+        (gzip.compress(b"x,y\n1,a\n")[:-9], "cannot be unpacked"),
+        (b"\x1f\x8b\x08\x00aaaa", "cannot be unpacked"),
+        (gzip.compress(b"x,y\n" + b"1,a\n" * 3000), "unpacks to more than 10000 bytes"),
+        (gzip.compress(b"\n"), "is empty"),
+    ],
+)
+def test_a_packed_file_is_refused_when_broken_or_too_long_unpacked(tmp_path, monkeypatch, content, sentence):
+    monkeypatch.setattr("octmip.formats.files.MOST_BYTES", 10_000)
+    (tmp_path / "t.csv.gz").write_bytes(content)
+    with pytest.raises(DataError, match=sentence):
+        read_table(tmp_path / "t.csv.gz")

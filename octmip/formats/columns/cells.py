@@ -105,9 +105,9 @@ def _categories(series: "pd.Series[Any]", is_missing: NDArray[np.bool_]) -> Cell
 def _objects(series: "pd.Series[Any]", is_missing: NDArray[np.bool_]) -> Cells:
     cells = series.to_numpy(dtype=object)
     present = cells[~is_missing]
-    strange = next((cell for cell in present if not isinstance(cell, str | int | float | np.number | np.bool_)), None)
-    if strange is not None:
-        raise DataError(f"holds {shown(str(strange))} of type {type(strange).__name__}; expected numbers or text")
+    odd = next((cell for cell in present if not isinstance(cell, str | int | float | np.number | np.bool_)), None)
+    if odd is not None:
+        raise DataError(f"holds {shown(str(odd))} of type {type(odd).__name__}; expected numbers or text")
     numbers = _numbers_among(cells, is_missing)
     if numbers is not None:
         return _numbers(numbers, np.isnan(numbers))

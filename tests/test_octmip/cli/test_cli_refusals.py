@@ -15,7 +15,7 @@ BAD_TABLES = {
     "column named twice": ("a,a,y\n1,1,u\n", "column 'a' 2 times"),
     "ragged": ("a,y\n1,u\n2,v,3\n", "Expected 2 fields in line 3"),
     "label only": ("y\nu\nv\n", "no column beside 'y'"),
-    "semicolons": ("a;y\n1;u\n", "separate columns by commas"),
+    "decimal commas and points": ("a;y\n1,5;u\n2.5;v\n", "save the table with points"),
     "not text": ("a,y\n1,\xff\n", "is not UTF-8"),
 }
 

@@ -1,0 +1,26 @@
+"""Names of columns: none twice, none longer than a page can bear."""
+
+from collections import Counter
+from collections.abc import Sequence
+
+from octmip.errors import DataError
+from octmip.formats.checked import MOST_NAME, shown
+
+
+def check_names(source: str, header: Sequence[str]) -> None:
+    """Refuse a name that stands twice, or that no page can bear.
+
+    Raises
+    ------
+    DataError
+        one is such.
+    """
+    twice, times = Counter(header).most_common(1)[0] if header else ("", 0)
+    if times > 1:
+        raise DataError(f"{source} has the column {shown(twice)} {times} times; give each its own name")
+    longest = max(header, key=len, default="")
+    if len(longest) > MOST_NAME:
+        raise DataError(
+            f"{source} has a column whose name has {len(longest)} characters ({shown(longest)}); expected at most "
+            f"{MOST_NAME}; rename it"
+        )

@@ -1,0 +1,57 @@
+"""Parquet: a table read by pyarrow, without the types of Python that its metadata may promise."""
+
+import importlib
+import io
+
+import pandas as pd
+
+from octmip.errors import DataError, needed_by
+from octmip.formats.files import check_readable
+from octmip.formats.table.names import check_names
+from octmip.formats.table.source import Source
+
+MOST_CELLS = 2**28  # two gigabytes as float64
+
+
+def read_parquet(source: Source) -> pd.DataFrame:
+    """Return the table of a Parquet file.
+
+    Raises
+    ------
+    DataError
+        pyarrow is not installed, or the file is damaged, too large or names a column twice.
+    """
+    if source.held is None:
+        check_readable(source.path)
+    with needed_by(f"{source.name}, a Parquet file,"):
+        arrow, parquet = importlib.import_module("pyarrow"), importlib.import_module("pyarrow.parquet")
+    try:
+        with parquet.ParquetFile(source.path if source.held is None else io.BytesIO(source.held)) as file:
+            names = file.schema_arrow.names
+            check_names(source.name, names)
+            _check_size(source.name, file.metadata.num_rows, len(names))
+            index = _index_columns(file.schema_arrow.pandas_metadata)
+            # The metadata's other promises are not asked for: they hold types of Python that a column would become.
+            frame: pd.DataFrame = file.read().to_pandas(ignore_metadata=True)
+    except DataError:
+        raise
+    except (arrow.ArrowException, ValueError, TypeError, LookupError, OSError, ArithmeticError, MemoryError) as error:
+        reason = " ".join(str(error).split())[:300]
+        raise DataError(
+            f"{source.name} is no Parquet file that can be read ({reason}); was it written to the end?"
+        ) from error
+    return frame.drop(columns=[name for name in names if name in index])
+
+
+def _index_columns(metadata: object) -> set[str]:
+    """Return the columns in which pandas keeps the names of the rows: no column of the table."""
+    found = metadata.get("index_columns") if isinstance(metadata, dict) else None
+    return {name for name in found if isinstance(name, str)} if isinstance(found, list) else set()
+
+
+def _check_size(source: str, n_rows: int, n_columns: int) -> None:
+    """Refuse a promise of more cells than memory has: Parquet stores a million equal cells in a few bytes."""
+    if n_rows * n_columns > MOST_CELLS:
+        raise DataError(
+            f"{source} holds {n_rows} rows of {n_columns} columns; expected at most {MOST_CELLS} cells; drop columns"
+        )

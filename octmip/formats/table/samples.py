@@ -1,0 +1,233 @@
+"""The rows of a table: every column checked before it becomes numbers or labels.
+
+Numbers of a text are read to the last bit: one that is off in the last place would end on the other side of a
+threshold. Nothing but an empty cell and NaN counts as missing in a label, so that a class may be called "NA".
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, SupportsFloat, cast
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from octmip.errors import DataError
+from octmip.formats.cells import plain_number
+from octmip.formats.checked import MOST_NAME, several, shown
+from octmip.formats.files import PathLike
+from octmip.formats.table.delimited import line_of_row, read_delimited
+from octmip.formats.table.parquet import read_parquet
+from octmip.formats.table.source import Source, open_source
+
+MISSING_WORDS = {"na", "n/a", "nan", "none", "null", "nil", "?", "-", "missing"}
+EXACT_INTEGERS = 2**53  # beyond it float64 merges neighbouring integers
+UNLABELLED = "--drop-unlabelled leaves such rows out"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Table:
+    """The rows of a source, and where they came from so that errors can say it.
+
+    Attributes
+    ----------
+    source
+        of the table.
+    frame
+        the rows; its index is their place in the source, from 0.
+    """
+
+    source: Source
+    frame: pd.DataFrame
+
+    @property
+    def name(self) -> str:
+        """The table as a sentence names it."""
+        return self.source.name
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the columns."""
+        return tuple(str(name) for name in self.frame.columns)
+
+    def place(self, row: int, column: str) -> str:
+        """Return where a cell stands in the file, for a sentence about it."""
+        row = int(self.frame.index[row])
+        line = None if self.source.format == "parquet" else line_of_row(self.source, row)
+        return f"{self.name}, {f'line {line}' if line else f'row {row + 1}'}, column {shown(column)}"
+
+    def rows(self, chosen: NDArray[Any]) -> "Table":
+        """Return the table of some rows: their positions (n,), or whether each is chosen (n_rows,)."""
+        frame = self.frame[chosen] if chosen.dtype == bool else self.frame.iloc[chosen]
+        return Table(self.source, frame)
+
+    def with_plain_numbers(self, name: str) -> "Table":
+        """Return the table with a column as whole numbers or numbers where missing cells had made it something else."""
+        column = self.frame[name]
+        if column.dtype.kind == "O" and all(isinstance(cell, str) and _is_number(cell) for cell in column):
+            column = pd.to_numeric(column)
+        if column.dtype.kind == "f" and (column == np.floor(column)).all() and column.abs().max() <= EXACT_INTEGERS:
+            column = column.astype(np.int64)
+        return Table(self.source, self.frame.assign(**{name: column}))
+
+    def column(self, name: str, purpose: str) -> "pd.Series[Any]":
+        """Return a column by name.
+
+        Raises
+        ------
+        DataError
+            there is none of that name.
+        """
+        if name not in self.columns:
+            raise DataError(
+                f"{self.name} has no column {shown(name)}; expected the {purpose} among its {len(self.columns)} "
+                f"columns: {several(self.columns)}; spell it as the header does"
+            )
+        return self.frame[name]
+
+    def missing(self, name: str, purpose: str) -> NDArray[np.bool_]:
+        """Return which cells of a column are missing, shape (n_rows,): empty, NaN, or a word for it among numbers.
+
+        Raises
+        ------
+        DataError
+            there is no such column.
+        """
+        column = self.column(name, purpose)
+        is_missing = column.isna().to_numpy()
+        if column.dtype.kind in "biuf":
+            return is_missing
+        words = {value for value in set(column[~is_missing]) if not _is_number(value)}
+        if len(words) < column.nunique() and {str(word).strip().lower() for word in words} <= MISSING_WORDS:
+            is_missing = is_missing | column.isin(words).to_numpy()
+        return is_missing
+
+    def numbers(self, columns: Sequence[str], purpose: str = "feature") -> NDArray[np.float64]:
+        """Return columns as finite numbers, shape (n_rows, len(columns)), float64.
+
+        Raises
+        ------
+        DataError
+            a column is missing, or a cell of it is empty, text, not finite, or an integer beyond 2^53.
+        """
+        out = np.empty((len(self.frame), len(columns)))
+        for j, name in enumerate(columns):
+            out[:, j] = self._numbers_of(name, self.column(name, purpose), purpose)
+        return out
+
+    def _numbers_of(self, name: str, column: "pd.Series[Any]", purpose: str) -> NDArray[np.float64]:
+        self._refuse_empty(name, column, purpose)
+        if column.dtype.kind not in "biuf":
+            raise DataError(self._complaint(name, column, purpose))
+        if column.dtype.kind in "iu":
+            is_beyond = ((column > EXACT_INTEGERS) | (column < -EXACT_INTEGERS)).to_numpy()
+            if is_beyond.any():
+                raise DataError(self._beyond(name, int(is_beyond.argmax()), column))
+        numbers = column.to_numpy(dtype=np.float64)
+        if not np.isfinite(numbers).all():
+            row = int(np.isfinite(numbers).argmin())
+            raise DataError(f"{self.place(row, name)}: {numbers[row]} is not finite; expected a finite number")
+        return numbers
+
+    def _complaint(self, name: str, column: "pd.Series[Any]", purpose: str) -> str:
+        """Return a sentence about the first cell of a column that pandas could not take for numbers."""
+        words = (row for row, value in enumerate(column) if not _is_number(value))
+        row = next(words, None)
+        if row is None and column.map(lambda value: isinstance(value, int)).all():
+            row = max(range(len(column)), key=lambda k: abs(column.iloc[k]))  # whole numbers of more than 64 bits
+            return self._beyond(name, row, column)
+        leave_out = ", or leave the column out with --drop" if purpose == "feature" else ""
+        return (
+            f"{self.place(row or 0, name)}: {shown(column.iloc[row or 0])} is no number, and a {purpose} holds numbers "
+            f"only; encode it as numbers{leave_out}"
+        )
+
+    def _beyond(self, name: str, row: int, column: "pd.Series[Any]") -> str:
+        return (
+            f"{self.place(row, name)}: {shown(int(column.iloc[row]))} is beyond 2^53, where float64 merges "
+            "neighbouring integers; subtract an offset first"
+        )
+
+    def labels(self, column: str, known: Sequence[Any] | None = None, purpose: str = "label") -> NDArray[Any]:
+        """Return the label of each row, shape (n_rows,): whole numbers, numbers, booleans or text.
+
+        Raises
+        ------
+        DataError
+            the column is missing, a label is empty or says so, or (with `known`) was not seen at training.
+        """
+        values = self.column(column, purpose)
+        self._refuse_empty(column, values, purpose)
+        labels = values.to_numpy()
+        if labels.dtype.kind not in "biuf":
+            labels = np.array([str(value) for value in values], dtype=object)
+            self._refuse_words(column, labels)
+        if known is not None:
+            is_known = set(known).__contains__
+            unseen = [row for row, label in enumerate(labels.tolist()) if not is_known(label)]
+            if unseen:
+                raise DataError(
+                    f"{self.place(unseen[0], column)}: label {shown(labels.tolist()[unseen[0]])} was not seen at "
+                    f"training ({len(unseen)} such rows); the tree knows {several(known)}; give the right column"
+                )
+        return labels
+
+    def _refuse_words(self, name: str, labels: NDArray[Any]) -> None:
+        """Refuse a word that no page can bear, and "NA" among numbers; among words it is a class like any other."""
+        lengths = [len(label) for label in labels]
+        if max(lengths) > MOST_NAME:
+            row = lengths.index(max(lengths))
+            raise DataError(
+                f"{self.place(row, name)}: {shown(labels[row])} has {max(lengths)} characters; expected at most "
+                f"{MOST_NAME}; name every class by a word"
+            )
+        words = {label for label in set(labels) if not _is_number(label)}
+        rows = [row for row, label in enumerate(labels) if label in words]
+        if 0 < len(rows) < len(labels) and {word.lower() for word in words} <= MISSING_WORDS:
+            raise DataError(
+                f"{self.place(rows[0], name)}: {shown(labels[rows[0]])} among numbers ({len(rows)} such rows); "
+                f"expected a label in every row; {UNLABELLED}, or name every class by a word"
+            )
+
+    def _refuse_empty(self, name: str, column: "pd.Series[Any]", purpose: str) -> None:
+        empty = column.isna().to_numpy()
+        if empty.any():
+            cure = UNLABELLED if purpose == "label" else "fill it or drop the row"
+            raise DataError(
+                f"{self.place(int(empty.argmax()), name)}: the {purpose} is empty or NaN ({int(empty.sum())} such "
+                f"rows); {cure}"
+            )
+
+
+def _is_number(value: object) -> bool:
+    """Whether a cell is a number, of any size; "nan" is none."""
+    if isinstance(value, str):
+        number = plain_number(value)
+        return number is not None and not math.isnan(number)
+    try:
+        return "_" not in str(value) and not math.isnan(float(cast(SupportsFloat, value)))
+    except OverflowError:  # a whole number beyond float64
+        return True
+    except (TypeError, ValueError):
+        return False
+
+
+def read_table(path: PathLike, form: str | None = None) -> Table:
+    """Return the table of a file, or of standard input for "-".
+
+    .csv and .tsv (UTF-8, one header line, either may be compressed: .gz) and .parquet; `form` ("csv", "tsv",
+    "parquet") says what a file with another ending holds.
+
+    Raises
+    ------
+    DataError
+        the table cannot be read, is empty, has no rows, names a column twice, or rows of unequal length.
+    """
+    source = open_source(path, form)
+    frame = read_parquet(source) if source.format == "parquet" else read_delimited(source)
+    if frame.empty:
+        raise DataError(
+            f"{source.name} has {len(frame.columns)} columns and {len(frame)} rows; expected at least one row"
+        )
+    return Table(source, frame)

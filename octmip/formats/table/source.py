@@ -1,0 +1,123 @@
+"""Where a table comes from: a file, plain or compressed by gzip, or standard input."""
+
+import gzip
+import io
+import re
+import sys
+import zlib
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from octmip.errors import DataError
+from octmip.formats import files
+from octmip.formats.checked import shown
+from octmip.formats.files import PathLike, decoded, read_bytes
+
+FORMATS = ("csv", "tsv", "parquet")
+STANDARD_INPUT = "-"
+GZIP, PARQUET = b"\x1f\x8b", b"PAR1"
+PIECE = 2**20  # bytes that are unpacked at a time
+ENDINGS = {".csv": "csv", ".tsv": "tsv", ".tab": "tsv", ".parquet": "parquet"}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Source:
+    """A table that can be read, more than once.
+
+    Attributes
+    ----------
+    path
+        of the file, "-" for standard input.
+    format
+        "csv", "tsv" or "parquet".
+    held
+        the content of standard input, which cannot be read again; None for a file.
+    """
+
+    path: Path
+    format: str
+    held: bytes | None = field(default=None, repr=False)
+
+    @property
+    def name(self) -> str:
+        """The source as a sentence names it."""
+        return str(self.path) if self.held is None else "standard input"
+
+    def content(self) -> bytes:
+        """Return the bytes of the table, unpacked where they were compressed.
+
+        Raises
+        ------
+        DataError
+            they cannot be read, are too many, or are no gzip although they begin so.
+        """
+        packed = read_bytes(self.path) if self.held is None else self.held
+        return unpacked(packed, self.name) if packed.startswith(GZIP) else packed
+
+    def text(self) -> str:
+        """Return the text of a table in UTF-8.
+
+        Raises
+        ------
+        DataError
+            as `content`, or it is not UTF-8.
+        """
+        return decoded(self.content(), self.name)
+
+
+def open_source(path: PathLike, form: str | None = None) -> Source:
+    """Return the source of a table: its format is given, or said by the file's ending, or (standard input) found.
+
+    Raises
+    ------
+    DataError
+        the ending says nothing and no format is given, or standard input is empty or too long.
+    """
+    if str(path) == STANDARD_INPUT:
+        held = _standard_input()
+        return Source(Path(STANDARD_INPUT), form or ("parquet" if held.startswith(PARQUET) else "csv"), held)
+    path = Path(path)
+    ending = Path(path.stem).suffix if path.suffix == ".gz" else path.suffix
+    found = form or ENDINGS.get(ending.lower())
+    if found is None:
+        raise DataError(
+            f"{path} does not say what it holds: it ends with {shown(path.suffix)}; expected .csv, .tsv (either may be "
+            f"compressed: .gz) or .parquet; rename it, or add --format {', '.join(FORMATS[:-1])} or {FORMATS[-1]}"
+        )
+    return Source(path, found)
+
+
+def _standard_input() -> bytes:
+    content = sys.stdin.buffer.read(files.MOST_BYTES + 1)
+    if len(content) > files.MOST_BYTES:
+        raise DataError(f"standard input is longer than {files.MOST_BYTES} bytes; expected a shorter table; drop rows")
+    if not content.strip():
+        raise DataError("standard input is empty; expected a table; pipe one into the command")
+    return content
+
+
+def unpacked(content: bytes, name: str) -> bytes:
+    """Return what gzip packed; its length is counted before it is kept, since a few bytes may unpack to terabytes.
+
+    Raises
+    ------
+    DataError
+        it is no gzip to its end, or unpacks to more bytes than a file may have.
+    """
+    try:
+        with gzip.GzipFile(fileobj=io.BytesIO(content)) as stream:
+            n_bytes = 0
+            while piece := stream.read(PIECE):
+                n_bytes += len(piece)
+                if n_bytes > files.MOST_BYTES:
+                    raise DataError(
+                        f"{name} unpacks to more than {files.MOST_BYTES} bytes; expected at most so many; drop rows or "
+                        "columns"
+                    )
+        found = gzip.decompress(content)
+    except (OSError, EOFError, zlib.error) as error:
+        reason = re.sub(r"\s+", " ", str(error))[:100]
+        raise DataError(f"{name} cannot be unpacked ({reason}); expected gzip; was it written to the end?") from error
+    if not found.strip():
+        raise DataError(f"{name} is empty ({len(found)} bytes unpacked); expected a table; was it written to the end?")
+    return found
