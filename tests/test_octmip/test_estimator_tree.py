@@ -26,7 +26,7 @@ from octmip.estimator.notebook import tree_svg
 from octmip.estimator.paths import NodeTable, leaf_nodes, node_indicator
 
 IRIS = load_iris(return_X_y=True)
-FRAME = pd.DataFrame({"dose": [1.0, np.nan, 3.0, 4.0], "<b>kind</b>": ["a", "b", "a", "c"]})
+FRAME = pd.DataFrame({"dose": [1.0, np.nan, 4.0, 3.0], "<b>kind</b>": ["a", "b", "a", "c"]})
 ANSWERS = ["yes", "no", "yes", "no"]
 UNEVEN = Split(0, 0.5, Leaf(0), Split(1, 0.5, Split(0, 2.5, Leaf(1), Leaf(0)), Leaf(1)))
 
