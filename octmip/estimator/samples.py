@@ -29,7 +29,7 @@ def learn_samples(estimator: BaseEstimator, X: ArrayLike, y: ArrayLike) -> tuple
     DataError
         a column cannot become features (also a ValueError); all of them are named.
     """
-    checked, labels = validate_data(estimator, X, y, dtype=None, ensure_all_finite=False)
+    checked, labels = validate_data(estimator, _objects(X), y, dtype=None, ensure_all_finite=False)
     names = _names(estimator)
     numbers = _numbers(estimator, checked)
     if numbers is not None and not np.isnan(numbers).any():
@@ -53,12 +53,19 @@ def read_samples(estimator: BaseEstimator, X: ArrayLike) -> Floats:
     DataError
         a column holds what it did not in training (also a ValueError).
     """
-    checked = validate_data(estimator, X, dtype=None, ensure_all_finite=False, reset=False)
+    checked = validate_data(estimator, _objects(X), dtype=None, ensure_all_finite=False, reset=False)
     columns: Columns = estimator.columns_
     numbers = _numbers(estimator, checked)
     if numbers is not None and columns.is_plain and not np.isnan(numbers).any():
         return numbers
     return columns.encode(_frame(X, checked, columns.names))
+
+
+def _objects(X: Any) -> Any:
+    """Return X with columns of pandas' own types as objects: older versions of scikit-learn take these for numbers."""
+    if isinstance(X, pd.DataFrame) and not all(isinstance(kind, np.dtype) for kind in X.dtypes):
+        return X.astype(object)
+    return X
 
 
 def plain_columns(names: tuple[str, ...], numbers: Floats) -> Columns:
