@@ -1,8 +1,8 @@
-"""How long a proof takes: CPU seconds of `method="exact"` against samples, features and depth, as a table and a chart.
+"""How long a proof takes: CPU seconds of `method="exact"` against samples, features and depth: a table and a diagram.
 
 The data are made up and not easy: half of the features matter, they act together, and a tenth of the labels are drawn
 at random, so that no tree of these depths is free of errors. Real tables are mostly quicker (docs/benchmarks.md).
-A line ends where a call reaches its limit. `python -m benchmarks.how_long` prints the table and draws the chart.
+A line ends where a call reaches its limit. `python -m benchmarks.how_long` prints the table and draws the diagram.
 """
 
 import argparse
@@ -63,7 +63,7 @@ def timings(limit: float) -> Iterator[Timing]:
                     break
 
 
-def chart(found: list[Timing], limit: float) -> Figure:
+def diagram(found: list[Timing], limit: float) -> Figure:
     """Return CPU seconds against samples, a panel for each depth and a line for each number of features."""
     figure = Figure(figsize=(8.4, 3.1), layout="constrained")
     panels = figure.subplots(1, len(SAMPLES), sharey=True)
@@ -93,7 +93,7 @@ def chart(found: list[Timing], limit: float) -> Figure:
 
 
 def main() -> None:
-    """Print the table and draw the chart."""
+    """Print the table and draw the diagram."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--limit", type=float, default=6.0, help="CPU seconds of each call")
     limit = parser.parse_args().limit
@@ -103,7 +103,7 @@ def main() -> None:
         words = "yes" if t.is_proven else f"no: limit of {limit:g} CPU s"
         print(f"| {t.depth} | {t.n_features} | {t.n_samples:,} | {t.seconds:.3g} | {words} |")
     with matplotlib.rc_context({"svg.hashsalt": "octmip"}):
-        chart(found, limit).savefig(PICTURE, metadata={"Date": None})
+        diagram(found, limit).savefig(PICTURE, metadata={"Date": None})
 
 
 if __name__ == "__main__":

@@ -45,12 +45,12 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
         "methods.cart": 4,
         "solver": 7,
         "tradeoff": 8,
-        "estimator": 8,
         "monitor": 8,
         "sensing": 9,
         "gap": 9,
         "plot": 9,
         "report": 10,
+        "estimator": 11,
         "cli": 11,
     },
     "femlib": {

@@ -42,12 +42,13 @@ def tree_text(
     rows = iter([] if counts is None else counts.tolist())
 
     def decision(leaf: Leaf) -> str:
-        return f"{shown(class_names[leaf.label])}{_leaf_note(next(rows, None), leaf.label)}"
+        return f"{shown(class_names[leaf.label])}{leaf_note(next(rows, None), leaf.label)}"
 
     return "\n".join(tree_lines(tree, lambda split: condition(split, feature_names, columns), decision))
 
 
-def _leaf_note(counts: list[int] | None, label: int) -> str:
+def leaf_note(counts: list[int] | None, label: int) -> str:
+    """Return the samples of a leaf and how many of them are wrong, nothing where they are unknown."""
     if counts is None:
         return ""
     total, wrong = sum(counts), sum(counts) - counts[label]
