@@ -1,11 +1,30 @@
 """octmip: classification trees that are optimal, with the proof."""
 
+from typing import TYPE_CHECKING, Any
+
 from octmip.certificate import Certificate, certify
 from octmip.errors import OctmipError
 from octmip.problem import Problem
 from octmip.solution import Limits, Progress, Solution, Stop
 from octmip.solver import solve
 from octmip.tree import HyperplaneSplit, Leaf, Split, predict
+
+if TYPE_CHECKING:
+    from octmip.estimator import OptimalTreeClassifier
+else:  # a checker of types sees no name that is not there
+
+    def __getattr__(name: str) -> Any:
+        """Import the estimator, and scikit-learn with it, when it is first asked for."""
+        if name != "OptimalTreeClassifier":
+            raise AttributeError(f"module 'octmip' has no attribute {name!r}")
+        from octmip.estimator import OptimalTreeClassifier
+
+        return OptimalTreeClassifier
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
+
 
 __version__ = "0.1.0"
 __all__ = [
@@ -14,6 +33,7 @@ __all__ = [
     "Leaf",
     "Limits",
     "OctmipError",
+    "OptimalTreeClassifier",
     "Problem",
     "Progress",
     "Solution",

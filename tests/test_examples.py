@@ -17,7 +17,8 @@ import pytest
 from octmip.cli import main
 
 DOCS = Path(__file__).parent.parent / "docs"
-PAGES = [DOCS / "index.md", *sorted((DOCS / "examples").glob("*.md"))]
+PAGES = [DOCS / "index.md", *sorted((DOCS / "examples").glob("*.md")), *sorted((DOCS / "howto").glob("*.md"))]
+SHOWN = re.compile(r"!\[[^\]]*\]\((?:\.\./)?pictures/examples/([^)\s]+)\)")
 BLOCK = re.compile(r"^```(python|text shape|text|console)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
@@ -64,10 +65,13 @@ def run_page(text: str, name: str) -> None:
     assert printed == "", f"{name} does not show what was printed:\n{printed}"
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: f"{page.parent.name}/{page.stem}")
 def test_every_example_prints_what_its_page_says(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    run_page(page.read_text(), page.name)
+    text = page.read_text()
+    run_page(text, page.name)
+    if page.stem != "gallery":  # it shows what the others draw
+        assert [name for name in SHOWN.findall(text) if not (tmp_path / name).exists()] == []
 
 
 @pytest.mark.parametrize(

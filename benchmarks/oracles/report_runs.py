@@ -19,7 +19,8 @@ from PIL import Image
 
 from benchmarks.oracles.export_runs import EXACT
 from octmip.formats.names import END_ISOLATE, ISOLATE, PAGE_POLICY, shown
-from octmip.formats.tree_file import TreeFile, decode_tree, encode_tree
+from octmip.formats.tree_file import TreeFile
+from octmip.formats.tree_nodes import decode_tree, encode_tree
 from octmip.formats.tree_schema import SETTINGS
 from octmip.plot import counted_tree_figure
 from octmip.report.dot import tree_dot

@@ -20,7 +20,7 @@ from octmip.errors import OctmipError
 from octmip.formats.files import read_json_object
 from octmip.formats.table import read_costs, read_sensors, read_table
 from octmip.formats.tree_file import read_tree_file, record_tree, write_tree_file
-from octmip.formats.tree_schema import CONTENT, FORMAT
+from octmip.formats.tree_schema import CONTENT, FORMAT, VERSION
 from octmip.methods.exact import branch_and_bound
 from octmip.methods.search import local_search
 from octmip.methods.two_feature import two_feature_branch_and_bound
@@ -112,7 +112,11 @@ def agree_with_schema(path: Path) -> None:
     content = read_json_object(path)
     try:
         CONTENT.take(content)
-        takes = content.get("format") == FORMAT and type(content.get("version")) is not bool and content["version"] == 1
+        takes = (
+            content.get("format") == FORMAT
+            and type(content.get("version")) is not bool
+            and content["version"] == VERSION
+        )
     except (OctmipError, KeyError):
         takes = False
     if _validator().is_valid(content) != takes:

@@ -1,21 +1,22 @@
 """Tree files: a tree with all that is needed to use and to check it, as JSON.
 
-    {"format": "octmip-tree", "version": 1,
+    {"format": "octmip-tree", "version": 2,
      "tree": {"feature": "g01", "threshold": 2.5, "left": {"label": 0}, "right": {"label": 20}},
      "feature_names": [...], "class_names": [...],
      "problem": {"depth": 3, "split": "axis", ...},             everything of the Problem but its samples
      "training": {"sha256": ..., "n_samples": ..., "label": "mu1", "weights": null, "leaf_counts": [[...], ...]},
-     "solution": {"objective": 28.0, "bound": 28.0, ...}}       bound null: no proof
+     "solution": {"objective": 28.0, "bound": 28.0, ...},       bound null: no proof
+     "table": {"columns": {...}, "index": null, "rows": "all"},  how columns became features, or null
+     "held_out": {"share": 0.25, "seed": 0, "n_samples": 37, "errors": 2, "cost": 2.0}}           null: none held out
 
 Left is `x[feature] <= threshold`, or `coefficients . x[features] <= offset` (see octmip.tree). Floats are written with
-as many digits as float64 needs to come back the same.
+as many digits as float64 needs to come back the same. Version 1 had no "table" and no "held_out", and is still read.
 """
 
 import dataclasses
 import json
 import math
-from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
@@ -25,11 +26,34 @@ from numpy.typing import NDArray
 
 from octmip.errors import OctmipError, TreeError
 from octmip.formats.checked import shown
+from octmip.formats.columns import Columns
 from octmip.formats.files import PathLike, read_json_object, write_bytes
+from octmip.formats.table.preparation import Preparation
+from octmip.formats.tree_nodes import decode_tree, different, encode_tree
 from octmip.formats.tree_schema import CONTENT, FORMAT, SETTINGS, VERSION
 from octmip.problem import Problem
 from octmip.solution import Solution, Stop
-from octmip.tree import HyperplaneSplit, Leaf, Node, Split, leaf_index, leaves, n_splits, splits
+from octmip.tree import Node, leaf_index, leaves, n_splits, splits
+
+
+@dataclass(frozen=True, slots=True)
+class HeldOut:
+    """What the tree loses on samples that it was not trained on.
+
+    Attributes
+    ----------
+    share, seed
+        the rows of the training's table that were held out (`octmip.tradeoff.held_out`); the share is None where the
+        samples are another table's.
+    n_samples, errors, cost
+        their number, how many are wrong, and their weighted cost.
+    """
+
+    share: float | None
+    seed: int
+    n_samples: int
+    errors: int
+    cost: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,6 +76,10 @@ class TreeFile:
         of the training table, None where it was none.
     leaf_counts
         (n_leaves, n_classes) training samples of each class in each leaf, leaves from the left.
+    preparation
+        how the training's table became samples; None where it was none.
+    held_out
+        what the tree loses on samples held out; None without such.
     """
 
     solution: Solution
@@ -63,6 +91,8 @@ class TreeFile:
     label_column: str | None
     weights_column: str | None
     leaf_counts: NDArray[np.int64]
+    preparation: Preparation | None = None
+    held_out: HeldOut | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "settings", MappingProxyType(dict(self.settings)))
@@ -78,6 +108,11 @@ class TreeFile:
         assert self.solution.tree is not None  # read and made so
         return self.solution.tree
 
+    @property
+    def columns(self) -> Columns | None:
+        """How the columns of a table become the features; None where every feature is its column."""
+        return None if self.preparation is None or self.preparation.columns.is_plain else self.preparation.columns
+
     def problem(
         self, features: NDArray[np.float64], labels: NDArray[Any], weights: NDArray[np.float64] | None
     ) -> Problem:
@@ -87,7 +122,12 @@ class TreeFile:
 
 
 def record_tree(
-    problem: Problem, solution: Solution, label_column: str | None = None, weights_column: str | None = None
+    problem: Problem,
+    solution: Solution,
+    label_column: str | None = None,
+    weights_column: str | None = None,
+    preparation: Preparation | None = None,
+    held_out: HeldOut | None = None,
 ) -> TreeFile:
     """Return the tree file of a solution.
 
@@ -113,6 +153,8 @@ def record_tree(
         label_column=label_column,
         weights_column=weights_column,
         leaf_counts=leaf_counts(problem, solution.tree),
+        preparation=preparation,
+        held_out=held_out,
     )
 
 
@@ -157,26 +199,14 @@ def encode(file: TreeFile) -> dict[str, Any]:
             "leaf_counts": file.leaf_counts.tolist(),
         },
         "solution": solution,
+        "table": None if file.preparation is None else file.preparation.to_json(),
+        "held_out": None if file.held_out is None else dataclasses.asdict(file.held_out),
     }
 
 
 def finite_or_none(number: float) -> float | None:
     """Return a number, None where JSON has none for it."""
     return number if math.isfinite(number) else None
-
-
-def encode_tree(tree: Node, feature_names: tuple[str, ...], class_names: tuple[Any, ...]) -> dict[str, Any]:
-    """Return a tree as nested JSON objects, features and classes by name."""
-    if isinstance(tree, Leaf):
-        return {"label": class_names[tree.label]}
-    sides = {
-        "left": encode_tree(tree.left, feature_names, class_names),
-        "right": encode_tree(tree.right, feature_names, class_names),
-    }
-    if isinstance(tree, Split):
-        return {"feature": feature_names[tree.feature], "threshold": tree.threshold, **sides}
-    names = [feature_names[feature] for feature in tree.features]
-    return {"features": names, "coefficients": list(tree.coefficients), "offset": tree.offset, **sides}
 
 
 def read_tree_file(path: PathLike) -> TreeFile:
@@ -199,27 +229,15 @@ def read_tree_file(path: PathLike) -> TreeFile:
         raise TreeError(
             f"{path} is of version {shown(version)}, newer than the known {VERSION}; install a newer octmip"
         )
-    if version != VERSION:
+    if version not in range(1, VERSION + 1):
         raise TreeError(f"{path} has version {shown(version)}; expected {VERSION}; write it again with octmip solve")
+    if version == 1:
+        content |= {"table": None, "held_out": None}
     try:
         return _decode(CONTENT.take(content))
     except OctmipError as error:
         cure = "write the file again with octmip solve --out, or correct that entry"
         raise TreeError(f"{path} holds no valid tree: {error}; {cure}") from error
-
-
-def different(names: Sequence[Any], what: str) -> tuple[Any, ...]:
-    """Return names as a tuple.
-
-    Raises
-    ------
-    TreeError
-        one stands there twice.
-    """
-    if len(set(names)) < len(names):
-        twice, times = Counter(names).most_common(1)[0]
-        raise TreeError(f"{what} holds {shown(twice)} {times} times; expected a list of different names")
-    return tuple(names)
 
 
 def _decode(content: dict[str, Any]) -> TreeFile:
@@ -237,7 +255,21 @@ def _decode(content: dict[str, Any]) -> TreeFile:
         label_column=training["label"],
         weights_column=training["weights"],
         leaf_counts=_counts(training, n_splits(tree) + 1, len(classes)),
+        preparation=_preparation(content["table"], features),
+        held_out=None if content["held_out"] is None else HeldOut(**content["held_out"]),
     )
+
+
+def _preparation(content: dict[str, Any] | None, features: tuple[Any, ...]) -> Preparation | None:
+    if content is None:
+        return None
+    found = Preparation.from_json(content)
+    if found.columns.feature_names != features:
+        raise TreeError(
+            f"table.columns gives {len(found.columns.features)} features, which are not the {len(features)} of "
+            "feature_names; expected the same names in the same order"
+        )
+    return found
 
 
 def _counts(training: dict[str, Any], n_leaves: int, n_classes: int) -> NDArray[np.int64]:
@@ -262,37 +294,6 @@ def _sized(settings: dict[str, Any], n_features: int, n_classes: int) -> dict[st
         got = len(settings["sensor_of_feature"])
         raise TreeError(f"problem.sensor_of_feature has {got} names; expected one for each of {n_features} features")
     return settings
-
-
-def decode_tree(node: dict[str, Any], feature_names: Sequence[str], class_names: Sequence[Any]) -> Node:
-    """Return the tree of nested JSON objects that `NODE` has taken.
-
-    Raises
-    ------
-    TreeError
-        a feature or class is not among the names, or a split is none.
-    """
-    positions = [{name: k for k, name in enumerate(names)} for names in (feature_names, class_names)]
-    return _node(node, *positions)
-
-
-def _node(node: dict[str, Any], features: dict[str, int], classes: dict[Any, int]) -> Node:
-    if "label" in node:
-        return Leaf(_index(node["label"], classes, "class"))
-    left, right = _node(node["left"], features, classes), _node(node["right"], features, classes)
-    if "feature" in node:
-        return Split(_index(node["feature"], features, "feature"), node["threshold"], left, right)
-    read, coefficients = [_index(name, features, "feature") for name in node["features"]], node["coefficients"]
-    if len(read) != len(coefficients):
-        raise TreeError(f"a node has {len(read)} features and {len(coefficients)} coefficients; expected one for each")
-    terms = sorted(zip(read, coefficients, strict=True))
-    return HyperplaneSplit(tuple(j for j, _ in terms), tuple(c for _, c in terms), node["offset"], left, right)
-
-
-def _index(name: Any, positions: dict[Any, int], kind: str) -> int:
-    if name not in positions:
-        raise TreeError(f"a node names the {kind} {shown(name)}, which is not among its {len(positions)} {kind} names")
-    return positions[name]
 
 
 def tree_for(problem: Problem, file: TreeFile) -> Node:

@@ -24,10 +24,11 @@ from octmip.formats.checked import (
     maybe,
     shown,
 )
+from octmip.formats.columns.columns import COLUMNS
 from octmip.problem import MAX_DEPTH
 from octmip.solution import Stop
 
-FORMAT, VERSION = "octmip-tree", 1
+FORMAT, VERSION = "octmip-tree", 2
 COST, COUNT = Number(low=0.0), Whole(1, 2**53)
 NAME, CLASS = Text(), AsItIs(Either((Text(), Truth(), Number())))
 
@@ -91,6 +92,18 @@ TRAINING: dict[str, Kind] = {
     "weights": maybe(NAME),
     "leaf_counts": ListOf(ListOf(Whole(0, 2**53)), 1),
 }
+TABLE: dict[str, Kind] = {
+    "columns": COLUMNS,
+    "index": maybe(NAME),
+    "rows": Choice(("all", "labelled", "complete")),
+}
+HELD_OUT: dict[str, Kind] = {
+    "share": maybe(Number(low=0.0, high=1.0)),
+    "seed": Whole(),
+    "n_samples": COUNT,
+    "errors": Whole(0, 2**53),
+    "cost": COST,
+}
 CONTENT = Record(
     {
         "tree": NODE,
@@ -99,6 +112,8 @@ CONTENT = Record(
         "problem": Record(SETTINGS),
         "training": Record(TRAINING),
         "solution": Record(CLAIMS),
+        "table": maybe(Record(TABLE)),
+        "held_out": maybe(Record(HELD_OUT, closed=True)),
     }
 )
 

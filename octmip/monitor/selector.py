@@ -20,7 +20,8 @@ from numpy.typing import ArrayLike, NDArray
 from octmip.errors import DataError, OctmipError, TreeError
 from octmip.formats.checked import ListOf, Number, Record, Text, maybe, several, shown
 from octmip.formats.files import PathLike, read_json_object, write_bytes
-from octmip.formats.tree_file import TreeFile, decode_tree, different, encode_tree
+from octmip.formats.tree_file import TreeFile
+from octmip.formats.tree_nodes import decode_tree, different, encode_tree
 from octmip.formats.tree_schema import NODE
 from octmip.monitor.compiled import CompiledTree
 from octmip.monitor.leaf_likelihood import LeafLikelihood

@@ -7,33 +7,48 @@ from typing import Any
 from numpy.typing import NDArray
 
 from octmip.certificate import Certificate
+from octmip.formats.columns import Columns
 from octmip.formats.names import shown, visible
 from octmip.solution import Solution
 from octmip.tree import HyperplaneSplit, Leaf, Node, Split, tree_lines
 from octmip.tree import condition as named_condition
 
 
-def condition(split: Split | HyperplaneSplit, feature_names: Sequence[str]) -> str:
-    """Return the condition for going left on one line, numbers to six digits."""
-    return named_condition(split, lambda feature: shown(feature_names[feature]))
+def condition(split: Split | HyperplaneSplit, feature_names: Sequence[str], columns: Columns | None = None) -> str:
+    """Return the condition for going left on one line, numbers to six digits.
+
+    With `columns` it is said of the columns that the features were made from: "colour is not red" instead of
+    "colour is red <= 0.5".
+    """
+    if columns is None:
+        return named_condition(split, lambda feature: shown(feature_names[feature]))
+    if isinstance(split, Split):
+        return visible(columns.left_words(split.feature, split.threshold))
+    return named_condition(split, lambda feature: f"[{shown(feature_names[feature])}]")
 
 
 def tree_text(
-    tree: Node, feature_names: Sequence[str], class_names: Sequence[Any], counts: NDArray[Any] | None = None
+    tree: Node,
+    feature_names: Sequence[str],
+    class_names: Sequence[Any],
+    counts: NDArray[Any] | None = None,
+    columns: Columns | None = None,
 ) -> str:
     """Return a tree as indented lines, with the training samples of each leaf where `counts` are given.
 
-    `counts` has shape (n_leaves, n_classes), leaves from the left.
+    `columns` puts the conditions in words of the table that the features were made from. `counts` has shape
+    (n_leaves, n_classes), leaves from the left.
     """
     rows = iter([] if counts is None else counts.tolist())
 
     def decision(leaf: Leaf) -> str:
-        return f"{shown(class_names[leaf.label])}{_leaf_note(next(rows, None), leaf.label)}"
+        return f"{shown(class_names[leaf.label])}{leaf_note(next(rows, None), leaf.label)}"
 
-    return "\n".join(tree_lines(tree, lambda split: condition(split, feature_names), decision))
+    return "\n".join(tree_lines(tree, lambda split: condition(split, feature_names, columns), decision))
 
 
-def _leaf_note(counts: list[int] | None, label: int) -> str:
+def leaf_note(counts: list[int] | None, label: int) -> str:
+    """Return the samples of a leaf and how many of them are wrong, nothing where they are unknown."""
     if counts is None:
         return ""
     total, wrong = sum(counts), sum(counts) - counts[label]

@@ -3,11 +3,13 @@
 frontier   the least cost against depth, sensor budget or leaf penalty, each point with its bound
 path       for every leaf penalty the best tree: all the trees that are best for some penalty
 risk       missed critical states against false alarms, over the cost of a failure
+held_out   rows kept from training, and what a tree and CART lose there
 choice     depth and leaf penalty by cross-validation over those paths
 """
 
 from octmip.tradeoff.choice import RULES, Choice, Rule, Step, choose_tree
 from octmip.tradeoff.frontier import OVERS, Over, Point, default_values, trace_frontier
+from octmip.tradeoff.held_out import Comparison, Samples, Score, beside_cart, held_out_rows, score
 from octmip.tradeoff.path import PathTree, PenaltyPath, trace_path
 from octmip.tradeoff.risk import RiskPoint, trace_risk_frontier
 
@@ -15,15 +17,21 @@ __all__ = [
     "OVERS",
     "RULES",
     "Choice",
+    "Comparison",
     "Over",
     "PathTree",
     "PenaltyPath",
     "Point",
     "RiskPoint",
     "Rule",
+    "Samples",
+    "Score",
     "Step",
+    "beside_cart",
     "choose_tree",
     "default_values",
+    "held_out_rows",
+    "score",
     "trace_frontier",
     "trace_path",
     "trace_risk_frontier",

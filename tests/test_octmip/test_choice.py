@@ -10,9 +10,8 @@ import pytest
 from sklearn.datasets import load_iris
 from sklearn.model_selection import GridSearchCV
 
-from octmip import Problem, certify, predict
+from octmip import OptimalTreeClassifier, Problem, certify, predict
 from octmip.errors import ProblemError
-from octmip.estimator import OptimalTreeClassifier
 from octmip.tradeoff import choose_tree
 from octmip.tradeoff.folds import part_of, stratified_folds
 from octmip.tradeoff.path import trace_depths
@@ -199,7 +198,7 @@ def test_costs_that_are_all_zero_leave_nothing_to_choose_by():
 
 def test_scikit_learn_s_own_grid_search_chooses_depth_and_penalty_too():
     search = GridSearchCV(
-        OptimalTreeClassifier(method="cart"), {"depth": [1, 2], "leaf_penalty": [0.0, 2.0, 200.0]}, cv=3
+        OptimalTreeClassifier(method="cart"), {"max_depth": [1, 2], "leaf_penalty": [0.0, 2.0, 200.0]}, cv=3
     ).fit(IRIS.features, IRIS.labels)
-    assert search.best_params_["depth"] == 2
+    assert search.best_params_["max_depth"] == 2
     assert search.best_params_["leaf_penalty"] < 200

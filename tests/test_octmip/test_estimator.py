@@ -1,67 +1,132 @@
 """OptimalTreeClassifier keeps scikit-learn's contract and says what was proven."""
 
+import json
+import math
+import os
 import pickle
+import subprocess
+import sys
+import warnings
+from dataclasses import replace
 
+import joblib
 import numpy as np
 import pandas as pd
 import pytest
 from sklearn.datasets import load_iris
-from sklearn.exceptions import NotFittedError
+from sklearn.exceptions import ConvergenceWarning, NotFittedError
 from sklearn.model_selection import GridSearchCV
 from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import StandardScaler
-from sklearn.utils.estimator_checks import parametrize_with_checks
 
-from octmip import predict
-from octmip.errors import ProblemError
-from octmip.estimator import OptimalTreeClassifier
+import octmip
+from octmip import OptimalTreeClassifier, Stop, certify, predict
+from octmip.errors import ProblemError, SolverError
+from octmip.estimator import classifier
+from octmip.estimator.settings import seed_of, threads_of
 
 IRIS = load_iris(return_X_y=True)
+CHECKS = """
+import json, warnings
+warnings.simplefilter("ignore")
+from sklearn.utils.estimator_checks import check_estimator
+from octmip import OptimalTreeClassifier
+# The price of a split does here what min_weight_fraction_leaf does for scikit-learn's own trees, in the check of
+# class_weight: no leaf for samples that weigh a ten-millionth of the others.
+axis = OptimalTreeClassifier(max_depth=2, leaf_penalty=0.01)
+hyperplane = OptimalTreeClassifier(max_depth=2, leaf_penalty=0.01, split="hyperplane", split_size=2)
+results = [check_estimator(estimator, on_skip=None, on_fail=None) for estimator in (axis, hyperplane)]
+print(json.dumps([[(found["check_name"], found["status"], repr(found["exception"])) for found in r] for r in results]))
+"""
 
 
-@parametrize_with_checks(
-    [
-        OptimalTreeClassifier(depth=2),
-        OptimalTreeClassifier(depth=3, method="search"),
-        OptimalTreeClassifier(depth=2, method="cart"),
-        OptimalTreeClassifier(depth=2, split="hyperplane", split_size=2),
-    ],
-)
-def test_it_passes_scikit_learns_own_checks(estimator, check):
-    check(estimator)
+def test_it_passes_all_of_scikit_learns_own_checks():
+    environment = os.environ | {"SCIPY_ARRAY_API": "1", "PYTHONPATH": os.pathsep.join(sys.path)}
+    done = subprocess.run([sys.executable, "-c", CHECKS], env=environment, capture_output=True, text=True, check=True)
+    for results in json.loads(done.stdout):
+        assert len(results) > 55
+        assert not [found for found in results if found[1] != "passed"]
+
+
+def test_importing_octmip_imports_neither_scikit_learn_nor_pandas():
+    code = "import octmip, sys; print('OptimalTreeClassifier' in dir(octmip), {'sklearn', 'pandas'} & {*sys.modules})"
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
+    done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
+    assert done.stdout == "True set()\n"
+    with pytest.raises(AttributeError, match="no attribute 'OptimalTree'"):
+        _ = octmip.OptimalTree
 
 
 def test_predictions_are_those_of_the_tree():
     features, labels = IRIS
     names = np.array(["setosa", "versicolor", "virginica"])[labels]
-    fitted = OptimalTreeClassifier(depth=2, method="search").fit(features, names)
+    fitted = OptimalTreeClassifier(max_depth=2).fit(features, names)
     assert (fitted.predict(features) == fitted.classes_[predict(fitted.tree_, features)]).all()
     assert (fitted.predict(features) != names).sum() == fitted.solution_.objective == 6
-    assert fitted.bound_ == fitted.solution_.bound
-    assert fitted.gap_ == fitted.solution_.gap
+    assert (fitted.objective_, fitted.bound_, fitted.gap_, fitted.is_optimal_) == (6, 6, 0, True)
+    assert fitted.certificate_ == certify(fitted.problem_, fitted.solution_)
+    assert fitted.sensors_ == fitted.problem_.sensors_used(fitted.tree_)
+    assert fitted.score(features, names) == 1 - 6 / 150
 
 
 def test_shares_are_those_of_the_training_weight_in_the_leaf():
-    fitted = OptimalTreeClassifier(depth=1, method="cart").fit([[0], [0], [1], [1]], [0, 0, 0, 1], [1, 1, 1, 3])
+    fitted = OptimalTreeClassifier(max_depth=1, method="cart").fit([[0], [0], [1], [1]], [0, 0, 0, 1], [1, 1, 1, 3])
     assert fitted.predict_proba([[0], [1]]).tolist() == [[1, 0], [0.25, 0.75]]
+    assert fitted.predict_log_proba([[0], [1]]).tolist() == [[0, -math.inf], [math.log(0.25), math.log(0.75)]]
 
 
 def test_a_weight_of_zero_leaves_a_sample_out():
     features, labels = [[0.0], [1.0], [2.0], [9.0]], [0, 0, 1, 1]
-    left_out = OptimalTreeClassifier(depth=1, method="cart").fit(features, labels, [1, 1, 0, 1])
+    left_out = OptimalTreeClassifier(max_depth=1, method="cart").fit(features, labels, [1, 1, 0, 1])
     assert left_out.tree_.threshold == 5.0
 
 
 def test_costs_weigh_the_errors():
     features, labels = [[0.0], [0.0], [0.0], [1.0]], ["a", "a", "b", "b"]
     for costs, told in ((None, "a"), ([[0, 1], [5, 0]], "b")):
-        assert OptimalTreeClassifier(depth=1, method="cart", costs=costs).fit(features, labels).predict([[0]]) == [told]
+        fitted = OptimalTreeClassifier(max_depth=1, method="cart", costs=costs).fit(features, labels)
+        assert fitted.predict([[0]]) == [told]
+
+
+@pytest.mark.parametrize("class_weight", ["balanced", {"a": 1.0, "b": 3.0}])
+def test_class_weights_multiply_those_of_the_samples(class_weight):
+    features, labels = np.zeros((8, 1)), ["a"] * 6 + ["b"] * 2
+    weights = [1, 1, 1, 1, 1, 0, 2, 1]
+    fitted = OptimalTreeClassifier(max_depth=1, method="cart", class_weight=class_weight)
+    found = fitted.fit(features, labels, weights).problem_.weights
+    expected = [0.8] * 5 + [8 / 3, 4 / 3] if class_weight == "balanced" else [1] * 5 + [6, 3]
+    assert np.allclose(found, expected)
+    repeated = np.repeat(np.arange(8), weights)
+    same = fitted.fit(features[repeated], np.array(labels)[repeated])
+    assert np.isclose(same.problem_.weights.sum(), found.sum())
+
+
+def test_a_class_weight_that_is_none_is_refused():
+    for wrong in ("heavy", {"z": 2.0}):
+        with pytest.raises(ValueError, match="class"):
+            OptimalTreeClassifier(class_weight=wrong).fit([[0.0], [1.0]], ["a", "b"])
+
+
+def test_threads_and_seeds_are_what_scikit_learn_means_by_them():
+    assert (threads_of(None), threads_of(3), threads_of(-1)) == (1, 3, joblib.cpu_count())
+    with joblib.parallel_config(n_jobs=2):
+        assert threads_of(None) == 2
+    assert seed_of(7) == 7
+    assert seed_of(np.random.RandomState(0)) == seed_of(np.random.RandomState(0)) != seed_of(None)
+    fitted = OptimalTreeClassifier(max_depth=1, random_state=np.random.RandomState(3), n_jobs=-1).fit(*IRIS)
+    assert fitted.solution_.seed == seed_of(np.random.RandomState(3))
+
+
+def test_a_fraction_of_the_samples_may_be_the_least_of_a_leaf():
+    fitted = OptimalTreeClassifier(max_depth=2, min_samples_leaf=0.1).fit(*IRIS)
+    assert fitted.problem_.leaf_size == 15
+    assert np.bincount(fitted.apply(IRIS[0]))[fitted.apply(IRIS[0])].min() >= 15
 
 
 def test_names_of_a_data_frame_are_the_names_of_the_features():
     frame = pd.DataFrame(IRIS[0], columns=list("abcd"))
-    fitted = OptimalTreeClassifier(depth=2, method="cart").fit(frame, IRIS[1])
-    assert list(fitted.feature_names_in_) == list("abcd")
+    fitted = OptimalTreeClassifier(max_depth=2, method="cart").fit(frame, IRIS[1])
+    assert list(fitted.feature_names_in_) == list("abcd") == list(fitted.problem_.feature_names)
     with pytest.raises(ValueError, match="feature names"):
         fitted.predict(frame.rename(columns={"a": "z"}))
 
@@ -69,26 +134,103 @@ def test_names_of_a_data_frame_are_the_names_of_the_features():
 def test_it_works_in_pipelines_and_grid_search():
     search = GridSearchCV(
         make_pipeline(StandardScaler(), OptimalTreeClassifier(method="cart")),
-        {"optimaltreeclassifier__depth": [1, 3]},
+        {"optimaltreeclassifier__max_depth": [1, 3]},
         cv=3,
     ).fit(*IRIS)
-    assert search.best_params_ == {"optimaltreeclassifier__depth": 3}
+    assert search.best_params_ == {"optimaltreeclassifier__max_depth": 3}
     assert search.best_score_ > 0.9
 
 
 def test_it_can_be_pickled():
-    fitted = OptimalTreeClassifier(depth=2, method="cart").fit(*IRIS)
+    fitted = OptimalTreeClassifier(max_depth=2, method="cart").fit(*IRIS)
     again = pickle.loads(pickle.dumps(fitted))
     assert again.tree_ == fitted.tree_
     assert (again.predict(IRIS[0]) == fitted.predict(IRIS[0])).all()
 
 
-def test_what_is_not_fitted_says_so():
-    for ask in (lambda e: e.predict(IRIS[0]), lambda e: e.predict_proba(IRIS[0]), lambda e: e.gap_):
-        with pytest.raises(NotFittedError):
-            ask(OptimalTreeClassifier())
+@pytest.mark.parametrize(
+    "ask",
+    [
+        *(lambda e, name=name: getattr(e, name) for name in ("tree_", "gap_", "bound_", "objective_", "is_optimal_")),
+        *(lambda e, name=name: getattr(e, name)(IRIS[0]) for name in ("predict", "predict_proba", "predict_log_proba")),
+        *(lambda e, name=name: getattr(e, name)(IRIS[0]) for name in ("apply", "decision_path", "report")),
+        *(lambda e, name=name: getattr(e, name)() for name in ("get_depth", "export_text", "plot", "to_sklearn")),
+        lambda e: e.sensors_,
+    ],
+)
+def test_what_is_not_fitted_says_so(ask):
+    with pytest.raises(NotFittedError):
+        ask(OptimalTreeClassifier())
 
 
-def test_a_wrong_parameter_is_refused_when_fitting():
-    with pytest.raises(ProblemError, match="depth is 0"):
-        OptimalTreeClassifier(depth=0).fit(*IRIS)
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"max_depth": 0}, "max_depth is 0; expected a whole number from 1 to 30"),
+        ({"max_depth": None}, "max_depth is None"),
+        ({"min_samples_leaf": 0}, "min_samples_leaf is 0"),
+        ({"min_samples_leaf": 1.5}, r"min_samples_leaf is 1\.5"),
+        ({"random_state": -1}, "random_state is -1"),
+        ({"seconds": -1.0}, "limit seconds is -1"),
+        ({"method": "guess"}, "method is 'guess'"),
+        ({"sensor_budget": -1}, "sensor_budget is -1"),
+    ],
+)
+def test_a_wrong_parameter_is_refused_by_its_own_name(wrong, message):
+    with pytest.raises(ProblemError, match=message):
+        OptimalTreeClassifier(**wrong).fit(*IRIS)
+
+
+HARD = np.random.default_rng(0).random((200, 8)), np.random.default_rng(1).integers(0, 2, 200)
+
+
+def test_a_proof_that_a_limit_ends_warns_with_the_gap():
+    with pytest.warns(ConvergenceWarning, match=r"at its limit of 0 s: the objective is .* \(gap_ 1\)") as caught:
+        fitted = OptimalTreeClassifier(max_depth=4, seconds=0.0).fit(*HARD)
+    assert caught[0].filename == __file__
+    assert fitted.gap_ == 1
+
+
+@pytest.mark.parametrize("settings", [{"method": "search"}, {"method": "cart"}, {"split": "hyperplane"}])
+def test_methods_that_promise_no_proof_do_not_warn(settings):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        fitted = OptimalTreeClassifier(max_depth=1, seconds=0.0, **settings).fit(*IRIS)
+    assert not fitted.is_optimal_
+
+
+def stopped(monkeypatch, **changes):
+    """Let every solve return what it finds with some fields changed."""
+    found = classifier.solve
+    monkeypatch.setattr(classifier, "solve", lambda *given, **named: replace(found(*given, **named), **changes))
+
+
+@pytest.mark.parametrize(
+    ("stop", "bound", "words"),
+    [
+        (Stop.TIME, 3.0, "at its limit of 60 s: the objective is 6, and no tree is below 3 (gap_ 0.5); "),
+        (Stop.MEMORY, 3.0, "at its limit of memory: "),
+        (Stop.NUMERICS, 3.0, "scale weights and costs to whole numbers"),
+        (Stop.NODES, -math.inf, "ended early: the objective is 6, and no bound above 0 is proven (gap_ inf)"),
+    ],
+)
+def test_the_warning_says_why_the_proof_ended_and_what_holds(monkeypatch, stop, bound, words):
+    stopped(monkeypatch, stop=stop, bound=bound)
+    with pytest.warns(ConvergenceWarning) as caught:
+        OptimalTreeClassifier(max_depth=2).fit(*IRIS)
+    assert words in str(caught[0].message)
+
+
+def test_an_interrupt_is_raised_and_leaves_the_best_tree(monkeypatch):
+    stopped(monkeypatch, stop=Stop.INTERRUPTED, bound=3.0)
+    asked = OptimalTreeClassifier(max_depth=2)
+    with pytest.raises(KeyboardInterrupt):
+        asked.fit(*IRIS)
+    assert asked.gap_ == 0.5
+    assert (asked.predict(IRIS[0]) != IRIS[1]).sum() == 6
+
+
+def test_no_tree_at_all_is_an_error(monkeypatch):
+    stopped(monkeypatch, tree=None, objective=math.inf, stop=Stop.TIME)
+    with pytest.raises(SolverError, match="give it more seconds"):
+        OptimalTreeClassifier(max_depth=2).fit(*IRIS)

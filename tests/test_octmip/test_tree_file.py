@@ -243,7 +243,7 @@ def test_the_published_schema_is_the_readers(tmp_path):
     assert validator.is_valid(content)
     for entry in ("tree", "training", "version", "format"):
         assert not validator.is_valid({name: value for name, value in content.items() if name != entry})
-    assert not validator.is_valid(content | {"version": 2})
+    assert not validator.is_valid(content | {"version": 1})
 
 
 def test_what_could_not_be_read_again_is_not_written(tmp_path):

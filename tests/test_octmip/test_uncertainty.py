@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 from sklearn.metrics import brier_score_loss
 
-from octmip import Leaf, Problem, Split
+from octmip import Leaf, OptimalTreeClassifier, Problem, Split
 from octmip.errors import ProblemError
-from octmip.estimator import OptimalTreeClassifier
 from octmip.uncertainty import (
     LeafDistribution,
     brier_score,
@@ -60,7 +59,7 @@ def test_bayes_rule_with_and_without_a_prior():
 def test_the_classifier_gives_the_same_leaf_distributions():
     rng = np.random.default_rng(0)
     features, labels = rng.normal(size=(60, 2)), rng.integers(0, 3, 60)
-    model = OptimalTreeClassifier(depth=2, smoothing=3.0).fit(features, labels, rng.integers(1, 4, 60))
+    model = OptimalTreeClassifier(max_depth=2, smoothing=3.0).fit(features, labels, rng.integers(1, 4, 60))
     assert np.array_equal(model.predict_proba(features), model.leaf_distribution_.predict(features))
     assert (model.predict_proba(features) > 0).all()
     assert np.allclose(model.predict_proba(features, prior=[0, 0, 1]), [0, 0, 1])

@@ -87,7 +87,7 @@ class FaultDetector:
         return np.asarray(self.means[states] + rng.normal(size=(n, len(self.gauges))) * self.noise_sd)
 
     def surprise(self, readings: Floats) -> Floats:
-        """Return -log(p(x_i | x_-i) sd_i) of every gauge, (n, n_gauges); NaN where the reading is missing.
+        """Return ``-log(p(x_i | x_-i) sd_i)`` of every gauge, (n, n_gauges); NaN where the reading is missing.
 
         Raises
         ------

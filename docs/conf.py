@@ -1,0 +1,84 @@
+"""Sphinx builds these pages into a site: `python -m sphinx -W --keep-going -b html docs site`.
+
+The site asks nothing of the network: the theme's files, the search and all pictures lie in the build folder. No page
+holds a formula that needs a script (formulas are set as text), so no formula renderer is loaded.
+"""
+
+import re
+import sys
+import textwrap
+from pathlib import Path
+
+sys.path[:0] = [str(Path(__file__).parent.parent), str(Path(__file__).parent / "_extensions")]
+
+project = "octmip"
+author = "the octmip developers"
+copyright = "2026, the octmip developers"
+html_title = "octmip"
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "sphinx_copybutton",
+    "sphinx_design",
+    "example_pictures",
+]
+exclude_patterns = ["_build", "_extensions"]
+
+html_theme = "furo"
+html_static_path = ["_static"]
+html_css_files = ["site.css"]
+html_copy_source = False
+html_show_sourcelink = False
+html_theme_options = {"navigation_with_keys": True}
+pygments_style = "friendly"
+pygments_dark_style = "github-dark"
+
+myst_enable_extensions = ["attrs_block", "colon_fence"]
+myst_heading_anchors = 4
+
+autodoc_member_order = "bysource"
+autodoc_typehints = "signature"
+autodoc_typehints_format = "short"
+autodoc_preserve_defaults = True
+autodoc_default_options = {
+    "members": True,
+    "exclude-members": "set_fit_request, set_predict_proba_request, set_score_request, set_predict_request",
+}
+suppress_warnings = ["ref.python"]  # a field such as `name` belongs to several classes
+napoleon_google_docstring = False
+napoleon_use_rtype = False
+napoleon_use_ivar = True
+napoleon_attr_annotations = False
+maximum_signature_line_length = 88
+
+copybutton_prompt_text = r"\$ |>>> "
+copybutton_prompt_is_regexp = True
+copybutton_line_continuation_character = "\\"
+
+
+ARRAY = re.compile(
+    r"~?(?:numpy\.)?ndarray\[~?tuple\[(?:~?typing\.)?Any, \.\.\.\], ~?(?:numpy\.)?dtype\[~?(?:numpy\.)?(\w+)\]\]"
+)
+
+
+def keep_tables(app, what, name, obj, options, lines):  # type: ignore[no-untyped-def]
+    """Set the aligned paragraphs of a module's docstring, its problem in mathematics or a table, as they are typed."""
+    if what != "module":
+        return
+    paragraphs = "\n".join(lines).strip().split("\n\n")
+    kept = [
+        "::\n\n" + textwrap.indent(part, "    ") if re.search(r"\S   +\S|\n +\S", part) else part for part in paragraphs
+    ]
+    lines[:] = "\n\n".join([*kept, ""]).split("\n")
+
+
+def shorten(app, what, name, obj, options, signature, returns):  # type: ignore[no-untyped-def]
+    """Return a signature whose arrays are written as the code writes them."""
+    return tuple(text and ARRAY.sub(r"NDArray[\1]", text) for text in (signature, returns))
+
+
+def setup(app):  # type: ignore[no-untyped-def]
+    """Connect what this build does beside Sphinx."""
+    app.connect("autodoc-process-docstring", keep_tables)
+    app.connect("autodoc-process-signature", shorten)

@@ -1,0 +1,48 @@
+"""The warning of a fit whose proof a limit has ended."""
+
+import math
+import warnings
+
+from sklearn.exceptions import ConvergenceWarning
+
+from octmip.problem import Problem
+from octmip.solution import Solution, Stop
+from octmip.solver import REGISTRY, chosen_method
+
+ENDED = {
+    Stop.TIME: "at its limit of {seconds:g} s",
+    Stop.MEMORY: "at its limit of memory",
+    Stop.NUMERICS: "where float64 can prove no more",
+    Stop.INTERRUPTED: "when it was interrupted",
+}
+CURE = {
+    Stop.TIME: "give more seconds, or less to prove (max_depth, columns)",
+    Stop.MEMORY: "give less to prove (max_depth, columns)",
+    Stop.NUMERICS: "scale weights and costs to whole numbers",
+    Stop.INTERRUPTED: "fit again for the rest of the proof",
+}
+
+
+def warn_unproven(problem: Problem, solution: Solution, method: str, seconds: float) -> None:
+    """Warn where a method that proves did not: a better tree may exist, and the gap says how much better.
+
+    Methods that only search ("search", "cart", and "auto" for hyperplanes) promise no proof, and there is no warning.
+    """
+    if solution.is_optimal or not REGISTRY[chosen_method(problem, method)].proves:
+        return
+    ended = ENDED.get(solution.stop, "early").format(seconds=seconds)
+    cure = CURE.get(solution.stop, "give more seconds")
+    warnings.warn(
+        f"the proof ended {ended}: {_claim(solution)}; the fitted tree is the best one found; {cure}",
+        ConvergenceWarning,
+        stacklevel=3,
+    )
+
+
+def _claim(solution: Solution) -> str:
+    if math.isinf(solution.gap) or solution.bound <= 0:
+        return f"the objective is {solution.objective:.6g}, and no bound above 0 is proven (gap_ {solution.gap:.3g})"
+    return (
+        f"the objective is {solution.objective:.6g}, and no tree is below {solution.bound:.6g} "
+        f"(gap_ {solution.gap:.3g})"
+    )

@@ -1,0 +1,71 @@
+"""How the rows and columns of a table became the samples of a problem, so that they can become so again."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, Self
+
+import numpy as np
+
+from octmip.errors import DataError
+from octmip.formats.columns import Columns
+from octmip.formats.table.samples import Table
+
+RowsKept = Literal["all", "labelled", "complete"]
+
+
+@dataclass(frozen=True, slots=True)
+class Preparation:
+    """What became of a table.
+
+    Attributes
+    ----------
+    columns
+        how its columns became features.
+    index
+        the column that names the rows, None without one.
+    rows
+        those that are kept: "all", the "labelled" (their label is not missing), or the "complete" (no cell of
+        theirs is missing: features, label, weights).
+    """
+
+    columns: Columns
+    index: str | None = None
+    rows: RowsKept = "all"
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the preparation as a JSON object."""
+        return {"columns": self.columns.to_json(), "index": self.index, "rows": self.rows}
+
+    @classmethod
+    def from_json(cls, content: dict[str, Any]) -> Self:
+        """Return the preparation of a JSON object whose kinds were checked.
+
+        Raises
+        ------
+        DataError
+            the columns are none.
+        """
+        return cls(Columns.from_json(content["columns"]), content["index"], content["rows"])
+
+
+def kept_rows(table: Table, rows: RowsKept, label: str, others: Sequence[str]) -> Table:
+    """Return the table of the rows that are kept; numbers among a label's words for "missing" are numbers again.
+
+    Raises
+    ------
+    DataError
+        a column is missing, or no row is kept.
+    """
+    if rows == "all":
+        return table
+    is_missing = table.missing(label, "label")
+    for name in others if rows == "complete" else ():
+        is_missing |= table.missing(name, "feature")
+    if not is_missing.any():
+        return table
+    if is_missing.all():
+        raise DataError(
+            f"{table.name} has no row without a missing cell; expected some; leave columns out with --drop, or let "
+            "missing cells go to either side (--missing either-side)"
+        )
+    return table.rows(np.logical_not(is_missing)).with_plain_numbers(label)

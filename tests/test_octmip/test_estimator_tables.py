@@ -1,0 +1,158 @@
+"""OptimalTreeClassifier on any table: text, categories, missing values, and what a column costs."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy.sparse import csr_matrix
+from sklearn.model_selection import GridSearchCV
+
+from octmip import OptimalTreeClassifier, Problem, solve
+from octmip.errors import DataError, ProblemError
+from octmip.formats.columns import Columns
+
+
+def table(n=60, seed=0):
+    rng = np.random.default_rng(seed)
+    frame = pd.DataFrame(
+        {
+            "age": rng.integers(18, 80, n).astype(float),
+            "colour": rng.choice(["red", "green", "blue"], n),
+            "size": pd.Categorical(rng.choice(list("SML"), n), categories=list("SML"), ordered=True),
+            "member": rng.random(n) < 0.5,
+        }
+    )
+    frame.loc[rng.random(n) < 0.2, "age"] = np.nan
+    frame.loc[rng.random(n) < 0.1, "colour"] = None
+    return frame, np.where((frame["age"].fillna(70) > 50) & (frame["colour"] != "red"), "yes", "no")
+
+
+FRAME, LABELS = table()
+
+
+def fitted(X=FRAME, y=LABELS, **settings):
+    return OptimalTreeClassifier(**{"max_depth": 2} | settings).fit(X, y)
+
+
+def test_a_table_is_encoded_as_columns_encodes_it():
+    model, columns = fitted(), Columns.learn(FRAME)
+    problem = Problem(columns.encode(FRAME), LABELS, depth=2, feature_names=columns.feature_names)
+    assert model.tree_ == solve(problem).tree
+    assert model.columns_ == columns
+    assert model.is_optimal_
+    assert model.score(FRAME, LABELS) == 1
+    assert list(model.feature_names_in_) == list(FRAME.columns)
+    assert model.n_features_in_ == 4 < model.problem_.n_features
+
+
+def test_an_array_of_objects_is_read_like_its_table():
+    plain = FRAME.assign(size=FRAME["size"].astype(str))
+    by_array, by_table = fitted(plain.to_numpy(dtype=object)), fitted(plain)
+    assert by_array.tree_ == by_table.tree_
+    assert by_array.columns_.names == ("x0", "x1", "x2", "x3")
+    assert (by_array.predict(plain.to_numpy(dtype=object)) == by_table.predict(plain)).all()
+    rows = [list(row) for row in plain[["age", "member", "colour"]].dropna().itertuples(index=False)]
+    assert fitted(rows, LABELS[plain[["age", "colour"]].notna().all(axis=1)]).score(rows[:3], ["no"] * 3) <= 1
+
+
+@pytest.mark.parametrize("kind", [np.float32, np.int16, np.bool_, object])
+def test_an_array_of_finite_numbers_is_its_own_features(kind):
+    rng = np.random.default_rng(1)
+    array, labels = rng.integers(0, 2, (30, 3)).astype(kind), rng.integers(0, 2, 30)
+    model = fitted(array, labels)
+    assert model.columns_.is_plain
+    assert np.array_equal(model.problem_.features, array.astype(np.float64))
+    assert model.problem_.feature_names == ("x0", "x1", "x2")
+    assert (model.predict(array) == fitted(pd.DataFrame(array), labels).predict(pd.DataFrame(array))).all()
+
+
+def test_missing_numbers_go_to_the_better_side():
+    array = np.array([[1.0], [2.0], [3.0], [4.0], [np.nan], [np.nan]])
+    for side in (0, 1):
+        model = fitted(array, [0, 0, 1, 1, side, side], max_depth=1)
+        assert model.objective_ == 0
+        assert model.predict([[np.nan], [2.4], [2.6]]).tolist() == [side, 0, 1]
+
+
+def test_a_text_that_training_had_not_answers_no_to_every_question():
+    model = fitted()
+    assert (model.predict(FRAME.assign(colour="violet", age=60.0)) == "yes").all()
+
+
+def test_a_value_missing_only_later_is_refused_with_a_cure():
+    model = fitted(FRAME[["size"]].assign(age=FRAME["age"].fillna(0)))
+    with pytest.raises(DataError, match=r"'age' has .* missing cells, and had none in training; fill them"):
+        model.predict(FRAME[["size", "age"]])
+    with pytest.raises(DataError, match="'x0' has 1 missing cells"):
+        fitted([[0.0], [1.0]], [0, 1]).predict([[np.nan]])
+
+
+@pytest.mark.parametrize(
+    ("X", "settings", "message"),
+    [
+        (FRAME, {"categories": "refuse"}, r"2 of 4 columns cannot be used: 'colour' .*'size'"),
+        (FRAME, {"missing": "refuse"}, r"2 of 4 columns cannot be used: 'age' .*'colour'"),
+        (FRAME, {"split": "hyperplane"}, r"NaN\) are missing in 'age'; a hyperplane adds"),
+        ([[np.nan]] * 60, {"split": "hyperplane"}, r"X is NaN at \[0, 0\] \(60 missing values in all\)"),
+        ([[1.0], [np.nan]] * 30, {"missing": "refuse"}, r"X is NaN at \[1, 0\].* missing='either-side'"),
+        ([[1.0], [np.inf]] * 30, {}, "infinity"),
+        ([[1j], [2.0]] * 30, {}, "Complex data not supported"),
+    ],
+)
+def test_what_cannot_be_read_is_refused(X, settings, message):
+    with pytest.raises(ValueError, match=message):
+        fitted(X, **settings)
+
+
+def test_hyperplanes_take_text_and_gaps_in_it():
+    assert fitted(FRAME[["colour", "member"]], split="hyperplane", max_depth=1, seconds=1.0).n_features_in_ == 2
+
+
+def test_sparse_samples_are_refused_as_scikit_learn_does():
+    with pytest.raises(TypeError, match=r"Sparse data was passed.*toarray"):
+        fitted(csr_matrix(np.eye(60)))
+
+
+@pytest.mark.parametrize(
+    ("settings", "nan", "text"),
+    [({}, True, True), ({"split": "hyperplane"}, False, True), ({"missing": "refuse", "categories": "refuse"}, 0, 0)],
+)
+def test_its_tags_say_what_it_takes(settings, nan, text):
+    tags = OptimalTreeClassifier(**settings).__sklearn_tags__().input_tags
+    assert (tags.allow_nan, tags.string, tags.categorical) == (nan, text, text)
+
+
+def test_a_column_that_is_read_twice_costs_once():
+    frame = pd.DataFrame({"colour": list("abcd") * 6, "dose": np.arange(24.0) % 5})
+    labels = frame["colour"].isin(["a", "c"]).astype(int)
+    model = fitted(frame, labels, sensor_cost={"colour": 3.0, "dose": 1.0}, sensor_budget=3.0)
+    assert model.objective_ == 0
+    assert model.get_n_leaves() == 3
+    assert model.sensors_ == ("colour",)
+    assert model.certificate_.sensor_cost == 3
+    assert model.feature_importances_.tolist() == [1.0, 0.0]
+
+
+def test_columns_may_share_a_sensor():
+    by_name = fitted(sensor_of_feature={"age": "form", "colour": "form"}, sensor_budget=1.0)
+    assert by_name.objective_ == 0
+    assert by_name.sensors_ == ("form",)
+    assert by_name.problem_.sensors == ("form", "size", "member")
+    in_order = fitted(sensor_of_feature=["form", "form", "size", "member"], sensor_budget=1.0)
+    assert in_order.problem_.sensor_of_feature == by_name.problem_.sensor_of_feature
+    assert fitted(sensor_budget=1.0).objective_ > 0
+    with pytest.raises(ProblemError, match=r"sensor_of_feature names \['height'\], no columns of X"):
+        fitted(sensor_of_feature={"height": "form"})
+    with pytest.raises(ProblemError, match="2 entries but X has 4 columns"):
+        fitted(sensor_of_feature=["a", "b"])
+
+
+def test_grid_search_runs_over_a_table_as_it_is():
+    frame, labels = table(240, seed=3)
+    search = GridSearchCV(OptimalTreeClassifier(), {"max_depth": [1, 2], "class_weight": [None, "balanced"]}, cv=3)
+    assert search.fit(frame, labels).best_params_["max_depth"] == 2
+    assert search.best_score_ > 0.95
+
+
+def test_the_rank_of_texts_can_be_asked_for():
+    model = fitted(FRAME[["colour"]].fillna("blue"), categories="order")
+    assert [feature.kind for feature in model.columns_.features] == ["order"]

@@ -1,0 +1,218 @@
+"""The tree of a fitted OptimalTreeClassifier: its nodes, importances, words, pictures, and scikit-learn's own form."""
+
+import pickle
+import sys
+from html import escape
+from itertools import pairwise
+from xml.etree import ElementTree
+
+import numpy as np
+import pandas as pd
+import pytest
+import sklearn
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+from sklearn.datasets import load_iris
+from sklearn.pipeline import make_pipeline
+from sklearn.preprocessing import StandardScaler
+from sklearn.tree import DecisionTreeClassifier, export_text, plot_tree
+
+from octmip import HyperplaneSplit, Leaf, OptimalTreeClassifier, Problem, Split
+from octmip.errors import MissingExtraError, TreeError
+from octmip.estimator import drawing
+from octmip.estimator.importance import feature_savings
+from octmip.estimator.notebook import tree_svg
+from octmip.estimator.paths import NodeTable, leaf_nodes, node_indicator
+
+IRIS = load_iris(return_X_y=True)
+FRAME = pd.DataFrame({"dose": [1.0, np.nan, 4.0, 3.0], "<b>kind</b>": ["a", "b", "a", "c"]})
+ANSWERS = ["yes", "no", "yes", "no"]
+UNEVEN = Split(0, 0.5, Leaf(0), Split(1, 0.5, Split(0, 2.5, Leaf(1), Leaf(0)), Leaf(1)))
+
+
+@pytest.fixture(scope="module")
+def iris():
+    return OptimalTreeClassifier(max_depth=3, smoothing=2.0).fit(
+        load_iris(as_frame=True).data, IRIS[1], np.random.default_rng(0).integers(1, 4, 150)
+    )
+
+
+@pytest.fixture(scope="module")
+def encoded():
+    return OptimalTreeClassifier(max_depth=2).fit(FRAME, ANSWERS)
+
+
+def test_nodes_are_numbered_in_preorder():
+    table = NodeTable.of(UNEVEN)
+    assert table.left.tolist() == [1, -1, 3, 4, -1, -1, -1]
+    assert table.right.tolist() == [2, -1, 6, 5, -1, -1, -1]
+    assert table.leaf_nodes.tolist() == [1, 4, 5, 6]
+    samples = np.array([[0.0, 0.0], [1.0, 0.0], [3.0, 0.0], [1.0, 1.0]])
+    assert leaf_nodes(UNEVEN, samples).tolist() == [1, 4, 5, 6]
+    paths = [node_indicator(UNEVEN, samples)[k].indices.tolist() for k in range(4)]
+    assert paths == [[0, 1], [0, 2, 3, 4], [0, 2, 3, 5], [0, 2, 6]]
+
+
+def test_a_single_leaf_is_node_0():
+    assert NodeTable.of(Leaf(1)).leaf_nodes.tolist() == [0]
+    assert node_indicator(Leaf(1), np.zeros((2, 1))).toarray().tolist() == [[1], [1]]
+
+
+def test_scikit_learns_tree_has_the_same_nodes_and_predicts_the_same(iris):
+    frame, model = load_iris(as_frame=True).data, iris.to_sklearn()
+    assert isinstance(model, DecisionTreeClassifier)
+    assert (model.predict(frame) == iris.predict(frame)).all()
+    assert np.allclose(model.predict_proba(frame), iris.predict_proba(frame), rtol=1e-15)
+    assert (model.apply(frame) == iris.apply(frame)).all()
+    assert (model.decision_path(frame) != iris.decision_path(frame)).nnz == 0
+    assert (model.get_depth(), model.get_n_leaves()) == (iris.get_depth(), iris.get_n_leaves())
+    assert list(model.feature_names_in_) == list(frame.columns)
+    assert model.tree_.weighted_n_node_samples[0] == iris.problem_.weights.sum()
+    assert model.tree_.n_node_samples[0] == 150
+    assert (model.predict(frame) == pickle.loads(pickle.dumps(model)).predict(frame)).all()
+
+
+def test_what_reads_scikit_learns_trees_reads_it(iris):
+    model = iris.to_sklearn()
+    words = export_text(model, feature_names=list(model.feature_names_in_), show_weights=True)
+    assert words.count("class:") == iris.get_n_leaves()
+    assert model.feature_importances_.sum() == pytest.approx(1)
+    assert len(model.cost_complexity_pruning_path(*IRIS).impurities) > 1  # fits itself anew, with its parameters
+    inner = model.tree_.children_left >= 0
+    totals = model.tree_.weighted_n_node_samples
+    sides = totals[model.tree_.children_left[inner]] + totals[model.tree_.children_right[inner]]
+    assert np.array_equal(totals[inner], sides)
+    assert (model.tree_.feature[~inner] == -2).all()
+
+
+def test_scikit_learn_draws_it(iris):
+    axes = FigureCanvasAgg(Figure()).figure.add_subplot()
+    assert len(plot_tree(iris.to_sklearn(), ax=axes)) >= 2 * iris.get_n_leaves() - 1
+
+
+def test_a_leaf_of_a_tree_without_splits_has_scikit_learns_form():
+    model = OptimalTreeClassifier(leaf_penalty=100.0).fit(*IRIS).to_sklearn()
+    assert model.get_n_leaves() == 1
+    assert (model.predict(IRIS[0]) == 0).all()
+
+
+def refused(message, X, y, **settings):
+    model = OptimalTreeClassifier(**{"max_depth": 1} | settings).fit(X, y)
+    with pytest.raises(TreeError, match=message):
+        model.to_sklearn()
+
+
+def test_what_scikit_learn_would_predict_otherwise_is_refused():
+    near = 1e8 + np.array([[0.0], [1.0], [2.0], [3.0]])
+    refused(r"float32, which takes 'x0' = 10000000\d\.0 to the other side of", near, [0, 0, 1, 1])
+    refused("beyond float32", [[1e39], [0.0]], [0, 1])
+    lines = [[0.0, 0.0], [1.0, 1.0], [0.0, 1.0], [2.0, 3.0], [3.0, 2.0], [1.0, 0.0]]
+    refused("hyperplanes has no form", lines, [0, 0, 1, 1, 0, 0], split="hyperplane", split_size=2)
+    refused(r"fit on columns_\.encode\(X\)", FRAME, ANSWERS)
+    costs = [[0, 1], [9, 0]]
+    refused("predicts class 1 by its costs", [[0.0], [0.0], [0.0], [1.0]], [0, 0, 1, 1], costs=costs)
+
+
+def test_the_cure_for_encoded_columns_works(encoded):
+    numbers = encoded.columns_.encode(FRAME)
+    again = OptimalTreeClassifier(max_depth=2).fit(numbers, ANSWERS)
+    assert (again.to_sklearn().predict(numbers) == encoded.predict(FRAME)).all()
+
+
+def test_importances_are_shares_of_the_cost_that_splits_save():
+    features = np.array([[0, 0], [0, 0], [1, 0], [1, 0], [1, 0], [1, 1]], dtype=float)
+    labels = [0, 0, 1, 1, 1, 0]
+    model = OptimalTreeClassifier(max_depth=2).fit(features, labels)
+    assert model.objective_ == 0
+    assert model.feature_importances_.tolist() == pytest.approx([2 / 3, 1 / 3])
+    leaf = OptimalTreeClassifier(leaf_penalty=9.0).fit(features, labels)
+    assert leaf.feature_importances_.tolist() == [0, 0]
+
+
+def test_importances_of_a_table_are_those_of_its_columns(encoded):
+    assert encoded.feature_importances_.shape == (2,)
+    assert encoded.feature_importances_.sum() == pytest.approx(1)
+
+
+def test_the_saving_of_a_hyperplane_does_not_depend_on_units():
+    features = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]])
+    scaled = features * [1.0, 1000.0]
+    for table, coefficients in ((features, (1.0, 1.0)), (scaled, (1.0, 0.001))):
+        problem = Problem(table, [0, 0, 0, 1], depth=1, split="hyperplane")
+        tree = HyperplaneSplit((0, 1), coefficients, 1.5, Leaf(0), Leaf(1))
+        assert feature_savings(problem, tree).tolist() == pytest.approx([0.5, 0.5])
+
+
+def test_the_words_of_a_tree_are_those_of_its_columns(encoded):
+    words = encoded.export_text()
+    assert words.count("(1 samples") + words.count("(2 samples") + words.count("(3 samples") == encoded.get_n_leaves()
+    assert "missing below" not in words
+    plain = OptimalTreeClassifier(max_depth=1).fit([[0.0], [2.0], [2.0]], ["u", "v", "v"])
+    assert plain.export_text() == "if x0 <= 1\n    u    (1 samples)\nelse\n    v    (2 samples)"
+
+
+def test_it_draws_itself_and_writes_a_page(iris, encoded, tmp_path):
+    for model in (iris, encoded):
+        assert model.plot(title="a title").get_axes()[0].get_title() == "a title"
+        model.report(tmp_path / "page.html", title="my tree")
+        page = (tmp_path / "page.html").read_text()
+        assert page.startswith("<!doctype html>")
+        assert "my tree" in page
+        assert "<b>kind" not in page
+    drawn = [text.get_text() for text in encoded.plot().findobj(Text)]
+    assert not [text for text in drawn if "missing below" in text or "≤ 0.5" in text]
+    assert [text for text in drawn if " is " in text]
+
+
+def test_a_plot_without_matplotlib_names_the_extra(encoded, monkeypatch):
+    for name in [name for name in sys.modules if name.startswith(("matplotlib", "octmip.plot"))]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    with pytest.raises(MissingExtraError, match=r"install octmip\[report\]"):
+        encoded.plot()
+
+
+def picture(html):
+    """Return the texts of the drawing that stands below scikit-learn's diagram."""
+    drawing = ElementTree.fromstring(html[html.rindex("<svg") : html.rindex("</svg>") + len("</svg>")])
+    return [text.text for text in drawing.iter("{http://www.w3.org/2000/svg}text")]
+
+
+def test_a_notebook_shows_the_tree_below_scikit_learns_diagram(iris, encoded):
+    html = iris._repr_html_()
+    assert picture(html) == picture(iris._repr_mimebundle_()["text/html"])
+    assert html.startswith(DecisionTreeClassifier()._repr_html_()[:6])
+    assert {"yes", "no", "0", "1", "2"} <= set(picture(html))
+    assert "training samples wrong; objective" in html
+    assert "<b>kind</b>" not in encoded._repr_html_()
+    assert 'aria-label="the fitted tree"' not in OptimalTreeClassifier()._repr_html_()
+    assert "OptimalTreeClassifier" in make_pipeline(StandardScaler(), iris)._repr_html_()
+
+
+def test_a_notebook_that_wants_text_gets_text(iris):
+    with sklearn.config_context(display="text"):
+        assert not hasattr(iris, "_repr_html_")
+        assert list(iris._repr_mimebundle_()) == ["text/plain"]
+
+
+def test_boxes_of_the_picture_do_not_overlap():
+    drawing = ElementTree.fromstring(
+        tree_svg(UNEVEN, lambda split: f"x{split.features} <= 0.5", lambda leaf: "leaf\n5, 1 wrong")
+    )
+    boxes = [
+        {key: float(box.get(key)) for key in ("x", "y", "width", "height")}
+        for box in drawing.iter()
+        if "rect" in box.tag
+    ]
+    assert len(boxes) == 7
+    for level in {box["y"] for box in boxes}:
+        row = sorted((box["x"], box["x"] + box["width"]) for box in boxes if box["y"] == level)
+        assert all(left[1] < right[0] for left, right in pairwise(row))
+    assert max(box["x"] + box["width"] for box in boxes) <= float(drawing.get("width"))
+    assert max(box["y"] + box["height"] for box in boxes) <= float(drawing.get("height"))
+
+
+def test_a_tree_too_wide_for_a_picture_is_shown_as_text(iris, monkeypatch):
+    monkeypatch.setattr(drawing, "MOST_LEAVES", iris.get_n_leaves() - 1)
+    assert f"<pre>{escape(iris.export_text())}</pre>" in iris._repr_html_()

@@ -1,0 +1,69 @@
+"""Tree files of tables: how columns became features comes back, and files without it are read as before."""
+
+import json
+
+import pandas as pd
+import pytest
+
+from octmip import Problem
+from octmip.errors import TreeError
+from octmip.formats.columns import Columns
+from octmip.formats.table.preparation import Preparation
+from octmip.formats.tree_file import HeldOut, read_tree_file, record_tree, write_tree_file
+from octmip.methods.cart import greedy_tree
+from octmip.report.text import tree_text
+
+FRAME = pd.DataFrame({"colour": ["red", "blue", "red", "green"] * 3, "age": [1.0, None, 3.0, 4.0] * 3})
+
+
+def written(tmp_path):
+    columns = Columns.learn(FRAME)
+    problem = Problem(columns.encode(FRAME), [1, 0, 1, 0] * 3, depth=1, feature_names=columns.feature_names)
+    preparation = Preparation(columns, index="id", rows="labelled")
+    held_out = HeldOut(share=0.25, seed=7, n_samples=4, errors=1, cost=2.5)
+    path = tmp_path / "t.json"
+    write_tree_file(path, record_tree(problem, greedy_tree(problem), "y", None, preparation, held_out))
+    return path
+
+
+def test_columns_and_what_is_held_out_come_back(tmp_path):
+    file = read_tree_file(written(tmp_path))
+    assert file.preparation == Preparation(Columns.learn(FRAME), "id", "labelled")
+    assert file.columns == Columns.learn(FRAME)
+    assert file.held_out == HeldOut(0.25, 7, 4, 1, 2.5)
+    assert tree_text(file.tree, file.feature_names, file.class_names, columns=file.columns).splitlines() == [
+        "if colour is not red",
+        "    0",
+        "else",
+        "    1",
+    ]
+
+
+def test_a_file_of_version_1_is_read(tmp_path):
+    path = written(tmp_path)
+    content = json.loads(path.read_text())
+    del content["table"], content["held_out"]
+    path.write_text(json.dumps(content | {"version": 1}))
+    file = read_tree_file(path)
+    assert file.preparation is None
+    assert file.columns is None
+    assert file.held_out is None
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        (lambda file: file.pop("table"), "lacks the entry 'table'"),
+        (lambda file: file["table"]["columns"]["columns"].pop(), "expected the same names in the same order"),
+        (lambda file: file["table"].update(rows="some"), "table.rows is 'some'; expected one of"),
+        (lambda file: file["held_out"].update(share=2), "held_out.share is 2; expected"),
+        (lambda file: file["table"]["columns"]["columns"][1].update(least=9.0), "its range ends before it begins"),
+    ],
+)
+def test_a_file_changed_by_hand_is_refused(tmp_path, change, sentence):
+    path = written(tmp_path)
+    content = json.loads(path.read_text())
+    change(content)
+    path.write_text(json.dumps(content))
+    with pytest.raises(TreeError, match=sentence):
+        read_tree_file(path)

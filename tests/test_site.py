@@ -1,0 +1,89 @@
+"""The documentation builds into a site without a warning; links lead somewhere; nothing is asked of the network."""
+
+import importlib.util
+import os
+import re
+import subprocess
+import sys
+from html.parser import HTMLParser
+from pathlib import Path
+from urllib.parse import unquote, urldefrag
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+NEEDED = ("sphinx", "furo", "myst_parser", "sphinx_copybutton", "sphinx_design")
+LOADED = {"img": "src", "script": "src", "link": "href", "iframe": "src", "source": "src"}
+
+
+class Page(HTMLParser):
+    """What a page links to, what it loads, and the places in it that a link may name."""
+
+    def __init__(self, path: Path) -> None:
+        super().__init__()
+        self.links: list[str] = []
+        self.loaded: list[str] = []
+        self.places: set[str] = set()
+        self.feed(path.read_text())
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        """Take one element."""
+        values = dict(attrs)
+        self.places |= {values["id"] or ""} if "id" in values else set()
+        if tag == "a" and values.get("href"):
+            self.links.append(values["href"] or "")
+        if (tag in LOADED and values.get(LOADED[tag])) and values.get("rel") not in ("next", "prev", "canonical"):
+            self.loaded.append(values[LOADED[tag]] or "")
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory) -> Path:
+    missing = [name for name in NEEDED if importlib.util.find_spec(name) is None]
+    if missing:
+        pytest.skip(f"the site is built with the extra docs; {', '.join(missing)} is not installed")
+    out = tmp_path_factory.mktemp("site")
+    command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-b", "html", "-d", f"{out}/read", "docs"]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    built = subprocess.run(
+        [*command, f"{out}/html"], cwd=ROOT, env=environment, capture_output=True, text=True, check=False
+    )
+    assert built.returncode == 0, built.stderr
+    return out / "html"
+
+
+@pytest.fixture(scope="module")
+def pages(site) -> dict[Path, Page]:
+    return {path.resolve(): Page(path) for path in site.rglob("*.html")}
+
+
+def test_every_page_of_the_documentation_is_on_the_site(site):
+    wanted = {page.relative_to(ROOT / "docs").with_suffix(".html") for page in (ROOT / "docs").rglob("*.md")}
+    assert len(wanted) > 50
+    assert {name for name in wanted if not (site / name).exists()} == set()
+
+
+def test_links_lead_to_pages_and_places(pages):
+    broken = []
+    for path, page in pages.items():
+        for link in page.links:
+            target, place = urldefrag(link)
+            if re.match(r"[a-z]+:", target):
+                continue
+            there = (path.parent / unquote(target)).resolve() if target else path
+            if not there.exists() or (place and there in pages and unquote(place) not in pages[there].places):
+                broken.append(f"{path.name}: {link}")
+    assert broken == []
+
+
+def test_the_site_loads_nothing_from_elsewhere(pages):
+    for path, page in pages.items():
+        assert [name for name in page.loaded if re.match(r"(https?:)?//", name)] == [], path
+        assert [name for name in page.loaded if not (path.parent / urldefrag(name)[0].split("?")[0]).exists()] == [], (
+            path
+        )
+
+
+def test_every_example_and_result_page_shows_a_picture(pages, site):
+    for name in ("index", "examples/first-tree", "examples/risk", "uav", "mission", "sensing", "wing", "how-long"):
+        page = pages[(site / f"{name}.html").resolve()]
+        assert any("_images/" in picture for picture in page.loaded), name
