@@ -135,11 +135,10 @@ def _measured(diagnosis: Diagnosis) -> dict[str, Any]:
     }
     order = [gauges.index(place.name) for place in diagnosis.where.gauges]
     by_gauge = [gauge_panel(cells, g, gauges[g], repaired) for g in order]
-    before = "predicted by the twin" if repaired else "predicted by the twin, as no effect is added to it"
-    after = f"the same with {_first_name(diagnosis)} added" if repaired else ""
+    after = f"difference once {_first_name(diagnosis)} is added to it" if repaired else ""
     return {
         "gap": gap_line(diagnosis),
-        "legend": {"before": before, "after": after},
+        "legend": {"before": "difference to the twin", "after": after},
         "load_panels": [panels[k] for k in first],
         "more_loads": [panel for k, panel in panels.items() if k not in first],
         "gauge_panels": by_gauge[:FIRST_GAUGES],

@@ -104,7 +104,7 @@ def flipping_nodes(diagnosis: Diagnosis) -> list[Flip]:
 
 
 def _chance(p_value: float) -> str:
-    return f"{p_value:.2g}" if p_value > 1e-300 else "below 1e-300"
+    return f"{p_value:.2g}" if p_value > 1e-12 else "below 1e-12"
 
 
 def _place(place: Place) -> str:

@@ -123,8 +123,8 @@
   }
   function stepAxis(svg, X, height) {
     for (const k of [...new Set([0, Math.round(last / 2), last])])
-      words(svg, X(k), height - 14, k, k === last && last ? "end" : "middle");
-    words(svg, X(last / 2), height - 1, "step");
+      words(svg, X(k), height - 17, k, k === last && last ? "end" : "middle");
+    words(svg, X(last / 2), height - 4, "step");
   }
 
   function drawOver(j) {
