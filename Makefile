@@ -2,10 +2,11 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+ZIG = $(shell test "$$(uname -s)" = Linux && $(BIN)/python -m ziglang version >/dev/null 2>&1 && echo --zig --compatibility manylinux2014)
 NATIVE := $(shell find octmip/native/src octmip/native/check octmip/native/Cargo.toml -type f)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: uav mission blind test lint tools benchmarks clean
+.PHONY: uav mission blind test lint wheel tools benchmarks clean
 
 uav: $(VENV)/.installed
 	@$(BIN)/python -m benchmarks.uav $(if $(STRAINS),--strains $(STRAINS)) $(ARGS)
@@ -28,6 +29,14 @@ lint: $(VENV)/.installed-test
 	$(BIN)/mypy
 	cd octmip/native && cargo fmt --all --check && cargo clippy --release --quiet --workspace --all-targets --features python -- -D warnings
 
+# An abi3 wheel and the source distribution in dist/. Linked by zig the wheel runs on every Linux since 2014
+# (manylinux2014); without zig maturin's audit gives it the tag of this machine's C library.
+wheel: $(VENV)/.wheel-tools
+	rm -rf dist
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/maturin build --release --quiet --interpreter $(BIN)/python $(ZIG) --out dist
+	$(BIN)/maturin sdist --quiet --out dist
+	@ls -l dist
+
 tools:
 	@command -v $(PYTHON) >/dev/null || { echo "$(PYTHON) is missing: install Python 3.11 or newer, or say make PYTHON=/path/to/python"; exit 2; }
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "$$($(PYTHON) --version) is too old: install Python 3.11 or newer, or say make PYTHON=/path/to/python"; exit 2; }
@@ -44,5 +53,11 @@ $(VENV)/.installed-test: $(VENV)/.installed
 	$(BIN)/python -m pip install --quiet --editable '.[test,docs]'
 	@touch $@
 
+$(VENV)/.wheel-tools: | tools
+	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet 'maturin>=1.9,<2'
+	@$(BIN)/python -m pip install --quiet ziglang || echo "ziglang cannot be installed: the wheel gets the tag of this machine's C library, and older systems refuse it"
+	@touch $@
+
 clean:
-	rm -rf $(VENV) results octmip/native/target octmip/*.so
+	rm -rf $(VENV) results dist octmip/native/target octmip/*.so

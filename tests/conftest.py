@@ -7,6 +7,8 @@ from typing import Any
 
 import pytest
 
+from tests.installed import Installed, installed, shared_folder
+
 
 @pytest.fixture(autouse=True, scope="session")
 def _ctrl_c_is_heard() -> None:
@@ -25,3 +27,15 @@ def browser() -> Iterator[Any]:
         opened = running.chromium.launch(executable_path=program, args=["--no-sandbox"])
         yield opened
         opened.close()
+
+
+@pytest.fixture(scope="session")
+def installed_octmip(tmp_path_factory: pytest.TempPathFactory) -> Installed:
+    """Return an empty environment with the built wheel and its own dependencies alone: no extra, no checkout."""
+    return installed(shared_folder(tmp_path_factory))
+
+
+@pytest.fixture(scope="session")
+def installed_octmip_report(tmp_path_factory: pytest.TempPathFactory) -> Installed:
+    """Return an empty environment with the built wheel and the extra "report"."""
+    return installed(shared_folder(tmp_path_factory), "report")

@@ -1,0 +1,128 @@
+"""What a stranger installs: the wheel, every extra and the source distribution, each in an empty environment."""
+
+import os
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from octmip.errors import EXTRA_OF
+from tests.installed import ROOT, Installed, built, empty_environment, installed, pip, shared_folder, stranger
+
+MOST_DOWNLOADED = 90_000_000
+"""Bytes that `pip install octmip` may fetch."""
+TABLE = "a,b,kind\n0,1,no\n1,0,no\n2,5,yes\n3,4,yes\n4,2,no\n5,3,no\n"
+PROGRAM = """
+import numpy as np
+
+import octmip
+
+problem = octmip.Problem(np.array([[0.0], [1.0], [2.0]]), np.array([0, 1, 0]), depth=2)
+solution = octmip.solve(problem)
+octmip.certify(problem, solution)
+print(octmip.__file__, solution.objective, solution.gap)
+"""
+TYPED = """
+import numpy as np
+from octmip import Limits, Problem, certify, solve
+
+problem = Problem(np.array([[0.0], [1.0]]), np.array([0, 1]), depth=1)
+gap: float = certify(problem, solve(problem, limits=Limits(seconds=1.0))).objective
+"""
+MISTYPED = """
+from femlib.material import isotropic_plate
+from octmip import solve
+
+solve("a table")
+isotropic_plate("thick", 0.3, 1.0)
+"""
+QUICK_BUILD = {
+    "CARGO_PROFILE_RELEASE_OPT_LEVEL": "0",
+    "CARGO_PROFILE_RELEASE_LTO": "off",
+    "CARGO_PROFILE_RELEASE_CODEGEN_UNITS": "16",
+}
+"""The source distribution is built to be imported, not to be quick."""
+
+
+def test_the_wheel_holds_both_packages_whole_and_no_native_source(installed_octmip: Installed) -> None:
+    tracked = subprocess.run(["git", "ls-files", "octmip", "femlib"], capture_output=True, text=True, cwd=ROOT)
+    if tracked.returncode or not tracked.stdout:
+        pytest.skip("this is no git checkout")
+    wanted = {name for name in tracked.stdout.split("\n") if name and not name.startswith("octmip/native/")}
+    with zipfile.ZipFile(installed_octmip.wheel) as archive:
+        names = {name for name in archive.namelist() if ".dist-info/" not in name}
+    assert {"octmip/py.typed", "femlib/py.typed"} <= names
+    assert names == wanted | {"octmip/_native.abi3.so"}
+    assert "-abi3-" in installed_octmip.wheel.name
+
+
+def test_an_installation_fetches_little_and_no_package_of_an_extra(installed_octmip: Installed) -> None:
+    fetched = {file.name: file.stat().st_size for file in installed_octmip.downloads.iterdir()}
+    assert sum(fetched.values()) <= MOST_DOWNLOADED, fetched
+    extras = {*EXTRA_OF, "pyfe3d"} - {"jinja2"}
+    assert not extras & {name.partition("-")[0].lower() for name in fetched}
+
+
+def test_the_installed_wheel_solves_and_certifies(installed_octmip: Installed, tmp_path: Path) -> None:
+    (tmp_path / "program.py").write_text(PROGRAM)
+    done = installed_octmip.run("python", "-W", "error", "program.py", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    place, objective, gap = done.stdout.split()
+    assert Path(place).is_relative_to(installed_octmip.packages)
+    assert (float(objective), float(gap)) == (0.0, 0.0)
+
+
+def test_the_installed_command_goes_from_a_table_to_predictions(installed_octmip: Installed, tmp_path: Path) -> None:
+    (tmp_path / "table.csv").write_text(TABLE)
+    for words in (
+        "solve table.csv --label kind --depth 2 --out tree.json",
+        "certify tree.json table.csv",
+        "predict tree.json table.csv --out predicted.csv",
+    ):
+        done = installed_octmip.run("octmip", *words.split(), cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+    predicted = (tmp_path / "predicted.csv").read_text().split()
+    assert [line.split(",")[-1] for line in predicted[1:]] == ["no", "no", "yes", "yes", "no", "no"]
+
+
+def test_mypy_sees_the_types_of_the_installed_packages(installed_octmip: Installed, tmp_path: Path) -> None:
+    (tmp_path / "typed.py").write_text(TYPED)
+    (tmp_path / "mistyped.py").write_text(MISTYPED)
+    words = ["--strict", "--cache-dir", ".cache", "--python-executable", str(installed_octmip.python)]
+    done = subprocess.run(
+        [sys.executable, "-m", "mypy", *words, "typed.py", "mistyped.py"],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        env=stranger(),
+    )
+    faults = [line for line in done.stdout.splitlines() if ": error:" in line]
+    assert [fault.partition(" ")[0] for fault in faults] == ["mistyped.py:5:", "mistyped.py:6:"], done.stdout
+    assert all("[arg-type]" in fault for fault in faults)
+
+
+def test_every_extra_is_installed_and_imported(tmp_path_factory: pytest.TempPathFactory, tmp_path: Path) -> None:
+    everything = installed(shared_folder(tmp_path_factory), "all")
+    used = "import octmip.plot, octmip.mip.paper_models, octmip.report.html, femlib.wing, cvxpy, pyarrow, onnx, jinja2"
+    wing = "femlib.wing.uav_wing(refinement=0.1)"
+    done = everything.run("python", "-c", f"{used}\n{wing}", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+
+
+def test_the_source_distribution_is_built_and_imported(
+    installed_octmip: Installed, tmp_path_factory: pytest.TempPathFactory, tmp_path: Path
+) -> None:
+    folder = shared_folder(tmp_path_factory)
+    (source,) = built(folder).glob("*.tar.gz")
+    place = tmp_path / "environment"
+    empty_environment(place)
+    made = Installed(place / "bin" / "python", source, tmp_path)
+    target = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "octmip" / "native" / "target")) / "from-source"
+    pip("--python", made.python, "install", "--no-deps", source, **QUICK_BUILD, CARGO_TARGET_DIR=str(target))
+    (made.packages / "dependencies.pth").write_text(f"{installed_octmip.packages}\n")
+    (tmp_path / "program.py").write_text(PROGRAM)
+    done = made.run("python", "program.py", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert Path(done.stdout.split()[0]).is_relative_to(made.packages)
