@@ -72,7 +72,7 @@ def test_every_column_that_cannot_be_used_is_named_at_once(survey, run):
     code, _, err = run("solve", survey, "--label", "label", "--depth", 2)
     assert code == 2
     assert "4 of 8 columns cannot be used: " in err
-    for name in (
+    for part in (
         "'when' holds 80 different texts",
         "'empty' has no value",
         "beyond 2^53",
