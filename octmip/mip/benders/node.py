@@ -17,6 +17,7 @@ from octmip.certificate import checked_leaf_index
 from octmip.errors import CertificateError
 from octmip.mip.benders.bounds import Bounds, Cut
 from octmip.mip.benders.master import Master
+from octmip.mip.benders.memory import Memory
 from octmip.mip.benders.question import Answer, Question
 from octmip.mip.blocks import axis
 from octmip.problem import Problem
@@ -41,12 +42,13 @@ class Evaluated:
 
     cut: Cut
     lessons: list[Lesson]
+    memory: Memory
     tree: Node | None
     both: float = 0.0
 
 
-Answerer = Callable[[Question], Answer]
-"""Answers the question of a side."""
+Answerer = Callable[[Question, Memory], Answer]
+"""Answers the question of a side, and adds to the memory."""
 Together = Callable[[Question, Cut, Node], Answer]
 """Answers a question for the trees that make a cut at the root, or are the tree given."""
 Tasks = Callable[[list[Callable[[], Evaluated]]], Iterable[Evaluated]]
@@ -64,16 +66,20 @@ class NodeSearch:
     price: float
     leaf: float
     bounds: Bounds
+    memory: Memory
     tried: NDArray[np.bool_]
 
     @classmethod
-    def of(cls, question: Question, best: Node, answer: Answerer, together: Together) -> "NodeSearch":
-        """Return the search before its first round, with the bounds of class counts."""
+    def of(cls, question: Question, best: Node, answer: Answerer, together: Together, memory: Memory) -> "NodeSearch":
+        """Return the search before its first round, with the bounds of class counts and of the memory."""
         problem, prices = question.problem, question.prices
         bounds = Bounds.of_class_counts(problem, prices)
+        if problem.sensor_budget is None:  # with one, a value holds for one sensor above only
+            for samples, price in memory.recall(question):
+                bounds.learn(samples, price)
         leaf = float(prices.of_labels(np.arange(problem.n_samples)).min())
         tried = np.zeros(len(bounds.feature), dtype=bool)
-        return cls(question, answer, together, best, prices.of_tree(problem, best), leaf, bounds, tried)
+        return cls(question, answer, together, best, prices.of_tree(problem, best), leaf, bounds, memory, tried)
 
     @property
     def bound(self) -> float:
@@ -106,6 +112,7 @@ class NodeSearch:
             self.bounds.learn(lesson.samples, lesson.price, within=lesson.within, sensor=sensor)
         self.bounds.both[cut.place] = max(self.bounds.both[cut.place], evaluated.both)
         self.tried[cut.place] = True
+        self.memory.merge(evaluated.memory)
         if evaluated.tree is not None:
             price = self.question.prices.of_tree(problem, evaluated.tree)
             if price < self.price:
@@ -116,20 +123,21 @@ class NodeSearch:
         left = self.bounds.is_left(cut)
         room = goal - self.question.prices.penalty
         lessons: list[Lesson] = []
-        on_left = self._side(cut, left, room - self.bounds.right[cut.place], lessons)
+        memory = self.memory.branch()
+        on_left = self._side(cut, left, room - self.bounds.right[cut.place], lessons, memory)
         if on_left.bound + self.bounds.right[cut.place] >= room:
-            return Evaluated(cut, lessons, None)
-        on_right = self._side(cut, ~left, room - on_left.bound, lessons)
+            return Evaluated(cut, lessons, memory, None)
+        on_right = self._side(cut, ~left, room - on_left.bound, lessons, memory)
         tree = Split(
             cut.feature, axis.threshold_at(cut.feature, cut.rank, self.bounds.ranks), on_left.tree, on_right.tree
         )
         if self._fits(tree):
-            return Evaluated(cut, lessons, tree)
+            return Evaluated(cut, lessons, memory, tree)
         if on_left.bound + on_right.bound >= room:
-            return Evaluated(cut, lessons, None)
+            return Evaluated(cut, lessons, memory, None)
         half = replace(tree, right=_leaf_answer(self.question, ~left).tree)
         both = self.together(self.question, cut, half)  # a budget joins the sides: one model for the two
-        return Evaluated(cut, lessons, both.tree, both.bound - self.question.prices.penalty)
+        return Evaluated(cut, lessons, memory, both.tree, both.bound - self.question.prices.penalty)
 
     def _fits(self, tree: Node) -> bool:
         try:
@@ -138,7 +146,9 @@ class NodeSearch:
             return False
         return True
 
-    def _side(self, cut: Cut, samples: NDArray[np.bool_], target: float, lessons: list[Lesson]) -> Answer:
+    def _side(
+        self, cut: Cut, samples: NDArray[np.bool_], target: float, lessons: list[Lesson], memory: Memory
+    ) -> Answer:
         """Answer one side of a cut; without its leaf size first, as that bounds other cuts' sides too."""
         at_leaf = _leaf_answer(self.question, samples)
         if at_leaf.is_proven:
@@ -147,14 +157,16 @@ class NodeSearch:
         question = _side_of(self.question, samples, cut.feature, target)
         problem = question.problem
         if problem.leaf_size == 1:
-            found = self.answer(question)
+            found = self.answer(question, memory)
+            memory.add(problem.depth, question.rows, found.bound)
             lessons.append(Lesson(samples, found.bound, within=False))
             return found
-        free = self.answer(replace(question, problem=replace(problem, leaf_size=1)))
+        free = self.answer(replace(question, problem=replace(problem, leaf_size=1)), memory)
+        memory.add(problem.depth, question.rows, free.bound)
         lessons.append(Lesson(samples, free.bound, within=False))
         if free.bound >= target or _holds_leaf_size(problem, free.tree):
             return free
-        found = self.answer(question)
+        found = self.answer(question, memory)
         lessons.append(Lesson(samples, found.bound, within=True))
         return found
 
@@ -182,7 +194,8 @@ def _side_of(question: Question, samples: NDArray[np.bool_], feature: int, targe
         depth=problem.depth - 1,
         **_budget_below(problem, feature),
     )
-    return Question(inside, replace(prices, weights=prices.weights[samples], profile=prices.profile[samples]), target)
+    inside_prices = replace(prices, weights=prices.weights[samples], profile=prices.profile[samples])
+    return Question(inside, inside_prices, question.rows[samples], target)
 
 
 def _budget_below(problem: Problem, feature: int) -> dict[str, Any]:

@@ -3,6 +3,9 @@
 import math
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from octmip.mip.prices import Prices
 from octmip.problem import Problem
 from octmip.tree import Node
@@ -18,12 +21,15 @@ class Question:
         the node's samples, and the depth, leaf size and budget below it.
     prices
         of these samples.
+    rows
+        (n_samples,) of these samples in the whole problem.
     target
         a bound of this price is as good as a proof: no better tree is of use above.
     """
 
     problem: Problem
     prices: Prices
+    rows: NDArray[np.int64]
     target: float = math.inf
 
 

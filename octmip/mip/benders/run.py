@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from octmip.mip.benders.bounds import Cut
+from octmip.mip.benders.memory import Memory
 from octmip.mip.benders.node import Evaluated, NodeSearch
 from octmip.mip.benders.question import Answer, Question
 from octmip.mip.benders.stump import best_stump
@@ -50,7 +51,7 @@ class Runner:
     _lock: threading.Lock = field(default_factory=threading.Lock)
     _is_ending: threading.Event = field(default_factory=threading.Event)
 
-    def answer(self, question: Question) -> Answer:
+    def answer(self, question: Question, memory: Memory) -> Answer:
         """Return the best tree of a side, or the proof that its target is reached."""
         self.clock.check()
         self._poll()
@@ -59,7 +60,7 @@ class Runner:
                 self.n_subproblems += 1
             return best_stump(question, self.seed)
         first = starting_tree(question.problem, None, self.seed)
-        return NodeSearch.of(question, first, self.answer, self.together).run(self.in_turn)
+        return NodeSearch.of(question, first, self.answer, self.together, memory).run(self.in_turn)
 
     def together(self, question: Question, cut: Cut, first: Node) -> Answer:
         """Return the best of a tree that makes a cut and of all others that make it, both sides in one flow model."""

@@ -8,6 +8,9 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 
+import numpy as np
+
+from octmip.mip.benders.memory import Memory
 from octmip.mip.benders.node import NodeSearch, Tasks
 from octmip.mip.benders.question import Question
 from octmip.mip.benders.run import Runner
@@ -59,7 +62,7 @@ def solve_benders(
     runner = Runner(clock, seed, lambda: None)
     try:
         clock.check()
-        _run(problem, Question(problem, prices), runner, result, n_jobs, progress)
+        _run(problem, Question(problem, prices, np.arange(problem.n_samples)), runner, result, n_jobs, progress)
     except LimitReachedError as reached:
         result.stop = reached.stop
     except KeyboardInterrupt:
@@ -80,12 +83,14 @@ def _run(
     progress: ProgressCallback | None,
 ) -> None:
     """Search at the root, keeping tree, bound and reason in `result` as they are found."""
+    prices = question.prices
+    memory = Memory(prices.weights * prices.costs[prices.profile].max(axis=1))
     if problem.depth == 1:
-        answer = runner.answer(question)
+        answer = runner.answer(question, memory)
         result.better(problem, canonicalise(problem, answer.tree))
         result.price_bound, result.stop = math.floor(answer.bound), Stop.OPTIMAL
         return
-    root = NodeSearch.of(question, result.tree, runner.answer, runner.together)
+    root = NodeSearch.of(question, result.tree, runner.answer, runner.together, memory)
     keep = _Keeper(problem, root, runner, result, progress)
     runner.report = keep.report
     with ThreadPoolExecutor(max(1, n_jobs)) as pool:
