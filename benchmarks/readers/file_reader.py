@@ -70,7 +70,7 @@ def run(*words: object) -> None:
     said = raw.getvalue().decode()
     if code not in (0, 1, 2) or (code and said.count("\n") != 1) or "standard output cannot" in said:
         raise CommandError(f"{words[0]} ended with {code} and said {said[:300]!r}")
-    if code and (not said.startswith("octmip") or not said[:-1].isprintable() or len(said) > 2200):
+    if code and (not said.startswith("octmip") or not said[:-1].isprintable() or len(said) > 10_200):
         raise CommandError(f"{words[0]} said {said[:300]!r}")
     if code:
         raise RefusedError(said)

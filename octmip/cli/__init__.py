@@ -24,8 +24,10 @@ COMMANDS = {
     "frontier": "show the least cost against depth, sensor budget or leaf penalty",
     "diagnose": "explain why an asset does not behave like its twin, and what to test next",
     "report": "show a tree file in words, or as a page, Markdown, DOT or a drawing",
+    "doctor": "check this installation: versions, native core, extras, memory",
+    "completion": "print the script that lets a shell complete octmip's words",
 }
-MOST_MESSAGE = 2000  # characters of an error on standard error
+MOST_MESSAGE = 10_000  # characters of an error on standard error
 
 
 def main(words: Sequence[str] | None = None) -> int:
@@ -74,21 +76,22 @@ def _run(words: list[str]) -> int:
         hint = f"; did you mean {near[0]}?" if near else f"; expected one of {', '.join(COMMANDS)}"
         raise DataError(f"there is no command {words[0]!r}{hint}")
     command = importlib.import_module(f"octmip.cli.{words[0]}")
-    parser = Parser(prog=f"octmip {words[0]}", description=command.__doc__)
+    parser = Parser(f"octmip {words[0]}", command.__doc__, getattr(command, "EXAMPLES", ""))
     command.add_arguments(parser)
-    code: int = command.run(parser.parse_args(words[1:]))
+    code: int = command.run(parser.finish().parse_args(words[1:]))
     sys.stdout.flush()
     return code
 
 
 def _overview() -> str:
-    lines = [f"  octmip {name:<9} {summary}" for name, summary in COMMANDS.items()]
+    lines = [f"  octmip {name:<10}  {summary}" for name, summary in COMMANDS.items()]
     return "\n".join(
         [
             "octmip finds classification trees that are optimal, proves it, and says what a heuristic loses.",
             "",
             *lines,
             "",
-            "octmip COMMAND --help describes a command; octmip --version prints the version.",
+            "Begin with:  octmip solve TABLE.csv --label COLUMN --depth 2",
+            "octmip COMMAND --help describes a command with examples; octmip --version prints the version.",
         ]
     )

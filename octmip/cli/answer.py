@@ -1,25 +1,40 @@
-"""Results on their way out: one JSON object, a progress line, rows of numbers."""
+"""Results on their way out: one JSON object, a progress line, what was found in a sentence."""
 
 import json
+import math
 import sys
+import threading
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import TracebackType
 from typing import Any
 
+import numpy as np
+
 from octmip.certificate import Certificate
+from octmip.formats.names import visible
 from octmip.formats.tree_file import finite_or_none
 from octmip.formats.tree_nodes import encode_tree
 from octmip.problem import Problem
-from octmip.report.text import number, percent
+from octmip.report.text import narrow_scope, number, percent
 from octmip.solution import Progress, Solution, relative_gap
+from octmip.tradeoff import Comparison, Score
 
 INTERVAL = 0.1  # seconds between two progress lines
+FIRST_SHOWN = 0.5  # seconds until a step without figures of its own is shown, and between its lines
 
 
 def print_json(content: Mapping[str, Any]) -> None:
     """Print one JSON object on standard output; numbers that JSON lacks must be None by now."""
     print(json.dumps(content, allow_nan=False))
+
+
+def print_notes(notes: Sequence[str]) -> None:
+    """Print what became of the table, a line each, and a blank line behind."""
+    for note in notes:
+        print(f"note: {visible(note)}")
+    if notes:
+        print()
 
 
 def printable(text: str) -> str:
@@ -54,6 +69,97 @@ def describe(problem: Problem, solution: Solution, certificate: Certificate) -> 
         "details": dict(solution.details),
         "tree": encode_tree(solution.tree, problem.feature_names, problem.class_names),
     }
+
+
+def verdict(problem: Problem, solution: Solution, certificate: Certificate) -> str:
+    """Return what is known of a tree in one sentence, for the last line on the screen."""
+    share = percent(certificate.errors / problem.n_samples)
+    wrong = f"{certificate.errors} of {problem.n_samples} samples wrong ({share})"
+    trees, counts = _trees(problem, solution), _counts_errors(problem)
+    if solution.is_optimal:
+        no_better = "makes fewer errors" if counts else f"has an objective below {number(solution.objective)}"
+        return f"Proven optimal: {wrong}; no {trees} {no_better}."
+    if math.isinf(solution.bound):
+        return f"Not proven optimal: {wrong}; the method {visible(solution.solver)} proves nothing about other trees."
+    least = number(solution.bound)
+    bound = f"makes {least} errors or more" if counts else f"has an objective of {least} or more"
+    return f"Not proven optimal (stop: {solution.stop}, gap {percent(solution.gap)}): {wrong}; every {trees} {bound}."
+
+
+def _trees(problem: Problem, solution: Solution) -> str:
+    """Return the trees that a bound holds for, in words that follow "no" and "every"."""
+    if scope := narrow_scope(solution):
+        return f"tree among {scope}"
+    kind = "" if problem.split == "axis" else f" with up to {problem.max_split_size} features in a split"
+    is_limited = problem.leaf_size > 1 or problem.sensor_budget is not None or problem.allowed_splits is not None
+    return f"tree of depth {problem.depth} or less{kind}{' within the same limits' if is_limited else ''}"
+
+
+def _counts_errors(problem: Problem) -> bool:
+    """Whether the objective is the number of wrong samples."""
+    off_diagonal = problem.costs + np.eye(problem.n_classes)
+    return bool(problem.leaf_penalty == 0 and (problem.weights == 1).all() and (off_diagonal == 1).all())
+
+
+def comparison_text(problem: Problem, found: Comparison) -> str:
+    """Return errors on training and held-out samples, of a tree and of CART beside it, as a small table."""
+    assert found.held_out is not None
+    assert found.cart_held_out is not None
+    head = ("", f"{found.training.n_samples} training samples", f"{found.held_out.n_samples} held out")
+    rows = [head]
+    for name, train, held in (
+        ("this tree", found.training, found.held_out),
+        ("CART", found.cart_training, found.cart_held_out),
+    ):
+        rows.append((name, _score_text(problem, train), _score_text(problem, held)))
+    widths = [max(len(row[k]) for row in rows) for k in range(3)]
+    return "\n".join(
+        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows
+    )
+
+
+def _score_text(problem: Problem, score: Score) -> str:
+    cost = "" if _counts_errors(problem) else f", cost {number(score.cost)}"
+    return f"{score.errors} wrong ({percent(score.error_rate)}){cost}"
+
+
+def score_json(score: Score | None) -> dict[str, Any] | None:
+    """Return a score as a JSON object, None without one."""
+    return None if score is None else {"n_samples": score.n_samples, "errors": score.errors, "cost": score.cost}
+
+
+def comparison_json(found: Comparison) -> dict[str, Any]:
+    """Return the entries `training`, `held_out` and `cart` of a JSON object."""
+    cart = {"training": score_json(found.cart_training), "held_out": score_json(found.cart_held_out)}
+    return {"training": score_json(found.training), "held_out": score_json(found.held_out), "cart": cart}
+
+
+class ElapsedLine:
+    """One line on a terminal that says for how long a step has run; nothing where standard error is no terminal."""
+
+    def __init__(self, what: str) -> None:
+        self._what = what
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._show, daemon=True)
+        self._is_terminal = sys.stderr.isatty()
+
+    def __enter__(self) -> "ElapsedLine":
+        if self._is_terminal:
+            self._thread.start()
+        return self
+
+    def _show(self) -> None:
+        start = time.monotonic()
+        while not self._ended.wait(FIRST_SHOWN):
+            print(f"\r\x1b[2K{self._what} ... {time.monotonic() - start:.0f} s", end="", file=sys.stderr, flush=True)
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        self._ended.set()
+        if self._is_terminal:
+            self._thread.join()
+            print("\r\x1b[2K", end="", file=sys.stderr, flush=True)
 
 
 class ProgressLine:

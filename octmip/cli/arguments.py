@@ -4,6 +4,7 @@ import argparse
 import math
 from typing import NoReturn
 
+from octmip.cli.samples.options import add_column_arguments, add_label_arguments
 from octmip.errors import DataError
 from octmip.formats.checked import shown
 from octmip.solution import Limits
@@ -15,11 +16,13 @@ MOST_THREADS = 1024
 class Parser(argparse.ArgumentParser):
     """A parser whose errors are one line, like every other error of the command."""
 
-    def __init__(self, prog: str, description: str | None) -> None:
+    def __init__(self, prog: str, description: str | None, examples: str = "") -> None:
         super().__init__(
             prog=prog,
             description=description,
+            epilog=examples and f"examples:\n{examples}",
             allow_abbrev=False,
+            add_help=False,
             formatter_class=argparse.RawDescriptionHelpFormatter,
         )
 
@@ -27,39 +30,64 @@ class Parser(argparse.ArgumentParser):
         """Raise the message of argparse as a DataError."""
         raise DataError(f"{message}; see {self.prog} --help")
 
+    def finish(self) -> "Parser":
+        """Add --help as the last option, and shorten the usage to what must be given."""
+        needed = [action for action in self._actions if action.required]
+        words = [str(action.metavar or action.dest) for action in needed if not action.option_strings]
+        words += [f"{action.option_strings[-1]} {action.metavar or ''}" for action in needed if action.option_strings]
+        self.add_argument_group("help").add_argument("-h", "--help", action="help", help="show this text")
+        self.usage = " ".join([self.prog, *words, "[options]"])
+        return self
+
+
+def add_everyday_arguments(parser: argparse.ArgumentParser, seconds: float = math.inf) -> argparse._ArgumentGroup:
+    """Add the table, the label, the depth and the time, and return their group."""
+    group = parser.add_argument_group("everyday")
+    add_label_arguments(group)
+    group.add_argument("--depth", metavar="D", type=int, required=True, help="levels of splits")
+    shown = "no limit" if math.isinf(seconds) else f"{seconds:g}"
+    group.add_argument(
+        "--seconds", metavar="S", type=float, default=seconds, help=f"stop after S seconds (default {shown})"
+    )
+    return group
+
 
 def add_problem_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the table and the arguments that describe the tree."""
-    parser.add_argument("data", metavar="DATA", help="table of samples, .csv or .parquet")
+    """Add the arguments that describe samples, tree, costs and sensors."""
+    add_column_arguments(parser)
     group = parser.add_argument_group("tree")
-    group.add_argument("--label", metavar="COL", required=True, help="column with the class of each sample")
-    group.add_argument("--depth", metavar="D", type=int, required=True, help="levels of splits")
-    group.add_argument("--features", metavar="A,B,...", help="columns to split on (default: all but label and weights)")
+    group.add_argument("--leaf-size", metavar="N", type=int, default=1, help="at least N samples in a leaf (default 1)")
+    group.add_argument(
+        "--leaf-penalty", metavar="P", type=float, default=0.0, help="price of one feature in one split (default 0)"
+    )
     group.add_argument(
         "--split", choices=("axis", "hyperplane"), help="kind of split (default axis; hyperplane with --split-size > 1)"
     )
     group.add_argument("--split-size", metavar="K", type=int, help="at most K features in one split")
     group.add_argument(
-        "--allowed-splits", metavar="FILE", help="text file: on each line the features that may meet in one split"
+        "--allowed-splits", metavar="FILE", help="text file: on each line the columns that may meet in one split"
     )
     group.add_argument("--integer-normals", metavar="N", type=int, help="hyperplane coefficients are integers up to N")
-    group.add_argument("--leaf-size", metavar="N", type=int, default=1, help="at least N samples in a leaf (default 1)")
+    group = parser.add_argument_group("costs and sensors")
     group.add_argument(
-        "--leaf-penalty", metavar="P", type=float, default=0.0, help="price of one feature in one split (default 0)"
+        "--costs", metavar="FILE", help="table of misclassification costs: true class by predicted class"
     )
-    group.add_argument("--weights", metavar="COL", help="column with the risk weight of each sample (default: all 1)")
-    group.add_argument("--costs", metavar="FILE", help="CSV of misclassification costs: true class by predicted class")
     group.add_argument("--budget", metavar="B", type=float, help="most sensor cost of the whole tree")
-    group.add_argument("--sensor-cost", metavar="FILE", help="CSV with columns [feature,]sensor,cost (default: all 1)")
-
-
-def add_run_arguments(parser: argparse.ArgumentParser, seconds: float = math.inf) -> None:
-    """Add limits, seed, threads and output."""
-    group = parser.add_argument_group("run")
-    shown = "no limit" if math.isinf(seconds) else f"{seconds:g}"
     group.add_argument(
-        "--seconds", metavar="S", type=float, default=seconds, help=f"stop after S seconds (default {shown})"
+        "--sensor-cost", metavar="FILE", help="table with columns [feature,]sensor,cost (default: each column costs 1)"
     )
+
+
+def add_run_arguments(parser: argparse.ArgumentParser, with_method: bool = True) -> None:
+    """Add method, limits, seed, threads and --json."""
+    group = parser.add_argument_group("run")
+    if with_method:
+        group.add_argument(
+            "--method",
+            choices=METHODS,
+            default="auto",
+            help="default auto: exact, or search for hyperplanes; exact proves hyperplanes of 2 features to depth 2",
+        )
     group.add_argument("--gap", metavar="G", type=float, default=0.0, help="stop at this relative gap (default 0)")
     group.add_argument("--nodes", metavar="N", type=float, default=math.inf, help="stop after N search nodes")
     group.add_argument(
@@ -74,16 +102,6 @@ def add_json_argument(parser: argparse._ActionsContainer) -> None:
     """Add --json."""
     parser.add_argument(
         "--json", action="store_true", help="print one JSON object on standard output, and nothing else"
-    )
-
-
-def add_method_argument(parser: argparse.ArgumentParser) -> None:
-    """Add --method."""
-    parser.add_argument(
-        "--method",
-        choices=METHODS,
-        default="auto",
-        help="default auto: exact, or search for hyperplanes; exact proves hyperplanes of 2 features to depth 2",
     )
 
 

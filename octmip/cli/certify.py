@@ -1,50 +1,99 @@
 """Recompute what a tree file claims, sample by sample, from the tree and its training data alone.
 
-With --proof, a checker that knows no solver also checks a proof log: that no tree of the problem costs less than the
-bound. Exit code 0: every claim holds. 1: one does not, and one line says which. 2: a file cannot be read.
+What the file says of samples held out is recomputed, too. With --proof, a checker that knows no solver also checks a
+proof log: that no tree of the problem costs less than the bound. Exit code 0: every claim holds. 1: one does not, and
+one line says which. 2: a file cannot be read.
 """
 
 import argparse
 import dataclasses
 
 from octmip.certificate import Certificate, certify
-from octmip.cli.answer import print_json, printable
+from octmip.cli.answer import ElapsedLine, print_json, printable, score_json, verdict
 from octmip.cli.arguments import MOST_THREADS, add_json_argument
+from octmip.cli.samples.options import TABLE_HELP, add_format_argument
+from octmip.cli.samples.training import Training, read_test, read_training
 from octmip.errors import CertificateError, DataError
 from octmip.formats.checked import shown
-from octmip.formats.table import read_table
 from octmip.formats.tree_file import TreeFile, finite_or_none, read_tree_file
 from octmip.problem import Problem
 from octmip.proof import ProofReport, check_proof
-from octmip.report.text import number, solution_text
+from octmip.report.text import number, percent, solution_text
+from octmip.tradeoff import Samples, Score, score
+
+EXAMPLES = """\
+  octmip certify tree.json iris.csv
+  octmip certify tree.json train.csv --test test.csv
+  octmip certify tree.json iris.csv --proof proof.log --threads 2
+"""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `octmip certify`."""
-    parser.add_argument("tree", metavar="TREE.json", help="tree file of octmip solve --out")
-    parser.add_argument("data", metavar="DATA", help="the table that it was trained on, .csv or .parquet")
-    parser.add_argument("--label", metavar="COL", help="column with the class (default: that of the training)")
-    parser.add_argument("--weights", metavar="COL", help="column with the weights (default: that of the training)")
-    parser.add_argument("--proof", metavar="LOG", help="also check this proof log of octmip solve --proof")
-    parser.add_argument("--threads", metavar="N", type=int, default=1, help="threads of that check (default 1)")
-    add_json_argument(parser)
+    group = parser.add_argument_group("everyday")
+    group.add_argument("tree", metavar="TREE.json", help="tree file of octmip solve --out")
+    group.add_argument("data", metavar="DATA", help=f"the table that it was trained on; {TABLE_HELP}")
+    group.add_argument("--proof", metavar="LOG", help="also check this proof log of octmip solve --proof")
+    group.add_argument("--test", metavar="FILE", help="the other table that the tree was tested on (solve --test)")
+    group = parser.add_argument_group("table")
+    group.add_argument("--label", metavar="COL", help="column with the class (default: that of the training)")
+    group.add_argument("--weights", metavar="COL", help="column with the weights (default: that of the training)")
+    add_format_argument(group)
+    group = parser.add_argument_group("run")
+    group.add_argument("--threads", metavar="N", type=int, default=1, help="threads of the proof check (default 1)")
+    add_json_argument(group)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Certify and show."""
     file = read_tree_file(arguments.tree)
-    problem = _training_problem(arguments, file)
-    certificate = certify(problem, file.solution)
-    proof = _checked_proof(arguments, problem, file)
+    with ElapsedLine("certifying"):
+        training = read_training(
+            file,
+            arguments.data,
+            form=arguments.format,
+            label=arguments.label,
+            weights=arguments.weights,
+            source=arguments.tree,
+        )
+        certificate = certify(training.problem, file.solution)
+        held_out = _checked_held_out(arguments, file, training)
+    proof = _checked_proof(arguments, training.problem, file)
     if arguments.json:
         log = {} if proof is None else {"proof": dataclasses.asdict(proof)}
-        print_json({"is_certified": True, "n_samples": problem.n_samples, **_fields(certificate), **log})
+        held = {} if held_out is None else {"held_out": score_json(held_out)}
+        n_samples = training.problem.n_samples
+        print_json({"is_certified": True, "n_samples": n_samples, **_fields(certificate), **held, **log})
         return 0
     print("certified: every claim was recomputed from tree and data alone")
-    print(printable(solution_text(file.solution, certificate, problem.n_samples)))
+    print(printable(solution_text(file.solution, certificate, training.problem.n_samples)))
+    if held_out is not None:
+        print(f"held out: {held_out.errors} of {held_out.n_samples} samples wrong ({percent(held_out.error_rate)})")
+    elif file.held_out is not None:
+        print("held out: not recomputed, the samples are of another table; give it with --test")
     if proof is not None:
         print(f"proof: no tree costs less than {number(proof.bound)}; {proof.n_lines} lines, {proof.seconds:.3g} s")
+    print(printable(verdict(training.problem, file.solution, certificate)))
     return 0
+
+
+def _checked_held_out(arguments: argparse.Namespace, file: TreeFile, training: Training) -> Score | None:
+    """Return what the tree loses on the samples held out, once the file's own figures agree."""
+    samples: Samples | None = training.held_out
+    if arguments.test:
+        samples = read_test(file, training.problem, arguments.test)
+    if samples is None:
+        return None
+    found, claim = score(training.problem, file.tree, samples), file.held_out
+    if claim is not None and (claim.share is None) == bool(arguments.test):
+        wanted = (claim.n_samples, claim.errors)
+        if wanted != (found.n_samples, found.errors) or abs(claim.cost - found.cost) > 1e-9 * max(1.0, found.cost):
+            raise CertificateError(
+                f"{arguments.tree} claims {claim.errors} of {claim.n_samples} samples held out to be wrong at cost "
+                f"{claim.cost:g}, but there are {found.errors} of {found.n_samples} at cost {found.cost:g}; tree and "
+                "data do not belong together or one was changed"
+            )
+    return found
 
 
 def _checked_proof(arguments: argparse.Namespace, problem: Problem, file: TreeFile) -> ProofReport | None:
@@ -52,26 +101,10 @@ def _checked_proof(arguments: argparse.Namespace, problem: Problem, file: TreeFi
         raise DataError(f"--threads is {shown(arguments.threads)}; expected 1 or more, and at most {MOST_THREADS}")
     if not arguments.proof:
         return None
-    return check_proof(problem, arguments.proof, bound=file.solution.bound, n_jobs=arguments.threads)
+    with ElapsedLine("checking the proof"):
+        return check_proof(problem, arguments.proof, bound=file.solution.bound, n_jobs=arguments.threads)
 
 
 def _fields(certificate: Certificate) -> dict[str, object]:
     fields = dataclasses.asdict(certificate)
     return {k: finite_or_none(v) if isinstance(v, float) else v for k, v in fields.items()}
-
-
-def _training_problem(arguments: argparse.Namespace, file: TreeFile) -> Problem:
-    label = arguments.label or file.label_column
-    weights_column = arguments.weights or file.weights_column
-    if label is None:
-        raise DataError(f"{arguments.tree} does not say which column held the label; name it with --label")
-    table = read_table(arguments.data)
-    labels = table.labels(label, file.class_names)
-    weights = table.numbers([weights_column], "weight")[:, 0] if weights_column else None
-    problem = file.problem(table.numbers(file.feature_names), labels, weights)
-    if problem.digest() != file.sha256:
-        raise CertificateError(
-            f"{arguments.data} is not the table that {arguments.tree} was trained on: sha256 {problem.digest()[:12]}.. "
-            f"of {problem.n_samples} samples, expected {file.sha256[:12]}... of {file.n_samples}; give that table"
-        )
-    return problem

@@ -9,9 +9,10 @@ import argparse
 from typing import Any
 
 from octmip.certificate import certify
-from octmip.cli.answer import ProgressLine, describe, print_json
-from octmip.cli.arguments import add_problem_arguments, add_run_arguments, limits_of
-from octmip.cli.question import ask
+from octmip.cli.answer import ProgressLine, describe, print_json, print_notes, score_json
+from octmip.cli.arguments import add_everyday_arguments, add_problem_arguments, add_run_arguments, limits_of
+from octmip.cli.samples.options import add_held_out_arguments
+from octmip.cli.samples.question import Question, ask
 from octmip.errors import DataError, ProblemError, SolverError
 from octmip.formats.names import visible
 from octmip.formats.tree_file import finite_or_none
@@ -20,34 +21,58 @@ from octmip.report.markdown import markdown_table
 from octmip.report.text import narrow_scope
 from octmip.solution import Limits, Stop, relative_gap
 from octmip.solver import REGISTRY, solve
+from octmip.tradeoff import score
 
 DEFAULTS = {"axis": ("cart", "search", "exact", "flow", "oct"), "hyperplane": ("cart", "search", "flow", "oct_h")}
+
+EXAMPLES = """\
+  octmip compare iris.csv --label species --depth 3
+  octmip compare iris.csv --label species --depth 2 --holdout 0.25
+  octmip compare iris.csv --label species --depth 2 --methods cart,search,exact --json
+"""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `octmip compare`."""
+    group = add_everyday_arguments(parser, seconds=60.0)
+    add_held_out_arguments(group)
+    group.add_argument("--methods", metavar="A,B,...", help="methods to run (default: all that suit the kind of split)")
     add_problem_arguments(parser)
-    add_run_arguments(parser, seconds=60.0)
-    parser.add_argument(
-        "--methods", metavar="A,B,...", help="methods to run (default: all that suit the kind of split)"
-    )
+    add_run_arguments(parser, with_method=False)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Run every method and show them."""
     limits = limits_of(arguments)
-    problem = ask(arguments).problem
+    question = ask(arguments)
+    problem = question.problem
     rows = []
     for method in _methods(arguments, problem):
-        rows.append(_row(arguments, problem, method, limits))
+        rows.append(_row(arguments, question, method, limits))
         if rows[-1].get("stop") == Stop.INTERRUPTED:
             break
     _add_gap_to_best_bound(rows)
     if arguments.json:
-        print_json({"n_samples": problem.n_samples, "baseline": problem.baseline, "rows": rows})
+        notes = {"notes": list(question.notes)}
+        print_json({"n_samples": problem.n_samples, "baseline": problem.baseline, "rows": rows, **notes})
         return 0
-    columns = ("method", "errors", "objective", "bound", "gap %", "gap to best bound %", "n_splits", "seconds", "stop")
+    held = () if question.held_out is None else ("errors held out",)
+    columns = (
+        "method",
+        "errors",
+        *held,
+        "objective",
+        "bound",
+        "gap %",
+        "gap to best bound %",
+        "n_splits",
+        "seconds",
+        "stop",
+    )
+    print_notes(question.notes)
     print(markdown_table([_shown(row) for row in rows], columns))
+    if question.held_out is not None:
+        print(f"\n{problem.n_samples} training samples, {len(question.held_out.codes)} held out")
     for row in rows:
         if "error" in row:
             print(f"\n{row['method']}: {visible(row['error'])}")
@@ -66,14 +91,16 @@ def _methods(arguments: argparse.Namespace, problem: Problem) -> list[Any]:
     return names
 
 
-def _row(arguments: argparse.Namespace, problem: Problem, method: Any, limits: Limits) -> dict[str, Any]:
+def _row(arguments: argparse.Namespace, question: Question, method: Any, limits: Limits) -> dict[str, Any]:
+    problem = question.problem
     try:
         with ProgressLine(f"{method}: ") as progress:
             solution = solve(problem, method, limits, seed=arguments.seed, n_jobs=arguments.threads, progress=progress)
         if solution.tree is None:
             return {"method": method, "error": f"no tree found (stop: {solution.stop})"}
         row = describe(problem, solution, certify(problem, solution))
-        return row | {"method": method, "scope": narrow_scope(solution)}
+        held = question.held_out and score_json(score(problem, solution.tree, question.held_out))
+        return row | {"method": method, "scope": narrow_scope(solution), "held_out": held}
     except (ProblemError, SolverError) as error:
         return {"method": method, "error": " ".join(str(error).split())}
 
@@ -93,6 +120,7 @@ def _shown(row: dict[str, Any]) -> dict[str, Any]:
     return {
         **row,
         **{name: None if gap is None else round(100 * gap, 2) for name, gap in gaps.items()},
+        "errors held out": (row.get("held_out") or {}).get("errors"),
         "seconds": None if "seconds" not in row else round(row["seconds"], 3),
         "stop": row.get("stop", "failed"),
     }

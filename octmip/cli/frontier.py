@@ -14,9 +14,9 @@ from typing import Any
 from joblib import parallel_config
 
 from octmip.certificate import certify
-from octmip.cli.answer import ProgressLine, describe, print_json
-from octmip.cli.arguments import add_method_argument, add_problem_arguments, add_run_arguments, limits_of
-from octmip.cli.question import ask
+from octmip.cli.answer import ElapsedLine, ProgressLine, describe, print_json, print_notes
+from octmip.cli.arguments import add_everyday_arguments, add_problem_arguments, add_run_arguments, limits_of
+from octmip.cli.samples.question import Question, ask
 from octmip.errors import DataError
 from octmip.formats.files import check_writable, write_bytes
 from octmip.formats.names import shown
@@ -28,20 +28,26 @@ from octmip.tree import n_splits
 
 PICTURES = (".svg", ".png", ".pdf")
 
+EXAMPLES = """\
+  octmip frontier iris.csv --label species --over depth --depth 4
+  octmip frontier iris.csv --label species --over budget --depth 3 --out frontier.svg
+  octmip frontier iris.csv --label species --over penalty --depth 3 --folds 5
+"""
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `octmip frontier`."""
-    add_problem_arguments(parser)
-    add_run_arguments(parser, seconds=60.0)
-    add_method_argument(parser)
-    parser.add_argument("--over", choices=OVERS, required=True, help="setting to vary")
-    parser.add_argument(
+    group = add_everyday_arguments(parser, seconds=60.0)
+    group.add_argument("--over", choices=OVERS, required=True, help="setting to vary")
+    group.add_argument(
         "--values",
         metavar="A,B,...",
         help="its values (default: depths 1 to D; 1, 2, ... sensors; a penalty for each tree on the frontier)",
     )
-    parser.add_argument("--folds", metavar="K", type=int, help="also cross-validate on K folds (depth, penalty)")
-    parser.add_argument("--out", metavar="FILE", help=f"draw the frontier in this file, one of {', '.join(PICTURES)}")
+    group.add_argument("--folds", metavar="K", type=int, help="also cross-validate on K folds (depth, penalty)")
+    group.add_argument("--out", metavar="FILE", help=f"draw the frontier in this file, one of {', '.join(PICTURES)}")
+    add_problem_arguments(parser)
+    add_run_arguments(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -54,7 +60,8 @@ def run(arguments: argparse.Namespace) -> int:
         check_writable(arguments.out)
     if arguments.folds is not None and arguments.over == "budget":
         raise DataError("--folds chooses a depth and a penalty; expected --over depth or --over penalty")
-    problem = ask(arguments).problem
+    question = ask(arguments)
+    problem = question.problem
     with ProgressLine() as progress:
         points = trace_frontier(
             problem,
@@ -75,18 +82,24 @@ def run(arguments: argparse.Namespace) -> int:
         for row, point in zip(rows, points, strict=True):
             step = choice.step_at(point.problem.depth, point.problem.leaf_penalty / problem.baseline)
             row["held_out"] = step.validation_cost
+    _show(arguments, question, rows, choice)
+    return 0
+
+
+def _show(arguments: argparse.Namespace, question: Question, rows: list[dict[str, Any]], choice: Choice | None) -> None:
     if arguments.json:
         chosen = {} if choice is None else {"chosen": _chosen(choice)}
-        print_json({"over": arguments.over, "n_samples": problem.n_samples, "rows": rows, **chosen})
-        return 0
+        found = {"over": arguments.over, "n_samples": question.problem.n_samples, "rows": rows}
+        print_json(found | {"notes": list(question.notes)} | chosen)
+        return
+    print_notes(question.notes)
     print(_table(arguments.over, rows))
     if choice is not None:
         best = _chosen(choice)
         print(
-            f"\nchosen: depth {best['depth']}, leaf penalty {best['penalty']:.4g} (alpha {best['alpha']:.4g}),", end=" "
+            f"\nchosen: depth {best['depth']}, leaf penalty {best['penalty']:.4g} (alpha {best['alpha']:.4g}), "
+            f"{best['held_out']:.4g} on samples held out"
         )
-        print(f"{best['held_out']:.4g} on samples held out")
-    return 0
 
 
 def _table(over: str, rows: list[dict[str, Any]]) -> str:
@@ -99,7 +112,7 @@ def _table(over: str, rows: list[dict[str, Any]]) -> str:
 
 def _choice(arguments: argparse.Namespace, problem: Problem, limits: Limits) -> Choice:
     """Return what cross-validation chooses, its folds in so many threads."""
-    with parallel_config(backend="threading", n_jobs=arguments.threads):
+    with ElapsedLine("cross-validating"), parallel_config(backend="threading", n_jobs=arguments.threads):
         return choose_tree(problem, folds=arguments.folds, method=arguments.method, limits=limits, seed=arguments.seed)
 
 

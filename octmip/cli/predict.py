@@ -1,6 +1,8 @@
 """Apply a tree file to a table: one prediction for each row, as CSV on standard output or in a file.
 
-With --label the predictions are also compared with the true classes.
+The columns that the tree reads must be in the table, and are encoded as in its training. The column that named the
+rows in training (solve --index) is written before the predictions. With --label the predictions are also compared with
+the true classes, in the rows that have one.
 
 Class names are written as they are, so that a program reads back what was trained on; on a terminal, control
 characters are shown as escapes. A spreadsheet takes a cell that begins with one of = + - @ for a formula: import such
@@ -11,6 +13,7 @@ import argparse
 import csv
 import io
 import sys
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -18,24 +21,41 @@ from numpy.typing import NDArray
 
 from octmip.cli.answer import print_json
 from octmip.cli.arguments import add_json_argument
+from octmip.cli.samples.names import one_name
+from octmip.cli.samples.options import TABLE_HELP, add_format_argument
 from octmip.errors import DataError
+from octmip.formats.columns import Columns, ColumnsError
 from octmip.formats.files import check_writable, write_bytes
 from octmip.formats.names import visible, visible_lines
 from octmip.formats.table import Table, read_table
 from octmip.formats.tree_file import TreeFile, columns_read, read_tree_file
 from octmip.tree import leaf_index, leaves
 
+EXAMPLES = """\
+  octmip predict tree.json new.csv
+  octmip predict tree.json new.csv --proba --index person --out predictions.csv
+  cat new.csv | octmip predict tree.json - | head
+"""
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `octmip predict`."""
-    parser.add_argument("tree", metavar="TREE.json", help="tree file of octmip solve --out")
-    parser.add_argument("data", metavar="DATA", help="table with the features that the tree reads, .csv or .parquet")
-    parser.add_argument("--label", metavar="COL", help="column with the true class, to count the errors")
-    parser.add_argument(
-        "--probabilities", action="store_true", help="add each class's share of the training samples in the leaf"
+    group = parser.add_argument_group("everyday")
+    group.add_argument("tree", metavar="TREE.json", help="tree file of octmip solve --out")
+    group.add_argument("data", metavar="DATA", help=TABLE_HELP)
+    group.add_argument("--out", metavar="FILE.csv", help="write the predictions to this file")
+    group.add_argument(
+        "--proba",
+        "--probabilities",
+        dest="probabilities",
+        action="store_true",
+        help="add each class's share of the training samples in the leaf",
     )
-    parser.add_argument("--out", metavar="FILE.csv", help="write the predictions to this file")
-    add_json_argument(parser)
+    group.add_argument("--label", metavar="COL", help="column with the true class, to count the errors")
+    group.add_argument("--index", metavar="COL", help="column that names the rows (default: that of the training)")
+    group = parser.add_argument_group("more")
+    add_format_argument(group)
+    add_json_argument(group)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -43,36 +63,95 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.out:
         check_writable(arguments.out)
     file = read_tree_file(arguments.tree)
-    table = read_table(arguments.data)
+    trained = None if file.preparation is None else file.preparation.index
+    table = read_table(arguments.data, arguments.format, as_text=arguments.index or trained)
     reached = leaf_index(file.tree, _features(file, table))
     labels = [file.class_names[leaf.label] for leaf in leaves(file.tree)]
     predictions = [labels[leaf] for leaf in reached.tolist()]
-    errors = None
-    if arguments.label:
-        true = table.labels(arguments.label, file.class_names).tolist()
-        errors = sum(predicted != label for predicted, label in zip(predictions, true, strict=True))
     shares = _shares(file)[reached].tolist() if arguments.probabilities else None
-    content = _csv(file, predictions, shares)
+    index = _index(arguments.index, file, table)
+    counted = _counted(file, table, arguments.label, predictions) if arguments.label else None
+    content = _csv(file, predictions, shares, index)
     if arguments.out:
         write_bytes(arguments.out, _utf8(content))
     if arguments.json:
-        counted = {} if errors is None else {"errors": errors}
         probabilities = {} if shares is None else {"class_names": list(file.class_names), "probabilities": shares}
-        print_json({"n_samples": len(predictions), **counted, "predictions": predictions, **probabilities})
-    elif not arguments.out:
+        names = {} if index is None else {"index": index[1]}
+        print_json(
+            {"n_samples": len(predictions), **(counted or {}), **names, "predictions": predictions, **probabilities}
+        )
+        return 0
+    if not arguments.out:
         _utf8(content)  # its sentence about names that no file can hold
         print(visible_lines(content) if sys.stdout.isatty() else content, end="")
-    if errors is not None and not arguments.json:
-        print(f"{errors} of {len(predictions)} samples wrong", file=sys.stderr)
+    for note in _unseen(file, table):
+        print(f"note: {visible(note)}", file=sys.stderr)
+    if counted is not None:
+        print(_errors_text(counted, len(predictions)), file=sys.stderr)
     return 0
+
+
+def _read_columns(file: TreeFile) -> Columns | None:
+    """Return how the columns that the tree reads become features; None where every feature is its column."""
+    if file.preparation is None:
+        return None
+    read = set(columns_read(file))
+    columns = file.preparation.columns
+    names = {feature.column for feature in columns.features if feature.name in read}
+    return Columns(tuple(column for column in columns.columns if column.name in names))
 
 
 def _features(file: TreeFile, table: Table) -> NDArray[np.float64]:
     """Return the features that the tree reads, in their places among all (the others 0: no split looks there)."""
     features = np.zeros((len(table.frame), len(file.feature_names)))
-    for name in columns_read(file):
-        features[:, file.feature_names.index(name)] = table.numbers([name])[:, 0]
+    columns = _read_columns(file)
+    if columns is None:
+        for name in columns_read(file):
+            features[:, file.feature_names.index(name)] = table.numbers([name])[:, 0]
+    elif columns.columns:
+        places = [file.feature_names.index(name) for name in columns.feature_names]
+        try:
+            features[:, places] = columns.encode(table.frame)
+        except ColumnsError as error:
+            raise DataError(f"{table.name}: {error}") from error
     return features
+
+
+def _unseen(file: TreeFile, table: Table) -> Sequence[str]:
+    columns = _read_columns(file)
+    return () if columns is None else columns.unseen(table.frame)
+
+
+def _index(option: str | None, file: TreeFile, table: Table) -> tuple[str, list[str]] | None:
+    """Return the name and the cells of the column that names the rows; that of the training where it is there."""
+    name = None if file.preparation is None else file.preparation.index
+    if option is not None:
+        name = one_name(table, option)
+    elif name not in table.columns:
+        return None
+    assert name is not None
+    cells = table.column(name, "index")
+    is_missing = cells.isna().tolist()
+    return name, ["" if gone else str(cell) for cell, gone in zip(cells.tolist(), is_missing, strict=True)]
+
+
+def _counted(file: TreeFile, table: Table, label: str, predictions: list[Any]) -> dict[str, int]:
+    """Return how many predictions are wrong, and how many rows have no label."""
+    label = one_name(table, label)
+    is_missing = table.missing(label, "label")
+    if is_missing.all():
+        raise DataError(f"{table.name}, column {label!r}: no row has a label; expected some; leave --label out")
+    known = table.rows(~is_missing).with_plain_numbers(label) if is_missing.any() else table
+    true = known.labels(label, file.class_names).tolist()
+    rows = np.flatnonzero(~is_missing).tolist()
+    errors = sum(predictions[row] != right for row, right in zip(rows, true, strict=True))
+    return {"errors": errors} | ({"n_unlabelled": int(is_missing.sum())} if is_missing.any() else {})
+
+
+def _errors_text(counted: dict[str, int], n_samples: int) -> str:
+    without = counted.get("n_unlabelled", 0)
+    gaps = f" ({without} rows have no label)" if without else ""
+    return f"{counted['errors']} of {n_samples - without} samples wrong{gaps}"
 
 
 def _shares(file: TreeFile) -> NDArray[np.float64]:
@@ -80,10 +159,14 @@ def _shares(file: TreeFile) -> NDArray[np.float64]:
     return np.asarray(file.leaf_counts / np.maximum(totals, 1))
 
 
-def _csv(file: TreeFile, predictions: list[Any], shares: list[list[float]] | None) -> str:
+def _csv(
+    file: TreeFile, predictions: list[Any], shares: list[list[float]] | None, index: tuple[str, list[str]] | None
+) -> str:
     names = [f"share of {name}" for name in file.class_names] if shares is not None else []
-    lines = [_csv_line(["prediction", *names])]
-    lines += [_csv_line([label, *(shares[row] if shares is not None else ())]) for row, label in enumerate(predictions)]
+    lines = [_csv_line([*([index[0]] if index else []), "prediction", *names])]
+    for row, label in enumerate(predictions):
+        cells = [*([index[1][row]] if index else []), label, *(shares[row] if shares is not None else ())]
+        lines.append(_csv_line(cells))
     return "".join(lines)
 
 

@@ -8,10 +8,21 @@ import argparse
 from pathlib import Path
 
 from octmip.certificate import certify
-from octmip.cli.answer import ProgressLine, describe, print_json, printable
-from octmip.cli.arguments import add_method_argument, add_problem_arguments, add_run_arguments, limits_of
-from octmip.cli.question import Question, ask
+from octmip.cli.answer import (
+    ProgressLine,
+    comparison_json,
+    comparison_text,
+    describe,
+    print_json,
+    print_notes,
+    printable,
+    verdict,
+)
+from octmip.cli.arguments import add_everyday_arguments, add_problem_arguments, add_run_arguments, limits_of
+from octmip.cli.samples.options import add_held_out_arguments
+from octmip.cli.samples.question import Question, ask
 from octmip.errors import DataError, SolverError
+from octmip.formats.columns import Columns
 from octmip.formats.files import check_writable
 from octmip.formats.names import visible
 from octmip.formats.problem_file import write_problem_file
@@ -19,33 +30,44 @@ from octmip.formats.tree_file import leaf_counts, read_tree_file, record_tree, t
 from octmip.report.text import solution_text, tree_text
 from octmip.solution import ProofError, Solution
 from octmip.solver import ASSISTANTS, solve
+from octmip.tradeoff import beside_cart
+
+EXAMPLES = """\
+  octmip solve iris.csv --label species --depth 2
+  octmip solve iris.csv --label species --depth 3 --holdout 0.25 --out tree.json
+  octmip solve survey.csv.gz --label answer --depth 3 --index person --drop remarks,"name, first"
+  octmip solve machines.parquet --label state --depth 4 --seconds 60 --sensor-cost sensors.csv --budget 10
+  zcat big.csv.gz | octmip solve - --label class --depth 2 --json
+"""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `octmip solve`."""
+    group = add_everyday_arguments(parser)
+    add_held_out_arguments(group)
+    group.add_argument("--out", metavar="TREE.json", help="write the tree to this file")
     add_problem_arguments(parser)
     add_run_arguments(parser)
-    add_method_argument(parser)
-    parser.add_argument("--incumbent", metavar="TREE.json", help="start from this tree of the problem")
-    parser.add_argument("--write", metavar="MODEL", help="also write the mixed-integer model to this .mps or .lp file")
-    parser.add_argument(
+    group = parser.add_argument_group("more files")
+    group.add_argument("--incumbent", metavar="TREE.json", help="start from this tree of the problem")
+    group.add_argument("--write", metavar="MODEL", help="also write the mixed-integer model to this .mps or .lp file")
+    group.add_argument(
         "--assist",
         nargs="+",
         choices=ASSISTANTS,
         help="give HiGHS the exact core's bound, or trees of local search while it runs (oct, oct_h, flow)",
     )
-    parser.add_argument("--proof", metavar="LOG", help="write a proof log that octmip certify --proof checks (exact)")
-    parser.add_argument(
+    group.add_argument("--proof", metavar="LOG", help="write a proof log that octmip certify --proof checks (exact)")
+    group.add_argument(
         "--checkpoint",
         metavar="FILE",
         help="keep what is proven in this file, and resume from it where it exists (exact, axis)",
     )
-    parser.add_argument(
+    group.add_argument(
         "--write-problem",
         metavar="FILE",
         help="write the problem, samples included, to this JSON file for octmip-check",
     )
-    parser.add_argument("--out", metavar="TREE.json", help="write the tree to this file")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -111,15 +133,35 @@ def _show(arguments: argparse.Namespace, question: Question, solution: Solution)
     if solution.tree is None:
         raise SolverError(f"{solution.solver} found no tree (stop: {solution.stop}); give it more time")
     certificate = certify(problem, solution)
+    found = None
+    if question.held_out is not None:
+        found = beside_cart(problem, solution.tree, question.held_out, arguments.seed)
     if arguments.out:
-        file = record_tree(problem, solution, question.label_column, question.weights_column)
-        write_tree_file(arguments.out, file)
+        held_out = question.claim(None if found is None else found.held_out)
+        columns = question.label_column, question.weights_column, question.preparation
+        write_tree_file(arguments.out, record_tree(problem, solution, *columns, held_out))
     if arguments.json:
-        print_json(describe(problem, solution, certificate) | {"threads": arguments.threads, "out": arguments.out})
+        more = {"threads": arguments.threads, "out": arguments.out, "notes": list(question.notes)}
+        print_json(describe(problem, solution, certificate) | more | ({} if found is None else comparison_json(found)))
         return
+    print_notes(question.notes)
     print(printable(solution_text(solution, certificate, problem.n_samples)))
     print()
-    counts = leaf_counts(problem, solution.tree)
-    print(printable(tree_text(solution.tree, problem.feature_names, problem.class_names, counts)))
+    print(
+        printable(tree_text(solution.tree, *_names(question), leaf_counts(problem, solution.tree), _columns(question)))
+    )
+    print()
+    if found is not None:
+        print(f"{comparison_text(problem, found)}\n")
     if arguments.out:
-        print(f"\nwritten to {visible(arguments.out)}")
+        print(f"written to {visible(arguments.out)}")
+    print(verdict(problem, solution, certificate))
+
+
+def _names(question: Question) -> tuple[tuple[str, ...], tuple[object, ...]]:
+    return question.problem.feature_names, question.problem.class_names
+
+
+def _columns(question: Question) -> Columns | None:
+    columns = question.preparation.columns
+    return None if columns.is_plain else columns

@@ -23,11 +23,11 @@ DECIMAL = r'(?:^|;)"?[+-]?\d+%s\d+(?:[eE][+-]?\d+)?"?(?=\r?$|;)'
 SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs"}
 
 
-def read_delimited(source: Source) -> pd.DataFrame:
+def read_delimited(source: Source, as_text: str | None = None) -> pd.DataFrame:
     """Return the table of a CSV or TSV text.
 
     Commas separate the cells of a CSV; where its header line has none, semicolons or tabs do. With semicolons a number
-    may have a decimal comma.
+    may have a decimal comma. The column `as_text`, where there is one, stays as it is written.
 
     Raises
     ------
@@ -46,6 +46,7 @@ def read_delimited(source: Source) -> pd.DataFrame:
             keep_default_na=False,
             na_values=["", "nan", "NaN"],
             low_memory=False,
+            dtype={} if as_text is None else {as_text: str},
         )
     except (ValueError, OverflowError) as error:  # pandas' own ParserError and EmptyDataError among them
         reason = str(error).strip().removeprefix("Error tokenizing data. C error: ")

@@ -213,11 +213,11 @@ def _is_number(value: object) -> bool:
         return False
 
 
-def read_table(path: PathLike, form: str | None = None) -> Table:
+def read_table(path: PathLike, form: str | None = None, as_text: str | None = None) -> Table:
     """Return the table of a file, or of standard input for "-".
 
     .csv and .tsv (UTF-8, one header line, either may be compressed: .gz) and .parquet; `form` ("csv", "tsv",
-    "parquet") says what a file with another ending holds.
+    "parquet") says what a file with another ending holds. The column `as_text` stays as it is written: 007 is no 7.
 
     Raises
     ------
@@ -225,7 +225,7 @@ def read_table(path: PathLike, form: str | None = None) -> Table:
         the table cannot be read, is empty, has no rows, names a column twice, or rows of unequal length.
     """
     source = open_source(path, form)
-    frame = read_parquet(source) if source.format == "parquet" else read_delimited(source)
+    frame = read_parquet(source) if source.format == "parquet" else read_delimited(source, as_text)
     if frame.empty:
         raise DataError(
             f"{source.name} has {len(frame.columns)} columns and {len(frame)} rows; expected at least one row"

@@ -5,16 +5,19 @@ import pytest
 
 BAD_TABLES = {
     "no label column": ("a,z\n1,2\n", "no column 'y'"),
-    "NaN in a feature": ("a,y\n1,u\n,v\n", "line 3, column 'a': the feature is empty"),
+    "nothing in a feature": ("a,b,y\n,1,u\n,2,v\n", "1 of 2 columns cannot be used: 'a' has no value in any row"),
     "empty label": ("a,y\n1,u\n2,\n", "line 3, column 'y': the label is empty"),
     "one class": ("a,y\n1,u\n2,u\n", "one class only"),
-    "text in a feature": ("a,y\n1,u\nten,v\n", "line 3, column 'a': 'ten' is no number"),
-    "infinity": ("a,y\n1,u\ninf,v\n", "not finite"),
+    "a word among numbers": (
+        "a,y\n" + "".join(f"{k},u\n" for k in range(30)) + "ten,v\n",
+        "'a' holds the word 'ten' among numbers",
+    ),
+    "infinity": ("a,y\n1,u\ninf,v\n", "'a' is inf in row 2; expected finite numbers"),
     "empty file": ("", "is empty"),
     "header only": ("a,y\n", "0 rows"),
     "column named twice": ("a,a,y\n1,1,u\n", "column 'a' 2 times"),
     "ragged": ("a,y\n1,u\n2,v,3\n", "Expected 2 fields in line 3"),
-    "label only": ("y\nu\nv\n", "no column beside 'y'"),
+    "label only": ("y\nu\nv\n", "no column beside 'y'; expected at least one"),
     "decimal commas and points": ("a;y\n1,5;u\n2.5;v\n", "save the table with points"),
     "not text": ("a,y\n1,\xff\n", "is not UTF-8"),
 }
@@ -51,8 +54,11 @@ BAD_WORDS = {
     "negative seed": (["--depth", 1, "--seed", -1], "--seed is -1"),
     "split size on axis splits": (["--depth", 1, "--split", "axis", "--split-size", 2], "split is 'axis'"),
     "label among the features": (["--depth", 1, "--features", "a,y"], "--features names 'y'"),
-    "feature named twice": (["--depth", 1, "--features", "a,a"], "twice a feature"),
-    "unknown feature": (["--depth", 1, "--features", "a,q"], "no column 'q'; expected the feature"),
+    "feature named twice": (["--depth", 1, "--features", "a,a"], "--features names 'a' twice"),
+    "unknown feature": (
+        ["--depth", 1, "--features", "a,q"],
+        "no column 'q', which --features names; expected some of its 4 columns",
+    ),
     "text as weight": (["--depth", 1, "--features", "a", "--weights", "y"], "a weight holds numbers only"),
     "unknown weights": (["--depth", 1, "--weights", "q"], "no column 'q'"),
     "costs missing": (["--depth", 1, "--costs", "none.csv"], "none.csv cannot be read"),

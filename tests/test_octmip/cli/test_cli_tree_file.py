@@ -101,7 +101,7 @@ def test_predict_needs_only_the_features_that_the_tree_reads(run, tree, tmp_path
     (tmp_path / "new.csv").write_text("b\n3\n")
     code, _, err = run("predict", tree, tmp_path / "new.csv")
     assert code == 2
-    assert "no column 'a'" in err
+    assert "'a' is not in the table" in err
 
 
 @pytest.mark.parametrize("kind", ["html", "md", "dot", "txt", "svg", "png", "pdf"])

@@ -1,0 +1,51 @@
+"""Print the script that lets a shell complete octmip's commands, options and file names.
+
+shtab makes it from the parsers themselves, so it knows every option of this version.
+"""
+
+import argparse
+import importlib
+
+import shtab
+
+from octmip.cli.arguments import Parser
+
+EXAMPLES = """\
+  octmip completion bash > ~/.local/share/bash-completion/completions/octmip
+  octmip completion zsh > ~/.zfunc/_octmip
+  octmip completion tcsh > ~/.octmip.completion.csh
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of `octmip completion`."""
+    parser.add_argument("shell", choices=shtab.SUPPORTED_SHELLS, help="the shell")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print the script."""
+    from octmip.cli import COMMANDS  # which imports this module by name when it is called
+
+    whole = argparse.ArgumentParser(prog="octmip", description="optimal classification trees, with their proofs")
+    commands = whole.add_subparsers(parser_class=_CommandParser)
+    for name, summary in COMMANDS.items():
+        command = importlib.import_module(f"octmip.cli.{name}")
+        parser = commands.add_parser(name, help=summary)
+        command.add_arguments(parser)
+        _complete_files(parser.finish())
+    print(shtab.complete(whole, arguments.shell))
+    return 0
+
+
+class _CommandParser(Parser):
+    """The parser of a command as a part of the whole."""
+
+    def __init__(self, **words: str) -> None:
+        super().__init__(words["prog"], None)
+
+
+def _complete_files(parser: Parser) -> None:
+    """Let the shell complete the names of files where a file is meant."""
+    for action in parser._actions:
+        if isinstance(action.metavar, str) and (action.metavar in ("DATA", "FILE", "LOG") or "." in action.metavar):
+            action.complete = shtab.FILE  # type: ignore[attr-defined]

@@ -1,0 +1,36 @@
+"""Columns of numbers in which a few cells are words: a slip of the pen more often than a column of text.
+
+A column is questioned when it holds more than 20 different numbers and words in at most a tenth of its cells, words for
+"missing" aside. Columns such as "2, 3, 4, 5more" are text and pass.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from octmip.formats.cells import plain_number
+from octmip.formats.checked import shown
+from octmip.formats.table import Table
+from octmip.formats.table.samples import MISSING_WORDS
+
+MANY_NUMBERS, FEW_WORDS = 20, 0.1
+
+
+def mixed_columns(table: Table, names: Sequence[str]) -> dict[str, str]:
+    """Return what is wrong with each column of numbers that holds a few words, by name."""
+    found = {}
+    for name in names:
+        column = table.frame[name]
+        rows = np.flatnonzero(column.notna().to_numpy())
+        cells = column.iloc[rows].tolist()
+        if column.dtype.kind in "biufmM" or not all(isinstance(cell, str) for cell in cells):
+            continue
+        numbers = {cell for cell in set(cells) if plain_number(cell.strip()) is not None}
+        words = {cell for cell in set(cells) - numbers if cell.strip().lower() not in MISSING_WORDS}
+        at = [row for row, cell in zip(rows.tolist(), cells, strict=True) if cell in words]
+        if 0 < len(at) <= FEW_WORDS * len(cells) and len(numbers) > MANY_NUMBERS:
+            found[name] = (
+                f"holds the word {shown(column.iloc[at[0]])} among numbers ({table.place(at[0], name)}; {len(at)} such "
+                "cells); correct it, or add --categories yes-no if all of its cells are words"
+            )
+    return found

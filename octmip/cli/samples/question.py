@@ -1,0 +1,249 @@
+"""From arguments and a table to the Problem that they ask."""
+
+import argparse
+import shlex
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from octmip.cli.samples.mixtures import mixed_columns
+from octmip.cli.samples.names import listed_names, one_name
+from octmip.cli.samples.targets import refuse_quantity
+from octmip.cli.samples.training import samples_of
+from octmip.errors import DataError
+from octmip.formats.checked import several, shown
+from octmip.formats.columns import Columns, ColumnsError
+from octmip.formats.files import read_text
+from octmip.formats.table import Table, read_costs, read_sensors, read_table
+from octmip.formats.table.preparation import Preparation, RowsKept, kept_rows
+from octmip.formats.tree_file import HeldOut
+from octmip.problem import Problem
+from octmip.tradeoff import Samples, Score, held_out_rows
+
+FEWEST_COUNTED = 20
+"""Rows of a table from which on a column that goes up by one is taken for their number."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Question:
+    """A problem and the table that it was read from.
+
+    Attributes
+    ----------
+    problem
+        over the training samples.
+    label_column, weights_column
+        of the table.
+    preparation
+        how the table became samples.
+    notes
+        sentences for the user about what was encoded or left out.
+    held_out
+        samples kept from training, None without such.
+    share, seed
+        of the table's rows that are held out; the share is None where there are none or another table has them.
+    """
+
+    problem: Problem
+    label_column: str
+    weights_column: str | None
+    preparation: Preparation
+    notes: tuple[str, ...]
+    held_out: Samples | None
+    share: float | None
+    seed: int
+
+    def claim(self, score: Score | None) -> HeldOut | None:
+        """Return what a tree file says of a tree with this score on the samples held out."""
+        if score is None:
+            return None
+        return HeldOut(self.share, self.seed, score.n_samples, score.errors, score.cost)
+
+
+@dataclass(frozen=True, slots=True)
+class _Chosen:
+    """The columns that the arguments choose."""
+
+    label: str
+    weights: str | None
+    index: str | None
+    features: tuple[str, ...]
+
+    @property
+    def needed(self) -> tuple[str, ...]:
+        return self.features if self.weights is None else (*self.features, self.weights)
+
+
+def ask(arguments: argparse.Namespace) -> Question:
+    """Return the problem of a command line.
+
+    Raises
+    ------
+    DataError
+        a file does not hold what was announced.
+    ProblemError
+        no tree can answer.
+    """
+    whole = read_table(arguments.data, arguments.format)
+    chosen = _chosen(whole, arguments)
+    rows = _rows(arguments)
+    table = kept_rows(whole, rows, chosen.label, chosen.needed)
+    labels = table.labels(chosen.label)
+    if not arguments.numbers_are_classes:
+        refuse_quantity(table, chosen.label, labels)
+    columns = _learned(table, chosen, arguments)
+    weights = table.numbers([chosen.weights], "weight")[:, 0] if chosen.weights else np.ones(len(labels))
+    features, share = columns.encode(table.frame[list(chosen.features)]), getattr(arguments, "holdout", None)
+    is_held = np.zeros(len(labels), dtype=np.bool_) if share is None else held_out_rows(labels, share, arguments.seed)
+    problem = _problem(arguments, columns, features[~is_held], labels[~is_held], weights[~is_held])
+    preparation = Preparation(columns, chosen.index, rows)
+    held_out = samples_of(problem, features[is_held], labels[is_held], weights[is_held]) if share is not None else None
+    if getattr(arguments, "test", None):
+        held_out = _tested(arguments.test, problem, chosen, preparation)
+    return Question(
+        problem,
+        chosen.label,
+        chosen.weights,
+        preparation,
+        _notes(len(whole.frame) - len(table.frame), columns, whole),
+        held_out,
+        share,
+        arguments.seed,
+    )
+
+
+def _chosen(table: Table, arguments: argparse.Namespace) -> _Chosen:
+    label = one_name(table, arguments.label)
+    table.column(label, "label")
+    weights, index = (value and one_name(table, value) for value in (arguments.weights, arguments.index))
+    for name, purpose in ((weights, "weights"), (index, "index")):
+        if name:
+            table.column(name, purpose)
+    taken = {label: "the label", weights: "the weights", index: "the index"}
+    dropped = listed_names(table, "--drop", arguments.drop)
+    if arguments.features is None:
+        features = [name for name in table.columns if name not in taken and name not in dropped]
+        if not features:
+            raise DataError(
+                f"{table.name} has no column beside {several(name for name in taken if name)}; expected at least one "
+                "feature; drop fewer columns"
+            )
+    else:
+        features = listed_names(table, "--features", arguments.features)
+    for option, names in (("--features", features), ("--drop", dropped)):
+        wrong = [f"{shown(name)} ({taken[name]})" for name in names if name in taken]
+        if wrong:
+            raise DataError(f"{option} names {', '.join(wrong)}; expected other columns; leave it out")
+    both = [name for name in dropped if name in features]
+    if both:
+        raise DataError(f"--features and --drop both name {several(both)}; expected one of the two; leave one out")
+    return _Chosen(label, weights, index, tuple(features))
+
+
+def _rows(arguments: argparse.Namespace) -> RowsKept:
+    if arguments.missing == "drop-rows":
+        return "complete"
+    return "labelled" if arguments.drop_unlabelled else "all"
+
+
+def _learned(table: Table, chosen: _Chosen, arguments: argparse.Namespace) -> Columns:
+    """Return how the columns become features; refuse all that cannot, in one sentence with the switches that help."""
+    missing: Literal["either-side", "refuse"] = "either-side" if arguments.missing == "either-side" else "refuse"
+    frame = table.frame[list(chosen.features)]
+    reasons = {} if arguments.categories else mixed_columns(table, chosen.features)
+    try:
+        columns = Columns.learn(frame, categories=arguments.categories or "yes-no", missing=missing)
+    except ColumnsError as error:
+        reasons = dict(error.reasons) | reasons
+    if reasons:
+        raise DataError(f"{table.name}: {ColumnsError(reasons, len(chosen.features))}; {_cure(reasons)}")
+    return columns
+
+
+def _cure(names: Iterable[str]) -> str:
+    cells = ['"' + name.replace('"', '""') + '"' if set(name) & set(',"') else name for name in names]
+    return (
+        f"to leave out what cannot be used: --drop {shlex.quote(','.join(cells))}; for the column that names the rows: "
+        "--index; for text and missing cells: --categories, --missing"
+    )
+
+
+def _problem(
+    arguments: argparse.Namespace,
+    columns: Columns,
+    features: NDArray[np.float64],
+    labels: NDArray[Any],
+    weights: NDArray[np.float64],
+) -> Problem:
+    settings: dict[str, Any] = {"sensor_of_feature": columns.column_of_feature}
+    if arguments.sensor_cost:
+        sensors = read_sensors(arguments.sensor_cost, columns.names)
+        of_column = dict(zip(columns.names, sensors.of_feature, strict=True))
+        settings["sensor_of_feature"] = [of_column[name] for name in columns.column_of_feature]
+        settings["sensor_cost"] = dict(sensors.cost)
+    if arguments.allowed_splits:
+        settings["allowed_splits"] = _groups(arguments.allowed_splits, columns)
+    if arguments.costs:
+        classes = sorted(set(labels.tolist()))
+        settings |= {"costs": read_costs(arguments.costs, classes), "class_names": classes}
+    return Problem(
+        features,
+        labels,
+        weights=weights,
+        depth=arguments.depth,
+        split=_split_kind(arguments),
+        split_size=arguments.split_size,
+        leaf_size=arguments.leaf_size,
+        leaf_penalty=arguments.leaf_penalty,
+        sensor_budget=arguments.budget,
+        integer_normals=arguments.integer_normals,
+        feature_names=columns.feature_names,
+        **settings,
+    )
+
+
+def _groups(path: str, columns: Columns) -> list[list[str]]:
+    """Return the groups of a text file, one a line: columns, or single features of one, separated by commas."""
+    lines = [line for line in read_text(path).splitlines() if line.strip()]
+    groups = []
+    for line in lines:
+        names = [name.strip() for name in line.split(",")]
+        read = [[f.name for f in columns.features if f.column == name] or [name] for name in names]
+        groups.append([name for features in read for name in features])
+    return groups
+
+
+def _split_kind(arguments: argparse.Namespace) -> Literal["axis", "hyperplane"]:
+    if arguments.split:
+        return "axis" if arguments.split == "axis" else "hyperplane"
+    wants_hyperplanes = (arguments.split_size or 1) > 1 or arguments.integer_normals is not None
+    return "hyperplane" if wants_hyperplanes else "axis"
+
+
+def _tested(path: str, problem: Problem, chosen: _Chosen, preparation: Preparation) -> Samples:
+    table = kept_rows(read_table(path), preparation.rows, chosen.label, chosen.needed)
+    labels = table.labels(chosen.label, problem.class_names)
+    weights = table.numbers([chosen.weights], "weight")[:, 0] if chosen.weights else np.ones(len(labels))
+    try:
+        return samples_of(problem, preparation.columns.encode(table.frame), labels, weights)
+    except ColumnsError as error:
+        raise DataError(f"{table.name}: {error}") from error
+
+
+def _notes(n_dropped: int, columns: Columns, table: Table) -> tuple[str, ...]:
+    left_out = (f"{n_dropped} row{'s' * (n_dropped != 1)} with missing cells left out",) if n_dropped else ()
+    counts = tuple(
+        f"the column {shown(name)} counts the rows; if it only names them, leave it out: --index or --drop"
+        for name in columns.names
+        if _counts_rows(table.frame[name])
+    )
+    return (*left_out, *counts, *columns.changes())
+
+
+def _counts_rows(column: "pd.Series[Any]") -> bool:
+    """Whether a column of whole numbers goes up by one from row to row, as one that names the rows does."""
+    return len(column) >= FEWEST_COUNTED and column.dtype.kind in "iu" and bool((column.diff().iloc[1:] == 1).all())

@@ -1,0 +1,122 @@
+"""From a tree file and its table to the samples that the tree was trained on, and those that were held out."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.errors import CertificateError, DataError
+from octmip.formats.columns import ColumnsError
+from octmip.formats.table import Table, read_table
+from octmip.formats.table.preparation import kept_rows
+from octmip.formats.tree_file import TreeFile
+from octmip.problem import Problem
+from octmip.tradeoff import Samples, held_out_rows
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Training:
+    """The training samples of a tree file as its problem, and the samples of the same table that were held out."""
+
+    problem: Problem
+    held_out: Samples | None
+
+
+def samples_of(
+    problem: Problem, features: NDArray[np.float64], labels: NDArray[Any], weights: NDArray[np.float64]
+) -> Samples:
+    """Return samples with classes by their place in a problem."""
+    position = {name: k for k, name in enumerate(problem.class_names)}
+    codes = np.array([position[label] for label in labels.tolist()], dtype=np.int64)
+    return Samples(features, codes, weights)
+
+
+def features_of(file: TreeFile, table: Table) -> NDArray[np.float64]:
+    """Return the features of a table's rows, encoded as in the tree's training, shape (n_rows, n_features).
+
+    Raises
+    ------
+    DataError
+        columns are missing or hold what they did not in training; all of them are named.
+    """
+    if file.preparation is None:
+        return table.numbers(file.feature_names)
+    try:
+        return file.preparation.columns.encode(table.frame)
+    except ColumnsError as error:
+        raise DataError(f"{table.name}: {error}") from error
+
+
+def read_training(
+    file: TreeFile,
+    data: str,
+    *,
+    form: str | None = None,
+    label: str | None = None,
+    weights: str | None = None,
+    source: str = "the tree file",
+) -> Training:
+    """Return the samples that a tree was trained on, read from its table.
+
+    Parameters
+    ----------
+    file
+        the tree file.
+    data, form
+        the table and its format.
+    label, weights
+        columns, those of the training by default.
+    source
+        what a sentence calls the tree file.
+
+    Raises
+    ------
+    DataError
+        the table cannot be read or lacks a column.
+    CertificateError
+        it is not the one that the tree was trained on.
+    """
+    label, weights = label or file.label_column, weights or file.weights_column
+    if label is None:
+        raise DataError(f"{source} does not say which column held the label; name it with --label")
+    table = prepared(file, read_table(data, form), label, weights)
+    labels, features = table.labels(label, file.class_names), features_of(file, table)
+    weighed = table.numbers([weights], "weight")[:, 0] if weights else np.ones(len(labels))
+    claim = file.held_out
+    is_split = claim is not None and claim.share is not None
+    is_held = np.zeros(len(labels), dtype=np.bool_)
+    if claim is not None and claim.share is not None:
+        is_held = held_out_rows(labels, claim.share, claim.seed)
+    problem = file.problem(features[~is_held], labels[~is_held], weighed[~is_held])
+    if problem.digest() != file.sha256:
+        raise CertificateError(
+            f"{table.name} is not the table that {source} was trained on: sha256 {problem.digest()[:12]}.. of "
+            f"{problem.n_samples} samples, expected {file.sha256[:12]}... of {file.n_samples}; give that table"
+        )
+    held = samples_of(problem, features[is_held], labels[is_held], weighed[is_held]) if is_split else None
+    return Training(problem, held)
+
+
+def read_test(file: TreeFile, problem: Problem, data: str, form: str | None = None) -> Samples:
+    """Return the samples of another table that a tree is tested on.
+
+    Raises
+    ------
+    DataError
+        the table cannot be read, lacks a column, or holds a class that training had not.
+    """
+    if file.label_column is None:
+        raise DataError("the tree file does not say which column held the label; write it again with octmip solve")
+    table = prepared(file, read_table(data, form), file.label_column, file.weights_column)
+    labels = table.labels(file.label_column, file.class_names)
+    weights = table.numbers([file.weights_column], "weight")[:, 0] if file.weights_column else np.ones(len(labels))
+    return samples_of(problem, features_of(file, table), labels, weights)
+
+
+def prepared(file: TreeFile, table: Table, label: str, weights: str | None) -> Table:
+    """Return a table of the rows that the training would have kept."""
+    if file.preparation is None:
+        return table
+    needed = [*file.preparation.columns.names, *([weights] if weights else [])]
+    return kept_rows(table, file.preparation.rows, label, needed)
