@@ -115,7 +115,7 @@ class FittedTree:
             matplotlib is not installed.
         """
         check_is_fitted(self, "solution_")
-        return figure_of(self.problem_, self.tree_, title)
+        return figure_of(self.problem_, self.tree_, self.columns_, title)
 
     def report(self, path: PathLike, title: str = "OptimalTreeClassifier") -> None:
         """Write a page about the tree, its errors and its proof: one HTML file that needs nothing else.
@@ -128,7 +128,7 @@ class FittedTree:
             the file cannot be written.
         """
         check_is_fitted(self, "solution_")
-        write_page(path, self.problem_, self.solution_, title)
+        write_page(path, self.problem_, self.solution_, self.columns_, title)
 
     def _repr_html_inner(self) -> str:
         return self._with_picture(str(super()._repr_html_inner()))  # type: ignore[misc]

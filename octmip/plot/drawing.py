@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import FancyBboxPatch, Rectangle
 from numpy.typing import NDArray
 
+from octmip.formats.columns import Columns
 from octmip.plot.names import drawn, plain
 from octmip.plot.style import INK, PAPER, QUIET, check_names, class_colours, luminance
 from octmip.problem import Problem
@@ -21,8 +22,13 @@ LINE_LENGTH = 16  # characters that a node holds at full size of type
 WIDEST = 200.0  # inches: PNG files and their memory end soon after, so nodes of wider trees draw nearer
 
 
-def split_text(split: Split | HyperplaneSplit, feature_names: Sequence[str]) -> str:
-    """Return the condition for going left, as ``g01 <= 2.5`` or ``0.5 g01 - 2 g02 <= 1`` over lines."""
+def split_text(split: Split | HyperplaneSplit, feature_names: Sequence[str], columns: Columns | None = None) -> str:
+    """Return the condition for going left, as ``g01 <= 2.5`` or ``0.5 g01 - 2 g02 <= 1`` over lines.
+
+    With `columns` it is said of those that the features were made from: "colour is not red".
+    """
+    if isinstance(split, Split) and columns is not None:
+        return drawn(columns.left_words(split.feature, split.threshold, "{:.5g}".format)).replace("<=", "≤")
     if isinstance(split, Split):
         return f"{drawn(feature_names[split.feature])} ≤ {split.threshold:.5g}"
     terms = ""
@@ -56,10 +62,11 @@ def _places(node: Node, level: int, first_leaf: int) -> _Place:
     return _Place(node, (left.x + right.x) / 2, float(level), (left, right))
 
 
-def tree_figure(problem: Problem, tree: Node, title: str | None = None) -> Figure:
+def tree_figure(problem: Problem, tree: Node, title: str | None = None, columns: Columns | None = None) -> Figure:
     """Return a drawing of a tree: its splits, and its leaves with class, samples and a bar of their classes.
 
-    Yes (left) and no (right) are written on the edges of the root.
+    Yes (left) and no (right) are written on the edges of the root. `columns` are those that the features were made
+    from, in whose words the splits are then written.
 
     Raises
     ------
@@ -69,7 +76,7 @@ def tree_figure(problem: Problem, tree: Node, title: str | None = None) -> Figur
     check_names(problem, tree)
     counts = np.zeros((len(leaves(tree)), problem.n_classes), dtype=np.int64)
     np.add.at(counts, (leaf_index(tree, problem.features), problem.codes), 1)
-    return counted_tree_figure(tree, counts, problem.feature_names, problem.class_names, title)
+    return counted_tree_figure(tree, counts, problem.feature_names, problem.class_names, title, columns)
 
 
 def counted_tree_figure(
@@ -78,6 +85,7 @@ def counted_tree_figure(
     feature_names: Sequence[str],
     class_names: Sequence[Any],
     title: str | None = None,
+    columns: Columns | None = None,
 ) -> Figure:
     """Return the drawing of a tree whose samples are known as `counts`, (n_leaves, n_classes), leaves from the left."""
     place = _places(tree, 0, 0)
@@ -91,7 +99,7 @@ def counted_tree_figure(
         if isinstance(here.node, Leaf):
             _draw_leaf(axes, here, next(rows), class_names)
         else:
-            _draw_box(axes, here, split_text(here.node, feature_names), PAPER)
+            _draw_box(axes, here, split_text(here.node, feature_names, columns), PAPER)
     axes.set_xlim(-0.55, len(leaves(tree)) - 0.45)
     axes.set_ylim(depth(tree) + 0.5, -0.45)
     axes.set_axis_off()

@@ -12,6 +12,7 @@ import pytest
 import sklearn
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 from sklearn.datasets import load_iris
 from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import StandardScaler
@@ -25,7 +26,8 @@ from octmip.estimator.notebook import tree_svg
 from octmip.estimator.paths import NodeTable, leaf_nodes, node_indicator
 
 IRIS = load_iris(return_X_y=True)
-FRAME = pd.DataFrame({"dose": [1.0, np.nan, 3.0, 4.0], "<b>kind</b>": ["a", "b", "a", "c"]})
+FRAME = pd.DataFrame({"dose": [1.0, np.nan, 4.0, 3.0], "<b>kind</b>": ["a", "b", "a", "c"]})
+ANSWERS = ["yes", "no", "yes", "no"]
 UNEVEN = Split(0, 0.5, Leaf(0), Split(1, 0.5, Split(0, 2.5, Leaf(1), Leaf(0)), Leaf(1)))
 
 
@@ -38,7 +40,7 @@ def iris():
 
 @pytest.fixture(scope="module")
 def encoded():
-    return OptimalTreeClassifier(max_depth=2).fit(FRAME, ["yes", "no", "no", "no"])
+    return OptimalTreeClassifier(max_depth=2).fit(FRAME, ANSWERS)
 
 
 def test_nodes_are_numbered_in_preorder():
@@ -107,14 +109,14 @@ def test_what_scikit_learn_would_predict_otherwise_is_refused():
     refused("beyond float32", [[1e39], [0.0]], [0, 1])
     lines = [[0.0, 0.0], [1.0, 1.0], [0.0, 1.0], [2.0, 3.0], [3.0, 2.0], [1.0, 0.0]]
     refused("hyperplanes has no form", lines, [0, 0, 1, 1, 0, 0], split="hyperplane", split_size=2)
-    refused(r"fit on columns_\.encode\(X\)", FRAME, ["yes", "no", "no", "no"])
+    refused(r"fit on columns_\.encode\(X\)", FRAME, ANSWERS)
     costs = [[0, 1], [9, 0]]
     refused("predicts class 1 by its costs", [[0.0], [0.0], [0.0], [1.0]], [0, 0, 1, 1], costs=costs)
 
 
 def test_the_cure_for_encoded_columns_works(encoded):
     numbers = encoded.columns_.encode(FRAME)
-    again = OptimalTreeClassifier(max_depth=2).fit(numbers, ["yes", "no", "no", "no"])
+    again = OptimalTreeClassifier(max_depth=2).fit(numbers, ANSWERS)
     assert (again.to_sklearn().predict(numbers) == encoded.predict(FRAME)).all()
 
 
@@ -158,6 +160,9 @@ def test_it_draws_itself_and_writes_a_page(iris, encoded, tmp_path):
         assert page.startswith("<!doctype html>")
         assert "my tree" in page
         assert "<b>kind" not in page
+    drawn = [text.get_text() for text in encoded.plot().findobj(Text)]
+    assert not [text for text in drawn if "missing below" in text or "≤ 0.5" in text]
+    assert [text for text in drawn if " is " in text]
 
 
 def test_a_plot_without_matplotlib_names_the_extra(encoded, monkeypatch):
