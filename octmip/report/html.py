@@ -12,7 +12,7 @@ from octmip.report.tree.words import Wording
 
 def tree_page(
     file: TreeFile,
-    source: str,
+    source: str = "",
     evidence: Evidence | None = None,
     *,
     data: str | None = None,
@@ -26,7 +26,7 @@ def tree_page(
     file
         the tree, its claims and what it was trained on (`record_tree`).
     source
-        name of the tree file, for the footer and the commands.
+        name of the tree file, for the footer and the commands; empty where the tree is in none.
     evidence
         what its data say (`octmip.report.tree.evidence.gather`); without it the page shows what the file holds.
     data
@@ -37,6 +37,6 @@ def tree_page(
         day on the page; today by default.
     """
     wording = Wording(file.feature_names, file.class_names, file.columns, units or {})
-    facts = page_facts(data, file.sha256, made, **{"Tree file": source})
+    facts = page_facts(data, file.sha256, made, **({"Tree file": source} if source else {}))
     page = page_contents(file, source, evidence, wording, data)
     return render("tree.html", styles=["tree.css"], scripts=["tree.js"], facts=facts, **page)
