@@ -73,6 +73,14 @@ def keep_tables(app, what, name, obj, options, lines):  # type: ignore[no-untype
     lines[:] = "\n\n".join([*kept, ""]).split("\n")
 
 
+def escape_fitted(app, what, name, obj, options, lines):  # type: ignore[no-untyped-def]
+    """Escape the underscore that ends the name of a fitted attribute: to docutils it would be a link."""
+    for number, line in enumerate(lines):
+        plain_and_code = line.split("`")
+        plain_and_code[::2] = (re.sub(r"(\w)_(?=[\s,;:.)]|$)", r"\1\\_", part) for part in plain_and_code[::2])
+        lines[number] = "`".join(plain_and_code)
+
+
 def shorten(app, what, name, obj, options, signature, returns):  # type: ignore[no-untyped-def]
     """Return a signature whose arrays are written as the code writes them."""
     return tuple(text and ARRAY.sub(r"NDArray[\1]", text) for text in (signature, returns))
@@ -81,4 +89,5 @@ def shorten(app, what, name, obj, options, signature, returns):  # type: ignore[
 def setup(app):  # type: ignore[no-untyped-def]
     """Connect what this build does beside Sphinx."""
     app.connect("autodoc-process-docstring", keep_tables)
+    app.connect("autodoc-process-docstring", escape_fitted, priority=600)  # after napoleon
     app.connect("autodoc-process-signature", shorten)
