@@ -39,6 +39,7 @@ FAMILIES = {
     "fem_calibration": "benchmarks.cases.fem.calibration",
     "fem_dataset": "benchmarks.cases.fem.dataset",
     "fem_rom": "benchmarks.cases.fem.rom",
+    "command_tables": "benchmarks.cases.command.tables",
     "gap_detect": "benchmarks.cases.gap.detect",
     "gap_speed": "benchmarks.cases.gap.speed",
 }

@@ -13,7 +13,7 @@ import pandas as pd
 
 from benchmarks.readers.file_reader import Reader, run
 from benchmarks.readers.mangled_arrays import mangled_parquet
-from benchmarks.readers.mangling import Generator, mangled_csv, mangled_json, mangled_tokens, pick
+from benchmarks.readers.mangling import Generator, mangled_bytes, mangled_csv, mangled_json, mangled_tokens, pick
 from benchmarks.readers.monitoring import make_campaign, make_selector, read_gap, read_selector
 from octmip.certificate import certify
 from octmip.errors import OctmipError
@@ -172,6 +172,35 @@ def read_data(name: str) -> Callable[[Generator, Path], None]:
     return read
 
 
+def make_raw(number: int, folder: Path) -> None:
+    """Write a table with text, gaps and an index in the form of the number, and the tree that `solve` writes for it."""
+    rng = np.random.default_rng([91, number])
+    frame = pd.DataFrame(
+        {"id": range(24), "a": rng.normal(size=24).round(2), "colour": rng.choice(["red", "blue"], 24)}
+    )
+    frame.loc[::5, "a"] = np.nan
+    frame["y"] = rng.choice(["low", "high"], 24)
+    frame.to_csv(folder / "raw.csv.gz", index=False)
+    frame.to_csv(folder / "raw.tsv", index=False, sep="\t")
+    words = ("--label", "y", "--depth", 1, "--index", "id", "--holdout", 0.25, "--out", folder / "raw.json")
+    run("solve", folder / "raw.csv.gz", *words)
+
+
+def raw_command(rng: Generator, folder: Path) -> None:
+    """Give a raw table in one of its forms and its tree file to one of the commands."""
+    tree, data = folder / "raw.json", folder / pick(rng, ("raw.csv.gz", "raw.tsv"))
+    solve = ("solve", data, "--label", "y", "--depth", 1, "--seconds", 1)
+    commands = (
+        ("certify", tree, data),
+        ("predict", tree, data, "--label", "y", "--proba"),
+        ("predict", tree, data, "--index", "id", "--json"),
+        (*solve, "--index", "id", "--missing", "drop-rows"),
+        (*solve, "--drop", "id", "--categories", "order", "--drop-unlabelled", "--holdout", 0.3),
+        (*solve, "--features", "a,colour", "--test", data),
+    )
+    run(*pick(rng, commands))
+
+
 def table_command(name: str) -> Callable[[Generator, Path], None]:
     """Return what gives a table to one of the commands."""
 
@@ -254,6 +283,9 @@ OCTMIP = {
     "table .parquet, commands": Reader(
         make_table(".parquet"), "data.parquet", mangled_parquet, table_command("data.parquet")
     ),
+    "raw table .csv.gz": Reader(make_raw, "raw.csv.gz", mangled_bytes, raw_command),
+    "raw table .tsv": Reader(make_raw, "raw.tsv", mangled_csv, raw_command),
+    "tree file of a raw table": Reader(make_raw, "raw.json", mangled_json, raw_command),
     "costs": Reader(make_words, "costs.csv", mangled_csv, words_command("costs.csv", "--costs")),
     "sensors": Reader(make_words, "sensors.csv", mangled_csv, words_command("sensors.csv", "--sensor-cost")),
     "groups": Reader(make_words, "groups.txt", mangled_csv, words_command("groups.txt", "--allowed-splits")),

@@ -36,7 +36,7 @@ EXAMPLES = """\
   octmip solve iris.csv --label species --depth 2
   octmip solve iris.csv --label species --depth 3 --holdout 0.25 --out tree.json
   octmip solve survey.csv.gz --label answer --depth 3 --index person --drop remarks,"name, first"
-  octmip solve factory.parquet --label state --depth 4 --seconds 60 --sensor-cost sensors.csv --budget 10
+  octmip solve machines.parquet --label state --depth 4 --seconds 60 --sensor-cost sensors.csv --budget 10
   zcat big.csv.gz | octmip solve - --label class --depth 2 --json
 """
 

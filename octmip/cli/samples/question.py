@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from octmip.cli.samples.mixtures import mixed_columns
@@ -22,6 +23,9 @@ from octmip.formats.table.preparation import Preparation, RowsKept, kept_rows
 from octmip.formats.tree_file import HeldOut
 from octmip.problem import Problem
 from octmip.tradeoff import Samples, Score, held_out_rows
+
+FEWEST_COUNTED = 20
+"""Rows of a table from which on a column that goes up by one is taken for their number."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -105,7 +109,7 @@ def ask(arguments: argparse.Namespace) -> Question:
         chosen.label,
         chosen.weights,
         preparation,
-        _notes(len(whole.frame) - len(table.frame), columns),
+        _notes(len(whole.frame) - len(table.frame), columns, whole),
         held_out,
         share,
         arguments.seed,
@@ -230,6 +234,16 @@ def _tested(path: str, problem: Problem, chosen: _Chosen, preparation: Preparati
         raise DataError(f"{table.name}: {error}") from error
 
 
-def _notes(n_dropped: int, columns: Columns) -> tuple[str, ...]:
+def _notes(n_dropped: int, columns: Columns, table: Table) -> tuple[str, ...]:
     left_out = (f"{n_dropped} row{'s' * (n_dropped != 1)} with missing cells left out",) if n_dropped else ()
-    return (*left_out, *columns.changes())
+    counts = tuple(
+        f"the column {shown(name)} counts the rows; if it only names them, leave it out: --index or --drop"
+        for name in columns.names
+        if _counts_rows(table.frame[name])
+    )
+    return (*left_out, *counts, *columns.changes())
+
+
+def _counts_rows(column: "pd.Series[Any]") -> bool:
+    """Whether a column of whole numbers goes up by one from row to row, as one that names the rows does."""
+    return len(column) >= FEWEST_COUNTED and column.dtype.kind in "iu" and bool((column.diff().iloc[1:] == 1).all())

@@ -60,7 +60,7 @@ def kept_rows(table: Table, rows: RowsKept, label: str, others: Sequence[str]) -
         return table
     is_missing = table.missing(label, "label")
     for name in others if rows == "complete" else ():
-        is_missing |= table.missing(name, "feature")
+        is_missing = is_missing | table.missing(name, "feature")
     if not is_missing.any():
         return table
     if is_missing.all():

@@ -1,12 +1,14 @@
-"""The octmip command as a program: help, progress, streams that close, Ctrl-C."""
+"""The octmip command as a program: help, completion, doctor, progress, streams that close, Ctrl-C."""
 
+import json
 import subprocess
 import sys
+import time
 
 import pytest
 
-from octmip.cli import COMMANDS, main
-from octmip.cli.answer import ProgressLine
+from octmip.cli import COMMANDS, doctor, main
+from octmip.cli.answer import ElapsedLine, ProgressLine
 from octmip.solution import Progress
 
 
@@ -63,3 +65,64 @@ def test_ctrl_c_outside_a_solver_ends_with_130(run, monkeypatch):
     code, _, err = run("report", "t.json")
     assert code == 130
     assert err == "octmip: interrupted\n"
+
+
+@pytest.mark.parametrize("name", ["solve", "certify", "predict", "compare", "frontier", "doctor", "completion"])
+def test_every_help_ends_with_examples_that_the_parser_takes(capsys, name):
+    with pytest.raises(SystemExit):
+        main([name, "--help"])
+    out = capsys.readouterr().out
+    examples = out.partition("examples:\n")[2].strip().splitlines()
+    assert examples
+    assert all(f"octmip {name}" in example for example in examples)
+    assert out.splitlines()[0].startswith(f"usage: octmip {name}")
+    assert len(out.splitlines()[0]) < 100
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "tcsh"])
+def test_completion_knows_every_command_and_option(run, shell):
+    code, out, err = run("completion", shell)
+    assert (code, err) == (0, "")
+    assert all(name in out for name in COMMANDS)
+    assert "--holdout" in out or "holdout" in out
+
+
+def test_bash_takes_the_completion(run, tmp_path):
+    (tmp_path / "octmip.sh").write_text(run("completion", "bash")[1])
+    subprocess.run(["bash", "-n", str(tmp_path / "octmip.sh")], check=True)
+
+
+def test_doctor_finds_this_installation_in_order(run):
+    code, out, err = run("doctor")
+    assert (code, err) == (0, "")
+    assert "solved a problem of 4 samples and certified it" in out
+    assert out.splitlines()[-1] == "This installation works."
+    found = json.loads(run("doctor", "--json")[1])
+    assert found["is_healthy"]
+    assert {"python", "numpy", "HiGHS", "native core", "octmip[report]"} <= {line["name"] for line in found["findings"]}
+
+
+def test_doctor_names_what_is_absent_and_what_is_broken(run, monkeypatch):
+    monkeypatch.setattr(doctor.importlib.util, "find_spec", lambda name: None if name == "pyarrow" else object())
+    code, out, _ = run("doctor")
+    assert code == 0
+    assert "tables in Parquet files; without pyarrow it is not there: pip install 'octmip[parquet]'" in out
+
+    def broken(*_, **__):
+        raise OSError("no such symbol")
+
+    monkeypatch.setattr("octmip.solver.solve", broken)
+    code, out, _ = run("doctor")
+    assert code == 1
+    assert "FAULT   native core" in out
+    assert "does not work (OSError: no such symbol)" in out
+    assert out.splitlines()[-1].startswith("This installation does not work")
+
+
+def test_a_step_without_figures_shows_its_seconds_on_a_terminal_only(capsys, monkeypatch):
+    monkeypatch.setattr("octmip.cli.answer.FIRST_SHOWN", 0.01)
+    for is_terminal in (False, True):
+        monkeypatch.setattr(sys.stderr, "isatty", lambda shown=is_terminal: shown)
+        with ElapsedLine("certifying"):
+            time.sleep(0.05)
+        assert ("certifying ... 0 s" in capsys.readouterr().err) == is_terminal

@@ -1,0 +1,1 @@
+"""The octmip command on files as they are found."""

@@ -1,0 +1,216 @@
+"""The octmip command on tables as they come: text, gaps, names of rows, quoted names, labels that are quantities."""
+
+import gzip
+import io
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from octmip.formats.tree_file import read_tree_file
+
+
+@pytest.fixture
+def survey(tmp_path):
+    """Return a table with an index, text, gaps, a name that holds a comma, and a label that colour and age decide."""
+    rng = np.random.default_rng(1)
+    colour, age = rng.choice(["red", "green", "blue"], 80), rng.integers(20, 70, 80).astype(float)
+    age[::9] = np.nan
+    frame = pd.DataFrame(
+        {
+            "id": [f"{k:03d}" for k in range(80)],
+            "colour": colour,
+            "age": age,
+            'x,"y"': rng.random(80).round(3),
+            "when": [f"day {k}" for k in range(80)],
+            "label": np.where((colour == "red") & ~(age > 40), "yes", "no"),
+        }
+    )
+    frame.to_csv(tmp_path / "survey.csv", index=False)
+    return tmp_path / "survey.csv"
+
+
+SOLVE = ("--label", "label", "--depth", 2, "--index", "id", "--drop", "when")
+
+
+def test_text_and_gaps_are_solved_certified_and_predicted(survey, run, tmp_path):
+    tree = tmp_path / "tree.json"
+    code, out, err = run("solve", survey, *SOLVE, "--out", tree)
+    assert code == 0, err
+    assert "note: text in 1 column ('colour') became 3 yes/no questions" in out
+    assert "if colour is not red" in out
+    assert "if age <= 40" in out
+    assert out.splitlines()[-1] == (
+        "Proven optimal: 0 of 80 samples wrong (0 %); no tree of depth 2 or less makes fewer errors."
+    )
+    file = read_tree_file(tree)
+    assert file.preparation is not None
+    assert file.preparation.index == "id"
+    assert set(file.settings["sensor_of_feature"]) == {"colour", "age", 'x,"y"'}
+    assert run("certify", tree, survey)[0] == 0
+    code, out, err = run("predict", tree, survey, "--label", "label", "--proba")
+    assert (code, err) == (0, "0 of 80 samples wrong\n")
+    assert out.splitlines()[0] == "id,prediction,share of no,share of yes"
+    assert out.splitlines()[1].startswith("000,")
+
+
+def test_predict_reads_standard_input_and_says_what_training_had_not(survey, run, tmp_path, monkeypatch):
+    run("solve", survey, *SOLVE, "--out", tmp_path / "tree.json")
+    rows = "colour,age,label,name\nred,30,yes,007\nred,,,008\npink,30,no,009\n"
+    monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(rows.encode())))
+    code, out, err = run("predict", tmp_path / "tree.json", "-", "--label", "label", "--index", "name")
+    assert code == 0
+    assert out.splitlines() == ["name,prediction", "007,yes", "008,yes", "009,no"]
+    assert "note: colour holds 'pink'" in err
+    assert "0 of 2 samples wrong (1 rows have no label)" in err
+
+
+def test_every_column_that_cannot_be_used_is_named_at_once(survey, run):
+    frame = pd.read_csv(survey).assign(empty=np.nan, huge=2**60, number=[*range(79), "x"])
+    frame.to_csv(survey, index=False)
+    code, _, err = run("solve", survey, "--label", "label", "--depth", 2)
+    assert code == 2
+    assert "4 of 8 columns cannot be used: " in err
+    for part in (
+        "'when' holds 80 different texts",
+        "'empty' has no value",
+        "beyond 2^53",
+        "the word 'x' among numbers",
+    ):
+        assert part in err
+    assert "--drop" in err
+    assert err.count("\n") == 1
+
+
+@pytest.mark.parametrize("words", [("--drop", 'id,"x,""y""",when'), ("--drop", "id,when", "--drop", '"x,""y"""')])
+def test_names_with_commas_and_quotes_can_be_named(survey, run, tmp_path, words):
+    tree = tmp_path / "t.json"
+    assert run("solve", survey, "--label", "label", "--depth", 1, *words, "--out", tree)[0] == 0
+    assert {column.name for column in read_tree_file(tree).preparation.columns.columns} == {"colour", "age"}
+    words = ("--features", '"x,""y""", age', "--label", "label", "--depth", 1)
+    assert run("solve", survey, *words, "--out", tree)[0] == 0
+    assert [column.name for column in read_tree_file(tree).preparation.columns.columns] == ['x,"y"', "age"]
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (("--drop", "nope,age,neither"), "no column 'nope', 'neither', which --drop names"),
+        (("--drop", 'age,"x'), "cannot be read (unexpected end of data)"),
+        (("--drop", "age,,id"), "leave out none"),
+        (("--drop", "label"), "--drop names 'label' (the label)"),
+        (("--drop", "age", "--features", "age,id"), "--features and --drop both name 'age'"),
+        (("--index", "nope"), "expected the index among"),
+        (("--categories", "refuse", "--drop", "when,id"), "'colour' holds text such as 'blue'"),
+        (("--missing", "refuse", "--drop", "when,id"), "'age' has 9 missing cells"),
+        (("--holdout", "1.5", "--drop", "when,id"), "the share held out is 1.5"),
+        (("--holdout", "0.2", "--test", "x.csv"), "not allowed with"),
+    ],
+)
+def test_wrong_words_about_columns_end_in_one_line(survey, run, words, sentence):
+    code, out, err = run("solve", survey, "--label", "label", "--depth", 2, *words)
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert sentence in err
+
+
+def test_rows_with_gaps_are_left_out_where_that_is_asked(survey, run, tmp_path):
+    tree = tmp_path / "tree.json"
+    code, out, _ = run("solve", survey, *SOLVE, "--missing", "drop-rows", "--out", tree)
+    assert code == 0
+    assert "note: 9 rows with missing cells left out" in out
+    assert read_tree_file(tree).n_samples == 71
+    assert run("certify", tree, survey)[0] == 0
+
+
+@pytest.mark.parametrize("word", ["", "?"])
+def test_rows_without_a_label_are_refused_or_left_out(run, tmp_path, word):
+    path = tmp_path / "t.csv"
+    path.write_text("x,y\n" + "".join(f"{k},{word if k == 7 else k // 10}\n" for k in range(20)))
+    code, _, err = run("solve", path, "--label", "y", "--depth", 1)
+    assert code == 2
+    assert "line 9, column 'y'" in err
+    assert "--drop-unlabelled leaves such rows out" in err
+    code, out, _ = run("solve", path, "--label", "y", "--depth", 1, "--drop-unlabelled", "--out", tmp_path / "t.json")
+    assert code == 0
+    assert "0 of 19 samples wrong" in out
+    assert read_tree_file(tmp_path / "t.json").class_names == (0, 1)
+    assert run("certify", tmp_path / "t.json", path)[0] == 0
+    assert "1 rows have no label" in run("predict", tmp_path / "t.json", path, "--label", "y")[2]
+
+
+@pytest.mark.parametrize(
+    ("labels", "is_questioned"),
+    [
+        (range(10), False),
+        (np.arange(11) / 2, True),
+        (np.arange(10) / 2, False),
+        (range(28), False),
+        (range(31), True),
+        ([f"k{k}" for k in range(40)], False),
+    ],
+)
+def test_a_label_that_looks_like_a_quantity_is_questioned(run, tmp_path, labels, is_questioned):
+    path = tmp_path / "t.csv"
+    pd.DataFrame({"x": range(5 * len(labels)), "y": [*labels] * 5}).to_csv(path, index=False)
+    words = ("solve", path, "--label", "y", "--depth", 1, "--method", "cart")
+    code, _, err = run(*words)
+    assert code == (2 if is_questioned else 0)
+    assert ("is it a quantity to be estimated (a regression target)?" in err) == is_questioned
+    assert run(*words, "--numbers-are-classes")[0] == 0
+
+
+def test_few_rows_for_each_number_are_questioned(run, tmp_path):
+    pd.DataFrame({"x": range(44), "y": [*range(11)] * 4}).to_csv(tmp_path / "t.csv", index=False)
+    assert "11 different numbers in 44 rows" in run("solve", tmp_path / "t.csv", "--label", "y", "--depth", 1)[2]
+
+
+def test_a_share_is_held_out_and_counted_again_by_certify(survey, run, tmp_path):
+    tree = tmp_path / "tree.json"
+    code, out, _ = run("solve", survey, *SOLVE, "--holdout", 0.25, "--seed", 5, "--out", tree)
+    assert code == 0
+    assert "60 training samples  20 held out" in out
+    assert "CART" in out
+    answer = json.loads(run("solve", survey, *SOLVE, "--holdout", 0.25, "--seed", 5, "--json")[1])
+    claim = read_tree_file(tree).held_out
+    assert answer["held_out"] == {"n_samples": claim.n_samples, "errors": claim.errors, "cost": claim.cost}
+    assert answer["cart"]["training"]["n_samples"] == 60
+    code, out, _ = run("certify", tree, survey)
+    assert code == 0
+    assert f"held out: {claim.errors} of 20 samples wrong" in out
+    content = json.loads(tree.read_text())
+    content["held_out"]["errors"] += 1
+    tree.write_text(json.dumps(content))
+    code, _, err = run("certify", tree, survey)
+    assert code == 1
+    assert "samples held out to be wrong" in err
+
+
+def test_another_table_tests_the_tree(survey, run, tmp_path):
+    lines = survey.read_text().splitlines(keepends=True)
+    (tmp_path / "test.csv.gz").write_bytes(gzip.compress("".join([lines[0], *lines[41:]]).encode()))
+    survey.write_text("".join(lines[:41]))
+    tree, test = tmp_path / "tree.json", tmp_path / "test.csv.gz"
+    code, out, err = run("solve", survey, *SOLVE, "--test", test, "--out", tree)
+    assert code == 0, err
+    assert "40 training samples  40 held out" in out
+    assert "of 40 samples wrong" in run("certify", tree, survey, "--test", test)[1].splitlines()[4]
+    assert "give it with --test" in run("certify", tree, survey)[1]
+    code, out, _ = run("compare", survey, *SOLVE, "--test", test, "--methods", "cart,exact")
+    assert code == 0
+    assert "errors held out" in out
+
+
+def test_sensors_and_groups_name_columns_of_the_table(survey, run, tmp_path):
+    (tmp_path / "sensors.csv").write_text('sensor,cost\ncolour,5\nage,1\n"x,""y""",1\n')
+    (tmp_path / "groups.txt").write_text("age\n")
+    words = (*SOLVE, "--sensor-cost", tmp_path / "sensors.csv", "--json")
+    assert set(json.loads(run("solve", survey, *words, "--budget", 2)[1])["sensors"]) <= {"age", 'x,"y"'}
+    answer = json.loads(run("solve", survey, *words, "--allowed-splits", tmp_path / "groups.txt")[1])
+    assert answer["sensors"] == ["age"]
+
+
+def test_a_column_that_counts_the_rows_is_pointed_out(run, tmp_path):
+    pd.DataFrame({"Id": range(1, 31), "y": [0, 1] * 15}).to_csv(tmp_path / "t.csv", index=False)
+    words = ("solve", tmp_path / "t.csv", "--label", "y", "--depth", 1)
+    assert "note: the column 'Id' counts the rows; if it only names them, leave it out: --index" in run(*words)[1]
