@@ -41,7 +41,7 @@ class Evaluated:
     """A cut whose sides were answered: the lessons, the tree where both have one, the price of both sides together."""
 
     cut: Cut
-    lessons: list[Lesson]
+    lessons: tuple[Lesson, ...]
     memory: Memory
     tree: Node | None
     both: float = 0.0
@@ -126,18 +126,18 @@ class NodeSearch:
         memory = self.memory.branch()
         on_left = self._side(cut, left, room - self.bounds.right[cut.place], lessons, memory)
         if on_left.bound + self.bounds.right[cut.place] >= room:
-            return Evaluated(cut, lessons, memory, None)
+            return Evaluated(cut, tuple(lessons), memory, None)
         on_right = self._side(cut, ~left, room - on_left.bound, lessons, memory)
         tree = Split(
             cut.feature, axis.threshold_at(cut.feature, cut.rank, self.bounds.ranks), on_left.tree, on_right.tree
         )
         if self._fits(tree):
-            return Evaluated(cut, lessons, memory, tree)
+            return Evaluated(cut, tuple(lessons), memory, tree)
         if on_left.bound + on_right.bound >= room:
-            return Evaluated(cut, lessons, memory, None)
+            return Evaluated(cut, tuple(lessons), memory, None)
         half = replace(tree, right=_leaf_answer(self.question, ~left).tree)
         both = self.together(self.question, cut, half)  # a budget joins the sides: one model for the two
-        return Evaluated(cut, lessons, memory, both.tree, both.bound - self.question.prices.penalty)
+        return Evaluated(cut, tuple(lessons), memory, both.tree, both.bound - self.question.prices.penalty)
 
     def _fits(self, tree: Node) -> bool:
         try:
