@@ -18,6 +18,9 @@ from octmip.tree import HyperplaneSplit, Leaf, Node, Split, leaves
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+PAGE_SECONDS = 5.0
+"""Time for the trees of lower depth on a page [s]."""
+
 
 def words_of(problem: Problem, tree: Node, columns: Columns) -> str:
     """Return a tree as indented lines, with the training samples of each leaf."""
@@ -77,7 +80,9 @@ def write_page(path: PathLike, problem: Problem, solution: Solution, columns: Co
         the file cannot be written.
     """
     from octmip.report.html import tree_page
+    from octmip.report.tree.evidence import gather
 
     check_writable(path)
     file = record_tree(problem, solution, preparation=Preparation(columns))
-    write_bytes(path, tree_page(file, title).encode())
+    evidence = gather(file, problem, seconds=PAGE_SECONDS)
+    write_bytes(path, tree_page(file, None, evidence, title=title).encode())
