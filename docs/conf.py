@@ -43,7 +43,8 @@ autodoc_typehints_format = "short"
 autodoc_preserve_defaults = True
 autodoc_default_options = {
     "members": True,
-    "exclude-members": "get_metadata_routing, set_fit_request, set_predict_proba_request, set_score_request, set_predict_request",
+    "exclude-members": "get_metadata_routing, set_fit_request, set_predict_proba_request, set_score_request, "
+    "set_predict_request",
 }
 suppress_warnings = ["ref.python"]  # a field such as `name` belongs to several classes
 napoleon_google_docstring = False

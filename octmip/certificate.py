@@ -100,8 +100,8 @@ def _check_tree(problem: Problem, tree: Node) -> None:
         raise CertificateError(forbidden)
     if problem.sensor_cost_of(tree) > problem.sensor_limit:
         raise CertificateError(
-            f"the tree reads the sensors {several(problem.sensors_used(tree))} of cost {problem.sensor_cost_of(tree):g}, "
-            f"over the budget of {problem.sensor_budget}"
+            f"the tree reads the sensors {several(problem.sensors_used(tree))} of cost "
+            f"{problem.sensor_cost_of(tree):g}, over the budget of {problem.sensor_budget}"
         )
 
 
