@@ -72,6 +72,11 @@ class Effect(Protocol):
     (neighbouring places between which it may lie, where places sample a continuum); ``seen_by`` (the `QUANTITIES` that
     show it: the next test is chosen among them); ``gauges_of(twin, place)`` (the gauges that a place names: it is
     left out where one was not read; without it a place is read as a gauge, or as several with / or < between them).
+
+    Optional words for the people who read a diagnosis, with {place}, and {first} and {second} for the gauges of a
+    pair: ``words`` ("gain of one gauge"), ``words_at`` ("gain of gauge {place}"), ``action`` ("recalibrate gauge
+    {place}") and ``says``, what a positive and a negative size mean ("it reads {size} too high", "it reads {size} too
+    low"). Without them the effect is called by its name.
     """
 
     @property

@@ -34,7 +34,12 @@ LOOK = """
     found.push(`width: ${page.scrollWidth} px in ${innerWidth} px, by ${wide}`);
   }
   const canvas = document.createElement("canvas").getContext("2d", { willReadFrequently: true });
+  const colours = new Map();
   const rgba = (colour) => {
+    if (!colours.has(colour)) colours.set(colour, paint(colour));
+    return colours.get(colour);
+  };
+  const paint = (colour) => {
     canvas.clearRect(0, 0, 1, 1);
     canvas.fillStyle = colour;
     canvas.fillRect(0, 0, 1, 1);
@@ -42,14 +47,16 @@ LOOK = """
   };
   const light = (c) => { c /= 255; return c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4; };
   const luminance = ([r, g, b]) => 0.2126 * light(r) + 0.7152 * light(g) + 0.0722 * light(b);
+  const shapes = [...document.querySelectorAll("svg rect, svg path, svg circle, svg polygon")]
+    .filter((shape) => getComputedStyle(shape).fill !== "none")
+    .map((shape) => [shape, shape.getBoundingClientRect(), rgba(getComputedStyle(shape).fill)])
+    .filter(([, , fill]) => fill[3] > 250);
   const drawn = (x, y, text) => {  // what is painted under a text of a drawing: the last shape there, or nothing
     let ground = null;
-    for (const shape of text.ownerSVGElement.querySelectorAll("rect, path, circle, polygon")) {
-      if (shape.compareDocumentPosition(text) & Node.DOCUMENT_POSITION_PRECEDING) continue;
-      const box = shape.getBoundingClientRect();
-      const fill = rgba(getComputedStyle(shape).fill);
-      const holds = x >= box.left && x <= box.right && y >= box.top && y <= box.bottom;
-      if (holds && fill[3] > 250 && getComputedStyle(shape).fill !== "none") ground = fill;
+    for (const [shape, box, fill] of shapes) {
+      if (shape.ownerSVGElement !== text.ownerSVGElement) continue;
+      if (x < box.left || x > box.right || y < box.top || y > box.bottom) continue;
+      if (text.compareDocumentPosition(shape) & Node.DOCUMENT_POSITION_PRECEDING) ground = fill;
     }
     return ground;
   };

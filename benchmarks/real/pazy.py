@@ -18,7 +18,7 @@ from benchmarks.data import SHARED
 from benchmarks.real.telling import picture_path, show_causes
 from femlib.arrays import FloatArray
 from octmip.gap import CHAIN, Campaign, Diagnosis, diagnose
-from octmip.report.diagnosis.words import size_words
+from octmip.report.diagnosis.phrases import size_words
 from octmip.twin import Effect, State, Twin
 
 DATA = SHARED / "pazy"

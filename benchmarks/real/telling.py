@@ -4,7 +4,8 @@ import argparse
 import math
 
 from octmip.gap import Diagnosis
-from octmip.report.diagnosis.words import cause_words, likely, verdict
+from octmip.report.diagnosis.phrases import cause_words, likely
+from octmip.report.diagnosis.recommendation import recommend
 
 
 def picture_path(description: str | None) -> str | None:
@@ -17,7 +18,7 @@ def picture_path(description: str | None) -> str | None:
 
 def show_causes(found: Diagnosis, unit: str = "") -> None:
     """Print verdict, causes of more than 2 %, inclusion of more than 5 %, chi-squared, the held-out share."""
-    words = verdict(found)
+    words = recommend(found)
     print(words.replace("microstrain", unit) if unit else words)
     for cause in found.which:
         if cause.probability > 0.02:

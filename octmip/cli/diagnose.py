@@ -5,16 +5,27 @@ and one column per gauge under the twin's name for it, in microstrain.
 """
 
 import argparse
+import hashlib
 import importlib
+import shutil
 import sys
+import threading
+import time
+from pathlib import Path
+from types import TracebackType
 from typing import Any
 
 from octmip.cli.answer import print_json
 from octmip.cli.arguments import add_json_argument
 from octmip.errors import DataError
-from octmip.formats.files import check_writable, write_bytes
+from octmip.formats.files import check_writable, read_bytes, write_bytes
 from octmip.formats.names import visible
 from octmip.twin import Twin
+
+TICK = 0.5  # seconds between two lines of progress
+EXPECTED = (
+    "octmip diagnose: a twin of finite elements takes about a minute, one of formulas a few seconds; Ctrl-C ends it."
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -34,35 +45,98 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=float,
         help="standard deviation of one reading in microstrain, used where no load was read three times",
     )
-    parser.add_argument("--out", metavar="REPORT.html", help="write a page with figures to this file")
+    parser.add_argument("--out", metavar="PAGE.html", help="write a page with figures to this file")
     add_json_argument(parser)
+
+
+class StageLine:
+    """One line on a terminal that says what a diagnosis is doing, and for how long; nothing where there is none.
+
+    A thread of its own writes it: one stage may take many seconds.
+    """
+
+    def __init__(self) -> None:
+        self._is_terminal = sys.stderr.isatty()
+        self._stage = ""
+        self._start = time.monotonic()
+        self._done = threading.Event()
+        self._thread = threading.Thread(target=self._tick, daemon=True)
+
+    def __enter__(self) -> "StageLine":
+        if self._is_terminal:
+            print(EXPECTED, file=sys.stderr, flush=True)
+            self._thread.start()
+        return self
+
+    def __call__(self, stage: object) -> None:
+        """Show a stage."""
+        self._stage = visible(stage)
+        if self._is_terminal:
+            self._show()
+
+    def _tick(self) -> None:
+        while not self._done.wait(TICK):
+            self._show()
+
+    def _show(self) -> None:
+        room = max(20, shutil.get_terminal_size().columns - 1)
+        line = f"{time.monotonic() - self._start:4.0f} s  {self._stage} ..."
+        print(f"\r\x1b[2K{line[:room]}", end="", file=sys.stderr, flush=True)
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        self._done.set()
+        if self._is_terminal:
+            self._thread.join()
+            print("\r\x1b[2K", end="", file=sys.stderr, flush=True)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Diagnose and show."""
+    if arguments.out:
+        check_writable(arguments.out)
+    with StageLine() as line:
+        diagnosis = _diagnosed(arguments, line)
+    _show(arguments, diagnosis)
+    return 0
+
+
+def _diagnosed(arguments: argparse.Namespace, line: StageLine) -> Any:
+    line("starting")
     from octmip.formats.tree_file import read_tree_file
     from octmip.gap import diagnose, read_campaign  # scikit-learn's covariance behind it takes half a second
     from octmip.gap.twins.cached import CachedTwin
+
+    line(f"building the twin {arguments.twin}")
+    twin = CachedTwin(load_twin(arguments.twin))
+    line(f"reading {arguments.campaign}")
+    campaign = read_campaign(arguments.campaign, twin)
+    commissioning = read_campaign(arguments.commissioning, twin) if arguments.commissioning else None
+    file = read_tree_file(arguments.tree) if arguments.tree else None
+    settings: dict[str, Any] = {} if file is None else {"tree": file.tree, "feature_names": file.feature_names}
+    return diagnose(campaign, twin, commissioning=commissioning, noise_sd=arguments.noise, progress=line, **settings)
+
+
+def _show(arguments: argparse.Namespace, diagnosis: Any) -> None:
     from octmip.report.diagnosis.as_json import as_object
     from octmip.report.diagnosis.page import report_page
     from octmip.report.diagnosis.words import page_of_words
 
     if arguments.out:
-        check_writable(arguments.out)
-    twin = CachedTwin(load_twin(arguments.twin))
-    campaign = read_campaign(arguments.campaign, twin)
-    commissioning = read_campaign(arguments.commissioning, twin) if arguments.commissioning else None
-    file = read_tree_file(arguments.tree) if arguments.tree else None
-    settings: dict[str, Any] = {} if file is None else {"tree": file.tree, "feature_names": file.feature_names}
-    diagnosis = diagnose(campaign, twin, commissioning=commissioning, noise_sd=arguments.noise, **settings)
-    if arguments.out:
-        write_bytes(arguments.out, report_page(diagnosis).encode())
+        page = report_page(
+            diagnosis,
+            data=Path(arguments.campaign).name,
+            sha256=hashlib.sha256(read_bytes(arguments.campaign)).hexdigest(),
+            commissioning=Path(arguments.commissioning).name if arguments.commissioning else "",
+            twin=arguments.twin,
+        )
+        write_bytes(arguments.out, page.encode())
         print(f"wrote {visible(arguments.out)}", file=sys.stderr)
     if arguments.json:
         print_json(as_object(diagnosis))
     else:
         print(page_of_words(diagnosis))
-    return 0
 
 
 def _made(name: str, maker: Any) -> Any:

@@ -35,7 +35,7 @@ def sklearn_tree(problem: Problem, distribution: LeafDistribution, classes: NDAr
             "with split='axis'"
         )
     _refuse_rounding(problem, tree)
-    _refuse_other_labels(distribution)
+    _refuse_other_labels(distribution, classes)
     model = DecisionTreeClassifier(max_depth=problem.depth, min_samples_leaf=problem.leaf_size)
     model.classes_, model.n_classes_ = classes.copy(), np.int64(len(classes))
     model.n_features_in_ = model.max_features_ = problem.n_features
@@ -63,15 +63,16 @@ def _refuse_rounding(problem: Problem, tree: Node) -> None:
     raise TreeError("a sample lies beyond float32 (3.4e38), as which scikit-learn reads it; scale the columns down")
 
 
-def _refuse_other_labels(distribution: LeafDistribution) -> None:
+def _refuse_other_labels(distribution: LeafDistribution, classes: NDArray[Any]) -> None:
     """Refuse leaves whose label is not that of their greatest share, which a DecisionTreeClassifier would predict."""
     labels = np.array([leaf.label for leaf in leaves(distribution.tree)])
     greatest = distribution.probabilities.argmax(axis=1)
     if (labels != greatest).any():
         k = int(np.flatnonzero(labels != greatest)[0])
         raise TreeError(
-            f"leaf {k} (from the left) predicts class {labels[k]} by its costs, and a DecisionTreeClassifier would "
-            f"predict {greatest[k]}, which has the greatest share there; state costs by class_weight or sample_weight"
+            f"leaf {k} (from the left) predicts {classes[labels[k]]!r}, which costs least there, and a "
+            f"DecisionTreeClassifier would predict {classes[greatest[k]]!r}, which has the greatest share; state costs "
+            "by class_weight or sample_weight"
         )
 
 

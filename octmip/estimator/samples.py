@@ -29,7 +29,7 @@ def learn_samples(estimator: BaseEstimator, X: ArrayLike, y: ArrayLike) -> tuple
     DataError
         a column cannot become features (also a ValueError); all of them are named.
     """
-    checked, labels = validate_data(estimator, X, y, dtype=None, ensure_all_finite=False)
+    checked, labels = validate_data(estimator, _objects(X), _labels(y), dtype=None, ensure_all_finite=False)
     names = _names(estimator)
     numbers = _numbers(estimator, checked)
     if numbers is not None and not np.isnan(numbers).any():
@@ -53,12 +53,36 @@ def read_samples(estimator: BaseEstimator, X: ArrayLike) -> Floats:
     DataError
         a column holds what it did not in training (also a ValueError).
     """
-    checked = validate_data(estimator, X, dtype=None, ensure_all_finite=False, reset=False)
+    checked = validate_data(estimator, _objects(X), dtype=None, ensure_all_finite=False, reset=False)
     columns: Columns = estimator.columns_
     numbers = _numbers(estimator, checked)
     if numbers is not None and columns.is_plain and not np.isnan(numbers).any():
         return numbers
     return columns.encode(_frame(X, checked, columns.names))
+
+
+def _objects(X: Any) -> Any:
+    """Return X with columns of pandas' own types as objects: older versions of scikit-learn take these for numbers."""
+    if isinstance(X, pd.DataFrame) and not all(isinstance(kind, np.dtype) for kind in X.dtypes):
+        return X.astype(object)
+    return X
+
+
+def _labels(y: Any) -> Any:
+    """Return labels as they are, those of pandas' own types of numbers as numpy's: whole numbers stay whole.
+
+    Raises
+    ------
+    DataError
+        a label among texts is missing.
+    """
+    if not isinstance(y, pd.Series | np.ndarray | list):
+        return y
+    labels = pd.Series(y) if np.ndim(y) == 1 else pd.Series()
+    n_missing, kind = int(labels.isna().sum()), getattr(labels.dtype, "numpy_dtype", None)
+    if n_missing and labels.dtype.kind == "O":
+        raise DataError(f"Input y contains NaN: {n_missing} of {len(labels)} labels are missing; drop these rows")
+    return labels.to_numpy(dtype=kind) if isinstance(kind, np.dtype) and kind.kind in "biuf" and not n_missing else y
 
 
 def plain_columns(names: tuple[str, ...], numbers: Floats) -> Columns:

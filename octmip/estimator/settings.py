@@ -38,7 +38,8 @@ def class_weights(
         total = np.bincount(codes, weights, len(classes))
         of_class = weights.sum() / (np.count_nonzero(total) * np.where(total > 0, total, 1.0))
     else:
-        of_class = compute_class_weight(class_weight, classes=classes, y=labels)
+        given = dict(class_weight) if isinstance(class_weight, Mapping) else class_weight
+        of_class = compute_class_weight(given, classes=classes, y=labels)
     return np.asarray(weights * of_class[codes], dtype=np.float64)
 
 

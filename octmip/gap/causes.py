@@ -10,8 +10,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import permutations
 
+from octmip.gap.effects.words import words_at
 from octmip.gap.inference.candidates import SCALES
-from octmip.gap.inference.confounding import SEPARABLE, Confounder, confounded_with, confounders, visibility
+from octmip.gap.inference.confounding import SEPARABLE, confounded_with, confounders, visibility
 from octmip.gap.inference.evidence import Members
 from octmip.gap.inference.posterior import Judged, Posterior, fit_together
 from octmip.gap.inference.signature_error import neighbours
@@ -47,14 +48,23 @@ class ConfoundedEffects:
         where each acts.
     d_prime
         how far the confounders are, in standard deviations.
+    shares
+        of the cause's probability, those of its sets that hold each effect.
+    words
+        what an engineer calls each at its place.
     reason
-        why, and what would separate them.
+        why.
+    separated_by
+        for the first few, the observation that would separate it from the others.
     """
 
     effects: tuple[str, ...]
     places: tuple[str, ...]
     d_prime: tuple[float, ...]
+    shares: tuple[float, ...]
+    words: tuple[str, ...]
     reason: str
+    separated_by: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -204,27 +214,34 @@ def _cause(head: Judged, same: Sequence[Judged]) -> Cause:
     is_identifiable = len(seen) == len(head.members)
     if head.has_unknown and (not is_identifiable or head.probability < 0.5 * probability):  # nothing else stands out
         return Cause((UNKNOWN,), probability, (), (), True, False, head)
-    confounded = tuple(found for j in seen if (found := _confounded(head, j, confounders(head.allowing, own, j))))
+    confounded = tuple(found for j in seen if (found := _confounded(head, same, j)))
     named = (*head.effects, UNKNOWN) if head.has_unknown else head.effects
     return Cause(named, probability, parameters(head, same), confounded, is_identifiable, False, head)
 
 
-def _confounded(head: Judged, member: int, found: Sequence[Confounder]) -> ConfoundedEffects | None:
+def _confounded(head: Judged, same: Sequence[Judged], member: int) -> ConfoundedEffects | None:
+    found = confounders(head.allowing, head.fit, member)
     if not found:
         return None
-    candidates = head.model.inputs.candidates
-    members = [member, *(c.candidate for c in found)]
-    separations = "; ".join(
-        f"{candidates[j].name}: {candidates[j].effect.separated_by}" for j in members[:MOST_SEPARATIONS]
-    )
+    inputs = head.model.inputs
+    alike = [inputs.candidates[j] for j in (member, *(c.candidate for c in found))]
     exact = all(c.d_prime < 0.5 for c in found)
     way = "change these readings in the same way" if exact else "have signatures in these readings that are too alike"
     return ConfoundedEffects(
-        effects=tuple(candidates[j].name for j in members),
-        places=tuple(candidates[j].place for j in members),
+        effects=tuple(candidate.name for candidate in alike),
+        places=tuple(candidate.place for candidate in alike),
         d_prime=(0.0, *(c.d_prime for c in found)),
-        reason=f"they {way} (d' {', '.join(f'{c.d_prime:.1f}' for c in found)}, 3 is needed). {separations}",
+        shares=tuple(_share(candidate.name, same) for candidate in alike),
+        words=tuple(words_at(candidate.effect, inputs.twin, candidate.place).name for candidate in alike),
+        reason=f"they {way} (d' {', '.join(f'{c.d_prime:.1f}' for c in found)}, 3 is needed)",
+        separated_by=tuple(candidate.effect.separated_by for candidate in alike[:MOST_SEPARATIONS]),
     )
+
+
+def _share(name: str, same: Sequence[Judged]) -> float:
+    """Return the part of the probability of these hypotheses that those with an effect hold."""
+    whole = sum(h.probability for h in same)
+    return float(sum(h.probability for h in same if name in h.effects) / max(whole, 1e-300))
 
 
 def _is_sensitive(posterior: Posterior) -> bool:

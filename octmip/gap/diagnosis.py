@@ -26,6 +26,7 @@ from octmip.gap.inference.posterior import Judged, Posterior, attribute
 from octmip.gap.inference.states import joint_covariance, state_posterior
 from octmip.gap.location import Where, localise
 from octmip.gap.next_test import Proposal, next_tests
+from octmip.gap.progress import Progress, Stage, silent
 from octmip.gap.shrinkage import Shrinkage, measure_shrinkage
 from octmip.gap.tree_nodes import flips
 from octmip.gap.twins.augmented import Addition, AugmentedTwin
@@ -136,6 +137,7 @@ def diagnose(
     tree: Node | None = None,
     feature_names: Sequence[str] = (),
     noise_sd: float | Mapping[str, float] | None = None,
+    progress: Progress = silent,
 ) -> Diagnosis:
     """Return where campaign and twin differ, which effects explain it, how far the gap closes, and what to test next.
 
@@ -157,6 +159,8 @@ def diagnose(
     noise_sd
         standard deviation of one reading [microstrain], of all gauges or by gauge, from the instrument's
         card; used where no load was read often enough to estimate the noise.
+    progress
+        called at the start of every stage; what it raises ends the diagnosis.
 
     Raises
     ------
@@ -165,7 +169,7 @@ def diagnose(
         gauge or a known state).
     """
     with threadpool_limits(1):  # the matrices are small: threads cost more than they save
-        return _diagnose(campaign, twin, effects, commissioning, tree, feature_names, noise_sd)
+        return _diagnose(campaign, twin, effects, commissioning, tree, feature_names, noise_sd, progress)
 
 
 def _diagnose(
@@ -176,11 +180,15 @@ def _diagnose(
     tree: Node | None,
     feature_names: Sequence[str],
     noise_sd: float | Mapping[str, float] | None,
+    progress: Progress,
 ) -> Diagnosis:
+    progress(Stage("the noise of the readings"))
     chosen = {**CHAIN, **getattr(twin, "effects", {})} if effects is None else dict(effects)
-    inputs, notes = prepare(campaign, twin, chosen, commissioning, noise_sd)
+    inputs, notes = prepare(campaign, twin, chosen, commissioning, noise_sd, progress)
     posterior = attribute(inputs)
+    progress(Stage("how far the best cause closes the gap"))
     which, closing, unknown_probability = _which(posterior)
+    progress(Stage("which test to run next"))
     model = posterior.model
     nodes = flips(model, tree, feature_names) if tree is not None else ()
     sizes = detectable(model)

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from octmip.gap.effects.words import EffectWords, words_at
 from octmip.gap.inference.linear_model import LinearModel
 from octmip.gap.inference.posterior import Judged, fit_together
 from octmip.gap.inference.signature_error import BETWEEN, neighbours, scales_of
@@ -43,6 +44,8 @@ class Parameter:
         unit.
     words
         what the size measures.
+    named
+        what an engineer calls the effect there, and what to do about it.
     """
 
     effect: str
@@ -52,6 +55,7 @@ class Parameter:
     high: float
     unit: str
     words: str
+    named: EffectWords
 
 
 def parameters(head: Judged, same: Sequence[Judged]) -> tuple[Parameter, ...]:
@@ -71,7 +75,8 @@ def _parameter(head: Judged, member: int, size: float, same: Sequence[Judged]) -
     if effect.is_one_sided:
         low = max(0.0, low)
     size, low, high = (_exact(head.model, effect, place, value) for value in (size, low, high))
-    return Parameter(effect.name, place, size, low, high, effect.unit, effect.parameter)
+    named = words_at(effect, head.model.inputs.twin, place)
+    return Parameter(effect.name, place, size, low, high, effect.unit, effect.parameter, named)
 
 
 def _mixture(head: Judged, member: int, same: Sequence[Judged]) -> tuple[float, float]:

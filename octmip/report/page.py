@@ -8,19 +8,20 @@ scripts that were written for the page: their digests stand in its security poli
 import base64
 import datetime
 import hashlib
-import importlib
 from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib.metadata import version
 from importlib.resources import files
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from octmip.errors import DataError
+from octmip.errors import needed_by
 from octmip.formats.names import shown, visible, visible_lines
 from octmip.report.text import number, percent
 
-if TYPE_CHECKING:
-    from jinja2 import Environment
+with needed_by("a page"):
+    import jinja2
+    from jinja2.utils import htmlsafe_json_dumps
+    from markupsafe import Markup
 
 POLICY = (
     "default-src 'none'; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'; script-src {}"
@@ -39,20 +40,14 @@ def render(template: str, *, styles: Sequence[str] = (), scripts: Sequence[str] 
     **context
         values for the template; one that it names and that is not given is an error. `facts`, the pairs of names and
         texts in the footer, is needed by every page (`page_facts`).
-
-    Raises
-    ------
-    DataError
-        jinja2 is not installed.
     """
     environment = _environment()
     texts = [_source(name) for name in ("base.js", *scripts)]
-    markup = environment.filters["markup"]
     page = environment.get_template(template).render(
         context,
         policy=POLICY.format(" ".join(f"'sha256-{_digest(text)}'" for text in texts)),
-        styles=[markup(_source(name)) for name in ("style.css", *styles)],
-        scripts=[markup(text) for text in texts],
+        styles=[Markup(_source(name)) for name in ("style.css", *styles)],
+        scripts=[Markup(text) for text in texts],
     )
     return page + "\n"
 
@@ -87,12 +82,8 @@ def count(value: int) -> str:
 
 
 @cache
-def _environment() -> "Environment":
-    try:
-        jinja2 = importlib.import_module("jinja2")
-    except ImportError as error:
-        raise DataError("a page needs the package jinja2; install octmip[report]") from error
-    environment: Environment = jinja2.Environment(
+def _environment() -> jinja2.Environment:
+    environment = jinja2.Environment(
         loader=jinja2.PackageLoader("octmip.report"),
         autoescape=True,
         undefined=jinja2.StrictUndefined,
@@ -100,20 +91,31 @@ def _environment() -> "Environment":
         lstrip_blocks=True,
         finalize=lambda value: value if isinstance(value, jinja2.Undefined) else _readable(value),
     )
-    markup = importlib.import_module("markupsafe").Markup
-
-    def embed(name: str, value: Mapping[str, Any] | Sequence[Any]) -> Any:
-        text = jinja2.utils.htmlsafe_json_dumps(value, allow_nan=False, separators=(",", ":"))
-        return markup('<script type="application/json" id="{}">{}</script>').format(visible(name), text)
-
-    def lines(text: str) -> Any:
-        return markup("{}").format(visible_lines(text))
-
-    environment.globals["embed"] = embed
+    environment.globals["embed"] = _embedded
     environment.filters |= {
-        "number": number, "percent": percent, "count": count, "shown": shown, "lines": lines, "markup": markup
-    }  # fmt: skip
+        "number": number,
+        "percent": percent,
+        "count": count,
+        "shown": shown,
+        "lines": _lines,
+        "px": _pixels,
+    }
     return environment
+
+
+def _embedded(name: str, value: Mapping[str, Any] | Sequence[Any]) -> Markup:
+    """Return data for the scripts of a page, as an element that no browser runs."""
+    text = htmlsafe_json_dumps(value, allow_nan=False, separators=(",", ":"))
+    return Markup('<script type="application/json" id="{}">{}</script>').format(visible(name), text)
+
+
+def _lines(text: str) -> Markup:
+    return Markup("{}").format(visible_lines(text))
+
+
+def _pixels(value: float, digits: int = 1) -> str:
+    """Return a length for an attribute: no thousands, no zeros that say nothing."""
+    return f"{value:.{digits}f}".rstrip("0").rstrip(".") if value != int(value) else str(int(value))
 
 
 def _readable(value: Any) -> Any:

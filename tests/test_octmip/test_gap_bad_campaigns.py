@@ -7,7 +7,7 @@ from octmip.cli.diagnose import load_twin
 from octmip.errors import DataError
 from octmip.gap import diagnose, read_campaign
 from octmip.gap.campaign.clipping import unclipped
-from octmip.report.diagnosis.words import verdict
+from octmip.report.diagnosis.recommendation import recommend
 from tests.test_octmip.beam_twin import Beam, measured
 from tests.test_octmip.test_gap_campaign import lines_of, with_cell
 
@@ -198,7 +198,8 @@ def test_clipped_gauges_are_named_and_left_out_where_they_clip():
     assert diagnosis.noise.clipped == {"g02": 1500.0, "g17": 1500.0}
     assert "clipping" in diagnosis.noise.findings
     assert diagnosis.is_sound
-    assert verdict(diagnosis).endswith("Clipped: g02, g17.")
+    told = "Widen the range of the channels of gauges g02 and g17: g02 ends at 1500 microstrain and g17 ends at 1500"
+    assert recommend(diagnosis).startswith(told)
     assert any("column g02 stops at 1500 microstrain" in note for note in diagnosis.notes)
 
 

@@ -2,17 +2,13 @@
 
 import dataclasses
 import re
-from xml.etree import ElementTree
 
 import numpy as np
-import pytest
 
-from octmip import HyperplaneSplit, Leaf, Problem, Solution, Split, Stop
+from octmip import HyperplaneSplit, Leaf, Problem, Split, Stop
 from octmip.certificate import certify
-from octmip.formats.tree_file import record_tree
 from octmip.methods.cart import greedy_tree
 from octmip.report.dot import tree_dot
-from octmip.report.html import tree_page
 from octmip.report.markdown import markdown_table
 from octmip.report.text import solution_text, tree_text
 
@@ -49,7 +45,6 @@ def test_a_bound_over_some_trees_says_over_which():
     claim = dataclasses.replace(greedy_tree(problem()), bound=0.0, stop=Stop.OPTIMAL, details={"scope": "small trees"})
     text = solution_text(claim, certify(problem(), claim), 4)
     assert text.startswith("objective 0, bound 0: proven optimal among small trees\n")
-    assert "Proven optimal among small trees" in tree_page(record_tree(problem(), claim, "y"), "t.json")
 
 
 def test_dot_has_every_node_and_edge_once_and_quotes_names():
@@ -67,42 +62,3 @@ def test_a_markdown_table_is_aligned_and_shows_unknown_as_dash():
         "| cart   |     - |",
         r"| a\|b   |   1.5 |",
     ]
-
-
-@pytest.fixture
-def page():
-    file = record_tree(problem(), greedy_tree(problem()), "y")
-    return tree_page(file, "<tree>.json")
-
-
-def test_a_page_is_whole_in_itself(page):
-    assert not re.search(r"(src|href)\s*=\s*[\"'](?!#)", page)
-    assert "<script" not in page
-    assert "@import" not in page
-    outside = set(re.findall(r"https?://[^\s\"'<]+", page))
-    assert all("w3.org" in address for address in outside)  # names of XML vocabularies, never fetched
-
-
-def test_a_page_is_well_formed_and_escapes_names(page):
-    body = page.removeprefix("<!doctype html>\n").replace('<meta charset="utf-8">', "")
-    ElementTree.fromstring(body)
-    assert "<tree>" not in page
-    assert "&lt;tree&gt;.json" in page
-    assert "no &amp; never" in page
-
-
-def test_the_confusion_has_the_true_class_in_rows():
-    stump = Split(0, 0.5, Leaf(1), Leaf(0))  # right for the first sample alone
-    file = record_tree(problem(), Solution(stump, 2.0, 0.0, Stop.TIME, 0.0, 1, "search", "1", 0), "y")
-    page = tree_page(file, "t.json")
-    assert '<th>yes</th><td class="n">2</td><td class="n">1</td>' in page
-    assert '<th>no &amp; never</th><td class="n">1</td><td class="n">0</td>' in page
-    assert "2 of 4 training samples wrong" in page
-    assert "among trees of this kind none is below 0" in page
-
-
-def test_a_page_says_claims_settings_and_confusion(page):
-    assert "0 of 4 training samples wrong" in page
-    assert "without a proof" in page
-    assert "<th>depth</th><td>2</td>" in page
-    assert '<th>yes</th><td class="n">0</td><td class="n">3</td>' in page

@@ -10,7 +10,7 @@ from benchmarks.uav.mission.aircraft import Aircraft, build_aircraft
 from benchmarks.uav.mission.filter_study import filter_rows
 from benchmarks.uav.mission.flight import recorded
 from benchmarks.uav.mission.histories import KINDS
-from benchmarks.uav.mission.page import mission_page
+from benchmarks.uav.mission.page import flight_page
 from benchmarks.uav.mission.policy_table import policy_rows
 from benchmarks.uav.mission.speed import speed_rows
 from benchmarks.uav.mission.watch_study import false_alarm_row, outside_rows, search_limit, told_limit
@@ -30,7 +30,7 @@ def main() -> None:
     print(f"{aircraft.source}: trees read {', '.join(aircraft.selector.gauges_read)}", flush=True)
     for kind in options.pages:
         path = folder / f"mission_{kind.replace(' ', '_')}.html"
-        write_bytes(path, mission_page(recorded(aircraft, kind, options.seed)).encode())
+        write_bytes(path, flight_page(aircraft, recorded(aircraft, kind, options.seed)).encode())
         print(f"page: {path.resolve()}", flush=True)
     for name in options.tables:
         for title, rows in _tables(name, aircraft, folder, options.missions, options.seed):

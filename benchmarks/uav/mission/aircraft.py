@@ -131,6 +131,8 @@ def build_aircraft(folder: Path, strains: str | None = None, seed: int = 0, dept
         table = published_strains(strains)
         data = build_dataset(table, Recipe(), seed=seed)
     twin = TableTwin.of(table, effects)  # type: ignore[arg-type]
+    places = wing.gauges.position[[wing.gauges.names.index(gauge) for gauge in twin.gauges], :2]
+    twin = replace(twin, gauge_positions=places, outline=wing.outline())
     library = library_of(twin, grid_states([LEVELS, LEVELS]), NOISE_SD, gauges=data.gauges)
     trees, risk_trees = (
         tuple(_tree(folder, data, label, depth, weight) for label in ("mu1", "mu2")) for weight in (1.0, MISS)

@@ -58,6 +58,10 @@ class WingEffect:
         of a distribution); 0 where each place is its own.
     seen_by : tuple of str
         Quantities beside strain under load that show it, as a diagnosis names them.
+    words, words_at, action : str
+        What an engineer calls it, the same with its {place}, and what to do about it.
+    says : tuple of str
+        What a positive and a negative size mean, {size} for the size.
     """
 
     name: str
@@ -77,6 +81,10 @@ class WingEffect:
     signature_error: float = 0.03
     n_between: int = 0
     seen_by: tuple[str, ...] = ()
+    words: str = ""
+    words_at: str = ""
+    action: str = ""
+    says: tuple[str, str] = ("", "")
 
     def places(self, twin: Any) -> tuple[str, ...]:
         """Return the places where the effect may act."""

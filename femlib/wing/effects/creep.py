@@ -56,6 +56,12 @@ def effect(response: Response) -> WingEffect:
         prior_sd=2.0,
         prior_source="matrix-dominated laminates at room temperature creep by one to five per cent in an hour",
         separated_by="its course of time: the same load again at the end reads more, which a scale does not do",
+        words="creep of the skins",
+        action="add the creep of the skins to the twin",
+        says=(
+            "their compliance grows by {size} in the first hour under load",
+            "their compliance falls by {size} in the first hour under load",
+        ),
         load_power=1,
         response=response,
         force=force,

@@ -100,6 +100,12 @@ def effect(response: Response) -> WingEffect:
         prior_sd=1.0,
         prior_source="the theory gives 1; lift that follows the wing or a swept spar changes it by its own size",
         separated_by="it grows with the second and third power of the load, a scale with the first",
+        words="large deflections",
+        action="add large deflections to the twin",
+        says=(
+            "they act {size} times as strongly as in theory",
+            "they act {size} times as strongly as in theory, with the sign reversed",
+        ),
         seen_by=("deflection",),
         load_power=None,
         response=response,

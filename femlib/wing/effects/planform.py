@@ -58,6 +58,12 @@ def effect(response: Response) -> WingEffect:
         prior_sd=1.0,
         prior_source="the published measurement of the built wing is 1; another wing of the mould may differ as much",
         separated_by="strain proportional to load hardly separates it from a modulus; a tape measure does",
+        words="manufactured planform",
+        action="give the twin the planform that was manufactured",
+        says=(
+            "the wing is {size} of the way from the designed planform to that one",
+            "the wing is {size} of the way beyond the designed planform, on its other side",
+        ),
         seen_by=("deflection", "frequency"),
         load_power=1,
         response=response,

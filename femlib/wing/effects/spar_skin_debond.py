@@ -146,6 +146,13 @@ def effect(response: Response) -> WingEffect:
         prior_sd=0.5,
         prior_source="a peeled bond passes no shear (1), a kissing one a part",
         separated_by="a signature on the gauges next to the spar alone; a tap test along the spar finds it",
+        words="debonding of spar and skin",
+        words_at="debonding of spar and skin at {place}",
+        action="inspect the bond of spar and skin at {place}",
+        says=(
+            "a share of {size} of the shear between them is lost",
+            "the shear between them is larger by a share of {size}",
+        ),
         load_power=1,
         response=response,
         force=force,

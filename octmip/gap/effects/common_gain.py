@@ -21,6 +21,9 @@ class CommonGain:
     is_one_sided: bool = False
     separated_by: str = "strain alone cannot tell it from the load factor or a modulus: a shunt calibration does"
     load_power: int | None = None
+    words: str = "gain common to all gauges"
+    action: str = "recalibrate the amplifier of all gauges"
+    says: tuple[str, str] = ("all gauges read {size} too high", "all gauges read {size} too low")
     seen_by: tuple[str, ...] = ("shunt_reading",)
 
     def places(self, twin: Twin) -> tuple[str, ...]:

@@ -25,6 +25,13 @@ class Crosstalk:
         "states that change the neighbour's strain alone, or a shunt on the neighbour, separate them"
     )
     load_power: int | None = None
+    words: str = "crosstalk between neighbouring channels"
+    words_at: str = "crosstalk from gauge {second} into gauge {first}"
+    action: str = "separate the channels of gauges {second} and {first}"
+    says: tuple[str, str] = (
+        "{size} of the signal of gauge {second} leaks into gauge {first}",
+        "{size} of the signal of gauge {second} leaks into gauge {first} with its sign reversed",
+    )
     seen_by: tuple[str, ...] = ("shunt_reading",)
 
     def places(self, twin: Twin) -> tuple[str, ...]:

@@ -23,6 +23,9 @@ class LoadFactorError:
         "strain alone cannot tell it from a common gain or a modulus: a second load cell or a known mass does"
     )
     load_power: int | None = None
+    words: str = "error of the load factor"
+    action: str = "correct the load factor"
+    says: tuple[str, str] = ("the load was {size} higher than noted", "the load was {size} lower than noted")
     seen_by: tuple[str, ...] = ("applied_load",)
 
     def places(self, twin: Twin) -> tuple[str, ...]:

@@ -71,6 +71,10 @@ class PerGauge:
     uses_time: bool = False
     needs_positions: bool = False
     seen_by: tuple[str, ...] = ()
+    words: str = ""
+    words_at: str = ""
+    action: str = ""
+    says: tuple[str, str] = ("", "")
 
     def places(self, twin: Twin) -> tuple[str, ...]:
         """Return the gauges; none where their positions are needed and the twin does not say them."""
@@ -138,6 +142,10 @@ GAUGE_GAIN = PerGauge(
     ),
     formula=_gain,
     seen_by=("shunt_reading",),
+    words="gain of one gauge",
+    words_at="gain of gauge {place}",
+    action="recalibrate gauge {place}",
+    says=("it reads {size} too high", "it reads {size} too low"),
 )
 """Gauge factor, lead wires, bridge completion."""
 
@@ -150,6 +158,10 @@ GAUGE_BIAS = PerGauge(
     separated_by="a reading at zero load shows it alone",
     formula=_bias,
     load_power=0,
+    words="zero offset of one gauge",
+    words_at="zero offset of gauge {place}",
+    action="set gauge {place} to zero again",
+    says=("it reads {size} too high at every load", "it reads {size} too low at every load"),
 )
 """A bridge that was not balanced, a residual stress under it."""
 
@@ -166,6 +178,10 @@ GAUGE_DRIFT = PerGauge(
     formula=_drift,
     load_power=0,
     uses_time=True,
+    words="drift of one gauge",
+    words_at="drift of gauge {place}",
+    action="find out why gauge {place} drifts",
+    says=("its reading rises by {size}", "its reading falls by {size}"),
 )
 """Temperature of the bridge, creep of the adhesive, moisture."""
 
@@ -179,6 +195,10 @@ MISALIGNMENT = PerGauge(
     formula=_misalignment,
     is_one_sided=True,
     seen_by=("gauge_placement",),
+    words="angle of one gauge",
+    words_at="angle of gauge {place}",
+    action="check the angle of gauge {place}",
+    says=("the squared sine of its error is {size}", "the squared sine of its error is {size}"),
 )
 """The gauge is turned against its direction and feels the transverse contraction."""
 
@@ -192,6 +212,10 @@ POSITION_OFFSET = PerGauge(
     formula=_offset,
     needs_positions=True,
     seen_by=("gauge_placement",),
+    words="place of one gauge",
+    words_at="place of gauge {place}",
+    action="measure the place of gauge {place}",
+    says=("it sits {size} too far outboard", "it sits {size} too far inboard"),
 )
 """The gauge sits beside its place along the span and reads the strain there."""
 
@@ -207,5 +231,9 @@ DEAD_GAUGE = PerGauge(
     is_one_sided=True,
     acts_on_readings=True,
     seen_by=("shunt_reading", "channel_order"),
+    words="dead gauge",
+    words_at="dead gauge {place}",
+    action="repair gauge {place}",
+    says=("it shows nothing of the strain", "it shows nothing of the strain"),
 )
 """A broken lead: nothing but zero and noise."""

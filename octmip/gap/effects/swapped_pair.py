@@ -22,6 +22,10 @@ class SwappedPair:
     is_one_sided: bool = True
     separated_by: str = "tapping or heating one gauge shows which channel answers"
     load_power: int | None = None
+    words: str = "exchanged wires of two gauges"
+    words_at: str = "exchanged wires of gauges {first} and {second}"
+    action: str = "exchange the wires of gauges {first} and {second}"
+    says: tuple[str, str] = ("each shows the strain of the other", "each shows the strain of the other")
     seen_by: tuple[str, ...] = ("channel_order",)
     acts_on_readings: bool = True
 

@@ -15,6 +15,7 @@ from octmip.gap.inference.evidence import Members, extensions
 from octmip.gap.inference.inference import Inference
 from octmip.gap.inference.inputs import Inputs
 from octmip.gap.inference.linear_model import LinearModel
+from octmip.gap.progress import Stage
 
 COUNT_PRIOR = (0.48, 0.34, 0.12, 0.02)
 """Prior probability of no, one, two, three effects; what is missing to 1 belongs to the unknown."""
@@ -55,6 +56,7 @@ def likely_sets(inference: Inference, most: int = 3) -> list[Hypothesis]:
     beam: list[Members] = [()]
     for size in range(1, most + 1):
         longer: dict[Members, float] = {}
+        inputs.progress(Stage("hypotheses, number of effects", size, most))
         inference.judge(beam)  # all at once: one by one costs several times as much
         for members in beam:
             longer |= _extended(inference, members)

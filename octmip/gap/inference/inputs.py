@@ -16,6 +16,7 @@ from octmip.gap.campaign.clipping import unclipped
 from octmip.gap.campaign.noise import Noise, estimate_noise, given_noise
 from octmip.gap.inference.candidates import Candidate, Priors, candidates_of, priors_of
 from octmip.gap.inference.discrepancy import Discrepancy, calibrated, uncalibrated
+from octmip.gap.progress import Progress, silent
 from octmip.gap.twins.cached import CachedTwin
 from octmip.twin import Effect, Twin
 
@@ -60,6 +61,8 @@ class Inputs:
         load factor of the greatest healthy strain.
     groups
         cells that share one unknown state, each a tuple of cell indices.
+    progress
+        told at every stage of what is made of these inputs.
     Derived:
         order: position in the twin's gauges of each of the campaign's.
         priors: of the candidates.
@@ -73,6 +76,7 @@ class Inputs:
     averages: tuple[AveragedCell, ...]
     reference: float
     groups: Groups
+    progress: Progress = silent
     order: tuple[int, ...] = field(init=False)
     priors: Priors = field(init=False)
 
@@ -110,6 +114,7 @@ def prepare(
     effects: Mapping[str, Effect],
     commissioning: Campaign | Discrepancy | None = None,
     noise_sd: float | Mapping[str, float] | None = None,
+    progress: Progress = silent,
 ) -> tuple[Inputs, list[str]]:
     """Return the inputs of an inference, and notes for the reader.
 
@@ -138,6 +143,7 @@ def prepare(
         averages=averages_of(campaign, any(getattr(effect, "uses_time", False) for effect in effects.values())),
         reference=reference,
         groups=groups,
+        progress=progress,
     )
     return inputs, [*of_clipping, *of_noise, *of_discrepancy, *of_groups]
 

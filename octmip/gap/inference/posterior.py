@@ -20,6 +20,7 @@ from octmip.gap.inference.inputs import Inputs
 from octmip.gap.inference.linear_model import LinearModel, linearise
 from octmip.gap.inference.states import STATE_RESOLUTION, distance, log_box, moved_states, starting_states
 from octmip.gap.inference.unknown import Unknown, weigh_unknown
+from octmip.gap.progress import Stage
 
 EXACT = 100
 """Hypotheses whose evidence is computed exactly and, with open states, about their own states."""
@@ -163,6 +164,7 @@ Weighed = tuple[Hypothesis, Inference]
 
 
 def _normalised(inferences: list[Inference], found: dict[Members, Hypothesis]) -> Posterior:
+    inferences[0].model.inputs.progress(Stage("weighing the best hypotheses exactly"))
     weighed = _weighed(inferences, sorted(found.values(), key=lambda h: -h.log_weight))
     best = max(weighed, key=lambda item: item[0].log_weight)[1]
     unknown = weigh_unknown(best.model)

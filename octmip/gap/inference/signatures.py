@@ -12,7 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.gap.campaign.campaign import Campaign
+from octmip.gap.effects.words import effect_words
 from octmip.gap.inference.inputs import AveragedCell, Inputs
+from octmip.gap.progress import Stage
 from octmip.twin import Effect, State
 
 Floats = NDArray[np.float64]
@@ -37,7 +39,9 @@ def signatures_of(inputs: Inputs, states: Floats, expected: Floats) -> Floats:
     at = _states_of(inputs, states)
     history = load_steps(inputs.campaign)
     columns = [np.zeros((0, expected.size))]
-    for effect, places in inputs.effects():
+    effects = inputs.effects()
+    for number, (effect, places) in enumerate(effects, start=1):
+        inputs.progress(Stage("effect", number, len(effects), effect_words(effect)))
         if getattr(effect, "acts_on_readings", False):
             rows = _of_readings(inputs, effect, places, expected)
         else:

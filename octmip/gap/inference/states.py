@@ -16,6 +16,7 @@ from scipy.special import ndtr
 from octmip.gap.inference.evidence import Fit
 from octmip.gap.inference.inputs import Inputs
 from octmip.gap.inference.linear_model import OPEN_STATE, LinearModel, linearise
+from octmip.gap.progress import Stage
 
 Floats = NDArray[np.float64]
 
@@ -51,7 +52,10 @@ def starting_states(inputs: Inputs) -> list[Floats]:
     """Return assignments (n_cells, n_parameters): all best nodes first, then one group at a time at another node."""
     states = np.array([cell.state for cell in inputs.campaign.cells])
     best = states.copy()
-    nodes = [_likely_nodes(inputs, group) for group in inputs.groups]
+    nodes = []
+    for number, group in enumerate(inputs.groups, start=1):
+        inputs.progress(Stage("unknown state", number, len(inputs.groups)))
+        nodes.append(_likely_nodes(inputs, group))
     for group, found in zip(inputs.groups, nodes, strict=True):
         best[list(group)] = found[0]
     others = []

@@ -10,13 +10,14 @@ from octmip.gap.location import Place, Where
 from octmip.gap.next_test import Proposal
 from octmip.gap.shrinkage import Shrinkage
 from octmip.gap.sizes import Parameter
-from octmip.report.diagnosis.words import verdict
+from octmip.report.diagnosis.recommendation import recommend, verdict_of
 
 
 def as_object(diagnosis: Diagnosis) -> dict[str, Any]:
     """Return the diagnosis as one JSON object."""
     content = {
-        "verdict": verdict(diagnosis),
+        "verdict": recommend(diagnosis),
+        "kind": str(verdict_of(diagnosis)),
         "is_sound": diagnosis.is_sound,
         "where": _where(diagnosis.where),
         "which": [_cause(cause) for cause in diagnosis.which],
@@ -82,6 +83,7 @@ def _parameter(p: Parameter) -> dict[str, Any]:
         "high": p.high,
         "unit": p.unit,
         "words": p.words,
+        "name": p.named.name,
     }
 
 
@@ -90,7 +92,10 @@ def _confounded(found: ConfoundedEffects) -> dict[str, Any]:
         "effects": list(found.effects),
         "places": list(found.places),
         "d_prime": list(found.d_prime),
+        "shares": list(found.shares),
+        "names": list(found.words),
         "reason": found.reason,
+        "separated_by": list(found.separated_by),
     }
 
 

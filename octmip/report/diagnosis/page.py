@@ -1,162 +1,264 @@
-"""The report: one self-contained HTML page, no script, no outside file; figures are inline SVG."""
+"""The diagnosis as a page: what to do first, then the figures that say why, then the matter for those who check."""
+
+import datetime
+import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.formats.names import PAGE_POLICY
-from octmip.formats.names import html_text as escape
-from octmip.gap.causes import UNKNOWN
+from octmip.formats.names import shown
+from octmip.gap.causes import Cause
 from octmip.gap.diagnosis import Diagnosis
 from octmip.gap.inference.inputs import Inputs
-from octmip.gap.inference.linear_model import LinearModel
-from octmip.report.diagnosis.pictures import bars, gauge_map
+from octmip.report.diagnosis.measured import MeasuredCell, has_repair, measured_cells
+from octmip.report.diagnosis.phrases import about, cause_words, closed_words, interval_words, likely, percent, size_of
+from octmip.report.diagnosis.pictures import gauge_map, gauge_panel, largest_difference, load_panel
+from octmip.report.diagnosis.recommendation import Verdict, recommend, verdict_of
 from octmip.report.diagnosis.words import (
-    cause_words,
-    closed_words,
+    detectable_sizes,
+    doubt_lines,
+    explained,
+    fit_lines,
     flipping_nodes,
-    likely,
+    gap_line,
+    node_name,
+    noise_lines,
     page_of_words,
-    percent,
-    verdict,
-    where_lines,
+    place_lines,
+    shown_causes,
+    state_lines,
 )
+from octmip.report.page import page_facts, render
 
 Floats = NDArray[np.float64]
 
-STYLE = """
-body{font:16px/1.5 system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;color:#1b1f24;background:#fff}
-h1{font-size:1.5rem}h2{font-size:1.15rem;margin-top:2rem;border-bottom:1px solid #d0d7de}
-.verdict{font-size:1.15rem;background:#f3f6fa;border-left:4px solid #2f6db3;padding:.6rem 1rem}
-table{border-collapse:collapse;width:100%;font-size:.92rem}td,th{padding:.3rem .5rem;border-bottom:1px solid #e5e9ee;
-text-align:left;vertical-align:top}td.n,th.n{text-align:right;font-variant-numeric:tabular-nums;white-space:nowrap}
-figure{margin:1rem 0}figcaption{font-size:.9rem;color:#57606a}svg{max-width:100%;height:auto}
-pre{white-space:pre-wrap;background:#f6f8fa;padding:1rem;font-size:.74rem}
-"""
+FIRST_LOADS, FIRST_GAUGES = 6, 8
+"""Panels that stand open; the others are folded."""
+NUMBERS = ("Gauge", "Test", "Load factor", "Measured", "90 % ±", "Twin")
 
 
-def report_page(diagnosis: Diagnosis) -> str:
-    """Return the page: verdict, maps before and after, causes, shrinkage, tree nodes, next test, all words."""
-    parts = [
-        f'<p class="verdict">{escape(verdict(diagnosis))}</p>',
-        _maps(diagnosis),
-        _causes(diagnosis),
-        _shrinkage(diagnosis),
-        _nodes(diagnosis),
-        _next(diagnosis),
-        f"<h2>All in words</h2><pre>{escape(page_of_words(diagnosis))}</pre>",
+def report_page(
+    diagnosis: Diagnosis,
+    *,
+    data: str = "",
+    sha256: str = "",
+    commissioning: str = "",
+    twin: str = "",
+    made: datetime.date | None = None,
+) -> str:
+    """Return the page of a diagnosis.
+
+    Parameters
+    ----------
+    diagnosis
+        what was found.
+    data, sha256
+        name of the campaign's file and digest of it.
+    commissioning
+        name of the commissioning run's file.
+    twin
+        what the twin is called.
+    made
+        day of the page; today by default.
+
+    Raises
+    ------
+    DataError
+        jinja2 is not installed.
+    """
+    more = {name: shown(value) for name, value in (("Twin", twin), ("Commissioning_run", commissioning)) if value}
+    return render(
+        "diagnosis.html",
+        styles=("diagnosis.css",),
+        facts=page_facts(data or None, sha256 or None, made, **more),
+        subtitle=_subtitle(diagnosis, data, twin),
+        sentence=recommend(diagnosis),
+        figures=_figures(diagnosis),
+        **_measured(diagnosis),
+        **_where(diagnosis),
+        **_which(diagnosis),
+        **_how_far(diagnosis),
+        **_next(diagnosis),
+        notes=list(diagnosis.notes),
+        checks=[
+            *fit_lines(diagnosis),
+            *noise_lines(diagnosis),
+            *(f"State of {line}." for line in state_lines(diagnosis)),
+        ],
+        words=page_of_words(diagnosis),
+    )
+
+
+def _subtitle(diagnosis: Diagnosis, data: str, twin: str) -> str:
+    campaign = diagnosis.posterior.model.inputs.campaign
+    loads = ", ".join(f"{load:g}" for load in campaign.loads)
+    of = f" of {shown(data)}" if data else ""
+    with_ = f", against the twin {shown(twin)}" if twin else ""
+    return f"{len(campaign.test):,} readings{of} at {len(campaign.gauges)} gauges, load factors {loads}{with_}"
+
+
+def _figures(diagnosis: Diagnosis) -> list[tuple[str, ...]]:
+    """Return the key figures: sizes, probability, gap and next test."""
+    first, kind = diagnosis.which[0], verdict_of(diagnosis)
+    entries: list[tuple[str, ...]] = []
+    if kind in (Verdict.CAUSE, Verdict.AMBIGUOUS, Verdict.HIDDEN):
+        sized = [p for p in first.parameters if p.named.has_size]
+        entries += [(_capital(p.named.name), size_of(p), interval_words(p)) for p in sized]
+    chance = first.probability if kind is not Verdict.UNEXPLAINED else diagnosis.unknown_probability
+    of = {Verdict.UNEXPLAINED: "that the library lacks the cause", Verdict.SOUND: "that nothing acts"}
+    tone = {Verdict.UNEXPLAINED: "warn", Verdict.SOUND: "good"}.get(kind, "")
+    entries.append(("Probability", about(chance), of.get(kind, "of the first cause"), tone))
+    s = diagnosis.shrinkage
+    if s is not None and s.held_out:
+        closes = f"{s.before:.1f} → {s.after:.1f}"
+        entries.append(("Gap before → after", closes, "microstrain, on readings to which nothing was fitted"))
+    else:
+        entries.append(("Gap", f"{diagnosis.where.rms_microstrain:.1f}", "microstrain, root mean square beyond noise"))
+    return entries
+
+
+def _capital(words: str) -> str:
+    return words[:1].upper() + words[1:]
+
+
+def _measured(diagnosis: Diagnosis) -> dict[str, Any]:
+    """Return the panels by load and by gauge, and the numbers behind them."""
+    cells, gauges = measured_cells(diagnosis), diagnosis.posterior.model.inputs.campaign.gauges
+    repaired, limit = has_repair(diagnosis), largest_difference(cells)
+    names = [_cell_name(cells, cell) for cell in cells]
+    ranked = sorted(range(len(cells)), key=lambda k: -float(np.nansum(cells[k].before ** 2)))
+    first = sorted(ranked[:FIRST_LOADS]) if len(cells) > FIRST_LOADS else range(len(cells))
+    panels = {
+        k: {"title": names[k], "svg": load_panel(cell, gauges, limit, names[k], repaired)}
+        for k, cell in enumerate(cells)
+    }
+    order = [gauges.index(place.name) for place in diagnosis.where.gauges]
+    by_gauge = [gauge_panel(cells, g, gauges[g], repaired) for g in order]
+    after = f"difference once {_first_name(diagnosis)} is added to it" if repaired else ""
+    return {
+        "gap": gap_line(diagnosis),
+        "legend": {"before": "difference to the twin", "after": after},
+        "load_panels": [panels[k] for k in first],
+        "more_loads": [panel for k, panel in panels.items() if k not in first],
+        "gauge_panels": by_gauge[:FIRST_GAUGES],
+        "more_gauges": by_gauge[FIRST_GAUGES:],
+        "numbers_head": [*NUMBERS, "With the effect"] if repaired else list(NUMBERS),
+        "numbers": [row for cell in cells for row in _numbers(cell, gauges, repaired)],
+    }
+
+
+def _first_name(diagnosis: Diagnosis) -> str:
+    return " and ".join(p.named.name for p in diagnosis.which[0].parameters) or "the effect"
+
+
+def _cell_name(cells: tuple[MeasuredCell, ...], cell: MeasuredCell) -> str:
+    load = f"load factor {cell.load_factor:g}"
+    return _capital(load) if len({c.test for c in cells}) == 1 else f"{shown(cell.test)}, {load}"
+
+
+def _numbers(cell: MeasuredCell, gauges: tuple[str, ...], repaired: bool) -> list[list[str]]:
+    columns = [cell.measured, cell.half_width, cell.twin, *([cell.repaired] if repaired else [])]
+    return [
+        [shown(name), shown(cell.test), f"{cell.load_factor:g}", *(f"{column[k]:.1f}" for column in columns)]
+        for k, name in enumerate(gauges)
+        if not np.isnan(cell.measured[k])
     ]
-    return (
-        '<!doctype html><html lang="en"><head><meta charset="utf-8">'
-        f'{PAGE_POLICY}<meta name="viewport" content="width=device-width,initial-scale=1">'
-        "<title>Diagnosis of the sim-to-real gap</title>"
-        f"<style>{STYLE}</style></head><body><h1>Diagnosis of the sim-to-real gap</h1>{''.join(parts)}</body></html>"
-    )
 
 
-def _maps(diagnosis: Diagnosis) -> str:
-    """Return the gauges on the structure, coloured by residual at the greatest load, before and after."""
-    model, after = _after_first_cause(diagnosis)
-    inputs = model.inputs
-    greatest = max(inputs.load_factors.tolist(), key=abs)
-    top = model.load_factors == greatest
-    limit = float(np.abs(model.residual[top]).max(initial=1.0))
+def _where(diagnosis: Diagnosis) -> dict[str, Any]:
+    nodes = [
+        [n.words, node_name(n), percent(n.simulated), percent(n.real), percent(n.share)]
+        for n in flipping_nodes(diagnosis)
+    ]
+    return {
+        "places": place_lines(diagnosis),
+        "maps": _maps(diagnosis),
+        "nodes": nodes if diagnosis.where.nodes else None,
+    }
+
+
+def _maps(diagnosis: Diagnosis) -> list[dict[str, str]]:
+    """Return the gauges on the structure, coloured by the difference at the greatest load, before and after."""
+    inputs = diagnosis.posterior.model.inputs
+    cells, points = measured_cells(diagnosis), _points(inputs)
+    if points is None:
+        return []
+    greatest = max((cell.load_factor for cell in cells), key=abs)
+    top = [cell for cell in cells if cell.load_factor == greatest]
+    sides = [("Before", [cell.before for cell in top])]
+    sides += [("After", [cell.after for cell in top])] if has_repair(diagnosis) else []
+    means = [(name, _mean(rows)) for name, rows in sides]
+    limit = max(float(np.nanmax(np.abs(means[0][1]), initial=0.0)), 1.0)
     outline = getattr(inputs.twin.twin, "outline", None)
-    maps = []
-    for title, residual in (("before", model.residual), ("after", after)):
-        drawn = gauge_map(_points(inputs), _by_gauge(model, residual, top), inputs.campaign.gauges, limit, outline)
-        caption = (
-            f"Residual {title} the first cause is added, at load factor {greatest:g} (microstrain, calibrated twin; "
-            "red: more compression than the twin; span to the right, aft down, not to scale)"
+    found = []
+    for name, values in means:
+        added = f", with {_first_name(diagnosis)} added" if name == "After" else ""
+        caption = f"{name}: measured less predicted at load factor {greatest:g}{added}; most {limit:.0f} microstrain"
+        caption = caption if name == "Before" else caption.partition(";")[0]
+        found.append(
+            {
+                "svg": gauge_map(points, values, inputs.campaign.gauges, limit, outline, caption),
+                "caption": f"{caption}.",
+            }
         )
-        maps.append(f"<figure>{drawn}<figcaption>{caption}</figcaption></figure>")
-    lines = "".join(f"<p>{escape(line)}</p>" for line in where_lines(diagnosis) if not line.startswith("Tree node"))
-    return f"<h2>Where</h2>{lines}{''.join(maps)}"
+    return found
 
 
-def _after_first_cause(diagnosis: Diagnosis) -> tuple[LinearModel, Floats]:
-    """Return the model that is drawn, and the residuals (n,) [microstrain] once the first cause is added."""
-    first = diagnosis.which[0]
-    if not first.judged.members or UNKNOWN in first.effects:
-        model = diagnosis.posterior.model
-        return model, model.residual
-    model, own = first.judged.model, first.judged.fit
-    return model, model.residual - model.signatures[:, list(own.members)] @ own.size
+def _mean(rows: list[Floats]) -> Floats:
+    """Return the mean (n_gauges,) of what was recorded, NaN where nothing was."""
+    stacked = np.array(rows)
+    count = np.isfinite(stacked).sum(axis=0)
+    return np.asarray(np.where(count > 0, np.nansum(stacked, axis=0) / np.maximum(count, 1), np.nan))
 
 
-def _points(inputs: Inputs) -> Floats:
-    """Return the places (n_gauges, 2) [m] of the campaign's gauges; a row of them where the twin does not say."""
+def _points(inputs: Inputs) -> Floats | None:
+    """Return the places (n_gauges, 2) [m] of the campaign's gauges; None where the twin does not say."""
     places = inputs.twin.gauge_positions
-    if places is not None:
-        return places[list(inputs.order), :2]
-    n = len(inputs.order)
-    return np.stack([np.zeros(n), np.arange(n, dtype=np.float64)], axis=1)
+    return None if places is None else places[list(inputs.order), :2]
 
 
-def _by_gauge(model: LinearModel, residual: Floats, chosen: NDArray[np.bool_]) -> Floats:
-    """Return the mean of the chosen residuals (n,) at each gauge (n_gauges,), NaN where there is none."""
-    rows = [chosen & (model.gauge == g) for g in range(len(model.inputs.order))]
-    return np.array([float(residual[here].mean()) if here.any() else np.nan for here in rows])
+def _which(diagnosis: Diagnosis) -> dict[str, Any]:
+    first = diagnosis.which[0]
+    causes = [_cause(cause, explained(cause) if cause is first else []) for cause in shown_causes(diagnosis)]
+    sizes = [[_capital(name), size] for name, size in detectable_sizes(diagnosis)]
+    doubts = [line for line in doubt_lines(diagnosis) if not line.startswith("Detectable sizes")]
+    return {"causes": causes, "doubts": doubts, "is_sound": diagnosis.is_sound, "sizes": sizes}
 
 
-def _causes(diagnosis: Diagnosis) -> str:
-    shown = [cause for cause in diagnosis.which if cause.probability >= 0.005]
-    labels = [" + ".join(cause.effects) or "no effect" for cause in shown]
-    rows = "".join(
-        f'<tr><td class="n">{escape(likely(c.probability))}</td><td>{escape(cause_words(c))}</td>'
-        f"<td>{escape('; '.join(' / '.join(t.effects) for t in c.confounded)) or 'nothing'}</td></tr>"
-        for c in shown
-    )
-    reasons = "".join(f"<p>{escape(' / '.join(t.effects))}: {escape(t.reason)}</p>" for t in diagnosis.ambiguity)
-    return (
-        f"<h2>Which</h2><figure>{bars(labels, [c.probability for c in shown], 1.0, likely)}</figure>"
-        '<table><tr><th class="n">probability</th><th>cause</th><th>cannot be told apart</th></tr>'
-        f"{rows}</table>{reasons}<p>Something outside the library: {escape(likely(diagnosis.unknown_probability))}</p>"
-    )
+def _cause(cause: Cause, lines: list[str]) -> dict[str, Any]:
+    return {
+        "chance": likely(cause.probability),
+        "share": _share(cause.probability),
+        "words": _capital(cause_words(cause)),
+        "lines": lines,
+    }
 
 
-def _shrinkage(diagnosis: Diagnosis) -> str:
+def _share(part: float) -> str:
+    return f"{100.0 * min(1.0, max(0.0, part)):.1f}%"
+
+
+def _how_far(diagnosis: Diagnosis) -> dict[str, Any]:
     s = diagnosis.shrinkage
     if s is None:
-        return "<h2>How far</h2><p>No effect was added, so the gap does not close.</p>"
-    if not s.held_out:
-        return f"<h2>How far</h2><p>{escape(closed_words(s))}</p>"
-    labels, values = [], []
-    for held in s.held_out:
-        labels += [f"{held.name}, before", f"{held.name}, after"]
-        values += [held.before, held.after]
-    figure = bars(labels, values, max([*values, 1e-9]), lambda v: f"{v:.1f} microstrain", ("#c5ccd3", "#2f6db3"))
-    return (
-        f"<h2>How far</h2><p>{escape(closed_words(s))}</p><figure>{figure}<figcaption>Each load or test predicted from "
-        "the others, root mean square gap, noise taken off (grey: before, blue: after)</figcaption></figure>"
-    )
+        return {"closed": "No effect was added, so the gap does not close.", "folds": []}
+    most = max([1e-9, *(h.before for h in s.held_out), *(h.after for h in s.held_out)])
+    folds = [
+        {
+            "name": _capital(shown(h.name)),
+            "before": f"{h.before:.1f}",
+            "after": f"{h.after:.1f}",
+            "before_share": _share(h.before / most),
+            "after_share": _share(h.after / most),
+        }
+        for h in s.held_out
+    ]
+    return {"closed": closed_words(s), "folds": folds}
 
 
-def _nodes(diagnosis: Diagnosis) -> str:
-    nodes = flipping_nodes(diagnosis)
-    if not diagnosis.where.nodes:
-        return ""
-    if not nodes:
-        return "<h2>Tree nodes that flip</h2><p>None: readings of the asset go the same way as the twin's.</p>"
-    rows = "".join(
-        f'<tr><td>{escape(n.path or "root")}</td><td>{escape(n.words)}</td><td class="n">{percent(n.simulated)}</td>'
-        f'<td class="n">{percent(n.real)}</td><td class="n">{percent(n.share)}</td></tr>'
-        for n in nodes
-    )
-    return (
-        '<h2>Tree nodes that flip</h2><table><tr><th>node</th><th>split</th><th class="n">left, twin</th>'
-        f'<th class="n">left, asset</th><th class="n">of all readings</th></tr>{rows}</table>'
-    )
-
-
-def _next(diagnosis: Diagnosis) -> str:
-    if not diagnosis.next_test:
-        return "<h2>Next test</h2><p>Little uncertainty remains among the effects of the library.</p>"
-    rows = "".join(
-        f'<tr><td>{escape(p.words)}</td><td class="n">{p.information / np.log(2):.2f} bits</td><td class="n">{p.cost:g}'
-        f"</td></tr>"
-        for p in diagnosis.next_test
-    )
-    return (
-        '<h2>Next test</h2><table><tr><th>test</th><th class="n">expected information</th><th class="n">cost</th></tr>'
-        f"{rows}</table>"
-    )
+def _next(diagnosis: Diagnosis) -> dict[str, Any]:
+    tests = diagnosis.next_test
+    rows = [[_capital(p.words), f"{p.information / math.log(2):.2f} bits", f"{p.cost:g}"] for p in tests]
+    only = "No strain test helps: the effects in question change all strains in the same way."
+    return {"tests": rows, "test_note": only if tests and not any(p.is_strain_test for p in tests) else ""}

@@ -1,89 +1,218 @@
-"""Figures of the report as inline SVG."""
+"""Figures of the diagnosis page as inline SVG of fixed size: they stand side by side, and no text ever shrinks."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import floor, log10
 
 import numpy as np
 from numpy.typing import NDArray
 
 from octmip.formats.names import html_text as escape
+from octmip.formats.names import shown
+from octmip.report.diagnosis.measured import MeasuredCell
 
 Floats = NDArray[np.float64]
 
-WIDTH = 860
-ROW = 26
-LABEL = 300
-MARGIN = 40
-MAP_WIDTH = 1200
-MAP_DEPTH = 420.0
-DOT = 14
+PANEL, ROW, LABEL = 340, 18, 74
+"""Width of a panel, height of a gauge's row and width of its name [px]."""
+SMALL, TALL = 168, 150
+"""Width and height of a gauge's own panel [px]."""
+MAP, DOT = 560, 11
+"""Width of the map and radius of a gauge on it, in its own units: shown at 340 to 560 px."""
+LONGEST = 9
+"""Letters of a gauge's name in a figure."""
 
 
-def bars(
-    labels: Sequence[str],
-    values: Sequence[float],
-    full: float,
-    words: Callable[[float], str],
-    colours: Sequence[str] = ("#2f6db3",),
-) -> str:
-    """Return horizontal bars, each with its label and its value in words, the colours in turn."""
-    height = ROW * len(labels) + 8
-    parts = [f'<svg viewBox="0 0 {WIDTH} {height}" role="img" font-family="system-ui,sans-serif" font-size="13">']
-    for k, (label, value) in enumerate(zip(labels, values, strict=True)):
-        y = ROW * k + 4
-        length = (WIDTH - LABEL - 150) * min(1.0, max(0.0, value / full))
-        shown = label if len(label) <= 42 else label[:41] + "…"
-        parts.append(f'<text x="{LABEL - 8}" y="{y + 15}" text-anchor="end">{escape(shown)}</text>')
-        parts.append(
-            f'<rect x="{LABEL}" y="{y + 2}" width="{length:.1f}" height="{ROW - 9}" '
-            f'fill="{colours[k % len(colours)]}"/>'
-        )
-        parts.append(f'<text x="{LABEL + length + 6:.1f}" y="{y + 15}" fill="#57606a">{escape(words(value))}</text>')
+@dataclass(frozen=True, slots=True)
+class Scale:
+    """A linear scale from values to pixels."""
+
+    low: float
+    high: float
+    start: float
+    end: float
+
+    def __call__(self, value: float) -> float:
+        """Return the pixel of a value."""
+        return self.start + (value - self.low) / ((self.high - self.low) or 1.0) * (self.end - self.start)
+
+
+def short(name: str) -> str:
+    """Return a name that fits beside a row."""
+    text = shown(name)
+    return text if len(text) <= LONGEST else text[: LONGEST - 1] + "…"
+
+
+def nice_limit(value: float) -> float:
+    """Return a round number not below a value: 1, 2 or 5 times a power of ten."""
+    if not value > 0.0:
+        return 1.0
+    power = 10.0 ** floor(log10(value))
+    return next(step * power for step in (1.0, 2.0, 5.0, 10.0) if step * power >= value * 0.999)
+
+
+def largest_difference(cells: Sequence[MeasuredCell]) -> float:
+    """Return a round limit [microstrain] that all differences of these cells keep, their error bars included."""
+    reach = [np.nanmax(np.abs(part) + cell.half_width, initial=0.0) for cell in cells for part in _drawn(cell)]
+    return nice_limit(float(max(reach, default=1.0)))
+
+
+def _drawn(cell: MeasuredCell) -> tuple[Floats, Floats]:
+    return np.nan_to_num(cell.before), np.nan_to_num(cell.after)
+
+
+def load_panel(cell: MeasuredCell, gauges: Sequence[str], limit: float, title: str, has_repair: bool) -> str:
+    """Return one test at one load: measured less predicted at every gauge, a row each, before and after."""
+    height = ROW * len(gauges) + 46
+    x = Scale(-limit, limit, LABEL, PANEL - 12)
+    bottom = ROW * len(gauges) + 8
+    parts = [_open(PANEL, height, title, _panel_words(cell, gauges, has_repair))]
+    parts += [_vertical(x(tick), 4, bottom, "zero" if tick == 0 else "grid") for tick in (-limit, 0.0, limit)]
+    parts += [_row(cell, k, name, x, has_repair) for k, name in enumerate(gauges)]
+    for tick, anchor in ((-limit, "start"), (0.0, "middle"), (limit, "end")):
+        parts.append(_text(x(tick), bottom + 15, f"{tick:+g}" if tick else "0", anchor))
+    parts.append(_text(x(0.0), bottom + 31, "measured less predicted [microstrain]", "middle"))
     return "".join([*parts, "</svg>"])
 
 
-def gauge_map(points: Floats, values: Floats, names: Sequence[str], limit: float, outline: Floats | None) -> str:
-    """Return gauges (x aft, y outboard) as named dots on the outline, y to the right, red above and blue below zero.
+def _panel_words(cell: MeasuredCell, gauges: Sequence[str], has_repair: bool) -> str:
+    before, after = (float(np.nanmax(np.abs(part), initial=0.0)) for part in _drawn(cell))
+    far = gauges[int(np.argmax(np.abs(_drawn(cell)[0])))]
+    words = f"Largest difference {before:.0f} microstrain, at gauge {shown(far)}"
+    return f"{words}; {after:.0f} microstrain with the effect added." if has_repair else f"{words}."
+
+
+def _row(cell: MeasuredCell, k: int, name: str, x: Scale, has_repair: bool) -> str:
+    y = 4 + ROW * (k + 0.5)
+    label = _text(LABEL - 8, y + 4, short(name), "end", "name")
+    if np.isnan(cell.measured[k]):
+        return f"<g>{label}{_text(x(0.0) + 6, y + 4, 'not recorded', 'start')}</g>"
+    usual = x(cell.usual[k]) - x(0.0)
+    parts = [f'<rect class="usual" x="{x(0.0) - usual:.1f}" y="{y - 7:.1f}" width="{2 * usual:.1f}" height="14"/>']
+    shift = 3.5 if has_repair else 0.0
+    parts.append(_whisker(x, float(cell.before[k]), float(cell.half_width[k]), y - shift, "before"))
+    if has_repair:
+        parts.append(_whisker(x, float(cell.after[k]), float(cell.half_width[k]), y + shift, "after"))
+    return f"<g><title>{escape(_row_words(cell, k, name, has_repair))}</title>{label}{''.join(parts)}</g>"
+
+
+def _row_words(cell: MeasuredCell, k: int, name: str, has_repair: bool) -> str:
+    words = f"{shown(name)}: measured {cell.measured[k]:.1f} ± {cell.half_width[k]:.1f}, twin {cell.twin[k]:.1f}"
+    return f"{words}, with the effect {cell.repaired[k]:.1f} microstrain" if has_repair else f"{words} microstrain"
+
+
+def _whisker(x: Scale, value: float, half: float, y: float, kind: str) -> str:
+    line = f'<line x1="{x(value - half):.1f}" x2="{x(value + half):.1f}" y1="{y:.1f}" y2="{y:.1f}" class="{kind}"/>'
+    return f'{line}<circle cx="{x(value):.1f}" cy="{y:.1f}" r="3.2" class="{kind}"/>'
+
+
+def gauge_panel(cells: Sequence[MeasuredCell], gauge: int, name: str, has_repair: bool) -> str:
+    """Return one gauge: its strain over the load, measured with error bars, predicted before and after."""
+    seen = [cell for cell in cells if not np.isnan(cell.measured[gauge])]
+    loads = sorted({cell.load_factor for cell in cells})
+    values = [float(v) for cell in seen for v in (cell.measured[gauge], cell.twin[gauge], cell.repaired[gauge])] or [
+        0.0
+    ]
+    low, high = min(0.0, *values), max(0.0, *values)
+    x, y = Scale(loads[0], loads[-1], 44, SMALL - 16), Scale(low, high or 1.0, TALL - 36, 30)
+    kinds = ("before", "after") if has_repair else ("before",)
+    worst = max((abs(float(cell.before[gauge])) for cell in seen), default=0.0)
+    parts = [_open(SMALL, TALL, f"Gauge {shown(name)} over the load", f"Largest difference {worst:.0f} microstrain.")]
+    parts += [_text(44, 16, short(name), "start", "name"), _vertical(44, 30, TALL - 36, "grid")]
+    parts += [_text(40, y(v) + 4, f"{round(v)}", "end") for v in ((low, high) if high - low > 1e-9 else (low,))]
+    parts.append(f'<line x1="44" x2="{SMALL - 8}" y1="{y(0.0):.1f}" y2="{y(0.0):.1f}" class="grid"/>')
+    parts += [_text(x(load), TALL - 20, f"{load:g}", "middle") for load in _few(loads)]
+    parts.append(_text(x((loads[0] + loads[-1]) / 2), TALL - 4, "load factor", "middle"))
+    parts += [_course(seen, gauge, x, y, kind) for kind in kinds]
+    parts += [_measured_dot(cell, gauge, x, y) for cell in seen]
+    return "".join([*parts, "</svg>"])
+
+
+def _few(loads: Sequence[float]) -> Sequence[float]:
+    return loads if len(loads) <= 4 else (loads[0], loads[len(loads) // 2], loads[-1])
+
+
+def _course(cells: Sequence[MeasuredCell], gauge: int, x: Scale, y: Scale, kind: str) -> str:
+    """Return what is predicted over the load, a line for each test."""
+    lines = []
+    for test in dict.fromkeys(cell.test for cell in cells):
+        own = sorted((cell for cell in cells if cell.test == test), key=lambda cell: cell.load_factor)
+        strain = [cell.twin[gauge] if kind == "before" else cell.repaired[gauge] for cell in own]
+        places = " ".join(f"{x(c.load_factor):.1f},{y(float(s)):.1f}" for c, s in zip(own, strain, strict=True))
+        lines.append(f'<polyline points="{places}" class="{kind}"/>')
+    return "".join(lines)
+
+
+def _measured_dot(cell: MeasuredCell, gauge: int, x: Scale, y: Scale) -> str:
+    at, value, half = x(cell.load_factor), float(cell.measured[gauge]), float(cell.half_width[gauge])
+    words = f"{cell.test}, load factor {cell.load_factor:g}: {value:.1f} ± {half:.1f} microstrain"
+    bar = f'<line x1="{at:.1f}" x2="{at:.1f}" y1="{y(value - half):.1f}" y2="{y(value + half):.1f}" class="measured"/>'
+    return (
+        f'<g><title>{escape(words)}</title>{bar}<circle cx="{at:.1f}" cy="{y(value):.1f}" r="3" class="measured"/></g>'
+    )
+
+
+def gauge_map(
+    points: Floats, values: Floats, names: Sequence[str], limit: float, outline: Floats | None, title: str
+) -> str:
+    """Return gauges (x aft, y outboard) as dots on the outline, y to the right; the farthest off are named.
 
     Chords are drawn larger than spans, so that neighbouring rows of gauges stay apart.
     """
     corners = points if outline is None else np.concatenate([points, np.asarray(outline)[:, :2]])
     low, high = corners.min(axis=0), corners.max(axis=0)
     across, along = (max(float(extent), 1e-9) for extent in high - low)
-    depth = MAP_DEPTH if float(high[0] - low[0]) > 0.0 else 0.0
-    scale = np.array([depth / across, (MAP_WIDTH - 2 * MARGIN) / along])
+    depth = 200.0 if float(high[0] - low[0]) > 0.0 else 0.0
+    scale = np.array([depth / across, (MAP - 80.0) / along])
 
     def place(point: Floats) -> tuple[float, float]:
         x, y = scale * (point - low)
-        return MARGIN + float(y), MARGIN + float(x)
+        return 40.0 + float(y), 40.0 + float(x)
 
-    box = f"0 0 {MAP_WIDTH} {depth + 2 * MARGIN:.0f}"
-    parts = [f'<svg viewBox="{box}" role="img" font-family="system-ui,sans-serif" text-anchor="middle">']
+    worst = f"The farthest off is {np.nanmax(np.abs(values), initial=0.0):.0f} microstrain from the twin."
+    height = depth + 80.0
+    parts = [f'<svg viewBox="0 0 {MAP} {height:.0f}" class="map" role="img">{_titled(title, worst)}']
     if outline is not None:
         path = " ".join(f"{x:.1f},{y:.1f}" for x, y in map(place, np.asarray(outline)[:, :2]))
-        parts.append(f'<polygon points="{path}" fill="#f3f6fa" stroke="#8c959f"/>')
-    parts += [
-        _dot(*place(point), float(value), name, limit) for point, value, name in zip(points, values, names, strict=True)
-    ]
+        parts.append(f'<polygon points="{path}" class="outline"/>')
+    parts += [_dot(*place(p), float(v), name, limit) for p, v, name in zip(points, values, names, strict=True)]
+    order = np.argsort(-np.abs(np.nan_to_num(values)), kind="stable")[:3]
+    for k in (int(k) for k in order if abs(np.nan_to_num(values[k])) > 0.25 * limit):
+        x, y = place(points[k])
+        anchor = "start" if x < 60 else "end" if x > MAP - 60 else "middle"
+        parts.append(
+            f'<text x="{x:.1f}" y="{y - 16:.1f}" class="big" text-anchor="{anchor}">{escape(short(names[k]))}</text>'
+        )
     return "".join([*parts, "</svg>"])
 
 
 def _dot(x: float, y: float, value: float, name: str, limit: float) -> str:
-    tooltip = "no reading" if np.isnan(value) else f"{value:+.1f} microstrain"
-    shown = "" if np.isnan(value) else f"{value:+.0f}"
-    ink = "#fff" if abs(value) > 0.6 * limit else "#1b1f24"
+    words = "no reading" if np.isnan(value) else f"{value:+.1f} microstrain"
+    fill = "var(--line)" if np.isnan(value) else mixed(value / limit)
     return (
-        f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{DOT}" fill="{colour(value, limit)}" stroke="#1b1f24">'
-        f"<title>{escape(name)}: {tooltip}</title></circle>"
-        f'<text x="{x:.1f}" y="{y + 3:.1f}" font-size="10" fill="{ink}">{escape(name)}</text>'
-        f'<text x="{x:.1f}" y="{y + DOT + 12:.1f}" font-size="11" fill="#57606a">{shown}</text>'
+        f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{DOT}" style="fill:{fill}" class="gauge">'
+        f"<title>{escape(shown(name))}: {words}</title></circle>"
     )
 
 
-def colour(value: float, limit: float) -> str:
-    """Return white at 0, red at `limit`, blue at minus `limit`, grey where there is no value."""
-    if np.isnan(value):
-        return "#c0c0c0"
-    share = float(np.clip(value / limit, -1.0, 1.0))
-    end = (179, 38, 30) if share > 0 else (33, 94, 173)
-    red, green, blue = (round(255 + abs(share) * (e - 255)) for e in end)
-    return f"#{red:02x}{green:02x}{blue:02x}"
+def mixed(share: float) -> str:
+    """Return the ground's colour at 0, the hot one at 1, the cold one at -1."""
+    part = 100.0 * min(1.0, abs(share))
+    return f"color-mix(in srgb, var({'--hot' if share > 0 else '--cold'}) {part:.0f}%, var(--paper))"
+
+
+def _open(width: int, height: float, title: str, words: str) -> str:
+    size = f'width="{width}" height="{height:.0f}" viewBox="0 0 {width} {height:.0f}"'
+    return f'<svg {size} role="img">{_titled(title, words)}'
+
+
+def _titled(title: str, words: str) -> str:
+    return f"<title>{escape(title)}</title><desc>{escape(words)}</desc>"
+
+
+def _text(x: float, y: float, words: str, anchor: str, kind: str = "quiet") -> str:
+    return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}" class="{kind}">{escape(words)}</text>'
+
+
+def _vertical(x: float, top: float, bottom: float, kind: str) -> str:
+    return f'<line x1="{x:.1f}" x2="{x:.1f}" y1="{top:.1f}" y2="{bottom:.1f}" class="{kind}"/>'

@@ -39,6 +39,13 @@ def effect(response: Response) -> WingEffect:
         prior_sd=4.0,
         prior_source="a vortex lattice carries 7 to 28 % more bending moment outboard than the ellipse",
         separated_by="it changes the strains outboard more than inboard, a scale changes all alike",
+        words="distribution of the lift along the span",
+        words_at="distribution of the lift along the span",
+        action="correct the distribution of the lift along the span in the twin",
+        says=(
+            "the bending moment at the root is {size} larger at the same lift",
+            "the bending moment at the root is {size} smaller at the same lift",
+        ),
         load_power=1,
         response=response,
         force=force,

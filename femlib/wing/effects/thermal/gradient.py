@@ -29,6 +29,12 @@ def effect(response: Response) -> WingEffect:
         prior_sd=5.0,
         prior_source="sun on a dark skin warms it by five to twenty kelvin",
         separated_by="moisture of one skin gives the same readings; a thermometer on each skin separates them",
+        words="difference in temperature of the skins",
+        action="correct the readings for the difference in temperature of the skins",
+        says=(
+            "the upper skin is {size} warmer than the lower one",
+            "the upper skin is {size} colder than the lower one",
+        ),
         seen_by=("thermal_zero",),
         load_power=0,
         response=response,

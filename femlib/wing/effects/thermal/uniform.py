@@ -29,6 +29,12 @@ def effect(response: Response) -> WingEffect:
         prior_sd=10.0,
         prior_source="a flight or a day in a hangar changes the temperature by ten to thirty kelvin",
         separated_by="it is there at zero load and does not grow with the load",
+        words="temperature of the whole wing",
+        action="correct the readings for the temperature of the wing",
+        says=(
+            "the wing is {size} warmer than when the gauges were set to zero",
+            "the wing is {size} colder than when the gauges were set to zero",
+        ),
         seen_by=("thermal_zero",),
         load_power=0,
         response=response,

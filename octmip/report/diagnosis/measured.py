@@ -1,0 +1,98 @@
+"""Measured against predicted: the mean readings of every test and load beside the twin, without and with the effect."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.gap.causes import UNKNOWN
+from octmip.gap.diagnosis import Diagnosis
+from octmip.gap.inference.linear_model import OPEN_STATE, LinearModel
+from octmip.gap.location import noise_variance
+
+Floats = NDArray[np.float64]
+
+WIDTH = 1.645
+"""Standard deviations of a 90 % interval."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MeasuredCell:
+    """The mean readings of one test at one load, all (n_gauges,) in microstrain, NaN where nothing was recorded.
+
+    Attributes
+    ----------
+    test, load_factor
+        of the cell.
+    measured, half_width
+        mean reading, and half of its 90 % interval: the noise alone.
+    twin, repaired
+        what the calibrated twin predicts, without and with the first cause.
+    usual
+        half of the 90 % interval of what a sound asset and its twin differ by.
+    """
+
+    test: str
+    load_factor: float
+    measured: Floats
+    half_width: Floats
+    twin: Floats
+    repaired: Floats
+    usual: Floats
+
+    @property
+    def before(self) -> Floats:
+        """Measured less predicted by the twin."""
+        return self.measured - self.twin
+
+    @property
+    def after(self) -> Floats:
+        """Measured less predicted by the twin with the first cause."""
+        return self.measured - self.repaired
+
+
+def has_repair(diagnosis: Diagnosis) -> bool:
+    """Return whether the first cause is one that can be added to the twin."""
+    first = diagnosis.which[0]
+    return bool(first.judged.members) and UNKNOWN not in first.effects
+
+
+def measured_cells(diagnosis: Diagnosis) -> tuple[MeasuredCell, ...]:
+    """Return every cell of the campaign, halves of its repeats taken together."""
+    model, after = _after_first_cause(diagnosis)
+    noise = noise_variance(model)
+    states = OPEN_STATE**2 * np.sum(model.tangents**2, axis=1)
+    usual = np.sqrt(np.maximum(0.0, np.diag(model.covariance) - noise - states))
+    return tuple(_cell(model, number, after, noise, usual) for number in range(len(model.inputs.campaign.cells)))
+
+
+def _after_first_cause(diagnosis: Diagnosis) -> tuple[LinearModel, Floats]:
+    """Return the model that is drawn, and the residuals (n,) [microstrain] once the first cause is added."""
+    if not has_repair(diagnosis):
+        model = diagnosis.posterior.model
+        return model, model.residual
+    judged = diagnosis.which[0].judged
+    model, own = judged.model, judged.fit
+    moved = model.tangents @ model.open_states.moved_by(own.members, own.size)
+    return model, np.asarray(model.residual - model.signatures[:, list(own.members)] @ own.size - moved)
+
+
+def _cell(model: LinearModel, number: int, after: Floats, noise: Floats, usual: Floats) -> MeasuredCell:
+    campaign = model.inputs.campaign
+    cell, n = campaign.cells[number], len(campaign.gauges)
+    count = np.array([average.count for average in model.inputs.averages])[model.average, model.gauge]
+    means = np.full((4, n), np.nan)
+    for gauge in range(n):
+        rows = np.flatnonzero((model.cells == number) & (model.gauge == gauge))
+        if rows.size:
+            share = count[rows] / count[rows].sum()
+            means[:, gauge] = [
+                share @ model.residual[rows],
+                share @ after[rows],
+                WIDTH * np.sqrt(share**2 @ noise[rows]),
+                WIDTH * share @ usual[rows],
+            ]
+    measured = np.where(np.isnan(means[0]), np.nan, cell.mean)
+    return MeasuredCell(
+        cell.test, cell.load_factor, measured, means[2], measured - means[0], measured - means[1], means[3]
+    )

@@ -1,0 +1,320 @@
+"""The page of a tree says what the tree does, in words, and every control of it works by mouse and by keyboard."""
+
+import dataclasses
+import datetime
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+pytest.importorskip("jinja2", reason="jinja2 is not installed")
+from benchmarks.oracles.hostile_names import hostile_names
+from benchmarks.oracles.page_check import check_page, smallest_text
+from benchmarks.oracles.report_runs import tree_file
+from octmip import HyperplaneSplit, Leaf, Limits, Problem, Solution, Split, Stop, solve
+from octmip.formats.columns import Columns
+from octmip.formats.table.preparation import Preparation
+from octmip.formats.tree_file import TreeFile, record_tree
+from octmip.methods.cart import greedy_tree
+from octmip.report.html import tree_page
+from octmip.report.tree.curve import depth_curve
+from octmip.report.tree.drawing import draw_tree
+from octmip.report.tree.embedded import MOST_CELLS, MOST_ROWS, sample_data
+from octmip.report.tree.evidence import DepthPoint, gather, judged_by, with_share_held_out
+from octmip.report.tree.words import Wording, figure, listed, percent, question
+from octmip.run import Run
+from octmip.tradeoff.held_out import Samples
+from octmip.tree import leaf_index, leaves
+
+DAY = datetime.date(2026, 3, 1)
+
+
+def xor(n: int = 200, depth: int = 2) -> Problem:
+    """Return a problem that two levels solve and one greedy split does not see."""
+    features = np.random.default_rng(0).normal(size=(n, 3))
+    labels = np.where((features[:, 0] > 0) == (features[:, 1] > 0), "same", "different")
+    return Problem(features, labels, depth=depth, feature_names=("g01", "g02", "<b>"))
+
+
+@pytest.fixture(scope="module")
+def xor_page() -> str:
+    problem = xor()
+    file = record_tree(problem, solve(problem), "side")
+    evidence = with_share_held_out(gather(file, problem), 0.25, Run())
+    return tree_page(file, "t.json", evidence, data="xor.csv", units={"g01": "microstrain"}, made=DAY)
+
+
+def mixed() -> tuple[TreeFile, Problem, pd.DataFrame]:
+    """Return a tree over text, an order and missing cells."""
+    rng = np.random.default_rng(1)
+    n = 300
+    table = pd.DataFrame(
+        {
+            "age": np.where(rng.random(n) < 0.2, np.nan, rng.integers(18, 90, n).astype(float)),
+            "colour": rng.choice(["red", "green", "blue"], n),
+        }
+    )
+    labels = np.where(table.colour.eq("red") & (table.age.isna() | (table.age > 40)), "ill", "well")
+    columns = Columns.learn(table)
+    problem = Problem(columns.encode(table), labels, depth=2, feature_names=columns.feature_names)
+    return record_tree(problem, solve(problem), "state", preparation=Preparation(columns)), problem, table
+
+
+# Words
+
+
+@pytest.mark.parametrize(
+    ("value", "words"),
+    [(0, "0"), (1550.0, "1,550"), (-2.5, "\u22122.5"), (1039.4102, "1,039.41"), (1 / 3, "0.333333"),
+     (float("inf"), "\u2013"), (1.2e-7, "1.2 \u00d7 10\u207b\u2077"), (2e20, "2 \u00d7 10\u00b2\u2070"),
+     (1234567.8, "1,234,568")],
+)  # fmt: skip
+def test_numbers_are_written_for_readers(value: float, words: str):
+    assert figure(value) == words
+
+
+def test_shares_and_lists_are_written_for_readers():
+    assert [percent(share) for share in (0.0, 0.005167, 0.0811, 1.0)] == ["0 %", "0.52 %", "8.1 %", "100 %"]
+    assert listed(["a", "b", "c", "d"], 3) == "a, b and 2 more"
+
+
+def test_a_split_is_a_question_in_words_of_the_table():
+    file, _, _ = mixed()
+    asked = [question(split, Wording(file.feature_names, file.class_names, file.columns, {"age": "years"})) for split in
+             (Split(file.feature_names.index("colour is red"), 0.5, Leaf(0), Leaf(1)),
+              Split(file.feature_names.index("age (missing below)"), 40.5, Leaf(0), Leaf(1)),
+              Split(file.feature_names.index("age (missing above)"), 40.5, Leaf(0), Leaf(1)))]  # fmt: skip
+    assert [(one.text, one.yes_is_left) for one in asked] == [
+        ("colour is red", False),
+        ("age \u2264 40.5 years or missing", True),
+        ("age \u2264 40.5 years", True),
+    ]
+    weighted = HyperplaneSplit((0, 1), (-2.0, 1.0), 1 / 3, Leaf(0), Leaf(1))
+    assert question(weighted, Wording(("a", "b"), (0, 1))).text == "\u2212 2 a + b \u2264 0.333333"
+
+
+# What the page says
+
+
+def test_the_top_says_what_is_decided_how_well_whether_proven_and_what_greedy_loses(xor_page: str):
+    assert "How to tell side" in xor_page
+    assert re.search(r"gets 200 of 200 samples right \(100 %\)\. No tree can do better on them\.", xor_page)
+    assert re.search(r"The usual greedy tree \(CART\) makes \d+ more errors\.", xor_page)
+    assert "Recounted for this page: each of the 200 samples of xor.csv" in xor_page
+    assert "1 March 2026" in xor_page
+    assert "\u2264 0.00" in xor_page.replace("\u2264 \u2212", "\u2264 ")
+    assert "microstrain?" in xor_page
+
+
+def test_nothing_of_python_can_be_read(xor_page: str):
+    shown = re.sub(r"<(style|script).*?</\1>", "", xor_page, flags=re.DOTALL)
+    assert not re.search(r"[{}]|\bNone\b|\bTrue\b|\bFalse\b|np\.|array\(|leaf_penalty|sensor_of_feature", shown)
+    assert "<b>" not in shown
+
+
+def test_a_tree_file_alone_makes_a_page_that_says_what_it_lacks():
+    problem = xor()
+    tree = Split(0, 0.0, Leaf(0), Leaf(1))
+    claim = Solution(tree, problem.objective(tree), 7.2, Stop.TIME, 1.0, 1, "search", "1", 0)
+    page = tree_page(record_tree(problem, claim), "t.json")
+    assert "Nothing was recounted for this page" in page
+    assert "no tree of depth 2 with these settings is below 8 errors" in page
+    assert "How to tell the class" in page
+
+
+def test_a_tree_without_a_bound_and_a_narrow_bound_say_so():
+    problem = xor()
+    greedy = greedy_tree(problem)
+    assert "Whether a better tree exists is not known" in tree_page(record_tree(problem, greedy), "t.json")
+    claim = dataclasses.replace(greedy, bound=greedy.objective, stop=Stop.OPTIMAL, details={"scope": "small trees"})
+    assert "Proven: among small trees, no tree makes fewer errors" in tree_page(record_tree(problem, claim), "t.json")
+
+
+def test_costs_weights_and_prices_are_called_cost():
+    base = xor()
+    problem = dataclasses.replace(base, costs=[[0, 5], [1, 0]], leaf_penalty=0.5, weights=np.full(200, 2.0))
+    file = record_tree(problem, solve(problem), "side", "risk")
+    page = tree_page(file, "t.json", gather(file, problem, seconds=0))
+    assert "at a cost of 1.5" in page
+    assert "Each feature in a split is charged 0.5" in page
+    assert "Errors do not cost the same" in page
+    assert "risk weight, column risk, from 2 to 2" in page
+
+
+def test_the_confusion_has_the_true_class_in_rows():
+    labels = ["yes", "no", "yes", "yes"]
+    problem = Problem(np.array([[0.0], [1], [2], [3]]), labels, depth=1, feature_names=("a",))
+    stump = Split(0, 0.5, Leaf(1), Leaf(0))  # right for the first sample and the second
+    page = tree_page(
+        record_tree(problem, Solution(stump, 2.0, 0.0, Stop.TIME, 0.0, 1, "search", "1", 0), "y"), "t.json"
+    )
+    assert '<th scope="row">yes</th><td class="n">2</td><td class="n">1</td><td class="n">3</td>' in page
+    assert '<th scope="row">no</th><td class="n">1</td><td class="n">0</td><td class="n">1</td>' in page
+
+
+def test_samples_of_another_table_judge_the_trees_of_the_page():
+    problem = xor()
+    file = record_tree(problem, solve(problem), "side")
+    samples = Samples(problem.features, problem.codes, problem.weights)
+    evidence = judged_by(gather(file, problem, seconds=0), file, samples, "test.csv")
+    page = tree_page(file, "t.json", evidence)
+    assert "The error on new samples was measured on 200 samples of test.csv." in page
+    assert "0 (0 %)" in page
+
+
+# What the page is made of
+
+
+def test_depths_end_with_the_tree_of_the_file_and_never_rise():
+    problem = xor(depth=3)
+    file = record_tree(problem, solve(problem), "side")
+    points = gather(file, problem).depths
+    assert [point.depth for point in points] == [1, 2, 3]
+    assert [point.objective for point in points] == sorted((point.objective for point in points), reverse=True)
+    assert points[-1].objective == file.solution.objective
+    assert all(point.bound <= point.objective for point in points)
+
+
+def test_no_box_of_a_drawing_lies_on_another():
+    problem = xor(60, depth=4)
+    tree = solve(dataclasses.replace(problem, labels=np.random.default_rng(3).permutation(problem.labels))).tree
+    assert tree is not None
+    counts = np.ones((len(leaves(tree)), 2), dtype=np.int64)
+    drawing = draw_tree(tree, Wording(("a" * 90, "b", "c"), ("x", "y" * 300)), counts)
+    places = [(b.x - b.width / 2, b.x + b.width / 2, b.y, b.y + b.height) for b in drawing.boxes]
+    assert all(left >= 0 and right <= drawing.width and bottom <= drawing.height for left, right, _, bottom in places)
+    for k, (left, right, top, bottom) in enumerate(places):
+        for other in places[:k]:
+            assert right <= other[0] or other[1] <= left or bottom <= other[2] or other[3] <= top
+    assert [box.index for box in drawing.boxes] == list(range(len(drawing.boxes)))
+
+
+def test_a_chart_has_a_point_for_each_depth_and_marks_what_is_open():
+    points = [DepthPoint(1, 50.0, 50.0, 50.0), DepthPoint(2, 30.0, 10.0, None)]
+    curve = depth_curve(points, "errors")
+    assert len(curve.best) == 2
+    assert len(curve.greedy) == 1
+    assert len(curve.open) == 1
+    assert curve.rows[-1][1] == "60"
+
+
+def test_the_samples_in_a_page_are_those_of_their_leaf_and_no_more_than_there_is_room_for():
+    n = 20_000
+    features = np.random.default_rng(0).normal(size=(n, 100))
+    problem = Problem(features, (features[:, 7] > 0).astype(int), depth=1)
+    tree = Split(7, 0.0, Leaf(0), Leaf(1))
+    data = sample_data(problem, tree, Wording(problem.feature_names, problem.class_names), None)
+    assert [len(rows) for rows in data["leaves"]] == [MOST_ROWS, MOST_ROWS]
+    assert data["columns"][0] == problem.feature_names[7]
+    assert len(data["columns"]) == 12
+    reached = leaf_index(tree, problem.features)
+    assert all(reached[row[0] - 1] == leaf for leaf, rows in enumerate(data["leaves"]) for row in rows)
+    assert sum(len(row) for rows in data["leaves"] for row in rows) <= MOST_CELLS + 3 * 2 * MOST_ROWS
+    file = record_tree(problem, Solution(tree, 0.0, 0.0, Stop.OPTIMAL, 0.0, 1, "exact", "1", 0))
+    assert len(tree_page(file, "t.json", gather(file, problem, seconds=0))) < 200_000
+
+
+# In a browser
+
+
+def test_the_page_keeps_all_that_is_checked(browser: Any, tmp_path: Path, xor_page: str):
+    path = tmp_path / "page.html"
+    path.write_text(xor_page)
+    assert check_page(path, browser) == []
+
+
+def test_a_page_of_hostile_names_keeps_all_that_is_checked(browser: Any, tmp_path: Path):
+    path = tmp_path / "page.html"
+    names = [name for _, name in hostile_names(20, 1)]
+    path.write_text(tree_page(tree_file(names), names[3]))
+    assert check_page(path, browser, presses=False) == []
+
+
+def test_a_deep_tree_zooms_and_its_text_is_never_too_small(browser: Any, tmp_path: Path):
+    problem = xor(400, depth=4)
+    shuffled = dataclasses.replace(problem, labels=np.random.default_rng(3).permutation(problem.labels))
+    path = tmp_path / "page.html"
+    path.write_text(tree_page(record_tree(shuffled, solve(shuffled, limits=Limits(nodes=2000))), "t.json"))
+    page = browser.new_page(viewport={"width": 400, "height": 900})
+    page.goto(path.as_uri())
+    frame, scale = page.locator(".frame").first, page.locator(".scale").first
+    frame.focus()
+    seen = []
+    for key in ("0", "1", "+", "-"):
+        frame.press(key)
+        seen.append(scale.inner_text())
+        assert smallest_text(page) >= 11
+    assert seen[0].endswith("text left out")
+    assert seen[1:] == ["100 %", "125 %", "100 %"]
+    page.close()
+
+
+def _walk_by_keyboard(page: Any, answers: list[str]) -> str:
+    for answer in answers:
+        page.keyboard.type(answer)
+        page.keyboard.press("Enter")
+    return str(page.locator("#answer .result").inner_text())
+
+
+def test_a_case_finds_its_leaf_by_keyboard_and_by_mouse(browser: Any, tmp_path: Path, xor_page: str):
+    path = tmp_path / "page.html"
+    path.write_text(xor_page)
+    page = browser.new_page()
+    page.goto(path.as_uri())
+    page.locator("#ask input").focus()
+    assert _walk_by_keyboard(page, ["-1.5", "-0.7"]) == "Answer: side is same"
+    assert page.locator("#tree .node.lit").count() == 3
+    assert page.locator("#tree .leaf.lit").count() == 1
+    page.locator("#answer button").click()
+    assert "Leaf: side is same" in page.locator("#detail").inner_text()
+    page.locator("#again").click()
+    while page.locator("#ask").is_visible():
+        page.locator("#ask button", has_text="Yes").click()
+    assert page.locator("#trail li").count() == 2
+    page.close()
+
+
+def test_every_training_sample_goes_the_same_way_in_the_page_and_in_the_tree(browser: Any, tmp_path: Path):
+    file, problem, table = mixed()
+    path = tmp_path / "page.html"
+    path.write_text(tree_page(file, "t.json", dataclasses.replace(gather(file, problem, seconds=0), table=table)))
+    page = browser.new_page()
+    page.goto(path.as_uri())
+    reached, labels = leaf_index(file.tree, problem.features), [leaf.label for leaf in leaves(file.tree)]
+    for row in range(8):
+        while page.locator("#ask").is_visible():
+            if page.locator("#ask select").count():
+                page.locator("#ask select").select_option(label=str(table.colour[row]))
+            else:
+                page.locator("#ask input").fill("" if pd.isna(table.age[row]) else str(table.age[row]))
+            page.locator("#ask button.main").click()
+        expected = file.class_names[labels[reached[row]]]
+        assert page.locator("#answer .result").inner_text() == f"Answer: state is {expected}"
+        page.locator("#again").click()
+    page.close()
+
+
+def test_a_leaf_and_a_split_show_what_they_hold(browser: Any, tmp_path: Path):
+    file, problem, table = mixed()
+    path = tmp_path / "page.html"
+    path.write_text(tree_page(file, "t.json", dataclasses.replace(gather(file, problem, seconds=0), table=table)))
+    page = browser.new_page()
+    page.goto(path.as_uri())
+    page.locator("#tree .node").first.focus()
+    page.keyboard.press("Enter")
+    words = page.locator("#detail").inner_text()
+    assert "300 samples, 100 % of all, come to this split" in words
+    page.keyboard.press("ArrowDown")
+    page.keyboard.press("ArrowUp")
+    assert page.evaluate("document.activeElement.dataset.node") == "0"
+    page.locator("#tree .leaf").first.click()
+    total = int(file.leaf_counts[0].sum())
+    assert f"{total} samples" in page.locator("#detail").inner_text()
+    assert page.locator("#detail tbody tr").count() == min(200, total)
+    embedded = json.loads(page.locator("#tree-data").text_content())
+    assert sum(embedded["nodes"][0]["counts"]) == 300
+    page.close()
