@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import CertificateError
+from octmip.formats.checked import several
 from octmip.problem import Problem
 from octmip.solution import Solution, Stop
 from octmip.tree import Leaf, Node, depth, leaf_index, leaves, n_splits
@@ -99,8 +100,8 @@ def _check_tree(problem: Problem, tree: Node) -> None:
         raise CertificateError(forbidden)
     if problem.sensor_cost_of(tree) > problem.sensor_limit:
         raise CertificateError(
-            f"the tree reads sensors {problem.sensors_used(tree)} of total cost {problem.sensor_cost_of(tree)}, "
-            f"over the budget of {problem.sensor_budget}"
+            f"the tree reads the sensors {several(problem.sensors_used(tree))} of cost "
+            f"{problem.sensor_cost_of(tree):g}, over the budget of {problem.sensor_budget}"
         )
 
 

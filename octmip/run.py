@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 from octmip.solution import Limits, ProgressCallback
 
-Method = Literal["auto", "search", "exact", "oct", "oct_h", "flow", "cart"]
+Method = Literal["auto", "search", "exact", "oct", "oct_h", "flow", "benders", "cart"]
 NO_OPTIONS: Mapping[str, Any] = MappingProxyType({})
 
 

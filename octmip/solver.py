@@ -10,6 +10,7 @@ exact     branch and bound over thresholds          exact (search first  exact
 oct       Bertsimas & Dunn's OCT, HiGHS             search, HiGHS        HiGHS
 oct_h     Bertsimas & Dunn's OCT-H, HiGHS           search, HiGHS        HiGHS
 flow      the strengthened formulation, HiGHS       search, HiGHS        HiGHS
+benders   logic-based Benders on HiGHS              search, HiGHS        HiGHS
 auto      exact for axis-aligned trees, search for hyperplanes (whose proofs end in time for few features only)
 
 HiGHS works alone unless it is given assistance (`options={"assist": ("exact", "search")}`): the exact core's bound
@@ -92,6 +93,7 @@ REGISTRY = {
     "oct": Registration("octmip.mip.oct", "solve_oct", proves=True, is_mixed_integer=True),
     "oct_h": Registration("octmip.mip.oct_h", "solve_oct_h", proves=True, is_mixed_integer=True),
     "flow": Registration("octmip.mip.flow", "solve_flow", proves=True, is_mixed_integer=True),
+    "benders": Registration("octmip.mip.benders.solver", "solve_benders", proves=True),
 }
 METHODS = ("auto", *REGISTRY)
 # What "exact" means for splits over one or two features.

@@ -120,6 +120,7 @@ def _shown(row: dict[str, Any]) -> dict[str, Any]:
     return {
         **row,
         **{name: None if gap is None else round(100 * gap, 2) for name, gap in gaps.items()},
+        "splits": row.get("n_splits"),
         "errors held out": (row.get("held_out") or {}).get("errors"),
         "seconds": None if "seconds" not in row else round(row["seconds"], 3),
         "stop": row.get("stop", "failed"),

@@ -103,11 +103,20 @@ def _show(arguments: argparse.Namespace, question: Question, rows: list[dict[str
 
 
 def _table(over: str, rows: list[dict[str, Any]]) -> str:
-    held = ("held_out",) if "held_out" in rows[0] else ()
-    columns = (over, "errors", *held, "objective", "bound", "gap", "n_splits", "sensors", "seconds", "stop")
-    rounded = [{name: round(row[name], 4) for name in held} | {"seconds": round(row["seconds"], 3)} for row in rows]
-    named = [row | {"sensors": ", ".join(map(shown, row["sensors"]))} for row in rows]
-    return markdown_table([row | more for row, more in zip(named, rounded, strict=True)], columns)
+    held = ("held out",) if "held_out" in rows[0] else ()
+    columns = (over, "errors", *held, "objective", "bound", "gap %", "splits", "sensors", "seconds", "stop")
+    return markdown_table([_shown(row) for row in rows], columns)
+
+
+def _shown(row: dict[str, Any]) -> dict[str, Any]:
+    """Return a row under the headings of the printed table, its figures rounded."""
+    return row | {
+        "held out": round(row.get("held_out", 0.0), 4),
+        "gap %": None if row["gap"] is None else round(100 * row["gap"], 2),
+        "splits": row["n_splits"],
+        "sensors": ", ".join(map(shown, row["sensors"])),
+        "seconds": round(row["seconds"], 3),
+    }
 
 
 def _choice(arguments: argparse.Namespace, problem: Problem, limits: Limits) -> Choice:

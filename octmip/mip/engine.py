@@ -128,7 +128,7 @@ class LimitReachedError(SolverError):
 
 
 @dataclass(frozen=True, slots=True)
-class _Clock:
+class Clock:
     """The time and memory of a run since it began, held against its limits."""
 
     limits: Limits
@@ -136,10 +136,12 @@ class _Clock:
 
     @property
     def seconds(self) -> float:
+        """Seconds since the beginning."""
         return time.perf_counter() - self.began
 
     @property
     def left(self) -> Limits:
+        """The limits with the time that is left."""
         return replace(self.limits, seconds=max(self.limits.seconds - self.seconds, 0.0))
 
     def check(self, size: float = 0.0, seconds: float = 0.0) -> None:
@@ -165,7 +167,7 @@ def solve_formulation(problem: Problem, encode: Callable[[Known], Formulation], 
     SolverError
         HiGHS cannot be run, or refuses the model.
     """
-    clock = _Clock(request.limits, time.perf_counter())
+    clock = Clock(request.limits, time.perf_counter())
     process.warm()
     known = _known(problem, request, clock)
     result = RunResult(known, known.tree, Stop.TIME, {})
@@ -174,7 +176,7 @@ def solve_formulation(problem: Problem, encode: Callable[[Known], Formulation], 
         known.rows.check_limits(columns=2**problem.depth * (problem.n_features + problem.n_samples + COLUMNS_OF_NODE))
         formulation = encode(known)
         clock.check(seconds=formulation.rows.n_entries * SECONDS_OF_ENTRY)
-        _run(problem, formulation, request, clock, result)
+        run_formulation(problem, formulation, request, clock, result)
     except LimitReachedError as reached:
         result.stop = reached.stop
         result.details["numerics"] = str(reached)
@@ -189,7 +191,7 @@ def solve_formulation(problem: Problem, encode: Callable[[Known], Formulation], 
     )
 
 
-def _known(problem: Problem, request: Request, clock: _Clock) -> Known:
+def _known(problem: Problem, request: Request, clock: Clock) -> Known:
     tree = starting_tree(problem, request.incumbent, request.seed)
     objective = problem.objective(tree)
     if request.lower_bound > objective * (1 + 1e-9):
@@ -200,7 +202,9 @@ def _known(problem: Problem, request: Request, clock: _Clock) -> Known:
     return Known(tree, objective, whole_prices(problem, objective), Rows(limit_check=clock.check))
 
 
-def _run(problem: Problem, formulation: Formulation, request: Request, clock: _Clock, result: RunResult) -> None:
+def run_formulation(
+    problem: Problem, formulation: Formulation, request: Request, clock: Clock, result: RunResult
+) -> None:
     """Start HiGHS on a formulation, again with finer tolerances if need be, and keep the outcome in `result`."""
     rows, prices = formulation.rows, formulation.prices
     if not math.isinf(request.lower_bound):
@@ -237,7 +241,7 @@ def _run_once(
     problem: Problem,
     formulation: Formulation,
     request: Request,
-    clock: _Clock,
+    clock: Clock,
     result: RunResult,
     exact: Accuracy,
     start: NDArray[np.float64] | None,
@@ -337,7 +341,7 @@ def _injector(
     return give
 
 
-def _describe(formulation: Formulation, request: Request, clock: _Clock) -> dict[str, object]:
+def _describe(formulation: Formulation, request: Request, clock: Clock) -> dict[str, object]:
     rows, prices = formulation.rows, formulation.prices
     details: dict[str, object] = {
         "scope": formulation.scope,

@@ -42,7 +42,7 @@ from octmip.mip.blocks.fixing import admissible_cuts
 from octmip.mip.blocks.groups import Groups, group_samples
 from octmip.mip.blocks.heap import Heap, Placed, place
 from octmip.mip.blocks.hyperplanes import Hyperplanes, add_hyperplanes, all_samples_band, choose_mu, space_of
-from octmip.mip.blocks.thresholds import Thresholds, add_thresholds
+from octmip.mip.blocks.thresholds import Cuts, Thresholds, add_thresholds
 from octmip.mip.engine import Request, solve_formulation
 from octmip.mip.prices import Prices, own_prices
 from octmip.mip.result import Known
@@ -126,6 +126,7 @@ def encode(
     mu: float | None = None,
     prices: Prices | None = None,
     rows: Rows | None = None,
+    root: Cuts | None = None,
 ) -> Flow:
     """Return the flow formulation of a problem as rows.
 
@@ -145,6 +146,8 @@ def encode(
         what is minimised; None: the problem's own weights, costs and penalty.
     rows
         an empty model to build in, watched for limits; None: a new one.
+    root
+        the only cuts of the root, axis-aligned, beside that of `best`; None: any.
     """
     prices, rows = prices or own_prices(problem), rows or Rows()
     ranks, heap = rank_features(problem), Heap(problem.depth)
@@ -153,7 +156,7 @@ def encode(
     splits: Thresholds | Hyperplanes
     if problem.max_split_size == 1:
         price = prices.of_tree(problem, best)
-        cuts = admissible_cuts(problem, counts, heap, laid, price, level=fix, check=rows.check_limits)
+        cuts = admissible_cuts(problem, counts, heap, laid, price, level=fix, check=rows.check_limits, root=root)
         splits = add_thresholds(rows, ranks, heap, cuts, max_splits, penalty=prices.penalty)
     else:
         space = space_of(problem)

@@ -1,5 +1,6 @@
 """Exports answer bit for bit whatever names, numbers and depth a tree has, and execute nothing but the tree."""
 
+import json
 import math
 import shutil
 import sqlite3
@@ -8,12 +9,14 @@ import sys
 from ctypes import CDLL, POINTER, c_double
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from benchmarks.oracles.export_runs import C_FLAGS, EXACT, REFUSED, run_c, run_onnx, run_sql
 from benchmarks.oracles.hostile_names import hostile_names
 from benchmarks.oracles.report_runs import run_dot, run_json, run_markdown, run_page, run_picture, run_text, tree_over
 from octmip.errors import TreeError
+from octmip.formats.columns import Columns
 from octmip.monitor import CompiledTree
 from octmip.monitor.export import c_source, names_json, onnx_model, sql_expression
 from octmip.tree import HyperplaneSplit, Leaf, Split, leaves
@@ -222,3 +225,23 @@ def test_a_sum_of_hundreds_of_features_fits_into_sqlite_and_one_too_long_is_refu
     base.close()
     with pytest.raises(TreeError, match="adds 901 features; expected at most 900"):
         sql_expression(HyperplaneSplit(tuple(range(901)), (0.1,) * 901, 1.0, Leaf(0), Leaf(1)), names)
+
+
+def test_the_inputs_of_an_encoded_table_are_said_in_words():
+    frame = pd.DataFrame({"age": [20.0, None, 60.0], "colour": ["red", None, "blue"], "size": [1, 2, 3]})
+    columns = Columns.learn(frame)
+    said = json.loads(names_json(columns.feature_names, ["no", "yes"], columns))
+    assert said["inputs"] == [
+        "age, at least 20.0; -20.0 where it is missing",
+        "age, at most 60.0; 100.0 where it is missing",
+        "1 where colour is blue, else 0",
+        "1 where colour is red, else 0",
+        "1 where colour is missing, else 0",
+        "size",
+    ]
+    ranked = Columns.learn(frame[["colour"]], categories="order")
+    assert json.loads(names_json(ranked.feature_names, [0, 1], ranked))["inputs"][0] == (
+        "the rank of colour (0: blue, 1: red), at least 0.0; -1.0 where it is missing"
+    )
+    encoded = columns.encode(frame)
+    assert encoded[1, :2].tolist() == [-20.0, 100.0]

@@ -208,12 +208,17 @@ def _problem(
 
 def _groups(path: str, columns: Columns) -> list[list[str]]:
     """Return the groups of a text file, one a line: columns, or single features of one, separated by commas."""
-    lines = [line for line in read_text(path).splitlines() if line.strip()]
     groups = []
-    for line in lines:
-        names = [name.strip() for name in line.split(",")]
+    for number, line in enumerate(read_text(path).splitlines(), start=1):
+        names = [name.strip() for name in line.split(",")] if line.strip() else []
+        unknown = [name for name in names if name not in {*columns.names, *columns.feature_names}]
+        if unknown:
+            raise DataError(
+                f"{path}, line {number} names {several(unknown)}; expected columns to split on: "
+                f"{several(columns.names)}; spell them as the table does"
+            )
         read = [[f.name for f in columns.features if f.column == name] or [name] for name in names]
-        groups.append([name for features in read for name in features])
+        groups += [[name for features in read for name in features]] if names else []
     return groups
 
 

@@ -35,7 +35,15 @@ MOST_WORK = 3e8  # root cuts x cuts x classes: some seconds
 
 
 def admissible_cuts(
-    problem: Problem, counts: ClassCount, heap: Heap, best: Placed, price: float, *, level: int, check: LimitCheck
+    problem: Problem,
+    counts: ClassCount,
+    heap: Heap,
+    best: Placed,
+    price: float,
+    *,
+    level: int,
+    check: LimitCheck,
+    root: Cuts | None = None,
 ) -> dict[int, Cuts]:
     """Return the cuts of each branch node that a better tree than `best` may need, and those of `best` itself.
 
@@ -47,6 +55,8 @@ def admissible_cuts(
         0 leaves every cut in; 1 boundary and class counts at the root; 2 class counts in pairs too.
     check
         called now and then; may raise when a limit is reached.
+    root
+        the only cuts of the root beside that of `best`; None: any.
     """
     ranks = counts.ranks
     usable = axis.usable_features(problem, ranks)
@@ -55,9 +65,11 @@ def admissible_cuts(
     for m in heap.branches:
         check()
         admissible[m] = dict(everything)
+    at_root = everything if root is None else {j: np.asarray(cuts) for j, cuts in root.items()}
+    admissible[1] = dict(at_root)
     if level >= 1:
         better = price - 1e-9 * max(1.0, price)
-        admissible[1] = {j: cuts[counts.bound_by_cut(j)[cuts] < better] for j, cuts in everything.items()}
+        admissible[1] = {j: cuts[counts.bound_by_cut(j)[cuts] < better] for j, cuts in at_root.items()}
         if problem.leaf_size == 1:
             boundaries = {j: _boundaries(problem, ranks, j) for j in usable}
             for m in filter(heap.is_last_level, heap.branches):

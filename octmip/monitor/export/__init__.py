@@ -4,7 +4,8 @@ Every export takes `(tree, feature_names, class_names)` and returns the index of
 no number (NaN, NULL) where a split on its way asks for one. Thresholds go out with all the bits of float64.
 
 Names may be any text: none of them can act in the language of the export. C and SQL hold no name of a class, C none of
-a feature either; `names_json` says what places and codes stand for.
+a feature either; `names_json` says what places and codes stand for. A tree over columns that were encoded (text,
+missing cells) takes the encoded features: give `names_json` the `columns` of its tree file, and it says what each is.
 """
 
 from octmip.monitor.export.c import c_source

@@ -6,17 +6,44 @@ from collections.abc import Sequence
 from typing import Any
 
 from octmip.errors import TreeError
+from octmip.formats.columns import Columns, Feature
+from octmip.formats.columns.column import Column
 from octmip.formats.names import shown
 from octmip.problem import MAX_DEPTH
 from octmip.tree import Leaf, Node, leaves, splits
 
 
-def names_json(feature_names: Sequence[str], class_names: Sequence[Any]) -> str:
+def names_json(feature_names: Sequence[str], class_names: Sequence[Any], columns: Columns | None = None) -> str:
     """Return ``{"features": [...], "classes": [...]}``, pure ASCII: the names of the places and codes of an export.
 
-    Classes that are numbers stay numbers, all others are text.
+    Classes that are numbers stay numbers, all others are text. Where the features were made from the columns of a table
+    (`TreeFile.columns`), `inputs` says of each what the receiver must give there.
     """
-    return json.dumps({"features": [str(name) for name in feature_names], "classes": class_values(class_names)})
+    names = {"features": [str(name) for name in feature_names], "classes": class_values(class_names)}
+    return json.dumps(names if columns is None else names | {"inputs": list(input_words(columns))})
+
+
+def input_words(columns: Columns) -> tuple[str, ...]:
+    """Return for each feature that was made from a column what number stands there, in words.
+
+    "1 where colour is red, else 0"; "age, at least 20; -33 where it is missing".
+    """
+    return tuple(_input_of(column, feature) for column in columns.columns for feature in column.features)
+
+
+def _input_of(column: Column, feature: Feature) -> str:
+    if feature.kind == "is":
+        return f"1 where {column.name} is {feature.value}, else 0"
+    if feature.kind == "is-missing":
+        return f"1 where {column.name} is missing, else 0"
+    ranks = ", ".join(f"{k}: {value}" for k, value in enumerate(column.values))
+    number = column.name if column.kind == "number" else f"the rank of {column.name} ({ranks})"
+    if feature.kind in ("number", "order"):
+        return number
+    (below, above), is_left = column.beyond, feature.kind == "missing-left"
+    least, most = (column.least, column.most) if column.kind == "number" else (0.0, len(column.values) - 1.0)
+    end = f"at least {least!r}; {below!r}" if is_left else f"at most {most!r}; {above!r}"
+    return f"{number}, {end} where it is missing"
 
 
 def class_values(class_names: Sequence[Any]) -> list[Any]:

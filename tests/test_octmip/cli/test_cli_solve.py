@@ -113,7 +113,7 @@ def test_frontier_shows_what_samples_held_out_cost_and_chooses(data, run):
     assert found["chosen"]["held_out"] <= min(row["held_out"] for row in found["rows"])
     code, out, _ = run(*words, "penalty", "--folds", 2, "--method", "cart")
     assert code == 0
-    assert "held_out" in out
+    assert "held out" in out
     assert out.splitlines()[-1].startswith("chosen: depth")
     code, _, err = run(*words, "budget", "--folds", 2)
     assert code == 2

@@ -1,0 +1,154 @@
+"""Benders: the optimum of OCT by masters on HiGHS, equal to what the exact core and enumeration find."""
+
+import subprocess
+import sys
+import threading
+
+import numpy as np
+import pytest
+
+from benchmarks.oracles.enumeration import optimum
+from benchmarks.oracles.strategies import random_problem
+from octmip import Limits, Problem, Stop, certify, solve
+from octmip.errors import ProblemError
+from octmip.mip.benders.bounds import Bounds
+from octmip.mip.benders.memory import Memory
+from octmip.mip.benders.question import Question
+from octmip.mip.benders.solver import solve_benders
+from octmip.mip.prices import own_prices
+
+
+def mixed(n: int, p: int, n_classes: int, seed: int, **options) -> Problem:
+    rng = np.random.default_rng(seed)
+    features = rng.normal(size=(n, p)).round(1)
+    labels = (features[:, 0] > 0).astype(int) + (features[:, 1] > 0.5) * (rng.random(n) < 0.8) * (n_classes > 2)
+    labels = np.where(rng.random(n) < 0.2, rng.integers(0, n_classes, n), labels)
+    return Problem(features, labels, **options)
+
+
+@pytest.mark.parametrize("block", range(4))
+def test_benders_exact_core_and_enumeration_have_one_optimum(block):
+    for seed in range(10 * block, 10 * block + 10):
+        problem = random_problem(np.random.default_rng(7000 + seed), max_samples=8, max_features=2)
+        found = solve_benders(problem)
+        certify(problem, found)
+        assert found.objective == pytest.approx(solve(problem, "exact").objective, rel=1e-12), seed
+        assert found.objective == pytest.approx(optimum(problem).objective, rel=1e-12), seed
+        assert found.bound <= found.objective
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"depth": 2},
+        {"depth": 3},
+        {"depth": 2, "leaf_size": 9},
+        {"depth": 2, "leaf_penalty": 3.0},
+        {"depth": 2, "sensor_budget": 1},
+        {"depth": 2, "sensor_budget": 2},
+        {"depth": 2, "sensor_budget": 3, "sensor_cost": [1.0, 2.0, 2.0]},
+        {"depth": 2, "costs": [[0, 1, 2], [1, 0, 1], [2, 1, 0]]},
+        {"depth": 2, "allowed_splits": [[0], [2]]},
+    ],
+)
+def test_benders_proves_what_the_exact_core_proves(options):
+    problem = mixed(40, 3, 3, 1, **options)
+    found = solve(problem, "benders")
+    assert found.stop is Stop.OPTIMAL
+    assert found.objective == solve(problem, "exact").objective
+
+
+def test_the_tree_is_the_same_for_any_number_of_threads():
+    problem = mixed(60, 4, 3, 2, depth=2)
+    one, three = solve_benders(problem), solve_benders(problem, n_jobs=3)
+    assert (one.tree, one.bound, one.n_nodes) == (three.tree, three.bound, three.n_nodes)
+
+
+def test_a_limit_ends_the_run_with_a_tree_and_a_bound_that_holds():
+    problem = mixed(120, 5, 3, 3, depth=3)
+    for limits, stop in ((Limits(seconds=0.5), Stop.TIME), (Limits(nodes=4), Stop.NODES), (Limits(gap=0.99), Stop.GAP)):
+        found = solve_benders(problem, limits=limits)
+        assert found.stop is stop
+        assert found.bound <= solve(problem, "exact").objective <= found.objective
+
+
+def test_an_interrupt_in_a_round_ends_every_thread_and_keeps_the_bound():
+    problem, n_threads = mixed(120, 5, 3, 3, depth=3), threading.active_count()
+
+    def interrupt(state):
+        if state.n_nodes > 5:
+            raise KeyboardInterrupt
+
+    found = solve_benders(problem, n_jobs=2, progress=interrupt)
+    assert found.stop is Stop.INTERRUPTED
+    assert found.tree is not None
+    assert not [thread for thread in threading.enumerate()[n_threads:] if "ThreadPool" in thread.name]
+
+
+def test_hyperplanes_are_refused():
+    with pytest.raises(ProblemError, match="axis-aligned"):
+        solve(mixed(20, 2, 2, 0, depth=2, split="hyperplane"), "benders")
+
+
+def best_price(problem: Problem, samples: np.ndarray) -> float:
+    if len(set(problem.labels[samples].tolist())) < 2:
+        return 0.0
+    part = Problem(problem.features[samples], problem.labels[samples], depth=problem.depth - 1)
+    return optimum(part).objective
+
+
+def test_every_bound_that_a_subproblem_teaches_holds_for_every_cut():
+    rng = np.random.default_rng(4)
+    for seed in range(12):
+        problem = mixed(10, 2, 3, seed, depth=2)
+        prices = own_prices(problem)
+        bounds = Bounds.of_class_counts(problem, prices)
+        for _ in range(3):
+            samples = rng.random(10) < 0.5
+            if samples.any():
+                bounds.learn(samples, best_price(problem, samples))
+        for place in range(len(bounds.feature)):
+            left = bounds.is_left(bounds.cut(place))
+            assert bounds.left[place] <= best_price(problem, left)
+            assert bounds.right[place] <= best_price(problem, ~left)
+
+
+def test_what_is_remembered_of_other_nodes_holds_for_the_samples_asked():
+    rng = np.random.default_rng(5)
+    problem = mixed(12, 2, 3, 6, depth=2)
+    prices = own_prices(problem)
+    memory = Memory(prices.weights * prices.costs[prices.profile].max(axis=1))
+    for _ in range(20):
+        rows = np.flatnonzero(rng.random(12) < 0.6)
+        memory.add(1, rows, best_price(problem, np.isin(np.arange(12), rows)))
+    inside = np.flatnonzero(rng.random(12) < 0.8)
+    part = Problem(problem.features[inside], problem.labels[inside], depth=2)
+    recalled = memory.recall(Question(part, own_prices(part), inside))
+    assert recalled
+    for samples, price in recalled:
+        assert price <= best_price(part, samples)
+
+
+def test_benders_runs_without_a_line_of_the_exact_core():
+    program = """
+import sys
+class Refused:
+    def find_spec(self, name, path=None, target=None):
+        if name in ("octmip.methods.exact", "octmip.methods.two_feature", "octmip.methods.search"):
+            raise ImportError(f"{name} is refused")
+sys.meta_path.insert(0, Refused())
+import numpy as np
+from octmip import _native
+for name in ("search", "branch_and_bound", "prove", "two_feature_branch_and_bound"):
+    assert hasattr(_native, name)
+    setattr(_native, name, None)
+from octmip.mip.benders.solver import solve_benders
+from octmip.problem import Problem
+rng = np.random.default_rng(0)
+features = rng.normal(size=(60, 3)).round(1)
+found = solve_benders(Problem(features, (features.sum(axis=1) > 0).astype(int), depth=2))
+print(found.stop, found.objective)
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("optimal")
