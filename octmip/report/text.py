@@ -52,7 +52,8 @@ def leaf_note(counts: list[int] | None, label: int) -> str:
     if counts is None:
         return ""
     total, wrong = sum(counts), sum(counts) - counts[label]
-    return f"    ({total} samples, {wrong} wrong)" if wrong else f"    ({total} samples)"
+    samples = f"{total} sample{'s' * (total != 1)}"
+    return f"    ({samples}, {wrong} wrong)" if wrong else f"    ({samples})"
 
 
 def number(value: float | None) -> str:

@@ -125,6 +125,11 @@ def test_words_for_missing_among_numbers_are_missing():
     assert np.isfinite(columns.encode(pd.DataFrame({"x": ["1.5", "?"]}))).all()
 
 
+def test_a_question_mark_among_texts_is_missing():
+    columns = Columns.learn(pd.DataFrame({"x": ["a", "?", "b", "NA"]}))
+    assert columns.feature_names == ("x is NA", "x is a", "x is b", "x is missing")
+
+
 def test_an_ordered_category_becomes_its_rank():
     kind = pd.CategoricalDtype(["low", "middle", "high"], ordered=True)
     table = pd.DataFrame({"size": pd.Series(["high", "low", "middle", None], dtype=kind)})

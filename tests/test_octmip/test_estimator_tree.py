@@ -146,10 +146,10 @@ def test_the_saving_of_a_hyperplane_does_not_depend_on_units():
 
 def test_the_words_of_a_tree_are_those_of_its_columns(encoded):
     words = encoded.export_text()
-    assert words.count("(1 samples") + words.count("(2 samples") + words.count("(3 samples") == encoded.get_n_leaves()
+    assert words.count("(1 sample)") + words.count("(2 samples") + words.count("(3 samples") == encoded.get_n_leaves()
     assert "missing below" not in words
     plain = OptimalTreeClassifier(max_depth=1).fit([[0.0], [2.0], [2.0]], ["u", "v", "v"])
-    assert plain.export_text() == "if x0 <= 1\n    u    (1 samples)\nelse\n    v    (2 samples)"
+    assert plain.export_text() == "if x0 <= 1\n    u    (1 sample)\nelse\n    v    (2 samples)"
 
 
 def test_it_draws_itself_and_writes_a_page(iris, encoded, tmp_path):

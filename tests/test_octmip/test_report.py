@@ -30,7 +30,7 @@ def test_a_tree_in_words():
         "    if -2 a + b <= 0.333333",
         "        no    (3 samples, 1 wrong)",
         "    else",
-        "        yes    (1 samples)",
+        "        yes    (1 sample)",
     ]
 
 

@@ -16,6 +16,8 @@ from octmip.formats.cells import plain_number
 from octmip.formats.checked import MOST_NAME, shown
 
 MISSING_WORDS = frozenset({"", "na", "n/a", "nan", "none", "null", "nil", "?", "-", "missing"})
+UNKNOWN = "?"
+"""Missing among texts too, as no value is called so; "NA" or "none" may be one."""
 EXACT_INTEGERS = 2**53  # beyond it float64 merges neighbouring integers
 
 
@@ -111,6 +113,7 @@ def _objects(series: "pd.Series[Any]", is_missing: NDArray[np.bool_]) -> Cells:
     numbers = _numbers_among(cells, is_missing)
     if numbers is not None:
         return _numbers(numbers, np.isnan(numbers))
+    is_missing = is_missing | (cells == UNKNOWN)
     words = np.array([None if gone else str(cell) for cell, gone in zip(cells, is_missing, strict=True)], dtype=object)
     return _texts(words, tuple(sorted({word for word in words if word is not None})), is_ordered=False)
 

@@ -212,7 +212,7 @@ def _refuse(cells: Cells, n_rows: int, categories: Categories, missing: Missing)
     if cells.n_missing == n_rows:
         raise DataError("has no value in any row; leave it out")
     if cells.n_missing and missing == "refuse":
-        raise DataError(f"has {cells.n_missing} missing cells; fill them, or set missing to 'either-side'")
+        raise DataError(f"has {_gaps(cells)}; fill in, or set missing to 'either-side'")
     if cells.is_text and categories == "refuse":
         raise DataError(f"holds text such as {shown(cells.values[0])}; encode it as numbers, or set categories")
     if not cells.is_text or cells.is_ordered:
@@ -225,6 +225,10 @@ def _refuse(cells: Cells, n_rows: int, categories: Categories, missing: Missing)
             f"holds {n_values} different texts; expected at most {MOST_VALUES} yes/no questions; leave it out, merge "
             "values, or set categories to 'order'"
         )
+
+
+def _gaps(cells: Cells) -> str:
+    return f"{cells.n_missing} missing cell{'s' * (cells.n_missing != 1)}"
 
 
 def _column_of(name: str, cells: Cells, categories: Categories) -> Column:
@@ -240,7 +244,7 @@ def _column_of(name: str, cells: Cells, categories: Categories) -> Column:
 
 def _encoded(column: Column, cells: Cells) -> NDArray[np.float64]:
     if cells.n_missing and not column.has_missing:
-        raise DataError(f"has {cells.n_missing} missing cells, and had none in training; fill them or train with some")
+        raise DataError(f"has {_gaps(cells)}, and had none in training; fill in, or train with some")
     if column.kind == "number" and cells.is_text and cells.n_missing < len(cells.words):
         raise DataError(f"holds text such as {shown(cells.values[0])}; expected numbers, as in training")
     return column.encode(cells)
