@@ -105,7 +105,7 @@ def test_mypy_sees_the_types_of_the_installed_packages(installed_octmip: Install
 
 def test_every_extra_is_installed_and_imported(tmp_path_factory: pytest.TempPathFactory, tmp_path: Path) -> None:
     everything = installed(shared_folder(tmp_path_factory), "all")
-    used = "import octmip.plot, octmip.mip.paper_models, octmip.report.html, femlib.wing, cvxpy, pyarrow, onnx, jinja2"
+    used = "import octmip.plot, octmip.mip.paper_models, octmip.report.page, femlib.wing, cvxpy, pyarrow, onnx, jinja2"
     wing = "femlib.wing.uav_wing(refinement=0.1)"
     done = everything.run("python", "-c", f"{used}\n{wing}", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
