@@ -14,6 +14,7 @@ from octmip.report.text import tree_text
 from octmip.report.tree.drawing import draw_tree
 from octmip.report.tree.words import Wording
 from octmip.solution import Solution
+from octmip.tradeoff.held_out import Samples
 from octmip.tree import Node, leaves
 
 if TYPE_CHECKING:
@@ -58,7 +59,7 @@ def figure_of(problem: Problem, tree: Node, columns: Columns, title: str | None)
     return tree_figure(problem, tree, title, _encoded(columns))
 
 
-def write_page(path: PathLike, problem: Problem, file: TreeFile, seconds: float) -> None:
+def write_page(path: PathLike, problem: Problem, file: TreeFile, held_out: Samples | None, seconds: float) -> None:
     """Write the page about a tree, an HTML file that is whole in itself.
 
     Parameters
@@ -67,6 +68,8 @@ def write_page(path: PathLike, problem: Problem, file: TreeFile, seconds: float)
         of the file.
     problem, file
         the training samples, and the tree with its claims.
+    held_out
+        samples that were not trained on; None without such.
     seconds
         for trees of lower depth, with which the page compares this one; 0 leaves them out.
 
@@ -79,7 +82,10 @@ def write_page(path: PathLike, problem: Problem, file: TreeFile, seconds: float)
     """
     with needed_by("a page"):
         from octmip.report.html import tree_page
-        from octmip.report.tree.evidence import gather
+        from octmip.report.tree.evidence import gather, judged_by
 
     check_writable(path)
-    write_bytes(path, tree_page(file, evidence=gather(file, problem, seconds=seconds)).encode())
+    evidence = gather(file, problem, seconds=seconds)
+    if held_out is not None:
+        evidence = judged_by(evidence, file, held_out, "the test set")
+    write_bytes(path, tree_page(file, evidence=evidence).encode())

@@ -18,7 +18,7 @@ from sklearn.preprocessing import StandardScaler
 from sklearn.tree import DecisionTreeClassifier, export_text, plot_tree
 
 from octmip import HyperplaneSplit, Leaf, OptimalTreeClassifier, Problem, Split
-from octmip.errors import MissingExtraError, TreeError
+from octmip.errors import DataError, MissingExtraError, TreeError
 from octmip.estimator import drawing
 from octmip.estimator.importance import feature_savings
 from octmip.estimator.paths import NodeTable, leaf_nodes, node_indicator
@@ -165,6 +165,16 @@ def test_it_draws_itself_and_writes_a_page(iris, encoded, tmp_path):
     drawn = [text.get_text() for text in encoded.plot().findobj(Text)]
     assert not [text for text in drawn if "missing below" in text or "≤ 0.5" in text]
     assert [text for text in drawn if " is " in text]
+
+
+def test_the_page_judges_the_tree_by_samples_held_out(encoded, tmp_path):
+    encoded.report(tmp_path / "page.html", FRAME.iloc[:3], ["no", "no", "yes"], seconds=0.0)
+    assert "3 samples of the test set" in (tmp_path / "page.html").read_text()
+    for wrong, message in ((["no", "no", "maybe"], "'maybe', which is no class"), (None, "without y_test")):
+        with pytest.raises(DataError, match=message):
+            encoded.report(tmp_path / "page.html", FRAME.iloc[:3], wrong)
+    with pytest.raises(ValueError, match="inconsistent numbers of samples"):
+        encoded.report(tmp_path / "page.html", FRAME.iloc[:3], ["no"])
 
 
 def test_a_plot_without_matplotlib_names_the_extra(encoded, monkeypatch):
