@@ -156,6 +156,15 @@ def test_the_confusion_has_the_true_class_in_rows():
     assert '<th scope="row">no</th><td class="n">1</td><td class="n">0</td><td class="n">1</td>' in page
 
 
+def test_a_leaf_alone_is_a_tree_too():
+    problem = Problem(np.array([[0.0], [1], [2]]), ["b", "a", "a"], depth=1, feature_names=("a",))
+    file = record_tree(problem, Solution(Leaf(0), 1.0, 0.0, Stop.TIME, 0.0, 1, "search", "1", 0), "y")
+    page = tree_page(file, "t.json", gather(file, problem))
+    assert "by no question about nothing" not in page
+    assert "The tree asks nothing: one answer for every sample." in page
+    assert "0 instead of 1" in page  # the greedy tree is better, and the page says so
+
+
 def test_samples_of_another_table_judge_the_trees_of_the_page():
     problem = xor()
     file = record_tree(problem, solve(problem), "side")

@@ -12,7 +12,9 @@ from octmip.report.tree.words import counted, figure, percent
 
 def certificate_words(file: TreeFile, evidence: Evidence | None, measure: Measure, data: str | None) -> list[str]:
     """Return one sentence or two for each claim."""
-    return [_recount(file, evidence, measure, data), _bound(file, measure), _log(evidence), *_limits(file, evidence)]
+    is_evident = file.solution.is_optimal and file.solution.objective == 0
+    log = [] if is_evident and (evidence is None or evidence.proof is None) else [_log(evidence)]
+    return [_recount(file, evidence, measure, data), _bound(file, measure), *log, *_limits(file, evidence)]
 
 
 def _recount(file: TreeFile, evidence: Evidence | None, measure: Measure, data: str | None) -> str:

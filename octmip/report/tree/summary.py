@@ -22,7 +22,9 @@ def subtitle(file: TreeFile, wording: Wording) -> str:
     """Return what the tree decides from what."""
     answers = listed([short_name(name, 40) for name in file.class_names], 6)
     levels = depth(file.tree)
-    asked = f"at most {counted(levels, 'question')}" if levels else "no question"
+    if not levels:
+        return f"One of {len(file.class_names)} classes ({answers}); this tree always gives the same answer."
+    asked = f"at most {counted(levels, 'question')}"
     return f"One of {len(file.class_names)} classes ({answers}), by {asked} about {_columns_read(file, wording)}."
 
 
@@ -112,11 +114,9 @@ def _greedy_card(file: TreeFile, evidence: Evidence, measure: Measure) -> Card:
     if loss > 0:
         unit = f" {'error' if loss == 1 else 'errors'}" if measure.is_errors else ""
         return ("Greedy tree loses", f"{figure(loss)}{unit}", both)
-    return (
-        "Greedy tree (CART) loses",
-        "nothing" if loss == 0 else "it is better",
-        both if loss else f"{measure.amount(evidence.greedy.objective)} too",
-    )
+    if loss < 0:
+        return ("Greedy tree", "is better", both, "warn")
+    return ("Greedy tree loses", "nothing", f"{measure.amount(evidence.greedy.objective)} too")
 
 
 def _proof_card(file: TreeFile, measure: Measure) -> Card:
