@@ -41,10 +41,10 @@ autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_typehints_format = "short"
 autodoc_preserve_defaults = True
+ROUTED = ("fit", "predict", "predict_proba", "score")  # scikit-learn's own methods
 autodoc_default_options = {
     "members": True,
-    "exclude-members": "get_metadata_routing, set_fit_request, set_predict_proba_request, set_score_request, "
-    "set_predict_request",
+    "exclude-members": ", ".join(["get_metadata_routing", *(f"set_{name}_request" for name in ROUTED)]),
 }
 suppress_warnings = ["ref.python"]  # a field such as `name` belongs to several classes
 napoleon_google_docstring = False
@@ -52,6 +52,7 @@ napoleon_use_rtype = False
 napoleon_use_ivar = True
 napoleon_attr_annotations = False
 maximum_signature_line_length = 88
+toc_object_entries_show_parents = "hide"
 
 copybutton_prompt_text = r"\$ |>>> "
 copybutton_prompt_is_regexp = True

@@ -49,6 +49,7 @@ def drawn_pictures(page: Path) -> Iterator[list[Path]]:
     import matplotlib
 
     text, before = page.read_text(), Path.cwd()
+    os.environ["SOURCE_DATE_EPOCH"] = "0"  # an SVG file holds its date: the same picture is the same file
     with tempfile.TemporaryDirectory() as folder, matplotlib.rc_context(SAME_FILE), warnings.catch_warnings():
         os.chdir(folder)
         try:
