@@ -17,7 +17,7 @@ PANEL, ROW, LABEL = 264, 18, 66
 """Width of a panel, height of a gauge's row and width of its name [px]."""
 SMALL, TALL = 168, 150
 """Width and height of a gauge's own panel [px]."""
-MAP, DOT = 560, 11
+MAP, DOT = 560, 8
 """Width of the map and radius of a gauge on it, in its own units: shown at 340 to 560 px."""
 LONGEST = 9
 """Letters of a gauge's name in a figure."""
@@ -44,11 +44,13 @@ def short(name: str) -> str:
 
 
 def nice_limit(value: float) -> float:
-    """Return a round number not below a value: 1, 2 or 5 times a power of ten."""
+    """Return a round number not below a value: one or two digits."""
     if not value > 0.0:
         return 1.0
     power = 10.0 ** floor(log10(value))
-    return next(step * power for step in (1.0, 2.0, 5.0, 10.0) if step * power >= value * 0.999)
+    return next(
+        step * power for step in (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0) if step * power >= value * 0.999
+    )
 
 
 def largest_difference(cells: Sequence[MeasuredCell]) -> float:
@@ -181,7 +183,7 @@ def gauge_map(
         x, y = place(points[k])
         anchor = "start" if x < 60 else "end" if x > MAP - 60 else "middle"
         parts.append(
-            f'<text x="{x:.1f}" y="{y - 16:.1f}" class="big" text-anchor="{anchor}">{escape(short(names[k]))}</text>'
+            f'<text x="{x:.1f}" y="{y - 13:.1f}" class="big" text-anchor="{anchor}">{escape(short(names[k]))}</text>'
         )
     return "".join([*parts, "</svg>"])
 
