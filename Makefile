@@ -20,8 +20,8 @@ blind: $(VENV)/.installed
 	@$(BIN)/python -m benchmarks.blind $(ARGS)
 
 test: $(VENV)/.installed-test lint
-	cd octmip/native && cargo test --release --quiet --workspace
-	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --dist loadfile
+	cd octmip/native && cargo test --profile checks --quiet --workspace
+	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --dist loadfile -r s
 
 lint: $(VENV)/.installed-test
 	$(BIN)/ruff check .
@@ -33,8 +33,8 @@ lint: $(VENV)/.installed-test
 # (manylinux2014); without zig maturin's audit gives it the tag of this machine's C library.
 wheel: $(VENV)/.wheel-tools
 	rm -rf dist
-	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/maturin build --release --quiet --interpreter $(BIN)/python $(ZIG) --out dist
-	$(BIN)/maturin sdist --quiet --out dist
+	PATH="$(abspath $(BIN)):$$PATH" $(BIN)/maturin build --release --quiet --interpreter $(BIN)/python $(ZIG) --out dist
+	$(BIN)/maturin sdist --out dist
 	@ls -l dist
 
 tools:

@@ -1,16 +1,12 @@
 """What is shipped: the source distribution holds all that a build needs, the wheel no source of the native core."""
 
-import shutil
 import subprocess
-import sys
 import tarfile
 import tomllib
-from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parent.parent
-MATURIN = Path(sys.executable).with_name("maturin")
+from tests.installed import ROOT, built, shared_folder
 
 
 def tracked(*patterns: str) -> set[str]:
@@ -21,13 +17,10 @@ def tracked(*patterns: str) -> set[str]:
     return set(done.stdout.split("\n")) - {""}
 
 
-@pytest.mark.skipif(not MATURIN.exists(), reason="maturin is not installed beside this Python")
-@pytest.mark.skipif(shutil.which("cargo") is None, reason="no cargo: maturin asks it for the crate")
-def test_the_source_distribution_holds_every_source_and_nothing_built(tmp_path):
+def test_the_source_distribution_holds_every_source_and_nothing_built(tmp_path_factory):
     wanted = tracked("octmip", "femlib", "pyproject.toml", "README.md", "LICENSE")
-    done = subprocess.run([MATURIN, "sdist", "-o", tmp_path], capture_output=True, text=True, cwd=ROOT)
-    assert done.returncode == 0, done.stderr
-    with tarfile.open(next(tmp_path.glob("*.tar.gz"))) as archive:
+    (source,) = built(shared_folder(tmp_path_factory)).glob("*.tar.gz")
+    with tarfile.open(source) as archive:
         held = {name.partition("/")[2] for name in archive.getnames()}
     assert any(name.endswith(".rs") for name in wanted)
     assert wanted <= held, wanted - held

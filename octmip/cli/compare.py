@@ -65,7 +65,7 @@ def run(arguments: argparse.Namespace) -> int:
         "bound",
         "gap %",
         "gap to best bound %",
-        "n_splits",
+        "splits",
         "seconds",
         "stop",
     )

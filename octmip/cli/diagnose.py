@@ -7,22 +7,18 @@ and one column per gauge under the twin's name for it, in microstrain.
 import argparse
 import hashlib
 import importlib
-import shutil
 import sys
-import threading
-import time
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 from octmip.cli.answer import print_json
 from octmip.cli.arguments import add_json_argument
+from octmip.cli.stages import StageLine
 from octmip.errors import DataError
 from octmip.formats.files import check_writable, read_bytes, write_bytes
 from octmip.formats.names import visible
 from octmip.twin import Twin
 
-TICK = 0.5  # seconds between two lines of progress
 EXPECTED = (
     "octmip diagnose: a twin of finite elements takes about a minute, one of formulas a few seconds; Ctrl-C ends it."
 )
@@ -49,54 +45,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_json_argument(parser)
 
 
-class StageLine:
-    """One line on a terminal that says what a diagnosis is doing, and for how long; nothing where there is none.
-
-    A thread of its own writes it: one stage may take many seconds.
-    """
-
-    def __init__(self) -> None:
-        self._is_terminal = sys.stderr.isatty()
-        self._stage = ""
-        self._start = time.monotonic()
-        self._done = threading.Event()
-        self._thread = threading.Thread(target=self._tick, daemon=True)
-
-    def __enter__(self) -> "StageLine":
-        if self._is_terminal:
-            print(EXPECTED, file=sys.stderr, flush=True)
-            self._thread.start()
-        return self
-
-    def __call__(self, stage: object) -> None:
-        """Show a stage."""
-        self._stage = visible(stage)
-        if self._is_terminal:
-            self._show()
-
-    def _tick(self) -> None:
-        while not self._done.wait(TICK):
-            self._show()
-
-    def _show(self) -> None:
-        room = max(20, shutil.get_terminal_size().columns - 1)
-        line = f"{time.monotonic() - self._start:4.0f} s  {self._stage} ..."
-        print(f"\r\x1b[2K{line[:room]}", end="", file=sys.stderr, flush=True)
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
-    ) -> None:
-        self._done.set()
-        if self._is_terminal:
-            self._thread.join()
-            print("\r\x1b[2K", end="", file=sys.stderr, flush=True)
-
-
 def run(arguments: argparse.Namespace) -> int:
     """Diagnose and show."""
     if arguments.out:
         check_writable(arguments.out)
-    with StageLine() as line:
+        importlib.import_module("octmip.report.diagnosis.page")  # a missing extra is said before the work, not after it
+    with StageLine(EXPECTED) as line:
         diagnosis = _diagnosed(arguments, line)
     _show(arguments, diagnosis)
     return 0

@@ -5,7 +5,9 @@ command needs does not work.
 """
 
 import argparse
+import importlib
 import importlib.util
+import json
 import os
 import platform
 import sys
@@ -15,7 +17,6 @@ from importlib.metadata import PackageNotFoundError, version
 from types import MappingProxyType
 from typing import Any
 
-from octmip.cli.answer import print_json
 from octmip.cli.arguments import add_json_argument
 from octmip.formats.names import visible
 
@@ -23,7 +24,10 @@ EXAMPLES = """\
   octmip doctor
   octmip doctor --json
 """
-NEEDED = ("numpy", "scipy", "pandas", "scikit-learn", "joblib", "highspy", "shtab")
+NEEDED: Mapping[str, str] = MappingProxyType(
+    {name: name for name in ("numpy", "scipy", "pandas", "joblib", "highspy", "shtab")} | {"scikit-learn": "sklearn"}
+)
+"""The packages that every installation has, and the module of each."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +72,7 @@ def run(arguments: argparse.Namespace) -> int:
     is_healthy = all(finding.is_good for finding in findings if finding.is_needed)
     if arguments.json:
         listed = [{"name": f.name, "good": f.is_good, "needed": f.is_needed, "says": f.says} for f in findings]
-        print_json({"is_healthy": is_healthy, "findings": listed, **machine})
+        print(json.dumps({"is_healthy": is_healthy, "findings": listed, **machine}))
         return 0 if is_healthy else 1
     width = max(len(finding.name) for finding in findings)
     for finding in findings:
@@ -82,16 +86,20 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _versions() -> list[Finding]:
     here = f"Python {platform.python_version()} in {sys.prefix}, {platform.system()} {platform.machine()}"
-    found = [Finding("python", sys.version_info >= (3, 11), here), _version("octmip")]
-    return found + [_version(name) for name in NEEDED]
+    python = Finding("python", sys.version_info >= (3, 11), here)
+    return [python, _package("octmip", "octmip"), *(_package(name, module) for name, module in NEEDED.items())]
 
 
-def _version(name: str) -> Finding:
+def _package(name: str, module: str) -> Finding:
+    """Return the version of a package that can be imported, or why it cannot."""
     shown = "HiGHS" if name == "highspy" else name
     try:
+        importlib.import_module(module)
         return Finding(shown, True, version(name))
     except PackageNotFoundError:
-        return Finding(shown, False, f"is not installed; install octmip again: pip install {name}")
+        return Finding(shown, False, f"is not installed; install it again: pip install {name}")
+    except Exception as error:  # a damaged package raises anything
+        return Finding(shown, False, f"cannot be imported ({type(error).__name__}: {error}); install {name} again")
 
 
 def _core() -> Finding:

@@ -150,7 +150,7 @@ def _counted(file: TreeFile, table: Table, label: str, predictions: list[Any]) -
 
 def _errors_text(counted: dict[str, int], n_samples: int) -> str:
     without = counted.get("n_unlabelled", 0)
-    gaps = f" ({without} rows have no label)" if without else ""
+    gaps = f" ({without} more row{'s have' if without > 1 else ' has'} no label)" if without else ""
     return f"{counted['errors']} of {n_samples - without} samples wrong{gaps}"
 
 

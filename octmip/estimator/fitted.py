@@ -11,9 +11,11 @@ from octmip.certificate import Certificate
 from octmip.estimator.drawing import figure_of, notebook_picture, words_of, write_page
 from octmip.estimator.importance import feature_savings
 from octmip.estimator.paths import leaf_nodes, node_indicator
-from octmip.estimator.samples import read_samples
+from octmip.estimator.samples import read_samples, test_samples
 from octmip.formats.columns import Columns
 from octmip.formats.files import PathLike
+from octmip.formats.table.preparation import Preparation
+from octmip.formats.tree_file import record_tree
 from octmip.problem import Problem
 from octmip.solution import Solution
 from octmip.tree import Node, depth, leaves
@@ -29,6 +31,7 @@ class FittedTree:
     solution_: Solution
     certificate_: Certificate
     columns_: Columns
+    _label_name: str | None
 
     @property
     def tree_(self) -> Node:
@@ -117,18 +120,32 @@ class FittedTree:
         check_is_fitted(self, "solution_")
         return figure_of(self.problem_, self.tree_, self.columns_, title)
 
-    def report(self, path: PathLike, title: str = "OptimalTreeClassifier") -> None:
+    def report(
+        self, path: PathLike, X_test: ArrayLike | None = None, y_test: ArrayLike | None = None, seconds: float = 10.0
+    ) -> None:
         """Write a page about the tree, its errors and its proof: one HTML file that needs nothing else.
+
+        Parameters
+        ----------
+        path
+            of the file.
+        X_test, y_test
+            samples and classes that were not trained on, by which the page judges the tree; None: without them.
+        seconds
+            for the best tree of every lower depth, with which the page compares this one [s]; 0: without them.
 
         Raises
         ------
         MissingExtraError
             what draws the page is not installed.
         DataError
-            the file cannot be written.
+            the file cannot be written, or y_test holds what is no class of the training.
         """
         check_is_fitted(self, "solution_")
-        write_page(path, self.problem_, self.solution_, self.columns_, title)
+        held_out = None if X_test is None else test_samples(self, X_test, y_test)
+        preparation = Preparation(self.columns_)
+        file = record_tree(self.problem_, self.solution_, self._label_name, preparation=preparation)
+        write_page(path, self.problem_, file, held_out, seconds)
 
     def _repr_html_inner(self) -> str:
         return self._with_picture(str(super()._repr_html_inner()))  # type: ignore[misc]

@@ -10,11 +10,12 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 from sklearn.base import BaseEstimator
-from sklearn.utils.validation import assert_all_finite, validate_data
+from sklearn.utils.validation import assert_all_finite, check_consistent_length, column_or_1d, validate_data
 
 from octmip.errors import DataError
 from octmip.formats.columns import Columns
 from octmip.formats.columns.column import Column
+from octmip.tradeoff.held_out import Samples
 
 Floats = NDArray[np.float64]
 
@@ -83,6 +84,36 @@ def _labels(y: Any) -> Any:
     if n_missing and labels.dtype.kind == "O":
         raise DataError(f"Input y contains NaN: {n_missing} of {len(labels)} labels are missing; drop these rows")
     return labels.to_numpy(dtype=kind) if isinstance(kind, np.dtype) and kind.kind in "biuf" and not n_missing else y
+
+
+def test_samples(estimator: BaseEstimator, X: ArrayLike, y: ArrayLike | None) -> Samples:
+    """Return samples that a fitted classifier is judged by, each of weight 1.
+
+    Raises
+    ------
+    ValueError
+        X is refused, or X and y have different lengths.
+    DataError
+        y is not given, or holds what is no class of the training.
+    """
+    if y is None:
+        raise DataError("X_test is given without y_test; expected both")
+    features, labels = read_samples(estimator, X), column_or_1d(_labels(y))
+    check_consistent_length(features, labels)
+    position = {label: code for code, label in enumerate(estimator.classes_.tolist())}
+    unknown = next((label for label in labels.tolist() if label not in position), None)
+    if unknown is not None:
+        raise DataError(
+            f"y_test holds {unknown!r}, which is no class of the training ({', '.join(map(str, position))})"
+        )
+    codes = np.array([position[label] for label in labels.tolist()], dtype=np.int64)
+    return Samples(features, codes, np.ones(len(codes)))
+
+
+def label_name(y: Any) -> str | None:
+    """Return the name of a series of labels; None where it has none."""
+    name = getattr(y, "name", None)
+    return name if isinstance(name, str) else None
 
 
 def plain_columns(names: tuple[str, ...], numbers: Floats) -> Columns:

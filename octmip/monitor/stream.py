@@ -127,13 +127,16 @@ class Monitor:
             unknown = values.keys() - index.keys()
             if unknown:
                 raise DataError(
-                    f"reading names the gauges {sorted(unknown)}, which the library lacks; it has {[*index]}"
+                    f"reading names the gauges {', '.join(sorted(unknown))}, which the library lacks; it has "
+                    f"{', '.join(index)}"
                 )
             row = [values.get(gauge) for gauge in index]
         else:
             row = list(values)
             if len(row) != len(index):
-                raise DataError(f"reading has {len(row)} values; expected {len(index)}, one for each of {[*index]}")
+                raise DataError(
+                    f"reading has {len(row)} values; expected {len(index)}, one for each of {', '.join(index)}"
+                )
         if None not in row and math.isfinite(math.fsum(row)):  # type: ignore[arg-type]
             return row  # type: ignore[return-value]
         for gauge, value in zip(index, row, strict=True):

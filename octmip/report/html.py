@@ -12,7 +12,7 @@ from octmip.report.tree.words import Wording
 
 def tree_page(
     file: TreeFile,
-    source: str | None,
+    source: str | None = None,
     evidence: Evidence | None = None,
     *,
     title: str | None = None,

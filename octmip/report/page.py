@@ -99,6 +99,7 @@ def _environment() -> jinja2.Environment:
         "shown": shown,
         "lines": _lines,
         "px": _pixels,
+        "markup": Markup,  # for drawings made by this package, whose texts are escaped
     }
     return environment
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from benchmarks.blind import run as blind
+from benchmarks.blind import trees
 from benchmarks.blind.answers import Task
 from benchmarks.blind.assets import calculix
 from benchmarks.blind.assets.asset import FemlibAsset
@@ -26,7 +27,18 @@ CASE_MAKER = ("assets/forces", "assets/asset", "assets/calculix", "truths", "ass
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
+def quick_trees():
+    """One draw of 20 readings for each state instead of three of 100: that trees are retrained and scored is tested."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(trees, "SEEDS", (0,))
+        patch.setattr(trees, "REPEATS", 20)
+        trees.deployed.cache_clear()
+        yield
+        trees.deployed.cache_clear()
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory, quick_trees):
     folder = tmp_path_factory.mktemp("blind") / "set"
     plan = blind.Plan(11, count=40, jobs=1, without=0.1, lasso=1, trees=1, calculix=0.0, asset_mesh=0.4, twin_mesh=0.3)
     blind.run(folder, plan)

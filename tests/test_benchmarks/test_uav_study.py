@@ -28,7 +28,7 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
     wing = uav_wing()
     simulated = simulated_strains(wing)
     data = build_dataset(simulated, Recipe(samples_per_state=8), seed=1)
-    outcomes = study.run_study(data, study.StudyLimits(10.0, 1.0), seed=1, n_jobs=1, tasks=TASKS)
+    outcomes = study.run_study(data, study.StudyLimits(10.0, 0.3), seed=1, n_jobs=1, tasks=TASKS)
     write_results(folder, wing, simulated, None, data, outcomes, 0.0)
     return folder
 

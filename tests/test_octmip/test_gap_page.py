@@ -56,7 +56,7 @@ def test_the_page_of_words_fits_a_terminal_and_says_no_nan(diagnoses, case):
 
 def test_the_page_says_what_an_effect_means_and_what_closed(diagnoses):
     page = page_of_words(diagnoses["known"])
-    assert "temperature uniform: the size is size of the field" in page
+    assert "Size of the temperature uniform, in K: size of the field." in page
     assert "of its mean square has closed" in page
     assert "load factor 3 predicted from the others" in page
     assert "With one load and one test nothing can be held out" in page_of_words(diagnoses["one load"])

@@ -86,6 +86,15 @@ def test_effects_that_cannot_be_told_apart_come_with_the_test_that_separates_the
     assert sentence.endswith(f"; the next test that separates them: {scale.next_test[0].words}.")
 
 
+def test_effects_of_one_gauge_that_cannot_be_told_apart_send_to_that_gauge():
+    own = diagnosed(effect("gauge_gain", 4.0, "g05"))
+    assert verdict_of(own) is Verdict.AMBIGUOUS
+    sentence = recommend(own)
+    assert sentence.startswith("Check gauge g05: gain of gauge g05 (4.")
+    assert "or crosstalk from gauge g04 into gauge g05, which these readings cannot tell apart" in sentence
+    assert sentence.endswith("; the next test that separates them: shunt-calibrate the bridges.")
+
+
 def test_what_is_certain_beside_an_ambiguity_is_said_too():
     mixed = diagnosed(both(effect("modulus", 4.0), effect("gauge_bias", 60.0, "g09")), seed=5)
     assert verdict_of(mixed) is Verdict.AMBIGUOUS

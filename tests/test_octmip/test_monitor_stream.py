@@ -39,7 +39,7 @@ BAD = {
     "has 3 values; expected 20": (3.0, [1.0, 2.0, 3.0]),
     "g05 is nan": (3.0, [math.nan if k == 4 else 500.0 for k in range(20)]),
     "g02 is inf": (3.0, [math.inf if k == 1 else 500.0 for k in range(20)]),
-    r"names the gauges \['g99'\]": (3.0, dict.fromkeys((*GAUGES, "g99"), 500.0)),
+    r"names the gauges g99": (3.0, dict.fromkeys((*GAUGES, "g99"), 500.0)),
     "load_factor is 0": (0.0, [500.0] * 20),
     "load_factor is nan": (math.nan, [500.0] * 20),
 }

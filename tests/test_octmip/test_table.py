@@ -216,6 +216,13 @@ def test_standard_input_may_be_parquet_and_must_not_be_empty(monkeypatch):
         read_table("-")
 
 
+def test_parquet_may_be_packed(tmp_path):
+    buffer = io.BytesIO()
+    pd.DataFrame({"x": [1, 2]}).to_parquet(buffer)
+    (tmp_path / "t.parquet.gz").write_bytes(gzip.compress(buffer.getvalue()))
+    assert read_table(tmp_path / "t.parquet.gz").numbers(["x"]).tolist() == [[1], [2]]
+
+
 def test_a_format_says_what_another_ending_holds(tmp_path):
     (tmp_path / "t.data").write_text("x\ty\n1\ta\n")
     assert read_table(tmp_path / "t.data", "tsv").columns == ("x", "y")

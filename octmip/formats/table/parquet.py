@@ -21,12 +21,13 @@ def read_parquet(source: Source) -> pd.DataFrame:
     DataError
         pyarrow is not installed, or the file is damaged, too large or names a column twice.
     """
-    if source.held is None:
+    is_plain = source.held is None and source.path.suffix != ".gz"
+    if is_plain:
         check_readable(source.path)
     with needed_by(f"{source.name}, a Parquet file,"):
         arrow, parquet = importlib.import_module("pyarrow"), importlib.import_module("pyarrow.parquet")
     try:
-        with parquet.ParquetFile(source.path if source.held is None else io.BytesIO(source.held)) as file:
+        with parquet.ParquetFile(source.path if is_plain else io.BytesIO(source.content())) as file:
             names = file.schema_arrow.names
             check_names(source.name, names)
             _check_size(source.name, file.metadata.num_rows, len(names))

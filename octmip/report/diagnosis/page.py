@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from octmip.errors import needed_by
 from octmip.formats.names import shown
 from octmip.gap.causes import Cause
 from octmip.gap.diagnosis import Diagnosis
@@ -31,9 +32,12 @@ from octmip.report.diagnosis.words import (
 )
 from octmip.report.page import page_facts, render
 
+with needed_by("a page"):
+    from markupsafe import Markup
+
 Floats = NDArray[np.float64]
 
-FIRST_LOADS, FIRST_GAUGES = 6, 8
+FIRST_LOADS, FIRST_GAUGES = 8, 6
 """Panels that stand open; the others are folded."""
 NUMBERS = ("Gauge", "Test", "Load factor", "Measured", "90 % ±", "Twin")
 
@@ -61,11 +65,6 @@ def report_page(
         what the twin is called.
     made
         day of the page; today by default.
-
-    Raises
-    ------
-    DataError
-        jinja2 is not installed.
     """
     more = {name: shown(value) for name, value in (("Twin", twin), ("Commissioning_run", commissioning)) if value}
     return render(
@@ -130,11 +129,11 @@ def _measured(diagnosis: Diagnosis) -> dict[str, Any]:
     ranked = sorted(range(len(cells)), key=lambda k: -float(np.nansum(cells[k].before ** 2)))
     first = sorted(ranked[:FIRST_LOADS]) if len(cells) > FIRST_LOADS else range(len(cells))
     panels = {
-        k: {"title": names[k], "svg": load_panel(cell, gauges, limit, names[k], repaired)}
+        k: {"title": names[k], "svg": Markup(load_panel(cell, gauges, limit, names[k], repaired))}
         for k, cell in enumerate(cells)
     }
     order = [gauges.index(place.name) for place in diagnosis.where.gauges]
-    by_gauge = [gauge_panel(cells, g, gauges[g], repaired) for g in order]
+    by_gauge = [Markup(gauge_panel(cells, g, gauges[g], repaired)) for g in order]
     after = f"difference once {_first_name(diagnosis)} is added to it" if repaired else ""
     return {
         "gap": gap_line(diagnosis),
@@ -196,12 +195,8 @@ def _maps(diagnosis: Diagnosis) -> list[dict[str, str]]:
         added = f", with {_first_name(diagnosis)} added" if name == "After" else ""
         caption = f"{name}: measured less predicted at load factor {greatest:g}{added}; most {limit:.0f} microstrain"
         caption = caption if name == "Before" else caption.partition(";")[0]
-        found.append(
-            {
-                "svg": gauge_map(points, values, inputs.campaign.gauges, limit, outline, caption),
-                "caption": f"{caption}.",
-            }
-        )
+        drawn = gauge_map(points, values, inputs.campaign.gauges, limit, outline, caption)
+        found.append({"svg": Markup(drawn), "caption": f"{caption}."})
     return found
 
 

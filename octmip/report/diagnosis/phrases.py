@@ -108,7 +108,7 @@ def cause_words(cause: Cause) -> str:
         return f"{OUTSIDE}{f' beside {known}' if known else ''}"
     if not cause.is_identifiable:
         return f"an effect too small to name in these readings ({listed(effect_names(cause))}, or another)"
-    return " and ".join(_with_others(cause, parameter) for parameter in cause.parameters)
+    return "; and ".join(_with_others(cause, parameter) for parameter in cause.parameters)
 
 
 def effect_names(cause: Cause) -> list[str]:

@@ -1,4 +1,4 @@
-"""Figures of the diagnosis page as inline SVG of fixed size: they stand side by side, and no text ever shrinks."""
+"""Figures of the diagnosis page as inline SVG: they stand side by side at their own size or larger, never smaller."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from octmip.report.diagnosis.measured import MeasuredCell
 
 Floats = NDArray[np.float64]
 
-PANEL, ROW, LABEL = 340, 18, 74
+PANEL, ROW, LABEL = 264, 18, 66
 """Width of a panel, height of a gauge's row and width of its name [px]."""
 SMALL, TALL = 168, 150
 """Width and height of a gauge's own panel [px]."""
@@ -71,7 +71,7 @@ def load_panel(cell: MeasuredCell, gauges: Sequence[str], limit: float, title: s
     parts += [_row(cell, k, name, x, has_repair) for k, name in enumerate(gauges)]
     for tick, anchor in ((-limit, "start"), (0.0, "middle"), (limit, "end")):
         parts.append(_text(x(tick), bottom + 15, f"{tick:+g}" if tick else "0", anchor))
-    parts.append(_text(x(0.0), bottom + 31, "measured less predicted [microstrain]", "middle"))
+    parts.append(_text(PANEL / 2, bottom + 31, "measured less predicted [microstrain]", "middle"))
     return "".join([*parts, "</svg>"])
 
 

@@ -6,7 +6,7 @@
 | sound | the first cause is no effect | Nothing to do: ... |
 | too small | some effect acts, but none stands d' = 3 above the noise | Nothing to do yet: ... |
 | hidden | an unknown damage could make the same readings as an effect of it | Cannot be told: ... |
-| ambiguous | another effect has `RIVAL` of its probability, or it has less than `ENOUGH` | Cannot be told: ... |
+| ambiguous | another effect has `RIVAL` of its probability, or it less than `ENOUGH` | Cannot be told, Check gauge |
 | cause | none of these | what to do about each effect, its size, interval and probability |
 
 Channels that are stuck or clipped are named in the same sentence whatever the verdict: they are to be repaired first.
@@ -155,16 +155,34 @@ def _rival_names(cause: Cause, found: ConfoundedEffects) -> list[str]:
     return names if len(names) <= FEW + 1 else [*names[:FEW], "another effect"]
 
 
+def _gauge_of(cause: Cause, found: ConfoundedEffects) -> str:
+    """Return the gauge whose readings all of these effects change, "" where there is no such gauge."""
+    inputs = cause.judged.model.inputs
+    effects = {candidate.name: candidate.effect for candidate in inputs.candidates}
+    first = set()
+    for k, (name, place) in enumerate(zip(found.effects, found.places, strict=True)):
+        own = getattr(effects[name], "gauges_of", None)
+        if k == 0 or found.shares[k] >= RIVAL:
+            first.add(next(iter(own(inputs.twin, place))) if own is not None and place else "")
+    return str(first.pop()) if len(first) == 1 else ""
+
+
 def _cannot_be_told(diagnosis: Diagnosis) -> str:
     first = diagnosis.which[0]
     rivals = _rivals(first)
     if first.probability < ENOUGH or not rivals:
         return _between_causes(diagnosis)
     choices = "; and ".join(listed(_rival_names(first, found), "or") for found in rivals)
+    gauges = {_gauge_of(first, found) for found in rivals}
     named = {(found.effects[0], found.places[0]) for found in rivals}
     clear = [_told(first, k) for k, p in enumerate(first.parameters) if (p.effect, p.place) not in named]
     beside = f"; certain beside it: {'; '.join(clear)}" if clear else ""
     separated = rivals[0].separated_by[0]
+    if len(gauges) == 1 and (gauge := gauges.pop()):
+        return (
+            f"check gauge {gauge}: {choices}, which these readings cannot tell apart (probability "
+            f"{about(first.probability)} that it is one of them){beside}; {_separated(diagnosis, separated)}"
+        )
     return (
         f"cannot be told: {choices} (probability {about(first.probability)} that it is one of them){beside}; "
         f"{_separated(diagnosis, separated)}"

@@ -8,6 +8,7 @@ from octmip.formats.names import visible_lines
 from octmip.gap.causes import MISFIT, UNKNOWN, Cause, ConfoundedEffects
 from octmip.gap.diagnosis import Diagnosis
 from octmip.gap.location import Flip, Place
+from octmip.gap.sizes import Parameter
 from octmip.report.diagnosis.phrases import (
     FINDINGS,
     OUTSIDE,
@@ -146,10 +147,13 @@ def doubt_lines(diagnosis: Diagnosis) -> list[str]:
 def explained(cause: Cause) -> list[str]:
     """Return what the effects of a cause mean and what cannot be told from them, a line each."""
     shown = cause.parameters if cause.is_identifiable else ()
-    meant = [
-        f"{p.named.name}: the size is {p.words}." for p in {p.effect: p for p in shown}.values() if p.named.has_size
-    ]
+    meant = [_meant(p) for p in {p.effect: p for p in shown}.values() if p.named.has_size]
     return meant + [line for found in cause.confounded for line in confounded_lines(found)]
+
+
+def _meant(parameter: Parameter) -> str:
+    unit = "" if parameter.unit == "-" else f", in {parameter.unit}"
+    return f"Size of the {parameter.named.name}{unit}: {parameter.words}."
 
 
 def confounded_lines(found: ConfoundedEffects) -> list[str]:

@@ -67,7 +67,7 @@ def mission_page(
     Raises
     ------
     DataError
-        there is no step, a reading has another length, a name is unknown, or jinja2 is not installed.
+        there is no step, a reading has another length, a name is unknown.
     """
     asset = Asset(
         library, tuple(trees), twin, limits or {}, names or {}, tuple(traced) or traced_gauges(library, trees)

@@ -96,7 +96,8 @@
       if (pointers.size === 2) {
         const before = spread(), place = frame.getBoundingClientRect();
         pointers.set(event.pointerId, now);
-        if (before > 0) pinch(spread() / before, now.x - place.left, now.y - place.top);
+        const [a, b] = [...pointers.values()];
+        if (before > 0) pinch(spread() / before, (a.x + b.x) / 2 - place.left, (a.y + b.y) / 2 - place.top);
       } else if (event.pointerType === "mouse") {  // touch pans by itself
         if (!moved && Math.hypot(now.x - last.x, now.y - last.y) < 4) return;
         moved = true;

@@ -136,6 +136,9 @@ def _paths(node: Node, wording: Wording) -> list[str]:
 
 
 def _commands(source: str, data: str | None) -> str:
+    """Return the commands that check the tree again; none where it is in no file."""
+    if not source:
+        return ""
     tree, table = shlex.quote(visible(source)), shlex.quote(visible(data)) if data else "DATA"
     return f"octmip certify {tree} {table}\noctmip certify {tree} {table} --proof LOG"
 

@@ -126,3 +126,13 @@ def test_a_step_without_figures_shows_its_seconds_on_a_terminal_only(capsys, mon
         with ElapsedLine("certifying"):
             time.sleep(0.05)
         assert ("certifying ... 0 s" in capsys.readouterr().err) == is_terminal
+
+
+@pytest.mark.parametrize("module", ["octmip._native", "sklearn", "pandas"])
+def test_doctor_works_where_the_installation_does_not(module):
+    code = f"import sys; sys.modules['{module}'] = None; from octmip.cli import main; sys.exit(main(['doctor']))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert done.stderr == ""
+    assert "FAULT" in done.stdout
+    assert module in done.stdout

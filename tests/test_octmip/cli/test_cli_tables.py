@@ -63,7 +63,7 @@ def test_predict_reads_standard_input_and_says_what_training_had_not(survey, run
     assert code == 0
     assert out.splitlines() == ["name,prediction", "007,yes", "008,yes", "009,no"]
     assert "note: colour holds 'pink'" in err
-    assert "0 of 2 samples wrong (1 rows have no label)" in err
+    assert "0 of 2 samples wrong (1 more row has no label)" in err
 
 
 def test_every_column_that_cannot_be_used_is_named_at_once(survey, run):
@@ -136,7 +136,7 @@ def test_rows_without_a_label_are_refused_or_left_out(run, tmp_path, word):
     assert "0 of 19 samples wrong" in out
     assert read_tree_file(tmp_path / "t.json").class_names == (0, 1)
     assert run("certify", tmp_path / "t.json", path)[0] == 0
-    assert "1 rows have no label" in run("predict", tmp_path / "t.json", path, "--label", "y")[2]
+    assert "1 more row has no label" in run("predict", tmp_path / "t.json", path, "--label", "y")[2]
 
 
 @pytest.mark.parametrize(
@@ -208,6 +208,10 @@ def test_sensors_and_groups_name_columns_of_the_table(survey, run, tmp_path):
     assert set(json.loads(run("solve", survey, *words, "--budget", 2)[1])["sensors"]) <= {"age", 'x,"y"'}
     answer = json.loads(run("solve", survey, *words, "--allowed-splits", tmp_path / "groups.txt")[1])
     assert answer["sensors"] == ["age"]
+    (tmp_path / "groups.txt").write_text("age\n\ncolour, nope\n")
+    code, _, err = run("solve", survey, *words, "--allowed-splits", tmp_path / "groups.txt")
+    assert code == 2
+    assert "groups.txt, line 3 names 'nope'; expected columns to split on" in err
 
 
 def test_a_column_that_counts_the_rows_is_pointed_out(run, tmp_path):
