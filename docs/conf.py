@@ -43,7 +43,8 @@ autodoc_typehints_format = "short"
 autodoc_preserve_defaults = True
 autodoc_default_options = {
     "members": True,
-    "exclude-members": "set_fit_request, set_predict_proba_request, set_score_request, set_predict_request",
+    "exclude-members": "get_metadata_routing, set_fit_request, set_predict_proba_request, set_score_request, "
+    "set_predict_request",
 }
 suppress_warnings = ["ref.python"]  # a field such as `name` belongs to several classes
 napoleon_google_docstring = False
@@ -60,6 +61,7 @@ copybutton_line_continuation_character = "\\"
 ARRAY = re.compile(
     r"~?(?:numpy\.)?ndarray\[~?tuple\[(?:~?typing\.)?Any, \.\.\.\], ~?(?:numpy\.)?dtype\[~?(?:numpy\.)?(\w+)\]\]"
 )
+ARRAY_LIKE = re.compile(r"[\w.~]*_?Buffer \|.*?_NestedSequence\[(?:~?(?:complex|bytes|str|int|float|bool)|[ |])+\]")
 
 
 def keep_tables(app, what, name, obj, options, lines):  # type: ignore[no-untyped-def]
@@ -73,12 +75,21 @@ def keep_tables(app, what, name, obj, options, lines):  # type: ignore[no-untype
     lines[:] = "\n\n".join([*kept, ""]).split("\n")
 
 
+def escape_fitted(app, what, name, obj, options, lines):  # type: ignore[no-untyped-def]
+    """Escape the underscore that ends the name of a fitted attribute: to docutils it would be a link."""
+    for number, line in enumerate(lines):
+        plain_and_code = line.split("`")
+        plain_and_code[::2] = (re.sub(r"(\w)_(?=[\s,;:.)]|$)", r"\1\\_", part) for part in plain_and_code[::2])
+        lines[number] = "`".join(plain_and_code)
+
+
 def shorten(app, what, name, obj, options, signature, returns):  # type: ignore[no-untyped-def]
     """Return a signature whose arrays are written as the code writes them."""
-    return tuple(text and ARRAY.sub(r"NDArray[\1]", text) for text in (signature, returns))
+    return tuple(text and ARRAY_LIKE.sub("ArrayLike", ARRAY.sub(r"NDArray[\1]", text)) for text in (signature, returns))
 
 
 def setup(app):  # type: ignore[no-untyped-def]
     """Connect what this build does beside Sphinx."""
     app.connect("autodoc-process-docstring", keep_tables)
+    app.connect("autodoc-process-docstring", escape_fitted, priority=600)  # after napoleon
     app.connect("autodoc-process-signature", shorten)

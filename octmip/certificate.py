@@ -99,9 +99,9 @@ def _check_tree(problem: Problem, tree: Node) -> None:
     if forbidden:
         raise CertificateError(forbidden)
     if problem.sensor_cost_of(tree) > problem.sensor_limit:
-        sensors, cost = several(problem.sensors_used(tree)), problem.sensor_cost_of(tree)
         raise CertificateError(
-            f"the tree reads the sensors {sensors} of total cost {cost:g}, over the budget of {problem.sensor_budget:g}"
+            f"the tree reads the sensors {several(problem.sensors_used(tree))} of cost "
+            f"{problem.sensor_cost_of(tree):g}, over the budget of {problem.sensor_budget}"
         )
 
 

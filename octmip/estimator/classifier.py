@@ -16,7 +16,7 @@ from octmip.errors import SolverError, TreeError
 from octmip.estimator.decision_tree import sklearn_tree
 from octmip.estimator.fitted import FittedTree
 from octmip.estimator.proof import warn_unproven
-from octmip.estimator.samples import learn_samples, read_samples
+from octmip.estimator.samples import label_name, learn_samples, read_samples
 from octmip.estimator.settings import (
     ClassWeight,
     RandomState,
@@ -165,6 +165,7 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
         given = _check_sample_weight(sample_weight, features, dtype=np.float64)
         self.classes_ = np.unique(labels)
         self.columns_ = columns
+        self._label_name = label_name(y)
         weights = class_weights(self.class_weight, self.classes_, labels, given)
         kept = weights != 0
         problem = self._problem(features[kept], labels[kept], weights[kept])

@@ -4,16 +4,17 @@ from html import escape
 from typing import TYPE_CHECKING
 
 from octmip.certificate import certify
-from octmip.estimator.notebook import MOST_LEAVES, notebook_html, tree_svg
+from octmip.errors import needed_by
+from octmip.estimator.notebook import MOST_LEAVES, drawing_svg, notebook_html
 from octmip.formats.columns import Columns
 from octmip.formats.files import PathLike, check_writable, write_bytes
-from octmip.formats.names import shown
-from octmip.formats.table.preparation import Preparation
-from octmip.formats.tree_file import leaf_counts, record_tree
+from octmip.formats.tree_file import TreeFile, leaf_counts
 from octmip.problem import Problem
-from octmip.report.text import condition, tree_text
+from octmip.report.text import tree_text
+from octmip.report.tree.drawing import draw_tree
+from octmip.report.tree.words import Wording
 from octmip.solution import Solution
-from octmip.tree import HyperplaneSplit, Leaf, Node, Split, leaves
+from octmip.tree import Node, leaves
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -32,22 +33,13 @@ def _encoded(columns: Columns) -> Columns | None:
 
 def notebook_picture(problem: Problem, solution: Solution, columns: Columns) -> str:
     """Return the tree and its proof as HTML for the cell of a notebook."""
-    assert solution.tree is not None
-    rows = iter(leaf_counts(problem, solution.tree).tolist())
-    encoded = _encoded(columns)
-
-    def question(split: Split | HyperplaneSplit) -> str:
-        return condition(split, problem.feature_names, encoded)
-
-    def decision(leaf: Leaf) -> str:
-        counts = next(rows)
-        wrong = sum(counts) - counts[leaf.label]
-        return f"{shown(problem.class_names[leaf.label])}\n{sum(counts)}" + (f", {wrong} wrong" if wrong else "")
-
-    if len(leaves(solution.tree)) > MOST_LEAVES:
-        picture = f"<pre>{escape(words_of(problem, solution.tree, columns))}</pre>"
+    tree = solution.tree
+    assert tree is not None
+    if len(leaves(tree)) > MOST_LEAVES:
+        picture = f"<pre>{escape(words_of(problem, tree, columns))}</pre>"
     else:
-        picture = tree_svg(solution.tree, question, decision)
+        wording = Wording(problem.feature_names, problem.class_names, _encoded(columns))
+        picture = drawing_svg(draw_tree(tree, wording, leaf_counts(problem, tree)))
     errors = certify(problem, solution).errors
     claim = str(solution).splitlines()[0]
     return notebook_html(picture, f"{errors} of {problem.n_samples} training samples wrong; {claim}")
@@ -66,8 +58,17 @@ def figure_of(problem: Problem, tree: Node, columns: Columns, title: str | None)
     return tree_figure(problem, tree, title, _encoded(columns))
 
 
-def write_page(path: PathLike, problem: Problem, solution: Solution, columns: Columns, title: str) -> None:
+def write_page(path: PathLike, problem: Problem, file: TreeFile, seconds: float) -> None:
     """Write the page about a tree, an HTML file that is whole in itself.
+
+    Parameters
+    ----------
+    path
+        of the file.
+    problem, file
+        the training samples, and the tree with its claims.
+    seconds
+        for trees of lower depth, with which the page compares this one; 0 leaves them out.
 
     Raises
     ------
@@ -76,8 +77,9 @@ def write_page(path: PathLike, problem: Problem, solution: Solution, columns: Co
     DataError
         the file cannot be written.
     """
-    from octmip.report.html import tree_page
+    with needed_by("a page"):
+        from octmip.report.html import tree_page
+        from octmip.report.tree.evidence import gather
 
     check_writable(path)
-    file = record_tree(problem, solution, preparation=Preparation(columns))
-    write_bytes(path, tree_page(file, title).encode())
+    write_bytes(path, tree_page(file, evidence=gather(file, problem, seconds=seconds)).encode())

@@ -14,6 +14,8 @@ from octmip.estimator.paths import leaf_nodes, node_indicator
 from octmip.estimator.samples import read_samples
 from octmip.formats.columns import Columns
 from octmip.formats.files import PathLike
+from octmip.formats.table.preparation import Preparation
+from octmip.formats.tree_file import record_tree
 from octmip.problem import Problem
 from octmip.solution import Solution
 from octmip.tree import Node, depth, leaves
@@ -29,6 +31,7 @@ class FittedTree:
     solution_: Solution
     certificate_: Certificate
     columns_: Columns
+    _label_name: str | None
 
     @property
     def tree_(self) -> Node:
@@ -117,8 +120,11 @@ class FittedTree:
         check_is_fitted(self, "solution_")
         return figure_of(self.problem_, self.tree_, self.columns_, title)
 
-    def report(self, path: PathLike, title: str = "OptimalTreeClassifier") -> None:
+    def report(self, path: PathLike, seconds: float = 10.0) -> None:
         """Write a page about the tree, its errors and its proof: one HTML file that needs nothing else.
+
+        The page compares the tree with the greedy one, and with the best of every lower depth, for which it takes
+        `seconds` [s] at most (0: without them).
 
         Raises
         ------
@@ -128,7 +134,9 @@ class FittedTree:
             the file cannot be written.
         """
         check_is_fitted(self, "solution_")
-        write_page(path, self.problem_, self.solution_, self.columns_, title)
+        preparation = Preparation(self.columns_)
+        file = record_tree(self.problem_, self.solution_, self._label_name, preparation=preparation)
+        write_page(path, self.problem_, file, seconds)
 
     def _repr_html_inner(self) -> str:
         return self._with_picture(str(super()._repr_html_inner()))  # type: ignore[misc]

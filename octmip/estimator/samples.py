@@ -85,6 +85,12 @@ def _labels(y: Any) -> Any:
     return labels.to_numpy(dtype=kind) if isinstance(kind, np.dtype) and kind.kind in "biuf" and not n_missing else y
 
 
+def label_name(y: Any) -> str | None:
+    """Return the name of a series of labels; None where it has none."""
+    name = getattr(y, "name", None)
+    return name if isinstance(name, str) else None
+
+
 def plain_columns(names: tuple[str, ...], numbers: Floats) -> Columns:
     """Return the columns of finite numbers (n_samples, n_columns): each is its own feature."""
     least, most = numbers.min(axis=0).tolist(), numbers.max(axis=0).tolist()

@@ -28,7 +28,8 @@ def split_text(split: Split | HyperplaneSplit, feature_names: Sequence[str], col
     With `columns` it is said of those that the features were made from: "colour is not red".
     """
     if isinstance(split, Split) and columns is not None:
-        return drawn(columns.left_words(split.feature, split.threshold, "{:.5g}".format)).replace("<=", "≤")
+        words = drawn(columns.left_words(split.feature, split.threshold, "{:.5g}".format)).replace("<=", "≤")
+        return f"{words.removesuffix(' or missing')}\nor missing" if words.endswith(" or missing") else words
     if isinstance(split, Split):
         return f"{drawn(feature_names[split.feature])} ≤ {split.threshold:.5g}"
     terms = ""

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from typing import Any
 
+from octmip.formats.columns import Columns
 from octmip.formats.names import shown
 from octmip.report.text import condition
 from octmip.tree import Leaf, Node
@@ -11,8 +12,13 @@ LONGEST_LINE = 100
 """Characters in one line of a label: Graphviz draws no edge past a node that is 65,535 points wide, so labels wrap."""
 
 
-def tree_dot(tree: Node, feature_names: Sequence[str], class_names: Sequence[Any]) -> str:
-    """Return a tree as a DOT digraph: boxes for splits, ellipses for leaves, yes to the left."""
+def tree_dot(
+    tree: Node, feature_names: Sequence[str], class_names: Sequence[Any], columns: Columns | None = None
+) -> str:
+    """Return a tree as a DOT digraph: boxes for splits, ellipses for leaves, yes to the left.
+
+    `columns` are how the columns of a table became the features, None where they are the features.
+    """
     lines: list[str] = []
 
     def add(node: Node) -> int:
@@ -23,7 +29,7 @@ def tree_dot(tree: Node, feature_names: Sequence[str], class_names: Sequence[Any
             return index
         left, right = add(node.left), add(node.right)
         lines[index] = (
-            f"  n{index} [label={_quoted(condition(node, feature_names))}];\n"
+            f"  n{index} [label={_quoted(condition(node, feature_names, columns))}];\n"
             f'  n{index} -> n{left} [label="yes"];\n'
             f'  n{index} -> n{right} [label="no"];'
         )

@@ -12,9 +12,10 @@ from octmip.report.tree.words import Wording
 
 def tree_page(
     file: TreeFile,
-    source: str,
+    source: str | None = None,
     evidence: Evidence | None = None,
     *,
+    title: str | None = None,
     data: str | None = None,
     units: Mapping[str, str] | None = None,
     made: datetime.date | None = None,
@@ -26,9 +27,11 @@ def tree_page(
     file
         the tree, its claims and what it was trained on (`record_tree`).
     source
-        name of the tree file, for the footer and the commands.
+        name of the tree file, for the footer and the commands; None where there is no file.
     evidence
         what its data say (`octmip.report.tree.evidence.gather`); without it the page shows what the file holds.
+    title
+        the heading; by default what is told, by the name of the label's column.
     data
         name of the data file, None where there is none.
     units
@@ -37,6 +40,6 @@ def tree_page(
         day on the page; today by default.
     """
     wording = Wording(file.feature_names, file.class_names, file.columns, units or {})
-    facts = page_facts(data, file.sha256, made, **{"Tree file": source})
-    page = page_contents(file, source, evidence, wording, data)
+    facts = page_facts(data, file.sha256, made, **({"Tree file": source} if source else {}))
+    page = page_contents(file, source, evidence, wording, data) | ({"title": title} if title else {})
     return render("tree.html", styles=["tree.css"], scripts=["tree.js"], facts=facts, **page)

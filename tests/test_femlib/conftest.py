@@ -24,6 +24,12 @@ def coarse() -> Wing:
 
 
 @pytest.fixture(scope="session")
+def coarser() -> Wing:
+    """The same on a mesh so coarse that factorising it again and again for the truth takes little."""
+    return uav_wing(candidates=True, refinement=0.35)
+
+
+@pytest.fixture(scope="session")
 def tiny() -> Wing:
     """The wing on the coarsest mesh that it is used with, for what no mesh changes."""
     return uav_wing(refinement=0.3)

@@ -20,67 +20,67 @@ def full_solution(wing: Wing, mu: np.ndarray, load: np.ndarray) -> np.ndarray:
     return supports.expand(factors.solve(load[supports.free]))
 
 
-def test_the_condensed_solution_is_that_of_a_new_factorisation(coarse: Wing) -> None:
+def test_the_condensed_solution_is_that_of_a_new_factorisation(coarser: Wing) -> None:
     rng = np.random.default_rng(1)
-    load = coarse.lift + 0.1 * rng.normal(size=coarse.lift.shape)  # loads inside the regions too
-    moved = coarse.structure.solve(STATES, load)
+    load = coarser.lift + 0.1 * rng.normal(size=coarser.lift.shape)  # loads inside the regions too
+    moved = coarser.structure.solve(STATES, load)
     for mu, displacement in zip(STATES, moved, strict=True):
-        full = full_solution(coarse, mu, load)
+        full = full_solution(coarser, mu, load)
         assert np.abs(displacement - full).max() < 1e-8 * np.abs(full).max()
 
 
-def test_many_states_at_once_are_those_of_new_factorisations(coarse: Wing) -> None:
+def test_many_states_at_once_are_those_of_new_factorisations(coarser: Wing) -> None:
     rng = np.random.default_rng(2)
     states = np.concatenate([STATES, rng.uniform(0.0, 0.95, (6, 2))])
-    load = coarse.lift + 0.1 * rng.normal(size=coarse.lift.shape)
-    fresh = replace(coarse.structure)
+    load = coarser.lift + 0.1 * rng.normal(size=coarser.lift.shape)
+    fresh = replace(coarser.structure)
     moved = fresh.solve(states, load)
     assert fresh.eliminated((0, 1)).ports.is_diagonal
     for mu, displacement in zip(states[-3:], moved[-3:], strict=True):
-        full = full_solution(coarse, mu, load)
+        full = full_solution(coarser, mu, load)
         assert np.abs(displacement - full).max() < 1e-8 * np.abs(full).max()
 
 
-def test_many_loads_in_one_state_are_each_of_them_alone(coarse: Wing) -> None:
-    loads = np.random.default_rng(3).normal(size=(coarse.lift.size, 2))
-    moved = coarse.structure.solve_loads(STATES[3], loads)
+def test_many_loads_in_one_state_are_each_of_them_alone(coarser: Wing) -> None:
+    loads = np.random.default_rng(3).normal(size=(coarser.lift.size, 2))
+    moved = coarser.structure.solve_loads(STATES[3], loads)
     for load, displacement in zip(loads.T, moved.T, strict=True):
-        alone = coarse.structure.solve(STATES[3:], load)[0]
+        alone = coarser.structure.solve(STATES[3:], load)[0]
         assert np.abs(displacement - alone).max() < 1e-8 * np.abs(alone).max()
 
 
-def test_many_states_of_a_single_region_are_those_of_new_factorisations(coarse: Wing) -> None:
-    shells, supports = coarse.structure.shells, coarse.structure.supports
-    alone = DamagedStructure(shells, supports, coarse.structure.components[:1])
-    moved = alone.solve(np.linspace(0.1, 0.9, 5)[:, None], coarse.lift)
+def test_many_states_of_a_single_region_are_those_of_new_factorisations(coarser: Wing) -> None:
+    shells, supports = coarser.structure.shells, coarser.structure.supports
+    alone = DamagedStructure(shells, supports, coarser.structure.components[:1])
+    moved = alone.solve(np.linspace(0.1, 0.9, 5)[:, None], coarser.lift)
     assert alone.eliminated((0,)).ports.is_diagonal
-    full = full_solution(coarse, np.array([0.9, 0.0]), coarse.lift)
+    full = full_solution(coarser, np.array([0.9, 0.0]), coarser.lift)
     assert np.abs(moved[-1] - full).max() < 1e-8 * np.abs(full).max()
 
 
-def test_regions_that_touch_are_solved_without_a_spectrum(coarse: Wing) -> None:
-    first = coarse.structure.components[0].elements
+def test_regions_that_touch_are_solved_without_a_spectrum(coarser: Wing) -> None:
+    first = coarser.structure.components[0].elements
     half = np.cumsum(first) <= first.sum() // 2
     parts = (Component("a", "a", first & half), Component("b", "b", first & ~half))
-    structure = DamagedStructure(coarse.structure.shells, coarse.structure.supports, parts)
+    structure = DamagedStructure(coarser.structure.shells, coarser.structure.supports, parts)
     states = np.random.default_rng(4).uniform(0.0, 0.9, (6, 2))
-    moved = structure.solve(states, coarse.lift)
+    moved = structure.solve(states, coarser.lift)
     assert not structure.eliminated((0, 1)).ports.is_diagonal
     supports = structure.supports
     full = supports.expand(
-        factorise(structure.stiffness(states[-1]), supports.groups).solve(coarse.lift[supports.free])
+        factorise(structure.stiffness(states[-1]), supports.groups).solve(coarser.lift[supports.free])
     )
     assert np.abs(moved[-1] - full).max() < 1e-8 * np.abs(full).max()
 
 
-def test_outputs_without_displacements_are_those_of_the_displacements(coarse: Wing) -> None:
-    moved = coarse.structure.solve(STATES, 3.0 * coarse.lift)
-    direct = 1e6 * (coarse.strain_rows @ moved.T).T
-    assert coarse.strains_microstrain(STATES, 3.0) == pytest.approx(direct, abs=1e-4)
+def test_outputs_without_displacements_are_those_of_the_displacements(coarser: Wing) -> None:
+    moved = coarser.structure.solve(STATES, 3.0 * coarser.lift)
+    direct = 1e6 * (coarser.strain_rows @ moved.T).T
+    assert coarser.strains_microstrain(STATES, 3.0) == pytest.approx(direct, abs=1e-4)
 
 
-def test_stiffness_is_affine_symmetric_and_positive_definite_in_every_state(coarse: Wing) -> None:
-    structure = coarse.structure
+def test_stiffness_is_affine_symmetric_and_positive_definite_in_every_state(coarser: Wing) -> None:
+    structure = coarser.structure
     none, first, half = (structure.stiffness(np.array([a, 0.0])) for a in (0.0, 0.8, 0.4))
     assert abs(0.5 * (none + first) - half).max() < 1e-9 * abs(none).max()
     rng = np.random.default_rng(0)
@@ -92,15 +92,15 @@ def test_stiffness_is_affine_symmetric_and_positive_definite_in_every_state(coar
     assert np.linalg.eigvalsh(structure.eliminated((0, 1)).ports.schur).min() > 0
 
 
-def test_a_structure_without_components_is_solved(coarse: Wing) -> None:
-    bare = DamagedStructure(coarse.structure.shells, coarse.structure.supports, ())
-    undamaged = coarse.structure.solve(np.zeros((1, 2)), coarse.lift)
-    assert bare.solve(np.zeros((1, 0)), coarse.lift) == pytest.approx(undamaged, abs=1e-10)
+def test_a_structure_without_components_is_solved(coarser: Wing) -> None:
+    bare = DamagedStructure(coarser.structure.shells, coarser.structure.supports, ())
+    undamaged = coarser.structure.solve(np.zeros((1, 2)), coarser.lift)
+    assert bare.solve(np.zeros((1, 0)), coarser.lift) == pytest.approx(undamaged, abs=1e-10)
 
 
-def test_damage_only_softens(coarse: Wing) -> None:
+def test_damage_only_softens(coarser: Wing) -> None:
     states = np.column_stack([np.linspace(0, 0.9, 5), np.zeros(5)])
-    work = coarse.structure.solve(states, coarse.lift) @ coarse.lift
+    work = coarser.structure.solve(states, coarser.lift) @ coarser.lift
     assert (np.diff(work) > 0).all()
 
 
@@ -114,20 +114,20 @@ def test_damage_only_softens(coarse: Wing) -> None:
         ([[np.nan, 0.0]], r"states\[0, 0\] is nan; expected finite numbers"),
     ],
 )
-def test_a_bad_state_gets_a_sentence(coarse: Wing, states: list[list[float]], sentence: str) -> None:
+def test_a_bad_state_gets_a_sentence(coarser: Wing, states: list[list[float]], sentence: str) -> None:
     with pytest.raises(InputError, match=sentence):
-        coarse.strains_microstrain(np.array(states), 3.0)
+        coarser.strains_microstrain(np.array(states), 3.0)
 
 
-def test_a_bad_load_gets_a_sentence(coarse: Wing) -> None:
-    load = coarse.lift.copy()
+def test_a_bad_load_gets_a_sentence(coarser: Wing) -> None:
+    load = coarser.lift.copy()
     load[7] = np.nan
     with pytest.raises(InputError, match=r"load\[7\] is nan; expected finite numbers"):
-        coarse.structure.solve(STATES, load)
+        coarser.structure.solve(STATES, load)
 
 
-def test_overlapping_or_empty_regions_are_refused(coarse: Wing) -> None:
-    structure = coarse.structure
+def test_overlapping_or_empty_regions_are_refused(coarser: Wing) -> None:
+    structure = coarser.structure
     first = structure.components[0]
     with pytest.raises(InputError, match=r"regions R1 and R9 share \d+ elements; expected none"):
         DamagedStructure(structure.shells, structure.supports, (first, Component("R9", "mu9", first.elements)))
@@ -136,23 +136,23 @@ def test_overlapping_or_empty_regions_are_refused(coarse: Wing) -> None:
         DamagedStructure(structure.shells, structure.supports, (nothing,))
 
 
-def test_the_structure_at_its_ports_is_the_condensed_structure(coarse: Wing) -> None:
+def test_the_structure_at_its_ports_is_the_condensed_structure(coarser: Wing) -> None:
     rng = np.random.default_rng(1)
-    load = coarse.lift + 0.1 * rng.normal(size=coarse.lift.shape)  # loads inside the regions too
-    ports = port_flexibility(coarse.structure, load, 1e6 * coarse.strain_rows, coarse.gauges.names)
-    full = 1e6 * coarse.structure.solve_outputs(STATES[:3], load, coarse.strain_rows)
+    load = coarser.lift + 0.1 * rng.normal(size=coarser.lift.shape)  # loads inside the regions too
+    ports = port_flexibility(coarser.structure, load, 1e6 * coarser.strain_rows, coarser.gauges.names)
+    full = 1e6 * coarser.structure.solve_outputs(STATES[:3], load, coarser.strain_rows)
     assert ports.solve(STATES[:3]) == pytest.approx(full, abs=1e-7 * np.abs(full).max())
     assert ports.own.min() > 0.0
     assert ports.own.max() < 1.0
     assert np.array_equal(ports.across, ports.across.T)
 
 
-def test_a_structure_without_components_has_no_ports(coarse: Wing) -> None:
-    bare = DamagedStructure(coarse.structure.shells, coarse.structure.supports, ())
-    ports = port_flexibility(bare, coarse.lift, 1e6 * coarse.strain_rows, coarse.gauges.names)
-    assert ports.solve(np.zeros((1, 0)))[0] == pytest.approx(coarse.strain_microstrain({}, 1.0), rel=1e-8)
+def test_a_structure_without_components_has_no_ports(coarser: Wing) -> None:
+    bare = DamagedStructure(coarser.structure.shells, coarser.structure.supports, ())
+    ports = port_flexibility(bare, coarser.lift, 1e6 * coarser.strain_rows, coarser.gauges.names)
+    assert ports.solve(np.zeros((1, 0)))[0] == pytest.approx(coarser.strain_microstrain({}, 1.0), rel=1e-8)
 
 
-def test_rows_without_a_name_get_a_sentence(coarse: Wing) -> None:
+def test_rows_without_a_name_get_a_sentence(coarser: Wing) -> None:
     with pytest.raises(InputError, match="1 output names but 82 rows; expected one name per row"):
-        port_flexibility(coarse.structure, coarse.lift, coarse.strain_rows, ("g01",))
+        port_flexibility(coarser.structure, coarser.lift, coarser.strain_rows, ("g01",))

@@ -18,13 +18,13 @@ QUICK = ReductionSettings(n_states=100, n_dual_states=6)
 
 
 @pytest.fixture(scope="module")
-def ports(coarse: Wing) -> PortFlexibility:
-    return port_flexibility(coarse.structure, coarse.lift, MICRO * coarse.strain_rows, coarse.gauges.names)
+def ports(coarser: Wing) -> PortFlexibility:
+    return port_flexibility(coarser.structure, coarser.lift, MICRO * coarser.strain_rows, coarser.gauges.names)
 
 
 @pytest.fixture(scope="module")
-def reduced(coarse: Wing) -> ReducedWing:
-    return reduce_wing(coarse, QUICK)
+def reduced(coarser: Wing) -> ReducedWing:
+    return reduce_wing(coarser, QUICK)
 
 
 @pytest.fixture(scope="module")
@@ -54,9 +54,9 @@ def random_states(n: int, n_regions: int = 2, n_damaged: int | None = None, most
     return states
 
 
-def test_the_bound_is_never_below_the_true_error(coarse: Wing, reduced: ReducedWing) -> None:
+def test_the_bound_is_never_below_the_true_error(coarser: Wing, reduced: ReducedWing) -> None:
     states = np.concatenate([random_states(150), random_states(50, n_damaged=1)])
-    error = np.abs(reduced.strains_microstrain(states, -2.0) - coarse.strains_microstrain(states, -2.0))
+    error = np.abs(reduced.strains_microstrain(states, -2.0) - coarser.strains_microstrain(states, -2.0))
     assert (error <= reduced.error_bound_microstrain(states, -2.0)).all()
     assert error.max() < 0.01
 
@@ -94,15 +94,15 @@ def test_more_modes_are_better(ports: PortFlexibility) -> None:
     assert errors[0] > 10 * errors[1]
 
 
-def test_without_damage_the_reduced_model_is_exact(coarse: Wing, model: ReducedModel) -> None:
-    pristine = coarse.strain_microstrain({}, 1.0)
+def test_without_damage_the_reduced_model_is_exact(coarser: Wing, model: ReducedModel) -> None:
+    pristine = coarser.strain_microstrain({}, 1.0)
     assert model.solve(np.zeros((1, 2)))[0, :-1] == pytest.approx(pristine, rel=1e-9)
     assert model.error_bound(np.zeros((1, 2))).max() < 1e-4
 
 
-def test_displacements_are_those_of_the_full_model(coarse: Wing, reduced: ReducedWing) -> None:
+def test_displacements_are_those_of_the_full_model(coarser: Wing, reduced: ReducedWing) -> None:
     for state in ({}, {"mu1": 0.7}, {"mu1": 0.4, "mu2": 0.8}):
-        full = coarse.solve(state, 3.0)
+        full = coarser.solve(state, 3.0)
         assert np.abs(reduced.solve(state, 3.0) - full).max() < 1e-5 * np.abs(full).max()
 
 
@@ -123,30 +123,30 @@ def test_turns_that_do_not_settle_are_solved_together(ports: PortFlexibility, mo
     assert model.solve(states) == pytest.approx(settled, rel=1e-8)
 
 
-def test_the_reduced_wing_answers_as_the_wing_does(coarse: Wing, reduced: ReducedWing) -> None:
-    assert reduced.gauges == coarse.gauges.names
-    assert reduced.parameters == coarse.parameters
+def test_the_reduced_wing_answers_as_the_wing_does(coarser: Wing, reduced: ReducedWing) -> None:
+    assert reduced.gauges == coarser.gauges.names
+    assert reduced.parameters == coarser.parameters
     state = {"mu2": 0.5}
-    assert reduced.strain_microstrain(state, 3.0) == pytest.approx(coarse.strain_microstrain(state, 3.0), abs=0.01)
+    assert reduced.strain_microstrain(state, 3.0) == pytest.approx(coarser.strain_microstrain(state, 3.0), abs=0.01)
     with pytest.raises(InputError, match="mu9"):
         reduced.strain_microstrain({"mu9": 0.5}, 3.0)
     with pytest.raises(InputError, match="load_factor is nan"):
         reduced.solve({}, np.nan)
 
 
-def test_a_load_of_ones_own_is_reduced(coarse: Wing) -> None:
-    load = np.roll(coarse.lift, 6)  # another load, to the next node
+def test_a_load_of_ones_own_is_reduced(coarser: Wing) -> None:
+    load = np.roll(coarser.lift, 6)  # another load, to the next node
     state = {"mu1": 0.6}
     row = np.array([[0.6, 0.0]])
-    full = MICRO * coarse.structure.solve_outputs(row, 2.0 * load, coarse.strain_rows)[0]
-    own = reduce_wing(coarse, QUICK, load)
+    full = MICRO * coarser.structure.solve_outputs(row, 2.0 * load, coarser.strain_rows)[0]
+    own = reduce_wing(coarser, QUICK, load)
     assert own.strain_microstrain(state, 2.0) == pytest.approx(full, abs=0.01)
-    assert np.abs(coarse.strain_microstrain(state, 2.0) - full).max() > 1.0
+    assert np.abs(coarser.strain_microstrain(state, 2.0) - full).max() > 1.0
     with pytest.raises(InputError, match=r"lift has shape \(3,\)"):
-        reduce_wing(coarse, QUICK, np.zeros(3))
+        reduce_wing(coarser, QUICK, np.zeros(3))
 
 
-def test_a_model_comes_back_from_its_file(reduced: ReducedWing, coarse: Wing, tmp_path: Path) -> None:
+def test_a_model_comes_back_from_its_file(reduced: ReducedWing, coarser: Wing, tmp_path: Path) -> None:
     path = tmp_path / "wing.npz"
     reduced.save(path)
     again = ReducedWing.load_file(path)
@@ -155,14 +155,14 @@ def test_a_model_comes_back_from_its_file(reduced: ReducedWing, coarse: Wing, tm
     assert np.array_equal(again.error_bound_microstrain(states, 3.0), reduced.error_bound_microstrain(states, 3.0))
     assert np.array_equal(again.solve({"mu1": 0.5}, 1.0), reduced.solve({"mu1": 0.5}, 1.0))
     assert again.provenance == reduced.provenance
-    assert again.provenance["model"] == coarse.model_hash
+    assert again.provenance["model"] == coarser.model_hash
     assert again.parameters == ("mu1", "mu2")
     assert again.gauges == reduced.gauges
     assert [p.name for p in tmp_path.iterdir()] == ["wing.npz"]
 
 
-def test_a_model_without_its_motion_says_so(coarse: Wing, tmp_path: Path) -> None:
-    bare = reduce_structure(coarse.structure, coarse.lift, coarse.strain_rows, coarse.gauges.names, QUICK)
+def test_a_model_without_its_motion_says_so(coarser: Wing, tmp_path: Path) -> None:
+    bare = reduce_structure(coarser.structure, coarser.lift, coarser.strain_rows, coarser.gauges.names, QUICK)
     bare.save(tmp_path / "bare.npz")
     with pytest.raises(InputError, match="holds no displacements"):
         ReducedModel.load_file(tmp_path / "bare.npz").displacements(np.zeros((1, 2)))

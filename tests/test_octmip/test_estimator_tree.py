@@ -3,7 +3,6 @@
 import pickle
 import sys
 from html import escape
-from itertools import pairwise
 from xml.etree import ElementTree
 
 import numpy as np
@@ -22,7 +21,6 @@ from octmip import HyperplaneSplit, Leaf, OptimalTreeClassifier, Problem, Split
 from octmip.errors import MissingExtraError, TreeError
 from octmip.estimator import drawing
 from octmip.estimator.importance import feature_savings
-from octmip.estimator.notebook import tree_svg
 from octmip.estimator.paths import NodeTable, leaf_nodes, node_indicator
 
 IRIS = load_iris(return_X_y=True)
@@ -40,7 +38,7 @@ def iris():
 
 @pytest.fixture(scope="module")
 def encoded():
-    return OptimalTreeClassifier(max_depth=2).fit(FRAME, ANSWERS)
+    return OptimalTreeClassifier(max_depth=2).fit(FRAME, pd.Series(ANSWERS, name="animal"))
 
 
 def test_nodes_are_numbered_in_preorder():
@@ -157,10 +155,12 @@ def test_the_words_of_a_tree_are_those_of_its_columns(encoded):
 def test_it_draws_itself_and_writes_a_page(iris, encoded, tmp_path):
     for model in (iris, encoded):
         assert model.plot(title="a title").get_axes()[0].get_title() == "a title"
-        model.report(tmp_path / "page.html", title="my tree")
+        model.report(tmp_path / "page.html", seconds=0.5)
         page = (tmp_path / "page.html").read_text()
         assert page.startswith("<!doctype html>")
-        assert "my tree" in page
+        assert "octmip certify" not in page
+        assert "CART" in page
+        assert ("animal" in page) == (model is encoded)
         assert "<b>kind" not in page
     drawn = [text.get_text() for text in encoded.plot().findobj(Text)]
     assert not [text for text in drawn if "missing below" in text or "≤ 0.5" in text]
@@ -186,6 +186,7 @@ def test_a_notebook_shows_the_tree_below_scikit_learns_diagram(iris, encoded):
     assert picture(html) == picture(iris._repr_mimebundle_()["text/html"])
     assert html.startswith(DecisionTreeClassifier()._repr_html_()[:6])
     assert {"yes", "no", "0", "1", "2"} <= set(picture(html))
+    assert {"<b>kind</b>", "is a?"} <= set(picture(encoded._repr_html_()))
     assert "training samples wrong; objective" in html
     assert "<b>kind</b>" not in encoded._repr_html_()
     assert 'aria-label="the fitted tree"' not in OptimalTreeClassifier()._repr_html_()
@@ -196,23 +197,6 @@ def test_a_notebook_that_wants_text_gets_text(iris):
     with sklearn.config_context(display="text"):
         assert not hasattr(iris, "_repr_html_")
         assert list(iris._repr_mimebundle_()) == ["text/plain"]
-
-
-def test_boxes_of_the_picture_do_not_overlap():
-    drawing = ElementTree.fromstring(
-        tree_svg(UNEVEN, lambda split: f"x{split.features} <= 0.5", lambda leaf: "leaf\n5, 1 wrong")
-    )
-    boxes = [
-        {key: float(box.get(key)) for key in ("x", "y", "width", "height")}
-        for box in drawing.iter()
-        if "rect" in box.tag
-    ]
-    assert len(boxes) == 7
-    for level in {box["y"] for box in boxes}:
-        row = sorted((box["x"], box["x"] + box["width"]) for box in boxes if box["y"] == level)
-        assert all(left[1] < right[0] for left, right in pairwise(row))
-    assert max(box["x"] + box["width"] for box in boxes) <= float(drawing.get("width"))
-    assert max(box["y"] + box["height"] for box in boxes) <= float(drawing.get("height"))
 
 
 def test_a_tree_too_wide_for_a_picture_is_shown_as_text(iris, monkeypatch):

@@ -17,9 +17,10 @@ from octmip.tradeoff import Samples, held_out_rows
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Training:
-    """The training samples of a tree file as its problem, and the samples of the same table that were held out."""
+    """The training samples of a tree file as its problem, the rows they are, and samples of that table held out."""
 
     problem: Problem
+    rows: Table
     held_out: Samples | None
 
 
@@ -95,7 +96,7 @@ def read_training(
             f"{problem.n_samples} samples, expected {file.sha256[:12]}... of {file.n_samples}; give that table"
         )
     held = samples_of(problem, features[is_held], labels[is_held], weighed[is_held]) if is_split else None
-    return Training(problem, held)
+    return Training(problem, table.rows(~is_held), held)
 
 
 def read_test(file: TreeFile, problem: Problem, data: str, form: str | None = None) -> Samples:

@@ -26,7 +26,7 @@ MOST_CLASSES = 30
 
 
 def page_contents(
-    file: TreeFile, source: str, evidence: Evidence | None, wording: Wording, data: str | None
+    file: TreeFile, source: str | None, evidence: Evidence | None, wording: Wording, data: str | None
 ) -> dict[str, Any]:
     """Return the context of `tree.html`."""
     measure = measure_of(file)
@@ -47,7 +47,7 @@ def page_contents(
         "words": tree_text(file.tree, file.feature_names, file.class_names, file.leaf_counts, wording.columns),
         "leaves": _leaves(file, wording),
         "settings": settings_rows(file),
-        "commands": _commands(source, data),
+        "commands": _commands(source, data) if source else "",
         "data": _data(file, evidence, wording),
     }
     return page | _depths(evidence, measure)
@@ -136,6 +136,9 @@ def _paths(node: Node, wording: Wording) -> list[str]:
 
 
 def _commands(source: str, data: str | None) -> str:
+    """Return the commands that check the tree again; none where it is in no file."""
+    if not source:
+        return ""
     tree, table = shlex.quote(visible(source)), shlex.quote(visible(data)) if data else "DATA"
     return f"octmip certify {tree} {table}\noctmip certify {tree} {table} --proof LOG"
 

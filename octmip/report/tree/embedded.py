@@ -79,12 +79,11 @@ def sample_data(problem: Problem, tree: Node, wording: Wording, table: pd.DataFr
     each = max(1, min(MOST_ROWS, MOST_CELLS // (n_leaves * max(1, len(names)))))
     rows_of = [np.flatnonzero(reached == k)[:each] for k in range(n_leaves)]
     labels = [leaf.label for leaf in leaves(tree)]
+    place = range(problem.n_samples) if table is None else table.index.tolist()
     found = []
     for rows, label in zip(rows_of, labels, strict=True):
-        codes = problem.codes[rows].tolist()
-        found.append(
-            [[row + 1, code, int(code != label), *cells(row)] for row, code in zip(rows.tolist(), codes, strict=True)]
-        )
+        samples = zip(rows.tolist(), problem.codes[rows].tolist(), strict=True)
+        found.append([[place[row] + 1, code, int(code != label), *cells(row)] for row, code in samples])
     total = problem.n_features if table is None else table.shape[1]
     return {"columns": [short_name(name, 40) for name in names], "isNumber": is_number, "leaves": found, "of": total}
 

@@ -94,7 +94,8 @@ class Evidence:
     proof
         the checked log, None without one.
     table
-        the rows as they stand in the user's table, None where the features are all there is.
+        the rows as they stand in the user's table, its index their place there from 0; None where the features are all
+        there is.
     """
 
     problem: Problem

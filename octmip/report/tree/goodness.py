@@ -20,6 +20,8 @@ def quality(file: TreeFile, evidence: Evidence | None, measure: Measure) -> list
     sentences = [
         "A greedy tree (CART) chooses each split by itself and never looks back; it is what most software grows."
     ]
+    if file.settings["split"] == "hyperplane":
+        sentences.append("The greedy tree has one feature in each split; this one may weigh several.")
     held = evidence.held_out
     if held is None:
         sentences.append(

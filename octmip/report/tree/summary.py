@@ -101,7 +101,7 @@ def figures(file: TreeFile, evidence: Evidence | None, measure: Measure, wording
 def _held_card(evidence: Evidence) -> Card:
     held = evidence.held_out
     if held is None:
-        return ("Wrong on new samples", "not measured", "no samples were held out")
+        return ("Wrong on new samples", "unknown", "none were held out")
     wrong = held.n_samples - int(held.confusion(held.tree, evidence.problem.n_classes).trace())
     return ("Wrong on new samples", percent(wrong / held.n_samples), f"{wrong:,} of {held.n_samples:,} held out")
 

@@ -1,0 +1,86 @@
+"""octmip report with the data: what is recounted, compared and held out, as words, Markdown and a page."""
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pytest
+
+
+@pytest.fixture
+def solved(data: Path, run: Any, tmp_path: Path) -> Path:
+    path = tmp_path / "two.json"
+    words = ("--label", "y", "--depth", 2, "--features", "a,b", "--out", path, "--proof", tmp_path / "two.log")
+    assert run("solve", data, *words)[0] == 0
+    return path
+
+
+def page_of(run: Any, tmp_path: Path, *words: Any) -> str:
+    code, _, err = run("report", *words, "--out", tmp_path / "page.html")
+    assert (code, err) == (0, "")
+    text = (tmp_path / "page.html").read_text()
+    return re.sub(r"\s+", " ", re.sub(r"<(style|script).*?</\1>", "", text, flags=re.DOTALL))
+
+
+def test_the_page_of_a_tree_and_its_data_recounts_compares_and_checks_the_proof(run, data, solved, tmp_path):
+    page = page_of(run, tmp_path, solved, data, "--holdout", 0.2, "--proof", tmp_path / "two.log", "--unit", "a=mm")
+    assert "How to tell y" in page
+    assert "each of the 30 samples of data.csv was sent through the tree again" in page
+    assert "Proof log checked for this page" in page
+    assert "6 samples were held out (20 % of the rows" in page
+    assert re.search(r"≤ [\d.]+ mm\?", page)
+    assert "Is the depth worth it?" in page
+
+
+def test_samples_come_from_the_table_with_their_rows_in_it(run, data, solved, tmp_path):
+    run("report", solved, data, "--seconds", 0, "--out", tmp_path / "page.html")
+    text = (tmp_path / "page.html").read_text()
+    samples = json.loads(re.findall(r'id="tree-data">(.*?)</script>', text)[0])["samples"]
+    assert sorted(samples["columns"]) == ["a", "b", "w", "y"]
+    assert sorted(row[0] for leaf in samples["leaves"] for row in leaf) == list(range(1, 31))
+    assert "Is the depth worth it?" not in text
+
+
+def test_a_test_table_and_samples_held_out_in_training_judge_the_page_s_own_tree(run, data, tmp_path):
+    tree = tmp_path / "held.json"
+    run("solve", data, "--label", "y", "--depth", 1, "--features", "a,b", "--holdout", 0.3, "--out", tree)
+    assert "9 samples of data.csv, held out before the training" in page_of(run, tmp_path, tree, data)
+    frame = pd.read_csv(data)
+    frame.head(10).to_csv(tmp_path / "test.csv", index=False)
+    assert "10 samples of test.csv" in page_of(run, tmp_path, tree, data, "--test", tmp_path / "test.csv")
+    code, _, err = run("report", tree, data, "--holdout", 0.3)
+    assert code == 2
+    assert "leave --holdout out" in err
+
+
+def test_words_and_markdown_of_a_tree_and_its_data_say_what_the_greedy_tree_does(run, data, solved, tmp_path):
+    out = run("report", solved, data)[1]
+    assert "recounted on 30 samples: every claim holds" in out
+    assert re.search(r"greedy tree: \d+ wrong", out)
+    assert run("report", solved, data, "--out", tmp_path / "r.md")[0] == 0
+    assert "greedy tree:" in (tmp_path / "r.md").read_text()
+
+
+def test_another_table_is_refused(run, data, solved, tmp_path):
+    pd.read_csv(data).head(20).to_csv(tmp_path / "other.csv", index=False)
+    code, _, err = run("report", solved, tmp_path / "other.csv")
+    assert code == 1
+    assert "is not the table" in err
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--holdout", 0.2), "--holdout needs the table"),
+        (("DATA", "--out", "page.svg"), ".svg shows the tree alone"),
+        (("DATA", "--unit", "w=kg"), "'w', which is no column of numbers"),
+        (("DATA", "--seconds", "nan"), "--seconds is nan"),
+        (("DATA", "--threads", 0), "--threads is 0"),
+    ],
+)
+def test_what_cannot_be_reported_is_refused_with_a_cure(run, data, solved, words, said):
+    code, _, err = run("report", solved, *(data if word == "DATA" else word for word in words))
+    assert code == 2
+    assert said in err
