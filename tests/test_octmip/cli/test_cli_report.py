@@ -26,7 +26,7 @@ def page_of(run: Any, tmp_path: Path, *words: Any) -> str:
 
 def test_the_page_of_a_tree_and_its_data_recounts_compares_and_checks_the_proof(run, data, solved, tmp_path):
     page = page_of(run, tmp_path, solved, data, "--holdout", 0.2, "--proof", tmp_path / "two.log", "--unit", "a=mm")
-    assert "How to tell y" in page
+    assert "A decision tree for y" in page
     assert "each of the 30 samples of data.csv was sent through the tree again" in page
     assert "Proof log checked for this page" in page
     assert "6 samples were held out (20 % of the rows" in page
