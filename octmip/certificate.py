@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import CertificateError
-from octmip.formats.checked import several
+from octmip.formats.messages import several
 from octmip.problem import Problem
 from octmip.solution import Solution, Stop
 from octmip.tree import Leaf, Node, depth, leaf_index, leaves, n_splits

@@ -6,7 +6,7 @@ from typing import NoReturn
 
 from octmip.cli.samples.options import add_column_arguments, add_label_arguments
 from octmip.errors import DataError
-from octmip.formats.checked import shown
+from octmip.formats.messages import shown
 from octmip.solution import Limits
 from octmip.solver import METHODS
 

@@ -14,7 +14,7 @@ from octmip.cli.arguments import MOST_THREADS, add_json_argument
 from octmip.cli.samples.options import TABLE_HELP, add_format_argument
 from octmip.cli.samples.training import Training, read_test, read_training
 from octmip.errors import CertificateError, DataError
-from octmip.formats.checked import shown
+from octmip.formats.messages import shown
 from octmip.formats.tree_file import TreeFile, finite_or_none, read_tree_file
 from octmip.problem import Problem
 from octmip.proof import ProofReport, check_proof

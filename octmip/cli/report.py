@@ -15,9 +15,9 @@ from octmip.cli.answer import ElapsedLine, printable
 from octmip.cli.arguments import MOST_THREADS
 from octmip.cli.samples.options import TABLE_HELP, add_format_argument, add_held_out_arguments
 from octmip.errors import DataError
-from octmip.formats.checked import shown
 from octmip.formats.columns import Columns
 from octmip.formats.files import check_writable, write_bytes
+from octmip.formats.messages import shown
 from octmip.formats.names import visible
 from octmip.formats.tree_file import TreeFile, read_tree_file
 from octmip.report.dot import tree_dot

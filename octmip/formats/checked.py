@@ -5,21 +5,17 @@ where in the file it stands; `Kind.schema` returns the same demand in the words 
 the two cannot disagree. As there, 3.0 is a whole number, and true is neither a number nor a whole one.
 """
 
-import itertools
 import re
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
 
 from octmip.errors import DataError
+from octmip.formats.messages import MOST_NAME, place, shown
 
 MOST = sys.float_info.max
 MOST_WHOLE = 2**63 - 1
-MOST_NAME = 1000
-"""Characters of a name: a page, a drawing or a message must bear it."""
-SHOWN = 60
-"""Characters of a value that a message shows."""
 
 Schema = dict[str, Any]
 
@@ -51,32 +47,6 @@ class Kind(Protocol):
     def schema(self) -> Schema:
         """Return the JSON Schema of the kind."""
         ...
-
-
-def shown(value: object) -> str:
-    """Return a value as a message can show it: short, on one line, nothing that a terminal would obey."""
-    if isinstance(value, int) and abs(value) >= 10**SHOWN:
-        return f"a whole number of more than {SHOWN} digits"
-    if isinstance(value, list | tuple | dict) and value:
-        return f"{'an object' if isinstance(value, dict) else 'a list'} of {len(value)}"
-    words = repr(value[: SHOWN + 1] if isinstance(value, str) else value)
-    return words if len(words) <= SHOWN else f"{words[:SHOWN]}..."
-
-
-def several(values: Iterable[object], most: int = 12) -> str:
-    """Return the first few of some values as a message can show them."""
-    found = [shown(value) for value in itertools.islice(values, most + 1)]
-    return f"{', '.join(found[:most])}{', ...' if len(found) > most else ''}"
-
-
-def place(path: tuple[str | int, ...]) -> str:
-    """Return where a value stands, as ``solution.bound`` or ``training.leaf_counts[0][1]``."""
-    steps = (f"[{step}]" if isinstance(step, int) else f".{_plain(step)}" for step in path[-8:])
-    return ("..." if len(path) > 8 else "") + "".join(steps).removeprefix(".") or "the content"
-
-
-def _plain(step: str) -> str:
-    return step if step.isidentifier() and len(step) <= SHOWN else shown(step)
 
 
 def _refused(value: object, expected: str) -> MisfitError:

@@ -25,9 +25,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import OctmipError, TreeError
-from octmip.formats.checked import shown
 from octmip.formats.columns import Columns
 from octmip.formats.files import PathLike, read_json_object, write_bytes
+from octmip.formats.messages import shown
 from octmip.formats.table.preparation import Preparation
 from octmip.formats.tree_nodes import decode_tree, different, encode_tree
 from octmip.formats.tree_schema import CONTENT, FORMAT, SETTINGS, VERSION

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from octmip.errors import TreeError
-from octmip.formats.checked import shown
+from octmip.formats.messages import shown
 from octmip.tree import HyperplaneSplit, Leaf, Node, Split
 
 

@@ -22,9 +22,9 @@ from octmip.formats.checked import (
     Truth,
     Whole,
     maybe,
-    shown,
 )
 from octmip.formats.columns.columns import COLUMNS
+from octmip.formats.messages import shown
 from octmip.problem import MAX_DEPTH
 from octmip.solution import Stop
 

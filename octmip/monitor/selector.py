@@ -18,8 +18,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from octmip.errors import DataError, OctmipError, TreeError
-from octmip.formats.checked import ListOf, Number, Record, Text, maybe, several, shown
+from octmip.formats.checked import ListOf, Number, Record, Text, maybe
 from octmip.formats.files import PathLike, read_json_object, write_bytes
+from octmip.formats.messages import several, shown
 from octmip.formats.tree_file import TreeFile
 from octmip.formats.tree_nodes import decode_tree, different, encode_tree
 from octmip.formats.tree_schema import NODE

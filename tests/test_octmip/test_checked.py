@@ -19,9 +19,8 @@ from octmip.formats.checked import (
     Truth,
     Whole,
     maybe,
-    several,
-    shown,
 )
+from octmip.formats.messages import several, shown
 
 VALUES = [
     *(0, 1, -1, 2**63 - 1, 2**63, 10**29, 10**400, 0.0, -0.0, 1.0, 0.5, 1e308, 5e-324, math.inf, -math.inf, math.nan),

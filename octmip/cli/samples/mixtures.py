@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from octmip.formats.cells import plain_number
-from octmip.formats.checked import shown
+from octmip.formats.messages import shown
 from octmip.formats.table import Table
 from octmip.formats.table.samples import MISSING_WORDS
 

@@ -4,7 +4,7 @@ import csv
 from collections.abc import Sequence
 
 from octmip.errors import DataError
-from octmip.formats.checked import several, shown
+from octmip.formats.messages import several, shown
 from octmip.formats.table import Table
 
 

@@ -15,9 +15,9 @@ from octmip.cli.samples.names import listed_names, one_name
 from octmip.cli.samples.targets import refuse_quantity
 from octmip.cli.samples.training import samples_of
 from octmip.errors import DataError
-from octmip.formats.checked import several, shown
 from octmip.formats.columns import Columns, ColumnsError
 from octmip.formats.files import read_text
+from octmip.formats.messages import several, shown
 from octmip.formats.table import Table, read_costs, read_sensors, read_table
 from octmip.formats.table.preparation import Preparation, RowsKept, kept_rows
 from octmip.formats.tree_file import HeldOut

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
-from octmip.formats.checked import shown
+from octmip.formats.messages import shown
 from octmip.formats.table import Table
 
 FEW, MANY, ROWS_EACH = 10, 30, 5

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from octmip.errors import DataError
 from octmip.formats.cells import plain_number
-from octmip.formats.checked import MOST_NAME, shown
+from octmip.formats.messages import MOST_NAME, shown
 
 MISSING_WORDS = frozenset({"", "na", "n/a", "nan", "none", "null", "nil", "?", "-", "missing"})
 UNKNOWN = "?"

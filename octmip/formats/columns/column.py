@@ -20,8 +20,9 @@ from numpy.typing import NDArray
 
 from octmip.errors import DataError
 from octmip.formats.cells import plain_number
-from octmip.formats.checked import Choice, ListOf, Number, Record, Text, Truth, shown
+from octmip.formats.checked import Choice, ListOf, Number, Record, Text, Truth
 from octmip.formats.columns.cells import Cells
+from octmip.formats.messages import shown
 
 FeatureKind = Literal["number", "missing-left", "missing-right", "is", "is-missing", "order"]
 

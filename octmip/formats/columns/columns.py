@@ -13,9 +13,10 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
-from octmip.formats.checked import ListOf, Record, shown
+from octmip.formats.checked import ListOf, Record
 from octmip.formats.columns.cells import Cells, read_cells
 from octmip.formats.columns.column import CONTENT, Column, Feature
+from octmip.formats.messages import shown
 
 Categories = Literal["yes-no", "order", "refuse"]
 Missing = Literal["either-side", "refuse"]

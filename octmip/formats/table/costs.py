@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
-from octmip.formats.checked import several
 from octmip.formats.files import PathLike
+from octmip.formats.messages import several
 from octmip.formats.table.samples import read_table
 
 

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from octmip.errors import DataError
 from octmip.formats.cells import plain_number
-from octmip.formats.checked import MOST_NAME, several, shown
 from octmip.formats.files import PathLike
+from octmip.formats.messages import MOST_NAME, several, shown
 from octmip.formats.table.delimited import line_of_row, read_delimited
 from octmip.formats.table.parquet import read_parquet
 from octmip.formats.table.source import Source, open_source

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from octmip.errors import DataError
-from octmip.formats.checked import shown
 from octmip.formats.files import PathLike
+from octmip.formats.messages import shown
 from octmip.formats.table.samples import read_table
 
 

@@ -10,8 +10,8 @@ from pathlib import Path
 
 from octmip.errors import DataError
 from octmip.formats import files
-from octmip.formats.checked import shown
 from octmip.formats.files import PathLike, decoded, read_bytes
+from octmip.formats.messages import shown
 
 FORMATS = ("csv", "tsv", "parquet")
 STANDARD_INPUT = "-"
