@@ -6,7 +6,7 @@ ZIG = $(shell test "$$(uname -s)" = Linux && $(BIN)/python -m ziglang version >/
 NATIVE := $(shell find octmip/native/src octmip/native/check octmip/native/Cargo.toml -type f)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: uav mission blind test lint wheel tools benchmarks clean
+.PHONY: uav mission blind test lint wheel site tools benchmarks clean
 
 uav: $(VENV)/.installed
 	@$(BIN)/python -m benchmarks.uav $(if $(STRAINS),--strains $(STRAINS)) $(ARGS)
@@ -36,6 +36,10 @@ wheel: $(VENV)/.wheel-tools
 	PATH="$(abspath $(BIN)):$$PATH" $(BIN)/maturin build --release --quiet --interpreter $(BIN)/python $(ZIG) --out dist
 	$(BIN)/maturin sdist --out dist
 	@ls -l dist
+
+# The documentation as a site in site/, warnings as errors; make site DRAW=1 draws the pictures of the examples again.
+site: $(VENV)/.installed-test
+	@$(BIN)/python -m sphinx -W --keep-going -q -b html $(if $(DRAW),-D draw_examples=1) docs site
 
 tools:
 	@command -v $(PYTHON) >/dev/null || { echo "$(PYTHON) is missing: install Python 3.11 or newer, or say make PYTHON=/path/to/python"; exit 2; }
