@@ -23,7 +23,10 @@ from octmip.solution import Limits, Stop, relative_gap
 from octmip.solver import REGISTRY, solve
 from octmip.tradeoff import score
 
-DEFAULTS = {"axis": ("cart", "search", "exact", "flow", "oct"), "hyperplane": ("cart", "search", "flow", "oct_h")}
+DEFAULTS = {
+    "axis": ("cart", "search", "exact", "benders", "flow", "oct"),
+    "hyperplane": ("cart", "search", "flow", "oct_h"),
+}
 
 EXAMPLES = """\
   octmip compare iris.csv --label species --depth 3
