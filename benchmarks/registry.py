@@ -26,6 +26,7 @@ FAMILIES = {
     "mio_agreement": "benchmarks.cases.mio.agreement",
     "mio_binary": "benchmarks.cases.mio.binary",
     "mio_build": "benchmarks.cases.mio.build",
+    "mio_benders": "benchmarks.cases.mio.benders",
     "two_feature_trees": "benchmarks.cases.two_feature.trees",
     "two_feature_single": "benchmarks.cases.two_feature.single",
     "two_feature_proofs": "benchmarks.cases.two_feature.proofs",
