@@ -83,17 +83,30 @@ def built(folder: Path) -> Path:
 
 
 def installed(folder: Path, extras: str = "") -> Installed:
-    """Return an environment that holds the built wheel with some extras ("report", "mio,wing"), and nothing else."""
+    """Return an environment that holds the built wheel with some extras ("report", "mio,wing"), and nothing else.
+
+    What the wheel needs without extras is installed once: an environment with extras sees it, and adds its own.
+    """
     (wheel,) = built(folder).glob("*.whl")
     place = folder / f"environment-{extras.replace(',', '-') or 'core'}"
     found = Installed(place / "bin" / "python", wheel, place / "downloads")
+    core = installed(folder) if extras else None
     with _first(folder, place.name) as is_first:
         if is_first:
             empty_environment(place)
-            pip("download", "--dest", found.downloads, f"{wheel}[{extras}]" if extras else wheel)
-            wheels = ("--no-index", "--find-links", found.downloads)
-            pip("--python", found.python, "install", *wheels, f"octmip[{extras}]" if extras else "octmip")
+            if core is None:
+                pip("download", "--dest", found.downloads, wheel)
+                pip("--python", found.python, "install", "--no-index", "--find-links", found.downloads, "octmip")
+            else:
+                pip("--python", found.python, "install", "--no-deps", wheel)
+                see_packages(found, core)
+                pip("--python", found.python, "install", f"octmip[{extras}]")
     return found
+
+
+def see_packages(environment: Installed, other: Installed) -> None:
+    """Let an environment import the packages of another one, after its own."""
+    (environment.packages / "other.pth").write_text(f"{other.packages}\n")
 
 
 def empty_environment(place: Path) -> None:

@@ -156,7 +156,7 @@ def run_page(names: Sequence[str], browser: "Browser", folder: Path) -> list[str
         return [f"ran: {said[:1]} {state}"] * len(names)
     lines = {line.strip(" ") for line in words.split("\n")}
     return [
-        EXACT if f"if {shown(name)} <= 0.5" in lines and f"{shown(name)}    (1 samples)" in lines else "not to be read"
+        EXACT if f"if {shown(name)} <= 0.5" in lines and f"{shown(name)}    (1 sample)" in lines else "not to be read"
         for name in names
     ]
 

@@ -51,7 +51,7 @@ def test_a_chunk_of_its_own_process_is_counted():
     assert sum(line["counts"].values()) >= 2
     assert not line["wrong"]
     assert "| solver |" in summary([line])
-    assert set(SHARE) == {"exact", "search", "cart", "oct", "flow", "oct_h"}
+    assert set(SHARE) == {"exact", "search", "cart", "oct", "flow", "oct_h", "benders"}
 
 
 def test_limits_are_drawn_for_every_solver():

@@ -82,7 +82,7 @@ def test_a_value_missing_only_later_is_refused_with_a_cure():
     model = fitted(FRAME[["size"]].assign(age=FRAME["age"].fillna(0)))
     with pytest.raises(DataError, match=r"'age' has .* missing cells, and had none in training; fill in"):
         model.predict(FRAME[["size", "age"]])
-    with pytest.raises(DataError, match="'x0' has 1 missing cells"):
+    with pytest.raises(DataError, match="'x0' has 1 missing cell"):
         fitted([[0.0], [1.0]], [0, 1]).predict([[np.nan]])
 
 
