@@ -6,7 +6,7 @@ ZIG = $(shell test "$$(uname -s)" = Linux && $(BIN)/python -m ziglang version >/
 NATIVE := $(shell find octmip/native/src octmip/native/check octmip/native/Cargo.toml -type f)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: uav mission blind test lint wheel site tools benchmarks clean
+.PHONY: uav mission blind test lint lint-python lint-rust wheel site tools benchmarks clean
 
 uav: $(VENV)/.installed
 	@$(BIN)/python -m benchmarks.uav $(if $(STRAINS),--strains $(STRAINS)) $(ARGS)
@@ -19,15 +19,22 @@ mission: $(VENV)/.installed
 blind: $(VENV)/.installed
 	@$(BIN)/python -m benchmarks.blind $(ARGS)
 
-test: $(VENV)/.installed-test lint
-	cd octmip/native && cargo test --profile checks --quiet --workspace
-	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --dist loadfile -r s
+# Rust is checked beside the installation of the Python packages, which keeps one core busy at most.
+test: | tools
+	$(MAKE) --jobs 2 --output-sync=target lint-rust lint-python
+	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loadscope-reorder -r s
 
-lint: $(VENV)/.installed-test
+lint: lint-python
+	cd octmip/native && cargo fmt --all --check && cargo clippy --release --quiet --workspace --all-targets --features python -- -D warnings
+
+lint-python: $(VENV)/.installed-test
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
-	cd octmip/native && cargo fmt --all --check && cargo clippy --release --quiet --workspace --all-targets --features python -- -D warnings
+
+lint-rust: | tools
+	cd octmip/native && cargo fmt --all --check && cargo test --profile checks --quiet --workspace
+	cd octmip/native && cargo clippy --release --quiet --workspace --all-targets --features python -- -D warnings
 
 # An abi3 wheel and the source distribution in dist/. Linked by zig the wheel runs on every Linux since 2014
 # (manylinux2014); without zig maturin's audit gives it the tag of this machine's C library.
@@ -50,11 +57,11 @@ tools:
 # Editable: Python files are used where they lie, and the native core is built again when a Rust file changes.
 $(VENV)/.installed: pyproject.toml $(NATIVE) | tools
 	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --editable '.[all]'
+	$(BIN)/python -m pip install --quiet --no-compile --editable '.[all]'
 	@touch $@
 
 $(VENV)/.installed-test: $(VENV)/.installed
-	$(BIN)/python -m pip install --quiet --editable '.[test,docs]'
+	$(BIN)/python -m pip install --quiet --no-compile --editable '.[test,docs]'
 	@touch $@
 
 $(VENV)/.wheel-tools: | tools

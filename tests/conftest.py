@@ -9,6 +9,14 @@ import pytest
 
 from tests.installed import Installed, installed, shared_folder
 
+LONG = ("test_installed", "test_blind", "test_tutorial", "test_site", "test_uav_study")
+"""Files of few and long tests: begun first, so that no process is left alone with them at the end."""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Put the long files before all others."""
+    items.sort(key=lambda item: LONG.index(item.path.stem) if item.path.stem in LONG else len(LONG))
+
 
 @pytest.fixture(autouse=True, scope="session")
 def _ctrl_c_is_heard() -> None:
