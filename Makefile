@@ -6,7 +6,7 @@ ZIG = $(shell test "$$(uname -s)" = Linux && $(BIN)/python -m ziglang version >/
 NATIVE := $(shell find octmip/native/src octmip/native/check octmip/native/Cargo.toml -type f)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: uav mission blind test lint lint-python lint-rust wheel site tools benchmarks clean
+.PHONY: uav mission blind test lint lint-python lint-rust pytest wheel site tools benchmarks clean
 
 uav: $(VENV)/.installed
 	@$(BIN)/python -m benchmarks.uav $(if $(STRAINS),--strains $(STRAINS)) $(ARGS)
@@ -19,9 +19,12 @@ mission: $(VENV)/.installed
 blind: $(VENV)/.installed
 	@$(BIN)/python -m benchmarks.blind $(ARGS)
 
-# Rust is checked beside the installation of the Python packages, which keeps one core busy at most.
+# Rust is checked beside the installation of the Python packages, and types beside the tests: each keeps one core busy.
 test: | tools
-	$(MAKE) --jobs 2 --output-sync=target lint-rust lint-python
+	$(MAKE) --jobs 2 --output-sync=target lint-rust $(VENV)/.installed-test
+	$(MAKE) --jobs 2 lint-python pytest
+
+pytest: $(VENV)/.installed-test
 	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loadscope-reorder -r s
 
 lint: lint-python
@@ -60,8 +63,17 @@ $(VENV)/.installed: pyproject.toml $(NATIVE) | tools
 	$(BIN)/python -m pip install --quiet --no-compile --editable '.[all]'
 	@touch $@
 
+# Without the project itself: pip would build the native core once more.
+define REQUIREMENTS
+import tomllib
+extras = tomllib.load(open("pyproject.toml", "rb"))["project"]["optional-dependencies"]
+print("\n".join(extras["test"] + extras["docs"]))
+endef
+export REQUIREMENTS
+
 $(VENV)/.installed-test: $(VENV)/.installed
-	$(BIN)/python -m pip install --quiet --no-compile --editable '.[test,docs]'
+	$(BIN)/python -c "$$REQUIREMENTS" > $(VENV)/test-requirements.txt
+	$(BIN)/python -m pip install --quiet --no-compile --requirement $(VENV)/test-requirements.txt
 	@touch $@
 
 $(VENV)/.wheel-tools: | tools
