@@ -9,6 +9,8 @@ import sys
 import textwrap
 from pathlib import Path
 
+from sphinx.application import Sphinx
+
 sys.path[:0] = [str(Path(__file__).parent.parent), str(Path(__file__).parent / "_extensions")]
 
 project = "octmip"
@@ -65,7 +67,7 @@ ARRAY = re.compile(
 ARRAY_LIKE = re.compile(r"[\w.~]*_?Buffer \|.*?_NestedSequence\[(?:~?(?:complex|bytes|str|int|float|bool)|[ |])+\]")
 
 
-def keep_tables(app, what, name, obj, options, lines):  # type: ignore[no-untyped-def]
+def keep_tables(app: Sphinx, what: str, name: str, obj: object, options: object, lines: list[str]) -> None:
     """Set the aligned paragraphs of a module's docstring, its problem in mathematics or a table, as they are typed."""
     if what != "module":
         return
@@ -76,7 +78,7 @@ def keep_tables(app, what, name, obj, options, lines):  # type: ignore[no-untype
     lines[:] = "\n\n".join([*kept, ""]).split("\n")
 
 
-def escape_fitted(app, what, name, obj, options, lines):  # type: ignore[no-untyped-def]
+def escape_fitted(app: Sphinx, what: str, name: str, obj: object, options: object, lines: list[str]) -> None:
     """Escape the underscore that ends the name of a fitted attribute: to docutils it would be a link."""
     for number, line in enumerate(lines):
         plain_and_code = line.split("`")
@@ -84,12 +86,14 @@ def escape_fitted(app, what, name, obj, options, lines):  # type: ignore[no-unty
         lines[number] = "`".join(plain_and_code)
 
 
-def shorten(app, what, name, obj, options, signature, returns):  # type: ignore[no-untyped-def]
+def shorten(
+    app: Sphinx, what: str, name: str, obj: object, options: object, signature: str | None, returns: str | None
+) -> tuple[str | None, ...]:
     """Return a signature whose arrays are written as the code writes them."""
     return tuple(text and ARRAY_LIKE.sub("ArrayLike", ARRAY.sub(r"NDArray[\1]", text)) for text in (signature, returns))
 
 
-def setup(app):  # type: ignore[no-untyped-def]
+def setup(app: Sphinx) -> None:
     """Connect what this build does beside Sphinx."""
     app.connect("autodoc-process-docstring", keep_tables)
     app.connect("autodoc-process-docstring", escape_fitted, priority=600)  # after napoleon

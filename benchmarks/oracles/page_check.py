@@ -12,12 +12,13 @@ Looked at, at 400, 1600 and 2560 px, light and dark, technical matter folded and
 """
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
 
-WIDTHS, SCHEMES = (400, 1600, 2560), ("light", "dark")
+WIDTHS = (400, 1600, 2560)
+SCHEMES: tuple[Literal["light", "dark"], ...] = ("light", "dark")
 LEAST_TEXT = 11.0
 
 LOOK = """
@@ -140,7 +141,7 @@ def check_page(path: Path, browser: "Browser", *, presses: bool = True) -> list[
     for is_open in (False, True):
         page.evaluate("(open) => document.querySelectorAll('details').forEach((one) => { one.open = open; })", is_open)
         for scheme in SCHEMES:
-            page.emulate_media(color_scheme=scheme)  # type: ignore[arg-type]
+            page.emulate_media(color_scheme=scheme)
             faults += _look_at_widths(page, f"{scheme}, {'unfolded' if is_open else 'folded'}")
     faults += _reach_by_keyboard(page)
     if presses:

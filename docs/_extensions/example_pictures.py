@@ -16,6 +16,10 @@ import tempfile
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:  # the tests use this file without Sphinx
+    from sphinx.application import Sphinx
 
 DOCS = Path(__file__).parent.parent
 KEPT = DOCS / "pictures" / "examples"
@@ -74,13 +78,13 @@ def draw(folder: Path, pages: list[Path]) -> None:
                 (folder / picture.name).write_bytes(picture.read_bytes())
 
 
-def redraw(app, exception) -> None:  # type: ignore[no-untyped-def]
+def redraw(app: "Sphinx", exception: Exception | None) -> None:
     """Replace the kept pictures in the built site by what the examples draw now."""
     if exception is None and app.config.draw_examples:
         draw(Path(app.outdir) / "_images", pages_with_pictures())
 
 
-def setup(app) -> dict[str, bool]:  # type: ignore[no-untyped-def]
+def setup(app: "Sphinx") -> dict[str, bool]:
     """Register the setting `draw_examples` and the step after the build."""
     app.add_config_value("draw_examples", False, "html", types=(bool, str, int))
     app.connect("build-finished", redraw)

@@ -48,4 +48,4 @@ def _complete_files(parser: Parser) -> None:
     """Let the shell complete the names of files where a file is meant."""
     for action in parser._actions:
         if isinstance(action.metavar, str) and (action.metavar in ("DATA", "FILE", "LOG") or "." in action.metavar):
-            action.complete = shtab.FILE  # type: ignore[attr-defined]
+            vars(action)["complete"] = shtab.FILE  # where shtab looks for it

@@ -207,7 +207,7 @@ def _problem(
 
 
 def _groups(path: str, columns: Columns) -> list[list[str]]:
-    """Return the groups of a text file, one a line: columns, or single features of one, separated by commas."""
+    """Return the groups of a text file, one per line: names of columns or of their features, separated by commas."""
     groups = []
     for number, line in enumerate(read_text(path).splitlines(), start=1):
         names = [name.strip() for name in line.split(",")] if line.strip() else []

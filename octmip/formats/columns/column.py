@@ -1,7 +1,7 @@
 """One column of a table, and the features that a tree reads from it.
 
-A number without missing cells is one feature. With missing cells it is two: in one a missing cell lies below every
-number, in the other above, so a cut `x <= t` of the first sends missing cells left and of the second right; a cut
+A number without missing cells is one feature. With missing cells it is two. The first places missing cells below every
+number, the second above, so a cut `x <= t` of the first sends missing cells left and of the second right; a cut
 below the least number asks whether the cell is missing. The best tree over such features is therefore the best tree
 in which every split sends missing cells to whichever side is better, and nothing is imputed.
 
