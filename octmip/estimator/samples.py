@@ -40,7 +40,8 @@ def learn_samples(estimator: BaseEstimator, X: ArrayLike, y: ArrayLike) -> tuple
         categories=estimator.categories,
         missing=estimator.missing,
     )
-    _refuse_gaps_in_hyperplanes(estimator, columns)
+    if estimator.split == "hyperplane":
+        columns.refuse_gaps_in_sums("use split='axis', or fill them (NaN) before")
     return columns.encode(_frame(X, checked, names)), labels, columns
 
 
@@ -150,13 +151,3 @@ def _frame(X: Any, checked: NDArray[Any], names: tuple[str, ...]) -> pd.DataFram
     """Return X as a table with these names, columns of an array of objects with the types that their values have."""
     frame = X if isinstance(X, pd.DataFrame) else pd.DataFrame(checked).infer_objects()
     return frame.set_axis(list(names), axis=1)
-
-
-def _refuse_gaps_in_hyperplanes(estimator: BaseEstimator, columns: Columns) -> None:
-    gaps = [column.name for column in columns.columns if column.has_missing and column.kind != "values"]
-    if gaps and estimator.split == "hyperplane":
-        shown = ", ".join(map(repr, gaps[:5])) + (f" and {len(gaps) - 5} more" if len(gaps) > 5 else "")
-        raise DataError(
-            f"values (NaN) are missing in {shown}; a hyperplane adds its features, and a sum with a missing value "
-            "has none; use split='axis', or fill them before"
-        )

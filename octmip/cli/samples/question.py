@@ -96,6 +96,10 @@ def ask(arguments: argparse.Namespace) -> Question:
     if not arguments.numbers_are_classes:
         refuse_quantity(table, chosen.label, labels)
     columns = _learned(table, chosen, arguments)
+    if _split_kind(arguments) == "hyperplane":
+        columns.refuse_gaps_in_sums(
+            "leave these rows out by --missing drop-rows, or split on one feature: --split axis"
+        )
     weights = table.numbers([chosen.weights], "weight")[:, 0] if chosen.weights else np.ones(len(labels))
     features, share = columns.encode(table.frame[list(chosen.features)]), getattr(arguments, "holdout", None)
     is_held = np.zeros(len(labels), dtype=np.bool_) if share is None else held_out_rows(labels, share, arguments.seed)

@@ -140,6 +140,22 @@ class Columns:
             raise ColumnsError(reasons, len(self.columns))
         return np.hstack(blocks)
 
+    def refuse_gaps_in_sums(self, cure: str) -> None:
+        """Refuse numbers with missing cells where features are added, as a hyperplane does: the sum has no value.
+
+        Raises
+        ------
+        DataError
+            there are such columns; the sentence ends with `cure`.
+        """
+        gaps = [shown(column.name) for column in self.columns if column.has_missing and column.kind != "values"]
+        if gaps:
+            named = ", ".join(gaps[:5]) + (f" and {len(gaps) - 5} more" if len(gaps) > 5 else "")
+            raise DataError(
+                f"cells are missing in {named}; a hyperplane adds its features, and a sum with a missing value has none; "
+                f"{cure}"
+            )
+
     def unseen(self, frame: pd.DataFrame) -> tuple[str, ...]:
         """Return a sentence for each column of text with values that training had not."""
         found = []

@@ -218,3 +218,11 @@ def test_a_column_that_counts_the_rows_is_pointed_out(run, tmp_path):
     pd.DataFrame({"Id": range(1, 31), "y": [0, 1] * 15}).to_csv(tmp_path / "t.csv", index=False)
     words = ("solve", tmp_path / "t.csv", "--label", "y", "--depth", 1)
     assert "note: the column 'Id' counts the rows; if it only names them, leave it out: --index" in run(*words)[1]
+
+
+@pytest.mark.parametrize("words", [("--split", "hyperplane"), ("--split-size", 2)])
+def test_a_sum_of_features_takes_no_missing_cell(survey, run, words):
+    code, out, err = run("solve", survey, *SOLVE, *words)
+    assert (code, out) == (2, "")
+    assert "cells are missing in 'age'" in err
+    assert "--missing drop-rows" in err
