@@ -17,7 +17,7 @@ from octmip.gap.causes import (
     with_identifiable,
     with_misfit,
 )
-from octmip.gap.effects import CHAIN
+from octmip.gap.effects import CHAIN, chain_of
 from octmip.gap.inference.confounding import ABSURD, detectable
 from octmip.gap.inference.discrepancy import Discrepancy
 from octmip.gap.inference.inputs import prepare
@@ -183,7 +183,7 @@ def _diagnose(
     progress: Progress,
 ) -> Diagnosis:
     progress(Stage("the noise of the readings"))
-    chosen = {**CHAIN, **getattr(twin, "effects", {})} if effects is None else dict(effects)
+    chosen = {**chain_of(twin), **getattr(twin, "effects", {})} if effects is None else dict(effects)
     inputs, notes = prepare(campaign, twin, chosen, commissioning, noise_sd, progress)
     posterior = attribute(inputs)
     progress(Stage("how far the best cause closes the gap"))

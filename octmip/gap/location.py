@@ -138,7 +138,7 @@ def localise(model: LinearModel, nodes: tuple[Flip, ...] = ()) -> Where:
     return Where(
         entries=_entries(means, [f"{g}, {c.name}" for g, c in zip(gauges, cells, strict=True)], share),
         gauges=_groups(means, gauges, share),
-        loads=_groups(means, [f"load factor {c.load_factor:g}" for c in cells], share),
+        loads=_groups(means, [c.load_words for c in cells], share),
         tests=_groups(means, [c.test for c in cells], share),
         nodes=nodes,
         rms_microstrain=float(np.sqrt(max(0.0, float(excess.mean())))),
@@ -160,7 +160,7 @@ def _means(model: LinearModel) -> _Means:
 def noise_variance(model: LinearModel) -> Floats:
     """Return the variance (n,) that noise alone gives each averaged reading [microstrain^2]."""
     inputs = model.inputs
-    pairs = zip(inputs.averages, inputs.load_factors.tolist(), strict=True)
+    pairs = zip(inputs.averages, inputs.loads, strict=True)
     of_average = [np.diag(inputs.noise.of_mean(average.count, load)) for average, load in pairs]
     return np.array(of_average)[model.average, model.gauge]
 

@@ -21,6 +21,7 @@ from octmip.gap.inference.evidence import Fit
 from octmip.gap.inference.inference import Inference
 from octmip.gap.inference.linear_model import OPEN_STATE, LinearModel
 from octmip.gap.location import noise_variance
+from octmip.twin import amounts_of
 
 Floats = NDArray[np.float64]
 
@@ -133,11 +134,13 @@ def chance_of_rest(model: LinearModel, own: Fit) -> float:
 def _folds(model: LinearModel) -> list[tuple[str, NDArray[np.int64]]]:
     """Return the rows of every load level and test that can be held out: the rest keeps two loads or another test."""
     cells = model.inputs.campaign.cells
-    loads, tests = model.load_factors, np.array([cells[k].test for k in model.cells])
+    loads, tests = model.loads, np.array([cells[k].test for k in model.cells])
     folds = []
-    if len(set(loads.tolist())) >= 2:
-        folds = [(f"load factor {load:g}", np.flatnonzero(loads == load)) for load in np.unique(loads)]
-    one_load_each = len(set(zip(tests.tolist(), loads.tolist(), strict=True))) == len(set(tests.tolist()))
+    if len(set(loads)) >= 2:
+        words = model.inputs.campaign.load_words
+        distinct = sorted(set(loads), key=amounts_of)
+        folds = [(words(load), np.flatnonzero([own == load for own in loads])) for load in distinct]
+    one_load_each = len(set(zip(tests.tolist(), loads, strict=True))) == len(set(tests.tolist()))
     open_tests = {cells[k].test for group in model.inputs.groups for k in group}
     if not one_load_each and len(set(tests.tolist())) >= 2:
         known = [test for test in dict.fromkeys(tests.tolist()) if test not in open_tests]

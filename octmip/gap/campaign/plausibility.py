@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
+from octmip.twin import Load, amounts_of, load_words
 
 Floats = NDArray[np.float64]
 
@@ -43,8 +44,10 @@ class Sheet:
         (n_rows,) names.
     gauges
         (n_gauges,) names.
+    load_names
+        of the loads.
     loads
-        (n_rows,) load factors.
+        (n_rows,) what was applied.
     readings
         (n_rows, n_gauges) [microstrain]; NaN is missing.
     healthy
@@ -54,7 +57,8 @@ class Sheet:
     numbers: tuple[int, ...]
     tests: tuple[str, ...]
     gauges: tuple[str, ...]
-    loads: Floats
+    load_names: tuple[str, ...]
+    loads: tuple[Load, ...]
     readings: Floats
     healthy: Floats
 
@@ -65,10 +69,14 @@ class Sheet:
 
     def cells(self) -> list[NDArray[np.int64]]:
         """Return the rows of each test at each load."""
-        found: dict[tuple[str, float], list[int]] = {}
-        for row, key in enumerate(zip(self.tests, self.loads.tolist(), strict=True)):
+        found: dict[tuple[str, Load], list[int]] = {}
+        for row, key in enumerate(zip(self.tests, self.loads, strict=True)):
             found.setdefault(key, []).append(row)
         return [np.array(rows, dtype=np.int64) for rows in found.values()]
+
+    def words(self, row: int) -> str:
+        """Return the load of a row in words."""
+        return load_words(self.load_names, self.loads[row])
 
     def slope(self, rows: NDArray[np.bool_], gauges: list[int] | slice = slice(None)) -> tuple[float, float]:
         """Return readings over predictions by least squares, and their correlation; NaN where nothing is predicted."""
@@ -129,8 +137,8 @@ def _refuse_units(sheet: Sheet) -> None:
     row = int(np.flatnonzero(tested)[0])
     raise DataError(
         f"row {sheet.numbers[row]}, columns {sheet.gauges[0]} to {sheet.gauges[-1]}: readings are {ratio:.3g} times "
-        f"what the twin predicts (median {size[row]:.3g} against {typical[row]:.3g} at load factor "
-        f"{sheet.loads[row]:g}); expected microstrain, and a load factor that is 1 in steady level flight (no newtons, "
+        f"what the twin predicts (median {size[row]:.3g} against {typical[row]:.3g} at "
+        f"{sheet.words(row)}); expected microstrain, and a load factor that is 1 in steady level flight (no newtons, "
         "no per cent); convert them"
     )
 
@@ -159,15 +167,18 @@ def _refuse_sign(sheet: Sheet) -> None:
 
 def _refuse_divided(sheet: Sheet) -> None:
     """Refuse readings divided by the load factor: right at load factor 1, half of what they should be at 2."""
-    loads = [load for load in sorted(set(sheet.loads.tolist())) if load != 0.0]
+    if len(sheet.load_names) != 1:
+        return
+    applied = np.array([amounts_of(load)[0] for load in sheet.loads])
+    loads = [load for load in sorted(set(applied.tolist())) if load != 0.0]
     if not loads or max(np.abs(loads)) < 2.0:
         return
-    slopes = [sheet.slope(sheet.loads == load)[0] * load for load in loads]
+    slopes = [sheet.slope(applied == load)[0] * load for load in loads]
     if all(abs(slope - 1.0) < DIVIDED for slope in slopes):
-        row = int(np.flatnonzero(np.abs(sheet.loads) == max(np.abs(loads)))[0])
+        row = int(np.flatnonzero(np.abs(applied) == max(np.abs(loads)))[0])
         raise DataError(
-            f"row {sheet.numbers[row]}, columns {sheet.gauges[0]} to {sheet.gauges[-1]}: readings at load factor "
-            f"{sheet.loads[row]:g} are 1/{abs(sheet.loads[row]):g} of what the twin predicts; expected microstrain at "
+            f"row {sheet.numbers[row]}, columns {sheet.gauges[0]} to {sheet.gauges[-1]}: readings at "
+            f"{sheet.words(row)} are 1/{abs(applied[row]):g} of what the twin predicts; expected microstrain at "
             "that load, not divided by the load factor; multiply them by it"
         )
 

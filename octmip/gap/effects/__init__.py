@@ -2,7 +2,7 @@
 
 from octmip.gap.effects.common_gain import CommonGain
 from octmip.gap.effects.crosstalk import Crosstalk
-from octmip.gap.effects.load_factor_error import LoadFactorError
+from octmip.gap.effects.load_factor_error import LoadFactorError, error_of_load
 from octmip.gap.effects.per_gauge import (
     DEAD_GAUGE,
     GAUGE_BIAS,
@@ -12,7 +12,7 @@ from octmip.gap.effects.per_gauge import (
     POSITION_OFFSET,
 )
 from octmip.gap.effects.swapped_pair import SwappedPair
-from octmip.twin import Effect
+from octmip.twin import ONE_LOAD, Effect, Twin, loads_of
 
 CHAIN: dict[str, Effect] = {
     effect.name: effect
@@ -31,4 +31,14 @@ CHAIN: dict[str, Effect] = {
 }
 """The effects of any measuring chain, by name."""
 
-__all__ = ["CHAIN"]
+
+def chain_of(twin: Twin) -> dict[str, Effect]:
+    """Return the effects of a measuring chain as this twin needs them: an error for each of its loads."""
+    loads = loads_of(twin)
+    if loads == ONE_LOAD:
+        return dict(CHAIN)
+    kept = {name: effect for name, effect in CHAIN.items() if name != "load_factor_error"}
+    return kept | {effect.name: effect for effect in map(error_of_load, loads)}
+
+
+__all__ = ["CHAIN", "chain_of"]

@@ -17,6 +17,7 @@ from octmip.errors import DataError
 from octmip.gap.campaign.campaign import Campaign, Cell
 from octmip.gap.campaign.noise import Noise, estimate_noise
 from octmip.gap.twins.cached import CachedTwin
+from octmip.twin import Load
 
 COMMON = 0.010
 """Relative sd of the part common to all gauges. Measured between two codes on one wing: 0.6 to 0.9 %."""
@@ -66,8 +67,8 @@ def uncalibrated(healthy: NDArray[np.float64]) -> Discrepancy:
     return Discrepancy(np.zeros(len(healthy)), covariance, rms, DAMAGE, is_calibrated=False)
 
 
-def calibrated(run: Campaign, twin: CachedTwin, gauges: tuple[str, ...], load: float) -> Discrepancy:
-    """Return the difference that a commissioning run shows for these gauges, at the reference load factor `load`.
+def calibrated(run: Campaign, twin: CachedTwin, gauges: tuple[str, ...], load: Load) -> Discrepancy:
+    """Return the difference that a commissioning run shows for these gauges, at the reference load `load`.
 
     Raises
     ------
@@ -83,8 +84,8 @@ def calibrated(run: Campaign, twin: CachedTwin, gauges: tuple[str, ...], load: f
     precision, projection = np.diag(open_sd**-2), np.zeros(len(gauges))
     for cell in run.cells:
         state = dict(zip(run.parameters, cell.state.tolist(), strict=True))
-        predicted = twin.predict(state, cell.load_factor)[columns]
-        phi = float(twin.predict({}, cell.load_factor)[columns] @ reference / (reference @ reference))
+        predicted = twin.predict(state, cell.load)[columns]
+        phi = float(twin.predict({}, cell.load)[columns] @ reference / (reference @ reference))
         weight = _weight(noise, cell, order)
         precision += phi**2 * weight
         projection += phi * weight @ np.nan_to_num(cell.mean[order] - predicted)
@@ -105,7 +106,7 @@ def _check_run(run: Campaign, gauges: tuple[str, ...]) -> None:
 
 def _weight(noise: Noise, cell: Cell, order: list[int]) -> NDArray[np.float64]:
     """Return the precision (n_gauges, n_gauges) of a cell's means, zero for gauges that recorded nothing."""
-    matrix = noise.of_mean(cell.count, cell.load_factor)[np.ix_(order, order)]
+    matrix = noise.of_mean(cell.count, cell.load)[np.ix_(order, order)]
     seen = cell.count[order] > 0
     weight = np.zeros_like(matrix)
     weight[np.ix_(seen, seen)] = np.linalg.inv(matrix[np.ix_(seen, seen)])

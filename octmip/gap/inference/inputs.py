@@ -18,7 +18,7 @@ from octmip.gap.inference.candidates import Candidate, Priors, candidates_of, pr
 from octmip.gap.inference.discrepancy import Discrepancy, calibrated, uncalibrated
 from octmip.gap.progress import Progress, silent
 from octmip.gap.twins.cached import CachedTwin
-from octmip.twin import Effect, Twin
+from octmip.twin import Effect, Load, Twin, amounts_of
 
 Floats = NDArray[np.float64]
 Groups = tuple[tuple[int, ...], ...]
@@ -58,7 +58,7 @@ class Inputs:
     averages
         the campaign's repeats, averaged.
     reference
-        load factor of the greatest healthy strain.
+        load of the greatest healthy readings.
     groups
         cells that share one unknown state, each a tuple of cell indices.
     progress
@@ -74,7 +74,7 @@ class Inputs:
     discrepancy: Discrepancy
     candidates: tuple[Candidate, ...]
     averages: tuple[AveragedCell, ...]
-    reference: float
+    reference: Load
     groups: Groups
     progress: Progress = silent
     order: tuple[int, ...] = field(init=False)
@@ -90,9 +90,22 @@ class Inputs:
         return self.twin.parameters
 
     @property
-    def load_factors(self) -> Floats:
-        """(n_averages,) load factor of every averaged cell."""
-        return np.array([self.cell_of(average).load_factor for average in self.averages])
+    def loads(self) -> tuple[Load, ...]:
+        """(n_averages,) load of every averaged cell."""
+        return tuple(self.cell_of(average).load for average in self.averages)
+
+    def healthy(self, load: Load) -> Floats:
+        """Return what the twin predicts (n_gauges,) of the healthy state at a load, for the campaign's gauges."""
+        return self.twin.predict({}, load)[list(self.order)]
+
+    def share_of_reference(self, load: Load) -> float:
+        """Return how large a load is beside the reference load: their ratio, of several loads that of their readings.
+
+        The readings' is phi, the projection of the healthy prediction on the one at the reference load.
+        """
+        if isinstance(load, float) and isinstance(self.reference, float):
+            return load / self.reference
+        return self.discrepancy.share(self.healthy(load), self.healthy(self.reference))
 
     def effects(self) -> list[tuple[Effect, tuple[str, ...]]]:
         """Return every effect with its places, in the order of `candidates`."""
@@ -130,7 +143,8 @@ def prepare(
     campaign, rails, of_clipping = unclipped(campaign)
     run = unclipped(commissioning)[0] if isinstance(commissioning, Campaign) else None
     noise, of_noise = _noise(campaign, run, rails, noise_sd)
-    reference = _reference(campaign, run)
+    _refuse_other_loads(campaign, run, asked)
+    reference = _reference(campaign, run, asked)
     known = commissioning if isinstance(commissioning, Discrepancy) else run
     discrepancy, of_discrepancy = _discrepancy(known, asked, campaign.gauges, reference)
     groups, of_groups = _open_groups(campaign)
@@ -196,7 +210,7 @@ def _source_of_noise(
 
 
 def _discrepancy(
-    known: Campaign | Discrepancy | None, twin: CachedTwin, gauges: tuple[str, ...], reference: float
+    known: Campaign | Discrepancy | None, twin: CachedTwin, gauges: tuple[str, ...], reference: Load
 ) -> tuple[Discrepancy, list[str]]:
     """Return what twin and asset differ by before any effect: known, from a commissioning run, or what is usual."""
     if isinstance(known, Discrepancy):
@@ -210,10 +224,26 @@ def _discrepancy(
     ]
 
 
-def _reference(campaign: Campaign, commissioning: Campaign | None) -> float:
+def _refuse_other_loads(campaign: Campaign, run: Campaign | None, twin: CachedTwin) -> None:
+    """Refuse a campaign or a run whose loads are not the twin's."""
+    for name, one in (("campaign", campaign), ("commissioning run", run)):
+        if one is not None and one.load_names != twin.loads:
+            raise DataError(
+                f"the {name} has the loads {list(one.load_names)} but the twin {list(twin.loads)}; expected the same "
+                "names in the same order; give them as load_names"
+            )
+
+
+def _reference(campaign: Campaign, commissioning: Campaign | None, twin: CachedTwin) -> Load:
+    """Return the greatest load: of one load by its size, of several by what the healthy twin shows, gauge by gauge."""
     loads = [*campaign.loads, *(commissioning.loads if commissioning is not None else ())]
-    greatest = max(loads, key=abs)
-    return greatest if greatest != 0.0 else 1.0
+    if len(campaign.load_names) == 1:
+        greatest = max(loads, key=lambda load: abs(amounts_of(load)[0]))
+        return greatest if greatest != 0.0 else 1.0
+    columns = [twin.gauges.index(name) for name in campaign.gauges]
+    healthy = np.array([twin.predict({}, load)[columns] for load in loads])
+    relative = healthy / np.maximum(np.abs(healthy).max(axis=0), 1e-300)
+    return loads[int(np.argmax(np.sum(relative**2, axis=1)))]
 
 
 def _open_groups(campaign: Campaign) -> tuple[Groups, list[str]]:
@@ -226,7 +256,7 @@ def _open_groups(campaign: Campaign) -> tuple[Groups, list[str]]:
     for k, cell in enumerate(campaign.cells):
         if not cell.is_known:
             by_test.setdefault(cell.test, []).append(k)
-    loads = [{campaign.cells[k].load_factor for k in cells} for cells in by_test.values()]
+    loads = [{campaign.cells[k].load for k in cells} for cells in by_test.values()]
     single = [next(iter(found)) for found in loads if len(found) == 1]
     if len(by_test) > 1 and len(single) == len(by_test) and len(set(single)) == len(single):
         note = (

@@ -15,7 +15,7 @@ from octmip.gap.campaign.campaign import Campaign
 from octmip.gap.effects.words import effect_words
 from octmip.gap.inference.inputs import AveragedCell, Inputs
 from octmip.gap.progress import Stage
-from octmip.twin import Effect, State
+from octmip.twin import Effect, Load, State
 
 Floats = NDArray[np.float64]
 Steps = list[tuple[float, float]]
@@ -52,8 +52,11 @@ def signatures_of(inputs: Inputs, states: Floats, expected: Floats) -> Floats:
 
 
 def load_steps(campaign: Campaign) -> Steps:
-    """Return each change of the load factor with its time [s] since the first reading; empty without times."""
-    if not campaign.has_time:
+    """Return each change of the one load with its time [s] since the first reading; empty without times.
+
+    Steps of several loads do not add up along one axis: then there are none.
+    """
+    if not campaign.has_time or len(campaign.load_names) != 1:
         return []
     start = float(np.nanmin(campaign.time))
     begun = sorted((float(campaign.time[cell.rows].min()) - start, cell.load_factor) for cell in campaign.cells)
@@ -90,9 +93,9 @@ def _of_twin(
     inputs: Inputs, effect: Effect, places: tuple[str, ...], part: AveragedCell, state: State, history: Steps
 ) -> Floats:
     """Return the signatures (n_places, n_gauges) of one average, summed over the steps of the load where they add."""
-    steps = [(change, part.time - start) for change, start in history if start <= part.time]
+    steps: list[tuple[Load, float]] = [(change, part.time - start) for change, start in history if start <= part.time]
     if not getattr(effect, "superposes", False) or not steps:
-        steps = [(inputs.cell_of(part).load_factor, part.time)]
+        steps = [(inputs.cell_of(part).load, part.time)]
     parts = [inputs.twin.signatures(effect, places, state, load, time) for load, time in steps]
     return np.asarray(np.sum(parts, axis=0)[:, list(inputs.order)])
 
@@ -106,6 +109,6 @@ class _Readings:
     parameters: tuple[str, ...] = ()
     effects: Mapping[str, Effect] = field(default_factory=dict)
 
-    def predict(self, state: State, load_factor: float) -> Floats:
+    def predict(self, state: State, load_factor: Load) -> Floats:
         """Return the readings."""
         return self.readings

@@ -107,7 +107,7 @@ def _kernel(inputs: Inputs, is_smooth: bool) -> Floats:
 
 
 def _field(model: LinearModel, root: Floats, power: int) -> _Field:
-    share = (model.inputs.load_factors / model.inputs.reference) ** power
+    share = np.array([model.inputs.share_of_reference(load) for load in model.inputs.loads]) ** power
     field = share[model.average][:, None] * root[model.gauge]
     u, s, _ = np.linalg.svd(linalg.solve_triangular(model.factor, field, lower=True), full_matrices=False)
     return _Field(u, s, u.T @ model.whitened.residual)

@@ -5,9 +5,9 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.twin import Effect, State, Twin, predict_states, state_parameters
+from octmip.twin import Effect, Load, Loads, State, Twin, loads_of, predict_states, state_parameters, units_of
 
-Key = tuple[tuple[tuple[str, float], ...], float]
+Key = tuple[tuple[tuple[str, float], ...], Load]
 
 
 class CachedTwin:
@@ -36,6 +36,16 @@ class CachedTwin:
         return state_parameters(self.twin)
 
     @property
+    def loads(self) -> tuple[str, ...]:
+        """Names of the loads and settings."""
+        return loads_of(self.twin)
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Unit of every reading."""
+        return units_of(self.twin)
+
+    @property
     def effects(self) -> Mapping[str, Effect]:
         """The twin's own effects."""
         return self.twin.effects
@@ -50,9 +60,9 @@ class CachedTwin:
     def _is_linear(self) -> bool:
         return bool(getattr(self.twin, "is_linear_in_load", False))
 
-    def predict(self, state: State, load_factor: float) -> NDArray[np.float64]:
-        """Return the strains (n_gauges,) in microstrain."""
-        if self._is_linear and load_factor != 1.0:
+    def predict(self, state: State, load_factor: Load) -> NDArray[np.float64]:
+        """Return the readings (n_gauges,)."""
+        if self._is_linear and not isinstance(load_factor, Loads) and load_factor != 1.0:
             return load_factor * self.predict(state, 1.0)
         key = _key(state, load_factor)
         if key not in self._strains:
@@ -61,9 +71,9 @@ class CachedTwin:
             self._strains[key] = strains
         return self._strains[key]
 
-    def predict_states(self, states: NDArray[np.float64], load_factor: float) -> NDArray[np.float64]:
-        """Return the strains (n_states, n_gauges), asking the twin once for all states that are new."""
-        if self._is_linear and load_factor != 1.0:
+    def predict_states(self, states: NDArray[np.float64], load_factor: Load) -> NDArray[np.float64]:
+        """Return the readings (n_states, n_gauges), asking the twin once for all states that are new."""
+        if self._is_linear and not isinstance(load_factor, Loads) and load_factor != 1.0:
             return load_factor * self.predict_states(states, 1.0)
         named = [dict(zip(self.parameters, row.tolist(), strict=True)) for row in states]
         keys = [_key(state, load_factor) for state in named]
@@ -75,7 +85,7 @@ class CachedTwin:
         return np.array([self._strains[key] for key in keys])
 
     def signatures(
-        self, effect: Effect, places: tuple[str, ...], state: State, load_factor: float, time: float
+        self, effect: Effect, places: tuple[str, ...], state: State, load_factor: Load, time: float
     ) -> NDArray[np.float64]:
         """Return the effect's signatures (n_places, n_gauges) at its places.
 
@@ -84,7 +94,7 @@ class CachedTwin:
         """
         power: int | None = getattr(effect, "load_power", None)
         time = time if getattr(effect, "uses_time", False) else 0.0
-        if power is not None and load_factor != 1.0:
+        if power is not None and not isinstance(load_factor, Loads) and load_factor != 1.0:
             factor = float(load_factor**power)
             return factor * self.signatures(effect, places, state, 1.0, time)
         key = (id(effect), places, time, _key(state, load_factor))
@@ -95,5 +105,5 @@ class CachedTwin:
         return self._signatures[key]
 
 
-def _key(state: State, load_factor: float) -> Key:
-    return tuple(sorted((name, float(value)) for name, value in state.items() if value != 0.0)), float(load_factor)
+def _key(state: State, load: Load) -> Key:
+    return tuple(sorted((name, float(value)) for name, value in state.items() if value != 0.0)), load

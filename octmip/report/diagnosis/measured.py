@@ -9,6 +9,7 @@ from octmip.gap.causes import UNKNOWN
 from octmip.gap.diagnosis import Diagnosis
 from octmip.gap.inference.linear_model import OPEN_STATE, LinearModel
 from octmip.gap.location import noise_variance
+from octmip.twin import Load
 
 Floats = NDArray[np.float64]
 
@@ -22,7 +23,7 @@ class MeasuredCell:
 
     Attributes
     ----------
-    test, load_factor
+    test, load, load_words
         of the cell.
     measured, half_width
         mean reading, and half of its 90 % interval: the noise alone.
@@ -33,7 +34,8 @@ class MeasuredCell:
     """
 
     test: str
-    load_factor: float
+    load: Load
+    load_words: str
     measured: Floats
     half_width: Floats
     twin: Floats
@@ -94,5 +96,12 @@ def _cell(model: LinearModel, number: int, after: Floats, noise: Floats, usual: 
             ]
     measured = np.where(np.isnan(means[0]), np.nan, cell.mean)
     return MeasuredCell(
-        cell.test, cell.load_factor, measured, means[2], measured - means[0], measured - means[1], means[3]
+        test=cell.test,
+        load=cell.load,
+        load_words=cell.load_words,
+        measured=measured,
+        half_width=means[2],
+        twin=measured - means[0],
+        repaired=measured - means[1],
+        usual=means[3],
     )

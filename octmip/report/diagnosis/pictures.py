@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from octmip.formats.names import html_text as escape
 from octmip.formats.names import shown
 from octmip.report.diagnosis.measured import MeasuredCell
+from octmip.twin import amounts_of
 
 Floats = NDArray[np.float64]
 
@@ -109,9 +110,9 @@ def _whisker(x: Scale, value: float, half: float, y: float, kind: str) -> str:
 
 
 def gauge_panel(cells: Sequence[MeasuredCell], gauge: int, name: str, has_repair: bool) -> str:
-    """Return one gauge: its strain over the load, measured with error bars, predicted before and after."""
-    seen = [cell for cell in cells if not np.isnan(cell.measured[gauge])]
-    loads = sorted({cell.load_factor for cell in cells})
+    """Return one gauge: its readings over the load, measured with error bars, predicted before and after."""
+    seen, at = [cell for cell in cells if not np.isnan(cell.measured[gauge])], _abscissae(cells)
+    loads = sorted({at[id(cell)] for cell in cells})
     values = [float(v) for cell in seen for v in (cell.measured[gauge], cell.twin[gauge], cell.repaired[gauge])] or [
         0.0
     ]
@@ -124,30 +125,44 @@ def gauge_panel(cells: Sequence[MeasuredCell], gauge: int, name: str, has_repair
     parts += [_text(40, y(v) + 4, f"{round(v)}", "end") for v in ((low, high) if high - low > 1e-9 else (low,))]
     parts.append(f'<line x1="44" x2="{SMALL - 8}" y1="{y(0.0):.1f}" y2="{y(0.0):.1f}" class="grid"/>')
     parts += [_text(x(load), TALL - 20, f"{load:g}", "middle") for load in _few(loads)]
-    parts.append(_text(x((loads[0] + loads[-1]) / 2), TALL - 4, "load factor", "middle"))
-    parts += [_course(seen, gauge, x, y, kind) for kind in kinds]
-    parts += [_measured_dot(cell, gauge, x, y) for cell in seen]
+    parts.append(_text(x((loads[0] + loads[-1]) / 2), TALL - 4, axis_words(cells), "middle"))
+    parts += [_course(seen, at, gauge, x, y, kind) for kind in kinds]
+    parts += [_measured_dot(cell, at[id(cell)], gauge, x, y) for cell in seen]
     return "".join([*parts, "</svg>"])
+
+
+def _abscissae(cells: Sequence[MeasuredCell]) -> dict[int, float]:
+    """Return where each cell stands along the axis: at its one load, or of several at the number of its load."""
+    loads = sorted({cell.load for cell in cells}, key=amounts_of)
+    has_one = len(amounts_of(loads[0])) == 1
+    return {id(cell): amounts_of(cell.load)[0] if has_one else loads.index(cell.load) + 1.0 for cell in cells}
+
+
+def axis_words(cells: Sequence[MeasuredCell]) -> str:
+    """Return the name of the axis of loads: the one load, or the number of the load in the order of the table."""
+    has_one = len(amounts_of(cells[0].load)) == 1
+    return cells[0].load_words.rpartition(" ")[0] if has_one else "number of the load"
 
 
 def _few(loads: Sequence[float]) -> Sequence[float]:
     return loads if len(loads) <= 4 else (loads[0], loads[len(loads) // 2], loads[-1])
 
 
-def _course(cells: Sequence[MeasuredCell], gauge: int, x: Scale, y: Scale, kind: str) -> str:
+def _course(cells: Sequence[MeasuredCell], at: dict[int, float], gauge: int, x: Scale, y: Scale, kind: str) -> str:
     """Return what is predicted over the load, a line for each test."""
     lines = []
     for test in dict.fromkeys(cell.test for cell in cells):
-        own = sorted((cell for cell in cells if cell.test == test), key=lambda cell: cell.load_factor)
+        own = sorted((cell for cell in cells if cell.test == test), key=lambda cell: at[id(cell)])
         strain = [cell.twin[gauge] if kind == "before" else cell.repaired[gauge] for cell in own]
-        places = " ".join(f"{x(c.load_factor):.1f},{y(float(s)):.1f}" for c, s in zip(own, strain, strict=True))
+        places = " ".join(f"{x(at[id(c)]):.1f},{y(float(s)):.1f}" for c, s in zip(own, strain, strict=True))
         lines.append(f'<polyline points="{places}" class="{kind}"/>')
     return "".join(lines)
 
 
-def _measured_dot(cell: MeasuredCell, gauge: int, x: Scale, y: Scale) -> str:
-    at, value, half = x(cell.load_factor), float(cell.measured[gauge]), float(cell.half_width[gauge])
-    words = f"{cell.test}, load factor {cell.load_factor:g}: {value:.1f} ± {half:.1f} microstrain"
+def _measured_dot(cell: MeasuredCell, load: float, gauge: int, x: Scale, y: Scale) -> str:
+    at, value, half = x(load), float(cell.measured[gauge]), float(cell.half_width[gauge])
+    where = f"{cell.test}, {cell.load_words}" if cell.load_words else cell.test
+    words = f"{where}: {value:.1f} ± {half:.1f} microstrain"
     bar = f'<line x1="{at:.1f}" x2="{at:.1f}" y1="{y(value - half):.1f}" y2="{y(value + half):.1f}" class="measured"/>'
     return (
         f'<g><title>{escape(words)}</title>{bar}<circle cx="{at:.1f}" cy="{y(value):.1f}" r="3" class="measured"/></g>'
