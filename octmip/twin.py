@@ -14,12 +14,14 @@ power. A twin that announces neither units nor loads reads microstrain at a load
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
+
+from octmip.errors import TwinError
 
 State = Mapping[str, float]
 """Values of the twin's state parameters by name, damage as a fraction; what it does not name is 0."""
@@ -71,6 +73,10 @@ ONE_LOAD = ("load_factor",)
 """The loads of a twin that announces none."""
 MICROSTRAIN = "microstrain"
 """Unit of the readings of a twin that announces none."""
+STRAINS = (MICROSTRAIN, "strain")
+"""Units of readings of strain gauges: what only such a gauge can have is asked of these alone."""
+MIXED = "standard deviations of one reading"
+"""Unit of what is made of readings of several units together."""
 
 QUANTITIES = {
     "applied_load": "the load, by a second load cell or a known mass",
@@ -93,6 +99,9 @@ class Twin(Protocol):
     * ``loads``, the names of what is applied or set, columns of a campaign. With one name `predict` gets a float, with
       several or none a mapping by name (`Loads`). Without this attribute there is one load, ``load_factor``;
     * ``units``, the unit of every reading, by gauge or in their order; without it all are microstrain;
+    * ``sign``, what a positive reading is, in words; or ``compressive_positive``, True (as without either) or False;
+    * ``channels``, the instrument of every reading, in the order of the gauges, where one gives several (a force
+      sensor at twelve phases of a cycle): what is wrong with it is wrong at all of them;
     * ``predict_states(states (n, n_parameters), load_factor) -> (n, n_gauges)`` (a batch);
     * ``is_linear_in_load`` (readings are proportional to the one load, so one load is asked for);
     * ``gauge_positions`` (n_gauges, 2) [m] and ``outline`` (n, 2) [m] (the map of the report).
@@ -216,11 +225,46 @@ def loads_of(twin: Twin) -> tuple[str, ...]:
 
 
 def units_of(twin: Twin) -> tuple[str, ...]:
-    """Return the unit of every reading, in the order of the gauges; microstrain for a twin that announces none."""
+    """Return the unit of every reading, in the order of the gauges; microstrain for a twin that announces none.
+
+    Raises
+    ------
+    TwinError
+        it announces units, but not one for each reading.
+    """
     units = getattr(twin, "units", None)
     if units is None:
         return (MICROSTRAIN,) * len(twin.gauges)
-    return tuple(units.get(name, MICROSTRAIN) for name in twin.gauges) if isinstance(units, Mapping) else tuple(units)
+    if isinstance(units, Mapping):
+        missing = [name for name in twin.gauges if name not in units]
+        if missing:
+            raise TwinError(f"the twin gives no unit for its reading {missing[0]!r}; expected one for each; add it")
+        return tuple(str(units[name]) for name in twin.gauges)
+    return _one_each(twin, "units", units)
+
+
+def channels_of(twin: Twin) -> tuple[str, ...]:
+    """Return the instrument of every reading, in the order of the gauges; the gauge itself where none is announced."""
+    return _one_each(twin, "channels", getattr(twin, "channels", twin.gauges))
+
+
+def _one_each(twin: Twin, what: str, given: Sequence[str]) -> tuple[str, ...]:
+    if len(given) != len(twin.gauges):
+        raise TwinError(
+            f"the twin gives {len(given)} {what} for {len(twin.gauges)} readings; expected one for each; give them in "
+            "the order of its gauges"
+        )
+    return tuple(str(one) for one in given)
+
+
+def sign_of(twin: Twin) -> str:
+    """Return what a positive reading is, in words; "" where the twin does not say and reads no strain."""
+    own = str(getattr(twin, "sign", ""))
+    if own:
+        return own
+    has_strain = any(unit in STRAINS for unit in units_of(twin))
+    is_compressive = bool(getattr(twin, "compressive_positive", True))
+    return f"{'compressive' if is_compressive else 'tensile'} strain positive" if has_strain else ""
 
 
 def load_of(names: tuple[str, ...], amounts: tuple[float, ...]) -> Load:

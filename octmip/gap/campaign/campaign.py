@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
-from octmip.twin import ONE_LOAD, Load, amounts_of, load_of, load_words
+from octmip.twin import MICROSTRAIN, ONE_LOAD, Load, amounts_of, load_of, load_words
 
 FEWEST_REPEATS = 3
 """A cell with fewer repeats says nothing about its own noise."""
@@ -109,6 +109,8 @@ class Campaign:
         (n_rows,) line of each row in its file; empty when it came from no file.
     load_names
         names of the loads and settings.
+    units
+        (n_gauges,) of the readings; empty: all are microstrain.
     Derived:
         cells: the means, in the order of first appearance.
     """
@@ -124,6 +126,7 @@ class Campaign:
     notes: tuple[str, ...] = ()
     numbers: tuple[int, ...] = ()
     load_names: tuple[str, ...] = ONE_LOAD
+    units: tuple[str, ...] = ()
     cells: tuple[Cell, ...] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -199,6 +202,10 @@ class Campaign:
             load_names=self.load_names,
         )
 
+    def unit_of(self, gauge: str) -> str:
+        """Return the unit of a gauge's readings."""
+        return self.units[self.gauges.index(gauge)] if self.units else MICROSTRAIN
+
     def row_number(self, row: int) -> int:
         """Return the number by which a reader finds a row: its line in the file, else its place counted from 1."""
         return self.numbers[row] if self.numbers else row + 1
@@ -238,4 +245,5 @@ class Campaign:
             notes=self.notes,
             numbers=tuple(self.numbers[k] for k in keep) if self.numbers else (),
             load_names=self.load_names,
+            units=self.units,
         )

@@ -193,7 +193,7 @@ def given_noise(gauges: tuple[str, ...], sd: float | Mapping[str, float]) -> Noi
     wanted = [sd.get(name, float("nan")) if isinstance(sd, Mapping) else sd for name in gauges]
     for name, value in zip(gauges, wanted, strict=True):
         if not (np.isfinite(value) and value > 0.0):
-            raise DataError(f"noise_sd of gauge {name} is {value}; expected a positive number of microstrain; give it")
+            raise DataError(f"noise_sd of gauge {name} is {value}; expected a positive number in its unit; give it")
     covariance = np.diag(np.square(np.array(wanted, dtype=np.float64)))
     return Noise(gauges, covariance, 1.0, {}, 0.0, 0.0, 0.0, (), (), float("inf"))
 
@@ -215,6 +215,7 @@ def _together(campaign: Campaign, run: Campaign) -> Campaign:
         np.concatenate([campaign.time, run.time]),
         np.concatenate([campaign.temperature, run.temperature]),
         load_names=campaign.load_names,
+        units=campaign.units,
     )
 
 

@@ -16,7 +16,8 @@ from octmip.errors import DataError
 from octmip.gap.campaign.campaign import Campaign
 from octmip.gap.campaign.plausibility import Sheet, refuse_nonsense, warnings_on
 from octmip.gap.campaign.table import CampaignTable, read_campaign_table
-from octmip.twin import Twin, amounts_of, load_of, loads_of, state_parameters
+from octmip.gap.twins.cached import CachedTwin
+from octmip.twin import Twin, amounts_of, load_of, loads_of, sign_of, state_parameters, units_of
 
 HOTTEST = 150.0
 """Temperatures beyond this [deg C] are kelvin or Fahrenheit."""
@@ -58,6 +59,7 @@ def read_campaign(path: str | Path, twin: Twin) -> Campaign:
         notes=tuple(notes),
         numbers=table.numbers,
         load_names=names,
+        units=sheet.units,
     )
 
 
@@ -77,9 +79,21 @@ def _sheet(
     readings: NDArray[np.float64],
 ) -> Sheet:
     order, names = [twin.gauges.index(name) for name in gauges], loads_of(twin)
+    asked = twin if isinstance(twin, CachedTwin) else CachedTwin(twin)
     loads = tuple(load_of(names, tuple(row)) for row in applied.tolist())
-    healthy = {load: np.asarray(twin.predict({}, load))[order] for load in sorted(set(loads), key=amounts_of)}
-    return Sheet(table.numbers, tests, gauges, names, loads, readings, np.array([healthy[load] for load in loads]))
+    healthy = {load: asked.predict({}, load)[order] for load in sorted(set(loads), key=amounts_of)}
+    units = units_of(twin)
+    return Sheet(
+        numbers=table.numbers,
+        tests=tests,
+        gauges=gauges,
+        load_names=names,
+        loads=loads,
+        readings=readings,
+        healthy=np.array([healthy[load] for load in loads]),
+        units=tuple(units[k] for k in order),
+        sign=sign_of(twin),
+    )
 
 
 def _check_header(table: CampaignTable, twin: Twin) -> None:

@@ -4,7 +4,7 @@ All of them hold whatever the states of the asset are; what depends on the state
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import groupby
 
 import numpy as np
@@ -20,7 +20,7 @@ from octmip.gap.inference.candidates import Candidate, Priors, candidates_of, pr
 from octmip.gap.inference.discrepancy import Discrepancy, calibrated, uncalibrated
 from octmip.gap.progress import Progress, silent
 from octmip.gap.twins.cached import CachedTwin
-from octmip.twin import Effect, Load, Twin, amounts_of
+from octmip.twin import MIXED, Effect, Load, Twin, amounts_of, units_of
 
 Floats = NDArray[np.float64]
 Groups = tuple[tuple[int, ...], ...]
@@ -73,6 +73,33 @@ class Inputs:
         """(n_averages,) load of every averaged cell."""
         return tuple(self.cell_of(average).load for average in self.averages)
 
+    @property
+    def units(self) -> tuple[str, ...]:
+        """(n_gauges,) unit of the readings of each of the campaign's gauges."""
+        units = units_of(self.twin)
+        return tuple(units[k] for k in self.order)
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """(n_gauges,) instrument of the readings of each of the campaign's gauges."""
+        return tuple(self.twin.channels[k] for k in self.order)
+
+    @property
+    def unit(self) -> str:
+        """The unit of what is made of several gauges' readings: theirs where they have one, else `MIXED`."""
+        return self.units[0] if len(set(self.units)) == 1 else MIXED
+
+    @property
+    def scale(self) -> Floats:
+        """(n_gauges,) what readings are divided by where several gauges' are taken together: 1 where they share a unit.
+
+        Otherwise the typical standard deviation of one reading of each unit.
+        """
+        if self.unit != MIXED:
+            return np.ones(len(self.units))
+        sd, units = np.sqrt(np.diag(self.noise.covariance)), np.array(self.units)
+        return np.array([float(np.median(sd[units == unit])) for unit in self.units])
+
     def healthy(self, load: Load) -> Floats:
         """Return what the twin predicts (n_gauges,) of the healthy state at a load, for the campaign's gauges."""
         return self.twin.predict({}, load)[list(self.order)]
@@ -119,6 +146,7 @@ def prepare(
     if unknown:
         raise DataError(f"column {unknown[0]!r} is no gauge of the twin; expected among {list(twin.gauges[:3])}...")
     asked = twin if isinstance(twin, CachedTwin) else CachedTwin(twin)
+    campaign = replace(campaign, units=tuple(units_of(asked)[asked.gauges.index(name)] for name in campaign.gauges))
     campaign, rails, of_clipping = unclipped(campaign)
     run = unclipped(commissioning)[0] if isinstance(commissioning, Campaign) else None
     noise, of_noise = noise_of(campaign, run, rails, noise_sd)

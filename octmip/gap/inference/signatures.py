@@ -65,9 +65,9 @@ def load_steps(campaign: Campaign) -> Steps:
     return [(after - before, time) for (time, after), before in zip(begun, loads, strict=False)]
 
 
-def on_readings(gauges: tuple[str, ...], effect: Effect, places: Sequence[str], readings: Floats) -> Floats:
+def on_readings(inputs: Inputs, effect: Effect, places: Sequence[str], readings: Floats) -> Floats:
     """Return what an effect that acts on readings (n_gauges,) changes in them, by place (n_places, n_gauges)."""
-    seen = _Readings(gauges, readings)
+    seen = _Readings(inputs.campaign.gauges, readings, inputs.units, inputs.channels)
     return np.array([effect.signature(seen, {}, 1.0, place=place) for place in places])
 
 
@@ -86,7 +86,7 @@ def _of_readings(inputs: Inputs, effect: Effect, places: tuple[str, ...], expect
     rows: list[Floats] = []
     for k, part in enumerate(inputs.averages):
         same = k > 0 and inputs.averages[k - 1].cell == part.cell
-        rows.append(rows[-1] if same else on_readings(inputs.campaign.gauges, effect, places, expected[k]))
+        rows.append(rows[-1] if same else on_readings(inputs, effect, places, expected[k]))
     return rows
 
 
@@ -107,6 +107,8 @@ class _Readings:
 
     gauges: tuple[str, ...]
     readings: Floats
+    units: tuple[str, ...]
+    channels: tuple[str, ...]
     parameters: tuple[str, ...] = ()
     effects: Mapping[str, Effect] = field(default_factory=dict)
 

@@ -21,6 +21,7 @@ from octmip.gap.inference.inference import Inference
 from octmip.gap.inference.inputs import Inputs
 from octmip.gap.inference.linear_model import LinearModel
 from octmip.gap.inference.signature_error import with_errors
+from octmip.twin import MICROSTRAIN, MIXED
 
 Floats = NDArray[np.float64]
 
@@ -89,8 +90,17 @@ def weigh_unknown(model: LinearModel) -> Unknown:
     best = fields[name, power]
     return Unknown(
         float(logsumexp(values)) - float(np.log(len(kinds))),
-        f"a {name} field, {LOAD_WORDS[power]}, of about {size * unit:.0f} microstrain",
+        f"a {name} field, {LOAD_WORDS[power]}{_of_about(model.inputs, size * unit)}",
         Inference(with_errors(model, best.u * (best.s * size * unit))),
+    )
+
+
+def _of_about(inputs: Inputs, size: float) -> str:
+    """Return the size of a field in words, where all readings have one unit."""
+    if inputs.unit == MIXED:
+        return ""
+    return (
+        f", of about {size:.0f} {inputs.unit}" if inputs.unit == MICROSTRAIN else f", of about {size:.3g} {inputs.unit}"
     )
 
 

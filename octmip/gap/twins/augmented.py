@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.twin import Effect, Load, State, Twin, loads_of, state_parameters, units_of
+from octmip.twin import Effect, Load, State, Twin, channels_of, loads_of, state_parameters, units_of
 
 Floats = NDArray[np.float64]
 
@@ -76,6 +76,11 @@ class AugmentedTwin:
         return units_of(self.twin)
 
     @property
+    def channels(self) -> tuple[str, ...]:
+        """Instrument of every reading."""
+        return channels_of(self.twin)
+
+    @property
     def effects(self) -> Mapping[str, Effect]:
         """The twin's own effects."""
         return self.twin.effects
@@ -142,6 +147,10 @@ class _Before:
     @property
     def units(self) -> tuple[str, ...]:
         return self.whole.units
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        return self.whole.channels
 
     @property
     def effects(self) -> Mapping[str, Effect]:

@@ -1,11 +1,28 @@
-"""A twin that keeps its answers: a diagnosis asks for the same few states and loads over and over."""
+"""A twin that keeps its answers: a diagnosis asks for the same few states and loads over and over.
 
-from collections.abc import Mapping
+Every answer of somebody else's model passes here, so here it is checked: that it came, its shape, that it is finite.
+"""
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from octmip.twin import Effect, Load, Loads, State, Twin, loads_of, predict_states, state_parameters, units_of
+from octmip.errors import OctmipError, TwinError
+from octmip.twin import (
+    Effect,
+    Load,
+    Loads,
+    State,
+    Twin,
+    channels_of,
+    load_words,
+    loads_of,
+    predict_states,
+    state_parameters,
+    units_of,
+)
 
 Key = tuple[tuple[tuple[str, float], ...], Load]
 
@@ -17,10 +34,14 @@ class CachedTwin:
     ----------
     twin
         the model that is asked once for each state and load.
+    units, channels
+        (n_gauges,) unit and instrument of every reading; no units where the model does not say.
     """
 
     def __init__(self, twin: Twin) -> None:
         self.twin = twin
+        self.units = None if getattr(twin, "units", None) is None else units_of(twin)
+        self.channels = channels_of(twin)
         self._strains: dict[Key, NDArray[np.float64]] = {}
         self._signatures: dict[tuple[int, tuple[str, ...], float, Key], NDArray[np.float64]] = {}
         self._asked: dict[int, Effect] = {}  # by identity; held, so that no other effect takes the number of one
@@ -39,11 +60,6 @@ class CachedTwin:
     def loads(self) -> tuple[str, ...]:
         """Names of the loads and settings."""
         return loads_of(self.twin)
-
-    @property
-    def units(self) -> tuple[str, ...]:
-        """Unit of every reading."""
-        return units_of(self.twin)
 
     @property
     def effects(self) -> Mapping[str, Effect]:
@@ -66,10 +82,59 @@ class CachedTwin:
             return load_factor * self.predict(state, 1.0)
         key = _key(state, load_factor)
         if key not in self._strains:
-            strains = np.array(self.twin.predict(dict(key[0]), load_factor), dtype=np.float64)
-            strains.flags.writeable = False
-            self._strains[key] = strains
+            with self._answering(state, load_factor):
+                answer = self.twin.predict(dict(key[0]), load_factor)
+            self._keep(key, answer)
         return self._strains[key]
+
+    @property
+    def name(self) -> str:
+        """What the model is called in a message: its class."""
+        return f"the twin {type(self.twin).__name__}"
+
+    @contextmanager
+    def _answering(self, state: State, load: Load, who: str = "") -> Iterator[None]:
+        """Within it, what somebody else's model raises becomes one sentence."""
+        try:
+            yield
+        except OctmipError:
+            raise
+        except Exception as error:
+            of = ", ".join(f"{name} {value:g}" for name, value in state.items() if value) or "the healthy state"
+            at = f" at {load_words(self.loads, load)}" if self.loads else ""
+            raise TwinError(
+                f"{who or self.name} raised {type(error).__name__} for {of}{at}: {error}; expected readings; correct it"
+            ) from error
+
+    def _keep(self, key: Key, answer: ArrayLike) -> None:
+        at = load_words(self.loads, key[1])
+        strains = self._checked(answer, self.name, f"{dict(key[0]) or 'the healthy state'}{f' at {at}' if at else ''}")
+        strains.flags.writeable = False
+        self._strains[key] = strains
+
+    def _checked(self, answer: ArrayLike, who: str, where: str) -> NDArray[np.float64]:
+        """Return an answer as floats (n_gauges,).
+
+        Raises
+        ------
+        TwinError
+            it has another shape, is no number or not finite.
+        """
+        try:
+            found = np.array(answer, dtype=np.float64)
+        except (TypeError, ValueError) as error:
+            raise TwinError(f"{who} answers no numbers for {where} ({error}); expected floats; correct it") from error
+        if found.shape != (len(self.gauges),):
+            raise TwinError(
+                f"{who} answers with shape {found.shape} for {where}; expected ({len(self.gauges)},), one number for "
+                "each reading; correct it"
+            )
+        if not np.isfinite(found).all():
+            k = int(np.flatnonzero(~np.isfinite(found))[0])
+            raise TwinError(
+                f"{who} answers {found[k]} for reading {self.gauges[k]} ({where}); expected a finite number; correct it"
+            )
+        return found
 
     def predict_states(self, states: NDArray[np.float64], load_factor: Load) -> NDArray[np.float64]:
         """Return the readings (n_states, n_gauges), asking the twin once for all states that are new."""
@@ -79,9 +144,14 @@ class CachedTwin:
         keys = [_key(state, load_factor) for state in named]
         new = [k for k, key in enumerate(keys) if key not in self._strains]
         if new:
-            for k, strains in zip(new, predict_states(self.twin, states[new], load_factor), strict=True):
-                strains.flags.writeable = False
-                self._strains[keys[k]] = strains
+            with self._answering(named[new[0]], load_factor):
+                answers = predict_states(self.twin, states[new], load_factor)
+            if len(answers) != len(new):
+                raise TwinError(
+                    f"{self.name}.predict_states answers {len(answers)} of {len(new)} states; expected a row for each"
+                )
+            for k, answer in zip(new, answers, strict=True):
+                self._keep(keys[k], answer)
         return np.array([self._strains[key] for key in keys])
 
     def signatures(
@@ -99,9 +169,12 @@ class CachedTwin:
             return factor * self.signatures(effect, places, state, 1.0, time)
         key = (id(effect), places, time, _key(state, load_factor))
         if key not in self._signatures:
-            rows = [effect.signature(self, state, load_factor, place=place, time=time) for place in places]
+            with self._answering(state, load_factor, f"effect {effect.name}"):
+                rows = [effect.signature(self, state, load_factor, place=place, time=time) for place in places]
             self._asked[id(effect)] = effect
-            self._signatures[key] = np.array(rows, dtype=np.float64)
+            named = zip(places, rows, strict=True)
+            checked = [self._checked(row, f"effect {effect.name}", f"place {place!r}") for place, row in named]
+            self._signatures[key] = np.array(checked).reshape(len(places), len(self.gauges))
         return self._signatures[key]
 
 

@@ -19,7 +19,7 @@ WIDTH = 1.645
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MeasuredCell:
-    """The mean readings of one test at one load, all (n_gauges,) in microstrain, NaN where nothing was recorded.
+    """The mean readings of one test at one load, all (n_gauges,) in the gauges' units, NaN where nothing was recorded.
 
     Attributes
     ----------
@@ -31,6 +31,10 @@ class MeasuredCell:
         what the calibrated twin predicts, without and with the first cause.
     usual
         half of the 90 % interval of what a sound asset and its twin differ by.
+    units
+        of the gauges.
+    unit, scale
+        in which several gauges are drawn side by side, and what each is divided by for it.
     """
 
     test: str
@@ -41,6 +45,9 @@ class MeasuredCell:
     twin: Floats
     repaired: Floats
     usual: Floats
+    units: tuple[str, ...]
+    unit: str
+    scale: Floats
 
     @property
     def before(self) -> Floats:
@@ -59,6 +66,13 @@ def has_repair(diagnosis: Diagnosis) -> bool:
     return bool(first.judged.members) and UNKNOWN not in first.effects
 
 
+def noise_sds(diagnosis: Diagnosis) -> dict[str, float]:
+    """Return the typical standard deviation of one reading of each unit."""
+    inputs = diagnosis.posterior.model.inputs
+    sd, units = np.sqrt(np.diag(inputs.noise.covariance)), np.array(inputs.units)
+    return {unit: float(np.median(sd[units == unit])) for unit in dict.fromkeys(inputs.units)}
+
+
 def measured_cells(diagnosis: Diagnosis) -> tuple[MeasuredCell, ...]:
     """Return every cell of the campaign, halves of its repeats taken together."""
     model, after = _after_first_cause(diagnosis)
@@ -69,7 +83,7 @@ def measured_cells(diagnosis: Diagnosis) -> tuple[MeasuredCell, ...]:
 
 
 def _after_first_cause(diagnosis: Diagnosis) -> tuple[LinearModel, Floats]:
-    """Return the model that is drawn, and the residuals (n,) [microstrain] once the first cause is added."""
+    """Return the model that is drawn, and the residuals (n,) once the first cause is added."""
     if not has_repair(diagnosis):
         model = diagnosis.posterior.model
         return model, model.residual
@@ -104,4 +118,7 @@ def _cell(model: LinearModel, number: int, after: Floats, noise: Floats, usual: 
         twin=measured - means[0],
         repaired=measured - means[1],
         usual=means[3],
+        units=model.inputs.units,
+        unit=model.inputs.unit,
+        scale=model.inputs.scale,
     )
