@@ -17,7 +17,7 @@ from octmip.gap.causes import (
     with_identifiable,
     with_misfit,
 )
-from octmip.gap.effects import CHAIN
+from octmip.gap.effects import chain_of, in_chain
 from octmip.gap.inference.confounding import ABSURD, detectable
 from octmip.gap.inference.discrepancy import Discrepancy
 from octmip.gap.inference.inputs import prepare
@@ -31,13 +31,13 @@ from octmip.gap.shrinkage import Shrinkage, measure_shrinkage
 from octmip.gap.tree_nodes import flips
 from octmip.gap.twins.augmented import Addition, AugmentedTwin
 from octmip.tree import Node
-from octmip.twin import Effect, Twin
+from octmip.twin import MICROSTRAIN, Effect, Twin, units_of
 
 CORRELATED = 0.9
 """Posterior correlation of a damage and an effect beyond which they are not told apart."""
 INVISIBLE = 1e6
 """Detectable size over the prior's sd beyond which the signature is zero."""
-BASELINE = "a healthy commissioning run at load factors 0, 1, 2 and 3 would separate them"
+BASELINE = "a healthy commissioning run at zero and several other loads would separate them"
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,7 +129,7 @@ class Diagnosis:
         parts = self.which[0].parameters if self.which else ()
         by_name = {candidate.name: candidate.effect for candidate in inputs.candidates}
         additions = [Addition(by_name[p.effect], p.place, p.size) for p in parts]
-        additions.sort(key=lambda addition: addition.effect.name in CHAIN)  # the structure first, the chain last
+        additions.sort(key=lambda addition: in_chain(addition.effect))  # the structure first, the chain last
         calibration = np.zeros(len(twin.gauges))
         calibration[list(inputs.order)] = inputs.discrepancy.mean
         return AugmentedTwin(twin, tuple(additions), calibration, inputs.reference)
@@ -163,7 +163,7 @@ def diagnose(
     feature_names
         the tree's features, names of gauges.
     noise_sd
-        standard deviation of one reading [microstrain], of all gauges or by gauge, from the instrument's
+        standard deviation of one reading in its unit, of all gauges or by gauge, from the instrument's
         card; used where no load was read often enough to estimate the noise.
     progress
         called at the start of every stage; what it raises ends the diagnosis.
@@ -189,7 +189,7 @@ def _diagnose(
     progress: Progress,
 ) -> Diagnosis:
     progress(Stage("the noise of the readings"))
-    chosen = {**CHAIN, **getattr(twin, "effects", {})} if effects is None else dict(effects)
+    chosen = dict(effects) if effects is not None else library_of(twin, campaign)
     inputs, notes = prepare(campaign, twin, chosen, commissioning, noise_sd, progress)
     posterior = attribute(inputs)
     progress(Stage("how far the best cause closes the gap"))
@@ -212,6 +212,21 @@ def _diagnose(
         notes=(*campaign.notes, *notes),
         posterior=posterior,
     )
+
+
+def library_of(twin: Twin, campaign: Campaign) -> dict[str, Effect]:
+    """Return the effects that are looked for where none are given: the measuring chain's and the twin's own."""
+    return {**chain_of(twin, _typical(campaign, twin)), **getattr(twin, "effects", {})}
+
+
+def _typical(campaign: Campaign, twin: Twin) -> dict[str, float]:
+    """Return the root mean square of the campaign's readings of each unit."""
+    units = dict(zip(twin.gauges, units_of(twin), strict=True))
+    squares: dict[str, list[float]] = {}
+    for k, name in enumerate(campaign.gauges):
+        own = campaign.readings[:, k]
+        squares.setdefault(units.get(name, MICROSTRAIN), []).extend((own[np.isfinite(own)] ** 2).tolist())
+    return {unit: float(np.sqrt(np.mean(values))) if values else 1.0 for unit, values in squares.items()}
 
 
 def _which(posterior: Posterior) -> tuple[tuple[Cause, ...], Shrinkage | None, float]:

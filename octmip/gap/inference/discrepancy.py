@@ -28,6 +28,7 @@ from octmip.errors import DataError
 from octmip.gap.campaign.campaign import Campaign, Cell
 from octmip.gap.campaign.noise import Noise, estimate_noise
 from octmip.gap.twins.cached import CachedTwin
+from octmip.twin import Load
 
 Floats = NDArray[np.float64]
 
@@ -95,7 +96,7 @@ class Discrepancy:
         return float((healthy / self.scale) @ relative / (relative @ relative))
 
 
-def uncalibrated(twin: CachedTwin, gauges: Sequence[str], load: float) -> Discrepancy:
+def uncalibrated(twin: CachedTwin, gauges: Sequence[str], load: Load) -> Discrepancy:
     """Return the difference to expect at the reference load from the twin alone."""
     healthy = twin.predict({}, load)[[twin.gauges.index(name) for name in gauges]]
     prior = tuple(zip(LEVELS, np.log(LEVEL_PRIOR).tolist(), strict=True))
@@ -104,8 +105,8 @@ def uncalibrated(twin: CachedTwin, gauges: Sequence[str], load: float) -> Discre
     return Discrepancy(np.zeros(len(healthy)), unit, scale, DAMAGE, 1.0, prior, False)
 
 
-def calibrated(run: Campaign, twin: CachedTwin, gauges: tuple[str, ...], load: float) -> Discrepancy:
-    """Return the difference that a commissioning run shows for these gauges, at the reference load factor `load`.
+def calibrated(run: Campaign, twin: CachedTwin, gauges: tuple[str, ...], load: Load) -> Discrepancy:
+    """Return the difference that a commissioning run shows for these gauges, at the reference load `load`.
 
     Raises
     ------
@@ -126,7 +127,7 @@ def calibrated(run: Campaign, twin: CachedTwin, gauges: tuple[str, ...], load: f
     return replace(prior, mean=mean, covariance=covariance, log_levels=_spread(share), is_calibrated=True)
 
 
-def scale_of(twin: CachedTwin, gauges: Sequence[str], load: float) -> Floats:
+def scale_of(twin: CachedTwin, gauges: Sequence[str], load: Load) -> Floats:
     """Return the size (n_gauges,) against which readings are small: the rms prediction over those of the same unit.
 
     A twin that announces no units may mix several, so each reading is then measured by itself, over the sound state
@@ -160,7 +161,7 @@ def _unit_covariance(twin: CachedTwin, gauges: Sequence[str], healthy: Floats, s
 
 
 def _information(
-    run: Campaign, twin: CachedTwin, gauges: tuple[str, ...], load: float, prior: Discrepancy
+    run: Campaign, twin: CachedTwin, gauges: tuple[str, ...], load: Load, prior: Discrepancy
 ) -> tuple[Floats, Floats]:
     """Return P (n_gauges, n_gauges) and h (n_gauges,) of a commissioning run."""
     order = [run.gauges.index(name) for name in gauges]
@@ -170,8 +171,8 @@ def _information(
     precision, projection = np.zeros((len(gauges), len(gauges))), np.zeros(len(gauges))
     for cell in run.cells:
         state = dict(zip(run.parameters, cell.state.tolist(), strict=True))
-        predicted = twin.predict(state, cell.load_factor)[columns]
-        phi = prior.share(twin.predict({}, cell.load_factor)[columns], reference)
+        predicted = twin.predict(state, cell.load)[columns]
+        phi = prior.share(twin.predict({}, cell.load)[columns], reference)
         weight = _weight(noise, cell, order)
         precision += phi**2 * weight
         projection += phi * weight @ np.nan_to_num(cell.mean[order] - predicted)
@@ -206,7 +207,7 @@ def _check_run(run: Campaign, gauges: tuple[str, ...]) -> None:
 
 def _weight(noise: Noise, cell: Cell, order: list[int]) -> Floats:
     """Return the precision (n_gauges, n_gauges) of a cell's means, zero for gauges that recorded nothing."""
-    matrix = noise.of_mean(cell.count, cell.load_factor)[np.ix_(order, order)]
+    matrix = noise.of_mean(cell.count, cell.load)[np.ix_(order, order)]
     seen = cell.count[order] > 0
     weight = np.zeros_like(matrix)
     weight[np.ix_(seen, seen)] = np.linalg.inv(matrix[np.ix_(seen, seen)])
