@@ -214,7 +214,8 @@ def _restate(diagnosis: Diagnosis) -> str:
 def _act(diagnosis: Diagnosis) -> str:
     first = diagnosis.which[0]
     found = [_told(first, k) for k in range(len(first.parameters))]
-    parts = "; and ".join([_restate(diagnosis)] * (MISSTATED in first.effects) + found)
+    stated = [_restate(diagnosis)] if MISSTATED in first.effects else []
+    parts = "; and ".join([*stated, *found])
     s = diagnosis.shrinkage
     rest = "something smaller remains that no effect of the library describes"
     end = rest if s is not None and s.p_after < MISFIT else "nothing else is needed"
