@@ -13,6 +13,7 @@ import tempfile
 import time
 from pathlib import Path
 
+from benchmarks.blind.assets.families import FAMILIES, available
 from benchmarks.blind.run import Plan, run
 
 
@@ -26,7 +27,7 @@ def main() -> None:
     parser.add_argument("--without", type=float, default=1.0, help="share diagnosed without commissioning run too")
     parser.add_argument("--lasso", type=int, default=60, help="cases for the group lasso")
     parser.add_argument("--trees", type=int, default=20, help="cases whose tree is retrained")
-    parser.add_argument("--calculix", type=float, default=0.25, help="share of the cases on CalculiX's asset")
+    parser.add_argument("--family", action="append", choices=FAMILIES, help="of assets; may be given more than once")
     parser.add_argument("--asset-mesh", type=float, default=1.3, help="refinement of femlib's asset")
     parser.add_argument("--twin-mesh", type=float, default=1.0, help="refinement of the twin")
     options = parser.parse_args()
@@ -38,7 +39,7 @@ def main() -> None:
         options.without,
         options.lasso,
         options.trees,
-        options.calculix,
+        tuple(options.family or available()),
         options.asset_mesh,
         options.twin_mesh,
     )

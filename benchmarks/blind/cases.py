@@ -8,8 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.blind.assets.asset import PARAMETERS, Asset, State
-from benchmarks.blind.assets.changes import Moment, change
+from benchmarks.blind.assets.asset import PARAMETERS, Asset
+from benchmarks.blind.assets.changes import change
+from benchmarks.blind.assets.moment import Moment, State
 from benchmarks.blind.truths import SINGLES, TRACELESS, Truth, draw, draw_channel, draw_outside, in_order
 from femlib.arrays import FloatArray
 
@@ -66,16 +67,12 @@ class Case:
         return [(number, state, load) for number, state in enumerate(self.states) for load in self.loads]
 
 
-def draw_cases(seed: int, count: int, assets: Sequence[Asset], shares: Sequence[float]) -> list[Case]:
-    """Return about `count` cases: strata in their shares (at least one each), assets drawn by theirs."""
+def draw_cases(seed: int, count: int, assets: Sequence[Asset]) -> list[Case]:
+    """Return about `count` cases: strata in their shares (at least one each), the assets in turn."""
     rng = np.random.default_rng([seed, 1])
     strata = [s for s, share in SHARES.items() for _ in range(max(1, round(share * count)))]
     rng.shuffle(strata)
-    families = rng.choice(len(assets), len(strata), p=shares)
-    return [
-        _draw_case(f"case{k:04d}", stratum, rng, assets[family])
-        for k, (stratum, family) in enumerate(zip(strata, families, strict=True))
-    ]
+    return [_draw_case(f"case{k:04d}", stratum, rng, assets[k % len(assets)]) for k, stratum in enumerate(strata)]
 
 
 def _draw_case(name: str, stratum: str, rng: np.random.Generator, asset: Asset) -> Case:

@@ -9,8 +9,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from benchmarks.blind.answers import Found, Task, answer, code
-from benchmarks.blind.assets import calculix
-from benchmarks.blind.assets.asset import REFINEMENT, Asset, FemlibAsset
+from benchmarks.blind.assets.families import available, in_order, made
+from benchmarks.blind.assets.shells import REFINEMENT
 from benchmarks.blind.figure import Figure
 from benchmarks.blind.guards import guards
 from benchmarks.blind.score import Pair, by_effect, figures, is_standard, open_keys, strata
@@ -31,8 +31,8 @@ class Plan:
         share of the cases diagnosed without commissioning run too.
     lasso, trees
         numbers of cases for the group lasso and for retraining.
-    calculix
-        share of the cases on CalculiX's asset, where `ccx` is installed.
+    families
+        of assets, each with its share of the cases.
     asset_mesh, twin_mesh
         refinements.
     """
@@ -43,7 +43,7 @@ class Plan:
     without: float = 1.0
     lasso: int = 60
     trees: int = 60
-    calculix: float = 0.25
+    families: tuple[str, ...] = available()
     asset_mesh: float = REFINEMENT
     twin_mesh: float = 1.0
 
@@ -71,19 +71,15 @@ def _settled(folder: Path, plan: Plan) -> Plan:
     """Return the plan of a set that was begun, otherwise write this one down."""
     path = folder / "plan.json"
     if path.exists():
-        return Plan(**{**json.loads(path.read_text()), "jobs": plan.jobs})
+        begun = json.loads(path.read_text())
+        return Plan(**{**begun, "families": tuple(begun["families"]), "jobs": plan.jobs})
     path.write_text(json.dumps(asdict(plan)))
     return plan
 
 
 def _seal(folder: Path, keys: Path, plan: Plan) -> None:
-    assets: list[Asset] = [FemlibAsset(plan.seed, plan.asset_mesh)]
-    shares = [1.0]
-    if plan.calculix > 0.0 and calculix.is_installed():
-        store = keys.with_suffix(".calculix.json")
-        assets.append(calculix.CalculixAsset(plan.seed, store=store, jobs=plan.jobs))
-        shares = [1.0 - plan.calculix, plan.calculix]
-    seal(folder, keys, plan.seed, plan.count, assets, shares, plan.trees)
+    assets = [made(name, plan.seed, keys, plan.asset_mesh, plan.jobs) for name in plan.families]
+    seal(folder, keys, plan.seed, plan.count, assets, plan.trees)
 
 
 def _diagnose(folder: Path, plan: Plan) -> list[Found]:
@@ -141,7 +137,7 @@ def _tables(found: Sequence[Found], answers: Mapping[str, Key], plan: Plan) -> l
     with_run = [(f, a) for f, a in cases if f["calibrated"]]
     without = [(f, a) for f, a in cases if not f["calibrated"]]
     retrained = tree_figures(_recoveries(with_run, plan))
-    families = sorted({a["case"]["family"] for _, a in cases}, reverse=True)
+    families = in_order({a["case"]["family"] for _, a in cases})
     standard = [(f, a) for f, a in with_run if is_standard(a)]
     tables = [
         _table(

@@ -13,8 +13,10 @@ from typing import NotRequired, TypedDict
 
 import numpy as np
 
-from benchmarks.blind.assets.asset import TREE_STATES, Asset, FemlibAsset, neighbours
-from benchmarks.blind.assets.changes import Moment
+from benchmarks.blind.assets.asset import TREE_STATES, Asset, neighbours
+from benchmarks.blind.assets.families import slug
+from benchmarks.blind.assets.moment import Moment
+from benchmarks.blind.assets.shells import FemlibAsset
 from benchmarks.blind.cases import (
     ALL_LOADS,
     INTERVAL,
@@ -88,7 +90,6 @@ def seal(
     seed: int,
     count: int,
     assets: Sequence[Asset],
-    shares: Sequence[float],
     n_trees: int = 0,
 ) -> None:
     """Write campaigns and seals to `folder`, the answers to `keys`; `n_trees` of them with the states of a tree."""
@@ -100,7 +101,7 @@ def seal(
     by_family = {asset.family: asset for asset in assets}
     seals: dict[str, str] = {}
     answers: dict[str, object] = {}
-    for case in draw_cases(seed, count, assets, shares):
+    for case in draw_cases(seed, count, assets):
         asset = by_family[case.family]
         write_campaign(folder / slug(case.family) / "campaigns" / f"{case.name}.csv", case, asset, seed)
         answer: dict[str, object] = {"case": asdict(case), "salt": secrets.token_hex(16), **facts(case, asset)}
@@ -111,11 +112,6 @@ def seal(
         answers[case.name] = answer
     keys.write_text(json.dumps(answers))
     (folder / "seals.json").write_text(json.dumps(seals, indent=1, sort_keys=True))  # last: the set is whole
-
-
-def slug(family: str) -> str:
-    """Return the folder's name of a family."""
-    return family.split(",")[0].lower()
 
 
 def fingerprint(answer: object) -> str:
