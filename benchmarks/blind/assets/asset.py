@@ -27,6 +27,7 @@ LENGTH = 0.07
 """Typical length of a debond, span fractions: the bond is gone over 0.3 to 3 times this."""
 HOUR = 3600.0
 CREEP_POWER = 0.22
+TRANSVERSE = 1.33
 CHORDS = ((435.61, 433.0), (261.112, 260.0))
 """Designed and manufactured chord at root and tip [mm], of the public geometry table."""
 SPANS = (1828.8, 1828.0)
@@ -74,8 +75,6 @@ class Asset(ABC):
         how many places there are of effects that are expensive to compute; 0: not in this family.
     outside
         kinds of change that no library holds.
-    transverse
-        one and the gauge's contraction across its direction, which a turned gauge feels.
     gauges, eta, row, span
         of the gauges that lie in no region: name, span fraction, chordwise row; half-span [m].
     payloads, hot_spots, lifts
@@ -93,7 +92,6 @@ class Asset(ABC):
         "spar_skin_debond": 8,
     }
     outside: ClassVar[tuple[str, ...]] = ()
-    transverse: ClassVar[float] = 1.33
     gauges: tuple[str, ...]
     eta: FloatArray
     row: FloatArray
@@ -158,6 +156,10 @@ class Asset(ABC):
     def creep(self, since: FloatArray) -> FloatArray:
         """Return the creep (n,) a time [s] after a load, 1 after an hour."""
         return np.asarray((np.maximum(since, 0.0) / HOUR) ** CREEP_POWER)
+
+    def turned(self, gauge: int) -> float:
+        """Return one less the strain across a gauge over that along it: what a turned gauge loses of its reading."""
+        return TRANSVERSE
 
     def slid(self, gauge: int, millimetres: float, moment: Moment, before: FloatArray) -> float:
         """Return the change of a mean reading where its gauge sits outboard: a spline along its row (n_gauges,)."""

@@ -96,7 +96,7 @@ def _position_offset(truth: Truth, asset: Asset, moment: Moment, before: FloatAr
 
 def _misalignment(truth: Truth, asset: Asset, moment: Moment, before: FloatArray) -> FloatArray:
     g = asset.gauges.index(truth.place)
-    return _at(asset, truth.place, -0.01 * asset.transverse * truth.size * before[:, g])
+    return _at(asset, truth.place, -0.01 * asset.turned(g) * truth.size * before[:, g])
 
 
 def _crosstalk(truth: Truth, asset: Asset, moment: Moment, before: FloatArray) -> FloatArray:

@@ -7,11 +7,12 @@ from benchmarks.blind.assets.asset import Asset
 from benchmarks.blind.assets.beam.asset import BeamAsset
 from benchmarks.blind.assets.calculix import CalculixAsset, is_installed
 from benchmarks.blind.assets.shells import REFINEMENT, FemlibAsset
+from benchmarks.blind.assets.springs.asset import SpringsAsset
 
-FAMILIES = ("femlib", "calculix", "beam")
+FAMILIES = ("femlib", "calculix", "springs", "beam")
 OWN = "femlib"
 """The family that shares its code with the twin; the others are foreign."""
-NEED_CALCULIX = ("calculix",)
+NEED_CALCULIX = ("calculix", "springs")
 
 
 def available() -> tuple[str, ...]:
@@ -33,6 +34,8 @@ def made(name: str, seed: int, keys: Path, refinement: float = REFINEMENT, jobs:
         raise SystemExit(f"family {name!r} needs ccx, which is not on the path; install CalculiX or leave it out")
     if name == "calculix":
         return CalculixAsset(seed, store=keys.with_suffix(".calculix.json"), jobs=jobs)
+    if name == "springs":
+        return SpringsAsset(seed, store=keys.with_suffix(".springs.json"), jobs=jobs)
     return BeamAsset(seed) if name == "beam" else FemlibAsset(seed, refinement)
 
 

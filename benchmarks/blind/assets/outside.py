@@ -15,6 +15,8 @@ SUNSHINE = 1200.0
 """Half a period of the sun [s]: four loads of 50 readings."""
 CRITICAL = 1.2
 """Load factor at which a panel buckles."""
+SLIPS = 0.8
+"""Load factor from which a slack joint slips."""
 
 
 def _dice(truth: Truth) -> np.random.Generator:
@@ -78,8 +80,27 @@ def _moist_skin(truth: Truth, asset: Asset, moment: Moment, before: FloatArray) 
     return truth.size * np.sqrt(moment.times / HOUR)[:, None] * asset.field("moist_skin", moment.state)
 
 
+def _loose_rib(truth: Truth, asset: Asset, moment: Moment, before: FloatArray) -> FloatArray:
+    """Return the strains of a rib that has come off in part."""
+    place = _dice(truth).choice(["0.4", "0.7"])
+    share = abs(truth.size) / (1.0 + abs(truth.size))
+    return share * moment.load * asset.field(f"loose_rib:{place}", moment.state)
+
+
+def _slack_joint(truth: Truth, asset: Asset, moment: Moment, before: FloatArray) -> FloatArray:
+    """Return the strains of a joint that slips once the load is large enough."""
+    return 0.5 * abs(truth.size) * max(0.0, moment.load - SLIPS) * asset.field("slack_joint", moment.state)
+
+
+def _lead_wires(truth: Truth, asset: Asset, moment: Moment, before: FloatArray) -> FloatArray:
+    """Return the apparent strains of long lead wires that warm up and cool down."""
+    course = np.sin(2.0 * np.pi * moment.times[:, None] / SUNSHINE)
+    return 25.0 * truth.size * course * asset.eta**2
+
+
 OUTSIDE: Mapping[str, Change] = {
     "hot_spot": _hot_spot, "quadratic_gauges": _quadratic_gauges, "rib_field": _rib_field,
     "patchy_gain": _patchy_gain, "hysteresis": _hysteresis, "passing_sun": _passing_sun,
+    "loose_rib": _loose_rib, "slack_joint": _slack_joint, "lead_wires": _lead_wires,
     "buckled_panel": _buckled_panel, "tip_cable": _tip_cable, "moist_skin": _moist_skin,
 }  # fmt: skip

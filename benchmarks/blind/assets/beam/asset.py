@@ -56,7 +56,6 @@ class BeamAsset(Asset):
         "spar_skin_debond": 8,
     }
     outside: ClassVar[tuple[str, ...]] = ("buckled_panel", "tip_cable", "moist_skin")
-    transverse: ClassVar[float] = 1.31
 
     def __init__(self, seed: int, n_stations: int = N_STATIONS) -> None:
         super().__init__()
@@ -144,6 +143,10 @@ class BeamAsset(Asset):
             return 1.0 - 0.5 * (np.exp(-t / QUICK) + np.exp(-t / SLOW))
 
         return np.asarray(course(np.maximum(since, 0.0)) / course(np.array(HOUR)))
+
+    def turned(self, gauge: int) -> float:
+        """Return one and Poisson's ratio: the skin is free to contract between the ribs."""
+        return 1.0 + self.card.skin_poisson
 
     def slid(self, gauge: int, millimetres: float, moment: Moment, before: FloatArray) -> float:
         """Return the change of a mean reading where its gauge sits outboard: the strain of the same boom there."""
