@@ -14,6 +14,7 @@ import time
 from pathlib import Path
 
 from benchmarks.blind.assets.families import FAMILIES, available
+from benchmarks.blind.cases import SETS
 from benchmarks.blind.run import Plan, run
 
 
@@ -28,6 +29,7 @@ def main() -> None:
     parser.add_argument("--lasso", type=int, default=60, help="cases for the group lasso")
     parser.add_argument("--trees", type=int, default=20, help="cases whose tree is retrained")
     parser.add_argument("--family", action="append", choices=FAMILIES, help="of assets; may be given more than once")
+    parser.add_argument("--strata", choices=SETS, default="main", help="sound: noises, two tests, wrong runs")
     parser.add_argument("--asset-mesh", type=float, default=1.3, help="refinement of femlib's asset")
     parser.add_argument("--twin-mesh", type=float, default=1.0, help="refinement of the twin")
     options = parser.parse_args()
@@ -42,6 +44,7 @@ def main() -> None:
         tuple(options.family or available()),
         options.asset_mesh,
         options.twin_mesh,
+        options.strata,
     )
     signal.signal(signal.SIGTERM, _stop)
     with tempfile.TemporaryDirectory() as scratch:

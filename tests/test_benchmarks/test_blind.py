@@ -25,7 +25,10 @@ from femlib.wing.bent import stiffness_factor
 ROOT = Path(__file__).parents[2] / "benchmarks" / "blind"
 CASE_MAKER = tuple(
     str(path.relative_to(ROOT).with_suffix(""))
-    for path in [*ROOT.glob("assets/**/*.py"), *(ROOT / f"{name}.py" for name in ("truths", "cases", "sealing"))]
+    for path in [
+        *ROOT.glob("assets/**/*.py"),
+        *(ROOT / f"{name}.py" for name in ("truths", "cases", "sealing", "noises")),
+    ]
     if path.name != "__init__.py"
 )
 
@@ -134,11 +137,15 @@ def test_a_task_names_neither_seed_nor_keys(folder):
     assert not any(word in str(task) for word in ("keys", "seed"))
 
 
+def is_package(module):
+    return (ROOT.parents[1] / module.replace(".", "/")).is_dir()
+
+
 @pytest.mark.parametrize("name", CASE_MAKER)
 def test_the_case_maker_knows_nothing_of_the_diagnosis(name):
     tree = ast.parse((ROOT / f"{name}.py").read_text())
     imported = {
-        f"{node.module}.{alias.name}" if node.module == "benchmarks.blind.assets" else node.module
+        f"{node.module}.{alias.name}" if is_package(node.module) else node.module
         for node in ast.walk(tree)
         if isinstance(node, ast.ImportFrom)
         for alias in node.names

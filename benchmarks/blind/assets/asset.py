@@ -20,6 +20,8 @@ T = TypeVar("T")
 
 STATES: tuple[State, ...] = ((0.0, 0.0), (0.2, 0.0), (0.0, 0.4), (0.25, 0.45), (0.6, 0.2), (0.1, 0.7), (0.35, 0.1))
 TREE_STATES: tuple[State, ...] = tuple((round(0.2 * i, 1), round(0.2 * j, 1)) for i in range(5) for j in range(5))
+DAMAGED: State = (0.3, 0.0)
+"""State of an asset that was damaged before its commissioning run."""
 PARAMETERS = ("mu1", "mu2")
 STEP = 0.02
 """Step of the damage from which the change of the strains with it is taken."""

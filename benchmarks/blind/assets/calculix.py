@@ -19,7 +19,7 @@ from typing import ClassVar, TypedDict
 import numpy as np
 
 from benchmarks.blind.assets import forces
-from benchmarks.blind.assets.asset import PARAMETERS, STATES, Flaw, neighbours
+from benchmarks.blind.assets.asset import DAMAGED, PARAMETERS, STATES, Flaw, neighbours
 from benchmarks.blind.assets.moment import State
 from benchmarks.blind.assets.shells import THICKER, ShellAsset
 from femlib.arrays import FloatArray
@@ -106,7 +106,9 @@ class CalculixAsset(ShellAsset):
         thick = uav_wing(
             refinement=self.refinement, materials=replace(cards, skin_young=cards.skin_young * (1 + THICKER))
         )
-        every = dict.fromkeys([*self.states, *(near for state in self.states[1:] for near in neighbours(state))])
+        every = dict.fromkeys(
+            [*self.states, DAMAGED, *(near for state in self.states[1:] for near in neighbours(state))]
+        )
         decks = [Deck(_key("lift", state), wing, state, {}) for state in every]
         decks += [Deck(_key("stiffer skin", state), thick, state, {}) for state in self.states]
         decks += [Deck(_key(f.place, STATES[0]), _patched(wing, f), STATES[0], {}) for f in self.flaws]

@@ -82,7 +82,7 @@ def _moist_skin(truth: Truth, asset: Asset, moment: Moment, before: FloatArray) 
 
 def _loose_rib(truth: Truth, asset: Asset, moment: Moment, before: FloatArray) -> FloatArray:
     """Return the strains of a rib that has come off in part."""
-    place = _dice(truth).choice(["0.4", "0.7"])
+    place = _dice(truth).choice(["0.3", "0.4"])
     share = abs(truth.size) / (1.0 + abs(truth.size))
     return share * moment.load * asset.field(f"loose_rib:{place}", moment.state)
 
@@ -95,12 +95,18 @@ def _slack_joint(truth: Truth, asset: Asset, moment: Moment, before: FloatArray)
 def _lead_wires(truth: Truth, asset: Asset, moment: Moment, before: FloatArray) -> FloatArray:
     """Return the apparent strains of long lead wires that warm up and cool down."""
     course = np.sin(2.0 * np.pi * moment.times[:, None] / SUNSHINE)
-    return 25.0 * truth.size * course * asset.eta**2
+    return np.asarray(25.0 * truth.size * course * asset.eta**2)
+
+
+def _other_wing(truth: Truth, asset: Asset, moment: Moment, before: FloatArray) -> FloatArray:
+    """Return what another wing of the same drawing strains more: a share in common, as much again per gauge."""
+    dice = _dice(truth)
+    return np.asarray(before * truth.size * (dice.choice([-1.0, 1.0]) + dice.standard_normal(before.shape[1])))
 
 
 OUTSIDE: Mapping[str, Change] = {
     "hot_spot": _hot_spot, "quadratic_gauges": _quadratic_gauges, "rib_field": _rib_field,
     "patchy_gain": _patchy_gain, "hysteresis": _hysteresis, "passing_sun": _passing_sun,
-    "loose_rib": _loose_rib, "slack_joint": _slack_joint, "lead_wires": _lead_wires,
+    "other_wing": _other_wing, "loose_rib": _loose_rib, "slack_joint": _slack_joint, "lead_wires": _lead_wires,
     "buckled_panel": _buckled_panel, "tip_cable": _tip_cable, "moist_skin": _moist_skin,
 }  # fmt: skip

@@ -9,7 +9,17 @@ import numpy as np
 from scipy.sparse.linalg import LinearOperator, cg
 
 from benchmarks.blind.assets import forces
-from benchmarks.blind.assets.asset import LENGTH, PARAMETERS, STATES, TREE_STATES, Asset, Flaw, log_uniform, neighbours
+from benchmarks.blind.assets.asset import (
+    DAMAGED,
+    LENGTH,
+    PARAMETERS,
+    STATES,
+    TREE_STATES,
+    Asset,
+    Flaw,
+    log_uniform,
+    neighbours,
+)
 from benchmarks.blind.assets.moment import State
 from femlib.arrays import FloatArray, IntArray
 from femlib.assembly import thermal_load
@@ -90,7 +100,7 @@ class FemlibAsset(ShellAsset):
 
     def __init__(self, seed: int, refinement: float = REFINEMENT) -> None:
         super().__init__(seed, refinement)
-        every = [*STATES, *TREE_STATES, *(near for state in STATES for near in neighbours(state))]
+        every = [*STATES, DAMAGED, *TREE_STATES, *(near for state in STATES for near in neighbours(state))]
         self.every = tuple(dict.fromkeys(every))
 
     def strain(self, state: State) -> FloatArray:

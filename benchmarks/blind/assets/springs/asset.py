@@ -19,7 +19,7 @@ from typing import ClassVar
 import numpy as np
 from scipy.interpolate import RegularGridInterpolator
 
-from benchmarks.blind.assets.asset import CHORDS, HOUR, SPANS, STATES, Asset, Flaw, log_uniform, neighbours
+from benchmarks.blind.assets.asset import CHORDS, DAMAGED, HOUR, SPANS, STATES, Asset, Flaw, log_uniform, neighbours
 from benchmarks.blind.assets.moment import Moment, State
 from benchmarks.blind.assets.springs import loads
 from benchmarks.blind.assets.springs.deck import Deck, strains
@@ -167,7 +167,7 @@ class SpringsAsset(Asset):
         built = replace(self.shape, span=1e-3 * SPANS[1], root_chord=1e-3 * root, tip_chord=1e-3 * tip)
         thick = replace(self.shape, skin=self.shape.skin * (1.0 + THICKER))
         found: dict[str, Callable[[], Deck]] = {_key("built", HEALTHY): partial(self._reshaped, built, HEALTHY)}
-        for state in dict.fromkeys([*self.states, *near]):
+        for state in dict.fromkeys([*self.states, DAMAGED, *near]):
             found[_key("lift", state)] = partial(self._deck, state)
         for state in self.states:
             found[_key("thicker skin", state)] = partial(self._reshaped, thick, state)
@@ -175,7 +175,7 @@ class SpringsAsset(Asset):
                 found[_key(name, state)] = partial(self._loaded, name, state)
         for flaw in self.flaws:
             found[_key(flaw.place, HEALTHY)] = partial(self._flawed, flaw)
-        for name in ("loose_rib:0.4", "loose_rib:0.7", "slack_joint"):
+        for name in ("loose_rib:0.3", "loose_rib:0.4", "slack_joint"):
             found[_key(name, HEALTHY)] = partial(self._loosened, name)
         for load in BENT_LOADS:
             found[_key(f"bent {load:g}", HEALTHY)] = partial(self._bent, load)
