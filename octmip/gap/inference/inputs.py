@@ -4,16 +4,18 @@ All of them hold whatever the states of the asset are; what depends on the state
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import groupby
 
 import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
+from octmip.gap.campaign.averages import AveragedCell, averages_of
 from octmip.gap.campaign.campaign import Campaign, Cell
 from octmip.gap.campaign.clipping import unclipped
-from octmip.gap.campaign.noise import Noise, estimate_noise, given_noise
+from octmip.gap.campaign.noise import Noise
+from octmip.gap.campaign.source_of_noise import noise_of
 from octmip.gap.inference.candidates import Candidate, Priors, candidates_of, priors_of
 from octmip.gap.inference.discrepancy import Discrepancy, calibrated, uncalibrated
 from octmip.gap.progress import Progress, silent
@@ -22,29 +24,6 @@ from octmip.twin import Effect, Twin
 
 Floats = NDArray[np.float64]
 Groups = tuple[tuple[int, ...], ...]
-
-ENOUGH_FOR_HALVES = 16
-"""Repeats from which a cell is averaged in two halves where time matters."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class AveragedCell:
-    """Repeats that are averaged together: a cell of the campaign, or half of one where time matters.
-
-    Attributes
-    ----------
-    cell
-        index of the campaign's cell.
-    mean, count
-        (n_gauges,) of these repeats.
-    time
-        mean time [s].
-    """
-
-    cell: int
-    mean: Floats
-    count: NDArray[np.int64]
-    time: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -129,7 +108,7 @@ def prepare(
     asked = twin if isinstance(twin, CachedTwin) else CachedTwin(twin)
     campaign, rails, of_clipping = unclipped(campaign)
     run = unclipped(commissioning)[0] if isinstance(commissioning, Campaign) else None
-    noise, of_noise = _noise(campaign, run, rails, noise_sd)
+    noise, of_noise = noise_of(campaign, run, rails, noise_sd)
     reference = _reference(campaign, run)
     known = commissioning if isinstance(commissioning, Discrepancy) else run
     discrepancy, of_discrepancy = _discrepancy(known, asked, campaign.gauges, reference)
@@ -146,53 +125,6 @@ def prepare(
         progress=progress,
     )
     return inputs, [*of_clipping, *of_noise, *of_discrepancy, *of_groups]
-
-
-def averages_of(campaign: Campaign, split: bool) -> tuple[AveragedCell, ...]:
-    """Return whole cells, or the earlier and later half of each where `split` and time was recorded, averaged."""
-    found = []
-    start = float(np.nanmin(campaign.time)) if np.isfinite(campaign.time).any() else 0.0
-    for k, cell in enumerate(campaign.cells):
-        halves = [cell.rows]
-        if split and campaign.has_time and len(cell.rows) >= ENOUGH_FOR_HALVES:
-            rows = cell.rows[np.argsort(campaign.time[cell.rows], kind="stable")]
-            halves = [rows[: len(rows) // 2], rows[len(rows) // 2 :]]
-        for rows in halves:
-            readings = campaign.readings[rows]
-            count = np.isfinite(readings).sum(axis=0)
-            mean = np.where(count > 0, np.nansum(readings, axis=0) / np.maximum(count, 1), np.nan)
-            time = float(np.nanmean(campaign.time[rows])) - start if campaign.has_time else cell.time
-            found.append(AveragedCell(k, mean, count, time))
-    return tuple(found)
-
-
-def _noise(
-    campaign: Campaign,
-    run: Campaign | None,
-    rails: Mapping[str, float],
-    noise_sd: float | Mapping[str, float] | None,
-) -> tuple[Noise, list[str]]:
-    """Return the noise with what is clipped, and notes on where it is from and on stuck channels."""
-    noise, notes = _source_of_noise(campaign, run, noise_sd)
-    if rails:
-        noise = replace(noise, clipped=rails, findings=(*noise.findings, "clipping"))
-    if noise.stuck:
-        notes.append(f"Readings of {', '.join(noise.stuck)} never change between repeats: a stuck channel.")
-    return noise, notes
-
-
-def _source_of_noise(
-    campaign: Campaign, run: Campaign | None, noise_sd: float | Mapping[str, float] | None
-) -> tuple[Noise, list[str]]:
-    """Return the noise and where it is from: the repeats, else the commissioning run's, else what is given."""
-    given = None if noise_sd is None else given_noise(campaign.gauges, noise_sd)
-    if campaign.has_repeats:
-        unused = "The noise is estimated from the repeats; the given standard deviation is not used."
-        return estimate_noise(campaign, run), [] if given is None else [unused]
-    few = "Every test holds too few repeats to estimate the noise; "
-    if given is not None:
-        return given, [few + "the given standard deviation is taken as known."]
-    return estimate_noise(campaign, run).of_gauges(campaign.gauges), [few + "the commissioning run's noise is used."]
 
 
 def _discrepancy(

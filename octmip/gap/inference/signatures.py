@@ -11,9 +11,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from octmip.gap.campaign.averages import AveragedCell
 from octmip.gap.campaign.campaign import Campaign
 from octmip.gap.effects.words import effect_words
-from octmip.gap.inference.inputs import AveragedCell, Inputs
+from octmip.gap.inference.inputs import Inputs
 from octmip.gap.progress import Stage
 from octmip.twin import Effect, State
 
