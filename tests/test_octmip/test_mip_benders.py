@@ -85,9 +85,10 @@ def test_an_interrupt_in_a_round_ends_every_thread_and_keeps_the_bound():
     assert not [thread for thread in threading.enumerate()[n_threads:] if "ThreadPool" in thread.name]
 
 
-def test_hyperplanes_are_refused():
-    with pytest.raises(ProblemError, match="axis-aligned"):
-        solve(mixed(20, 2, 2, 0, depth=2, split="hyperplane"), "benders")
+@pytest.mark.parametrize("options", [{"depth": 3}, {"leaf_size": 2}, {"leaf_penalty": 1.0}, {"sensor_budget": 1}])
+def test_hyperplanes_with_what_their_cuts_do_not_speak_about_are_refused(options):
+    with pytest.raises(ProblemError, match="choose 'flow'"):
+        solve_benders(mixed(20, 2, 2, 0, split="hyperplane", **({"depth": 2} | options)))
 
 
 def best_price(problem: Problem, samples: np.ndarray) -> float:
