@@ -16,6 +16,7 @@ from femlib.wing.effects import wing_effects
 from octmip.gap import AugmentedTwin, Campaign, Diagnosis, diagnose, read_campaign
 from octmip.gap.twins.cached import CachedTwin
 from octmip.report.diagnosis.as_json import as_object
+from octmip.twin import amounts_of
 
 HELD_LOAD = 2.5
 MOST_PROBABLE = 6
@@ -173,7 +174,7 @@ def _augmented(diagnosis: Diagnosis, model: CachedTwin, campaign: Campaign) -> A
     return {
         "additions": [(a.effect.name, a.place, a.size) for a in augmented.additions],
         "calibration": np.asarray(augmented.calibration).tolist(),
-        "load": augmented.calibration_load,
+        "load": amounts_of(augmented.calibration_load)[0],
         "end": float(np.nanmax(campaign.time) - np.nanmin(campaign.time)),
     }
 
