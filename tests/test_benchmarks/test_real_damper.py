@@ -151,6 +151,19 @@ def test_ends_that_a_whole_series_names_the_other_way_round_are_no_fault(made):
     assert not (accused(sound) > 0.5).any()
 
 
+def test_a_force_of_the_other_sign_is_turned_and_named_and_a_test_without_motion_changes_nothing(folder, tmp_path):
+    for path in folder.glob("*.csv"):
+        (tmp_path / path.name).write_text(path.read_text())
+    table = pd.read_csv(tmp_path / "m1.csv")
+    table["force_kip"] *= -1.0
+    table.to_csv(tmp_path / "m1.csv", index=False)
+    found = read_folder(tmp_path)
+    assert [test.name for test in found if test.is_turned] == ["m1"]
+    assert (accused(found) > 0.5).tolist() == [test.name == "m3" for test in found]
+    still = replace(found[0], displacement=0.0 * found[0].displacement, force=0.0 * found[0].force)
+    assert slacks([*found[1:], still], slack_force([*found[1:], still])) == slacks(found[1:], slack_force(found[1:]))
+
+
 def test_a_folder_without_its_table_or_a_file_says_so(folder, tmp_path):
     with pytest.raises(DataError, match=r"tests\.csv is not there"):
         read_folder(tmp_path)

@@ -20,15 +20,15 @@ from itertools import combinations
 import numpy as np
 from scipy.special import gammaln
 
-from benchmarks.real.damper.features import FEATURES, Shown, shown
+from benchmarks.real.damper.features import FEATURES, Shown, force_size, shown
 from benchmarks.real.damper.series import Recording
 from femlib.arrays import FloatArray
 
-SCALES = np.array([0.03, 0.03, 0.012, 0.012, 0.012, 0.004, 0.004, 0.4, 0.008, 0.4, 0.4, 0.4])
-"""Scale of each feature before any data: 3 % of a gain, 1.2 % of the level, .4 in log rms, one sample of delay."""
+SCALES = np.array([0.025, 0.025, 0.012, 0.012, 0.012, 0.004, 0.004, 0.4, 0.008, 0.4, 0.4, 0.4])
+"""Scale of each feature before any data: 2.5 % of a gain, 1.2 % of the level, .4 in log rms, one sample of delay."""
 WEIGHT = 60.0
 """Tests that the prior of a scale counts for."""
-FREEDOM = 8.0
+FREEDOM = 20.0
 BROKEN = 0.15
 WIDE = 8.0
 SHARE = (1.0, 4.0)
@@ -53,6 +53,12 @@ SOUND: Mapping[str, tuple[float, float]] = {
 CUT = 0.03
 FASTER = ("unexplained", "noise_a", "noise_b")
 """Features that grow with the frequency of a test."""
+SLOPE = (0.0, 0.5, 1.0)
+"""Least, usual and largest change of their logs over that of the frequency."""
+GAIN_SLOPE = (-0.1, 0.0, 0.1)
+"""The same for the log gain over that of the force."""
+APART = 0.3
+"""Difference of logs from which two tests show a slope."""
 ROUNDS = 60
 SETTLED = 1e-4
 """Move of the locations, in scales, below which expectation-maximisation has settled."""
@@ -74,7 +80,7 @@ def accused(tests: Sequence[Recording], found: Shown | None = None) -> FloatArra
     `found` are the features, taken from the tests if not given.
     """
     found = shown(tests) if found is None else found
-    values = level_with_frequency(found.values, np.array([test.frequency for test in tests]))
+    values = levelled(found.values, np.array([test.frequency for test in tests]), force_size(tests))
     wrong = best_fit(values, found.spread).wrong.copy()
     for k, test in enumerate(tests):
         wrong[k] = max(wrong[k], certain(test, tests))
@@ -84,16 +90,16 @@ def accused(tests: Sequence[Recording], found: Shown | None = None) -> FloatArra
     return wrong
 
 
-def level_with_frequency(values: FloatArray, frequency: FloatArray) -> FloatArray:
-    """Return the features as they would be at the median frequency: faster tests leave more and look noisier."""
+def levelled(values: FloatArray, frequency: FloatArray, force: FloatArray) -> FloatArray:
+    """Return the features as at the median frequency and force, by the median slope over pairs of tests."""
     found = values.copy()
-    logs = np.log(frequency / np.median(frequency))
-    apart = [(i, j) for i, j in combinations(range(len(logs)), 2) if abs(logs[i] - logs[j]) > 0.3]
-    for name in FASTER:
-        column = FEATURES.index(name)
-        slopes = np.array([(values[i, column] - values[j, column]) / (logs[i] - logs[j]) for i, j in apart])
-        slopes = slopes[np.isfinite(slopes)]
-        found[:, column] -= (float(np.clip(np.median(slopes), 0.0, 1.0)) if len(slopes) >= 3 else 0.5) * logs
+    for names, by, (low, usual, high) in ((FASTER, frequency, SLOPE), (("gain_a", "gain_b"), force, GAIN_SLOPE)):
+        logs = np.log(by / np.median(by))
+        apart = [(i, j) for i, j in combinations(range(len(logs)), 2) if abs(logs[i] - logs[j]) > APART]
+        for column in (FEATURES.index(name) for name in names):
+            slopes = np.array([(values[i, column] - values[j, column]) / (logs[i] - logs[j]) for i, j in apart])
+            slopes = slopes[np.isfinite(slopes)]
+            found[:, column] -= (float(np.clip(np.median(slopes), low, high)) if len(slopes) >= 3 else usual) * logs
     return found
 
 

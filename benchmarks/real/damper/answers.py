@@ -67,6 +67,7 @@ def answers(verdicts: Sequence[SeriesVerdict]) -> dict[str, object]:
         "effects": [entry for entry, worth in told if worth >= WORTH],
         "minor_effects": [entry for entry, worth in told if worth < WORTH],
         "cause": cause(verdicts),
+        "force_turned": [test.name for verdict in verdicts for test in verdict.tests if test.is_turned],
         "closed": round(total.share, 4),
         "closed_by_series": {verdict.name: round(verdict.closed.share, 4) for verdict in verdicts},
         "closed_by_regression": round(total.limit, 4),

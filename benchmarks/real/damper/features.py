@@ -36,6 +36,8 @@ WEAK = ("gain_a", "gain_b", "unexplained", "worst", "delay")
 """Features that a small force blurs."""
 SMALL = 0.33
 """Share of the scale of such a feature that comes from errors that do not grow with the force."""
+KEPT = 25.0
+"""Scales of a slack level by which a nominal tension as large as the level may move it: a third of that tension."""
 TURNED = 0.1
 """Share of positive gains below which the whole series names its ends the other way round: no fault of a test."""
 
@@ -71,17 +73,33 @@ def shown(tests: Sequence[Recording]) -> Shown:
             *(drift / level), 0.5 * np.log(max(one.unexplained, 1e-9)), channel.delay, worst_part(test, channel, one),
             *np.log(noise / level + QUIET),
         ])  # fmt: skip
-    return Shown(np.array(rows), spreads(tests), sign, level)
+    return Shown(np.array(rows), spreads(tests, level), sign, level)
 
 
-def spreads(tests: Sequence[Recording]) -> FloatArray:
-    """Return the factors on the scales (n_tests, n_features): errors of a share of the level weigh on a small force."""
-    size = np.array([np.quantile(np.abs(test.force - np.median(test.force)), 0.9) for test in tests])
-    small = np.median(size) / np.maximum(size, 1e-3 * np.median(size))
+def spreads(tests: Sequence[Recording], level: float) -> FloatArray:
+    """Return the factors on the scales (n_tests, n_features).
+
+    Errors of a share of the level weigh on a small force; gains vary with the force; a slack end keeps some of what
+    the band has at rest.
+    """
+    small = np.median(force_size(tests)) / force_size(tests)
     wider = np.ones((len(tests), len(FEATURES)))
     for name in WEAK:
         wider[:, FEATURES.index(name)] = np.hypot(1.0, SMALL * small) / np.hypot(1.0, SMALL)
+    for name in ("gain_a", "gain_b"):
+        wider[:, FEATURES.index(name)] = np.hypot(wider[:, FEATURES.index(name)], np.log(small))
+    nominal = np.array([test.nominal for test in tests])
+    if np.isfinite(nominal).all():
+        kept = np.hypot(1.0, KEPT * np.abs(nominal - np.median(nominal)) / level)
+        for name in ("zero", "slack_a", "slack_b"):
+            wider[:, FEATURES.index(name)] = kept
     return wider
+
+
+def force_size(tests: Sequence[Recording]) -> FloatArray:
+    """Return the size of the force of each test [kip], at least a thousandth of the median."""
+    size = np.array([np.quantile(np.abs(test.force - np.median(test.force)), 0.9) for test in tests])
+    return np.asarray(np.maximum(size, 1e-3 * float(np.median(size)) + 1e-12))
 
 
 def tension_level(tests: Sequence[Recording]) -> float:

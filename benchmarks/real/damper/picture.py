@@ -19,7 +19,7 @@ def picture(verdicts: Sequence[SeriesVerdict], path: str) -> None:
     figure, axes = plt.subplots(1, len(verdicts) + 1, figsize=(5 * len(verdicts) + 4, 4.2), layout="constrained")
     for axis, verdict in zip(axes, verdicts, strict=False):
         loop(axis, verdict)
-    axes[0].legend(frameon=False, loc="upper left", fontsize=8)
+    axes[0].legend(frameon=False, loc="center", fontsize=8, markerscale=5)
     slack(axes[-1], verdicts)
     figure.savefig(path, dpi=110)
     plt.close(figure)
@@ -65,7 +65,7 @@ def slack(axis: Axes, verdicts: Sequence[SeriesVerdict]) -> None:
         xlabel="largest speed [in/s]",
         ylabel="slack at a reversal [in]",
         title="backlash, test by test",
-        ylim=(0.0, None),
+        ylim=(0.0, 0.25),
     )
     axis.title.set_fontsize(9)
     axis.legend(frameon=False)

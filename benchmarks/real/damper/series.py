@@ -45,6 +45,8 @@ class Recording:
         (n_samples,) [s], [in], [in/s], [kip].
     tension
         (2, n_samples) at ends a and b [lb]; NaN where it was not recorded.
+    is_turned
+        whether the file's force has the other sign. A damper takes work, so its force is counted along the motion.
     """
 
     name: str
@@ -57,6 +59,7 @@ class Recording:
     velocity: FloatArray
     force: FloatArray
     tension: FloatArray
+    is_turned: bool = False
 
     @property
     def step(self) -> float:
@@ -107,9 +110,9 @@ def read_test(path: Path, name: str, series: str, told: dict[str, float]) -> Rec
     columns = {kind: column_of(table, kind) for kind in ("time", "displacement", "force")}
     if missing := [kind for kind, column in columns.items() if column is None]:
         raise DataError(f"{path} has no column that begins with {missing[0]!r}; got {list(table.columns)}; add it")
-    ends = [column_of(table, "tension", which) for which in (0, 1)]
+    cells = [column_of(table, "tension", which) for which in (0, 1)]
     velocity = column_of(table, "velocity")
-    rows = [columns["time"], columns["displacement"], columns["force"], velocity, *ends]
+    rows = [columns["time"], columns["displacement"], columns["force"], velocity, *cells]
     blank = np.full(len(table), np.nan)
     block = evenly(np.array([blank if row is None else row for row in rows]), path)
     time, displacement, force, velocity, *tension = block
@@ -120,8 +123,11 @@ def read_test(path: Path, name: str, series: str, told: dict[str, float]) -> Rec
         frequency = main_frequency(time, displacement)
     if not amplitude > 0.0:
         amplitude = float(np.ptp(displacement) / 2.0)
+    is_turned = bool(force @ np.gradient(displacement) < 0.0)
+    force = -force if is_turned else force
+    ends = np.array(tension)
     return Recording(
-        name, series, frequency, amplitude, told["tension"], time, displacement, velocity, force, np.array(tension)
+        name, series, frequency, amplitude, told["tension"], time, displacement, velocity, force, ends, is_turned
     )
 
 

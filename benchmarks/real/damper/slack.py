@@ -14,14 +14,17 @@ from benchmarks.real.damper.cycles import halves
 from benchmarks.real.damper.series import Recording
 
 FORCE = 0.5
-"""Force at which the slack is read [kip], if every test's friction is larger by `ABOVE`; else a quarter of it."""
+"""Force at which the slack is read [kip] of tests whose friction is larger by `ABOVE`.
+
+Where the median test's is not, it is read at half of that test's friction.
+"""
 ABOVE = 1.25
 
 
 def slack_force(tests: Sequence[Recording]) -> float:
     """Return the force [kip] at which the slack of a series is read."""
-    least = min((friction(test) for test in tests), default=0.0)
-    return FORCE if least >= ABOVE * FORCE else 0.5 * least
+    middle = float(np.median([friction(test) for test in tests]))
+    return FORCE if middle >= ABOVE * FORCE else 0.5 * middle
 
 
 def friction(test: Recording) -> float:
