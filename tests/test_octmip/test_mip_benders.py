@@ -157,7 +157,9 @@ rng = np.random.default_rng(0)
 features = rng.normal(size=(60, 3)).round(1)
 found = solve_benders(Problem(features, (features.sum(axis=1) > 0).astype(int), depth=2))
 print(found.stop, found.objective)
+lines = Problem(features[:14].round(), rng.integers(0, 2, 14), depth=2, split="hyperplane", split_size=2)
+print(solve_benders(lines).stop)
 """
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
-    assert done.stdout.startswith("optimal")
+    assert [line.split()[0] for line in done.stdout.splitlines()] == ["optimal", "optimal"]
