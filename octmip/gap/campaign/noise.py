@@ -22,6 +22,7 @@ from sklearn.covariance import ledoit_wolf
 
 from octmip.errors import DataError
 from octmip.gap.campaign.campaign import FEWEST_REPEATS, Campaign, Cell
+from octmip.twin import Load, amounts_of
 
 SIGNIFICANT = 4.0
 """Standard deviations beyond which a property of the noise is reported and used."""
@@ -46,7 +47,7 @@ class Noise:
     inflation
         factor on the variance of means for serial correlation.
     scale
-        variance ratio by load factor.
+        variance ratio by load.
     lag1
         mean lag-1 correlation of successive repeats.
     kurtosis
@@ -66,7 +67,7 @@ class Noise:
     gauges: tuple[str, ...]
     covariance: NDArray[np.float64]
     inflation: float
-    scale: Mapping[float, float]
+    scale: Mapping[Load, float]
     lag1: float
     kurtosis: float
     step: float
@@ -85,11 +86,11 @@ class Noise:
         order = [self.gauges.index(name) for name in gauges]
         return replace(self, gauges=tuple(gauges), covariance=self.covariance[np.ix_(order, order)])
 
-    def of_mean(self, repeats: NDArray[np.int64], load_factor: float) -> NDArray[np.float64]:
+    def of_mean(self, repeats: NDArray[np.int64], load: Load) -> NDArray[np.float64]:
         """Return the covariance (n_gauges, n_gauges) of means of so many repeats (n_gauges,), one or more per gauge."""
         count = np.maximum(repeats, 1).astype(np.float64)
         overlap = np.minimum(count[:, None], count[None, :]) / (count[:, None] * count[None, :])
-        factor = self.inflation * self.scale.get(load_factor, 1.0)
+        factor = self.inflation * self.scale.get(load, 1.0)
         return np.asarray(factor * self.covariance * overlap)
 
 
@@ -192,7 +193,7 @@ def given_noise(gauges: tuple[str, ...], sd: float | Mapping[str, float]) -> Noi
     wanted = [sd.get(name, float("nan")) if isinstance(sd, Mapping) else sd for name in gauges]
     for name, value in zip(gauges, wanted, strict=True):
         if not (np.isfinite(value) and value > 0.0):
-            raise DataError(f"noise_sd of gauge {name} is {value}; expected a positive number of microstrain; give it")
+            raise DataError(f"noise_sd of gauge {name} is {value}; expected a positive number in its unit; give it")
     covariance = np.diag(np.square(np.array(wanted, dtype=np.float64)))
     return Noise(gauges, covariance, 1.0, {}, 0.0, 0.0, 0.0, (), (), float("inf"))
 
@@ -200,6 +201,8 @@ def given_noise(gauges: tuple[str, ...], sd: float | Mapping[str, float]) -> Noi
 def _together(campaign: Campaign, run: Campaign) -> Campaign:
     """Return the rows of both, where the run has every gauge of the campaign; else the campaign."""
     if set(campaign.gauges) - set(run.gauges) or campaign.parameters != run.parameters:
+        return campaign
+    if campaign.load_names != run.load_names:
         return campaign
     order = [run.gauges.index(name) for name in campaign.gauges]
     return Campaign(
@@ -211,6 +214,8 @@ def _together(campaign: Campaign, run: Campaign) -> Campaign:
         np.concatenate([campaign.readings, run.readings[:, order]]),
         np.concatenate([campaign.time, run.time]),
         np.concatenate([campaign.temperature, run.temperature]),
+        load_names=campaign.load_names,
+        units=campaign.units,
     )
 
 
@@ -280,14 +285,14 @@ def _batch_ratio(residuals: list[NDArray[np.float64]]) -> float:
 
 def _scales(
     campaign: Campaign, residuals: Sequence[NDArray[np.float64]], usable: NDArray[np.bool_]
-) -> dict[float, float]:
+) -> dict[Load, float]:
     """Return the variance ratio of each load to the whole where it is significant, else 1."""
-    loads = np.array([cell.load_factor for cell in campaign.cells])
-    squares: dict[float, tuple[float, float]] = {}
-    for load in sorted(set(loads.tolist())):
+    loads = [cell.load for cell in campaign.cells]
+    squares: dict[Load, tuple[float, float]] = {}
+    for load in sorted(set(loads), key=amounts_of):
         total, degrees = 0.0, 0.0
-        for k in np.flatnonzero(loads == load):
-            r = residuals[int(k)][:, usable]
+        for k in (k for k, own in enumerate(loads) if own == load):
+            r = residuals[k][:, usable]
             total += float(np.nansum(r**2))
             degrees += float(np.maximum(np.isfinite(r).sum(axis=0) - 1, 0).sum())
         squares[load] = (total, degrees)

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from octmip.gap.inference.inputs import Inputs
 from octmip.gap.inference.signatures import signatures_of
+from octmip.twin import Load
 
 Floats = NDArray[np.float64]
 
@@ -30,6 +31,8 @@ STEP = 0.01
 """Step of the damage tangents."""
 OWN_STATE = 0.7
 """Share of the damage nugget's sd that is common to all states of one gauge; the rest is each state's own."""
+ALL_GAUGES = 0.3
+"""Share of the damage nugget's variance that is common to all gauges: a damage that acts more, or less, as a whole."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -158,8 +161,15 @@ class LinearModel:
 
     @property
     def load_factors(self) -> Floats:
-        """(n,) load factor of every row."""
-        return np.asarray(self.inputs.load_factors[self.average])
+        """(n,) the one load of every row, where the campaign has one."""
+        cells = self.inputs.campaign.cells
+        return np.array([cells[k].load_factor for k in self.cells.tolist()])
+
+    @property
+    def loads(self) -> tuple[Load, ...]:
+        """(n,) load of every row."""
+        of_average = self.inputs.loads
+        return tuple(of_average[k] for k in self.average.tolist())
 
     def whiten(self, columns: Floats) -> Floats:
         """Return factor^-1 columns."""
@@ -224,7 +234,7 @@ def _ask_together(inputs: Inputs, states: Floats) -> None:
     for group in inputs.groups:
         state = states[group[0]]
         ahead = state + STEP * np.eye(len(state))
-        for load in sorted({inputs.campaign.cells[k].load_factor for k in group}):
+        for load in dict.fromkeys(inputs.campaign.cells[k].load for k in group):
             inputs.twin.predict_states(np.vstack([state, ahead]), load)
 
 
@@ -237,7 +247,7 @@ def _recorded(inputs: Inputs) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
 def _predictions(inputs: Inputs, states: Floats) -> tuple[Floats, Floats]:
     """Return the twin's strains (n_averages, n_gauges) in the given states and in the healthy state."""
     order, twin = list(inputs.order), inputs.twin
-    parts = [(part.cell, inputs.cell_of(part).load_factor) for part in inputs.averages]
+    parts = [(part.cell, inputs.cell_of(part).load) for part in inputs.averages]
     now = [twin.predict(inputs.named(states[cell]), load) for cell, load in parts]
     healthy = [twin.predict({}, load) for _, load in parts]
     return np.array(now)[:, order], np.array(healthy)[:, order]
@@ -271,19 +281,24 @@ def _noise(inputs: Inputs, average: NDArray[np.int64], gauge: NDArray[np.int64])
     covariance = np.zeros((len(average), len(average)))
     for k, part in enumerate(inputs.averages):
         here = np.flatnonzero(average == k)
-        of_mean = inputs.noise.of_mean(part.count, inputs.cell_of(part).load_factor)
+        of_mean = inputs.noise.of_mean(part.count, inputs.cell_of(part).load)
         covariance[np.ix_(here, here)] = of_mean[np.ix_(gauge[here], gauge[here])]
     return covariance
 
 
 def _damage_nugget(sd: Floats, gauge: NDArray[np.int64], states: Floats) -> Floats:
-    """Return the covariance of errors of these sd (n,) in what damage changes: one factor per gauge, partly per state.
+    """Return the covariance of errors of these sd (n,) in what damage changes: in common, per gauge, partly per state.
 
-    The states (n, n_parameters) are those of the rows.
+    The states (n, n_parameters) are those of the rows; a `sd` has the sign of the change.
     """
     same_state = (states[:, None, :] == states[None, :, :]).all(axis=2)
     shared = OWN_STATE**2 + (1.0 - OWN_STATE**2) * same_state
-    return np.asarray(np.outer(sd, sd) * (gauge[:, None] == gauge[None, :]) * shared)
+    return np.asarray(np.outer(sd, sd) * alike_gauges(gauge) * shared)
+
+
+def alike_gauges(gauge: NDArray[np.int64]) -> Floats:
+    """Return the correlation (n, n) of errors of what damage changes at the gauges of some rows, in one state."""
+    return np.asarray(np.where(gauge[:, None] == gauge[None, :], 1.0, ALL_GAUGES))
 
 
 def _tangents(inputs: Inputs, states: Floats, flat: NDArray[np.int64]) -> Floats:
@@ -294,12 +309,12 @@ def _tangents(inputs: Inputs, states: Floats, flat: NDArray[np.int64]) -> Floats
             rows = np.zeros((len(inputs.averages), len(inputs.order)))
             for k, part in enumerate(inputs.averages):
                 if part.cell in group:
-                    rows[k] = _tangent(inputs, states[part.cell], p, inputs.cell_of(part).load_factor)
+                    rows[k] = _tangent(inputs, states[part.cell], p, inputs.cell_of(part).load)
             columns.append(rows.ravel()[flat])
     return np.array(columns).reshape(len(columns), len(flat)).T
 
 
-def _tangent(inputs: Inputs, state: Floats, parameter: int, load: float) -> Floats:
+def _tangent(inputs: Inputs, state: Floats, parameter: int, load: Load) -> Floats:
     """Return the change (n_gauges,) of the twin's strains per unit of one state parameter."""
     ahead = state.copy()
     ahead[parameter] += STEP

@@ -15,9 +15,9 @@ Channels that are stuck or clipped are named in the same sentence whatever the v
 from enum import StrEnum
 
 from octmip.formats.names import visible
-from octmip.gap.causes import MISFIT, UNKNOWN, Cause, ConfoundedEffects
+from octmip.gap.causes import MISFIT, MISSTATED, UNKNOWN, Cause, ConfoundedEffects
 from octmip.gap.diagnosis import BASELINE, Diagnosis
-from octmip.report.diagnosis.phrases import about, brief_words, cause_names, finding_words, listed
+from octmip.report.diagnosis.phrases import about, brief_words, cause_names, finding_words, listed, with_unit
 
 RIVAL = 0.05
 """Share of a cause's probability from which an effect that cannot be told from it is named beside it."""
@@ -79,7 +79,8 @@ def _channels(diagnosis: Diagnosis) -> list[str]:
     if noise.stuck:
         parts.append(f"repair the {_channel(list(noise.stuck))}, whose readings never change")
     if noise.clipped:
-        ends = [f"{name} ends at {end:g} microstrain" for name, end in noise.clipped.items()]
+        unit_of = diagnosis.posterior.model.inputs.campaign.unit_of
+        ends = [f"{name} ends at {with_unit(f'{end:g}', unit_of(name))}" for name, end in noise.clipped.items()]
         more = f" (and {len(ends) - FEW} more)" if len(ends) > FEW else ""
         parts.append(f"widen the range of the {_channel(list(noise.clipped))}: {listed(ends[:FEW])}{more}")
     return parts
@@ -190,7 +191,7 @@ def _cannot_be_told(diagnosis: Diagnosis) -> str:
 
 
 def _between_causes(diagnosis: Diagnosis) -> str:
-    shown = [cause for cause in diagnosis.credible if cause.probability >= RIVAL][:FEW]
+    shown = [c for c in diagnosis.credible if c.probability >= RIVAL][:FEW] or list(diagnosis.which[:FEW])
     choices = [f"{cause_names(cause)} (probability {about(cause.probability)})" for cause in shown]
     if len(choices) == 1:
         choices.append("another cause")
@@ -202,9 +203,19 @@ def _told(cause: Cause, k: int) -> str:
     return f"{parameter.named.action}: {finding_words(parameter)}"
 
 
+def _restate(diagnosis: Diagnosis) -> str:
+    """Return which stated state is wrong, and what the readings say instead."""
+    test = diagnosis.which[0].judged.doubted
+    estimate = next(e for e in diagnosis.states if test in e.tests)
+    shown = [f"{name} {mean:.2f} (sd {estimate.sd[name]:.2f})" for name, mean in estimate.mean.items()]
+    return f"check the stated state of test {test}: its readings are those of {listed(shown)}"
+
+
 def _act(diagnosis: Diagnosis) -> str:
     first = diagnosis.which[0]
-    parts = "; and ".join(_told(first, k) for k in range(len(first.parameters)))
+    found = [_told(first, k) for k in range(len(first.parameters))]
+    stated = [_restate(diagnosis)] if MISSTATED in first.effects else []
+    parts = "; and ".join([*stated, *found])
     s = diagnosis.shrinkage
     rest = "something smaller remains that no effect of the library describes"
     end = rest if s is not None and s.p_after < MISFIT else "nothing else is needed"
