@@ -58,6 +58,12 @@ def test_benders_proves_what_the_exact_core_proves(options):
     assert found.objective == solve(problem, "exact").objective
 
 
+def test_without_a_feature_that_varies_the_tree_is_a_leaf():
+    problem = Problem(np.ones((6, 2)), [0, 1, 1, 0, 1, 1], depth=2, leaf_size=2)
+    found = solve_benders(problem)
+    assert (found.objective, found.bound, found.stop) == (2.0, 2.0, Stop.OPTIMAL)
+
+
 def test_the_tree_is_the_same_for_any_number_of_threads():
     problem = mixed(60, 4, 3, 2, depth=2)
     one, three = solve_benders(problem), solve_benders(problem, n_jobs=3)

@@ -1,6 +1,7 @@
 """Benders = exact = enumeration on 200 random problems of depth 1 to 3.
 
-They have weights, costs, leaf sizes, penalties, budgets and ties. Three programs that share no line of their proofs. The seeds are not those of the tests.
+They have weights, costs, leaf sizes, penalties, budgets and ties. The three programs share no line of their proofs. The
+seeds are not those of the tests.
 """
 
 from collections.abc import Iterator
