@@ -23,12 +23,15 @@ class AveragedCell:
         (n_gauges,) of these repeats.
     time
         mean time [s].
+    rows
+        (n_repeats,) rows of the campaign.
     """
 
     cell: int
     mean: NDArray[np.float64]
     count: NDArray[np.int64]
     time: float
+    rows: NDArray[np.int64]
 
 
 def averages_of(campaign: Campaign, split: bool) -> tuple[AveragedCell, ...]:
@@ -45,5 +48,5 @@ def averages_of(campaign: Campaign, split: bool) -> tuple[AveragedCell, ...]:
             count = np.isfinite(readings).sum(axis=0)
             mean = np.where(count > 0, np.nansum(readings, axis=0) / np.maximum(count, 1), np.nan)
             time = float(np.nanmean(campaign.time[rows])) - start if campaign.has_time else cell.time
-            found.append(AveragedCell(k, mean, count, time))
+            found.append(AveragedCell(k, mean, count, time, rows))
     return tuple(found)

@@ -5,7 +5,9 @@ the size of the healthy prediction relative to the greatest load, d a pattern ov
 of the change that damage makes. Without a commissioning run d has a part common to all gauges and one per gauge; with
 one, d is estimated gauge by gauge from the healthy readings and its posterior covariance is propagated:
 
-    K = (K0^-1 + sum_c phi_c^2 (V/N_c)^-1)^-1,    d = K sum_c phi_c (V/N_c)^-1 (mean_c - f_c).
+    K = (K0^-1 + Phi' V^-1 Phi)^-1,    d = K Phi' V^-1 (mean - f)
+
+with the means of all cells stacked, V the covariance of their noise and Phi the pattern phi(L) of every gauge.
 """
 
 from dataclasses import dataclass
@@ -14,8 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
+from octmip.gap.campaign.averages import averages_of
 from octmip.gap.campaign.campaign import Campaign, Cell
-from octmip.gap.campaign.noise import Noise, estimate_noise
+from octmip.gap.campaign.noise_estimate import estimate_noise
 from octmip.gap.twins.cached import CachedTwin
 
 COMMON = 0.010
@@ -80,14 +83,17 @@ def calibrated(run: Campaign, twin: CachedTwin, gauges: tuple[str, ...], load: f
     noise = estimate_noise(run)
     reference = twin.predict({}, load)[columns]
     open_sd = OPEN * np.abs(reference) + 2 * FLOOR * _rms(reference)
-    precision, projection = np.diag(open_sd**-2), np.zeros(len(gauges))
-    for cell in run.cells:
-        state = dict(zip(run.parameters, cell.state.tolist(), strict=True))
-        predicted = twin.predict(state, cell.load_factor)[columns]
-        phi = float(twin.predict({}, cell.load_factor)[columns] @ reference / (reference @ reference))
-        weight = _weight(noise, cell, order)
-        precision += phi**2 * weight
-        projection += phi * weight @ np.nan_to_num(cell.mean[order] - predicted)
+    means = averages_of(run, split=False)
+    average, gauge = np.nonzero(np.array([part.count[order] > 0 for part in means]))
+    cells = [run.cells[part.cell] for part in means]
+    predicted = np.array([twin.predict(_state(run, cell), cell.load_factor)[columns] for cell in cells])
+    healthy = np.array([twin.predict({}, cell.load_factor)[columns] for cell in cells])
+    share = healthy @ reference / (reference @ reference)
+    weight = np.linalg.inv(noise.of_averages(means, [c.load_factor for c in cells], average, np.array(order)[gauge]))
+    pattern = share[average, None] * (gauge[:, None] == np.arange(len(gauges)))
+    residual = np.array([part.mean[order] for part in means])[average, gauge] - predicted[average, gauge]
+    precision = np.diag(open_sd**-2) + pattern.T @ weight @ pattern
+    projection = pattern.T @ weight @ residual
     if np.allclose(precision, np.diag(open_sd**-2)):
         raise DataError("the commissioning run holds readings at zero load only; expected two loads or more")
     covariance = np.asarray(np.linalg.inv(precision), dtype=np.float64)
@@ -103,13 +109,8 @@ def _check_run(run: Campaign, gauges: tuple[str, ...]) -> None:
         raise DataError(f"the commissioning run holds an unknown state ({unknown[0].name}); give its state columns")
 
 
-def _weight(noise: Noise, cell: Cell, order: list[int]) -> NDArray[np.float64]:
-    """Return the precision (n_gauges, n_gauges) of a cell's means, zero for gauges that recorded nothing."""
-    matrix = noise.of_mean(cell.count, cell.load_factor)[np.ix_(order, order)]
-    seen = cell.count[order] > 0
-    weight = np.zeros_like(matrix)
-    weight[np.ix_(seen, seen)] = np.linalg.inv(matrix[np.ix_(seen, seen)])
-    return weight
+def _state(run: Campaign, cell: Cell) -> dict[str, float]:
+    return dict(zip(run.parameters, cell.state.tolist(), strict=True))
 
 
 def _rms(values: NDArray[np.float64]) -> float:

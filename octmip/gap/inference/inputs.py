@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from octmip.errors import DataError
 from octmip.gap.campaign.averages import AveragedCell, averages_of
 from octmip.gap.campaign.campaign import Campaign, Cell
-from octmip.gap.campaign.clipping import unclipped
 from octmip.gap.campaign.noise import Noise
-from octmip.gap.campaign.source_of_noise import noise_of
+from octmip.gap.channels.checks import calm, checked
+from octmip.gap.channels.source_of_noise import noise_of
 from octmip.gap.inference.candidates import Candidate, Priors, candidates_of, priors_of
 from octmip.gap.inference.discrepancy import Discrepancy, calibrated, uncalibrated
 from octmip.gap.progress import Progress, silent
@@ -106,9 +106,10 @@ def prepare(
     if unknown:
         raise DataError(f"column {unknown[0]!r} is no gauge of the twin; expected among {list(twin.gauges[:3])}...")
     asked = twin if isinstance(twin, CachedTwin) else CachedTwin(twin)
-    campaign, rails, of_clipping = unclipped(campaign)
-    run = unclipped(commissioning)[0] if isinstance(commissioning, Campaign) else None
-    noise, of_noise = noise_of(campaign, run, rails, noise_sd)
+    checks = checked(campaign)
+    campaign = checks.campaign
+    run = calm(commissioning) if isinstance(commissioning, Campaign) else None
+    noise, of_noise = noise_of(checks, run, noise_sd)
     reference = _reference(campaign, run)
     known = commissioning if isinstance(commissioning, Discrepancy) else run
     discrepancy, of_discrepancy = _discrepancy(known, asked, campaign.gauges, reference)
@@ -124,7 +125,7 @@ def prepare(
         groups=groups,
         progress=progress,
     )
-    return inputs, [*of_clipping, *of_noise, *of_discrepancy, *of_groups]
+    return inputs, [*checks.notes, *of_noise, *of_discrepancy, *of_groups]
 
 
 def _discrepancy(

@@ -4,21 +4,27 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from octmip.gap.campaign.campaign import Campaign
-from octmip.gap.campaign.noise import Noise, estimate_noise, given_noise
+from octmip.gap.campaign.noise import Noise, given_noise
+from octmip.gap.campaign.noise_estimate import estimate_noise
+from octmip.gap.channels.checks import Checked
 
 
 def noise_of(
-    campaign: Campaign,
-    run: Campaign | None,
-    rails: Mapping[str, float],
-    noise_sd: float | Mapping[str, float] | None,
+    checks: Checked, run: Campaign | None, noise_sd: float | Mapping[str, float] | None
 ) -> tuple[Noise, list[str]]:
-    """Return the noise with what is clipped, and notes on where it is from and on stuck channels."""
-    noise, notes = _from_repeats_or_known(campaign, run, noise_sd)
-    if rails:
-        noise = replace(noise, clipped=rails, findings=(*noise.findings, "clipping"))
-    if noise.stuck:
-        notes.append(f"Readings of {', '.join(noise.stuck)} never change between repeats: a stuck channel.")
+    """Return the noise with what the channels do wrong, and notes on where it is from."""
+    noise, notes = _from_repeats_or_known(checks.campaign, run, noise_sd)
+    quiet = tuple(name for name in noise.stuck if name not in checks.stuck)
+    if quiet:
+        notes.append(f"Readings of {', '.join(quiet)} never change between repeats: a stuck channel.")
+    noise = replace(
+        noise,
+        stuck=(*checks.stuck, *quiet),
+        clipped=checks.clipped,
+        jumps=checks.jumps,
+        outliers=checks.outliers,
+        findings=tuple(dict.fromkeys((*noise.findings, *checks.findings))),
+    )
     return noise, notes
 
 
