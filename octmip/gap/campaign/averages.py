@@ -1,6 +1,7 @@
 """Averages of repeats: the cells of a campaign, or halves of them where an effect depends on time."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +33,10 @@ class AveragedCell:
     count: NDArray[np.int64]
     time: float
     rows: NDArray[np.int64]
+
+    def of_gauges(self, order: Sequence[int]) -> "AveragedCell":
+        """Return the average of these gauges, in their order."""
+        return replace(self, mean=self.mean[list(order)], count=self.count[list(order)])
 
 
 def averages_of(campaign: Campaign, split: bool) -> tuple[AveragedCell, ...]:

@@ -191,8 +191,8 @@ def fit(spectra: Sequence[Spectrum], prior: tuple[float, float, float] = SINGLE)
     weight /= weight.sum()
     scale *= degrees / max(degrees - 2.0, 1.0)  # mean of the inverse gamma posterior
     keep = weight > 1e-6
-    parts = (weight[keep] / weight[keep].sum(), *((scale * part)[keep] for part in (white, remembering)))
-    return Serial(*parts, rho[keep], (scale * walk)[keep])
+    white, remembering, walk = ((scale * part)[keep] for part in (white, remembering, walk))
+    return Serial(weight[keep] / weight[keep].sum(), white, remembering, rho[keep], walk)
 
 
 @lru_cache(maxsize=1)

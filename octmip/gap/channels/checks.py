@@ -123,9 +123,9 @@ def _without_readings(campaign: Campaign, still: list[Stuck]) -> Campaign:
 
 def _without_silent(campaign: Campaign, before: Campaign) -> Campaign:
     """Return the campaign without the gauges that recorded something before and of which nothing is left."""
-    silent = ~np.isfinite(campaign.readings).any(axis=0) & np.isfinite(before.readings).any(axis=0)
+    silent = np.isfinite(before.readings).any(axis=0) & ~np.isfinite(campaign.readings).any(axis=0)
     keep = np.flatnonzero(~silent)
-    if len(keep) == len(silent):
+    if len(keep) == len(campaign.gauges):
         return campaign
     gauges = tuple(campaign.gauges[k] for k in keep)
     return replace(campaign, gauges=gauges, readings=campaign.readings[:, keep])

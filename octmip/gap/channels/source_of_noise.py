@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import replace
 
+from octmip.errors import DataError
 from octmip.gap.campaign.campaign import Campaign
 from octmip.gap.campaign.noise import Noise, given_noise
 from octmip.gap.campaign.noise_estimate import estimate_noise
@@ -40,3 +41,20 @@ def _from_repeats_or_known(
     if given is not None:
         return given, [few + "the given standard deviation is taken as known."]
     return estimate_noise(campaign, run).of_gauges(campaign.gauges), [few + "the commissioning run's noise is used."]
+
+
+def noise_of_run(run: Campaign, known: Noise) -> tuple[Noise, list[str]]:
+    """Return the noise of a commissioning run for the campaign's gauges; its noise stands in for too few repeats.
+
+    Raises
+    ------
+    DataError
+        the run lacks a gauge of the campaign.
+    """
+    missing = [name for name in known.gauges if name not in run.gauges]
+    if missing:
+        raise DataError(f"the commissioning run lacks gauge {missing[0]}; expected every gauge of the campaign")
+    if run.has_repeats:
+        return estimate_noise(run).of_gauges(known.gauges), []
+    note = "The commissioning run holds too few repeats to estimate its noise; the campaign's is used."
+    return replace(known, jumps=()), [note]

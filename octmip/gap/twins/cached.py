@@ -41,6 +41,12 @@ class CachedTwin:
         return self.twin.effects
 
     @property
+    def units(self) -> tuple[str, ...] | None:
+        """Units of the readings, or None when the twin does not say."""
+        units = getattr(self.twin, "units", None)
+        return None if units is None else tuple(units)
+
+    @property
     def gauge_positions(self) -> NDArray[np.float64] | None:
         """Places (n_gauges, 2) [m], or None when the twin does not say."""
         places = getattr(self.twin, "gauge_positions", None)
