@@ -30,6 +30,10 @@ class TreeError(OctmipError, ValueError):
     """A tree or tree file is malformed."""
 
 
+class TwinError(OctmipError, RuntimeError):
+    """A model of somebody else's, or an effect of it, raised, gave the wrong shape, or gave no finite number."""
+
+
 class CertificateError(OctmipError, ValueError):
     """A solution does not hold what it claims."""
 

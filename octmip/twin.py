@@ -1,23 +1,82 @@
 """Protocols through which monitor and gap know any model: a Twin, and an Effect that it may lack.
 
-A twin answers one question: which strains do the gauges show in a known state at a known load. An effect is something
-that a real structure or a real measuring chain has and the twin lacks; near the twin it changes the readings by
+A twin answers one question: what do the gauges show in a known state under known loads. An effect is something that a
+real machine or a real measuring chain has and the twin lacks; near the twin it changes the readings by
 
-    reading(state, L) = twin(state, L) + size * signature(state, L)        [microstrain]
+    reading(state, L) = twin(state, L) + size * signature(state, L)        [each reading in its own unit]
 
 with `size` in the effect's own physical unit. Both are protocols: a model written by anyone enters by its shape,
 without importing this package.
+
+A "gauge" is whatever gives a reading: a strain gauge, an accelerometer, a thermocouple, a natural frequency, the force
+at a phase of a cycle. A "load" is whatever was applied or set: a load factor, a frequency, an amplitude, a heating
+power. A twin that announces neither units nor loads reads microstrain at a load factor.
 """
 
-from collections.abc import Mapping
-from typing import Protocol, runtime_checkable
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
+from octmip.errors import TwinError
+
 State = Mapping[str, float]
 """Values of the twin's state parameters by name, damage as a fraction; what it does not name is 0."""
 
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Loads(Mapping[str, float]):
+    """The loads and settings of a reading by name, of a twin that announces several or none: a mapping with a hash.
+
+    Formatted, it says what was applied: ``f"{loads:g}"`` is "frequency 2, amplitude 0.5".
+
+    Attributes
+    ----------
+    names
+        of the loads, in the order in which the twin announces them.
+    amounts
+        one for each.
+    """
+
+    names: tuple[str, ...]
+    amounts: tuple[float, ...]
+
+    def __getitem__(self, name: str) -> float:
+        try:
+            return self.amounts[self.names.index(name)]
+        except ValueError:
+            raise KeyError(name) from None
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.names)
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    def __lt__(self, other: "Loads") -> bool:
+        return self.amounts < other.amounts
+
+    def __format__(self, spec: str) -> str:
+        return ", ".join(f"{name} {value:{spec or 'g'}}" for name, value in self.items())
+
+    def __repr__(self) -> str:
+        return f"Loads({format(self, '.6g')})"
+
+
+Load = float | Loads
+"""What was applied: a float where the twin has one load, else `Loads`."""
+
+ONE_LOAD = ("load_factor",)
+"""The loads of a twin that announces none."""
+MICROSTRAIN = "microstrain"
+"""Unit of the readings of a twin that announces none."""
+STRAINS = (MICROSTRAIN, "strain")
+"""Units of readings of strain gauges: what only such a gauge can have is asked of these alone."""
+MIXED = "standard deviations of one reading"
+"""Unit of what is made of readings of several units together."""
 
 QUANTITIES = {
     "applied_load": "the load, by a second load cell or a known mass",
@@ -35,9 +94,17 @@ QUANTITIES = {
 class Twin(Protocol):
     """A model of the structure with gauges on it.
 
-    Optional attributes, used where they exist: ``predict_states(states (n, n_parameters), load_factor) -> (n,
-    n_gauges)`` (a batch), ``is_linear_in_load`` (strain is proportional to the load factor, so one load is asked for),
-    ``gauge_positions`` (n_gauges, 2) [m] and ``outline`` (n, 2) [m] (the map of the report).
+    Optional attributes, used where they exist:
+
+    * ``loads``, the names of what is applied or set, columns of a campaign. With one name `predict` gets a float, with
+      several or none a mapping by name (`Loads`). Without this attribute there is one load, ``load_factor``;
+    * ``units``, the unit of every reading, by gauge or in their order; without it all are microstrain;
+    * ``sign``, what a positive reading is, in words; or ``compressive_positive``, True (as without either) or False;
+    * ``channels``, the instrument of every reading, in the order of the gauges, where one gives several (a force
+      sensor at twelve phases of a cycle): what is wrong with it is wrong at all of them;
+    * ``predict_states(states (n, n_parameters), load_factor) -> (n, n_gauges)`` (a batch);
+    * ``is_linear_in_load`` (readings are proportional to the one load, so one load is asked for);
+    * ``gauge_positions`` (n_gauges, 2) [m] and ``outline`` (n, 2) [m] (the map of the report).
     """
 
     @property
@@ -55,8 +122,8 @@ class Twin(Protocol):
         """Effects that a real structure of this kind may have and the model lacks, by name."""
         ...
 
-    def predict(self, state: State, load_factor: float) -> NDArray[np.float64]:
-        """Return the strains (n_gauges,) in microstrain at that load, compressive positive."""
+    def predict(self, state: State, load_factor: Any) -> NDArray[np.float64]:
+        """Return the readings (n_gauges,) in their units at that load, a float or, of several, `Loads`."""
         ...
 
 
@@ -121,7 +188,10 @@ class Effect(Protocol):
 
     @property
     def load_power(self) -> int | None:
-        """The exponent p when the signature is exactly proportional to load_factor**p, else None."""
+        """The exponent p when the signature is exactly proportional to load_factor**p, else None.
+
+        It holds for a twin of one load; with several loads the signature is asked for at every one.
+        """
         ...
 
     def places(self, twin: Twin) -> tuple[str, ...]:
@@ -129,14 +199,14 @@ class Effect(Protocol):
         ...
 
     def signature(
-        self, twin: Twin, state: State, load_factor: float, place: str = "", time: float = 0.0
+        self, twin: Twin, state: State, load_factor: Any, place: str = "", time: float = 0.0
     ) -> NDArray[np.float64]:
-        """Return the change of the readings (n_gauges,) in microstrain per unit of size; `time` in s from the start."""
+        """Return the change of the readings (n_gauges,) per unit of size; `time` in s from the start."""
         ...
 
 
-def predict_states(twin: Twin, states: NDArray[np.float64], load_factor: float) -> NDArray[np.float64]:
-    """Return the strains (n_states, n_gauges) of states (n_states, n_parameters), by its own batch if it has one."""
+def predict_states(twin: Twin, states: NDArray[np.float64], load_factor: Load) -> NDArray[np.float64]:
+    """Return the readings (n_states, n_gauges) of states (n_states, n_parameters), by its own batch if it has one."""
     batch = getattr(twin, "predict_states", None)
     if batch is not None:
         return np.asarray(batch(states, load_factor), dtype=np.float64)
@@ -147,3 +217,72 @@ def predict_states(twin: Twin, states: NDArray[np.float64], load_factor: float) 
 def state_parameters(twin: Twin) -> tuple[str, ...]:
     """Return the names of the state parameters; none for a twin that announces none."""
     return tuple(getattr(twin, "parameters", ()))
+
+
+def loads_of(twin: Twin) -> tuple[str, ...]:
+    """Return the names of the loads and settings; the load factor for a twin that announces none."""
+    return tuple(getattr(twin, "loads", ONE_LOAD))
+
+
+def units_of(twin: Twin) -> tuple[str, ...]:
+    """Return the unit of every reading, in the order of the gauges; microstrain for a twin that announces none.
+
+    Raises
+    ------
+    TwinError
+        it announces units, but not one for each reading.
+    """
+    units = getattr(twin, "units", None)
+    if units is None:
+        return (MICROSTRAIN,) * len(twin.gauges)
+    if isinstance(units, Mapping):
+        missing = [name for name in twin.gauges if name not in units]
+        if missing:
+            raise TwinError(f"the twin gives no unit for its reading {missing[0]!r}; expected one for each; add it")
+        return tuple(str(units[name]) for name in twin.gauges)
+    return _one_each(twin, "units", units)
+
+
+def channels_of(twin: Twin) -> tuple[str, ...]:
+    """Return the instrument of every reading, in the order of the gauges; the gauge itself where none is announced."""
+    return _one_each(twin, "channels", getattr(twin, "channels", twin.gauges))
+
+
+def _one_each(twin: Twin, what: str, given: Sequence[str]) -> tuple[str, ...]:
+    if len(given) != len(twin.gauges):
+        raise TwinError(
+            f"the twin gives {len(given)} {what} for {len(twin.gauges)} readings; expected one for each; give them in "
+            "the order of its gauges"
+        )
+    return tuple(str(one) for one in given)
+
+
+def sign_of(twin: Twin) -> str:
+    """Return what a positive reading is, in words; "" where the twin does not say and reads no strain."""
+    own = str(getattr(twin, "sign", ""))
+    if own:
+        return own
+    has_strain = any(unit in STRAINS for unit in units_of(twin))
+    is_compressive = bool(getattr(twin, "compressive_positive", True))
+    return f"{'compressive' if is_compressive else 'tensile'} strain positive" if has_strain else ""
+
+
+def load_of(names: tuple[str, ...], amounts: tuple[float, ...]) -> Load:
+    """Return the load as a twin with loads of these names is asked for it: a float where it has one."""
+    return float(amounts[0]) if len(names) == 1 else Loads(names, tuple(float(value) for value in amounts))
+
+
+def amounts_of(load: Load) -> tuple[float, ...]:
+    """Return the amounts of a load, one for each name; loads of one twin are ordered by them."""
+    return load.amounts if isinstance(load, Loads) else (float(load),)
+
+
+def load_words(names: tuple[str, ...], load: Load) -> str:
+    """Return a load in words: "load factor 2", "frequency 2, amplitude 0.5"; "" where nothing is applied."""
+    pairs = zip(names, amounts_of(load), strict=True)
+    return ", ".join(f"{name.replace('_', ' ')} {value:g}" for name, value in pairs)
+
+
+def is_zero(load: Load) -> bool:
+    """Return whether the one load is zero; several loads have no zero of their own."""
+    return not isinstance(load, Loads) and not math.fabs(load) > 0.0

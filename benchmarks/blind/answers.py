@@ -16,6 +16,7 @@ from femlib.wing.effects import wing_effects
 from octmip.gap import AugmentedTwin, Campaign, Diagnosis, diagnose, read_campaign
 from octmip.gap.twins.cached import CachedTwin
 from octmip.report.diagnosis.as_json import as_object
+from octmip.twin import amounts_of
 
 HELD_LOAD = 2.5
 MOST_PROBABLE = 6
@@ -30,7 +31,7 @@ class Task:
     Attributes
     ----------
     place
-        folder of its asset, which holds `commissioning.csv` and `campaigns`.
+        folder of its asset, which holds `commissioning.csv`, `campaigns`, and `runs` of cases that have their own.
     name
         of the case.
     refinement
@@ -91,6 +92,7 @@ class Found(TypedDict):
     unknown_probability: float
     inclusion: dict[str, float]
     findings: list[str]
+    doubts: list[str]
     stuck: list[str]
     significant: list[str]
     correction: list[float]
@@ -119,7 +121,8 @@ def answer(task: Task) -> list[Found]:
     """Return what the scorer may see of one case: a diagnosis with the commissioning run, and one without."""
     model = twin(task.refinement)
     campaign = read_campaign(task.place / "campaigns" / f"{task.name}.csv", model)
-    run = read_campaign(task.place / "commissioning.csv", model)
+    own = task.place / "runs" / f"{task.name}.csv"
+    run = read_campaign(own if own.exists() else task.place / "commissioning.csv", model)
     found = [_diagnosed(task, model, campaign, run)]
     if task.without:
         found.append(_diagnosed(task, model, campaign, None))
@@ -142,6 +145,7 @@ def _diagnosed(task: Task, model: CachedTwin, campaign: Campaign, run: Campaign 
         "unknown_probability": written["unknown_probability"],
         "inclusion": written["inclusion"],
         "findings": written["noise"]["findings"],
+        "doubts": list(getattr(diagnosis, "doubts", ())),
         "stuck": written["noise"]["stuck"],
         "significant": [entry["name"] for entry in written["where"]["entries"]],
         "correction": _correction(diagnosis, model),
@@ -170,7 +174,7 @@ def _augmented(diagnosis: Diagnosis, model: CachedTwin, campaign: Campaign) -> A
     return {
         "additions": [(a.effect.name, a.place, a.size) for a in augmented.additions],
         "calibration": np.asarray(augmented.calibration).tolist(),
-        "load": augmented.calibration_load,
+        "load": amounts_of(augmented.calibration_load)[0],
         "end": float(np.nanmax(campaign.time) - np.nanmin(campaign.time)),
     }
 

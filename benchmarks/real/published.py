@@ -206,9 +206,9 @@ def _rest(found: Diagnosis) -> float:
 def show_where(found: Diagnosis) -> None:
     """Print the gap and the gauges and states that hold most of it."""
     where = found.where
-    gauges = ", ".join(f"{p.name} {p.gap_microstrain:+.0f} ({100 * p.share:.0f} %)" for p in where.gauges[:5])
+    gauges = ", ".join(f"{p.name} {p.gap:+.0f} ({100 * p.share:.0f} %)" for p in where.gauges[:5])
     tests = ", ".join(f"{p.name} {100 * p.share:.0f} %" for p in where.tests)
-    print(f"  {where.rms_microstrain:.1f} microstrain rms; {gauges}; by state {tests}")
+    print(f"  {where.rms:.1f} microstrain rms; {gauges}; by state {tests}")
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 """Explain why an asset does not behave like its twin: where, which effect, how far the gap closes, what to test next.
 
-CAMPAIGN.csv holds one row per reading: test, load_factor, the known state parameters, optional time and temperature,
-and one column per gauge under the twin's name for it, in microstrain.
+CAMPAIGN.csv holds one row per reading: test, the loads (load_factor where the twin names none), the known state
+parameters, optional time and temperature, and one column per gauge under the twin's name for it, in its unit.
 """
 
 import argparse
@@ -39,7 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--noise",
         metavar="SD",
         type=float,
-        help="standard deviation of one reading in microstrain, used where no load was read three times",
+        help="standard deviation of one reading in its unit, used where no load was read three times",
     )
     parser.add_argument("--out", metavar="PAGE.html", help="write a page with figures to this file")
     add_json_argument(parser)

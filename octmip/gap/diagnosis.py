@@ -17,7 +17,7 @@ from octmip.gap.causes import (
     with_identifiable,
     with_misfit,
 )
-from octmip.gap.effects import CHAIN
+from octmip.gap.effects import chain_of, in_chain
 from octmip.gap.inference.confounding import ABSURD, detectable
 from octmip.gap.inference.discrepancy import Discrepancy
 from octmip.gap.inference.inputs import prepare
@@ -26,18 +26,21 @@ from octmip.gap.inference.posterior import Judged, Posterior, attribute
 from octmip.gap.inference.states import joint_covariance, state_posterior
 from octmip.gap.location import Where, localise
 from octmip.gap.next_test import Proposal, next_tests
+from octmip.gap.odds import Odds
 from octmip.gap.progress import Progress, Stage, silent
+from octmip.gap.run_doubt import RunDoubt, doubt_of
 from octmip.gap.shrinkage import Shrinkage, measure_shrinkage
 from octmip.gap.tree_nodes import flips
 from octmip.gap.twins.augmented import Addition, AugmentedTwin
+from octmip.gap.twins.cached import CachedTwin
 from octmip.tree import Node
-from octmip.twin import Effect, Twin
+from octmip.twin import MICROSTRAIN, Effect, Twin, units_of
 
 CORRELATED = 0.9
 """Posterior correlation of a damage and an effect beyond which they are not told apart."""
 INVISIBLE = 1e6
 """Detectable size over the prior's sd beyond which the signature is zero."""
-BASELINE = "a healthy commissioning run at load factors 0, 1, 2 and 3 would separate them"
+BASELINE = "a healthy commissioning run at zero and several other loads would separate them"
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,6 +88,8 @@ class Diagnosis:
         unknown states under the first cause.
     notes
         what the reader should know about the data.
+    doubts
+        what speaks against the commissioning run, as sentences; a run that is not usable was left out.
     posterior
         all hypotheses.
     """
@@ -101,6 +106,7 @@ class Diagnosis:
     states: tuple[StateEstimate, ...]
     notes: tuple[str, ...]
     posterior: Posterior
+    doubts: tuple[str, ...] = ()
 
     @property
     def ambiguity(self) -> tuple[ConfoundedEffects, ...]:
@@ -129,7 +135,7 @@ class Diagnosis:
         parts = self.which[0].parameters if self.which else ()
         by_name = {candidate.name: candidate.effect for candidate in inputs.candidates}
         additions = [Addition(by_name[p.effect], p.place, p.size) for p in parts]
-        additions.sort(key=lambda addition: addition.effect.name in CHAIN)  # the structure first, the chain last
+        additions.sort(key=lambda addition: in_chain(addition.effect))  # the structure first, the chain last
         calibration = np.zeros(len(twin.gauges))
         calibration[list(inputs.order)] = inputs.discrepancy.mean
         return AugmentedTwin(twin, tuple(additions), calibration, inputs.reference)
@@ -144,6 +150,7 @@ def diagnose(
     feature_names: Sequence[str] = (),
     noise_sd: float | Mapping[str, float] | None = None,
     progress: Progress = silent,
+    odds: Odds = Odds(),  # noqa: B008  (frozen)
 ) -> Diagnosis:
     """Return where campaign and twin differ, which effects explain it, how far the gap closes, and what to test next.
 
@@ -163,10 +170,12 @@ def diagnose(
     feature_names
         the tree's features, names of gauges.
     noise_sd
-        standard deviation of one reading [microstrain], of all gauges or by gauge, from the instrument's
+        standard deviation of one reading in its unit, of all gauges or by gauge, from the instrument's
         card; used where no load was read often enough to estimate the noise.
     progress
         called at the start of every stage; what it raises ends the diagnosis.
+    odds
+        how probable causes are before any reading.
 
     Raises
     ------
@@ -175,7 +184,7 @@ def diagnose(
         gauge or a known state).
     """
     with threadpool_limits(1):  # the matrices are small: threads cost more than they save
-        return _diagnose(campaign, twin, effects, commissioning, tree, feature_names, noise_sd, progress)
+        return _diagnose(campaign, twin, effects, commissioning, tree, feature_names, noise_sd, progress, odds)
 
 
 def _diagnose(
@@ -187,10 +196,17 @@ def _diagnose(
     feature_names: Sequence[str],
     noise_sd: float | Mapping[str, float] | None,
     progress: Progress,
+    odds: Odds,
 ) -> Diagnosis:
     progress(Stage("the noise of the readings"))
-    chosen = {**CHAIN, **getattr(twin, "effects", {})} if effects is None else dict(effects)
-    inputs, notes = prepare(campaign, twin, chosen, commissioning, noise_sd, progress)
+    chosen = dict(effects) if effects is not None else library_of(twin, campaign)
+    asked = twin if isinstance(twin, CachedTwin) else CachedTwin(twin)
+    inputs, notes = prepare(campaign, asked, chosen, commissioning, noise_sd, progress, odds)
+    doubt = RunDoubt()
+    if isinstance(commissioning, Campaign):
+        doubt = doubt_of(commissioning, asked, chosen, inputs.discrepancy, noise_sd, odds)
+    if not doubt.is_usable:
+        inputs, notes = prepare(campaign, asked, chosen, None, noise_sd, progress, odds)
     posterior = attribute(inputs)
     progress(Stage("how far the best cause closes the gap"))
     which, closing, unknown_probability = _which(posterior)
@@ -209,9 +225,25 @@ def _diagnose(
         detectable=sizes,
         refused=_refused(which, model, sizes),
         states=_states(which[0].judged) if which else (),
-        notes=(*campaign.notes, *notes),
+        notes=(*doubt.sentences, *campaign.notes, *notes),
         posterior=posterior,
+        doubts=doubt.sentences,
     )
+
+
+def library_of(twin: Twin, campaign: Campaign) -> dict[str, Effect]:
+    """Return the effects that are looked for where none are given: the measuring chain's and the twin's own."""
+    return {**chain_of(twin, _typical(campaign, twin)), **getattr(twin, "effects", {})}
+
+
+def _typical(campaign: Campaign, twin: Twin) -> dict[str, float]:
+    """Return the root mean square of the campaign's readings of each unit."""
+    units = dict(zip(twin.gauges, units_of(twin), strict=True))
+    squares: dict[str, list[float]] = {}
+    for k, name in enumerate(campaign.gauges):
+        own = campaign.readings[:, k]
+        squares.setdefault(units.get(name, MICROSTRAIN), []).extend((own[np.isfinite(own)] ** 2).tolist())
+    return {unit: float(np.sqrt(np.mean(values))) if values else 1.0 for unit, values in squares.items()}
 
 
 def _which(posterior: Posterior) -> tuple[tuple[Cause, ...], Shrinkage | None, float]:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2, norm
 
 from octmip.gap.inference.linear_model import LinearModel
+from octmip.twin import MIXED
 
 Floats = NDArray[np.float64]
 
@@ -37,8 +38,10 @@ class Place:
         after correction.
     share
         part of the whole squared gap, noise taken off.
-    gap_microstrain
+    gap
         mean residual.
+    unit
+        of it.
     """
 
     name: str
@@ -46,7 +49,8 @@ class Place:
     p_value: float
     is_significant: bool
     share: float
-    gap_microstrain: float
+    gap: float
+    unit: str
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,8 +65,8 @@ class Where:
         groups, greatest share first.
     nodes
         nodes of the deployed tree, greatest share of flipped decisions first; empty without a tree.
-    rms_microstrain
-        root mean square gap, noise taken off.
+    rms, unit
+        root mean square gap, noise taken off, and its unit.
     p_value
         of the whole: chi-squared of all entries.
     """
@@ -72,7 +76,8 @@ class Where:
     loads: tuple[Place, ...]
     tests: tuple[Place, ...]
     nodes: tuple["Flip", ...]
-    rms_microstrain: float
+    rms: float
+    unit: str
     p_value: float
 
 
@@ -108,11 +113,13 @@ class _Means:
     cell, gauge
         (n_means,) indices.
     residual
-        (n_means,) [microstrain].
+        (n_means,), in the gauges' units.
     covariance
         (n_means, n_means) of residuals without a gap.
     noise
         (n_means,) variance of noise alone.
+    units, scale
+        (n_means,) unit of each, and what it is divided by where several units are taken together.
     """
 
     cell: NDArray[np.int64]
@@ -120,11 +127,13 @@ class _Means:
     residual: Floats
     covariance: Floats
     noise: Floats
+    units: tuple[str, ...]
+    scale: Floats
 
     @property
     def excess(self) -> Floats:
-        """(n_means,) squared residuals, noise taken off."""
-        return np.asarray(self.residual**2 - self.noise)
+        """(n_means,) squared residuals, noise taken off, comparable over units."""
+        return np.asarray((self.residual**2 - self.noise) / self.scale**2)
 
 
 def localise(model: LinearModel, nodes: tuple[Flip, ...] = ()) -> Where:
@@ -138,10 +147,11 @@ def localise(model: LinearModel, nodes: tuple[Flip, ...] = ()) -> Where:
     return Where(
         entries=_entries(means, [f"{g}, {c.name}" for g, c in zip(gauges, cells, strict=True)], share),
         gauges=_groups(means, gauges, share),
-        loads=_groups(means, [f"load factor {c.load_factor:g}" for c in cells], share),
+        loads=_groups(means, [c.load_words for c in cells], share),
         tests=_groups(means, [c.test for c in cells], share),
         nodes=nodes,
-        rms_microstrain=float(np.sqrt(max(0.0, float(excess.mean())))),
+        rms=float(np.sqrt(max(0.0, float(excess.mean())))),
+        unit=model.inputs.unit,
         p_value=float(chi2.sf(float(white @ white), model.n)),
     )
 
@@ -154,13 +164,14 @@ def _means(model: LinearModel) -> _Means:
     mix[entry.ravel(), np.arange(model.n)] = count
     mix = mix / mix.sum(axis=1, keepdims=True)
     covariance = mix @ model.covariance @ mix.T
-    return _Means(places[0], places[1], mix @ model.residual, covariance, mix**2 @ noise_variance(model))
+    units, scale = tuple(model.inputs.units[g] for g in places[1]), model.inputs.scale[places[1]]
+    return _Means(places[0], places[1], mix @ model.residual, covariance, mix**2 @ noise_variance(model), units, scale)
 
 
 def noise_variance(model: LinearModel) -> Floats:
     """Return the variance (n,) that noise alone gives each averaged reading [microstrain^2]."""
     inputs = model.inputs
-    pairs = zip(inputs.averages, inputs.load_factors.tolist(), strict=True)
+    pairs = zip(inputs.averages, inputs.loads, strict=True)
     of_average = [np.diag(inputs.noise.of_mean(average.count, load)) for average, load in pairs]
     return np.array(of_average)[model.average, model.gauge]
 
@@ -171,8 +182,16 @@ def _entries(means: _Means, names: Sequence[str], share: Floats) -> tuple[Place,
     p = 2.0 * norm.sf(np.abs(z))
     significant = discoveries(p)
     return tuple(
-        Place(names[k], float(z[k]), float(p[k]), bool(significant[k]), float(share[k]), float(means.residual[k]))
-        for k in np.argsort(p, kind="stable")
+        Place(
+            name=names[k],
+            z=float(z[k]),
+            p_value=float(p[k]),
+            is_significant=bool(significant[k]),
+            share=float(share[k]),
+            gap=float(means.residual[k]),
+            unit=means.units[k],
+        )
+        for k in np.argsort(p, kind="stable").tolist()
     )
 
 
@@ -198,4 +217,6 @@ def _group(means: _Means, name: str, rows: NDArray[np.int64], share: Floats, rat
     squared = float(residual @ np.linalg.solve(means.covariance[np.ix_(rows, rows)], residual))
     p = float(chi2.sf(squared, len(rows)))
     z = float(np.sqrt(squared / len(rows)))
-    return Place(name, z, p, p < rate, float(share[rows].sum()), float(residual.mean()))
+    units = {means.units[k] for k in rows.tolist()}
+    gap, unit = (residual, units.pop()) if len(units) == 1 else (residual / means.scale[rows], MIXED)
+    return Place(name, z, p, p < rate, float(share[rows].sum()), float(gap.mean()), unit)

@@ -17,10 +17,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from octmip.gap.campaign.campaign import Campaign
 from octmip.gap.inference.evidence import Fit
 from octmip.gap.inference.inputs import Inputs
 from octmip.gap.inference.linear_model import LinearModel
 from octmip.gap.inference.posterior import Judged
+from octmip.twin import Load, amounts_of
 
 Floats = NDArray[np.float64]
 
@@ -28,6 +30,8 @@ MOST_HYPOTHESES = 16
 """Hypotheses that compete for the next test."""
 REPEATS = 50
 """Repeats of a proposed strain test."""
+MOST_REPEATED = 6
+"""Of several loads, about so many settings are looked at for a test that repeats them."""
 RELIABLE = 0.9
 """Share of a perfect answer's information that a test outside the strain gauges gives."""
 SETTLED = 0.15
@@ -116,15 +120,26 @@ def next_tests(model: LinearModel, judged: Sequence[Judged]) -> tuple[Proposal, 
 
 
 def _strain_tests(model: LinearModel, fits: Sequence[Fit], weight: Floats) -> list[Proposal]:
-    top = max(abs(load) for load in model.inputs.campaign.loads) or 1.0
     return [
         Proposal(f"load_{load:g}", words, _strain_information(model, fits, weight, load), cost, True)
-        for load, words, cost in (
-            (0.0, "read all gauges at zero load", 0.5),
-            (-1.0, "load the structure the other way, load factor -1", 3.0),
-            (top, f"repeat load factor {top:g} with {REPEATS} readings", 1.0),
-            (1.5 * top, f"go to load factor {1.5 * top:g}, if the structure allows it", 2.0),
-        )
+        for load, words, cost in _loads_to_test(model.inputs.campaign)
+    ]
+
+
+def _loads_to_test(campaign: Campaign) -> list[tuple[Load, str, float]]:
+    """Return loads worth a test, with what to do and what it costs; of several loads those that were applied."""
+    if len(campaign.load_names) != 1:
+        every = campaign.loads[:: max(1, len(campaign.loads) // MOST_REPEATED)]
+        return [
+            (load, f"repeat {campaign.load_words(load) or 'the test'} with {REPEATS} readings", 1.0) for load in every
+        ]
+    top = max(abs(amounts_of(load)[0]) for load in campaign.loads) or 1.0
+    words = campaign.load_words
+    return [
+        (0.0, "read all gauges at zero load", 0.5),
+        (-1.0, f"load the structure the other way, {words(-1.0)}", 3.0),
+        (top, f"repeat {words(top)} with {REPEATS} readings", 1.0),
+        (1.5 * top, f"go to {words(1.5 * top)}, if the structure allows it", 2.0),
     ]
 
 
@@ -147,12 +162,12 @@ def _entropy(weight: Floats) -> float:
     return float(-np.sum(positive * np.log(positive)))
 
 
-def _strain_information(model: LinearModel, fits: Sequence[Fit], weight: Floats, load: float) -> float:
+def _strain_information(model: LinearModel, fits: Sequence[Fit], weight: Floats, load: Load) -> float:
     """Return the lower bound on the information of a strain test at a load, in the first cell's state."""
     inputs = model.inputs
     rows = _signatures_at(model, load)
     repeats = np.full(len(inputs.order), REPEATS)
-    share = load / inputs.reference
+    share = inputs.share_of_reference(load)
     noise = inputs.noise.of_mean(repeats, load) + share**2 * inputs.discrepancy.covariance
     means = [rows[list(f.members)].T @ f.size for f in fits]
     spreads = [noise + rows[list(f.members)].T @ f.covariance @ rows[list(f.members)] for f in fits]
@@ -161,7 +176,7 @@ def _strain_information(model: LinearModel, fits: Sequence[Fit], weight: Floats,
     return float(-np.sum(weight * np.log(near @ weight)))
 
 
-def _signatures_at(model: LinearModel, load: float) -> Floats:
+def _signatures_at(model: LinearModel, load: Load) -> Floats:
     """Return all candidates' signatures (n_candidates, n_gauges) at a load, in the first cell's state, at the end."""
     inputs = model.inputs
     state, time = inputs.named(model.states[0]), max(average.time for average in inputs.averages)

@@ -5,9 +5,9 @@ of a held-out entry, S theta the effect as fitted to the rest, and v the varianc
 
     G0 = mean(r^2 - v),   G1 = mean((r - S theta)^2 - v),   closed = (G0 - G1) / (G0 - G*),
 
-all noise-corrected mean squares [microstrain^2]; G* is what twin and asset differ by before any effect (the
-discrepancy's variance, zero once a commissioning run is perfect). States that are unknown are fitted to the rest
-under each hypothesis.
+all noise-corrected mean squares (of readings of several units, each over the variance of its noise); G* is what twin
+and asset differ by before any effect (the discrepancy's variance, zero once a commissioning run is perfect). States
+that are unknown are fitted to the rest under each hypothesis.
 """
 
 from collections.abc import Sequence
@@ -21,6 +21,7 @@ from octmip.gap.inference.evidence import Fit
 from octmip.gap.inference.inference import Inference
 from octmip.gap.inference.linear_model import OPEN_STATE, LinearModel
 from octmip.gap.location import noise_variance
+from octmip.twin import MICROSTRAIN, amounts_of
 
 Floats = NDArray[np.float64]
 
@@ -39,7 +40,7 @@ class HeldOut:
     name
         what was held out.
     before, after
-        root mean square gap [microstrain], noise taken off.
+        root mean square gap, noise taken off.
     closed
         share of the squared gap that closed.
     """
@@ -57,7 +58,7 @@ class Shrinkage:
     Attributes
     ----------
     before, after, floor
-        root mean square gap on held-out readings [microstrain], noise taken off; the floor is the difference of twin
+        root mean square gap on held-out readings, noise taken off; the floor is the difference of twin
         and asset before any effect.
     closed
         share of the squared gap closed, NaN when there is no gap to close.
@@ -69,6 +70,8 @@ class Shrinkage:
         per entry, all readings.
     p_after
         of the chi-squared of what remains.
+    unit
+        of the gap.
     """
 
     before: float
@@ -81,6 +84,7 @@ class Shrinkage:
     chi2_before: float
     chi2_after: float
     p_after: float
+    unit: str = MICROSTRAIN
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -121,6 +125,7 @@ def measure_shrinkage(inference: Inference, members: Sequence[int], seed: int = 
         chi2_before=float(model.whitened.residual @ model.whitened.residual) / model.n,
         chi2_after=float(remaining @ remaining) / model.n,
         p_after=chance_of_rest(allowing, own),
+        unit=model.inputs.unit,
     )
 
 
@@ -133,11 +138,13 @@ def chance_of_rest(model: LinearModel, own: Fit) -> float:
 def _folds(model: LinearModel) -> list[tuple[str, NDArray[np.int64]]]:
     """Return the rows of every load level and test that can be held out: the rest keeps two loads or another test."""
     cells = model.inputs.campaign.cells
-    loads, tests = model.load_factors, np.array([cells[k].test for k in model.cells])
+    loads, tests = model.loads, np.array([cells[k].test for k in model.cells])
     folds = []
-    if len(set(loads.tolist())) >= 2:
-        folds = [(f"load factor {load:g}", np.flatnonzero(loads == load)) for load in np.unique(loads)]
-    one_load_each = len(set(zip(tests.tolist(), loads.tolist(), strict=True))) == len(set(tests.tolist()))
+    if len(set(loads)) >= 2:
+        words = model.inputs.campaign.load_words
+        distinct = sorted(set(loads), key=amounts_of)
+        folds = [(words(load), np.flatnonzero([own == load for own in loads])) for load in distinct]
+    one_load_each = len(set(zip(tests.tolist(), loads, strict=True))) == len(set(tests.tolist()))
     open_tests = {cells[k].test for group in model.inputs.groups for k in group}
     if not one_load_each and len(set(tests.tolist())) >= 2:
         known = [test for test in dict.fromkeys(tests.tolist()) if test not in open_tests]
@@ -157,7 +164,9 @@ def _left(
     through = OPEN_STATE**2 * model.tangents[held] @ model.tangents[rest].T
     without = model.residual[held] - through @ solved[:, -1]
     within = columns[held] @ size + through @ (solved[:, -1] - solved[:, :-1] @ size)
-    return _Left(name, without, model.residual[held] - within, noise[held], floor[held])
+    scale = model.inputs.scale[model.gauge[held]]
+    after, squared = (model.residual[held] - within) / scale, scale**2
+    return _Left(name, without / scale, after, noise[held] / squared, floor[held] / squared)
 
 
 def _size(model: LinearModel, members: Sequence[int], columns: Floats, solved: Floats) -> Floats:

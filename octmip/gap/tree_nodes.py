@@ -15,6 +15,7 @@ from octmip.errors import DataError
 from octmip.gap.inference.linear_model import LinearModel
 from octmip.gap.location import Flip
 from octmip.tree import HyperplaneSplit, Leaf, Node, Split, goes_left
+from octmip.twin import is_zero
 
 Floats = NDArray[np.float64]
 
@@ -62,21 +63,22 @@ def flips(model: LinearModel, tree: Node, feature_names: Sequence[str], seed: in
 
 
 def _readings(model: LinearModel, order: list[int], rng: np.random.Generator) -> tuple[Floats, Floats]:
-    """Return real readings (n, n_features) and simulated ones, divided by the load; rows with gaps left out."""
+    """Return real readings (n, n_features) and simulated ones, divided by the one load; rows with gaps left out."""
     inputs = model.inputs
     n_gauges = len(inputs.campaign.gauges)
     root = np.linalg.cholesky(inputs.noise.covariance)
     real, simulated = [], []
     first = {average.cell: k for k, average in reversed(list(enumerate(inputs.averages)))}
     for k, cell in enumerate(inputs.campaign.cells):
-        if cell.load_factor == 0.0:
+        if is_zero(cell.load):
             continue
+        unit = cell.load if isinstance(cell.load, float) else 1.0
         mean = np.full(n_gauges, np.nan)
         here = model.average == first[k]
         mean[model.gauge[here]] = model.predicted[here]
         rows = inputs.campaign.readings[cell.rows]
-        real.append(rows / cell.load_factor)
-        simulated.append((mean + rng.standard_normal((DRAWS, n_gauges)) @ root.T) / cell.load_factor)
+        real.append(rows / unit)
+        simulated.append((mean + rng.standard_normal((DRAWS, n_gauges)) @ root.T) / unit)
     kept = [np.concatenate(part)[:, order] if part else np.zeros((0, len(order))) for part in (real, simulated)]
     return kept[0][np.isfinite(kept[0]).all(axis=1)], kept[1][np.isfinite(kept[1]).all(axis=1)]
 

@@ -1,6 +1,6 @@
 """Campaign: what was measured, one row per reading, grouped into cells of one test, one state and one load.
 
-Readings are microstrain at their load (never divided by it), compressive positive; NaN is "not recorded". A state
+Readings are in the twin's units and signs at their load (never divided by it); NaN is "not recorded". A state
 parameter that is NaN is unknown: it is marginalised, not guessed. All rows of one test share one state.
 """
 
@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
+from octmip.twin import MICROSTRAIN, ONE_LOAD, Load, amounts_of, load_of, load_words
 
 FEWEST_REPEATS = 3
 """A cell with fewer repeats says nothing about its own noise."""
@@ -23,30 +24,51 @@ class Cell:
     ----------
     test
         name of the test.
-    load_factor
-        load factor of all its rows.
+    load
+        of all its rows: a float where the campaign has one load, else all of them by name.
     state
         (n_parameters,) values; NaN where unknown.
     rows
         (n_repeats,) rows of the campaign, in the order of recording.
     mean
-        (n_gauges,) mean reading [microstrain]; NaN where nothing was recorded.
+        (n_gauges,) mean reading; NaN where nothing was recorded.
     count
         (n_gauges,) recorded repeats.
     time
         mean time since the first reading of the campaign [s]; 0 where no time was recorded.
     temperature
         mean temperature [deg C]; NaN where none was recorded.
+    load_names
+        names of the loads.
     """
 
     test: str
-    load_factor: float
+    load: Load
     state: NDArray[np.float64]
     rows: NDArray[np.int64]
     mean: NDArray[np.float64]
     count: NDArray[np.int64]
     time: float
     temperature: float
+    load_names: tuple[str, ...] = ONE_LOAD
+
+    @property
+    def load_factor(self) -> float:
+        """The load, where the campaign has one.
+
+        Raises
+        ------
+        DataError
+            it has several or none.
+        """
+        if isinstance(self.load, float):
+            return self.load
+        raise DataError(f"{self.name}: the campaign has {len(self.load_names)} loads; expected one; ask for Cell.load")
+
+    @property
+    def load_words(self) -> str:
+        """The load in words, such as "load factor 2"; "" where nothing is applied."""
+        return load_words(self.load_names, self.load)
 
     @property
     def is_known(self) -> bool:
@@ -56,7 +78,7 @@ class Cell:
     @property
     def name(self) -> str:
         """Test and load in words."""
-        return f"{self.test} at load factor {self.load_factor:g}"
+        return f"{self.test} at {self.load_words}" if self.load_words else self.test
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,11 +94,11 @@ class Campaign:
     test
         (n_rows,) name of the test of each row.
     load_factor
-        (n_rows,).
+        (n_rows,), or (n_rows, n_loads) where `load_names` are not one.
     states
         (n_rows, n_parameters); NaN is unknown.
     readings
-        (n_rows, n_gauges) [microstrain]; NaN is missing.
+        (n_rows, n_gauges) in the twin's units; NaN is missing.
     time
         (n_rows,) [s], or all NaN.
     temperature
@@ -85,6 +107,10 @@ class Campaign:
         what the reader should know about the file, as sentences.
     numbers
         (n_rows,) line of each row in its file; empty when it came from no file.
+    load_names
+        names of the loads and settings.
+    units
+        (n_gauges,) of the readings; empty: all are microstrain.
     Derived:
         cells: the means, in the order of first appearance.
     """
@@ -99,12 +125,14 @@ class Campaign:
     temperature: NDArray[np.float64]
     notes: tuple[str, ...] = ()
     numbers: tuple[int, ...] = ()
+    load_names: tuple[str, ...] = ONE_LOAD
+    units: tuple[str, ...] = ()
     cells: tuple[Cell, ...] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         n = len(self.test)
         shapes = {
-            "load_factor": (n,),
+            "load_factor": (n,) if len(self.load_names) == 1 else (n, len(self.load_names)),
             "states": (n, len(self.parameters)),
             "readings": (n, len(self.gauges)),
             "time": (n,),
@@ -124,11 +152,13 @@ class Campaign:
         object.__setattr__(self, "cells", tuple(self._cells()))
 
     def _check_rows(self) -> None:
-        bad = np.flatnonzero(~np.isfinite(self.load_factor))
-        if bad.size:
+        applied = self.applied
+        if not np.isfinite(applied).all():
+            row, column = (int(k) for k in np.argwhere(~np.isfinite(applied))[0])
+            name = self.load_names[column]
             raise DataError(
-                f"row {bad[0] + 1}, column load_factor is {self.load_factor[bad[0]]}; expected a finite number; "
-                "give the load factor of every reading"
+                f"row {row + 1}, column {name} is {applied[row, column]}; expected a finite number; give the "
+                f"{name.replace('_', ' ')} of every reading"
             )
         if np.isinf(self.readings).any():
             row, column = (int(k) for k in np.argwhere(np.isinf(self.readings))[0])
@@ -136,11 +166,19 @@ class Campaign:
         if not np.isfinite(self.readings).any():
             raise DataError("the campaign holds no reading at all; expected numbers in the gauge columns")
 
+    @property
+    def applied(self) -> NDArray[np.float64]:
+        """(n_rows, n_loads) of all loads."""
+        return self.load_factor.reshape(len(self.test), len(self.load_names))
+
+    def _load(self, row: int) -> Load:
+        return load_of(self.load_names, tuple(self.applied[row].tolist()))
+
     def _cells(self) -> list[Cell]:
         keys: dict[tuple[object, ...], list[int]] = {}
         for row, test in enumerate(self.test):
             state = tuple(None if np.isnan(value) else float(value) for value in self.states[row])
-            keys.setdefault((test, float(self.load_factor[row]), state), []).append(row)
+            keys.setdefault((test, self._load(row), state), []).append(row)
         start = float(np.nanmin(self.time)) if np.isfinite(self.time).any() else 0.0
         return [self._cell(np.array(rows, dtype=np.int64), start) for rows in keys.values()]
 
@@ -154,14 +192,19 @@ class Campaign:
         temperature = self.temperature[rows][np.isfinite(self.temperature[rows])]
         return Cell(
             test=self.test[first],
-            load_factor=float(self.load_factor[first]),
+            load=self._load(first),
             state=self.states[first],
             rows=rows,
             mean=mean,
             count=count,
             time=float(time.mean()) - start if time.size else 0.0,
             temperature=float(temperature.mean()) if temperature.size else np.nan,
+            load_names=self.load_names,
         )
+
+    def unit_of(self, gauge: str) -> str:
+        """Return the unit of a gauge's readings."""
+        return self.units[self.gauges.index(gauge)] if self.units else MICROSTRAIN
 
     def row_number(self, row: int) -> int:
         """Return the number by which a reader finds a row: its line in the file, else its place counted from 1."""
@@ -173,9 +216,13 @@ class Campaign:
         return bool(np.isfinite(self.time).all())
 
     @property
-    def loads(self) -> tuple[float, ...]:
-        """The load factors, ascending."""
-        return tuple(sorted({cell.load_factor for cell in self.cells}))
+    def loads(self) -> tuple[Load, ...]:
+        """The loads, ascending."""
+        return tuple(sorted({cell.load for cell in self.cells}, key=amounts_of))
+
+    def load_words(self, load: Load) -> str:
+        """Return a load of this campaign in words, such as "load factor 2"."""
+        return load_words(self.load_names, load)
 
     @property
     def has_repeats(self) -> bool:
@@ -197,4 +244,6 @@ class Campaign:
             temperature=self.temperature[keep],
             notes=self.notes,
             numbers=tuple(self.numbers[k] for k in keep) if self.numbers else (),
+            load_names=self.load_names,
+            units=self.units,
         )

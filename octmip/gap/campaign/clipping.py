@@ -33,8 +33,9 @@ def unclipped(campaign: Campaign) -> tuple[Campaign, dict[str, float], list[str]
         rails[name] = rail
         first = campaign.row_number(int(np.flatnonzero(at_rail)[0]))
         notes.append(
-            f"Clipped: column {name} stops at {rail:g} microstrain in {int(at_rail.sum())} readings (first in row "
-            f"{first}); it is left out of {', '.join(cell.name for cell in cells)}. Widen the channel's range."
+            f"Clipped: column {name} stops at {rail:g} {campaign.unit_of(name)} in {int(at_rail.sum())} readings "
+            f"(first in row {first}); it is left out of {', '.join(cell.name for cell in cells)}. Widen the channel's "
+            "range."
         )
     if not rails or not np.isfinite(readings).any():
         return campaign, {}, []

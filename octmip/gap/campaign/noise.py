@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from octmip.errors import DataError
 from octmip.gap.campaign.averages import AveragedCell
 from octmip.gap.campaign.spectrum import WHITE, Serial
+from octmip.twin import Load
 
 Floats = NDArray[np.float64]
 
@@ -33,7 +34,7 @@ class NoisePart:
     Attributes
     ----------
     covariance
-        (n_gauges, n_gauges) of one reading [microstrain^2], what wanders left out.
+        (n_gauges, n_gauges) of one reading [square of its unit], what wanders left out.
     serial
         its serial correlation.
     excess
@@ -107,7 +108,7 @@ class Noise:
     inflation
         factor on the variance of means for serial correlation, of the typical gauge and cell.
     scale
-        variance ratio by load factor.
+        variance ratio by load.
     lag1
         lag-1 correlation of successive repeats.
     kurtosis
@@ -133,7 +134,7 @@ class Noise:
     gauges: tuple[str, ...]
     covariance: NDArray[np.float64]
     inflation: float
-    scale: Mapping[float, float]
+    scale: Mapping[Load, float]
     lag1: float
     kurtosis: float
     step: float
@@ -162,24 +163,24 @@ class Noise:
         jumps = tuple(jump for jump in self.jumps if jump.gauge in gauges)
         return replace(self, gauges=tuple(gauges), covariance=self.covariance[table], parts=parts, jumps=jumps)
 
-    def of_mean(self, repeats: NDArray[np.int64], load_factor: float) -> Floats:
+    def of_mean(self, repeats: NDArray[np.int64], load: Load) -> Floats:
         """Return the covariance (n_gauges, n_gauges) of means of so many repeats (n_gauges,), one or more per gauge."""
         count = np.maximum(repeats, 1).astype(np.float64)
         overlap = np.minimum(count[:, None], count[None, :]) / (count[:, None] * count[None, :])
         n = int(count.max())
         single = sum((n * part.of_mean(n) * part.covariance for part in self.parts), np.zeros(overlap.shape))
-        return np.asarray(self.scale.get(load_factor, 1.0) * single * overlap)
+        return np.asarray(self.scale.get(load, 1.0) * single * overlap)
 
     def of_averages(
         self,
         averages: Sequence[AveragedCell],
-        load_factors: Sequence[float],
+        loads: Sequence[Load],
         average: NDArray[np.int64],
         gauge: NDArray[np.int64],
     ) -> Floats:
         """Return the covariance (n, n) of averages at these loads; (n,) indices of average and gauge."""
         total = self.across(averages, average, gauge)
-        for k, (part, load) in enumerate(zip(averages, load_factors, strict=True)):
+        for k, (part, load) in enumerate(zip(averages, loads, strict=True)):
             here = np.flatnonzero(average == k)
             total[np.ix_(here, here)] += self.of_mean(part.count, load)[np.ix_(gauge[here], gauge[here])]
         return total
@@ -209,6 +210,6 @@ def given_noise(gauges: tuple[str, ...], sd: float | Mapping[str, float]) -> Noi
     wanted = [sd.get(name, float("nan")) if isinstance(sd, Mapping) else sd for name in gauges]
     for name, value in zip(gauges, wanted, strict=True):
         if not (np.isfinite(value) and value > 0.0):
-            raise DataError(f"noise_sd of gauge {name} is {value}; expected a positive number of microstrain; give it")
+            raise DataError(f"noise_sd of gauge {name} is {value}; expected a positive number in its unit; give it")
     covariance = np.diag(np.square(np.array(wanted, dtype=np.float64)))
     return Noise(gauges, covariance, 1.0, {}, 0.0, 0.0, 0.0, (), (), float("inf"))

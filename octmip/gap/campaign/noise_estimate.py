@@ -18,6 +18,7 @@ from octmip.errors import DataError
 from octmip.gap.campaign.campaign import FEWEST_REPEATS, Campaign, Cell
 from octmip.gap.campaign.noise import Noise, NoisePart
 from octmip.gap.campaign.noise_parts import Parts, parts_of
+from octmip.twin import Load, amounts_of
 
 SIGNIFICANT = 4.0
 """Standard deviations beyond which a property of the noise is reported and used."""
@@ -148,6 +149,8 @@ def _together(campaign: Campaign, run: Campaign) -> Campaign:
     """Return the rows of both, where the run has every gauge of the campaign; else the campaign."""
     if set(campaign.gauges) - set(run.gauges) or campaign.parameters != run.parameters:
         return campaign
+    if campaign.load_names != run.load_names:
+        return campaign
     order = [run.gauges.index(name) for name in campaign.gauges]
     return Campaign(
         campaign.gauges,
@@ -158,6 +161,8 @@ def _together(campaign: Campaign, run: Campaign) -> Campaign:
         np.concatenate([campaign.readings, run.readings[:, order]]),
         np.concatenate([campaign.time, run.time]),
         np.concatenate([campaign.temperature, run.temperature]),
+        load_names=campaign.load_names,
+        units=campaign.units,
     )
 
 
@@ -185,15 +190,15 @@ def _moderated(variance: NDArray[np.float64], degrees: NDArray[np.float64]) -> N
     return np.asarray((prior * common + degrees * variance) / (prior + degrees))
 
 
-def _scales(campaign: Campaign, scatter: _Scatter, inflation: float) -> dict[float, float]:
+def _scales(campaign: Campaign, scatter: _Scatter, inflation: float) -> dict[Load, float]:
     """Return the variance ratio of each load to the whole where it is significant, else 1.
 
     One reading in `inflation` is independent of the others.
     """
-    loads = np.array([cell.load_factor for cell in campaign.cells])
-    squares: dict[float, tuple[float, float]] = {}
-    for load in sorted(set(loads.tolist())):
-        blocks = [scatter.scaled[int(k)][:, scatter.usable] for k in np.flatnonzero(loads == load)]
+    loads = [cell.load for cell in campaign.cells]
+    squares: dict[Load, tuple[float, float]] = {}
+    for load in sorted(set(loads), key=amounts_of):
+        blocks = [scatter.scaled[k][:, scatter.usable] for k, own in enumerate(loads) if own == load]
         total = sum(float(np.nansum(block**2)) for block in blocks)
         degrees = sum(float(np.maximum(np.isfinite(block).sum(axis=0) - 1, 0).sum()) for block in blocks)
         squares[load] = (total, degrees)

@@ -18,6 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import chi2
 from sklearn.covariance import ledoit_wolf
 
 from octmip.gap.campaign.noise import NoisePart
@@ -43,8 +44,10 @@ OUTSTANDING = 5.0
 """Standard deviations by which a greatest eigenvalue exceeds that of independent gauges; 3.3 is met once in 1000."""
 LOW = 4
 """Cosines of longest period, which say most of the variance of means."""
-DIFFERENT = 4.5
-"""Standard deviations by which one gauge's slow noise exceeds the others' before it has a spectrum of its own."""
+DIFFERENT = 1e-4
+"""Chance that some gauge's slow noise exceeds the others' so far; below it the gauge has a spectrum of its own."""
+EXCEEDING = 4.5
+"""Standard deviations by which slow noise exceeds what its spectrum explains before it is enlarged."""
 POSSIBLE = 0.05
 """Probability above which a walk is carried from cell to cell."""
 LEAST_SINGLE = 0.05
@@ -197,10 +200,11 @@ def _different(cosines: Sequence[Floats], common: Serial) -> list[int]:
     """Return the gauges whose slow noise is greater than the others' by more than chance."""
     if not cosines or cosines[0].shape[1] < 3:
         return []
-    ratio = np.array([_slow_ratio(c, common) for c in cosines])
-    degrees = float((LOW - 1) * len(cosines))
-    z = np.log(np.maximum(ratio.mean(axis=0), 1e-12)) / np.sqrt(2.0 / degrees)
-    return [int(k) for k in np.flatnonzero(z > DIFFERENT)]
+    left = sum((c[1:LOW] ** 2 / expected(common, len(c) + 1)[1:LOW, None]).sum(axis=0) for c in cosines)
+    trends = np.array([c[0] / np.sqrt(expected(common, len(c) + 1)[0]) for c in cosines])
+    left = left + ((trends - trends.mean(axis=0)) ** 2).sum(axis=0)  # a drift of the gauge is an effect
+    chance = chi2.sf(left, LOW * len(cosines) - 1)
+    return [int(k) for k in np.flatnonzero(chance < DIFFERENT / len(left))]
 
 
 def _slow_ratio(cosines: Floats, serial: Serial) -> Floats:
@@ -254,4 +258,4 @@ def _excess(cosines: Sequence[Floats], serial: Serial) -> float:
         return 1.0
     ratio = float(np.mean([_slow_ratio(c, serial).mean() for c in cosines]))
     degrees = (LOW - 1) * sum(c.shape[1] for c in cosines)
-    return ratio if np.log(max(ratio, 1e-12)) > DIFFERENT * np.sqrt(2.0 / degrees) else 1.0
+    return ratio if np.log(max(ratio, 1e-12)) > EXCEEDING * np.sqrt(2.0 / degrees) else 1.0

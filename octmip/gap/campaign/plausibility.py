@@ -1,24 +1,32 @@
 """Plausibility of readings beside the twin's predictions: other units, a reversed sign, copies, placeholders.
 
-What no physics explains and a mistake in the file does is refused; what may be real is used, with a warning.
+What no physics explains and a mistake in the file does is refused; what may be real is used, with a warning. Readings
+are compared unit by unit. Strain is known well enough that a factor of 8 is another unit; of other readings, which may
+resonate or slip, only a factor of `UNIT_FACTOR_ELSE` is.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
+from octmip.twin import MICROSTRAIN, ONE_LOAD, Load, amounts_of, load_words
 
 Floats = NDArray[np.float64]
 
 UNIT_FACTOR = 8.0
 """Readings and twin further apart than this factor are in other units (9.81 among them), not in another physics."""
+UNIT_FACTOR_ELSE = 80.0
+"""The same for readings that are no strain: a prefix (milli, kilo) is 1000, degrees and radians are 57."""
 ABSURD_FACTOR = 100.0
 """One reading beyond so many times the greatest prediction was never measured."""
+ABSURD_FACTOR_ELSE = 1e4
+"""The same for readings that are no strain."""
 SMALLEST_SIGNAL = 20.0
 """Predictions below this [microstrain] say nothing about the unit."""
+SMALLEST_SHARE = 0.02
+"""Predictions below this share of the greatest one say nothing about the unit, of readings that are no strain."""
 TURNED = -0.9
 """Correlation of readings and twin below which the sign is reversed."""
 DIVIDED = 0.1
@@ -43,20 +51,62 @@ class Sheet:
         (n_rows,) names.
     gauges
         (n_gauges,) names.
+    load_names
+        of the loads.
     loads
-        (n_rows,) load factors.
+        (n_rows,) what was applied.
     readings
-        (n_rows, n_gauges) [microstrain]; NaN is missing.
+        (n_rows, n_gauges) in `units`; NaN is missing.
     healthy
-        (n_rows, n_gauges) what the twin predicts of the healthy state [microstrain].
+        (n_rows, n_gauges) what the twin predicts of the healthy state.
+    units
+        (n_gauges,) of the readings.
+    sign
+        what a positive reading is, as the twin says.
     """
 
     numbers: tuple[int, ...]
     tests: tuple[str, ...]
     gauges: tuple[str, ...]
-    loads: Floats
+    load_names: tuple[str, ...]
+    loads: tuple[Load, ...]
     readings: Floats
     healthy: Floats
+    units: tuple[str, ...]
+    sign: str
+
+    def of_units(self) -> "list[Sheet]":
+        """Return the sheet of the gauges of each unit."""
+        return [self._of([k for k, own in enumerate(self.units) if own == unit]) for unit in dict.fromkeys(self.units)]
+
+    def _of(self, gauges: list[int]) -> "Sheet":
+        return replace(
+            self,
+            gauges=tuple(self.gauges[k] for k in gauges),
+            units=tuple(self.units[k] for k in gauges),
+            readings=self.readings[:, gauges],
+            healthy=self.healthy[:, gauges],
+        )
+
+    @property
+    def unit(self) -> str:
+        """Unit of the first gauge: of all of them in a sheet of one unit."""
+        return self.units[0]
+
+    @property
+    def is_microstrain(self) -> bool:
+        """Whether the first gauge reads microstrain."""
+        return self.unit == MICROSTRAIN
+
+    @property
+    def smallest_signal(self) -> float:
+        """Predictions below this say nothing about the unit."""
+        return SMALLEST_SIGNAL if self.is_microstrain else SMALLEST_SHARE * float(np.abs(self.healthy).max(initial=0.0))
+
+    @property
+    def unit_factor(self) -> float:
+        """Readings and twin further apart than this factor are in other units."""
+        return UNIT_FACTOR if self.is_microstrain else UNIT_FACTOR_ELSE
 
     @property
     def where(self) -> str:
@@ -65,15 +115,19 @@ class Sheet:
 
     def cells(self) -> list[NDArray[np.int64]]:
         """Return the rows of each test at each load."""
-        found: dict[tuple[str, float], list[int]] = {}
-        for row, key in enumerate(zip(self.tests, self.loads.tolist(), strict=True)):
+        found: dict[tuple[str, Load], list[int]] = {}
+        for row, key in enumerate(zip(self.tests, self.loads, strict=True)):
             found.setdefault(key, []).append(row)
         return [np.array(rows, dtype=np.int64) for rows in found.values()]
+
+    def words(self, row: int) -> str:
+        """Return the load of a row in words."""
+        return load_words(self.load_names, self.loads[row])
 
     def slope(self, rows: NDArray[np.bool_], gauges: list[int] | slice = slice(None)) -> tuple[float, float]:
         """Return readings over predictions by least squares, and their correlation; NaN where nothing is predicted."""
         x, y = self.healthy[rows][:, gauges].ravel(), self.readings[rows][:, gauges].ravel()
-        used = np.isfinite(y) & (np.abs(x) > SMALLEST_SIGNAL)
+        used = np.isfinite(y) & (np.abs(x) > self.smallest_signal)
         x, y = x[used], y[used]
         largest = float(np.abs(y).max(initial=0.0))
         if largest == 0.0:
@@ -85,19 +139,20 @@ class Sheet:
 
 def refuse_nonsense(sheet: Sheet) -> None:
     """Raise DataError for the first thing that no physics explains."""
-    checks: tuple[Callable[[Sheet], None], ...] = (
-        _refuse_silence,
-        _refuse_equal,
-        _refuse_units,
-        _refuse_column_units,
-        _refuse_absurd,
-        _refuse_sign,
-        _refuse_divided,
-        _refuse_twin_columns,
-        _refuse_copies,
-    )
-    for check in checks:
-        check(sheet)
+    of_units = sheet.of_units()
+    for check, sheets in (
+        (_refuse_silence, [sheet]),
+        (_refuse_equal, [sheet]),
+        (_refuse_units, of_units),
+        (_refuse_column_units, of_units),
+        (_refuse_absurd, of_units),
+        (_refuse_sign, of_units),
+        (_refuse_divided, of_units),
+        (_refuse_twin_columns, [sheet]),
+        (_refuse_copies, [sheet]),
+    ):
+        for one in sheets:
+            check(one)
 
 
 def _refuse_silence(sheet: Sheet) -> None:
@@ -120,54 +175,65 @@ def _refuse_units(sheet: Sheet) -> None:
     seen = np.isfinite(sheet.readings).any(axis=1)
     size = np.full(len(typical), np.nan)
     size[seen] = np.nanmedian(np.abs(sheet.readings[seen]), axis=1)
-    tested = (typical > SMALLEST_SIGNAL) & seen
+    tested = (typical > sheet.smallest_signal) & seen
     if not tested.any():
         return
     ratio = float(np.median(size[tested] / typical[tested]))
-    if UNIT_FACTOR**-1 < ratio < UNIT_FACTOR:
+    if sheet.unit_factor**-1 < ratio < sheet.unit_factor:
         return
     row = int(np.flatnonzero(tested)[0])
+    expected = f"expected {sheet.unit}"
+    if sheet.is_microstrain and sheet.load_names == ONE_LOAD:
+        expected += ", and a load factor that is 1 in steady level flight (no newtons, no per cent)"
+    at = f" at {sheet.words(row)}" if sheet.words(row) else ""
     raise DataError(
         f"row {sheet.numbers[row]}, columns {sheet.gauges[0]} to {sheet.gauges[-1]}: readings are {ratio:.3g} times "
-        f"what the twin predicts (median {size[row]:.3g} against {typical[row]:.3g} at load factor "
-        f"{sheet.loads[row]:g}); expected microstrain, and a load factor that is 1 in steady level flight (no newtons, "
-        "no per cent); convert them"
+        f"what the twin predicts (median {size[row]:.3g} against {typical[row]:.3g}{at}); {expected}; convert them"
     )
 
 
 def _refuse_absurd(sheet: Sheet) -> None:
-    limit = ABSURD_FACTOR * max(float(np.abs(sheet.healthy).max()), SMALLEST_SIGNAL)
+    factor = ABSURD_FACTOR if sheet.is_microstrain else ABSURD_FACTOR_ELSE
+    limit = factor * max(float(np.abs(sheet.healthy).max()), sheet.smallest_signal)
     bad = np.argwhere(np.abs(sheet.readings) > limit)
-    if len(bad):
+    if len(bad) and limit > 0.0:
         row, gauge = (int(k) for k in bad[0])
         raise DataError(
             f"row {sheet.numbers[row]}, column {sheet.gauges[gauge]} is {sheet.readings[row, gauge]:g}, more than "
-            f"{ABSURD_FACTOR:g} times the greatest strain that the twin predicts; expected microstrain; leave it empty "
-            "if it was not recorded"
+            f"{factor:g} times the greatest that the twin predicts; expected {sheet.unit}; leave it empty if it was "
+            "not recorded"
         )
 
 
 def _refuse_sign(sheet: Sheet) -> None:
     _, correlation = sheet.slope(np.ones(len(sheet.tests), dtype=bool))
-    if correlation < TURNED:
-        raise DataError(
-            f"{sheet.where}: readings have the opposite sign of the twin's (correlation {correlation:.2f}); expected "
-            "compressive strain positive, and positive load factors for lift; reverse the sign of the readings or of "
-            "the column load_factor"
-        )
+    if not correlation < TURNED:
+        return
+    expected, cure = sheet.sign or f"the twin's sign of readings in {sheet.unit}", "reverse the sign of the readings"
+    if sheet.load_names == ONE_LOAD and sheet.is_microstrain:
+        expected += ", and positive load factors for lift"
+    if len(sheet.load_names) == 1:
+        cure += f" or of the column {sheet.load_names[0]}"
+    raise DataError(
+        f"{sheet.where}: readings have the opposite sign of the twin's (correlation {correlation:.2f}); expected "
+        f"{expected}; {cure}"
+    )
 
 
 def _refuse_divided(sheet: Sheet) -> None:
     """Refuse readings divided by the load factor: right at load factor 1, half of what they should be at 2."""
-    loads = [load for load in sorted(set(sheet.loads.tolist())) if load != 0.0]
+    if sheet.load_names != ONE_LOAD or not sheet.is_microstrain:
+        return
+    applied = np.array([amounts_of(load)[0] for load in sheet.loads])
+    loads = [load for load in sorted(set(applied.tolist())) if load != 0.0]
     if not loads or max(np.abs(loads)) < 2.0:
         return
-    slopes = [sheet.slope(sheet.loads == load)[0] * load for load in loads]
+    slopes = [sheet.slope(applied == load)[0] * load for load in loads]
     if all(abs(slope - 1.0) < DIVIDED for slope in slopes):
-        row = int(np.flatnonzero(np.abs(sheet.loads) == max(np.abs(loads)))[0])
+        row = int(np.flatnonzero(np.abs(applied) == max(np.abs(loads)))[0])
         raise DataError(
-            f"row {sheet.numbers[row]}, columns {sheet.gauges[0]} to {sheet.gauges[-1]}: readings at load factor "
-            f"{sheet.loads[row]:g} are 1/{abs(sheet.loads[row]):g} of what the twin predicts; expected microstrain at "
+            f"row {sheet.numbers[row]}, columns {sheet.gauges[0]} to {sheet.gauges[-1]}: readings at "
+            f"{sheet.words(row)} are 1/{abs(applied[row]):g} of what the twin predicts; expected microstrain at "
             "that load, not divided by the load factor; multiply them by it"
         )
 
@@ -178,11 +244,11 @@ def _refuse_column_units(sheet: Sheet) -> None:
         if len(np.unique(sheet.readings[:, k])) < DISTINCT:
             continue  # stuck: reported with the noise
         slope, correlation = sheet.slope(rows, [k])
-        if correlation > 0.9 and not UNIT_FACTOR**-1 < slope < UNIT_FACTOR:
+        if correlation > 0.9 and not sheet.unit_factor**-1 < slope < sheet.unit_factor:
             first = int(np.flatnonzero(np.isfinite(sheet.readings[:, k]))[0])
             raise DataError(
                 f"row {sheet.numbers[first]}, column {name}: its readings follow the twin at {slope:.3g} times its "
-                "size while the other gauges fit; expected microstrain in every column; convert this one"
+                f"size while the other gauges fit; expected {sheet.unit} in every column; convert this one"
             )
 
 
@@ -235,8 +301,9 @@ def _turned_gauges(sheet: Sheet) -> list[str]:
     rows = np.ones(len(sheet.tests), dtype=bool)
     return [
         f"Column {name} has the opposite sign of the twin at every load: its bridge may be wired the wrong way round."
-        for k, name in enumerate(sheet.gauges)
-        if sheet.slope(rows, [k])[1] < TURNED
+        for one in sheet.of_units()
+        for k, name in enumerate(one.gauges)
+        if one.slope(rows, [k])[1] < TURNED
     ]
 
 

@@ -1,8 +1,9 @@
 """The file of a campaign: CSV, validated cell by cell; every complaint names the row and the column.
 
-Columns: ``test``, ``load_factor``, one for each known state parameter (fractions; empty is unknown), optional ``time``
-[s] and ``temperature`` [deg C], then one for each gauge under the twin's name, in microstrain. Lines that begin with #
-are comments. Rows are numbered as a text editor numbers its lines.
+Columns: ``test``, one for each of the twin's loads (``load_factor`` for a twin that announces none), one for each known
+state parameter (fractions; empty is unknown), optional ``time`` [s] and ``temperature`` [deg C], then one for each
+gauge under the twin's name, in its unit. Lines that begin with # are comments. Rows are numbered as a text editor
+numbers its lines.
 """
 
 import re
@@ -15,12 +16,13 @@ from octmip.errors import DataError
 from octmip.gap.campaign.campaign import Campaign
 from octmip.gap.campaign.plausibility import Sheet, refuse_nonsense, warnings_on
 from octmip.gap.campaign.table import CampaignTable, read_campaign_table
-from octmip.twin import Twin, state_parameters
+from octmip.gap.twins.cached import CachedTwin
+from octmip.twin import Twin, amounts_of, load_of, loads_of, sign_of, state_parameters, units_of
 
 HOTTEST = 150.0
 """Temperatures beyond this [deg C] are kelvin or Fahrenheit."""
 MOST_LOAD = 1e9
-"""Load factors beyond this are no load on any structure, in whatever unit."""
+"""Loads beyond this are no load on any structure, in whatever unit."""
 
 
 def read_campaign(path: str | Path, twin: Twin) -> Campaign:
@@ -29,24 +31,43 @@ def read_campaign(path: str | Path, twin: Twin) -> Campaign:
     Raises
     ------
     DataError
-        an unknown or missing column, a cell that is no number, a load factor left out, a test of two states,
+        an unknown or missing column, a cell that is no number, a load left out, a test of two states,
         units a factor off, a turned sign, all readings equal; the message names the row and the column.
     """
     table = read_campaign_table(path)
     parameters = state_parameters(twin)
-    _check_header(table, twin.gauges, parameters)
+    _check_header(table, twin)
     gauges = tuple(name for name in table.header if name in twin.gauges)
     tests = _tests(table)
-    loads = table.floats("load_factor")
-    _refuse_missing(loads, table, "load_factor")
-    _refuse_huge(loads, table)
+    names = loads_of(twin)
+    applied = np.array([_load_column(table, name) for name in names]).reshape(len(names), len(tests)).T
     states = _states(table, parameters, tests)
     readings = np.array([table.floats(name) for name in gauges]).T
-    sheet = _sheet(table, twin, gauges, tests, loads, readings)
+    sheet = _sheet(table, twin, gauges, tests, applied, readings)
     refuse_nonsense(sheet)
     time, temperature = _optional(table, "time"), _optional(table, "temperature")
     notes = [*warnings_on(sheet), *_notes(table, twin, gauges, states), *_side_notes(table, time, temperature)]
-    return Campaign(gauges, parameters, tests, loads, states, readings, time, temperature, tuple(notes), table.numbers)
+    return Campaign(
+        gauges=gauges,
+        parameters=parameters,
+        test=tests,
+        load_factor=applied[:, 0] if len(names) == 1 else applied,
+        states=states,
+        readings=readings,
+        time=time,
+        temperature=temperature,
+        notes=tuple(notes),
+        numbers=table.numbers,
+        load_names=names,
+        units=sheet.units,
+    )
+
+
+def _load_column(table: CampaignTable, name: str) -> NDArray[np.float64]:
+    values = table.floats(name)
+    _refuse_missing(values, table, name)
+    _refuse_huge(values, table, name)
+    return values
 
 
 def _sheet(
@@ -54,23 +75,37 @@ def _sheet(
     twin: Twin,
     gauges: tuple[str, ...],
     tests: tuple[str, ...],
-    loads: NDArray[np.float64],
+    applied: NDArray[np.float64],
     readings: NDArray[np.float64],
 ) -> Sheet:
-    order = [twin.gauges.index(name) for name in gauges]
-    healthy = {load: np.asarray(twin.predict({}, load))[order] for load in sorted(set(loads.tolist()))}
-    return Sheet(table.numbers, tests, gauges, loads, readings, np.array([healthy[load] for load in loads.tolist()]))
+    order, names = [twin.gauges.index(name) for name in gauges], loads_of(twin)
+    asked = twin if isinstance(twin, CachedTwin) else CachedTwin(twin)
+    loads = tuple(load_of(names, tuple(row)) for row in applied.tolist())
+    healthy = {load: asked.predict({}, load)[order] for load in sorted(set(loads), key=amounts_of)}
+    units = units_of(twin)
+    return Sheet(
+        numbers=table.numbers,
+        tests=tests,
+        gauges=gauges,
+        load_names=names,
+        loads=loads,
+        readings=readings,
+        healthy=np.array([healthy[load] for load in loads]),
+        units=tuple(units[k] for k in order),
+        sign=sign_of(twin),
+    )
 
 
-def _check_header(table: CampaignTable, gauges: tuple[str, ...], parameters: tuple[str, ...]) -> None:
+def _check_header(table: CampaignTable, twin: Twin) -> None:
+    gauges, parameters, loads = twin.gauges, state_parameters(twin), loads_of(twin)
     header, where = table.header, f"row {table.header_number} (header)"
     twice = sorted({name for name in header if header.count(name) > 1})
     if twice:
         raise DataError(f"{where}: column {twice[0]!r} stands {header.count(twice[0])} times; name it once")
-    for name in ("test", "load_factor"):
+    for name in ("test", *loads):
         if name not in header:
             raise DataError(f"{where}: column {name!r} is missing; got {list(header[:6])}...; add it to every row")
-    known = ("test", "load_factor", "time", "temperature", *gauges, *parameters)
+    known = ("test", *loads, "time", "temperature", *gauges, *parameters)
     unknown = [name for name in header if name not in known]
     if unknown:
         meant = next((name for name in known if _plain(name) == _plain(unknown[0])), None)
@@ -106,13 +141,14 @@ def _refuse_missing(values: NDArray[np.float64], table: CampaignTable, name: str
         )
 
 
-def _refuse_huge(loads: NDArray[np.float64], table: CampaignTable) -> None:
+def _refuse_huge(loads: NDArray[np.float64], table: CampaignTable, name: str) -> None:
     """Refuse loads at which a twin's own numbers overflow; newtons are found later, beside the twin's strains."""
     huge = np.flatnonzero(np.abs(loads) > MOST_LOAD)
     if huge.size:
+        of = "a load factor, 1 in steady level flight," if name == "load_factor" else "a number"
         raise DataError(
-            f"row {table.numbers[huge[0]]}, column load_factor is {loads[huge[0]]:g}; expected a load factor, 1 in "
-            f"steady level flight, of at most {MOST_LOAD:g}; correct it"
+            f"row {table.numbers[huge[0]]}, column {name} is {loads[huge[0]]:g}; expected {of} of at most "
+            f"{MOST_LOAD:g}; correct it"
         )
 
 

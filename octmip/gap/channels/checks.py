@@ -128,7 +128,8 @@ def _without_silent(campaign: Campaign, before: Campaign) -> Campaign:
     if len(keep) == len(campaign.gauges):
         return campaign
     gauges = tuple(campaign.gauges[k] for k in keep)
-    return replace(campaign, gauges=gauges, readings=campaign.readings[:, keep])
+    units = tuple(campaign.units[k] for k in keep) if campaign.units else ()
+    return replace(campaign, gauges=gauges, readings=campaign.readings[:, keep], units=units)
 
 
 def _without_jumps(campaign: Campaign, jumps: list[Found]) -> Campaign:
@@ -143,7 +144,7 @@ def _without_jumps(campaign: Campaign, jumps: list[Found]) -> Campaign:
 def _of_stuck(campaign: Campaign, entry: Stuck) -> str:
     name, first = campaign.gauges[entry.gauge], int(entry.rows[0])
     levels = np.unique(campaign.readings[entry.rows, entry.gauge])
-    at = f"at {levels[0]:g} microstrain" if len(levels) == 1 else f"at {len(levels)} levels"
+    at = f"at {levels[0]:g} {campaign.unit_of(name)}" if len(levels) == 1 else f"at {len(levels)} levels"
     if entry.is_whole:
         return f"Stuck: readings of {name} never change between repeats ({at}); the channel is left out. Repair it."
     rows = f"{len(entry.rows)} readings (first in row {campaign.row_number(first)})"
@@ -152,9 +153,10 @@ def _of_stuck(campaign: Campaign, entry: Stuck) -> str:
 
 def _of_jump(campaign: Campaign, jump: Found) -> str:
     name, cell = campaign.gauges[jump.gauge], campaign.cells[jump.cell].name
+    size = f"{jump.size:+.3g} {campaign.unit_of(name)}"
     return (
-        f"Jump: gauge {name} moves by {jump.size:+.0f} microstrain at row {campaign.row_number(jump.row)} ({cell}); "
-        "its readings there are left out, and later ones have an unknown offset. Look at its wiring."
+        f"Jump: gauge {name} moves by {size} at row {campaign.row_number(jump.row)} ({cell}); its readings there are "
+        "left out, and later ones have an unknown offset. Look at its wiring."
     )
 
 

@@ -20,6 +20,7 @@ Source: A. P. Dempster, N. M. Laird, D. B. Rubin (1977), "Maximum likelihood fro
 algorithm", J. Royal Statist. Soc. B 39; P. J. Huber (1981), "Robust Statistics", section 1.5 (pseudo-values).
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -39,6 +40,8 @@ FEWEST = 5
 """Readings of a cell that show an outlier."""
 RARE, APART = 0.06, 3.0
 """Greatest share, and least distance in standard deviations, of far readings to one side."""
+SKEWED, BODY = 0.35, (2.0, 3.5)
+"""Imbalance of the two sides of the body of the noise, and where it is counted [sd], beyond which noise is skewed."""
 LOPSIDED = 3.0
 """Standard deviations of the count of far readings on either side beyond which they lie to one side."""
 PASSES = 25
@@ -62,7 +65,7 @@ class Robust:
     """
 
     readings: Floats
-    share: dict[str, float]
+    share: Mapping[str, float]
     is_one_sided: bool = False
 
 
@@ -101,7 +104,9 @@ def robust(campaign: Campaign) -> Robust:
     centre, sd = _start(every, cell_of)
     far = _far((every - centre[cell_of]) / sd, cell_of)
     gauges = np.flatnonzero(far.any(axis=0))
-    fitted = _fitted(every[:, gauges], cell_of, far[:, gauges]) if gauges.size else None
+    if not gauges.size or _is_skewed((every - centre[cell_of]) / sd):
+        return Robust(readings, {})
+    fitted = _fitted(every[:, gauges], cell_of, far[:, gauges])
     if fitted is None:
         return Robust(readings, {})
     values = every[:, gauges]
@@ -120,6 +125,14 @@ def _far(residual: Floats, cell_of: NDArray[np.int64]) -> NDArray[np.bool_]:
         local = median_filter(block, size=(5, 1), mode="mirror")
         far[cell_of == k] &= np.abs(block - local) > LOCAL * limit
     return far
+
+
+def _is_skewed(residual: Floats) -> bool:
+    """Return whether the body of the noise, its far readings left out, leans to one side: then no reading is wrong."""
+    r = np.nan_to_num(residual)
+    up, down = (int(((side > BODY[0]) & (side < BODY[1])).sum()) for side in (r, -r))
+    total = up + down
+    return abs(up - down) > max(SKEWED * total, LOPSIDED * float(np.sqrt(total)))
 
 
 def _scale(values: Floats, cell_of: NDArray[np.int64]) -> Floats:
@@ -154,7 +167,7 @@ def _fitted(values: Floats, cell_of: NDArray[np.int64], far: NDArray[np.bool_]) 
     up, down = int((far & (residual > 0)).sum()), int((far & (residual < 0)).sum())
     share = np.clip(far.sum(axis=0) / np.isfinite(values).sum(axis=0), 1e-3, 0.1)
     spread = float(max(2.0, residual[far].std()))
-    if abs(up - down) <= LOPSIDED * np.sqrt(up + down):
+    if min(up, down) > 0 and abs(up - down) <= LOPSIDED * np.sqrt(up + down):
         return _settled(values, cell_of, _Mixture(residual, centre, sd, share, 0.0, max(3.0, spread)), False)
     found = _settled(values, cell_of, _Mixture(residual, centre, sd, share, float(residual[far].mean()), spread), True)
     return found if float(found.share.mean()) <= RARE and abs(found.mean) >= APART else None

@@ -15,6 +15,7 @@ from scipy.special import erf
 
 from octmip.gap.campaign.campaign import Campaign, Cell
 from octmip.gap.campaign.noise_estimate import quantisation_step
+from octmip.twin import Load, amounts_of
 
 CHANCE = 1e-6
 """Probability below which equal readings are no chance."""
@@ -47,12 +48,20 @@ class Stuck:
 
 def stuck_in(campaign: Campaign) -> list[Stuck]:
     """Return what stands still, one entry per channel."""
-    sd = _typical_sd(campaign)
+    units = np.array([campaign.unit_of(name) for name in campaign.gauges])
+    alike = [np.flatnonzero(units == unit) for unit in dict.fromkeys(units.tolist())]
+    found = [entry for gauges in alike for entry in _stuck_of_unit(campaign, gauges)]
+    return sorted(found, key=lambda entry: entry.gauge)
+
+
+def _stuck_of_unit(campaign: Campaign, gauges: NDArray[np.int64]) -> list[Stuck]:
+    """Return what stands still of the channels of one unit."""
+    sd = _typical_sd(campaign, gauges)
     if sd == 0.0:
         return []
-    step_of_all = quantisation_step(campaign.readings)
+    step_of_all = quantisation_step(campaign.readings[:, gauges])
     found = []
-    for k in range(len(campaign.gauges)):
+    for k in gauges.tolist():
         values = campaign.readings[:, k]
         recorded = np.flatnonzero(np.isfinite(values))
         if not recorded.size:
@@ -60,16 +69,18 @@ def stuck_in(campaign: Campaign) -> list[Stuck]:
         step = quantisation_step(values[:, None]) or step_of_all
         chance = max(float(erf(step * QUIET / (2.0 * np.sqrt(2.0) * sd))), 1e-3)
         runs = [run for run in _runs(values, recorded) if recorded.size * chance ** (len(run) - 1) < CHANCE]
-        rows = [run for run in runs if _is_still(campaign, values, run)]
+        is_whole = bool(runs) and sum(len(run) for run in runs) == recorded.size
+        rows = runs if is_whole else [run for run in runs if _is_still(campaign, values, run)]
         if rows:
-            joined = np.concatenate(rows)
-            found.append(Stuck(k, joined, len(joined) == recorded.size))
+            found.append(Stuck(k, np.concatenate(rows), is_whole))
     return found
 
 
-def _typical_sd(campaign: Campaign) -> float:
+def _typical_sd(campaign: Campaign, gauges: NDArray[np.int64]) -> float:
     """Return the median over the gauges that scatter of the standard deviation within cells, 0 where none does."""
-    spreads = [np.nanvar(campaign.readings[cell.rows][:, cell.count > 1], axis=0, ddof=1) for cell in campaign.cells]
+    seen = [gauges[cell.count[gauges] > 1] for cell in campaign.cells]
+    pairs = zip(campaign.cells, seen, strict=True)
+    spreads = [np.nanvar(campaign.readings[np.ix_(cell.rows, some)], axis=0, ddof=1) for cell, some in pairs]
     every = np.concatenate(spreads) if spreads else np.zeros(0)
     every = every[every > 1e-18]
     return float(np.sqrt(np.median(every))) if every.size else 0.0
@@ -89,14 +100,27 @@ def _is_still(campaign: Campaign, values: NDArray[np.float64], run: NDArray[np.i
     is_cell = any(set(rows.tolist()) <= inside for rows in of_cell)
     if len(run) < LEAST_EQUAL and not is_cell:
         return False
-    return not _is_rail(campaign, values, float(values[run[0]]), cells)
+    return not _is_rail(campaign, values, run, cells)
 
 
-def _is_rail(campaign: Campaign, values: NDArray[np.float64], level: float, cells: Sequence[Cell]) -> bool:
-    """Return whether the level is an extreme reading that only the greatest loads have: that is clipped, not stuck."""
+def _is_rail(campaign: Campaign, values: NDArray[np.float64], run: NDArray[np.int64], cells: Sequence[Cell]) -> bool:
+    """Return whether a run is the end of the range, which only the greatest loads reach: that is clipped, not stuck.
+
+    Noise takes a clipped reading to the end of the range again and again; a channel that sticks within a cell was never
+    there before.
+    """
+    level = float(values[run[0]])
+    for cell in cells:
+        outside = values[np.setdiff1d(cell.rows, run)]
+        if np.isfinite(outside).sum() >= LEAST_OF_A_CELL and not (outside == level).any():
+            return False
     finite = values[np.isfinite(values)]
     if level not in (float(finite.min()), float(finite.max())) or float(finite.min()) == float(finite.max()):
         return False
     here = {id(cell) for cell in cells}
-    free = [abs(cell.load_factor) for cell in campaign.cells if id(cell) not in here]
-    return bool(free) and min(abs(cell.load_factor) for cell in cells) > max(free)
+    free = [_size(cell.load) for cell in campaign.cells if id(cell) not in here]
+    return bool(free) and min(_size(cell.load) for cell in cells) > max(free)
+
+
+def _size(load: Load) -> float:
+    return float(np.linalg.norm(amounts_of(load)))

@@ -1,8 +1,10 @@
 """Effects of the measuring chain on readings: one effect, one line here."""
 
+from collections.abc import Mapping
+
 from octmip.gap.effects.common_gain import CommonGain
 from octmip.gap.effects.crosstalk import Crosstalk
-from octmip.gap.effects.load_factor_error import LoadFactorError
+from octmip.gap.effects.load_factor_error import LoadFactorError, error_of_load
 from octmip.gap.effects.per_gauge import (
     DEAD_GAUGE,
     GAUGE_BIAS,
@@ -10,9 +12,11 @@ from octmip.gap.effects.per_gauge import (
     GAUGE_GAIN,
     MISALIGNMENT,
     POSITION_OFFSET,
+    PerGauge,
+    offsets_of,
 )
 from octmip.gap.effects.swapped_pair import SwappedPair
-from octmip.twin import Effect
+from octmip.twin import MICROSTRAIN, ONE_LOAD, Effect, Twin, loads_of, units_of
 
 CHAIN: dict[str, Effect] = {
     effect.name: effect
@@ -31,4 +35,37 @@ CHAIN: dict[str, Effect] = {
 }
 """The effects of any measuring chain, by name."""
 
-__all__ = ["CHAIN"]
+
+def chain_of(twin: Twin, typical: Mapping[str, float] | None = None) -> dict[str, Effect]:
+    """Return the effects of a measuring chain as this twin needs them.
+
+    An error for each of its loads, and for each unit of its readings but microstrain an offset and a drift in that
+    unit.
+
+    Parameters
+    ----------
+    twin
+        whose loads, units and instruments count.
+    typical
+        root mean square of the readings of each unit; without it 1.
+    """
+    loads, units = loads_of(twin), dict.fromkeys(units_of(twin))
+    kept = dict(CHAIN)
+    if loads != ONE_LOAD:
+        del kept["load_factor_error"]
+        kept |= {effect.name: effect for effect in map(error_of_load, loads)}
+    if MICROSTRAIN not in units:
+        del kept["gauge_bias"], kept["gauge_drift"]
+    for unit in units:
+        if unit != MICROSTRAIN:
+            own = offsets_of(unit, (typical or {}).get(unit, 1.0), is_only=len(units) == 1)
+            kept |= {effect.name: effect for effect in own}
+    return kept
+
+
+def in_chain(effect: Effect) -> bool:
+    """Return whether an effect is one of the measuring chain's."""
+    return effect.name in CHAIN or isinstance(effect, (PerGauge, LoadFactorError))
+
+
+__all__ = ["CHAIN", "chain_of", "in_chain"]

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.twin import State, Twin
+from octmip.twin import Load, State, Twin
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +31,7 @@ class CommonGain:
         return ("",)
 
     def signature(
-        self, twin: Twin, state: State, load_factor: float, place: str = "", time: float = 0.0
+        self, twin: Twin, state: State, load_factor: Load, place: str = "", time: float = 0.0
     ) -> NDArray[np.float64]:
-        """Return the change of the readings (n_gauges,) in microstrain per unit of size."""
+        """Return the change of the readings (n_gauges,) per unit of size."""
         return 0.01 * twin.predict(state, load_factor)

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.gap.effects.pairs import pair_of
-from octmip.twin import State, Twin
+from octmip.gap.effects.pairs import alike_pairs, pair_of
+from octmip.twin import Load, State, Twin
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +36,7 @@ class Crosstalk:
 
     def places(self, twin: Twin) -> tuple[str, ...]:
         """Return the ordered pairs of neighbouring channels, reading first."""
-        pairs = list(zip(twin.gauges, twin.gauges[1:], strict=False))
+        pairs = alike_pairs(twin, zip(twin.gauges, twin.gauges[1:], strict=False))
         return tuple(f"{a}<{b}" for a, b in [*pairs, *((b, a) for a, b in pairs)])
 
     def gauges_of(self, twin: Twin, place: str) -> tuple[str, ...]:
@@ -44,9 +44,9 @@ class Crosstalk:
         return tuple(twin.gauges[k] for k in pair_of(twin, place, "<"))
 
     def signature(
-        self, twin: Twin, state: State, load_factor: float, place: str = "", time: float = 0.0
+        self, twin: Twin, state: State, load_factor: Load, place: str = "", time: float = 0.0
     ) -> NDArray[np.float64]:
-        """Return the change of the readings (n_gauges,) in microstrain per unit of size."""
+        """Return the change of the readings (n_gauges,) per unit of size."""
         change = np.zeros(len(twin.gauges))
         reading, source = pair_of(twin, place, "<")
         change[reading] = 0.01 * twin.predict(state, load_factor)[source]

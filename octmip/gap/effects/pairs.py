@@ -1,7 +1,16 @@
 """The two gauges that a place such as ``a/b`` names, whatever the gauges are called."""
 
+from collections.abc import Iterable
+
 from octmip.errors import DataError
-from octmip.twin import Twin
+from octmip.twin import Twin, channels_of, units_of
+
+
+def alike_pairs(twin: Twin, pairs: Iterable[tuple[str, str]]) -> list[tuple[str, str]]:
+    """Return the pairs of gauges that can be taken for each other: of one unit, each the one reading of its channel."""
+    units, channels = dict(zip(twin.gauges, units_of(twin), strict=True)), channels_of(twin)
+    several = {name for name, channel in zip(twin.gauges, channels, strict=True) if channels.count(channel) > 1}
+    return [(a, b) for a, b in pairs if units[a] == units[b] and several.isdisjoint((a, b))]
 
 
 def pair_of(twin: Twin, place: str, separator: str) -> tuple[int, int]:

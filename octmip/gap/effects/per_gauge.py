@@ -8,15 +8,20 @@
 | misalignment | (1 - (1 + nu) s / 100) strain, s / 100 = sin^2(angle), shear left out, nu = 0.3 |
 | position_offset | strain + s d(strain)/dy, the slope from the neighbouring gauges |
 | dead_gauge | (1 - s) strain with s = 1: zero and noise whatever the strain |
+
+"Strain" is the reading, whatever it measures; angle and place are asked of strain gauges alone, offset and drift of the
+gauges whose unit is theirs. Where one instrument gives several readings (`octmip.twin.channels_of`), its faults act on
+all of them.
 """
 
+import re
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.twin import State, Twin
+from octmip.twin import MICROSTRAIN, STRAINS, Load, State, Twin, channels_of, units_of
 
 POISSON = 0.3
 """Transverse contraction that a turned gauge feels."""
@@ -28,18 +33,18 @@ class Moment:
 
     twin: Twin
     state: State
-    load_factor: float
+    load_factor: Load
     gauge: int
     time: float
 
     @property
     def strains(self) -> NDArray[np.float64]:
-        """(n_gauges,) of the twin [microstrain]."""
+        """(n_gauges,) of the twin."""
         return self.twin.predict(self.state, self.load_factor)
 
     @property
     def strain(self) -> float:
-        """Of the gauge [microstrain]."""
+        """Of the gauge."""
         return float(self.strains[self.gauge])
 
 
@@ -50,9 +55,11 @@ class PerGauge:
     Attributes
     ----------
     formula
-        change of the gauge's reading [microstrain] per unit of size.
+        change of the gauge's reading per unit of size.
     needs_positions
         whether the twin must say where its gauges lie.
+    units
+        of the readings that it acts on; empty: of all.
 
     The others are those of `octmip.twin.Effect`.
     """
@@ -70,6 +77,7 @@ class PerGauge:
     acts_on_readings: bool = False
     uses_time: bool = False
     needs_positions: bool = False
+    units: tuple[str, ...] = ()
     seen_by: tuple[str, ...] = ()
     words: str = ""
     words_at: str = ""
@@ -77,22 +85,23 @@ class PerGauge:
     says: tuple[str, str] = ("", "")
 
     def places(self, twin: Twin) -> tuple[str, ...]:
-        """Return the gauges; none where their positions are needed and the twin does not say them."""
+        """Return the gauges, or their instruments; none where positions are needed and the twin does not say them."""
         if self.needs_positions and getattr(twin, "gauge_positions", None) is None:
             return ()
-        return twin.gauges
+        found = zip(channels_of(twin), units_of(twin), strict=True)
+        return tuple(dict.fromkeys(channel for channel, unit in found if not self.units or unit in self.units))
 
     def gauges_of(self, twin: Twin, place: str) -> tuple[str, ...]:
-        """Return the gauge of a place."""
-        return (place,)
+        """Return the gauges of a place."""
+        return tuple(name for name, own in zip(twin.gauges, channels_of(twin), strict=True) if own == place)
 
     def signature(
-        self, twin: Twin, state: State, load_factor: float, place: str = "", time: float = 0.0
+        self, twin: Twin, state: State, load_factor: Load, place: str = "", time: float = 0.0
     ) -> NDArray[np.float64]:
-        """Return the change of the readings (n_gauges,) in microstrain per unit of size."""
-        gauge = twin.gauges.index(place)
+        """Return the change of the readings (n_gauges,) per unit of size."""
         change = np.zeros(len(twin.gauges))
-        change[gauge] = self.formula(Moment(twin, state, load_factor, gauge, time))
+        for gauge in (k for k, own in enumerate(channels_of(twin)) if own == place):
+            change[gauge] = self.formula(Moment(twin, state, load_factor, gauge, time))
         return change
 
 
@@ -113,8 +122,9 @@ def _misalignment(moment: Moment) -> float:
 
 
 def _offset(moment: Moment) -> float:
-    positions = np.asarray(moment.twin.gauge_positions)  # type: ignore[attr-defined]
-    return 1e-3 * spanwise_slope(positions, moment.strains, moment.gauge)
+    positions, units = np.asarray(moment.twin.gauge_positions), units_of(moment.twin)  # type: ignore[attr-defined]
+    same = [k for k, unit in enumerate(units) if unit == units[moment.gauge]]
+    return 1e-3 * spanwise_slope(positions[same], moment.strains[same], same.index(moment.gauge))
 
 
 def _dead(moment: Moment) -> float:
@@ -122,7 +132,7 @@ def _dead(moment: Moment) -> float:
 
 
 def spanwise_slope(positions: NDArray[np.float64], strain: NDArray[np.float64], gauge: int) -> float:
-    """Return d(strain)/dy [microstrain/m] at one gauge: the best plane through it and its four nearest neighbours."""
+    """Return d(strain)/dy [1/m] at one gauge: the best plane through it and its four nearest neighbours."""
     near = np.argsort(np.linalg.norm(positions - positions[gauge], axis=1), kind="stable")[1:5]
     offset = (positions[near] - positions[gauge])[:, :2]
     weight = 1.0 / np.linalg.norm(offset, axis=1)
@@ -152,7 +162,8 @@ GAUGE_GAIN = PerGauge(
 GAUGE_BIAS = PerGauge(
     name="gauge_bias",
     parameter="offset of one gauge",
-    unit="microstrain",
+    unit=MICROSTRAIN,
+    units=(MICROSTRAIN,),
     prior_sd=30.0,
     prior_source="bridges are balanced to some ten microstrain",
     separated_by="a reading at zero load shows it alone",
@@ -169,6 +180,7 @@ GAUGE_DRIFT = PerGauge(
     name="gauge_drift",
     parameter="drift of one gauge",
     unit="microstrain/h",
+    units=(MICROSTRAIN,),
     prior_sd=60.0,
     prior_source="unprotected gauges wander by some ten microstrain in an hour",
     separated_by=(
@@ -194,6 +206,7 @@ MISALIGNMENT = PerGauge(
     separated_by="it only lowers a reading, a gain goes both ways; a shunt calibration sees a gain and not an angle",
     formula=_misalignment,
     is_one_sided=True,
+    units=STRAINS,
     seen_by=("gauge_placement",),
     words="angle of one gauge",
     words_at="angle of gauge {place}",
@@ -211,6 +224,7 @@ POSITION_OFFSET = PerGauge(
     separated_by="in one state it equals a gain of the gauge; measuring its place on the structure separates them",
     formula=_offset,
     needs_positions=True,
+    units=STRAINS,
     seen_by=("gauge_placement",),
     words="place of one gauge",
     words_at="place of gauge {place}",
@@ -237,3 +251,39 @@ DEAD_GAUGE = PerGauge(
     says=("it shows nothing of the strain", "it shows nothing of the strain"),
 )
 """A broken lead: nothing but zero and noise."""
+
+OFFSET_SHARE, DRIFT_SHARE = 0.03, 0.06
+"""Prior sd of an offset, and of a drift in an hour, over the typical reading of a unit: what 30 and 60 microstrain are
+beside 1000."""
+
+
+def offsets_of(unit: str, typical: float, is_only: bool) -> tuple[PerGauge, PerGauge]:
+    """Return offset and drift of one instrument whose readings of this unit have this typical size.
+
+    They bear the plain names where the unit `is_only` one of the twin, else the unit stands in the name.
+    """
+    ending = "" if is_only else f"_{re.sub(r'[^a-z0-9]+', '_', unit.lower()).strip('_') or 'number'}"
+    scale = typical if typical > 0.0 else 1.0
+    offset = replace(
+        GAUGE_BIAS,
+        name=f"gauge_bias{ending}",
+        unit=unit,
+        units=(unit,),
+        prior_sd=OFFSET_SHARE * scale,
+        prior_source=f"{100 * OFFSET_SHARE:g} % of the typical reading",
+        words="offset of one channel",
+        words_at="offset of {place}",
+        action="set {place} to zero again",
+    )
+    drift = replace(
+        GAUGE_DRIFT,
+        name=f"gauge_drift{ending}",
+        unit="1/h" if unit == "-" else f"{unit}/h",
+        units=(unit,),
+        prior_sd=DRIFT_SHARE * scale,
+        prior_source=f"{100 * DRIFT_SHARE:g} % of the typical reading in an hour",
+        words="drift of one channel",
+        words_at="drift of {place}",
+        action="find out why {place} drifts",
+    )
+    return offset, drift

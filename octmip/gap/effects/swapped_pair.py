@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.gap.effects.pairs import pair_of
-from octmip.twin import State, Twin
+from octmip.gap.effects.pairs import alike_pairs, pair_of
+from octmip.twin import Load, State, Twin
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,16 +31,17 @@ class SwappedPair:
 
     def places(self, twin: Twin) -> tuple[str, ...]:
         """Return the pairs of gauges."""
-        return tuple(f"{a}/{b}" for k, a in enumerate(twin.gauges) for b in twin.gauges[k + 1 :])
+        every = ((a, b) for k, a in enumerate(twin.gauges) for b in twin.gauges[k + 1 :])
+        return tuple(f"{a}/{b}" for a, b in alike_pairs(twin, every))
 
     def gauges_of(self, twin: Twin, place: str) -> tuple[str, ...]:
         """Return the two gauges of a place."""
         return tuple(twin.gauges[k] for k in pair_of(twin, place, "/"))
 
     def signature(
-        self, twin: Twin, state: State, load_factor: float, place: str = "", time: float = 0.0
+        self, twin: Twin, state: State, load_factor: Load, place: str = "", time: float = 0.0
     ) -> NDArray[np.float64]:
-        """Return the change of the readings (n_gauges,) in microstrain per unit of size."""
+        """Return the change of the readings (n_gauges,) per unit of size."""
         change = np.zeros(len(twin.gauges))
         first, second = pair_of(twin, place, "/")
         strain = twin.predict(state, load_factor)

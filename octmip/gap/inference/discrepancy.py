@@ -11,7 +11,7 @@ with k a correlation along the structure and s the scale of readings of one unit
 gauge, its covariance, and the level:
 
     P = Phi' V^-1 Phi,   h = Phi' V^-1 (mean - f),
-    d ~ N(Q h, Q),   Q = (P + (l^2 K)^-1)^-1,   log p(run | l) = (h' Q h - log det(I + l^2 K P)) / 2 + constant.
+    d ~ N(Q h, Q),   Q = (P + (l^2 K)^-1)^-1,   log p(run | l) = (h' Q h - log det(I + l^2 K P)) / 2 + constant
 
 with the means of all cells stacked, V the covariance of their noise and Phi the pattern phi(L) of every gauge.
 Source: Kennedy and O'Hagan (2001), "Bayesian calibration of computer models", J. R. Statist. Soc. B 63, for a
@@ -22,14 +22,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy.linalg as linalg
 from numpy.typing import NDArray
 from scipy.special import logsumexp
+from scipy.stats import chi2
 
 from octmip.errors import DataError
 from octmip.gap.campaign.averages import averages_of
 from octmip.gap.campaign.campaign import Campaign, Cell
 from octmip.gap.campaign.noise import Noise
 from octmip.gap.twins.cached import CachedTwin
+from octmip.twin import Load
 
 Floats = NDArray[np.float64]
 
@@ -49,6 +52,8 @@ FLOOR = 0.003
 """Sd of the part of each gauge over the rms of its unit's readings: gauges of little strain differ by more."""
 DAMAGE = 0.04
 """Relative sd of the change that damage makes: on meshes of 30k degrees of freedom it is known to some per cent."""
+UNEVEN = 1e-3
+"""Chance below which a run is taken as not proportional to the load."""
 HALF = 0.5
 """Damage of the states over which a reading of unknown unit is measured."""
 LENGTH = 0.3
@@ -75,6 +80,10 @@ class Discrepancy:
         levels that are possible, each with the log of its probability.
     is_calibrated
         whether a commissioning run stands behind it.
+    p_value
+        chance of a commissioning run that is as far from proportional to the twin's healthy readings; 1 without a run.
+    own_level
+        level of the healthy readings themselves, the mean over its posterior (without a run over its prior).
     """
 
     mean: Floats
@@ -84,6 +93,8 @@ class Discrepancy:
     level: float
     log_levels: tuple[tuple[float, float], ...]
     is_calibrated: bool
+    p_value: float = 1.0
+    own_level: float = 1.0
 
     def at(self, level: float) -> "Discrepancy":
         """Return the difference at another level; what a commissioning run has measured stays."""
@@ -97,7 +108,7 @@ class Discrepancy:
         return float((healthy / self.scale) @ relative / (relative @ relative))
 
 
-def uncalibrated(twin: CachedTwin, gauges: Sequence[str], load: float) -> Discrepancy:
+def uncalibrated(twin: CachedTwin, gauges: Sequence[str], load: Load) -> Discrepancy:
     """Return the difference to expect at the reference load from the twin alone."""
     healthy = twin.predict({}, load)[[twin.gauges.index(name) for name in gauges]]
     prior = tuple(zip(LEVELS, np.log(LEVEL_PRIOR).tolist(), strict=True))
@@ -106,8 +117,11 @@ def uncalibrated(twin: CachedTwin, gauges: Sequence[str], load: float) -> Discre
     return Discrepancy(np.zeros(len(healthy)), unit, scale, DAMAGE, 1.0, prior, False)
 
 
-def calibrated(run: Campaign, twin: CachedTwin, noise: Noise, load: float) -> Discrepancy:
-    """Return the difference that a commissioning run shows at the reference load factor `load`, for the noise's gauges.
+def calibrated(run: Campaign, twin: CachedTwin, noise: Noise, load: Load) -> Discrepancy:
+    """Return the difference that a commissioning run shows for the gauges of its noise, at the reference load `load`.
+
+    Where the run is not proportional to the twin's healthy readings (chance below `UNEVEN`), what does not grow with
+    the load is fitted beside d, so that a temperature or a bias of that day does not enter the calibration.
 
     Raises
     ------
@@ -116,19 +130,28 @@ def calibrated(run: Campaign, twin: CachedTwin, noise: Noise, load: float) -> Di
     """
     _check_run(run)
     prior = uncalibrated(twin, noise.gauges, load)
-    precision, projection = _information(run, twin, noise, load, prior)
-    if not precision.any():
+    read = _Run.of(run, twin, noise, load, prior)
+    if not read.precision.any():
         raise DataError("the commissioning run holds readings at zero load only; expected two loads or more")
+    p_value = read.p_value()
+    precision, projection = read.without_offsets(prior.scale) if p_value < UNEVEN else (read.precision, read.projection)
     known = [_posterior(prior.at(level).covariance, precision, projection) for level in LEVELS]
     logs = np.log(LEVEL_PRIOR) + np.array([log for _, _, log in known])
     share = np.exp(logs - logsumexp(logs))
     mean = np.einsum("l,lg->g", share, np.array([m for m, _, _ in known]))
     spread = np.array([c + np.outer(m - mean, m - mean) for m, c, _ in known])
-    covariance = np.asarray(np.einsum("l,lij->ij", share, spread))
-    return replace(prior, mean=mean, covariance=covariance, log_levels=_spread(share), is_calibrated=True)
+    return replace(
+        prior,
+        mean=mean,
+        covariance=np.asarray(np.einsum("l,lij->ij", share, spread)),
+        log_levels=_spread(share),
+        is_calibrated=True,
+        p_value=p_value,
+        own_level=float(share @ LEVELS),
+    )
 
 
-def scale_of(twin: CachedTwin, gauges: Sequence[str], load: float) -> Floats:
+def scale_of(twin: CachedTwin, gauges: Sequence[str], load: Load) -> Floats:
     """Return the size (n_gauges,) against which readings are small: the rms prediction over those of the same unit.
 
     A twin that announces no units may mix several, so each reading is then measured by itself, over the sound state
@@ -161,22 +184,61 @@ def _unit_covariance(twin: CachedTwin, gauges: Sequence[str], healthy: Floats, s
     return np.asarray(common * np.outer(healthy, healthy) + np.diag(own))
 
 
-def _information(
-    run: Campaign, twin: CachedTwin, noise: Noise, load: float, prior: Discrepancy
-) -> tuple[Floats, Floats]:
-    """Return P (n_gauges, n_gauges) and h (n_gauges,) of a commissioning run."""
-    order = [run.gauges.index(name) for name in noise.gauges]
-    columns = [twin.gauges.index(name) for name in noise.gauges]
-    reference = twin.predict({}, load)[columns]
-    means = [part.of_gauges(order) for part in averages_of(run, split=False)]
-    average, gauge = np.nonzero(np.array([part.count > 0 for part in means]))
-    cells = [run.cells[part.cell] for part in means]
-    predicted = np.array([twin.predict(_state(run, cell), cell.load_factor)[columns] for cell in cells])
-    share = np.array([prior.share(twin.predict({}, cell.load_factor)[columns], reference) for cell in cells])
-    weight = np.linalg.inv(noise.of_averages(means, [cell.load_factor for cell in cells], average, gauge))
-    pattern = share[average, None] * (gauge[:, None] == np.arange(len(order)))
-    residual = (np.array([part.mean for part in means]) - predicted)[average, gauge]
-    return pattern.T @ weight @ pattern, pattern.T @ weight @ residual
+@dataclass(frozen=True, slots=True, eq=False)
+class _Run:
+    """What a commissioning run says of d and of offsets o that do not grow with the load: residual = phi d + o + noise.
+
+    Attributes
+    ----------
+    precision, across, constant
+        (n_gauges, n_gauges) of (d, d), (d, o) and (o, o).
+    projection, offset
+        (n_gauges,) of d and of o.
+    squared, n
+        chi-squared of the residuals and their number.
+    """
+
+    precision: Floats
+    across: Floats
+    constant: Floats
+    projection: Floats
+    offset: Floats
+    squared: float
+    n: int
+
+    @classmethod
+    def of(cls, run: Campaign, twin: CachedTwin, noise: Noise, load: Load, prior: "Discrepancy") -> "_Run":
+        """Read a run."""
+        order = [run.gauges.index(name) for name in noise.gauges]
+        columns = [twin.gauges.index(name) for name in noise.gauges]
+        reference = twin.predict({}, load)[columns]
+        means = [part.of_gauges(order) for part in averages_of(run, split=False)]
+        average, gauge = np.nonzero(np.array([part.count > 0 for part in means]))
+        cells = [run.cells[part.cell] for part in means]
+        predicted = np.array([twin.predict(_state(run, cell), cell.load)[columns] for cell in cells])
+        phi = np.array([prior.share(twin.predict({}, cell.load)[columns], reference) for cell in cells])
+        root = np.linalg.cholesky(noise.of_averages(means, [cell.load for cell in cells], average, gauge))
+        offset = (gauge[:, None] == np.arange(len(order))).astype(np.float64)
+        residual = (np.array([part.mean for part in means]) - predicted)[average, gauge]
+        stacked = np.column_stack([phi[average, None] * offset, offset, residual])
+        white = linalg.solve_triangular(root, stacked, lower=True)
+        d, o, left = np.split(white, [len(order), 2 * len(order)], axis=1)
+        return cls(d.T @ d, d.T @ o, o.T @ o, (d.T @ left)[:, 0], (o.T @ left)[:, 0], float(np.sum(left**2)), len(left))
+
+    def p_value(self) -> float:
+        """Return the chance of what the best d leaves; 1 where the run has one load only."""
+        free = self.n - int(np.linalg.matrix_rank(self.precision))
+        if free <= 0:
+            return 1.0
+        best = np.linalg.lstsq(self.precision, self.projection, rcond=None)[0]
+        return float(chi2.sf(self.squared - float(self.projection @ best), free))
+
+    def without_offsets(self, scale: Floats) -> tuple[Floats, Floats]:
+        """Return precision and projection of d, offsets of any size up to the scale of the readings taken out."""
+        inner = self.constant + np.diag(scale**-2.0)
+        solved = np.linalg.solve(inner, np.column_stack([self.across.T, self.offset]))
+        precision = self.precision - self.across @ solved[:, :-1]
+        return 0.5 * (precision + precision.T), self.projection - self.across @ solved[:, -1]
 
 
 def _posterior(prior: Floats, precision: Floats, projection: Floats) -> tuple[Floats, Floats, float]:

@@ -21,7 +21,7 @@ from octmip.gap.inference.discrepancy import Discrepancy, calibrated, uncalibrat
 from octmip.gap.odds import Odds
 from octmip.gap.progress import Progress, silent
 from octmip.gap.twins.cached import CachedTwin
-from octmip.twin import Effect, Twin
+from octmip.twin import MIXED, Effect, Load, Twin, amounts_of, units_of
 
 Floats = NDArray[np.float64]
 Groups = tuple[tuple[int, ...], ...]
@@ -38,7 +38,7 @@ class Inputs:
     averages
         the campaign's repeats, averaged.
     reference
-        load factor of the greatest healthy strain.
+        load of the greatest healthy readings.
     groups
         cells that share one unknown state, each a tuple of cell indices.
     progress
@@ -56,7 +56,7 @@ class Inputs:
     discrepancy: Discrepancy
     candidates: tuple[Candidate, ...]
     averages: tuple[AveragedCell, ...]
-    reference: float
+    reference: Load
     groups: Groups
     progress: Progress = silent
     odds: Odds = Odds()  # noqa: RUF009  (frozen)
@@ -73,9 +73,49 @@ class Inputs:
         return self.twin.parameters
 
     @property
-    def load_factors(self) -> Floats:
-        """(n_averages,) load factor of every averaged cell."""
-        return np.array([self.cell_of(average).load_factor for average in self.averages])
+    def loads(self) -> tuple[Load, ...]:
+        """(n_averages,) load of every averaged cell."""
+        return tuple(self.cell_of(average).load for average in self.averages)
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """(n_gauges,) unit of the readings of each of the campaign's gauges."""
+        units = units_of(self.twin)
+        return tuple(units[k] for k in self.order)
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """(n_gauges,) instrument of the readings of each of the campaign's gauges."""
+        return tuple(self.twin.channels[k] for k in self.order)
+
+    @property
+    def unit(self) -> str:
+        """The unit of what is made of several gauges' readings: theirs where they have one, else `MIXED`."""
+        return self.units[0] if len(set(self.units)) == 1 else MIXED
+
+    @property
+    def scale(self) -> Floats:
+        """(n_gauges,) what readings are divided by where several gauges' are taken together: 1 where they share a unit.
+
+        Otherwise the typical standard deviation of one reading of each unit.
+        """
+        if self.unit != MIXED:
+            return np.ones(len(self.units))
+        sd, units = np.sqrt(np.diag(self.noise.covariance)), np.array(self.units)
+        return np.array([float(np.median(sd[units == unit])) for unit in self.units])
+
+    def healthy(self, load: Load) -> Floats:
+        """Return what the twin predicts (n_gauges,) of the healthy state at a load, for the campaign's gauges."""
+        return self.twin.predict({}, load)[list(self.order)]
+
+    def share_of_reference(self, load: Load) -> float:
+        """Return how large a load is beside the reference load: their ratio, of several loads that of their readings.
+
+        The readings' is phi, the projection of the healthy prediction on the one at the reference load.
+        """
+        if isinstance(load, float) and isinstance(self.reference, float):
+            return load / self.reference
+        return self.discrepancy.share(self.healthy(load), self.healthy(self.reference))
 
     def effects(self) -> list[tuple[Effect, tuple[str, ...]]]:
         """Return every effect with its places, in the order of `candidates`."""
@@ -111,11 +151,13 @@ def prepare(
     if unknown:
         raise DataError(f"column {unknown[0]!r} is no gauge of the twin; expected among {list(twin.gauges[:3])}...")
     asked = twin if isinstance(twin, CachedTwin) else CachedTwin(twin)
+    campaign = replace(campaign, units=tuple(units_of(asked)[asked.gauges.index(name)] for name in campaign.gauges))
     checks = checked(campaign)
     campaign = checks.campaign
     run = calm(commissioning) if isinstance(commissioning, Campaign) else None
     noise, of_noise = noise_of(checks, run, noise_sd)
-    reference = _reference(campaign, run)
+    _refuse_other_loads(campaign, run, asked)
+    reference = _reference(campaign, run, asked)
     known = commissioning if isinstance(commissioning, Discrepancy) else run
     discrepancy, of_discrepancy = _discrepancy(known, asked, noise, reference)
     inputs = Inputs(
@@ -134,7 +176,7 @@ def prepare(
 
 
 def _discrepancy(
-    known: Campaign | Discrepancy | None, twin: CachedTwin, noise: Noise, reference: float
+    known: Campaign | Discrepancy | None, twin: CachedTwin, noise: Noise, reference: Load
 ) -> tuple[Discrepancy, list[str]]:
     """Return what twin and asset differ by before any effect: known, from a commissioning run, or what is usual."""
     if isinstance(known, Discrepancy):
@@ -148,10 +190,26 @@ def _discrepancy(
     ]
 
 
-def _reference(campaign: Campaign, commissioning: Campaign | None) -> float:
+def _refuse_other_loads(campaign: Campaign, run: Campaign | None, twin: CachedTwin) -> None:
+    """Refuse a campaign or a run whose loads are not the twin's."""
+    for name, one in (("campaign", campaign), ("commissioning run", run)):
+        if one is not None and one.load_names != twin.loads:
+            raise DataError(
+                f"the {name} has the loads {list(one.load_names)} but the twin {list(twin.loads)}; expected the same "
+                "names in the same order; give them as load_names"
+            )
+
+
+def _reference(campaign: Campaign, commissioning: Campaign | None, twin: CachedTwin) -> Load:
+    """Return the greatest load: of one load by its size, of several by what the healthy twin shows, gauge by gauge."""
     loads = [*campaign.loads, *(commissioning.loads if commissioning is not None else ())]
-    greatest = max(loads, key=abs)
-    return greatest if greatest != 0.0 else 1.0
+    if len(campaign.load_names) == 1:
+        greatest = max(loads, key=lambda load: abs(amounts_of(load)[0]))
+        return greatest if greatest != 0.0 else 1.0
+    columns = [twin.gauges.index(name) for name in campaign.gauges]
+    healthy = np.array([twin.predict({}, load)[columns] for load in loads])
+    relative = healthy / np.maximum(np.abs(healthy).max(axis=0), 1e-300)
+    return loads[int(np.argmax(np.sum(relative**2, axis=1)))]
 
 
 def _open_groups(campaign: Campaign) -> Groups:
@@ -169,7 +227,7 @@ def one_state(inputs: Inputs) -> Inputs | None:
     So a commissioning run is read by some: one state, each load a test. Where tests have several loads, or a load comes
     twice, there is no sign of it.
     """
-    loads = [{inputs.campaign.cells[k].load_factor for k in group} for group in inputs.groups]
+    loads = [{inputs.campaign.cells[k].load for k in group} for group in inputs.groups]
     single = [next(iter(found)) for found in loads if len(found) == 1]
     if len(loads) < 2 or len(single) < len(loads) or len(set(single)) < len(single):
         return None

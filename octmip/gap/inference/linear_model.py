@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from octmip.gap.inference.inputs import Inputs
 from octmip.gap.inference.signatures import signatures_of
+from octmip.twin import Load
 
 Floats = NDArray[np.float64]
 
@@ -160,8 +161,15 @@ class LinearModel:
 
     @property
     def load_factors(self) -> Floats:
-        """(n,) load factor of every row."""
-        return np.asarray(self.inputs.load_factors[self.average])
+        """(n,) the one load of every row, where the campaign has one."""
+        cells = self.inputs.campaign.cells
+        return np.array([cells[k].load_factor for k in self.cells.tolist()])
+
+    @property
+    def loads(self) -> tuple[Load, ...]:
+        """(n,) load of every row."""
+        of_average = self.inputs.loads
+        return tuple(of_average[k] for k in self.average.tolist())
 
     def whiten(self, columns: Floats) -> Floats:
         """Return factor^-1 columns."""
@@ -226,7 +234,7 @@ def _ask_together(inputs: Inputs, states: Floats) -> None:
     for group in inputs.groups:
         state = states[group[0]]
         ahead = state + STEP * np.eye(len(state))
-        for load in sorted({inputs.campaign.cells[k].load_factor for k in group}):
+        for load in dict.fromkeys(inputs.campaign.cells[k].load for k in group):
             inputs.twin.predict_states(np.vstack([state, ahead]), load)
 
 
@@ -239,7 +247,7 @@ def _recorded(inputs: Inputs) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
 def _predictions(inputs: Inputs, states: Floats) -> tuple[Floats, Floats]:
     """Return the twin's strains (n_averages, n_gauges) in the given states and in the healthy state."""
     order, twin = list(inputs.order), inputs.twin
-    parts = [(part.cell, inputs.cell_of(part).load_factor) for part in inputs.averages]
+    parts = [(part.cell, inputs.cell_of(part).load) for part in inputs.averages]
     now = [twin.predict(inputs.named(states[cell]), load) for cell, load in parts]
     healthy = [twin.predict({}, load) for _, load in parts]
     return np.array(now)[:, order], np.array(healthy)[:, order]
@@ -261,7 +269,7 @@ def _covariance(
 ) -> Floats:
     """Return C0 (n, n); `rows` are averaged cell and gauge, `change` (n_averages, n_gauges) is what damage makes."""
     average, gauge = rows
-    covariance = inputs.noise.of_averages(inputs.averages, inputs.load_factors.tolist(), average, gauge)
+    covariance = inputs.noise.of_averages(inputs.averages, inputs.loads, average, gauge)
     covariance += np.outer(share[average], share[average]) * inputs.discrepancy.covariance[np.ix_(gauge, gauge)]
     cell = np.array([part.cell for part in inputs.averages])[average]
     covariance += _damage_nugget(inputs.discrepancy.damage * change[average, gauge], gauge, states[cell])
@@ -292,12 +300,12 @@ def _tangents(inputs: Inputs, states: Floats, flat: NDArray[np.int64]) -> Floats
             rows = np.zeros((len(inputs.averages), len(inputs.order)))
             for k, part in enumerate(inputs.averages):
                 if part.cell in group:
-                    rows[k] = _tangent(inputs, states[part.cell], p, inputs.cell_of(part).load_factor)
+                    rows[k] = _tangent(inputs, states[part.cell], p, inputs.cell_of(part).load)
             columns.append(rows.ravel()[flat])
     return np.array(columns).reshape(len(columns), len(flat)).T
 
 
-def _tangent(inputs: Inputs, state: Floats, parameter: int, load: float) -> Floats:
+def _tangent(inputs: Inputs, state: Floats, parameter: int, load: Load) -> Floats:
     """Return the change (n_gauges,) of the twin's strains per unit of one state parameter."""
     ahead = state.copy()
     ahead[parameter] += STEP

@@ -177,8 +177,8 @@ def _change(model: LinearModel, candidate: int, through: int) -> Floats:
     inputs = model.inputs
     rows = np.zeros((len(inputs.averages), len(inputs.order)))
     rows[model.average, model.gauge] = model.signatures[:, candidate]
-    chosen, gauges = inputs.candidates[through], inputs.campaign.gauges
-    moved = np.array([on_readings(gauges, chosen.effect, (chosen.place,), row)[0] for row in rows])
+    chosen = inputs.candidates[through]
+    moved = np.array([on_readings(inputs, chosen.effect, (chosen.place,), row)[0] for row in rows])
     return np.asarray(moved[model.average, model.gauge])
 
 

@@ -16,7 +16,7 @@ from octmip.gap.campaign.campaign import Campaign
 from octmip.gap.effects.words import effect_words
 from octmip.gap.inference.inputs import Inputs
 from octmip.gap.progress import Stage
-from octmip.twin import Effect, State
+from octmip.twin import Effect, Load, State
 
 Floats = NDArray[np.float64]
 Steps = list[tuple[float, float]]
@@ -53,8 +53,11 @@ def signatures_of(inputs: Inputs, states: Floats, expected: Floats) -> Floats:
 
 
 def load_steps(campaign: Campaign) -> Steps:
-    """Return each change of the load factor with its time [s] since the first reading; empty without times."""
-    if not campaign.has_time:
+    """Return each change of the one load with its time [s] since the first reading; empty without times.
+
+    Steps of several loads do not add up along one axis: then there are none.
+    """
+    if not campaign.has_time or len(campaign.load_names) != 1:
         return []
     start = float(np.nanmin(campaign.time))
     begun = sorted((float(campaign.time[cell.rows].min()) - start, cell.load_factor) for cell in campaign.cells)
@@ -62,9 +65,9 @@ def load_steps(campaign: Campaign) -> Steps:
     return [(after - before, time) for (time, after), before in zip(begun, loads, strict=False)]
 
 
-def on_readings(gauges: tuple[str, ...], effect: Effect, places: Sequence[str], readings: Floats) -> Floats:
+def on_readings(inputs: Inputs, effect: Effect, places: Sequence[str], readings: Floats) -> Floats:
     """Return what an effect that acts on readings (n_gauges,) changes in them, by place (n_places, n_gauges)."""
-    seen = _Readings(gauges, readings)
+    seen = _Readings(inputs.campaign.gauges, readings, inputs.units, inputs.channels)
     return np.array([effect.signature(seen, {}, 1.0, place=place) for place in places])
 
 
@@ -83,7 +86,7 @@ def _of_readings(inputs: Inputs, effect: Effect, places: tuple[str, ...], expect
     rows: list[Floats] = []
     for k, part in enumerate(inputs.averages):
         same = k > 0 and inputs.averages[k - 1].cell == part.cell
-        rows.append(rows[-1] if same else on_readings(inputs.campaign.gauges, effect, places, expected[k]))
+        rows.append(rows[-1] if same else on_readings(inputs, effect, places, expected[k]))
     return rows
 
 
@@ -91,9 +94,9 @@ def _of_twin(
     inputs: Inputs, effect: Effect, places: tuple[str, ...], part: AveragedCell, state: State, history: Steps
 ) -> Floats:
     """Return the signatures (n_places, n_gauges) of one average, summed over the steps of the load where they add."""
-    steps = [(change, part.time - start) for change, start in history if start <= part.time]
+    steps: list[tuple[Load, float]] = [(change, part.time - start) for change, start in history if start <= part.time]
     if not getattr(effect, "superposes", False) or not steps:
-        steps = [(inputs.cell_of(part).load_factor, part.time)]
+        steps = [(inputs.cell_of(part).load, part.time)]
     parts = [inputs.twin.signatures(effect, places, state, load, time) for load, time in steps]
     return np.asarray(np.sum(parts, axis=0)[:, list(inputs.order)])
 
@@ -104,9 +107,11 @@ class _Readings:
 
     gauges: tuple[str, ...]
     readings: Floats
+    units: tuple[str, ...]
+    channels: tuple[str, ...]
     parameters: tuple[str, ...] = ()
     effects: Mapping[str, Effect] = field(default_factory=dict)
 
-    def predict(self, state: State, load_factor: float) -> Floats:
+    def predict(self, state: State, load_factor: Load) -> Floats:
         """Return the readings."""
         return self.readings

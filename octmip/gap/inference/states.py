@@ -154,10 +154,11 @@ def _with_all_effects(model: LinearModel, rows: NDArray[np.int64]) -> Floats:
 def _changes(model: LinearModel, rows: NDArray[np.int64], nodes: Floats) -> Floats:
     """Return what the damage of every node changes in the twin's strains (n_nodes, n_rows)."""
     inputs, order, gauge = model.inputs, list(model.inputs.order), model.gauge[rows]
-    load = model.load_factors[rows]
+    loads = [model.loads[k] for k in rows.tolist()]
     change = np.zeros((len(nodes), len(rows)))
-    for at in sorted(set(load.tolist())):
+    for at in dict.fromkeys(loads):
         strain = inputs.twin.predict_states(nodes, at)[:, order]
         healthy = inputs.twin.predict(inputs.named(np.zeros(len(inputs.names))), at)[order]
-        change[:, load == at] = (strain - healthy)[:, gauge[load == at]]
+        here = np.array([load == at for load in loads])
+        change[:, here] = (strain - healthy)[:, gauge[here]]
     return change

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.twin import Effect, State, Twin, state_parameters
+from octmip.twin import Effect, Load, State, Twin, channels_of, loads_of, state_parameters, units_of
 
 Floats = NDArray[np.float64]
 
@@ -44,16 +44,16 @@ class AugmentedTwin:
     additions
         what it lacked.
     calibration
-        (n_gauges,) difference to the healthy asset at `calibration_load` [microstrain], 0 if None.
+        (n_gauges,) difference to the healthy asset at `calibration_load`, 0 if None.
     calibration_load
-        its load factor; the difference grows with the healthy strain, and in a damaged state with the
+        its load; the difference grows with the healthy readings, and in a damaged state with the
         gauge's own.
     """
 
     twin: Twin
     additions: tuple[Addition, ...]
     calibration: Floats | None = None
-    calibration_load: float = 1.0
+    calibration_load: Load = 1.0
 
     @property
     def gauges(self) -> tuple[str, ...]:
@@ -66,6 +66,21 @@ class AugmentedTwin:
         return state_parameters(self.twin)
 
     @property
+    def loads(self) -> tuple[str, ...]:
+        """Names of the loads and settings."""
+        return loads_of(self.twin)
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Unit of every reading."""
+        return units_of(self.twin)
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Instrument of every reading."""
+        return channels_of(self.twin)
+
+    @property
     def effects(self) -> Mapping[str, Effect]:
         """The twin's own effects."""
         return self.twin.effects
@@ -76,8 +91,8 @@ class AugmentedTwin:
         places = getattr(self.twin, "gauge_positions", None)
         return None if places is None else np.asarray(places, dtype=np.float64)
 
-    def predict(self, state: State, load_factor: float, time: float = 0.0) -> Floats:
-        """Return the strains (n_gauges,) in microstrain, effects included, `time` s from the start of the campaign."""
+    def predict(self, state: State, load_factor: Load, time: float = 0.0) -> Floats:
+        """Return the readings (n_gauges,), effects included, `time` s from the start of the campaign."""
         strain = np.array(self._calibrated(state, load_factor))
         for k, addition in enumerate(self.additions):
             before = _Before(self, k)
@@ -89,7 +104,7 @@ class AugmentedTwin:
                 strain = strain + addition.size * change
         return np.asarray(strain, dtype=np.float64)
 
-    def _calibrated(self, state: State, load_factor: float) -> Floats:
+    def _calibrated(self, state: State, load_factor: Load) -> Floats:
         strain = np.asarray(self.twin.predict(state, load_factor), dtype=np.float64)
         if self.calibration is None:
             return strain
@@ -126,6 +141,18 @@ class _Before:
         return self.whole.parameters
 
     @property
+    def loads(self) -> tuple[str, ...]:
+        return self.whole.loads
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        return self.whole.units
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        return self.whole.channels
+
+    @property
     def effects(self) -> Mapping[str, Effect]:
         return self.whole.effects
 
@@ -133,7 +160,7 @@ class _Before:
     def gauge_positions(self) -> Floats | None:
         return self.whole.gauge_positions
 
-    def predict(self, state: State, load_factor: float) -> Floats:
+    def predict(self, state: State, load_factor: Load) -> Floats:
         whole = self.whole
         shorter = AugmentedTwin(whole.twin, whole.additions[: self.k], whole.calibration, whole.calibration_load)
         return shorter.predict(state, load_factor)

@@ -1,13 +1,30 @@
-"""A twin that keeps its answers: a diagnosis asks for the same few states and loads over and over."""
+"""A twin that keeps its answers: a diagnosis asks for the same few states and loads over and over.
 
-from collections.abc import Mapping
+Every answer of somebody else's model passes here, so here it is checked: that it came, its shape, that it is finite.
+"""
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from octmip.twin import Effect, State, Twin, predict_states, state_parameters
+from octmip.errors import OctmipError, TwinError
+from octmip.twin import (
+    Effect,
+    Load,
+    Loads,
+    State,
+    Twin,
+    channels_of,
+    load_words,
+    loads_of,
+    predict_states,
+    state_parameters,
+    units_of,
+)
 
-Key = tuple[tuple[tuple[str, float], ...], float]
+Key = tuple[tuple[tuple[str, float], ...], Load]
 
 
 class CachedTwin:
@@ -17,10 +34,14 @@ class CachedTwin:
     ----------
     twin
         the model that is asked once for each state and load.
+    units, channels
+        (n_gauges,) unit and instrument of every reading; no units where the model does not say.
     """
 
     def __init__(self, twin: Twin) -> None:
         self.twin = twin
+        self.units = None if getattr(twin, "units", None) is None else units_of(twin)
+        self.channels = channels_of(twin)
         self._strains: dict[Key, NDArray[np.float64]] = {}
         self._signatures: dict[tuple[int, tuple[str, ...], float, Key], NDArray[np.float64]] = {}
         self._asked: dict[int, Effect] = {}  # by identity; held, so that no other effect takes the number of one
@@ -36,15 +57,14 @@ class CachedTwin:
         return state_parameters(self.twin)
 
     @property
+    def loads(self) -> tuple[str, ...]:
+        """Names of the loads and settings."""
+        return loads_of(self.twin)
+
+    @property
     def effects(self) -> Mapping[str, Effect]:
         """The twin's own effects."""
         return self.twin.effects
-
-    @property
-    def units(self) -> tuple[str, ...] | None:
-        """Units of the readings, or None when the twin does not say."""
-        units = getattr(self.twin, "units", None)
-        return None if units is None else tuple(units)
 
     @property
     def gauge_positions(self) -> NDArray[np.float64] | None:
@@ -56,32 +76,86 @@ class CachedTwin:
     def _is_linear(self) -> bool:
         return bool(getattr(self.twin, "is_linear_in_load", False))
 
-    def predict(self, state: State, load_factor: float) -> NDArray[np.float64]:
-        """Return the strains (n_gauges,) in microstrain."""
-        if self._is_linear and load_factor != 1.0:
+    def predict(self, state: State, load_factor: Load) -> NDArray[np.float64]:
+        """Return the readings (n_gauges,)."""
+        if self._is_linear and not isinstance(load_factor, Loads) and load_factor != 1.0:
             return load_factor * self.predict(state, 1.0)
         key = _key(state, load_factor)
         if key not in self._strains:
-            strains = np.array(self.twin.predict(dict(key[0]), load_factor), dtype=np.float64)
-            strains.flags.writeable = False
-            self._strains[key] = strains
+            with self._answering(state, load_factor):
+                answer = self.twin.predict(dict(key[0]), load_factor)
+            self._keep(key, answer)
         return self._strains[key]
 
-    def predict_states(self, states: NDArray[np.float64], load_factor: float) -> NDArray[np.float64]:
-        """Return the strains (n_states, n_gauges), asking the twin once for all states that are new."""
-        if self._is_linear and load_factor != 1.0:
+    @property
+    def name(self) -> str:
+        """What the model is called in a message: its class."""
+        return f"the twin {type(self.twin).__name__}"
+
+    @contextmanager
+    def _answering(self, state: State, load: Load, who: str = "") -> Iterator[None]:
+        """Within it, what somebody else's model raises becomes one sentence."""
+        try:
+            yield
+        except OctmipError:
+            raise
+        except Exception as error:
+            of = ", ".join(f"{name} {value:g}" for name, value in state.items() if value) or "the healthy state"
+            at = f" at {load_words(self.loads, load)}" if self.loads else ""
+            raise TwinError(
+                f"{who or self.name} raised {type(error).__name__} for {of}{at}: {error}; expected readings; correct it"
+            ) from error
+
+    def _keep(self, key: Key, answer: ArrayLike) -> None:
+        at = load_words(self.loads, key[1])
+        strains = self._checked(answer, self.name, f"{dict(key[0]) or 'the healthy state'}{f' at {at}' if at else ''}")
+        strains.flags.writeable = False
+        self._strains[key] = strains
+
+    def _checked(self, answer: ArrayLike, who: str, where: str) -> NDArray[np.float64]:
+        """Return an answer as floats (n_gauges,).
+
+        Raises
+        ------
+        TwinError
+            it has another shape, is no number or not finite.
+        """
+        try:
+            found = np.array(answer, dtype=np.float64)
+        except (TypeError, ValueError) as error:
+            raise TwinError(f"{who} answers no numbers for {where} ({error}); expected floats; correct it") from error
+        if found.shape != (len(self.gauges),):
+            raise TwinError(
+                f"{who} answers with shape {found.shape} for {where}; expected ({len(self.gauges)},), one number for "
+                "each reading; correct it"
+            )
+        if not np.isfinite(found).all():
+            k = int(np.flatnonzero(~np.isfinite(found))[0])
+            raise TwinError(
+                f"{who} answers {found[k]} for reading {self.gauges[k]} ({where}); expected a finite number; correct it"
+            )
+        return found
+
+    def predict_states(self, states: NDArray[np.float64], load_factor: Load) -> NDArray[np.float64]:
+        """Return the readings (n_states, n_gauges), asking the twin once for all states that are new."""
+        if self._is_linear and not isinstance(load_factor, Loads) and load_factor != 1.0:
             return load_factor * self.predict_states(states, 1.0)
         named = [dict(zip(self.parameters, row.tolist(), strict=True)) for row in states]
         keys = [_key(state, load_factor) for state in named]
         new = [k for k, key in enumerate(keys) if key not in self._strains]
         if new:
-            for k, strains in zip(new, predict_states(self.twin, states[new], load_factor), strict=True):
-                strains.flags.writeable = False
-                self._strains[keys[k]] = strains
+            with self._answering(named[new[0]], load_factor):
+                answers = predict_states(self.twin, states[new], load_factor)
+            if len(answers) != len(new):
+                raise TwinError(
+                    f"{self.name}.predict_states answers {len(answers)} of {len(new)} states; expected a row for each"
+                )
+            for k, answer in zip(new, answers, strict=True):
+                self._keep(keys[k], answer)
         return np.array([self._strains[key] for key in keys])
 
     def signatures(
-        self, effect: Effect, places: tuple[str, ...], state: State, load_factor: float, time: float
+        self, effect: Effect, places: tuple[str, ...], state: State, load_factor: Load, time: float
     ) -> NDArray[np.float64]:
         """Return the effect's signatures (n_places, n_gauges) at its places.
 
@@ -90,16 +164,19 @@ class CachedTwin:
         """
         power: int | None = getattr(effect, "load_power", None)
         time = time if getattr(effect, "uses_time", False) else 0.0
-        if power is not None and load_factor != 1.0:
+        if power is not None and not isinstance(load_factor, Loads) and load_factor != 1.0:
             factor = float(load_factor**power)
             return factor * self.signatures(effect, places, state, 1.0, time)
         key = (id(effect), places, time, _key(state, load_factor))
         if key not in self._signatures:
-            rows = [effect.signature(self, state, load_factor, place=place, time=time) for place in places]
+            with self._answering(state, load_factor, f"effect {effect.name}"):
+                rows = [effect.signature(self, state, load_factor, place=place, time=time) for place in places]
             self._asked[id(effect)] = effect
-            self._signatures[key] = np.array(rows, dtype=np.float64)
+            named = zip(places, rows, strict=True)
+            checked = [self._checked(row, f"effect {effect.name}", f"place {place!r}") for place, row in named]
+            self._signatures[key] = np.array(checked).reshape(len(places), len(self.gauges))
         return self._signatures[key]
 
 
-def _key(state: State, load_factor: float) -> Key:
-    return tuple(sorted((name, float(value)) for name, value in state.items() if value != 0.0)), float(load_factor)
+def _key(state: State, load: Load) -> Key:
+    return tuple(sorted((name, float(value)) for name, value in state.items() if value != 0.0)), load

@@ -1,20 +1,25 @@
-"""The diagnosis as one JSON object for machines: the keys are stable, numbers that do not exist are null."""
+"""The diagnosis as one JSON object for machines: the keys are stable, numbers that do not exist are null.
+
+Numbers in the readings' unit stand beside their "unit"; keys that end in _microstrain are null where it is another.
+"""
 
 import math
 from typing import Any
 
-from octmip.gap.campaign.noise import Noise
 from octmip.gap.causes import Cause, ConfoundedEffects
 from octmip.gap.diagnosis import Diagnosis
 from octmip.gap.location import Place, Where
 from octmip.gap.next_test import Proposal
 from octmip.gap.shrinkage import Shrinkage
 from octmip.gap.sizes import Parameter
+from octmip.report.diagnosis.measured import noise_sds
 from octmip.report.diagnosis.recommendation import recommend, verdict_of
+from octmip.twin import MICROSTRAIN, MIXED
 
 
 def as_object(diagnosis: Diagnosis) -> dict[str, Any]:
     """Return the diagnosis as one JSON object."""
+    inputs = diagnosis.posterior.model.inputs
     content = {
         "verdict": recommend(diagnosis),
         "kind": str(verdict_of(diagnosis)),
@@ -28,11 +33,14 @@ def as_object(diagnosis: Diagnosis) -> dict[str, Any]:
         "unknown_probability": diagnosis.unknown_probability,
         "detectable": diagnosis.detectable,
         "refused": diagnosis.refused,
-        "noise": _noise(diagnosis.noise),
+        "noise": _noise(diagnosis),
+        "units": dict(zip(inputs.campaign.gauges, inputs.units, strict=True)),
         "shrinkage": None if diagnosis.shrinkage is None else _shrinkage(diagnosis.shrinkage),
         "next_test": [_proposal(p) for p in diagnosis.next_test],
         "states": [{"tests": list(e.tests), "mean": e.mean, "sd": e.sd} for e in diagnosis.states],
         "notes": list(diagnosis.notes),
+        "doubts": list(diagnosis.doubts),
+        "nothing_acts": diagnosis.nothing_acts,
     }
     finite: dict[str, Any] = _finite(content)
     return finite
@@ -40,7 +48,9 @@ def as_object(diagnosis: Diagnosis) -> dict[str, Any]:
 
 def _where(where: Where) -> dict[str, Any]:
     return {
-        "rms_microstrain": where.rms_microstrain,
+        "rms": where.rms,
+        "unit": where.unit,
+        "rms_microstrain": _strain(where.rms, where.unit),
         "p_value": where.p_value,
         "entries": [_place(p) for p in where.entries if p.is_significant],
         "gauges": [_place(p) for p in where.gauges],
@@ -60,7 +70,9 @@ def _place(p: Place) -> dict[str, Any]:
         "p_value": p.p_value,
         "is_significant": p.is_significant,
         "share": p.share,
-        "gap_microstrain": p.gap_microstrain,
+        "gap": p.gap,
+        "unit": p.unit,
+        "gap_microstrain": _strain(p.gap, p.unit),
     }
 
 
@@ -99,14 +111,18 @@ def _confounded(found: ConfoundedEffects) -> dict[str, Any]:
     }
 
 
-def _noise(noise: Noise) -> dict[str, Any]:
+def _noise(diagnosis: Diagnosis) -> dict[str, Any]:
+    noise, sds = diagnosis.noise, noise_sds(diagnosis)
+    unit = next(iter(sds)) if len(sds) == 1 else MIXED
     return {
-        "sd_microstrain": noise.sd_microstrain,
-        "variance": noise.sd_microstrain**2,
+        "sd": sds,
+        "sd_microstrain": sds.get(MICROSTRAIN),
+        "variance": sds[MICROSTRAIN] ** 2 if MICROSTRAIN in sds else None,
         "lag1": noise.lag1,
         "inflation": noise.inflation,
         "kurtosis": noise.kurtosis,
-        "step_microstrain": noise.step,
+        "step": noise.step,
+        "step_microstrain": _strain(noise.step, unit),
         "variance_ratio_by_load": {f"{load:g}": ratio for load, ratio in noise.scale.items()},
         "stuck": list(noise.stuck),
         "clipped": dict(noise.clipped),
@@ -116,9 +132,13 @@ def _noise(noise: Noise) -> dict[str, Any]:
 
 def _shrinkage(s: Shrinkage) -> dict[str, Any]:
     return {
-        "before_microstrain": s.before,
-        "after_microstrain": s.after,
-        "floor_microstrain": s.floor,
+        "before": s.before,
+        "after": s.after,
+        "floor": s.floor,
+        "unit": s.unit,
+        "before_microstrain": _strain(s.before, s.unit),
+        "after_microstrain": _strain(s.after, s.unit),
+        "floor_microstrain": _strain(s.floor, s.unit),
         "closed": s.closed,
         "low": s.low,
         "high": s.high,
@@ -137,6 +157,10 @@ def _proposal(p: Proposal) -> dict[str, Any]:
         "cost": p.cost,
         "is_strain_test": p.is_strain_test,
     }
+
+
+def _strain(value: float, unit: str) -> float | None:
+    return value if unit == MICROSTRAIN else None
 
 
 def _finite(value: Any) -> Any:

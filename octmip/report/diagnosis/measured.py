@@ -9,6 +9,7 @@ from octmip.gap.causes import UNKNOWN
 from octmip.gap.diagnosis import Diagnosis
 from octmip.gap.inference.linear_model import OPEN_STATE, LinearModel
 from octmip.gap.location import noise_variance
+from octmip.twin import Load
 
 Floats = NDArray[np.float64]
 
@@ -18,11 +19,11 @@ WIDTH = 1.645
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MeasuredCell:
-    """The mean readings of one test at one load, all (n_gauges,) in microstrain, NaN where nothing was recorded.
+    """The mean readings of one test at one load, all (n_gauges,) in the gauges' units, NaN where nothing was recorded.
 
     Attributes
     ----------
-    test, load_factor
+    test, load, load_words
         of the cell.
     measured, half_width
         mean reading, and half of its 90 % interval: the noise alone.
@@ -30,15 +31,23 @@ class MeasuredCell:
         what the calibrated twin predicts, without and with the first cause.
     usual
         half of the 90 % interval of what a sound asset and its twin differ by.
+    units
+        of the gauges.
+    unit, scale
+        in which several gauges are drawn side by side, and what each is divided by for it.
     """
 
     test: str
-    load_factor: float
+    load: Load
+    load_words: str
     measured: Floats
     half_width: Floats
     twin: Floats
     repaired: Floats
     usual: Floats
+    units: tuple[str, ...]
+    unit: str
+    scale: Floats
 
     @property
     def before(self) -> Floats:
@@ -57,6 +66,13 @@ def has_repair(diagnosis: Diagnosis) -> bool:
     return bool(first.judged.members) and UNKNOWN not in first.effects
 
 
+def noise_sds(diagnosis: Diagnosis) -> dict[str, float]:
+    """Return the typical standard deviation of one reading of each unit."""
+    inputs = diagnosis.posterior.model.inputs
+    sd, units = np.sqrt(np.diag(inputs.noise.covariance)), np.array(inputs.units)
+    return {unit: float(np.median(sd[units == unit])) for unit in dict.fromkeys(inputs.units)}
+
+
 def measured_cells(diagnosis: Diagnosis) -> tuple[MeasuredCell, ...]:
     """Return every cell of the campaign, halves of its repeats taken together."""
     model, after = _after_first_cause(diagnosis)
@@ -67,7 +83,7 @@ def measured_cells(diagnosis: Diagnosis) -> tuple[MeasuredCell, ...]:
 
 
 def _after_first_cause(diagnosis: Diagnosis) -> tuple[LinearModel, Floats]:
-    """Return the model that is drawn, and the residuals (n,) [microstrain] once the first cause is added."""
+    """Return the model that is drawn, and the residuals (n,) once the first cause is added."""
     if not has_repair(diagnosis):
         model = diagnosis.posterior.model
         return model, model.residual
@@ -94,5 +110,15 @@ def _cell(model: LinearModel, number: int, after: Floats, noise: Floats, usual: 
             ]
     measured = np.where(np.isnan(means[0]), np.nan, cell.mean)
     return MeasuredCell(
-        cell.test, cell.load_factor, measured, means[2], measured - means[0], measured - means[1], means[3]
+        test=cell.test,
+        load=cell.load,
+        load_words=cell.load_words,
+        measured=measured,
+        half_width=means[2],
+        twin=measured - means[0],
+        repaired=measured - means[1],
+        usual=means[3],
+        units=model.inputs.units,
+        unit=model.inputs.unit,
+        scale=model.inputs.scale,
     )

@@ -9,14 +9,27 @@ from numpy.typing import NDArray
 
 from octmip.errors import needed_by
 from octmip.formats.names import shown
+from octmip.gap.campaign.campaign import Campaign
 from octmip.gap.causes import Cause
 from octmip.gap.diagnosis import Diagnosis
 from octmip.gap.inference.inputs import Inputs
 from octmip.report.diagnosis.measured import MeasuredCell, has_repair, measured_cells
-from octmip.report.diagnosis.phrases import about, cause_words, closed_words, interval_words, likely, percent, size_of
-from octmip.report.diagnosis.pictures import gauge_map, gauge_panel, largest_difference, load_panel
+from octmip.report.diagnosis.phrases import (
+    about,
+    amount,
+    cause_words,
+    closed_words,
+    digits_of,
+    interval_words,
+    likely,
+    percent,
+    size_of,
+    units_words,
+)
+from octmip.report.diagnosis.pictures import axis_words, gauge_map, gauge_panel, largest_difference, load_panel
 from octmip.report.diagnosis.recommendation import Verdict, recommend, verdict_of
 from octmip.report.diagnosis.words import (
+    NO_SUCH_TEST,
     detectable_sizes,
     doubt_lines,
     explained,
@@ -31,6 +44,7 @@ from octmip.report.diagnosis.words import (
     state_lines,
 )
 from octmip.report.page import page_facts, render
+from octmip.twin import MICROSTRAIN, MIXED, Load, amounts_of, sign_of
 
 with needed_by("a page"):
     from markupsafe import Markup
@@ -39,7 +53,9 @@ Floats = NDArray[np.float64]
 
 FIRST_LOADS, FIRST_GAUGES = 8, 6
 """Panels that stand open; the others are folded."""
-NUMBERS = ("Gauge", "Test", "Load factor", "Measured", "90 % ±", "Twin")
+MOST_VALUES = 12
+"""Values of one load that the line under the title lists."""
+NUMBERS = ("Gauge", "Test", "Load", "Measured", "90 % ±", "Twin")
 
 
 def report_page(
@@ -91,10 +107,23 @@ def report_page(
 
 def _subtitle(diagnosis: Diagnosis, data: str, twin: str) -> str:
     campaign = diagnosis.posterior.model.inputs.campaign
-    loads = ", ".join(f"{load:g}" for load in campaign.loads)
     of = f" of {shown(data)}" if data else ""
     with_ = f", against the twin {shown(twin)}" if twin else ""
-    return f"{len(campaign.test):,} readings{of} at {len(campaign.gauges)} gauges, load factors {loads}{with_}"
+    return f"{len(campaign.test):,} readings{of} at {len(campaign.gauges)} gauges{_loads(campaign)}{with_}"
+
+
+def _loads(campaign: Campaign) -> str:
+    """Return the loads that were applied: each name with its values."""
+    applied = [sorted(set(column.tolist())) for column in campaign.applied.T]
+    pairs = zip(campaign.load_names, applied, strict=True)
+    named = [f"{shown(name.replace('_', ' '))}{'s' * (len(v) > 1)} {_values(v)}" for name, v in pairs]
+    return "".join(f", {words}" for words in named)
+
+
+def _values(values: list[float]) -> str:
+    some = values if len(values) <= MOST_VALUES else [*values[: MOST_VALUES - 2], values[-1]]
+    texts = [f"{value:g}" for value in some]
+    return ", ".join(texts if len(values) <= MOST_VALUES else [*texts[:-1], "...", texts[-1]])
 
 
 def _figures(diagnosis: Diagnosis) -> list[tuple[str, ...]]:
@@ -110,10 +139,12 @@ def _figures(diagnosis: Diagnosis) -> list[tuple[str, ...]]:
     entries.append(("Probability", about(chance), of.get(kind, "of the first cause"), tone))
     s = diagnosis.shrinkage
     if s is not None and s.held_out:
-        closes = f"{s.before:.1f} → {s.after:.1f}"
-        entries.append(("Gap before → after", closes, "microstrain, on readings to which nothing was fitted"))
+        closes = f"{digits_of(s.before, s.unit)} → {digits_of(s.after, s.unit)}"
+        entries.append(("Gap before → after", closes, f"{s.unit}, on readings to which nothing was fitted"))
     else:
-        entries.append(("Gap", f"{diagnosis.where.rms_microstrain:.1f}", "microstrain, root mean square beyond noise"))
+        where = diagnosis.where
+        gap = digits_of(where.rms, where.unit)
+        entries.append(("Gap", gap, f"{where.unit}, root mean square beyond noise"))
     return entries
 
 
@@ -142,6 +173,8 @@ def _measured(diagnosis: Diagnosis) -> dict[str, Any]:
         "more_loads": [panel for k, panel in panels.items() if k not in first],
         "gauge_panels": by_gauge[:FIRST_GAUGES],
         "more_gauges": by_gauge[FIRST_GAUGES:],
+        "axis": axis_words(cells),
+        "units": units_words(diagnosis),
         "numbers_head": [*NUMBERS, "With the effect"] if repaired else list(NUMBERS),
         "numbers": [row for cell in cells for row in _numbers(cell, gauges, repaired)],
     }
@@ -152,17 +185,28 @@ def _first_name(diagnosis: Diagnosis) -> str:
 
 
 def _cell_name(cells: tuple[MeasuredCell, ...], cell: MeasuredCell) -> str:
-    load = f"load factor {cell.load_factor:g}"
-    return _capital(load) if len({c.test for c in cells}) == 1 else f"{shown(cell.test)}, {load}"
+    load = shown(cell.load_words)
+    if len({c.test for c in cells}) == 1:
+        return _capital(load) or shown(cell.test)
+    return f"{shown(cell.test)}, {load}" if load else shown(cell.test)
 
 
 def _numbers(cell: MeasuredCell, gauges: tuple[str, ...], repaired: bool) -> list[list[str]]:
     columns = [cell.measured, cell.half_width, cell.twin, *([cell.repaired] if repaired else [])]
     return [
-        [shown(name), shown(cell.test), f"{cell.load_factor:g}", *(f"{column[k]:.1f}" for column in columns)]
+        [
+            shown(name if cell.units[k] == MICROSTRAIN else f"{name} [{cell.units[k]}]"),
+            shown(cell.test),
+            shown(_amounts(cell.load)),
+            *(digits_of(column[k], cell.units[k]) for column in columns),
+        ]
         for k, name in enumerate(gauges)
         if not np.isnan(cell.measured[k])
     ]
+
+
+def _amounts(load: Load) -> str:
+    return ", ".join(f"{value:g}" for value in amounts_of(load))
 
 
 def _where(diagnosis: Diagnosis) -> dict[str, Any]:
@@ -173,6 +217,7 @@ def _where(diagnosis: Diagnosis) -> dict[str, Any]:
     return {
         "places": place_lines(diagnosis),
         "maps": _maps(diagnosis),
+        "sign": sign_of(diagnosis.posterior.model.inputs.twin.twin),
         "nodes": nodes if diagnosis.where.nodes else None,
     }
 
@@ -183,19 +228,21 @@ def _maps(diagnosis: Diagnosis) -> list[dict[str, str]]:
     cells, points = measured_cells(diagnosis), _points(inputs)
     if points is None:
         return []
-    greatest = max((cell.load_factor for cell in cells), key=abs)
-    top = [cell for cell in cells if cell.load_factor == greatest]
-    sides = [("Before", [cell.before for cell in top])]
-    sides += [("After", [cell.after for cell in top])] if has_repair(diagnosis) else []
+    greatest = max((cell.load for cell in cells), key=lambda load: abs(inputs.share_of_reference(load)))
+    top = [cell for cell in cells if cell.load == greatest]
+    at = f" at {top[0].load_words}" if top[0].load_words else ""
+    sides = [("Before", [cell.before / cell.scale for cell in top])]
+    sides += [("After", [cell.after / cell.scale for cell in top])] if has_repair(diagnosis) else []
     means = [(name, _mean(rows)) for name, rows in sides]
-    limit = max(float(np.nanmax(np.abs(means[0][1]), initial=0.0)), 1.0)
+    unit, most = top[0].unit, float(np.nanmax(np.abs(means[0][1]), initial=0.0))
+    limit = max(most, 1.0) if unit in (MICROSTRAIN, MIXED) else most or 1.0
     outline = getattr(inputs.twin.twin, "outline", None)
     found = []
     for name, values in means:
         added = f", with {_first_name(diagnosis)} added" if name == "After" else ""
-        caption = f"{name}: measured less predicted at load factor {greatest:g}{added}; most {limit:.0f} microstrain"
+        caption = f"{name}: measured less predicted{at}{added}; most {amount(limit, unit)}"
         caption = caption if name == "Before" else caption.partition(";")[0]
-        drawn = gauge_map(points, values, inputs.campaign.gauges, limit, outline, caption)
+        drawn = gauge_map(points, values, inputs.campaign.gauges, limit, outline, caption, unit)
         found.append({"svg": Markup(drawn), "caption": f"{caption}."})
     return found
 
@@ -242,8 +289,8 @@ def _how_far(diagnosis: Diagnosis) -> dict[str, Any]:
     folds = [
         {
             "name": _capital(shown(h.name)),
-            "before": f"{h.before:.1f}",
-            "after": f"{h.after:.1f}",
+            "before": amount(h.before, s.unit),
+            "after": amount(h.after, s.unit),
             "before_share": _share(h.before / most),
             "after_share": _share(h.after / most),
         }
@@ -255,5 +302,4 @@ def _how_far(diagnosis: Diagnosis) -> dict[str, Any]:
 def _next(diagnosis: Diagnosis) -> dict[str, Any]:
     tests = diagnosis.next_test
     rows = [[_capital(p.words), f"{p.information / math.log(2):.2f} bits", f"{p.cost:g}"] for p in tests]
-    only = "No strain test helps: the effects in question change all strains in the same way."
-    return {"tests": rows, "test_note": only if tests and not any(p.is_strain_test for p in tests) else ""}
+    return {"tests": rows, "test_note": NO_SUCH_TEST if tests and not any(p.is_strain_test for p in tests) else ""}

@@ -8,6 +8,7 @@ from octmip.gap.diagnosis import Diagnosis
 from octmip.gap.effects.words import effect_words
 from octmip.gap.shrinkage import Shrinkage
 from octmip.gap.sizes import Parameter
+from octmip.twin import MICROSTRAIN, MIXED
 
 OUTSIDE = "something outside the library"
 FINDINGS = {
@@ -51,6 +52,22 @@ def listed(names: Sequence[str], last: str = "and") -> str:
 def with_unit(size: str, unit: str) -> str:
     """Return a number with its unit; "-" is the unit of a pure number."""
     return size if unit == "-" else f"{size} {unit}"
+
+
+def amount(value: float, unit: str, plus: str = "") -> str:
+    """Return a reading or a difference of readings with its unit: tenths of a microstrain, else three digits."""
+    return with_unit(digits_of(value, unit, plus), unit)
+
+
+def digits_of(value: float, unit: str, plus: str = "") -> str:
+    """Return the digits of a reading: tenths of a microstrain and of a noise, else four significant ones."""
+    return f"{value:{plus}.1f}" if unit in (MICROSTRAIN, MIXED) else f"{value:{plus}.4g}"
+
+
+def units_words(diagnosis: Diagnosis) -> str:
+    """Return what the readings are in: their unit, or that each has its own."""
+    units = set(diagnosis.posterior.model.inputs.units)
+    return f"in {units.pop()}" if len(units) == 1 else "each in its unit"
 
 
 def decimals(low: float, high: float) -> int:
@@ -152,8 +169,8 @@ def closed_words(s: Shrinkage) -> str:
             "With one load and one test nothing can be held out: repeat the test at another load to see the gap close."
         )
     gap = (
-        f"On readings to which nothing was fitted the gap goes from {s.before:.1f} to {s.after:.1f} microstrain; a "
-        f"sound asset and its twin differ by {s.floor:.1f}."
+        f"On readings to which nothing was fitted the gap goes from {digits_of(s.before, s.unit)} to "
+        f"{amount(s.after, s.unit)}; a sound asset and its twin differ by {digits_of(s.floor, s.unit)}."
     )
     if math.isnan(s.closed):
         return f"{gap} The gap is too small beside the noise to say which share of it closed."

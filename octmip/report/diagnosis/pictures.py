@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 from octmip.formats.names import html_text as escape
 from octmip.formats.names import shown
 from octmip.report.diagnosis.measured import MeasuredCell
+from octmip.report.diagnosis.phrases import amount, digits_of, with_unit
+from octmip.twin import MICROSTRAIN, MIXED, amounts_of
 
 Floats = NDArray[np.float64]
 
@@ -19,6 +21,8 @@ SMALL, TALL = 168, 150
 """Width and height of a gauge's own panel [px]."""
 MAP, DOT = 560, 8
 """Width of the map and radius of a gauge on it, in its own units: shown at 340 to 560 px."""
+UNIT_SHORT = {MIXED: "noise sd"}
+"""Units that are too long for an axis."""
 LONGEST = 9
 """Letters of a gauge's name in a figure."""
 
@@ -54,13 +58,16 @@ def nice_limit(value: float) -> float:
 
 
 def largest_difference(cells: Sequence[MeasuredCell]) -> float:
-    """Return a round limit [microstrain] that all differences of these cells keep, their error bars included."""
-    reach = [np.nanmax(np.abs(part) + cell.half_width, initial=0.0) for cell in cells for part in _drawn(cell)]
+    """Return a round limit that all differences of these cells keep, their error bars included, as they are drawn."""
+    reach = [
+        np.nanmax(np.abs(part) + cell.half_width / cell.scale, initial=0.0) for cell in cells for part in _drawn(cell)
+    ]
     return nice_limit(float(max(reach, default=1.0)))
 
 
 def _drawn(cell: MeasuredCell) -> tuple[Floats, Floats]:
-    return np.nan_to_num(cell.before), np.nan_to_num(cell.after)
+    """Return the differences before and after as they are drawn side by side, 0 where nothing was recorded."""
+    return np.nan_to_num(cell.before / cell.scale), np.nan_to_num(cell.after / cell.scale)
 
 
 def load_panel(cell: MeasuredCell, gauges: Sequence[str], limit: float, title: str, has_repair: bool) -> str:
@@ -73,15 +80,17 @@ def load_panel(cell: MeasuredCell, gauges: Sequence[str], limit: float, title: s
     parts += [_row(cell, k, name, x, has_repair) for k, name in enumerate(gauges)]
     for tick, anchor in ((-limit, "start"), (0.0, "middle"), (limit, "end")):
         parts.append(_text(x(tick), bottom + 15, f"{tick:+g}" if tick else "0", anchor))
-    parts.append(_text(PANEL / 2, bottom + 31, "measured less predicted [microstrain]", "middle"))
+    parts.append(
+        _text(PANEL / 2, bottom + 31, f"measured less predicted [{UNIT_SHORT.get(cell.unit, cell.unit)}]", "middle")
+    )
     return "".join([*parts, "</svg>"])
 
 
 def _panel_words(cell: MeasuredCell, gauges: Sequence[str], has_repair: bool) -> str:
     before, after = (float(np.nanmax(np.abs(part), initial=0.0)) for part in _drawn(cell))
     far = gauges[int(np.argmax(np.abs(_drawn(cell)[0])))]
-    words = f"Largest difference {before:.0f} microstrain, at gauge {shown(far)}"
-    return f"{words}; {after:.0f} microstrain with the effect added." if has_repair else f"{words}."
+    words = f"Largest difference {amount(before, cell.unit)}, at gauge {shown(far)}"
+    return f"{words}; {amount(after, cell.unit)} with the effect added." if has_repair else f"{words}."
 
 
 def _row(cell: MeasuredCell, k: int, name: str, x: Scale, has_repair: bool) -> str:
@@ -89,18 +98,21 @@ def _row(cell: MeasuredCell, k: int, name: str, x: Scale, has_repair: bool) -> s
     label = _text(LABEL - 8, y + 4, short(name), "end", "name")
     if np.isnan(cell.measured[k]):
         return f"<g>{label}{_text(x(0.0) + 6, y + 4, 'not recorded', 'start')}</g>"
-    usual = x(cell.usual[k]) - x(0.0)
+    scale = float(cell.scale[k])
+    usual = x(cell.usual[k] / scale) - x(0.0)
     parts = [f'<rect class="usual" x="{x(0.0) - usual:.1f}" y="{y - 7:.1f}" width="{2 * usual:.1f}" height="14"/>']
-    shift = 3.5 if has_repair else 0.0
-    parts.append(_whisker(x, float(cell.before[k]), float(cell.half_width[k]), y - shift, "before"))
+    shift, half = 3.5 if has_repair else 0.0, float(cell.half_width[k]) / scale
+    parts.append(_whisker(x, float(cell.before[k]) / scale, half, y - shift, "before"))
     if has_repair:
-        parts.append(_whisker(x, float(cell.after[k]), float(cell.half_width[k]), y + shift, "after"))
+        parts.append(_whisker(x, float(cell.after[k]) / scale, half, y + shift, "after"))
     return f"<g><title>{escape(_row_words(cell, k, name, has_repair))}</title>{label}{''.join(parts)}</g>"
 
 
 def _row_words(cell: MeasuredCell, k: int, name: str, has_repair: bool) -> str:
-    words = f"{shown(name)}: measured {cell.measured[k]:.1f} ± {cell.half_width[k]:.1f}, twin {cell.twin[k]:.1f}"
-    return f"{words}, with the effect {cell.repaired[k]:.1f} microstrain" if has_repair else f"{words} microstrain"
+    unit, own = cell.units[k], (cell.measured, cell.half_width, cell.twin, cell.repaired)
+    measured, half, twin, repaired = (digits_of(float(values[k]), unit) for values in own)
+    words = f"{shown(name)}: measured {measured} ± {half}, twin {twin}"
+    return with_unit(f"{words}, with the effect {repaired}" if has_repair else words, unit)
 
 
 def _whisker(x: Scale, value: float, half: float, y: float, kind: str) -> str:
@@ -109,45 +121,63 @@ def _whisker(x: Scale, value: float, half: float, y: float, kind: str) -> str:
 
 
 def gauge_panel(cells: Sequence[MeasuredCell], gauge: int, name: str, has_repair: bool) -> str:
-    """Return one gauge: its strain over the load, measured with error bars, predicted before and after."""
-    seen = [cell for cell in cells if not np.isnan(cell.measured[gauge])]
-    loads = sorted({cell.load_factor for cell in cells})
+    """Return one gauge: its readings over the load, measured with error bars, predicted before and after."""
+    seen, at = [cell for cell in cells if not np.isnan(cell.measured[gauge])], _abscissae(cells)
+    loads = sorted({at[id(cell)] for cell in cells})
     values = [float(v) for cell in seen for v in (cell.measured[gauge], cell.twin[gauge], cell.repaired[gauge])] or [
         0.0
     ]
     low, high = min(0.0, *values), max(0.0, *values)
     x, y = Scale(loads[0], loads[-1], 44, SMALL - 16), Scale(low, high or 1.0, TALL - 36, 30)
     kinds = ("before", "after") if has_repair else ("before",)
-    worst = max((abs(float(cell.before[gauge])) for cell in seen), default=0.0)
-    parts = [_open(SMALL, TALL, f"Gauge {shown(name)} over the load", f"Largest difference {worst:.0f} microstrain.")]
+    worst, unit = max((abs(float(cell.before[gauge])) for cell in seen), default=0.0), cells[0].units[gauge]
+    parts = [_open(SMALL, TALL, f"Gauge {shown(name)} over the load", f"Largest difference {amount(worst, unit)}.")]
     parts += [_text(44, 16, short(name), "start", "name"), _vertical(44, 30, TALL - 36, "grid")]
-    parts += [_text(40, y(v) + 4, f"{round(v)}", "end") for v in ((low, high) if high - low > 1e-9 else (low,))]
+    parts += [
+        _text(40, y(v) + 4, f"{v:.0f}" if unit == MICROSTRAIN else f"{v:.3g}", "end")
+        for v in ((low, high) if high > low else (low,))
+    ]
     parts.append(f'<line x1="44" x2="{SMALL - 8}" y1="{y(0.0):.1f}" y2="{y(0.0):.1f}" class="grid"/>')
     parts += [_text(x(load), TALL - 20, f"{load:g}", "middle") for load in _few(loads)]
-    parts.append(_text(x((loads[0] + loads[-1]) / 2), TALL - 4, "load factor", "middle"))
-    parts += [_course(seen, gauge, x, y, kind) for kind in kinds]
-    parts += [_measured_dot(cell, gauge, x, y) for cell in seen]
+    parts.append(_text(x((loads[0] + loads[-1]) / 2), TALL - 4, axis_words(cells), "middle"))
+    parts += [_course(seen, at, gauge, x, y, kind) for kind in kinds]
+    parts += [_measured_dot(cell, at[id(cell)], gauge, x, y) for cell in seen]
     return "".join([*parts, "</svg>"])
+
+
+def _abscissae(cells: Sequence[MeasuredCell]) -> dict[int, float]:
+    """Return where each cell stands along the axis: at its one load, or of several at the number of its load."""
+    loads = sorted({cell.load for cell in cells}, key=amounts_of)
+    has_one = len(amounts_of(loads[0])) == 1
+    return {id(cell): amounts_of(cell.load)[0] if has_one else loads.index(cell.load) + 1.0 for cell in cells}
+
+
+def axis_words(cells: Sequence[MeasuredCell]) -> str:
+    """Return the name of the axis of loads: the one load, or the number of the load in the order of the table."""
+    has_one = len(amounts_of(cells[0].load)) == 1
+    return cells[0].load_words.rpartition(" ")[0] if has_one else "number of the load"
 
 
 def _few(loads: Sequence[float]) -> Sequence[float]:
     return loads if len(loads) <= 4 else (loads[0], loads[len(loads) // 2], loads[-1])
 
 
-def _course(cells: Sequence[MeasuredCell], gauge: int, x: Scale, y: Scale, kind: str) -> str:
+def _course(cells: Sequence[MeasuredCell], at: dict[int, float], gauge: int, x: Scale, y: Scale, kind: str) -> str:
     """Return what is predicted over the load, a line for each test."""
     lines = []
     for test in dict.fromkeys(cell.test for cell in cells):
-        own = sorted((cell for cell in cells if cell.test == test), key=lambda cell: cell.load_factor)
+        own = sorted((cell for cell in cells if cell.test == test), key=lambda cell: at[id(cell)])
         strain = [cell.twin[gauge] if kind == "before" else cell.repaired[gauge] for cell in own]
-        places = " ".join(f"{x(c.load_factor):.1f},{y(float(s)):.1f}" for c, s in zip(own, strain, strict=True))
+        places = " ".join(f"{x(at[id(c)]):.1f},{y(float(s)):.1f}" for c, s in zip(own, strain, strict=True))
         lines.append(f'<polyline points="{places}" class="{kind}"/>')
     return "".join(lines)
 
 
-def _measured_dot(cell: MeasuredCell, gauge: int, x: Scale, y: Scale) -> str:
-    at, value, half = x(cell.load_factor), float(cell.measured[gauge]), float(cell.half_width[gauge])
-    words = f"{cell.test}, load factor {cell.load_factor:g}: {value:.1f} ± {half:.1f} microstrain"
+def _measured_dot(cell: MeasuredCell, load: float, gauge: int, x: Scale, y: Scale) -> str:
+    at, value, half = x(load), float(cell.measured[gauge]), float(cell.half_width[gauge])
+    where = f"{cell.test}, {cell.load_words}" if cell.load_words else cell.test
+    unit = cell.units[gauge]
+    words = f"{where}: {digits_of(value, unit)} ± {amount(half, unit)}"
     bar = f'<line x1="{at:.1f}" x2="{at:.1f}" y1="{y(value - half):.1f}" y2="{y(value + half):.1f}" class="measured"/>'
     return (
         f'<g><title>{escape(words)}</title>{bar}<circle cx="{at:.1f}" cy="{y(value):.1f}" r="3" class="measured"/></g>'
@@ -155,7 +185,13 @@ def _measured_dot(cell: MeasuredCell, gauge: int, x: Scale, y: Scale) -> str:
 
 
 def gauge_map(
-    points: Floats, values: Floats, names: Sequence[str], limit: float, outline: Floats | None, title: str
+    points: Floats,
+    values: Floats,
+    names: Sequence[str],
+    limit: float,
+    outline: Floats | None,
+    title: str,
+    unit: str = MICROSTRAIN,
 ) -> str:
     """Return gauges (x aft, y outboard) as dots on the outline, y to the right; the farthest off are named.
 
@@ -171,13 +207,14 @@ def gauge_map(
         x, y = scale * (point - low)
         return 40.0 + float(y), 40.0 + float(x)
 
-    worst = f"The farthest off is {np.nanmax(np.abs(values), initial=0.0):.0f} microstrain from the twin."
+    farthest = float(np.nanmax(np.abs(values), initial=0.0))
+    worst = f"The farthest off is {amount(farthest, unit)} from the twin."
     height = depth + 80.0
     parts = [f'<svg viewBox="0 0 {MAP} {height:.0f}" class="map" role="img">{_titled(title, worst)}']
     if outline is not None:
         path = " ".join(f"{x:.1f},{y:.1f}" for x, y in map(place, np.asarray(outline)[:, :2]))
         parts.append(f'<polygon points="{path}" class="outline"/>')
-    parts += [_dot(*place(p), float(v), name, limit) for p, v, name in zip(points, values, names, strict=True)]
+    parts += [_dot(*place(p), float(v), name, limit, unit) for p, v, name in zip(points, values, names, strict=True)]
     order = np.argsort(-np.abs(np.nan_to_num(values)), kind="stable")[:3]
     for k in (int(k) for k in order if abs(np.nan_to_num(values[k])) > 0.25 * limit):
         x, y = place(points[k])
@@ -188,8 +225,8 @@ def gauge_map(
     return "".join([*parts, "</svg>"])
 
 
-def _dot(x: float, y: float, value: float, name: str, limit: float) -> str:
-    words = "no reading" if np.isnan(value) else f"{value:+.1f} microstrain"
+def _dot(x: float, y: float, value: float, name: str, limit: float, unit: str) -> str:
+    words = "no reading" if np.isnan(value) else amount(value, unit, "+")
     fill = "var(--line)" if np.isnan(value) else mixed(value / limit)
     return (
         f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{DOT}" style="fill:{fill}" class="gauge">'

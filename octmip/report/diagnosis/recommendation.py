@@ -17,7 +17,7 @@ from enum import StrEnum
 from octmip.formats.names import visible
 from octmip.gap.causes import MISFIT, MISSTATED, UNKNOWN, Cause, ConfoundedEffects
 from octmip.gap.diagnosis import BASELINE, Diagnosis
-from octmip.report.diagnosis.phrases import about, brief_words, cause_names, finding_words, listed
+from octmip.report.diagnosis.phrases import about, brief_words, cause_names, finding_words, listed, with_unit
 
 RIVAL = 0.05
 """Share of a cause's probability from which an effect that cannot be told from it is named beside it."""
@@ -79,7 +79,8 @@ def _channels(diagnosis: Diagnosis) -> list[str]:
     if noise.stuck:
         parts.append(f"repair the {_channel(list(noise.stuck))}, whose readings never change")
     if noise.clipped:
-        ends = [f"{name} ends at {end:g} microstrain" for name, end in noise.clipped.items()]
+        unit_of = diagnosis.posterior.model.inputs.campaign.unit_of
+        ends = [f"{name} ends at {with_unit(f'{end:g}', unit_of(name))}" for name, end in noise.clipped.items()]
         more = f" (and {len(ends) - FEW} more)" if len(ends) > FEW else ""
         parts.append(f"widen the range of the {_channel(list(noise.clipped))}: {listed(ends[:FEW])}{more}")
     return parts
@@ -213,7 +214,8 @@ def _restate(diagnosis: Diagnosis) -> str:
 def _act(diagnosis: Diagnosis) -> str:
     first = diagnosis.which[0]
     found = [_told(first, k) for k in range(len(first.parameters))]
-    parts = "; and ".join([_restate(diagnosis)] * (MISSTATED in first.effects) + found)
+    stated = [_restate(diagnosis)] if MISSTATED in first.effects else []
+    parts = "; and ".join([*stated, *found])
     s = diagnosis.shrinkage
     rest = "something smaller remains that no effect of the library describes"
     end = rest if s is not None and s.p_after < MISFIT else "nothing else is needed"

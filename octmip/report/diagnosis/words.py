@@ -9,11 +9,14 @@ from octmip.gap.causes import MISFIT, UNKNOWN, Cause, ConfoundedEffects
 from octmip.gap.diagnosis import Diagnosis
 from octmip.gap.location import Flip, Place
 from octmip.gap.sizes import Parameter
+from octmip.report.diagnosis.measured import noise_sds
 from octmip.report.diagnosis.phrases import (
     FINDINGS,
     OUTSIDE,
+    amount,
     cause_words,
     closed_words,
+    digits_of,
     effect_called,
     likely,
     listed,
@@ -26,6 +29,8 @@ FEW = 5
 """Places of one kind that a page lists."""
 LEAST_FLIP = 0.001
 """Share of the readings that a node must flip to be listed."""
+NO_SUCH_TEST = "No test with these gauges alone helps: the effects in question change all readings in the same way."
+"""Where every test that is worth running needs another instrument."""
 WIDTH = 118
 """Characters in a line of the page."""
 
@@ -66,7 +71,7 @@ def gap_line(diagnosis: Diagnosis) -> str:
     where = diagnosis.where
     significant = sum(entry.is_significant for entry in where.entries)
     return (
-        f"Readings and twin differ by {where.rms_microstrain:.1f} microstrain root mean square beyond the noise; "
+        f"Readings and twin differ by {amount(where.rms, where.unit)} root mean square beyond the noise; "
         f"{significant} of {len(where.entries)} mean readings differ significantly (false-discovery rate 5 %; p-value "
         f"of no gap {_chance(where.p_value)})."
     )
@@ -109,7 +114,7 @@ def _chance(p_value: float) -> str:
 
 
 def _place(place: Place) -> str:
-    return f"{place.name} {place.gap_microstrain:+.1f} microstrain, {percent(max(0.0, place.share))} of the gap"
+    return f"{place.name} {amount(place.gap, place.unit, '+')}, {percent(max(0.0, place.share))} of the gap"
 
 
 def _which(diagnosis: Diagnosis) -> list[str]:
@@ -175,7 +180,10 @@ def _how_far(diagnosis: Diagnosis) -> list[str]:
     s = diagnosis.shrinkage
     if s is None:
         return ["No effect was added, so the gap does not close."]
-    held = [f"{h.name} predicted from the others: {h.before:.1f} -> {h.after:.1f} microstrain" for h in s.held_out]
+    held = [
+        f"{h.name} predicted from the others: {digits_of(h.before, s.unit)} -> {amount(h.after, s.unit)}"
+        for h in s.held_out
+    ]
     return [closed_words(s), *fit_lines(diagnosis), *held]
 
 
@@ -197,22 +205,21 @@ def next_lines(diagnosis: Diagnosis) -> list[str]:
     if not diagnosis.next_test:
         return ["Little uncertainty remains among the effects of the library; no further test is needed."]
     lines = [
-        f"{p.words}: about {p.information / math.log(2):.2f} bits at cost {p.cost:g} (1 is a strain test at a load "
-        "that was flown before)"
+        f"{p.words}: about {p.information / math.log(2):.2f} bits at cost {p.cost:g} (1 is a test at a load that was "
+        "applied before)"
         for p in diagnosis.next_test[:4]
     ]
-    if not any(p.is_strain_test for p in diagnosis.next_test):
-        lines.append("No strain test helps: the effects in question change all strains in the same way.")
-    return lines
+    return [*lines, NO_SUCH_TEST] if not any(p.is_strain_test for p in diagnosis.next_test) else lines
 
 
 def noise_lines(diagnosis: Diagnosis) -> list[str]:
     """Return what the repeats say of the noise, a sentence each."""
-    noise = diagnosis.noise
+    noise, sds = diagnosis.noise, noise_sds(diagnosis)
+    sd = listed([amount(value, unit) for unit, value in sds.items()])
+    step = f", step {with_unit(f'{noise.step:g}', next(iter(sds)))}" if len(sds) == 1 else ""
     lines = [
-        f"Standard deviation of one reading {noise.sd_microstrain:.1f} microstrain (typical gauge; variance "
-        f"{noise.sd_microstrain**2:.0f}); lag-1 correlation {noise.lag1:.2f}, excess kurtosis {noise.kurtosis:.2f}, "
-        f"step {noise.step:g} microstrain."
+        f"Standard deviation of one reading {sd} (typical gauge); lag-1 correlation {noise.lag1:.2f}, excess kurtosis "
+        f"{noise.kurtosis:.2f}{step}."
     ]
     if noise.inflation > 1.0:
         lines.append(

@@ -1,0 +1,229 @@
+"""Readings of other units than microstrain, several kinds in one campaign, and the sign that the twin states."""
+
+import json
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import pytest
+
+from octmip.errors import DataError, TwinError
+from octmip.gap import CachedTwin, Campaign, diagnose, read_campaign
+from octmip.gap.effects import chain_of
+from octmip.report.diagnosis.as_json import as_object
+from octmip.report.diagnosis.page import report_page
+from octmip.report.diagnosis.recommendation import recommend
+from octmip.report.diagnosis.words import page_of_words
+from octmip.twin import units_of
+
+STATES = tuple(f"f{k}" for k in range(1, 5))
+
+
+@dataclass(frozen=True)
+class Softer:
+    """A spring softer than the model's: frequencies fall, displacements grow."""
+
+    name: str = "spring"
+    parameter: str = "stiffness of the spring above the model's"
+    unit: str = "%"
+    prior_mean: float = 0.0
+    prior_sd: float = 8.0
+    prior_source: str = "chosen for the test"
+    is_one_sided: bool = False
+    separated_by: str = "a static test of the spring"
+    load_power: None = None
+
+    def places(self, twin):
+        return ("",)
+
+    def signature(self, twin, state, load_factor, place="", time=0.0):
+        return np.concatenate([[0.02, 0.03, 0.1, 0.2], -2e-5 * load_factor * np.linspace(0.2, 1.6, 5)])
+
+
+@dataclass(frozen=True)
+class Tower:
+    """Four frequencies [Hz] and five displacements [m] under a force."""
+
+    gauges: tuple = (*STATES, *(f"u{k}" for k in range(1, 6)))
+    units: tuple = ("Hz",) * 4 + ("m",) * 5
+    sign: str = "displacement positive with the force"
+    loads: tuple = ("force",)
+    parameters: tuple = ()
+    effects: dict = field(default_factory=lambda: {"spring": Softer()})
+
+    def predict(self, state, force):
+        return np.concatenate([[2.0, 6.0, 11.0, 19.0], 2e-3 * force * np.linspace(0.2, 1.0, 5) ** 2])
+
+
+def tower(seed, size=0.0, twin=Tower(), change=None):
+    rng = np.random.default_rng(seed)
+    force = np.repeat([1.0, 2.0, 3.0], 12)
+    clean = np.array([twin.predict({}, f) + size * Softer().signature(twin, {}, f) for f in force])
+    readings = clean + rng.standard_normal(clean.shape) * np.array([0.01] * 4 + [2e-5] * 5)
+    if change is not None:
+        change(readings)
+    return Campaign(
+        twin.gauges, (), ("pull",) * 36, force, np.zeros((36, 0)), readings, np.full(36, np.nan), np.full(36, np.nan),
+        load_names=("force",),
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def diagnosis():
+    return diagnose(tower(0, 5.0), Tower())
+
+
+def test_one_cause_is_found_in_readings_of_two_units(diagnosis):
+    (found,) = diagnosis.which[0].parameters
+    assert found.effect == "spring"
+    assert found.size == pytest.approx(5.0, rel=0.04)
+    assert diagnosis.shrinkage.after < 0.1 * diagnosis.shrinkage.before
+
+
+def test_every_sentence_bears_the_readings_own_unit(diagnosis):
+    said = page_of_words(diagnosis) + report_page(diagnosis) + json.dumps(as_object(diagnosis)["verdict"])
+    assert "microstrain" not in said.lower()
+    assert "load factor" not in said.lower()
+    assert "compressi" not in said
+    assert "Hz" in said
+    found = as_object(diagnosis)
+    assert found["units"]["u5"] == "m"
+    assert set(found["noise"]["sd"]) == {"Hz", "m"}
+    assert found["noise"]["sd"]["m"] == pytest.approx(2e-5, rel=0.2)
+    assert found["where"]["unit"] == "standard deviations of one reading"
+
+
+def test_an_offset_of_a_frequency_has_the_unit_of_the_frequency():
+    def change(readings):
+        readings[:, 1] += 1.0
+
+    found = diagnose(tower(1, change=change), Tower())
+    (bias,) = found.which[0].parameters
+    assert (bias.effect, bias.place, bias.unit) == ("gauge_bias_hz", "f2", "Hz")
+    assert bias.size == pytest.approx(1.0, abs=0.2)
+    assert "f2" in recommend(found)
+
+
+def test_only_readings_of_one_unit_can_be_exchanged_and_only_strain_gauges_turned():
+    places = {name: effect.places(CachedTwin(Tower())) for name, effect in chain_of(Tower()).items()}
+    assert all(a[0] == b[0] for a, b in (place.split("/") for place in places["swapped_pair"]))
+    assert places["misalignment"] == ()
+    assert set(places["gauge_gain"]) == set(Tower().gauges)
+    assert "gauge_bias" not in places
+    assert places["gauge_drift_hz"] == STATES
+
+
+def test_readings_of_one_instrument_share_its_faults():
+    @dataclass(frozen=True)
+    class Cycle(Tower):
+        channels: tuple = STATES + ("laser",) * 5
+
+    twin = CachedTwin(Cycle())
+    gain = chain_of(twin)["gauge_gain"]
+    assert gain.places(twin) == (*STATES, "laser")
+    assert gain.signature(twin, {}, 1.0, "laser")[4:] == pytest.approx(0.01 * twin.predict({}, 1.0)[4:])
+    assert not any("u" in place for place in chain_of(twin)["swapped_pair"].places(twin))
+
+
+@pytest.mark.parametrize(("unit", "factor"), [("strain", 1e-6), ("Hz", 1.0), ("kN", 1e3)])
+def test_one_unit_for_all_readings_keeps_the_plain_names(unit, factor):
+    @dataclass(frozen=True)
+    class Plain(Tower):
+        units: tuple = (unit,) * 9
+
+        def predict(self, state, force):
+            return factor * 100.0 * force * np.linspace(1.0, 2.0, 9)
+
+    twin = Plain()
+    rng, force = np.random.default_rng(3), np.repeat([0.0, 1.0, 2.0, 3.0], 20)
+    readings = np.array([twin.predict({}, f) for f in force]) + factor * rng.standard_normal((80, 9))
+    readings[:, 2] += 12.0 * factor
+    nan = np.full(80, np.nan)
+    given = Campaign(twin.gauges, (), ("t",) * 80, force, np.zeros((80, 0)), readings, nan, nan, load_names=("force",))
+    found = diagnose(given, twin, chain_of(twin, {unit: 200 * factor}))
+    assert found.which[0].effects == ("gauge_bias",)
+    assert found.which[0].parameters[0].size == pytest.approx(12.0 * factor, rel=0.1)
+    assert found.which[0].parameters[0].unit == unit
+    assert found.noise.findings == ()
+
+
+def written(tmp_path, campaign):
+    lines = [",".join(["test", *campaign.load_names, *campaign.gauges])]
+    for test, load, row in zip(campaign.test, campaign.applied, campaign.readings, strict=True):
+        lines.append(",".join([test, *(f"{v:g}" for v in load), *(f"{v:.9g}" for v in row)]))
+    path = tmp_path / "pull.csv"
+    path.write_text("\n".join(lines))
+    return path
+
+
+REFUSED = {
+    "millimetres": (slice(4, 9), 1e3, ["columns u1 to u5", "1e+03 times", "expected m; convert them"]),
+    "one column in millimetres": (slice(6, 7), 1e3, ["column u3", "expected m in every column"]),
+    "the other sign": (slice(4, 9), -1.0, ["columns u1 to u5", "expected displacement positive with the force"]),
+    "rad/s": (slice(0, 4), 200.0, ["columns f1 to f4", "expected Hz"]),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_a_wrong_unit_and_a_reversed_sign_are_one_sentence(tmp_path, case):
+    columns, factor, told = REFUSED[case]
+
+    def change(readings):
+        readings[:, columns] *= factor
+
+    with pytest.raises(DataError) as error:
+        read_campaign(written(tmp_path, tower(4, change=change)), Tower())
+    assert all(word in str(error.value) for word in told), error.value
+
+
+def test_a_sound_file_of_several_units_is_read_as_it_is(tmp_path):
+    read = read_campaign(written(tmp_path, tower(5)), Tower())
+    assert read.units == units_of(Tower())
+    assert read.notes == ()
+
+
+@dataclass(frozen=True)
+class Broken(Tower):
+    """A tower whose model fails as models of others do."""
+
+    fault: str = ""
+
+    def predict(self, state, force):
+        good = super().predict(state, force)
+        if self.fault == "raises":
+            return good / {}["modulus"]
+        return {"short": good[:3], "nan": good * np.nan, "table": good[None, :], "words": ["low"] * 9}[self.fault]
+
+
+@pytest.mark.parametrize(
+    ("fault", "told"),
+    [
+        ("raises", r"the twin Broken raised KeyError for the healthy state at force 3: 'modulus'; expected readings"),
+        ("short", r"shape \(3,\) for the healthy state at force 3; expected \(9,\)"),
+        ("table", r"shape \(1, 9\)"),
+        ("nan", r"answers nan for reading f1"),
+        ("words", r"answers no numbers"),
+    ],
+)
+def test_what_goes_wrong_inside_a_twin_is_one_sentence(fault, told):
+    with pytest.raises(TwinError, match=told):
+        diagnose(tower(6), Broken(fault=fault))
+
+
+@dataclass(frozen=True)
+class Wrong(Softer):
+    """An effect of the wrong length."""
+
+    def signature(self, twin, state, load_factor, place="", time=0.0):
+        return np.zeros(2)
+
+
+def test_what_goes_wrong_inside_an_effect_is_one_sentence():
+    with pytest.raises(TwinError, match=r"effect spring answers with shape \(2,\)"):
+        diagnose(tower(7), replace(Tower(), effects={"spring": Wrong()}))
+
+
+def test_units_that_are_not_one_each_are_refused():
+    with pytest.raises(TwinError, match="2 units for 9 readings"):
+        diagnose(tower(8), replace(Tower(), units=("Hz", "m")))
+    with pytest.raises(TwinError, match="no unit for its reading 'f2'"):
+        units_of(replace(Tower(), units={"f1": "Hz"}))
