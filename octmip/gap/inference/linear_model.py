@@ -295,20 +295,11 @@ def _covariance(
 ) -> Floats:
     """Return C0 (n, n); `rows` are averaged cell and gauge, `share` and `change` (n,) as in the model."""
     average, gauge = rows
-    covariance = _noise(inputs, average, gauge)
+    covariance = inputs.noise.of_averages(inputs.averages, inputs.loads, average, gauge)
     covariance += np.outer(share, share) * inputs.discrepancy.covariance[np.ix_(gauge, gauge)]
     cell = np.array([part.cell for part in inputs.averages])[average]
     covariance += _damage_nugget(inputs.discrepancy.damage * change, gauge, states[cell])
     covariance += OPEN_STATE**2 * tangents @ tangents.T
-    return covariance
-
-
-def _noise(inputs: Inputs, average: NDArray[np.int64], gauge: NDArray[np.int64]) -> Floats:
-    covariance = np.zeros((len(average), len(average)))
-    for k, part in enumerate(inputs.averages):
-        here = np.flatnonzero(average == k)
-        of_mean = inputs.noise.of_mean(part.count, inputs.cell_of(part).load)
-        covariance[np.ix_(here, here)] = of_mean[np.ix_(gauge[here], gauge[here])]
     return covariance
 
 
