@@ -3,7 +3,9 @@
 from octmip.gap.campaign.campaign import Campaign, Cell
 from octmip.gap.campaign.reader import read_campaign
 from octmip.gap.diagnosis import Diagnosis, diagnose, rounds
+from octmip.gap.doors.function import FunctionTwin, function_twin
 from octmip.gap.effects import CHAIN
+from octmip.gap.effects.simple import SimpleEffect
 from octmip.gap.twins.augmented import Addition, AugmentedTwin
 from octmip.gap.twins.cached import CachedTwin
 
@@ -15,7 +17,10 @@ __all__ = [
     "Campaign",
     "Cell",
     "Diagnosis",
+    "FunctionTwin",
+    "SimpleEffect",
     "diagnose",
+    "function_twin",
     "read_campaign",
     "rounds",
 ]

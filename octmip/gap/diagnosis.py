@@ -18,6 +18,7 @@ from octmip.gap.causes import (
     with_misfit,
 )
 from octmip.gap.effects import chain_of, in_chain
+from octmip.gap.effects.complete import completed
 from octmip.gap.inference.confounding import ABSURD, detectable
 from octmip.gap.inference.discrepancy import Discrepancy
 from octmip.gap.inference.inputs import prepare
@@ -183,7 +184,7 @@ def _diagnose(
     progress: Progress,
 ) -> Diagnosis:
     progress(Stage("the noise of the readings"))
-    chosen = dict(effects) if effects is not None else library_of(twin, campaign)
+    chosen = completed(effects if effects is not None else library_of(twin, campaign))
     inputs, notes = prepare(campaign, twin, chosen, commissioning, noise_sd, progress)
     posterior = attribute(inputs)
     progress(Stage("how far the best cause closes the gap"))

@@ -111,11 +111,13 @@ def _exact(model: LinearModel, effect: Effect, place: str, size: float) -> float
         return size
     inputs, twin, load = model.inputs, model.inputs.twin, model.inputs.reference
     state, time = inputs.named(model.states[0]), max(average.time for average in inputs.averages)
-    line = effect.signature(twin, state, load, place=place, time=time)
-    start = twin.predict(state, load)
+    order, scale = list(inputs.order), inputs.scale  # readings of several units count by their noise
+    line = effect.signature(twin, state, load, place=place, time=time)[order] / scale
+    start = twin.predict(state, load)[order] / scale
     found = size
     for _ in range(STEPS):
-        moved = float((forward(twin, state, load, found, place, time) - start) @ line / (line @ line))
+        there = forward(twin, state, load, found, place, time)[order] / scale
+        moved = float((there - start) @ line / (line @ line))
         if moved * size <= 0.0:
             return size
         found *= size / moved
