@@ -134,11 +134,12 @@ class Effect(Protocol):
     Optional: ``predict(twin, state, load_factor, size, place, time) -> (n_gauges,)``, the exact forward map where the
     reading is not linear in the size; ``acts_on_readings``, True where the signature is a map of what `twin.predict`
     returns and of nothing else (two wires swapped, a gauge dead), so that it also acts on what other effects add;
-    ``bounds``, the least and the greatest size that is possible; ``uses_time`` (the signature depends on the time); ``superposes`` (the answers to steps of the load add up, each
-    from its own time on); ``signature_error`` (relative sd of the signature at each gauge); ``n_between``
-    (neighbouring places between which it may lie, where places sample a continuum); ``seen_by`` (the `QUANTITIES` that
-    show it: the next test is chosen among them); ``gauges_of(twin, place)`` (the gauges that a place names: it is
-    left out where one was not read; without it a place is read as a gauge, or as several with / or < between them).
+    ``bounds``, the least and the greatest size that is possible; ``uses_time`` (the signature depends on the time);
+    ``superposes`` (the answers to steps of the load add up, each from its own time on); ``signature_error`` (relative
+    sd of the signature at each gauge); ``n_between`` (neighbouring places between which it may lie, where places sample
+    a continuum); ``seen_by`` (the `QUANTITIES` that show it: the next test is chosen among them); ``gauges_of(twin,
+    place)`` (the gauges that a place names: it is left out where one was not read; without it a place is read as a
+    gauge, or as several with / or < between them).
 
     Optional words for the people who read a diagnosis, with {place}, and {first} and {second} for the gauges of a
     pair: ``words`` ("gain of one gauge"), ``words_at`` ("gain of gauge {place}"), ``action`` ("recalibrate gauge

@@ -10,6 +10,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import permutations
 
+import numpy as np
+
 from octmip.gap.effects.words import words_at
 from octmip.gap.inference.candidates import SCALES
 from octmip.gap.inference.confounding import SEPARABLE, confounded_with, confounders, visibility
@@ -21,13 +23,15 @@ from octmip.gap.sizes import Parameter, parameters
 
 UNKNOWN = "unknown"
 """Name of the cause that no effect of the library describes."""
+MISSTATED = "state_not_as_stated"
+"""Name of the cause that a test's state is another than the campaign says."""
 CREDIBLE = 0.95
 """Probability that the reported causes hold together."""
 MOST_CAUSES = 12
 MISFIT = 1e-3
 """Chance of the remaining chi-squared below which the best cause does not explain the readings."""
 EXPLAINED = 0.8
-"""Share of the held-out gap beyond which a cause is kept although something smaller remains."""
+"""Share of the held-out gap up to which a misfit counts in full; it counts the less, the more of the gap closes."""
 IDLE = 1e-4
 """Probability below which a hypothesis is not searched for members that are not identifiable."""
 MOST_SEPARATIONS = 3
@@ -130,19 +134,20 @@ def with_identifiable(judged: Sequence[Judged]) -> list[Judged]:
     A set with an idle member explains what the set without it explains: its probability goes there. Hypotheses that
     hold less than `IDLE` are left as they are.
     """
-    exact = {h.members for h in judged if not h.has_unknown}
+    exact = {(h.members, h.doubted) for h in judged if not h.has_unknown}
     searched = [h for h in judged if not h.has_unknown and h.members and h.probability > IDLE]
     fit_together(searched)
     targets = {id(h): h.inference.identifiable(h.members) for h in searched}
-    added: dict[Members, float] = {}
+    added: dict[tuple[Members, str], float] = {}
     kept = []
     for h in judged:
         target = targets.get(id(h), h.members)
-        if target != h.members and target in exact:
-            added[target] = added.get(target, 0.0) + h.probability
+        if target != h.members and (target, h.doubted) in exact:
+            added[target, h.doubted] = added.get((target, h.doubted), 0.0) + h.probability
         else:
             kept.append(h)
-    kept = [h if h.has_unknown else replace(h, probability=h.probability + added.get(h.members, 0.0)) for h in kept]
+    gained = [0.0 if h.has_unknown else added.get((h.members, h.doubted), 0.0) for h in kept]
+    kept = [replace(h, probability=h.probability + more) for h, more in zip(kept, gained, strict=True)]
     return sorted(kept, key=lambda h: -h.probability)
 
 
@@ -152,18 +157,22 @@ def with_misfit(
     """Return the causes and the unknown's probability once the best cause has had to fit in absolute terms.
 
     Evidence only compares: the best of a library that lacks the truth is still the best. Where the chance of what the
-    best cause leaves is below `MISFIT` and it does not close most of the gap on held-out readings, all causes of the
-    library lose in proportion to that chance, and the unknown gains what they lose.
+    best cause leaves is below `MISFIT`, all causes of the library lose in proportion to that chance, and the unknown
+    gains what they lose; the less so, the more of the gap on held-out readings the best cause closes.
     """
     if best is None:
         return found, unknown_probability
     chance = closing.p_after if closing is not None else chance_of_rest(best.judged.model, best.judged.fit)
-    if chance >= MISFIT or (closing is not None and closing.closed > EXPLAINED):
-        return found, unknown_probability
-    kept = chance / MISFIT
+    closed = closing.closed if closing is not None and np.isfinite(closing.closed) else 0.0
+    kept = min(1.0, chance / MISFIT) ** float(np.clip((1.0 - closed) / (1.0 - EXPLAINED), 0.0, 1.0))
     unknown = 1.0 - (1.0 - unknown_probability) * kept
-    others = tuple(replace(c, probability=c.probability * kept) for c in found if UNKNOWN not in c.effects)
-    return (Cause((UNKNOWN,), unknown, (), (), True, False, best.judged), *others), unknown
+    known = [replace(c, probability=c.probability * kept) for c in found if UNKNOWN not in c.effects]
+    others = [c for c in found if UNKNOWN in c.effects] if kept > 0.5 else []
+    grown = unknown / max(sum(c.probability for c in others), 1e-300)
+    if not others and unknown > unknown_probability:
+        others, grown = [Cause((UNKNOWN,), unknown, (), (), True, False, best.judged)], 1.0
+    others = [replace(c, probability=c.probability * min(grown, 1.0 / kept)) for c in others] if kept < 1.0 else others
+    return tuple(sorted([*known, *others], key=lambda cause: -cause.probability)), unknown
 
 
 def credible_set(found: Sequence[Cause]) -> tuple[Cause, ...]:
@@ -195,6 +204,8 @@ def _part(head: Judged, member: int) -> object:
 
 
 def _is_same(head: Judged, parts: Sequence[set[int]], other: Judged) -> bool:
+    if head.doubted != other.doubted:
+        return False
     if head.has_unknown or other.has_unknown:  # whatever acts beside it, the library does not hold the cause
         return head.has_unknown and other.has_unknown
     if not parts or not other.members:
@@ -215,7 +226,7 @@ def _cause(head: Judged, same: Sequence[Judged]) -> Cause:
     if head.has_unknown and (not is_identifiable or head.probability < 0.5 * probability):  # nothing else stands out
         return Cause((UNKNOWN,), probability, (), (), True, False, head)
     confounded = tuple(found for j in seen if (found := _confounded(head, same, j)))
-    named = (*head.effects, UNKNOWN) if head.has_unknown else head.effects
+    named = (*head.effects, *[MISSTATED] * bool(head.doubted), *[UNKNOWN] * head.has_unknown)
     return Cause(named, probability, parameters(head, same), confounded, is_identifiable, False, head)
 
 
@@ -252,6 +263,7 @@ def _is_sensitive(posterior: Posterior) -> bool:
         return False
     library = [h for h in best if not h.has_unknown]
     named = {h.members: h.inference.identifiable(h.members) for h in library}
+    library = [h for h in library if h.doubted == head.doubted]
     parts = _parts(head)
     shares = [(h, h.fit.scales if h.members else (1.0,) * len(SCALES)) for h in library]
     for k in range(len(SCALES)):

@@ -114,6 +114,12 @@ class Diagnosis:
         return bool(self.which) and not self.which[0].effects
 
     @property
+    def nothing_acts(self) -> float:
+        """Probability that nothing acts, however faint; the probability of a sound cause is that nothing is seen."""
+        silent_ones = (h for h in self.posterior.judged if not h.members and not h.has_unknown and not h.doubted)
+        return float(sum(h.probability for h in silent_ones))
+
+    @property
     def credible(self) -> tuple[Cause, ...]:
         """The fewest causes that hold 95 % of the probability."""
         return credible_set(self.which)

@@ -69,7 +69,8 @@ def _parameter(head: Judged, member: int, size: float, same: Sequence[Judged]) -
     candidate = head.model.inputs.candidates[member]
     effect, place = candidate.effect, candidate.place
     mean, variance = _mixture(head, member, same)
-    relative = np.hypot(_place_error(head.model, member), COMMON_PART * candidate.signature_error)
+    whole = COMMON_PART * candidate.signature_error * head.model.inputs.discrepancy.level
+    relative = np.hypot(_place_error(head.model, member), whole)
     spread = WIDTH * float(np.sqrt(variance + (mean * relative) ** 2))
     low, high = min(size, mean - spread), max(size, mean + spread)
     if effect.is_one_sided:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
+from octmip.gap.odds import Odds
 from octmip.twin import Effect, Twin
 
 SCALES = (1 / 3, 1.0, 3.0)
@@ -107,22 +108,38 @@ def priors_of(candidates: Sequence[Candidate]) -> Priors:
     )
 
 
-def candidates_of(effects: Mapping[str, Effect], twin: Twin, gauges: Sequence[str]) -> tuple[Candidate, ...]:
+def candidates_of(
+    effects: Mapping[str, Effect], twin: Twin, gauges: Sequence[str], odds: Odds
+) -> tuple[Candidate, ...]:
     """Return the candidates of all effects, those that act on gauges outside `gauges` left out.
 
     Raises
     ------
     DataError
-        an effect lacks a positive prior sd.
+        an effect lacks a positive prior sd, or the odds name an effect that is not there.
     """
     found = []
     absent = set(twin.gauges) - set(gauges)
-    for effect in effects.values():
+    factors = _factors(effects, odds)
+    for effect in (effect for effect in effects.values() if factors[effect.name] > 0.0):
         if not effect.prior_sd > 0.0:
             raise DataError(f"effect {effect.name} has prior_sd {effect.prior_sd}; expected a positive size")
         places = [place for place in effect.places(twin) if absent.isdisjoint(_gauges_of(effect, twin, place))]
-        found += [Candidate(effect, place, 1.0 / len(places)) for place in places]
+        found += [Candidate(effect, place, factors[effect.name] / len(places)) for place in places]
     return tuple(found)
+
+
+def _factors(effects: Mapping[str, Effect], odds: Odds) -> dict[str, float]:
+    """Return how many times as probable each effect is as the mean of all, by name."""
+    names = [effect.name for effect in effects.values()]
+    strangers = [name for name in odds.effects if name not in names]
+    if strangers:
+        raise DataError(
+            f"odds name the effect {strangers[0]!r}, which the library lacks; expected among {names[:5]}..."
+        )
+    factors = {name: odds.effects.get(name, 1.0) for name in names}
+    mean = float(np.mean([*factors.values()])) if factors else 1.0
+    return {name: factor / max(mean, 1e-300) for name, factor in factors.items()}
 
 
 def _gauges_of(effect: Effect, twin: Twin, place: str) -> Sequence[str]:

@@ -2,16 +2,27 @@
 
 At load L and gauge g the asset shows f_g(z, L) + phi(L) d_g + e_g (f_g(z, L) - f_g(0, L)) where f is the twin, phi
 the size of the healthy prediction relative to the greatest load, d a pattern over the gauges and e the relative error
-of the change that damage makes. Without a commissioning run d has a part common to all gauges and one per gauge; with
-one, d is estimated gauge by gauge from the healthy readings and its posterior covariance is propagated:
+of the change that damage makes. How far two honest models of one structure lie apart is not known beforehand: all
+relative errors share one factor, the **level**, with a prior over `LEVELS`. At level l
 
-    K = (K0^-1 + sum_c phi_c^2 (V/N_c)^-1)^-1,    d = K sum_c phi_c (V/N_c)^-1 (mean_c - f_c).
+    d ~ N(0, l^2 K),   K = COMMON^2 f f' + SMOOTH^2 (f f') o k + OWN^2 diag(f^2) + (FLOOR s)^2
+
+with k a correlation along the structure and s the scale of readings of one unit. A commissioning run gives d gauge by
+gauge, its covariance, and the level:
+
+    P = sum_c phi_c^2 (V/N_c)^-1,   h = sum_c phi_c (V/N_c)^-1 (mean_c - f_c),
+    d ~ N(Q h, Q),   Q = (P + (l^2 K)^-1)^-1,   log p(run | l) = (h' Q h - log det(I + l^2 K P)) / 2 + constant.
+
+Source: Kennedy and O'Hagan (2001), "Bayesian calibration of computer models", J. R. Statist. Soc. B 63, for a
+discrepancy with a prior of its own; the level and its prior are this project's.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import logsumexp
 
 from octmip.errors import DataError
 from octmip.gap.campaign.campaign import Campaign, Cell
@@ -19,16 +30,28 @@ from octmip.gap.campaign.noise import Noise, estimate_noise
 from octmip.gap.twins.cached import CachedTwin
 from octmip.twin import Load
 
+Floats = NDArray[np.float64]
+
+LEVELS = (0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0)
+"""Factors on all relative differences of two models."""
+LEVEL_PRIOR = (0.12, 0.20, 0.25, 0.20, 0.12, 0.07, 0.04)
+"""Their probabilities before any reading."""
+ALIKE = 2.0
+"""The level of what damage and effects change lies within this factor (one sd) of that of the healthy strains."""
 COMMON = 0.010
 """Relative sd of the part common to all gauges. Measured between two codes on one wing: 0.6 to 0.9 %."""
-OWN = 0.010
-"""Relative sd of the part of each gauge. Measured between two codes on one wing: 0.8 to 1.0 %."""
+SMOOTH = 0.007
+"""Relative sd of the part that varies along the structure."""
+OWN = 0.007
+"""Relative sd of the part of each gauge. Measured between two codes, with the smooth part: 0.8 to 1.0 %."""
 FLOOR = 0.003
-"""Sd of the part of each gauge relative to the root mean square strain: gauges of little strain differ by more."""
-OPEN = 0.05
-"""Relative sd of d before a commissioning run has been read: wide, the run decides."""
+"""Sd of the part of each gauge over the rms of its unit's readings: gauges of little strain differ by more."""
 DAMAGE = 0.04
 """Relative sd of the change that damage makes: on meshes of 30k degrees of freedom it is known to some per cent."""
+HALF = 0.5
+"""Damage of the states over which a reading of unknown unit is measured."""
+LENGTH = 0.3
+"""Length over which the smooth part varies, as a share of the structure's extent."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,33 +61,48 @@ class Discrepancy:
     Attributes
     ----------
     mean
-        (n_gauges,) [microstrain].
+        (n_gauges,) in the readings' units.
     covariance
-        (n_gauges, n_gauges) [microstrain^2].
-    reference
-        root mean square healthy prediction at the reference load [microstrain].
+        (n_gauges, n_gauges) in their squares.
+    scale
+        (n_gauges,) root mean square healthy prediction at the reference load over the readings of each one's unit.
     damage
         relative sd of the change that damage makes.
+    level
+        factor on relative differences that these numbers hold for.
+    log_levels
+        levels that are possible, each with the log of its probability.
     is_calibrated
         whether a commissioning run stands behind it.
     """
 
-    mean: NDArray[np.float64]
-    covariance: NDArray[np.float64]
-    reference: float
+    mean: Floats
+    covariance: Floats
+    scale: Floats
     damage: float
+    level: float
+    log_levels: tuple[tuple[float, float], ...]
     is_calibrated: bool
 
-    def share(self, healthy: NDArray[np.float64], reference: NDArray[np.float64]) -> float:
+    def at(self, level: float) -> "Discrepancy":
+        """Return the difference at another level; what a commissioning run has measured stays."""
+        grown = (level / self.level) ** 2
+        covariance = self.covariance if self.is_calibrated else grown * self.covariance
+        return replace(self, covariance=covariance, damage=DAMAGE * level, level=level)
+
+    def share(self, healthy: Floats, reference: Floats) -> float:
         """Return phi: the signed size of a healthy prediction relative to the one at the reference load."""
-        return float(healthy @ reference / (reference @ reference))
+        relative = reference / self.scale
+        return float((healthy / self.scale) @ relative / (relative @ relative))
 
 
-def uncalibrated(healthy: NDArray[np.float64]) -> Discrepancy:
-    """Return the difference to expect from the healthy prediction (n_gauges,) at the reference load alone."""
-    rms = _rms(healthy)
-    covariance = COMMON**2 * np.outer(healthy, healthy) + np.diag((OWN * healthy) ** 2 + (FLOOR * rms) ** 2)
-    return Discrepancy(np.zeros(len(healthy)), covariance, rms, DAMAGE, is_calibrated=False)
+def uncalibrated(twin: CachedTwin, gauges: Sequence[str], load: Load) -> Discrepancy:
+    """Return the difference to expect at the reference load from the twin alone."""
+    healthy = twin.predict({}, load)[[twin.gauges.index(name) for name in gauges]]
+    prior = tuple(zip(LEVELS, np.log(LEVEL_PRIOR).tolist(), strict=True))
+    scale = scale_of(twin, gauges, load)
+    unit = _unit_covariance(twin, gauges, healthy, scale)
+    return Discrepancy(np.zeros(len(healthy)), unit, scale, DAMAGE, 1.0, prior, False)
 
 
 def calibrated(run: Campaign, twin: CachedTwin, gauges: tuple[str, ...], load: Load) -> Discrepancy:
@@ -76,23 +114,86 @@ def calibrated(run: Campaign, twin: CachedTwin, gauges: tuple[str, ...], load: L
         the run lacks a gauge of the campaign, holds an unknown state, or no load.
     """
     _check_run(run, gauges)
+    prior = uncalibrated(twin, gauges, load)
+    precision, projection = _information(run, twin, gauges, load, prior)
+    if not precision.any():
+        raise DataError("the commissioning run holds readings at zero load only; expected two loads or more")
+    known = [_posterior(prior.at(level).covariance, precision, projection) for level in LEVELS]
+    logs = np.log(LEVEL_PRIOR) + np.array([log for _, _, log in known])
+    share = np.exp(logs - logsumexp(logs))
+    mean = np.einsum("l,lg->g", share, np.array([m for m, _, _ in known]))
+    spread = np.array([c + np.outer(m - mean, m - mean) for m, c, _ in known])
+    covariance = np.asarray(np.einsum("l,lij->ij", share, spread))
+    return replace(prior, mean=mean, covariance=covariance, log_levels=_spread(share), is_calibrated=True)
+
+
+def scale_of(twin: CachedTwin, gauges: Sequence[str], load: Load) -> Floats:
+    """Return the size (n_gauges,) against which readings are small: the rms prediction over those of the same unit.
+
+    A twin that announces no units may mix several, so each reading is then measured by itself, over the sound state
+    and states with half of each damage: a strain that is near zero in the sound state need not be in others.
+    """
+    columns = [twin.gauges.index(name) for name in gauges]
+    healthy = twin.predict({}, load)[columns]
+    if twin.units is None:
+        states = np.vstack([np.zeros(len(twin.parameters)), HALF * np.eye(len(twin.parameters))])
+        squares = np.mean(twin.predict_states(states, load)[:, columns] ** 2, axis=0)
+        return np.asarray(np.maximum(np.sqrt(squares), 1e-300))
+    units = np.array([twin.units[k] for k in columns])
+    scale = [np.sqrt(np.mean(healthy[units == unit] ** 2)) for unit in units]
+    return np.asarray(np.maximum(np.array(scale), 1e-300))
+
+
+def along(twin: CachedTwin, gauges: Sequence[str], length: float) -> Floats:
+    """Return a correlation (n_gauges, n_gauges) that falls along the structure, over `length` of its extent."""
+    positions, columns = twin.gauge_positions, [twin.gauges.index(name) for name in gauges]
+    points = np.arange(len(columns), dtype=np.float64)[:, None] if positions is None else positions[columns]
+    extent = float(np.linalg.norm(np.ptp(points, axis=0)))
+    distance = np.linalg.norm(points[:, None, :] - points[None, :, :], axis=2) / max(length * extent, 1e-12)
+    return np.asarray(np.exp(-0.5 * distance**2))
+
+
+def _unit_covariance(twin: CachedTwin, gauges: Sequence[str], healthy: Floats, scale: Floats) -> Floats:
+    """Return K, the covariance of d at level 1."""
+    common = COMMON**2 + SMOOTH**2 * along(twin, gauges, LENGTH)
+    own = (OWN * healthy) ** 2 + (FLOOR * scale) ** 2
+    return np.asarray(common * np.outer(healthy, healthy) + np.diag(own))
+
+
+def _information(
+    run: Campaign, twin: CachedTwin, gauges: tuple[str, ...], load: Load, prior: Discrepancy
+) -> tuple[Floats, Floats]:
+    """Return P (n_gauges, n_gauges) and h (n_gauges,) of a commissioning run."""
     order = [run.gauges.index(name) for name in gauges]
     columns = [twin.gauges.index(name) for name in gauges]
     noise = estimate_noise(run)
     reference = twin.predict({}, load)[columns]
-    open_sd = OPEN * np.abs(reference) + 2 * FLOOR * _rms(reference)
-    precision, projection = np.diag(open_sd**-2), np.zeros(len(gauges))
+    precision, projection = np.zeros((len(gauges), len(gauges))), np.zeros(len(gauges))
     for cell in run.cells:
         state = dict(zip(run.parameters, cell.state.tolist(), strict=True))
         predicted = twin.predict(state, cell.load)[columns]
-        phi = float(twin.predict({}, cell.load)[columns] @ reference / (reference @ reference))
+        phi = prior.share(twin.predict({}, cell.load)[columns], reference)
         weight = _weight(noise, cell, order)
         precision += phi**2 * weight
         projection += phi * weight @ np.nan_to_num(cell.mean[order] - predicted)
-    if np.allclose(precision, np.diag(open_sd**-2)):
-        raise DataError("the commissioning run holds readings at zero load only; expected two loads or more")
-    covariance = np.asarray(np.linalg.inv(precision), dtype=np.float64)
-    return Discrepancy(covariance @ projection, covariance, _rms(reference), DAMAGE, is_calibrated=True)
+    return precision, projection
+
+
+def _posterior(prior: Floats, precision: Floats, projection: Floats) -> tuple[Floats, Floats, float]:
+    """Return mean and covariance of d under a prior covariance, and the log evidence of the run (up to a constant)."""
+    grown = np.eye(len(prior)) + prior @ precision
+    covariance = np.linalg.solve(grown, prior)
+    covariance = 0.5 * (covariance + covariance.T)
+    mean = covariance @ projection
+    return mean, covariance, 0.5 * float(projection @ mean) - 0.5 * float(np.linalg.slogdet(grown)[1])
+
+
+def _spread(share: Floats) -> tuple[tuple[float, float], ...]:
+    """Return the levels of what damage and effects change, given the shares (n_levels,) of those of healthy strains."""
+    steps = np.log(np.divide.outer(LEVELS, LEVELS)) / np.log(ALIKE)
+    logs = -0.5 * steps**2 + np.log(LEVEL_PRIOR)[:, None]
+    logs = logs - logsumexp(logs, axis=0) + np.log(np.maximum(share, 1e-300))
+    return tuple(zip(LEVELS, np.asarray(logsumexp(logs, axis=1)).tolist(), strict=True))
 
 
 def _check_run(run: Campaign, gauges: tuple[str, ...]) -> None:
@@ -104,14 +205,10 @@ def _check_run(run: Campaign, gauges: tuple[str, ...]) -> None:
         raise DataError(f"the commissioning run holds an unknown state ({unknown[0].name}); give its state columns")
 
 
-def _weight(noise: Noise, cell: Cell, order: list[int]) -> NDArray[np.float64]:
+def _weight(noise: Noise, cell: Cell, order: list[int]) -> Floats:
     """Return the precision (n_gauges, n_gauges) of a cell's means, zero for gauges that recorded nothing."""
     matrix = noise.of_mean(cell.count, cell.load)[np.ix_(order, order)]
     seen = cell.count[order] > 0
     weight = np.zeros_like(matrix)
     weight[np.ix_(seen, seen)] = np.linalg.inv(matrix[np.ix_(seen, seen)])
     return weight
-
-
-def _rms(values: NDArray[np.float64]) -> float:
-    return float(np.sqrt(np.mean(values**2)))

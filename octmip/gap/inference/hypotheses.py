@@ -1,6 +1,6 @@
 """Sets of effects as hypotheses: which exist, how probable before the data, and which survive a beam search.
 
-A set of k candidates has prior P(k) / C(n_effects, k) * product of their shares; k is 0 to 3. The beam starts
+A set of k candidates has prior P(k) / C(n_effects, k) * product of their shares (`octmip.gap.odds`). The beam starts
 from no effect, adds one candidate at a time and keeps the sets of greatest posterior weight. Sets with a member that
 the others already imitate are the same explanation twice and are left out.
 """
@@ -17,10 +17,6 @@ from octmip.gap.inference.inputs import Inputs
 from octmip.gap.inference.linear_model import LinearModel
 from octmip.gap.progress import Stage
 
-COUNT_PRIOR = (0.48, 0.34, 0.12, 0.02)
-"""Prior probability of no, one, two, three effects; what is missing to 1 belongs to the unknown."""
-UNKNOWN_PRIOR = (0.03, 0.01)
-"""Prior probability of the unknown alone, and of the unknown beside one effect."""
 BEAM = (48, 24)
 """Sets of one and of two candidates that are extended."""
 FAINT = 0.1
@@ -31,10 +27,9 @@ UNEXPLAINED = 0.02
 
 @dataclass(frozen=True, slots=True)
 class Hypothesis:
-    """A set of candidates, with or without the unknown, and the log of prior times evidence."""
+    """A set of candidates, and the log of prior times evidence."""
 
     members: Members
-    has_unknown: bool
     log_weight: float
 
 
@@ -46,12 +41,13 @@ def log_prior(inputs: Inputs, members: Members) -> float:
 
 def _log_count(inputs: Inputs, k: int) -> float:
     """Return the log prior probability of each set of k effects."""
-    return log(COUNT_PRIOR[k]) - log(max(comb(inputs.priors.n_effects, k), 1))
+    return log(max(inputs.odds.count[k], 1e-300)) - log(max(comb(inputs.priors.n_effects, k), 1))
 
 
-def likely_sets(inference: Inference, most: int = 3) -> list[Hypothesis]:
-    """Return no effect, every single candidate and the best sets of up to `most`, with approximate weights."""
+def likely_sets(inference: Inference) -> list[Hypothesis]:
+    """Return no effect, every single candidate and the best larger sets, with approximate weights."""
     inputs = inference.model.inputs
+    most = len(inputs.odds.count) - 1
     found: dict[Members, float] = {(): log_prior(inputs, ())}
     beam: list[Members] = [()]
     for size in range(1, most + 1):
@@ -63,7 +59,7 @@ def likely_sets(inference: Inference, most: int = 3) -> list[Hypothesis]:
         found |= longer if size == 1 else _best(longer, 4 * BEAM[1])
         if size < most:
             beam = list(_diverse(inputs, longer, BEAM[size - 1]))
-    return [Hypothesis(members, False, weight) for members, weight in found.items()]
+    return [Hypothesis(members, weight) for members, weight in found.items()]
 
 
 def _extended(inference: Inference, members: Members) -> dict[Members, float]:

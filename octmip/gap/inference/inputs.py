@@ -18,6 +18,7 @@ from octmip.gap.campaign.noise import Noise
 from octmip.gap.campaign.source_of_noise import noise_of
 from octmip.gap.inference.candidates import Candidate, Priors, candidates_of, priors_of
 from octmip.gap.inference.discrepancy import Discrepancy, calibrated, uncalibrated
+from octmip.gap.odds import Odds
 from octmip.gap.progress import Progress, silent
 from octmip.gap.twins.cached import CachedTwin
 from octmip.twin import MIXED, Effect, Load, Twin, amounts_of, units_of
@@ -42,6 +43,8 @@ class Inputs:
         cells that share one unknown state, each a tuple of cell indices.
     progress
         told at every stage of what is made of these inputs.
+    odds
+        how probable causes are before any reading.
     Derived:
         order: position in the twin's gauges of each of the campaign's.
         priors: of the candidates.
@@ -56,6 +59,7 @@ class Inputs:
     reference: Load
     groups: Groups
     progress: Progress = silent
+    odds: Odds = Odds()  # noqa: RUF009  (frozen)
     order: tuple[int, ...] = field(init=False)
     priors: Priors = field(init=False)
 
@@ -134,6 +138,7 @@ def prepare(
     commissioning: Campaign | Discrepancy | None = None,
     noise_sd: float | Mapping[str, float] | None = None,
     progress: Progress = silent,
+    odds: Odds = Odds(),  # noqa: B008  (frozen)
 ) -> tuple[Inputs, list[str]]:
     """Return the inputs of an inference, and notes for the reader.
 
@@ -154,19 +159,19 @@ def prepare(
     reference = _reference(campaign, run, asked)
     known = commissioning if isinstance(commissioning, Discrepancy) else run
     discrepancy, of_discrepancy = _discrepancy(known, asked, campaign.gauges, reference)
-    groups, of_groups = _open_groups(campaign)
     inputs = Inputs(
         campaign=campaign,
         twin=asked,
         noise=noise,
         discrepancy=discrepancy,
-        candidates=candidates_of(effects, asked, campaign.gauges),
+        candidates=candidates_of(effects, asked, campaign.gauges, odds),
         averages=averages_of(campaign, any(getattr(effect, "uses_time", False) for effect in effects.values())),
         reference=reference,
-        groups=groups,
+        groups=_open_groups(campaign),
+        odds=odds,
         progress=progress,
     )
-    return inputs, [*of_clipping, *of_noise, *of_discrepancy, *of_groups]
+    return inputs, [*of_clipping, *of_noise, *of_discrepancy]
 
 
 def _discrepancy(
@@ -177,8 +182,7 @@ def _discrepancy(
         return known, []
     if known is not None:
         return calibrated(known, twin, gauges, reference), []
-    healthy = twin.predict({}, reference)[[twin.gauges.index(name) for name in gauges]]
-    return uncalibrated(healthy), [
+    return uncalibrated(twin, gauges, reference), [
         "No commissioning run: twin and asset may differ by about 1 % in common and 1 % per gauge before any effect; "
         "effects that scale all strains by less than about 1.5 % are invisible."
     ]
@@ -206,22 +210,32 @@ def _reference(campaign: Campaign, commissioning: Campaign | None, twin: CachedT
     return loads[int(np.argmax(np.sum(relative**2, axis=1)))]
 
 
-def _open_groups(campaign: Campaign) -> tuple[Groups, list[str]]:
-    """Return the cells that share an unknown state.
-
-    Rows of one test share their state. Tests that were read at one load each, all loads different, are one state
-    at several loads, as in a commissioning run.
-    """
+def _open_groups(campaign: Campaign) -> Groups:
+    """Return the cells that share an unknown state: those of one test."""
     by_test: dict[str, list[int]] = {}
     for k, cell in enumerate(campaign.cells):
         if not cell.is_known:
             by_test.setdefault(cell.test, []).append(k)
-    loads = [{campaign.cells[k].load for k in cells} for cells in by_test.values()]
+    return tuple(tuple(cells) for cells in by_test.values())
+
+
+def one_state(inputs: Inputs) -> Inputs | None:
+    """Return the inputs with all unknown states the same, where tests were read at one load each, all different.
+
+    So a commissioning run is read by some: one state, each load a test. Where tests have several loads, or a load comes
+    twice, there is no sign of it.
+    """
+    loads = [{inputs.campaign.cells[k].load for k in group} for group in inputs.groups]
     single = [next(iter(found)) for found in loads if len(found) == 1]
-    if len(by_test) > 1 and len(single) == len(by_test) and len(set(single)) == len(single):
-        note = (
-            f"Tests {', '.join(by_test)} have unknown states and one load each, all different: read as one state at "
-            "several loads. Give the state columns where that is wrong."
-        )
-        return (tuple(k for cells in by_test.values() for k in cells),), [note]
-    return tuple(tuple(cells) for cells in by_test.values()), []
+    if len(loads) < 2 or len(single) < len(loads) or len(set(single)) < len(single):
+        return None
+    return replace(inputs, groups=(tuple(k for group in inputs.groups for k in group),))
+
+
+def doubted_state(inputs: Inputs, test: str) -> Inputs:
+    """Return the inputs with the stated state of a test taken as unknown."""
+    campaign = inputs.campaign
+    states = campaign.states.copy()
+    states[np.array(campaign.test) == test] = np.nan
+    unknown = replace(campaign, states=states)
+    return replace(inputs, campaign=unknown, groups=_open_groups(unknown))

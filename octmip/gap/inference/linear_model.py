@@ -31,6 +31,8 @@ STEP = 0.01
 """Step of the damage tangents."""
 OWN_STATE = 0.7
 """Share of the damage nugget's sd that is common to all states of one gauge; the rest is each state's own."""
+ALL_GAUGES = 0.3
+"""Share of the damage nugget's variance that is common to all gauges: a damage that acts more, or less, as a whole."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -285,13 +287,18 @@ def _noise(inputs: Inputs, average: NDArray[np.int64], gauge: NDArray[np.int64])
 
 
 def _damage_nugget(sd: Floats, gauge: NDArray[np.int64], states: Floats) -> Floats:
-    """Return the covariance of errors of these sd (n,) in what damage changes: one factor per gauge, partly per state.
+    """Return the covariance of errors of these sd (n,) in what damage changes: in common, per gauge, partly per state.
 
-    The states (n, n_parameters) are those of the rows.
+    The states (n, n_parameters) are those of the rows; a `sd` has the sign of the change.
     """
     same_state = (states[:, None, :] == states[None, :, :]).all(axis=2)
     shared = OWN_STATE**2 + (1.0 - OWN_STATE**2) * same_state
-    return np.asarray(np.outer(sd, sd) * (gauge[:, None] == gauge[None, :]) * shared)
+    return np.asarray(np.outer(sd, sd) * alike_gauges(gauge) * shared)
+
+
+def alike_gauges(gauge: NDArray[np.int64]) -> Floats:
+    """Return the correlation (n, n) of errors of what damage changes at the gauges of some rows, in one state."""
+    return np.asarray(np.where(gauge[:, None] == gauge[None, :], 1.0, ALL_GAUGES))
 
 
 def _tangents(inputs: Inputs, states: Floats, flat: NDArray[np.int64]) -> Floats:

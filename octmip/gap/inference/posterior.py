@@ -1,35 +1,28 @@
 """The posterior over sets of candidates: how probable each set is as the explanation of the readings.
 
-Every hypothesis is judged in the linear model whose states are closest to those it prefers itself (see states.py); the
-posterior is normalised over no effect, sets of one to three candidates, and the unknown. Sets whose members imitate
-each other beyond what these readings can tell apart (d' < 3) are one explanation, reported under the name of its most
-probable member.
+It is normalised over no effect, sets of candidates, and the unknown, each under every **variant** of the inputs: levels
+of differences between two models (`octmip.gap.inference.search`), tests of unknown state that may share one, a test
+whose stated state is wrong. What one hypothesis weighs under several variants adds up; it is shown in the one that
+bears it most. Sets whose members imitate each other beyond what these readings can tell apart (d' < 3) are one
+explanation, reported under the name of its most probable member.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import combinations
 
 import numpy as np
 from scipy.special import logsumexp
 
-from octmip.gap.inference.evidence import Fit, Members, extensions
-from octmip.gap.inference.hypotheses import UNKNOWN_PRIOR, Hypothesis, likely_sets, log_prior
+from octmip.gap.inference.evidence import Fit, Members
 from octmip.gap.inference.inference import Inference
-from octmip.gap.inference.inputs import Inputs
-from octmip.gap.inference.linear_model import LinearModel, linearise
-from octmip.gap.inference.states import STATE_RESOLUTION, distance, log_box, moved_states, starting_states
-from octmip.gap.inference.unknown import Unknown, weigh_unknown
-from octmip.gap.progress import Stage
+from octmip.gap.inference.inputs import Inputs, doubted_state, one_state
+from octmip.gap.inference.linear_model import LinearModel
+from octmip.gap.inference.search import Weighed, log_total, search
 
-EXACT = 100
-"""Hypotheses whose evidence is computed exactly and, with open states, about their own states."""
-WHOLE = 30
-"""Best sets whose subsets are judged as well: an idle member must be able to leave."""
-POLISHED = 8
-"""Distinct hypotheses about whose own states the model is linearised again."""
-BEHIND = 20
-"""Log units behind the first starting state beyond which another one is not looked at."""
+SOUND_ENOUGH = 0.5
+"""Probability that nothing is wrong, beyond which no stated state is doubted."""
+USUAL = 2.0
+"""Level of differences between models from which "nothing is wrong" may hide a state that is not as stated."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,12 +39,18 @@ class Judged:
         posterior probability.
     inference
         in which it was judged.
+    doubted
+        the test whose stated state it takes as wrong; "" for none.
+    words
+        what the unknown looks like.
     """
 
     members: Members
     has_unknown: bool
     probability: float
     inference: Inference
+    doubted: str = ""
+    words: str = ""
 
     @property
     def model(self) -> LinearModel:
@@ -83,15 +82,15 @@ class Posterior:
     ----------
     judged
         ordered hypotheses; probabilities sum to 1.
-    unknown
-        the unknown's evidence in the main model.
     inference
-        the main one (of the most probable hypothesis).
+        the main one: of the most probable hypothesis without the unknown.
+    same_state
+        probability that tests with unknown states of one load each are one state; None where nothing suggests it.
     """
 
     judged: tuple[Judged, ...]
-    unknown: Unknown
     inference: Inference
+    same_state: float | None = None
 
     @property
     def model(self) -> LinearModel:
@@ -102,6 +101,11 @@ class Posterior:
     def unknown_probability(self) -> float:
         """Probability that something outside the library acts."""
         return float(sum(h.probability for h in self.judged if h.has_unknown))
+
+    @property
+    def unknown_words(self) -> str:
+        """What the unknown looks like where it is most probable."""
+        return next((h.words for h in self.judged if h.has_unknown), "")
 
     def inclusion(self) -> dict[str, float]:
         """Return the probability of every effect to be among the causes."""
@@ -118,104 +122,58 @@ def fit_together(hypotheses: Sequence[Judged]) -> None:
         inference.judge([h.members for h in hypotheses if h.inference is inference])
 
 
+Key = tuple[Members, bool, str]
+"""What a hypothesis says: its candidates, whether the unknown acts, the test whose state it doubts."""
+
+
 def attribute(inputs: Inputs) -> Posterior:
     """Return the posterior over sets of effects."""
-    started = [Inference(linearise(inputs, states)) for states in starting_states(inputs)]
-    enough = _promise(started[0]) - BEHIND
-    inferences = [started[0], *(one for one in started[1:] if _promise(one) > enough)]
-    found = {h.members: h for inference in inferences for h in likely_sets(inference)}
-    if inputs.groups:
-        ordered = sorted(found.values(), key=lambda h: -h.log_weight)
-        inferences = _polished(inferences, [h.members for h in ordered[: 4 * POLISHED]])
-    return _normalised(inferences, found)
+    found = {"": search(inputs)}
+    together = one_state(inputs)
+    same_state = None
+    if together is not None:
+        merged = search(together)
+        same_state = float(1.0 / (1.0 + np.exp(np.clip(log_total(found[""]) - log_total(merged), -700, 700))))
+        found[""] = merged if same_state > 0.5 else found[""]
+    if _may_be_misstated(inputs, found[""]):
+        found |= _with_doubts(inputs)
+    return _normalised(found, same_state)
 
 
-def _promise(inference: Inference) -> float:
-    """Return the log evidence of the best single candidate, or of none."""
-    return inference.model.log_none + float(max(0.0, extensions(inference.model, ()).max(initial=0.0)))
+def _may_be_misstated(inputs: Inputs, weighed: Sequence[Weighed]) -> bool:
+    """Return whether some stated state may be wrong: there is more to explain than models usually differ by."""
+    known = any(cell.is_known for cell in inputs.campaign.cells)
+    none = [w.log_weight for w in weighed if not w.members and not w.has_unknown and w.level < USUAL]
+    sound = float(logsumexp(none)) if none else -np.inf
+    return bool(inputs.names) and known and sound - log_total(weighed) < np.log(SOUND_ENOUGH)
 
 
-def _polished(started: list[Inference], sets: list[Members]) -> list[Inference]:
-    """Return inferences about the states that the best hypotheses prefer."""
-    kept: list[Inference] = []
-    for members in sets:
-        if len(kept) == POLISHED:
-            break
-        for start in started[:2]:
-            found = _settled(start, members, kept)
-            if not any(distance(found.model.states, one.model.states) < STATE_RESOLUTION / 5 for one in kept):
-                kept.append(found)
-    return kept
-
-
-def _settled(start: Inference, members: Members, kept: list[Inference]) -> Inference:
-    """Return the inference about the states that a set prefers: three steps at most, one that is kept where near."""
-    found = start
-    for _ in range(3):
-        states = moved_states(found.model, found.fit(members))
-        if distance(states, found.model.states) < STATE_RESOLUTION / 10:
-            break
-        near = [one for one in kept if distance(states, one.model.states) < STATE_RESOLUTION / 5]
-        found = near[0] if near else Inference(linearise(found.model.inputs, states))
+def _with_doubts(inputs: Inputs) -> dict[str, list[Weighed]]:
+    """Return what explains the readings where the stated state of one test is taken as unknown, by test."""
+    tests = list(dict.fromkeys(cell.test for cell in inputs.campaign.cells if cell.is_known))
+    prior = float(np.log(max(inputs.odds.misstated, 1e-300))) - float(np.log(max(len(tests), 1)))
+    found = {}
+    for test in tests:
+        weighed = search(doubted_state(inputs, test), is_quick=True)
+        found[test] = [w.times(prior) for w in weighed]
     return found
 
 
-Weighed = tuple[Hypothesis, Inference]
+def _normalised(found: dict[str, list[Weighed]], same_state: float | None) -> Posterior:
+    by_key: dict[Key, list[Weighed]] = {}
+    for doubted, weighed in found.items():
+        for w in weighed:
+            by_key.setdefault((w.members, w.has_unknown, doubted), []).append(w)
+    total = float(logsumexp([w.log_weight for same in by_key.values() for w in same]))
+    judged = [_judged(key, same, total) for key, same in by_key.items()]
+    judged.sort(key=lambda h: -h.probability)
+    main = next(h.inference for h in judged if not h.has_unknown)
+    return Posterior(tuple(judged), main, same_state)
 
 
-def _normalised(inferences: list[Inference], found: dict[Members, Hypothesis]) -> Posterior:
-    inferences[0].model.inputs.progress(Stage("weighing the best hypotheses exactly"))
-    weighed = _weighed(inferences, sorted(found.values(), key=lambda h: -h.log_weight))
-    best = max(weighed, key=lambda item: item[0].log_weight)[1]
-    unknown = weigh_unknown(best.model)
-    weighed += _with_unknown(best, unknown)
-    total = float(logsumexp([h.log_weight for h, _ in weighed]))
-    judged = [Judged(h.members, h.has_unknown, float(np.exp(h.log_weight - total)), where) for h, where in weighed]
-    return Posterior(tuple(sorted(judged, key=lambda h: -h.probability)), unknown, best)
-
-
-def _weighed(inferences: list[Inference], ordered: list[Hypothesis]) -> list[Weighed]:
-    """Return the first `EXACT` hypotheses and their parts judged exactly; with known states the others as they are."""
-    exact = _with_parts([h.members for h in ordered[:EXACT]])
-    for inference in inferences:  # all at once: one by one costs ten times as much
-        inference.judge(exact)
-    weighed = [_exact(inferences, members) for members in exact]
-    if len(inferences) == 1:
-        done, only = set(exact), inferences[0]
-        others = [h for h in ordered if h.members not in done]
-        weighed += [(Hypothesis(h.members, False, h.log_weight + only.model.log_none), only) for h in others]
-    return weighed
-
-
-def _with_parts(sets: list[Members]) -> list[Members]:
-    """Return the sets, and what is left of the first `WHOLE` of them when members are taken out: never unjudged."""
-    parts = {part for members in sets[:WHOLE] for k in range(len(members)) for part in combinations(members, k)}
-    return [*sets, *sorted(parts - set(sets))]
-
-
-def _exact(inferences: list[Inference], members: Members) -> Weighed:
-    """Return prior times evidence of a hypothesis in the inference nearest to its own states."""
-    tried = []
-    for inference in inferences:
-        model, judgement = inference.model, inference.judge([members])[0]
-        own = judgement.fit
-        away = distance(moved_states(model, own), model.states) if model.inputs.groups else 0.0
-        value = model.log_none + judgement.log_factor + log_box(model, own) + log_prior(model.inputs, members)
-        tried.append((away, value, inference))
-    near = [t for t in tried if t[0] < STATE_RESOLUTION / 2] or [min(tried, key=lambda t: t[0])]
-    _, value, nearest = max(near, key=lambda t: t[1])
-    return Hypothesis(members, False, value), nearest
-
-
-def _with_unknown(inference: Inference, unknown: Unknown) -> list[Weighed]:
-    """Return the unknown alone and beside every single effect."""
-    inputs, conditioned = inference.model.inputs, unknown.allowing.model
-    box = log_box(inference.model, inference.fit(()))
-    alone = inference.model.log_none + unknown.log_factor + box + float(np.log(UNKNOWN_PRIOR[0]))
-    found = [(Hypothesis((), True, alone), unknown.allowing)]
-    logs = extensions(conditioned, ())
-    for j, candidate in enumerate(inputs.candidates):
-        prior = np.log(UNKNOWN_PRIOR[1]) - np.log(inputs.priors.n_effects) + np.log(candidate.weight)
-        value = conditioned.log_none + float(logs[j]) + box + float(prior)
-        found.append((Hypothesis((j,), True, value), unknown.allowing))
-    return found
+def _judged(key: Key, same: Sequence[Weighed], total: float) -> Judged:
+    """Return what one hypothesis weighs under all variants, in the one that bears it most."""
+    members, has_unknown, doubted = key
+    best = max(same, key=lambda w: w.log_weight)
+    probability = float(np.exp(logsumexp([w.log_weight for w in same]) - total))
+    return Judged(members, has_unknown, probability, best.inference, doubted, best.words)

@@ -5,7 +5,8 @@ its places are samples of a continuum. Given that candidate j acts with size the
 
     theta_j (S_j + E_j xi),   xi ~ N(0, I),
 
-E_j = [s_j diag(S_j) gauge by gauge | BETWEEN (c_k S_k - S_j) of the nearest places k], c_k the best scale. So a set of
+E_j = [l s_j diag(S_j) gauge by gauge | BETWEEN (c_k S_k - S_j) of the nearest places k], c_k the best scale, l the
+level of differences between models (`octmip.gap.inference.discrepancy`). So a set of
 candidates is judged under C0 + Q Q', Q = [theta_j E_j]_j with the sizes as fitted; what grows with the effect is no
 reason for a second one. With A = I + Q'Q in whitened coordinates
 
@@ -101,9 +102,10 @@ def error_of(model: LinearModel, candidate: int) -> SignatureError:
     """Return the error of a candidate's signature: gauge by gauge, and between its places."""
     chosen = model.inputs.candidates[candidate]
     parts = [np.zeros((model.n, 0))]
-    if chosen.signature_error > 0.0:
+    error = chosen.signature_error * model.inputs.discrepancy.level
+    if error > 0.0:
         own = model.signatures[:, candidate][:, None] * (model.gauge[:, None] == np.unique(model.gauge)[None, :])
-        parts.append(chosen.signature_error * model.whiten(own[:, np.abs(own).max(axis=0) > 0.0]))
+        parts.append(error * model.whiten(own[:, np.abs(own).max(axis=0) > 0.0]))
     if chosen.n_between:
         parts.append(BETWEEN * _differences(model, candidate))
     joined = np.hstack(parts)

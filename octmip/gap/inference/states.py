@@ -15,7 +15,7 @@ from scipy.special import ndtr
 
 from octmip.gap.inference.evidence import Fit
 from octmip.gap.inference.inputs import Inputs
-from octmip.gap.inference.linear_model import OPEN_STATE, LinearModel, linearise
+from octmip.gap.inference.linear_model import OPEN_STATE, LinearModel, alike_gauges, linearise
 from octmip.gap.progress import Stage
 
 Floats = NDArray[np.float64]
@@ -129,7 +129,7 @@ def _node_logs(inputs: Inputs, group: tuple[int, ...], nodes: Floats) -> Floats:
     healthy = model.predicted[rows]
     y = healthy + model.residual[rows]
     gauge = model.gauge[rows]
-    same = np.where(gauge[:, None] == gauge[None, :], inputs.discrepancy.damage**2, 0.0)
+    same = inputs.discrepancy.damage**2 * alike_gauges(gauge)
     diagonal = np.diag_indices(len(rows))
     logs = []
     for row in _changes(model, rows, nodes):

@@ -139,7 +139,7 @@ def doubt_lines(diagnosis: Diagnosis) -> list[str]:
     if diagnosis.which[0].is_prior_sensitive:
         lines.append("Another cause would lead if all sizes were expected to be three times smaller or larger.")
     if UNKNOWN in diagnosis.which[0].effects:
-        lines.append(f"It looks like {diagnosis.posterior.unknown.words}.")
+        lines.append(f"It looks like {diagnosis.posterior.unknown_words}.")
     else:
         lines.append(f"{OUTSIDE.capitalize()}: {likely(diagnosis.unknown_probability)}.")
     if diagnosis.is_sound:

@@ -1,0 +1,240 @@
+"""The search for hypotheses under one variant of the inputs: found by a beam, settled in their own states, weighed.
+
+With unknown states every leading hypothesis is judged in a model that is linear about the states that it prefers
+itself: a set that is right can look absurd about the states of another one. Sets are found about each starting state;
+the best of every name are settled; then whatever still leads from afar is settled too, until nothing does.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+from scipy.special import logsumexp
+
+from octmip.gap.inference.evidence import Members, extensions
+from octmip.gap.inference.hypotheses import Hypothesis, likely_sets, log_prior
+from octmip.gap.inference.inference import Inference
+from octmip.gap.inference.inputs import Inputs
+from octmip.gap.inference.linear_model import linearise
+from octmip.gap.inference.states import STATE_RESOLUTION, distance, log_box, moved_states, starting_states
+from octmip.gap.inference.unknown import weigh_unknown
+from octmip.gap.progress import Stage
+
+EXACT = 100
+"""Hypotheses whose evidence is computed exactly and, with open states, about their own states."""
+WHOLE = 30
+"""Best sets whose subsets are judged as well: an idle member must be able to leave."""
+POLISHED = 10
+"""Distinct hypotheses about whose own states the model is linearised before any is weighed."""
+OF_ONE_NAME = 2
+"""Of them, those of the same effects."""
+LEADERS = 15.0
+"""Log units behind the best within which a hypothesis must be judged about its own states."""
+LAPS = 3
+"""Times that the leaders are settled again."""
+BEHIND = 20
+"""Log units behind the first starting state beyond which another one is not looked at."""
+LEVEL_BEHIND = 4.0
+"""Log units behind the best level of differences beyond which another level is not looked at."""
+MOST_LEVELS = 3
+"""Levels that are looked at."""
+WITH_UNKNOWN = 30
+"""Best sets that are weighed with the unknown beside them."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Weighed:
+    """A hypothesis, the log of prior times evidence, the inference in which it was judged, words for the unknown."""
+
+    members: Members
+    has_unknown: bool
+    log_weight: float
+    inference: Inference
+    words: str = ""
+
+    @property
+    def level(self) -> float:
+        """Level of differences between models at which it was judged."""
+        return self.inference.model.inputs.discrepancy.level
+
+    def times(self, log_factor: float) -> "Weighed":
+        """Return the hypothesis with its weight multiplied."""
+        return replace(self, log_weight=self.log_weight + log_factor)
+
+
+def search(inputs: Inputs, *, is_quick: bool = False) -> list[Weighed]:
+    """Return the hypotheses about inputs, at every level of differences between models that the readings bear.
+
+    With `is_quick` at the best level only, from one start.
+    """
+    states = starting_states(inputs)
+    levels = _levels(inputs, states[0])
+    if is_quick:
+        states, levels = states[:1], levels[:1]
+    first, log_level = levels[0]
+    started = [Inference(linearise(first, assignment)) for assignment in states]
+    enough = _promise(started[0]) - BEHIND
+    inferences = [started[0], *(one for one in started[1:] if _promise(one) > enough)]
+    by_start = [sorted(likely_sets(one), key=lambda h: -h.log_weight) for one in inferences]
+    found = {h.members: h for hypotheses in by_start for h in hypotheses}
+    if inputs.groups:
+        inferences = _polished(inferences, [[h.members for h in hypotheses] for hypotheses in by_start])
+    inputs.progress(Stage("weighing the best hypotheses exactly"))
+    ordered = sorted(found.values(), key=lambda h: -h.log_weight)
+    sets = _with_parts([h.members for h in ordered[:EXACT]])
+    weighed = _settled_leaders(inferences, sets)
+    everything = [*weighed, *_others(weighed, ordered, sets), *_with_unknown(weighed)]
+    result = [w.times(log_level) for w in everything]
+    kept = list({id(w.inference): w.inference for w in weighed}.values())
+    for level, log_share in levels[1:]:
+        again = [Inference(linearise(level, one.model.states)) for one in kept]
+        own = _weigh(again, sets)
+        result += [w.times(log_share) for w in (*own, *_with_unknown(own))]
+    return result
+
+
+def _levels(inputs: Inputs, states: np.ndarray) -> list[tuple[Inputs, float]]:
+    """Return the inputs at each level worth a look with the log of its probability, the best first."""
+    found = []
+    for level, log_share in inputs.discrepancy.log_levels:
+        at = replace(inputs, discrepancy=inputs.discrepancy.at(level))
+        found.append((_promise(Inference(linearise(at, states))) + log_share, at, log_share))
+    found.sort(key=lambda item: -item[0])
+    return [(at, log_share) for value, at, log_share in found[:MOST_LEVELS] if value > found[0][0] - LEVEL_BEHIND]
+
+
+def _promise(inference: Inference) -> float:
+    """Return the log evidence of the best single candidate, or of none."""
+    return inference.model.log_none + float(max(0.0, extensions(inference.model, ()).max(initial=0.0)))
+
+
+def _polished(started: list[Inference], by_start: Sequence[Sequence[Members]]) -> list[Inference]:
+    """Return inferences about the states that the best hypotheses of every start prefer, the best starts first."""
+    kept: list[Inference] = []
+    for start, sets in zip(started, by_start, strict=True):
+        most = len(kept) + max(2, POLISHED // len(started))
+        for members in _of_different_names(start, sets):
+            if len(kept) >= most:
+                break
+            found = _settled(start, members, kept)
+            if not any(_is_near(found, one) for one in kept):
+                kept.append(found)
+    return kept
+
+
+def _of_different_names(start: Inference, sets: Sequence[Members]) -> Iterable[Members]:
+    """Return the first sets of each combination of effects, `OF_ONE_NAME` of each."""
+    name, taken = start.model.inputs.priors.name, dict[tuple[int, ...], int]()
+    for members in sets[: 4 * POLISHED]:
+        names = tuple(sorted(name[list(members)].tolist()))
+        taken[names] = taken.get(names, 0) + 1
+        if taken[names] <= OF_ONE_NAME:
+            yield members
+
+
+def _is_near(one: Inference, other: Inference) -> bool:
+    return distance(one.model.states, other.model.states) < STATE_RESOLUTION / 5
+
+
+def _settled(start: Inference, members: Members, kept: Sequence[Inference]) -> Inference:
+    """Return the inference about the states that a set prefers: three steps at most, one that is kept where near."""
+    found = start
+    for _ in range(3):
+        states = moved_states(found.model, found.fit(members))
+        if distance(states, found.model.states) < STATE_RESOLUTION / 10:
+            break
+        near = [one for one in kept if distance(states, one.model.states) < STATE_RESOLUTION / 5]
+        found = near[0] if near else Inference(linearise(found.model.inputs, states))
+    return found
+
+
+def _settled_leaders(inferences: list[Inference], sets: list[Members]) -> list[Weighed]:
+    """Return all sets weighed, the leaders among them about their own states."""
+    weighed = _weigh(inferences, sets)
+    for _ in range(LAPS if inferences[0].model.inputs.groups else 0):
+        best = max(w.log_weight for w in weighed)
+        far = [w for w in weighed if w.log_weight > best - LEADERS and _away(w.inference, w.members) > _FAR]
+        new: list[Inference] = []
+        for w in sorted(far, key=lambda w: -w.log_weight)[:POLISHED]:
+            found = _settled(w.inference, w.members, [*inferences, *new])
+            if not any(_is_near(found, one) for one in [*inferences, *new]):
+                new.append(found)
+        if not new:
+            break
+        inferences = [*inferences, *new]
+        weighed = _weigh(inferences, sets)
+    return weighed
+
+
+_FAR = STATE_RESOLUTION / 2
+
+
+def _weigh(inferences: Sequence[Inference], sets: list[Members]) -> list[Weighed]:
+    for inference in inferences:  # all at once: one by one costs ten times as much
+        inference.judge(sets)
+    return [_exact(inferences, members) for members in sets]
+
+
+def _exact(inferences: Sequence[Inference], members: Members) -> Weighed:
+    """Return prior times evidence of a hypothesis in the inference nearest to its own states."""
+    tried = []
+    for inference in inferences:
+        model, judgement = inference.model, inference.judge([members])[0]
+        value = model.log_none + judgement.log_factor + log_box(model, judgement.fit)
+        tried.append((_away(inference, members), value + log_prior(model.inputs, members), inference))
+    near = [t for t in tried if t[0] < _FAR] or [min(tried, key=lambda t: t[0])]
+    _, value, nearest = max(near, key=lambda t: t[1])
+    return Weighed(members, False, value, nearest)
+
+
+def _away(inference: Inference, members: Members) -> float:
+    """Return how far the states that a set prefers lie from those of the inference."""
+    model = inference.model
+    if not model.inputs.groups:
+        return 0.0
+    return distance(moved_states(model, inference.judge([members])[0].fit), model.states)
+
+
+def _with_parts(sets: list[Members]) -> list[Members]:
+    """Return the sets, and what is left of the first `WHOLE` of them when members are taken out: never unjudged."""
+    parts = {part for members in sets[:WHOLE] for k in range(len(members)) for part in combinations(members, k)}
+    return [*sets, *sorted(parts - set(sets))]
+
+
+def _others(weighed: Sequence[Weighed], ordered: Sequence[Hypothesis], sets: Sequence[Members]) -> list[Weighed]:
+    """Return the hypotheses that were not judged exactly as they are, where all states are known."""
+    only, done = weighed[0].inference, set(sets)
+    if only.model.inputs.groups:
+        return []
+    left = [h for h in ordered if h.members not in done]
+    return [Weighed(h.members, False, h.log_weight + only.model.log_none, only) for h in left]
+
+
+def _with_unknown(weighed: Sequence[Weighed]) -> list[Weighed]:
+    """Return the unknown alone, beside every single effect and beside the best larger sets."""
+    best = max(weighed, key=lambda w: w.log_weight).inference
+    model, unknown = best.model, weigh_unknown(best.model)
+    inputs, conditioned = model.inputs, unknown.allowing.model
+    odds = inputs.odds.unknown
+    box = log_box(model, best.fit(()))
+    alone = model.log_none + unknown.log_factor + box + _log(odds[0])
+    found = [Weighed((), True, alone, unknown.allowing, unknown.words)]
+    beside = conditioned.log_none + box - unknown.log_kinds
+    logs = beside + extensions(conditioned, ()) + _log(odds[1]) - np.log(max(inputs.priors.n_effects, 1))
+    logs += inputs.priors.log_weight
+    found += [Weighed((j,), True, float(log), unknown.allowing, unknown.words) for j, log in enumerate(logs)]
+    larger = [w.members for w in sorted(weighed, key=lambda w: -w.log_weight) if len(w.members) == 2][:WITH_UNKNOWN]
+    for members, own in zip(larger, unknown.allowing.fits(larger), strict=True):
+        prior = log_prior(inputs, members) - _log(inputs.odds.count[2]) + _log(odds[2])
+        found.append(Weighed(members, True, beside + own.log_factor + prior, unknown.allowing, unknown.words))
+    return found
+
+
+def _log(probability: float) -> float:
+    return float(np.log(max(probability, 1e-300)))
+
+
+def log_total(weighed: Sequence[Weighed]) -> float:
+    """Return the log of the sum of all weights."""
+    return float(logsumexp([w.log_weight for w in weighed]))

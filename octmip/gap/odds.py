@@ -1,0 +1,40 @@
+"""Odds: how probable causes are before any reading, for whoever knows better than the defaults."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import isfinite
+
+from octmip.errors import DataError
+
+
+@dataclass(frozen=True, slots=True)
+class Odds:
+    """Prior probabilities of a diagnosis.
+
+    Attributes
+    ----------
+    count
+        of no, one, two and three effects of the library.
+    unknown
+        of something outside the library alone, beside one effect and beside two.
+    misstated
+        that the stated state of a test is wrong.
+    effects
+        by name, how many times as probable an effect is as one that is not named here; 0 leaves it out.
+    """
+
+    count: tuple[float, ...] = (0.48, 0.34, 0.12, 0.02)
+    unknown: tuple[float, ...] = (0.03, 0.01, 0.002)
+    misstated: float = 0.01
+    effects: Mapping[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        numbers = {"count": self.count, "unknown": self.unknown, "misstated": (self.misstated,)}
+        for name, values in numbers.items():
+            if not all(isfinite(v) and 0.0 <= v < 1.0 for v in values) or not sum(values) <= 1.0:
+                raise DataError(f"odds {name} are {values}; expected probabilities whose sum is at most 1")
+        if not self.count or not self.count[0] > 0.0:
+            raise DataError(f"odds count are {self.count}; expected a probability above 0 that no effect acts")
+        for name, factor in self.effects.items():
+            if not (isfinite(factor) and factor >= 0.0):
+                raise DataError(f"odds of effect {name} are {factor}; expected a factor of 0 or more")
