@@ -166,13 +166,13 @@ def with_misfit(
     closed = closing.closed if closing is not None and np.isfinite(closing.closed) else 0.0
     kept = min(1.0, chance / MISFIT) ** float(np.clip((1.0 - closed) / (1.0 - EXPLAINED), 0.0, 1.0))
     unknown = 1.0 - (1.0 - unknown_probability) * kept
+    if kept == 1.0:
+        return found, unknown_probability
     known = [replace(c, probability=c.probability * kept) for c in found if UNKNOWN not in c.effects]
-    others = [c for c in found if UNKNOWN in c.effects] if kept > 0.5 else []
-    grown = unknown / max(sum(c.probability for c in others), 1e-300)
-    if not others and unknown > unknown_probability:
-        others, grown = [Cause((UNKNOWN,), unknown, (), (), True, False, best.judged)], 1.0
-    others = [replace(c, probability=c.probability * min(grown, 1.0 / kept)) for c in others] if kept < 1.0 else others
-    return tuple(sorted([*known, *others], key=lambda cause: -cause.probability)), unknown
+    beside = [c for c in found if UNKNOWN in c.effects and kept > 0.5 and c.probability > 0.5 * unknown_probability]
+    plain = Cause((UNKNOWN,), unknown, (), (), True, False, best.judged)
+    outside = replace(beside[0], probability=unknown) if beside else plain
+    return tuple(sorted([*known, outside], key=lambda cause: -cause.probability)), unknown
 
 
 def credible_set(found: Sequence[Cause]) -> tuple[Cause, ...]:

@@ -152,8 +152,8 @@ class Columns:
         if gaps:
             named = ", ".join(gaps[:5]) + (f" and {len(gaps) - 5} more" if len(gaps) > 5 else "")
             raise DataError(
-                f"cells are missing in {named}; a hyperplane adds its features, and a sum with a missing value has none; "
-                f"{cure}"
+                f"cells are missing in {named}; a hyperplane adds its features, and a sum with a missing value has "
+                f"none; {cure}"
             )
 
     def unseen(self, frame: pd.DataFrame) -> tuple[str, ...]:

@@ -118,7 +118,8 @@ def _roots(model: LinearModel) -> dict[str, Floats]:
 
 def _fields(model: LinearModel, root: Floats) -> Iterator[tuple[int, "_Field"]]:
     """Return the whitened field of a root by power of the load."""
-    share = np.array([model.inputs.share_of_reference(load) for load in model.inputs.loads])[model.average, None]
+    inputs = model.inputs
+    share = np.array([inputs.share_of_reference(load) for load in inputs.loads])[model.average][:, None]
     for power in POWERS:
         u, s, _ = np.linalg.svd(model.whiten(share**power * root), full_matrices=False)
         yield power, _Field(u, s, u.T @ model.whitened.residual)
