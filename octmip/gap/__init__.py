@@ -1,6 +1,7 @@
 """The gap between an asset and its twin: where it lies, what explains it, how far it closes, what to test next."""
 
 from octmip.gap.campaign.campaign import Campaign, Cell
+from octmip.gap.campaign.gather import Recorded, gathered
 from octmip.gap.campaign.reader import read_campaign
 from octmip.gap.diagnosis import Diagnosis, diagnose, rounds
 from octmip.gap.doors.function import FunctionTwin, function_twin
@@ -18,9 +19,11 @@ __all__ = [
     "Cell",
     "Diagnosis",
     "FunctionTwin",
+    "Recorded",
     "SimpleEffect",
     "diagnose",
     "function_twin",
+    "gathered",
     "read_campaign",
     "rounds",
 ]

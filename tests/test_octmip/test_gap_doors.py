@@ -3,8 +3,9 @@
 import importlib.util
 import json
 import shutil
+import socket
+import subprocess
 import sys
-import threading
 import time
 
 import numpy as np
@@ -15,7 +16,7 @@ from octmip.errors import DataError, TwinError
 from octmip.gap import CachedTwin, Campaign, SimpleEffect, diagnose, function_twin
 from octmip.gap.doors import deck_twin, open_twin, read_card, script_twin, table_twin
 from octmip.gap.doors.card import card_of
-from octmip.gap.doors.um_bridge import served, um_bridge_twin
+from octmip.gap.doors.um_bridge import um_bridge_twin
 from octmip.report.diagnosis.recommendation import recommend
 from octmip.twin import Effect, Loads, Twin
 
@@ -257,26 +258,80 @@ def has(package):
     return importlib.util.find_spec(package) is not None
 
 
-@pytest.mark.skipif(not has("umbridge"), reason="the package umbridge is not installed")
-@pytest.mark.filterwarnings("ignore::DeprecationWarning")
-def test_a_twin_behind_um_bridge_is_diagnosed_as_the_function_is():
-    import umbridge
+def free_port():
+    with socket.socket() as listening:
+        listening.bind(("localhost", 0))
+        return listening.getsockname()[1]
 
-    port = 45871
-    server = threading.Thread(target=umbridge.serve_models, args=([served(TWIN, "beam")], port), daemon=True)
-    server.start()
-    address = f"http://localhost:{port}/beam"
-    for _ in range(100):
+
+@pytest.mark.skipif(not has("umbridge"), reason="the package umbridge is not installed")
+def test_a_twin_behind_um_bridge_is_diagnosed_as_the_function_is():
+    port = free_port()
+    code = f"from octmip.gap.doors import serve; from {__name__} import TWIN; serve(TWIN, {port}, 'beam')"
+    server = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    try:
+        twin = answering(f"http://localhost:{port}/beam")
+        assert twin.predict({}, 70.0) == pytest.approx(TWIN.predict({}, 70.0), rel=1e-15)
+        own, exact = (found_in(t, stiffness=92.0, loads=(200.0,)).which[0].parameters[0] for t in (twin, TWIN))
+        assert own.size == pytest.approx(exact.size, rel=1e-12)
+        with pytest.raises(DataError, match="correct the card"):
+            um_bridge_twin(f"http://localhost:{port}/beam", card_of({"u": "mm"}))
+        with pytest.raises(DataError, match="start its server"):
+            um_bridge_twin(f"http://localhost:{port}/tower", TWIN.card)
+    finally:
+        server.terminate()
+        server.wait()
+
+
+def answering(address):
+    for _ in range(600):
         try:
-            twin = um_bridge_twin(address, TWIN.card)
-            break
+            return um_bridge_twin(address, TWIN.card)
         except DataError:
-            time.sleep(0.05)
-    assert twin.predict({}, 70.0) == pytest.approx(TWIN.predict({}, 70.0), rel=1e-15)
-    own, exact = (found_in(t, stiffness=92.0).which[0].parameters[0] for t in (twin, TWIN))
+            time.sleep(0.1)
+    raise AssertionError(f"nothing answers at {address}")
+
+
+SLAVE = """
+from pythonfmu3 import Fmi3Causality, Fmi3Slave, Fmi3Variability, Float64
+{source}
+
+class Beamfmu(Fmi3Slave):
+    def __init__(self, **kwargs):
+        super().__init__(**kwargs)
+        self.time = 0.0
+        own, moving = Fmi3Causality.independent, Fmi3Variability.continuous
+        self.register_variable(Float64("time", causality=own, variability=moving))
+        for name, start in (("stiffness", 100.0), ("gap", 0.0), ("force", 0.0)):
+            setattr(self, name, start)
+            self.register_variable(
+                Float64(name, causality=Fmi3Causality.parameter, variability=Fmi3Variability.tunable, start=start)
+            )
+        for name in ("tip", "mid", "f1"):
+            setattr(self, name, 0.0)
+            self.register_variable(Float64(name, causality=Fmi3Causality.output))
+
+    def do_step(self, current_time, step_size):
+        for name, value in beam({{"stiffness": self.stiffness, "gap": self.gap}}, {{"force": self.force}}).items():
+            setattr(self, name, value)
+        return True
+"""
+
+
+@pytest.mark.skipif(
+    not (has("fmpy") and has("pythonfmu3")), reason="the packages fmpy and pythonfmu3 are not installed"
+)
+def test_an_fmu_is_diagnosed_as_the_function_is(tmp_path):
+    (tmp_path / "beamfmu.py").write_text(SLAVE.format(source=SOURCE))
+    build = [sys.executable, "-m", "pythonfmu3", "build", "-f", "beamfmu.py"]
+    subprocess.run(build, cwd=tmp_path, check=True, capture_output=True)
+    twin = open_twin(f"fmu:{beside(tmp_path / 'Beamfmu.fmu')}")
+    assert twin.predict({}, 200.0) == pytest.approx(TWIN.predict({}, 200.0), rel=1e-14)
+    own, exact = (found_in(t, stiffness=92.0, loads=(200.0,)).which[0].parameters[0] for t in (twin, TWIN))
     assert own.size == pytest.approx(exact.size, rel=1e-12)
-    with pytest.raises(DataError, match="correct the card"):
-        um_bridge_twin(address, card_of({"u": "mm"}))
+    wrong = {**CARD, "readings": {**READINGS, "f2": "Hz"}}
+    with pytest.raises(DataError, match="has no variable 'f2'"):
+        open_twin(f"fmu:{beside(tmp_path / 'Beamfmu.fmu', wrong)}")
 
 
 def test_a_server_that_is_not_there_is_one_sentence():

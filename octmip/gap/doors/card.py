@@ -91,9 +91,9 @@ class Card:
         twice = sorted({name for name in names if names.count(name) > 1})
         if twice:
             raise DataError(f"a card names {twice[0]!r} twice; expected one reading, load or parameter of a name")
-        strange = [name for name in self.channels if name not in self.readings]
-        if strange:
-            raise DataError(f"a card gives a channel to {strange[0]!r}, which is no reading; expected a reading's name")
+        unknown = [name for name in self.channels if name not in self.readings]
+        if unknown:
+            raise DataError(f"a card gives a channel to {unknown[0]!r}, which is no reading; expected a reading's name")
 
 
 def card_of(
@@ -134,9 +134,9 @@ def read_card(path: str | Path) -> Card:
         raise DataError(f"card {path} is no JSON ({error}); expected one object with the key 'readings'") from error
     if not isinstance(content, dict) or not isinstance(content.get("readings"), dict):
         raise DataError(f"card {path} has no object 'readings'; expected the unit of every reading by name; add it")
-    strange = [name for name in content if name not in FIELDS]
-    if strange:
-        raise DataError(f"card {path} has the key {strange[0]!r}; expected among {list(FIELDS)}; rename or drop it")
+    unknown = [name for name in content if name not in FIELDS]
+    if unknown:
+        raise DataError(f"card {path} has the key {unknown[0]!r}; expected among {list(FIELDS)}; rename or drop it")
     try:
         return card_of(**content)
     except (DataError, TypeError, AttributeError) as error:

@@ -8,7 +8,6 @@ parameters={"stiffness": (100.0, 80.0, 120.0, "kN/m")})
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -17,16 +16,15 @@ from numpy.typing import NDArray
 from octmip.errors import TwinError
 from octmip.gap.doors.card import Card, RangeLike, card_of
 from octmip.gap.doors.parameter import ParameterEffect
-from octmip.twin import ONE_LOAD, Load, Loads, State
+from octmip.twin import ONE_LOAD, Effect, Load, Loads, State
 
 Floats = NDArray[np.float64]
 Function = Callable[[Mapping[str, float], Mapping[str, float]], Any]
 """Values of all parameters and states, and of all loads, by name -> readings by name, or in the order of the card."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
 class FunctionTwin:
-    """A function with its card: a twin.
+    """A function with its card: a twin that asks each question once.
 
     Attributes
     ----------
@@ -34,16 +32,20 @@ class FunctionTwin:
         the model.
     card
         what it is asked for and answers.
+    effects
+        one for every parameter, and others that are added: `with_effects`.
     """
 
-    function: Function
-    card: Card
-    effects: Mapping[str, ParameterEffect] = field(init=False)
-    _answers: dict[tuple[float, ...], Floats] = field(init=False, default_factory=dict, repr=False)
+    def __init__(self, function: Function, card: Card, effects: Sequence[Effect] = ()) -> None:
+        self.function = function
+        self.card = card
+        own: list[Effect] = [ParameterEffect(name, values, self.ask) for name, values in card.parameters.items()]
+        self.effects: Mapping[str, Effect] = {effect.name: effect for effect in (*own, *effects)}
+        self._answers: dict[tuple[float, ...], Floats] = {}
 
-    def __post_init__(self) -> None:
-        ranges = self.card.parameters.items()
-        object.__setattr__(self, "effects", {name: ParameterEffect(name, own, self.ask) for name, own in ranges})
+    def with_effects(self, *effects: Effect) -> "FunctionTwin":
+        """Return the twin with more effects that the asset may show."""
+        return FunctionTwin(self.function, self.card, effects)
 
     @property
     def gauges(self) -> tuple[str, ...]:
