@@ -13,6 +13,8 @@ import tempfile
 import time
 from pathlib import Path
 
+from benchmarks.blind.assets.families import FAMILIES, available
+from benchmarks.blind.cases import SETS
 from benchmarks.blind.run import Plan, run
 
 
@@ -26,7 +28,8 @@ def main() -> None:
     parser.add_argument("--without", type=float, default=1.0, help="share diagnosed without commissioning run too")
     parser.add_argument("--lasso", type=int, default=60, help="cases for the group lasso")
     parser.add_argument("--trees", type=int, default=20, help="cases whose tree is retrained")
-    parser.add_argument("--calculix", type=float, default=0.25, help="share of the cases on CalculiX's asset")
+    parser.add_argument("--family", action="append", choices=FAMILIES, help="of assets; may be given more than once")
+    parser.add_argument("--strata", choices=SETS, default="main", help="sound: noises, two tests, wrong runs")
     parser.add_argument("--asset-mesh", type=float, default=1.3, help="refinement of femlib's asset")
     parser.add_argument("--twin-mesh", type=float, default=1.0, help="refinement of the twin")
     options = parser.parse_args()
@@ -38,9 +41,10 @@ def main() -> None:
         options.without,
         options.lasso,
         options.trees,
-        options.calculix,
+        tuple(options.family or available()),
         options.asset_mesh,
         options.twin_mesh,
+        options.strata,
     )
     signal.signal(signal.SIGTERM, _stop)
     with tempfile.TemporaryDirectory() as scratch:

@@ -31,7 +31,7 @@ class Task:
     Attributes
     ----------
     place
-        folder of its asset, which holds `commissioning.csv` and `campaigns`.
+        folder of its asset, which holds `commissioning.csv`, `campaigns`, and `runs` of cases that have their own.
     name
         of the case.
     refinement
@@ -92,6 +92,7 @@ class Found(TypedDict):
     unknown_probability: float
     inclusion: dict[str, float]
     findings: list[str]
+    doubts: list[str]
     stuck: list[str]
     significant: list[str]
     correction: list[float]
@@ -120,7 +121,8 @@ def answer(task: Task) -> list[Found]:
     """Return what the scorer may see of one case: a diagnosis with the commissioning run, and one without."""
     model = twin(task.refinement)
     campaign = read_campaign(task.place / "campaigns" / f"{task.name}.csv", model)
-    run = read_campaign(task.place / "commissioning.csv", model)
+    own = task.place / "runs" / f"{task.name}.csv"
+    run = read_campaign(own if own.exists() else task.place / "commissioning.csv", model)
     found = [_diagnosed(task, model, campaign, run)]
     if task.without:
         found.append(_diagnosed(task, model, campaign, None))
@@ -143,6 +145,7 @@ def _diagnosed(task: Task, model: CachedTwin, campaign: Campaign, run: Campaign 
         "unknown_probability": written["unknown_probability"],
         "inclusion": written["inclusion"],
         "findings": written["noise"]["findings"],
+        "doubts": list(getattr(diagnosis, "doubts", ())),
         "stuck": written["noise"]["stuck"],
         "significant": [entry["name"] for entry in written["where"]["entries"]],
         "correction": _correction(diagnosis, model),

@@ -2,25 +2,37 @@
 
 import csv
 import zlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from benchmarks.blind.assets.asset import PARAMETERS, Asset, State
-from benchmarks.blind.assets.changes import Moment, change
+from benchmarks.blind.assets.asset import DAMAGED, PARAMETERS, Asset
+from benchmarks.blind.assets.changes import change
+from benchmarks.blind.assets.moment import Moment, State
+from benchmarks.blind.noises import NOISES
 from benchmarks.blind.truths import SINGLES, TRACELESS, Truth, draw, draw_channel, draw_outside, in_order
 from femlib.arrays import FloatArray
 
-REPEATS, VARIANCE, INTERVAL = 50, 1000.0, 6.0
+REPEATS, INTERVAL = 50, 6.0
 ALL_LOADS = (0.0, 1.0, 2.0, 3.0)
 FEWER_LOADS = ((3.0,), (0.0, 3.0), (1.0, 2.0, 3.0))
 SHARES = {
     "none": 0.15, "noise": 0.15, "single": 0.17, "single, damaged": 0.10, "single, unknown state": 0.12,
     "pair": 0.14, "outside": 0.14, "channel": 0.03,
 }  # fmt: skip
-NOISES = ("correlated", "correlated", "correlated", "heavy", "heteroscedastic", "quantised")
+SOUND = {f"noise: {kind}": 1.0 for kind in NOISES} | {
+    "two tests": 1.0, "run: damaged": 1.0, "run: warm": 1.0, "run: other wing": 1.0,
+}  # fmt: skip
+"""Strata of assets that are sound, or would be if their commissioning run were right."""
+SETS: Mapping[str, Mapping[str, float]] = {"main": SHARES, "sound": {s: n / len(SOUND) for s, n in SOUND.items()}}
+WRONG_RUNS: Mapping[str, tuple[Truth, ...]] = {
+    "own": (), "damaged": (), "warm": (Truth("temperature_uniform", 10.0),),
+    "other wing": (Truth("outside", 0.03, "other_wing", {"seed": 0, "spot": ""}),),
+}  # fmt: skip
+"""What a commissioning run was taken with besides what it says; one more is that of a damaged asset."""
+MIXED_NOISES = ("AR(1) 0.3", "AR(1) 0.3", "AR(1) 0.3", "heavy", "heteroscedastic", "quantised")
 STEP = 40.0
 """Step of a coarse converter [microstrain]."""
 CONFOUNDED = {"modulus", "load_factor_error", "common_gain"}
@@ -36,7 +48,7 @@ class Case:
     name
         file name without ending.
     stratum
-        of `SHARES`.
+        of `SHARES` or of `SOUND`.
     truths
         what is wrong.
     states
@@ -44,11 +56,15 @@ class Case:
     is_known
         whether the file gives the states.
     loads
-        load factors of every test.
+        load factors of every test, or of each in turn.
     noise
-        "white" or one of `NOISES`.
+        one of `NOISES`.
     family
         of the asset.
+    is_split
+        whether each test has one load alone.
+    run
+        what the commissioning run was taken with, of `WRONG_RUNS`.
     """
 
     name: str
@@ -59,23 +75,23 @@ class Case:
     loads: tuple[float, ...]
     noise: str
     family: str
+    is_split: bool = False
+    run: str = "own"
 
     @property
     def cells(self) -> list[tuple[int, State, float]]:
         """Every test's number and state with every load, in the order of measurement."""
+        if self.is_split:
+            return [(k, state, load) for k, (state, load) in enumerate(zip(self.states, self.loads, strict=True))]
         return [(number, state, load) for number, state in enumerate(self.states) for load in self.loads]
 
 
-def draw_cases(seed: int, count: int, assets: Sequence[Asset], shares: Sequence[float]) -> list[Case]:
-    """Return about `count` cases: strata in their shares (at least one each), assets drawn by theirs."""
+def draw_cases(seed: int, count: int, assets: Sequence[Asset], strata_of: str = "main") -> list[Case]:
+    """Return about `count` cases of one of `SETS`: strata in their shares (at least one each), the assets in turn."""
     rng = np.random.default_rng([seed, 1])
-    strata = [s for s, share in SHARES.items() for _ in range(max(1, round(share * count)))]
+    strata = [s for s, share in SETS[strata_of].items() for _ in range(max(1, round(share * count)))]
     rng.shuffle(strata)
-    families = rng.choice(len(assets), len(strata), p=shares)
-    return [
-        _draw_case(f"case{k:04d}", stratum, rng, assets[family])
-        for k, (stratum, family) in enumerate(zip(strata, families, strict=True))
-    ]
+    return [_draw_case(f"case{k:04d}", stratum, rng, assets[k % len(assets)]) for k, stratum in enumerate(strata)]
 
 
 def _draw_case(name: str, stratum: str, rng: np.random.Generator, asset: Asset) -> Case:
@@ -83,13 +99,28 @@ def _draw_case(name: str, stratum: str, rng: np.random.Generator, asset: Asset) 
     damaged = asset.states[1 + int(rng.integers(len(asset.states) - 1))]
     states: tuple[State, ...] = (asset.states[0],)
     known = True
+    if stratum in SOUND:
+        return _draw_sound(name, stratum, rng, asset)
     if stratum == "single, damaged":
         states = (asset.states[0], damaged)
     elif stratum == "single, unknown state" or (stratum in ("none", "outside") and rng.random() < 0.3):
         states, known = (damaged,), False
     loads = ALL_LOADS if rng.random() < 0.8 else FEWER_LOADS[int(rng.integers(3))]
-    noise = str(rng.choice(NOISES)) if stratum == "noise" else "white"
+    noise = str(rng.choice(MIXED_NOISES)) if stratum == "noise" else "white"
     return Case(name, stratum, truths, states, known, loads, noise, asset.family)
+
+
+def _draw_sound(name: str, stratum: str, rng: np.random.Generator, asset: Asset) -> Case:
+    """Return a sound asset under a noise, in two unknown states at one load each, or beside a wrong run."""
+    kind, _, what = stratum.partition(": ")
+    healthy = (asset.states[0],)
+    if kind == "noise":
+        return Case(name, stratum, (), healthy, True, ALL_LOADS, what, asset.family)
+    if kind == "run":
+        return Case(name, stratum, (), healthy, True, ALL_LOADS, "white", asset.family, run=what)
+    first, second = rng.choice(len(asset.states), 2, replace=False)
+    states = (asset.states[first], asset.states[second])
+    return Case(name, stratum, (), states, False, (2.0, 3.0), "white", asset.family, is_split=True)
 
 
 def _draw_truths(stratum: str, rng: np.random.Generator, asset: Asset) -> tuple[Truth, ...]:
@@ -128,19 +159,6 @@ def moments(case: Case) -> list[Moment]:
     return found
 
 
-def scatter(kind: str, rng: np.random.Generator, shape: tuple[int, int], load: float) -> FloatArray:
-    """Return noise (n_repeats, n_gauges) of variance 1000 (heteroscedastic: from half to one and a half times)."""
-    white: FloatArray = rng.standard_normal(shape) * np.sqrt(VARIANCE)
-    if kind == "heavy":
-        return np.asarray(rng.standard_t(5, shape) * np.sqrt(VARIANCE * 3 / 5))
-    if kind == "heteroscedastic":
-        return np.asarray(white * np.sqrt(0.5 + load / 3.0))
-    if kind == "correlated":
-        for k in range(1, shape[0]):
-            white[k] = 0.3 * white[k - 1] + np.sqrt(1 - 0.09) * white[k]
-    return white
-
-
 def recorded(case: Case, asset: Asset, readings: FloatArray) -> FloatArray:
     """Return what the channels make of readings (n_rows, n_gauges): steps, limits, a channel that stands still."""
     step = STEP if case.noise == "quantised" else 0.1
@@ -155,19 +173,26 @@ def recorded(case: Case, asset: Asset, readings: FloatArray) -> FloatArray:
     return readings
 
 
-def write_campaign(path: Path, case: Case, asset: Asset, seed: int) -> None:
-    """Write the readings of a case."""
+def write_run(path: Path, asset: Asset, seed: int, kind: str = "own") -> None:
+    """Write a commissioning run: of the sound asset, or of what it says is the sound asset."""
+    state = DAMAGED if kind == "damaged" else asset.states[0]
+    case = Case(f"run of {path.stem}", "none", WRONG_RUNS[kind], (state,), True, ALL_LOADS, "white", asset.family)
+    write_campaign(path, case, asset, seed, (asset.states[0],))
+
+
+def write_campaign(path: Path, case: Case, asset: Asset, seed: int, told: Sequence[State] | None = None) -> None:
+    """Write the readings of a case; where its state is known, that which the file is told."""
     rng = np.random.default_rng([seed, 2, zlib.crc32(case.name.encode())])
-    parts = [
-        mean_readings(case.truths, asset, moment) + scatter(case.noise, rng, (REPEATS, len(asset.gauges)), moment.load)
-        for moment in moments(case)
-    ]
-    readings = iter(recorded(case, asset, np.concatenate(parts)).tolist())
+    means = np.concatenate([mean_readings(case.truths, asset, moment) for moment in moments(case)])
+    loads = np.repeat([load for _, _, load in case.cells], REPEATS)
+    noise = NOISES[case.noise](rng, loads, len(asset.gauges))
+    readings = iter(recorded(case, asset, means + noise).tolist())
+    stated = case.states if told is None else told
     with path.open("w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(["test", "load_factor", *PARAMETERS, "time", *asset.gauges])
-        for (number, state, load), moment in zip(case.cells, moments(case), strict=True):
-            told = [f"{v:g}" for v in state] if case.is_known else ["", ""]
+        for (number, _, load), moment in zip(case.cells, moments(case), strict=True):
+            words = [f"{v:g}" for v in stated[number]] if case.is_known else ["", ""]
             for time in moment.times.tolist():
                 row = [f"{value:.1f}" for value in next(readings)]
-                writer.writerow([f"T{number}", f"{load:g}", *told, f"{time + INTERVAL:g}", *row])
+                writer.writerow([f"T{number}", f"{load:g}", *words, f"{time + INTERVAL:g}", *row])

@@ -1,6 +1,6 @@
 """Figures with their intervals: shares, means, areas under curves, calibration."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -130,3 +130,16 @@ def calibration(
     draws = [error(rng.integers(n, size=n)) for _ in range(300)]
     low, high = np.quantile(draws, [0.025, 0.975]).tolist()
     return Figure(name, error(np.arange(n)), low, high, n, must)
+
+
+def table(title: str, columns: Mapping[str, Sequence[Figure]]) -> str:
+    """Return figures in Markdown: one row per name, what it owes, then one column per set of cases."""
+    named = {column: {row.name: row for row in rows} for column, rows in columns.items()}
+    names = dict.fromkeys(name for rows in named.values() for name in rows)
+    owed = {name: next(rows[name].owed() for rows in named.values() if name in rows) for name in names}
+    has_must = any(owed.values())
+    lines = [f"| {title} | {'must | ' * has_must}{' | '.join(columns)} |", "|---|" + "---|" * (has_must + len(columns))]
+    for name in names:
+        cells = [rows[name].words() if name in rows else "" for rows in named.values()]
+        lines.append(f"| {name} | {owed[name] + ' | ' if has_must else ''}{' | '.join(cells)} |")
+    return "\n".join(lines)

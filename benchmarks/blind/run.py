@@ -9,12 +9,13 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from benchmarks.blind.answers import Found, Task, answer, code
-from benchmarks.blind.assets import calculix
-from benchmarks.blind.assets.asset import REFINEMENT, Asset, FemlibAsset
-from benchmarks.blind.figure import Figure
+from benchmarks.blind.assets.families import available, in_order, made
+from benchmarks.blind.assets.shells import REFINEMENT
+from benchmarks.blind.figure import table
 from benchmarks.blind.guards import guards
 from benchmarks.blind.score import Pair, by_effect, figures, is_standard, open_keys, strata
 from benchmarks.blind.sealing import Key, seal
+from benchmarks.blind.sound import sound_tables
 from benchmarks.blind.trees import Retraining, recovered, tree_figures
 from octmip.gap.retrain import Recovery
 
@@ -31,10 +32,12 @@ class Plan:
         share of the cases diagnosed without commissioning run too.
     lasso, trees
         numbers of cases for the group lasso and for retraining.
-    calculix
-        share of the cases on CalculiX's asset, where `ccx` is installed.
+    families
+        of assets, each with its share of the cases.
     asset_mesh, twin_mesh
         refinements.
+    strata
+        of `cases.SETS`: "main", or "sound" for assets with which nothing is wrong.
     """
 
     seed: int
@@ -43,9 +46,10 @@ class Plan:
     without: float = 1.0
     lasso: int = 60
     trees: int = 60
-    calculix: float = 0.25
+    families: tuple[str, ...] = available()
     asset_mesh: float = REFINEMENT
     twin_mesh: float = 1.0
+    strata: str = "main"
 
 
 def run(folder: Path, plan: Plan) -> str:
@@ -71,19 +75,15 @@ def _settled(folder: Path, plan: Plan) -> Plan:
     """Return the plan of a set that was begun, otherwise write this one down."""
     path = folder / "plan.json"
     if path.exists():
-        return Plan(**{**json.loads(path.read_text()), "jobs": plan.jobs})
+        begun = json.loads(path.read_text())
+        return Plan(**{**begun, "families": tuple(begun["families"]), "jobs": plan.jobs})
     path.write_text(json.dumps(asdict(plan)))
     return plan
 
 
 def _seal(folder: Path, keys: Path, plan: Plan) -> None:
-    assets: list[Asset] = [FemlibAsset(plan.seed, plan.asset_mesh)]
-    shares = [1.0]
-    if plan.calculix > 0.0 and calculix.is_installed():
-        store = keys.with_suffix(".calculix.json")
-        assets.append(calculix.CalculixAsset(plan.seed, store=store, jobs=plan.jobs))
-        shares = [1.0 - plan.calculix, plan.calculix]
-    seal(folder, keys, plan.seed, plan.count, assets, shares, plan.trees)
+    assets = [made(name, plan.seed, keys, plan.asset_mesh, plan.jobs) for name in plan.families]
+    seal(folder, keys, plan.seed, plan.count, assets, plan.trees, plan.strata)
 
 
 def _diagnose(folder: Path, plan: Plan) -> list[Found]:
@@ -137,23 +137,25 @@ def _tasks(folder: Path, plan: Plan) -> list[Task]:
 
 def _tables(found: Sequence[Found], answers: Mapping[str, Key], plan: Plan) -> list[str]:
     """Return all tables."""
+    if plan.strata == "sound":
+        return sound_tables([(f, answers[f["name"]]) for f in found])
     cases = [(f, answers[f["name"]]) for f in found]
     with_run = [(f, a) for f, a in cases if f["calibrated"]]
     without = [(f, a) for f, a in cases if not f["calibrated"]]
     retrained = tree_figures(_recoveries(with_run, plan))
-    families = sorted({a["case"]["family"] for _, a in cases}, reverse=True)
+    families = in_order({a["case"]["family"] for _, a in cases})
     standard = [(f, a) for f, a in with_run if is_standard(a)]
     tables = [
-        _table(
+        table(
             "With the commissioning run",
             {"known healthy state, loads 0 to 3": figures(standard) + retrained, "all cases": figures(with_run)},
         ),
-        _table("Without a commissioning run", {"all cases": figures(without)}),
-        _table("By family, with the commissioning run", {name: figures(_of(with_run, name)) for name in families}),
-        _table("By family, without a commissioning run", {name: figures(_of(without, name)) for name in families}),
-        _table("Single effects", {"with the commissioning run": strata(with_run), "without": strata(without)}),
-        _table("Top-1 by effect, d' >= 5", {"with the commissioning run": by_effect(with_run)}),
-        _table("Guards and baselines, d' >= 5, with the commissioning run", {"single effects": guards(with_run)}),
+        table("Without a commissioning run", {"all cases": figures(without)}),
+        table("By family, with the commissioning run", {name: figures(_of(with_run, name)) for name in families}),
+        table("By family, without a commissioning run", {name: figures(_of(without, name)) for name in families}),
+        table("Single effects", {"with the commissioning run": strata(with_run), "without": strata(without)}),
+        table("Top-1 by effect, d' >= 5", {"with the commissioning run": by_effect(with_run)}),
+        table("Guards and baselines, d' >= 5, with the commissioning run", {"single effects": guards(with_run)}),
     ]
     return tables
 
@@ -179,16 +181,3 @@ def _heading(plan: Plan, count: int, clock: Sequence[float]) -> str:
 
 
 _STEPS = ("sealed", "diagnosed", "scored")
-
-
-def _table(title: str, columns: Mapping[str, Sequence[Figure]]) -> str:
-    """Return figures in Markdown: one row per name, what it owes, then one column per set of cases."""
-    named = {column: {row.name: row for row in rows} for column, rows in columns.items()}
-    names = dict.fromkeys(name for rows in named.values() for name in rows)
-    owed = {name: next(rows[name].owed() for rows in named.values() if name in rows) for name in names}
-    has_must = any(owed.values())
-    lines = [f"| {title} | {'must | ' * has_must}{' | '.join(columns)} |", "|---|" + "---|" * (has_must + len(columns))]
-    for name in names:
-        cells = [rows[name].words() if name in rows else "" for rows in named.values()]
-        lines.append(f"| {name} | {owed[name] + ' | ' if has_must else ''}{' | '.join(cells)} |")
-    return "\n".join(lines)

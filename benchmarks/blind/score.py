@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.blind.answers import Found
-from benchmarks.blind.cases import ALL_LOADS, CONFOUNDED, REPEATS, VARIANCE
+from benchmarks.blind.cases import ALL_LOADS, CONFOUNDED, REPEATS
 from benchmarks.blind.figure import Figure, area, calibration, share, statistic
+from benchmarks.blind.noises import VARIANCE
 from benchmarks.blind.sealing import LEAST, OWN, Key, fingerprint
 from benchmarks.blind.truths import TRACELESS
 from femlib.arrays import FloatArray
@@ -146,10 +147,10 @@ def _alarms(by: ByStratum) -> list[Figure]:
         return [bool(f["which"][0]["effects"]) for f, _ in part]
 
     of = {kind: [(f, a) for f, a in by["noise"] if a["case"]["noise"] == kind] for kind in _NAMED}
-    other = [pair for kind, part in of.items() if kind != "correlated" for pair in part]
+    other = [pair for kind, part in of.items() if kind != "AR(1) 0.3" for pair in part]
     return [
         share("false alarm, white noise", alarms(by["none"]), (-INFINITY, 0.02)),
-        share("false alarm, correlated noise", alarms(of["correlated"]), (-INFINITY, 0.05)),
+        share("false alarm, correlated noise", alarms(of["AR(1) 0.3"]), (-INFINITY, 0.05)),
         share("false alarm, heavy, heteroscedastic or quantised noise", alarms(other)),
         share("noise named", [_NAMED[a["case"]["noise"]] in f["findings"] for f, a in by["noise"]]),
         share("stuck or clipped channel named", [_channel_named(f, a) for f, a in by["channel"]]),
@@ -157,7 +158,7 @@ def _alarms(by: ByStratum) -> list[Figure]:
 
 
 _NAMED = {
-    "correlated": "correlated_noise", "heavy": "heavy_tailed_noise", "heteroscedastic": "heteroscedastic_noise",
+    "AR(1) 0.3": "correlated_noise", "heavy": "heavy_tailed_noise", "heteroscedastic": "heteroscedastic_noise",
     "quantised": "quantisation",
 }  # fmt: skip
 

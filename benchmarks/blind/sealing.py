@@ -13,19 +13,22 @@ from typing import NotRequired, TypedDict
 
 import numpy as np
 
-from benchmarks.blind.assets.asset import TREE_STATES, Asset, FemlibAsset, neighbours
-from benchmarks.blind.assets.changes import Moment
+from benchmarks.blind.assets.asset import TREE_STATES, Asset, neighbours
+from benchmarks.blind.assets.families import slug
+from benchmarks.blind.assets.moment import Moment
+from benchmarks.blind.assets.shells import FemlibAsset
 from benchmarks.blind.cases import (
     ALL_LOADS,
     INTERVAL,
     REPEATS,
-    VARIANCE,
     Case,
     draw_cases,
     mean_readings,
     moments,
     write_campaign,
+    write_run,
 )
+from benchmarks.blind.noises import VARIANCE
 from benchmarks.blind.truths import Extra, Truth
 from femlib.arrays import FloatArray
 
@@ -72,6 +75,8 @@ class CaseRecord(TypedDict):
     loads: list[float]
     noise: str
     family: str
+    is_split: bool
+    run: str
 
 
 class Key(Facts):
@@ -88,21 +93,24 @@ def seal(
     seed: int,
     count: int,
     assets: Sequence[Asset],
-    shares: Sequence[float],
     n_trees: int = 0,
+    strata: str = "main",
 ) -> None:
     """Write campaigns and seals to `folder`, the answers to `keys`; `n_trees` of them with the states of a tree."""
     for asset in assets:
         place = folder / slug(asset.family)
         (place / "campaigns").mkdir(parents=True, exist_ok=True)
-        healthy = Case("commissioning", "none", (), (asset.states[0],), True, ALL_LOADS, "white", asset.family)
-        write_campaign(place / "commissioning.csv", healthy, asset, seed)
+        (place / "runs").mkdir(exist_ok=True)
+        write_run(place / "commissioning.csv", asset, seed)
     by_family = {asset.family: asset for asset in assets}
     seals: dict[str, str] = {}
     answers: dict[str, object] = {}
-    for case in draw_cases(seed, count, assets, shares):
+    for case in draw_cases(seed, count, assets, strata):
         asset = by_family[case.family]
-        write_campaign(folder / slug(case.family) / "campaigns" / f"{case.name}.csv", case, asset, seed)
+        place = folder / slug(case.family)
+        write_campaign(place / "campaigns" / f"{case.name}.csv", case, asset, seed)
+        if case.run != "own":
+            write_run(place / "runs" / f"{case.name}.csv", asset, seed, case.run)
         answer: dict[str, object] = {"case": asdict(case), "salt": secrets.token_hex(16), **facts(case, asset)}
         if n_trees > 0 and _is_for_tree(case):
             answer["tree_means"] = tree_means(case, asset)
@@ -111,11 +119,6 @@ def seal(
         answers[case.name] = answer
     keys.write_text(json.dumps(answers))
     (folder / "seals.json").write_text(json.dumps(seals, indent=1, sort_keys=True))  # last: the set is whole
-
-
-def slug(family: str) -> str:
-    """Return the folder's name of a family."""
-    return family.split(",")[0].lower()
 
 
 def fingerprint(answer: object) -> str:
@@ -180,11 +183,12 @@ def _covariance(case: Case, asset: Asset, is_calibrated: bool) -> FloatArray:
     covariance = np.eye(len(loads) * n) * noise + np.kron(np.outer(loads / 3.0, loads / 3.0), model)
     if case.is_known:
         return covariance
-    state = case.states[0]
-    for near in neighbours(state):
-        step = max(abs(a - b) for a, b in zip(near, state, strict=True))
-        tangent = np.kron(loads, (asset.strain(near) - asset.strain(state)) / step)
-        covariance += DAMAGE**2 * np.outer(tangent, tangent)
+    for number, state in enumerate(case.states):
+        own = loads * [test == number for test, _, _ in case.cells]
+        for near in neighbours(state):
+            step = max(abs(a - b) for a, b in zip(near, state, strict=True))
+            tangent = np.kron(own, (asset.strain(near) - asset.strain(state)) / step)
+            covariance += DAMAGE**2 * np.outer(tangent, tangent)
     return covariance
 
 

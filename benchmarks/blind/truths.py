@@ -49,7 +49,6 @@ ONE_SIDED = {"payload_inertia", "large_deflection", "creep", "misalignment"}
 FLAWS = ("damage_outside_library", "spar_skin_debond")
 DISCRETE = ("swapped_pair", "dead_gauge")
 TRACELESS = "root_flexibility"
-OUTSIDE = ("hot_spot", "quadratic_gauges", "rib_field", "patchy_gain", "hysteresis", "passing_sun")
 SINGLES = (*SCALES, *FLAWS, *DISCRETE)
 CHANNEL = ("stuck_gauge", "clipping")
 """Faults of a channel that show in the noise, not effects with a size."""
@@ -87,10 +86,12 @@ def _place(name: str, rng: np.random.Generator, asset: Asset) -> str:
 
 
 def draw_outside(rng: np.random.Generator, asset: Asset) -> Truth:
-    """Return a truth that no library holds."""
-    kind = str(rng.choice(OUTSIDE))
+    """Return a truth that no library holds, of a kind that its family has."""
+    kind = str(rng.choice(asset.outside))
     size = log_uniform(rng) * float(rng.choice([-1.0, 1.0]))
-    return Truth("outside", size, kind, {"seed": int(rng.integers(2**31)), "spot": str(rng.choice(asset.hot_spots))})
+    seed = int(rng.integers(2**31))
+    spot = str(rng.choice(asset.hot_spots)) if asset.hot_spots else ""
+    return Truth("outside", size, kind, {"seed": seed, "spot": spot})
 
 
 def draw_channel(rng: np.random.Generator, asset: Asset) -> Truth:

@@ -25,7 +25,7 @@ from octmip.tradeoff import score
 
 DEFAULTS = {
     "axis": ("cart", "search", "exact", "benders", "flow", "oct"),
-    "hyperplane": ("cart", "search", "flow", "oct_h"),
+    "hyperplane": ("cart", "search", "benders", "flow", "oct_h"),
 }
 
 EXAMPLES = """\

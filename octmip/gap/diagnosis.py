@@ -27,10 +27,13 @@ from octmip.gap.inference.posterior import Judged, Posterior, attribute
 from octmip.gap.inference.states import joint_covariance, state_posterior
 from octmip.gap.location import Where, localise
 from octmip.gap.next_test import Proposal, next_tests
+from octmip.gap.odds import Odds
 from octmip.gap.progress import Progress, Stage, silent
+from octmip.gap.run_doubt import RunDoubt, doubt_of
 from octmip.gap.shrinkage import Shrinkage, measure_shrinkage
 from octmip.gap.tree_nodes import flips
 from octmip.gap.twins.augmented import Addition, AugmentedTwin
+from octmip.gap.twins.cached import CachedTwin
 from octmip.tree import Node
 from octmip.twin import MICROSTRAIN, Effect, Twin, units_of
 
@@ -86,6 +89,8 @@ class Diagnosis:
         unknown states under the first cause.
     notes
         what the reader should know about the data.
+    doubts
+        what speaks against the commissioning run, as sentences; a run that is not usable was left out.
     posterior
         all hypotheses.
     """
@@ -102,6 +107,7 @@ class Diagnosis:
     states: tuple[StateEstimate, ...]
     notes: tuple[str, ...]
     posterior: Posterior
+    doubts: tuple[str, ...] = ()
 
     @property
     def ambiguity(self) -> tuple[ConfoundedEffects, ...]:
@@ -145,6 +151,7 @@ def diagnose(
     feature_names: Sequence[str] = (),
     noise_sd: float | Mapping[str, float] | None = None,
     progress: Progress = silent,
+    odds: Odds = Odds(),  # noqa: B008  (frozen)
 ) -> Diagnosis:
     """Return where campaign and twin differ, which effects explain it, how far the gap closes, and what to test next.
 
@@ -168,6 +175,8 @@ def diagnose(
         card; used where no load was read often enough to estimate the noise.
     progress
         called at the start of every stage; what it raises ends the diagnosis.
+    odds
+        how probable causes are before any reading.
 
     Raises
     ------
@@ -176,7 +185,7 @@ def diagnose(
         gauge or a known state).
     """
     with threadpool_limits(1):  # the matrices are small: threads cost more than they save
-        return _diagnose(campaign, twin, effects, commissioning, tree, feature_names, noise_sd, progress)
+        return _diagnose(campaign, twin, effects, commissioning, tree, feature_names, noise_sd, progress, odds)
 
 
 def _diagnose(
@@ -188,10 +197,17 @@ def _diagnose(
     feature_names: Sequence[str],
     noise_sd: float | Mapping[str, float] | None,
     progress: Progress,
+    odds: Odds,
 ) -> Diagnosis:
     progress(Stage("the noise of the readings"))
     chosen = completed(effects if effects is not None else library_of(twin, campaign))
-    inputs, notes = prepare(campaign, twin, chosen, commissioning, noise_sd, progress)
+    asked = twin if isinstance(twin, CachedTwin) else CachedTwin(twin)
+    inputs, notes = prepare(campaign, asked, chosen, commissioning, noise_sd, progress, odds)
+    doubt = RunDoubt()
+    if isinstance(commissioning, Campaign):
+        doubt = doubt_of(commissioning, asked, chosen, inputs.discrepancy, noise_sd, odds)
+    if not doubt.is_usable:
+        inputs, notes = prepare(campaign, asked, chosen, None, noise_sd, progress, odds)
     posterior = attribute(inputs)
     progress(Stage("how far the best cause closes the gap"))
     which, closing, unknown_probability = _which(posterior)
@@ -210,8 +226,9 @@ def _diagnose(
         detectable=sizes,
         refused=_refused(which, model, sizes),
         states=_states(which[0].judged) if which else (),
-        notes=(*campaign.notes, *notes),
+        notes=(*doubt.sentences, *campaign.notes, *notes),
         posterior=posterior,
+        doubts=doubt.sentences,
     )
 
 

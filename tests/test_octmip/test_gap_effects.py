@@ -9,6 +9,7 @@ import pytest
 from octmip.errors import DataError
 from octmip.gap import CHAIN, CachedTwin
 from octmip.gap.inference.candidates import candidates_of
+from octmip.gap.odds import Odds
 from tests.test_octmip.beam_twin import Beam, Field
 
 NAMES = ("a/b", "<", "x<y", "a", "b", "/", "y")
@@ -58,7 +59,7 @@ def test_a_place_of_no_gauges_is_refused(name):
 def test_gauges_that_were_not_read_have_no_candidates_whatever_they_are_called():
     read = tuple(name for name in NAMES if name not in ("a/b", "x<y"))
     effects = {name: CHAIN[name] for name in ("gauge_gain", *PAIRS)}
-    found = candidates_of(effects, Named(NAMES), read)
+    found = candidates_of(effects, Named(NAMES), read, Odds())
     places = {name: {found.place for found in found if found.name == name} for name in effects}
     assert places["gauge_gain"] == set(read)
     assert places["swapped_pair"] == set(CHAIN["swapped_pair"].places(Named(read)))

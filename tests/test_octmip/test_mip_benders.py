@@ -85,9 +85,10 @@ def test_an_interrupt_in_a_round_ends_every_thread_and_keeps_the_bound():
     assert not [thread for thread in threading.enumerate()[n_threads:] if "ThreadPool" in thread.name]
 
 
-def test_hyperplanes_are_refused():
-    with pytest.raises(ProblemError, match="axis-aligned"):
-        solve(mixed(20, 2, 2, 0, depth=2, split="hyperplane"), "benders")
+@pytest.mark.parametrize("options", [{"depth": 3}, {"leaf_size": 2}, {"leaf_penalty": 1.0}, {"sensor_budget": 1}])
+def test_hyperplanes_with_what_their_cuts_do_not_speak_about_are_refused(options):
+    with pytest.raises(ProblemError, match="choose 'flow'"):
+        solve_benders(mixed(20, 2, 2, 0, split="hyperplane", **({"depth": 2} | options)))
 
 
 def best_price(problem: Problem, samples: np.ndarray) -> float:
@@ -107,10 +108,18 @@ def test_every_bound_that_a_subproblem_teaches_holds_for_every_cut():
             samples = rng.random(10) < 0.5
             if samples.any():
                 bounds.learn(samples, best_price(problem, samples))
-        for place in range(len(bounds.feature)):
+        for place in range(len(bounds.cuts.feature)):
             left = bounds.is_left(bounds.cut(place))
             assert bounds.left[place] <= best_price(problem, left)
             assert bounds.right[place] <= best_price(problem, ~left)
+
+
+def test_of_cuts_that_are_alike_the_innermost_of_a_run_comes_first():
+    features = np.column_stack([np.arange(7), [0, 0, 0, 1, 1, 2, 2]]).astype(float)
+    problem = Problem(features, [0, 1, 0, 1, 0, 1, 0], depth=2)
+    bounds = Bounds.of_class_counts(problem, own_prices(problem))
+    assert bounds.cuts.feature.tolist() == [0, 0, 0, 0, 0, 0, 1, 1]
+    assert bounds.depth_in_run(np.array([1, 1, 1, 0, 1, 1, 1, 1], dtype=bool)).tolist() == [1, 2, 1, 0, 1, 1, 1, 1]
 
 
 def test_what_is_remembered_of_other_nodes_holds_for_the_samples_asked():

@@ -19,7 +19,9 @@ from typing import ClassVar, TypedDict
 import numpy as np
 
 from benchmarks.blind.assets import forces
-from benchmarks.blind.assets.asset import PARAMETERS, STATES, THICKER, Asset, Flaw, State, neighbours
+from benchmarks.blind.assets.asset import DAMAGED, PARAMETERS, STATES, Flaw, neighbours
+from benchmarks.blind.assets.moment import State
+from benchmarks.blind.assets.shells import THICKER, ShellAsset
 from femlib.arrays import FloatArray
 from femlib.components import DamagedStructure
 from femlib.wing import Wing, uav_wing
@@ -55,10 +57,11 @@ class Deck:
     settings: Settings
 
 
-class CalculixAsset(Asset):
+class CalculixAsset(ShellAsset):
     """The wing as CalculiX sees it."""
 
     family = "CalculiX"
+    outside: ClassVar[tuple[str, ...]] = ("hot_spot", "patchy_gain", "hysteresis")
     states = tuple(STATES[k] for k in (0, 3, 4))
     n_places: ClassVar[Mapping[str, int]] = {
         "payload_inertia": 2,
@@ -103,7 +106,9 @@ class CalculixAsset(Asset):
         thick = uav_wing(
             refinement=self.refinement, materials=replace(cards, skin_young=cards.skin_young * (1 + THICKER))
         )
-        every = dict.fromkeys([*self.states, *(near for state in self.states[1:] for near in neighbours(state))])
+        every = dict.fromkeys(
+            [*self.states, DAMAGED, *(near for state in self.states[1:] for near in neighbours(state))]
+        )
         decks = [Deck(_key("lift", state), wing, state, {}) for state in every]
         decks += [Deck(_key("stiffer skin", state), thick, state, {}) for state in self.states]
         decks += [Deck(_key(f.place, STATES[0]), _patched(wing, f), STATES[0], {}) for f in self.flaws]

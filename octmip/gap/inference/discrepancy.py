@@ -23,6 +23,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp
+from scipy.stats import chi2
 
 from octmip.errors import DataError
 from octmip.gap.campaign.campaign import Campaign, Cell
@@ -48,6 +49,8 @@ FLOOR = 0.003
 """Sd of the part of each gauge over the rms of its unit's readings: gauges of little strain differ by more."""
 DAMAGE = 0.04
 """Relative sd of the change that damage makes: on meshes of 30k degrees of freedom it is known to some per cent."""
+UNEVEN = 1e-3
+"""Chance below which a run is taken as not proportional to the load."""
 HALF = 0.5
 """Damage of the states over which a reading of unknown unit is measured."""
 LENGTH = 0.3
@@ -74,6 +77,10 @@ class Discrepancy:
         levels that are possible, each with the log of its probability.
     is_calibrated
         whether a commissioning run stands behind it.
+    p_value
+        chance of a commissioning run that is as far from proportional to the twin's healthy readings; 1 without a run.
+    own_level
+        level of the healthy readings themselves, the mean over its posterior (without a run over its prior).
     """
 
     mean: Floats
@@ -83,6 +90,8 @@ class Discrepancy:
     level: float
     log_levels: tuple[tuple[float, float], ...]
     is_calibrated: bool
+    p_value: float = 1.0
+    own_level: float = 1.0
 
     def at(self, level: float) -> "Discrepancy":
         """Return the difference at another level; what a commissioning run has measured stays."""
@@ -108,6 +117,9 @@ def uncalibrated(twin: CachedTwin, gauges: Sequence[str], load: Load) -> Discrep
 def calibrated(run: Campaign, twin: CachedTwin, gauges: tuple[str, ...], load: Load) -> Discrepancy:
     """Return the difference that a commissioning run shows for these gauges, at the reference load `load`.
 
+    Where the run is not proportional to the twin's healthy readings (chance below `UNEVEN`), what does not grow with
+    the load is fitted beside d, so that a temperature or a bias of that day does not enter the calibration.
+
     Raises
     ------
     DataError
@@ -115,16 +127,25 @@ def calibrated(run: Campaign, twin: CachedTwin, gauges: tuple[str, ...], load: L
     """
     _check_run(run, gauges)
     prior = uncalibrated(twin, gauges, load)
-    precision, projection = _information(run, twin, gauges, load, prior)
-    if not precision.any():
+    read = _Run.of(run, twin, gauges, load, prior)
+    if not read.precision.any():
         raise DataError("the commissioning run holds readings at zero load only; expected two loads or more")
+    p_value = read.p_value()
+    precision, projection = read.without_offsets(prior.scale) if p_value < UNEVEN else (read.precision, read.projection)
     known = [_posterior(prior.at(level).covariance, precision, projection) for level in LEVELS]
     logs = np.log(LEVEL_PRIOR) + np.array([log for _, _, log in known])
     share = np.exp(logs - logsumexp(logs))
     mean = np.einsum("l,lg->g", share, np.array([m for m, _, _ in known]))
     spread = np.array([c + np.outer(m - mean, m - mean) for m, c, _ in known])
-    covariance = np.asarray(np.einsum("l,lij->ij", share, spread))
-    return replace(prior, mean=mean, covariance=covariance, log_levels=_spread(share), is_calibrated=True)
+    return replace(
+        prior,
+        mean=mean,
+        covariance=np.asarray(np.einsum("l,lij->ij", share, spread)),
+        log_levels=_spread(share),
+        is_calibrated=True,
+        p_value=p_value,
+        own_level=float(share @ LEVELS),
+    )
 
 
 def scale_of(twin: CachedTwin, gauges: Sequence[str], load: Load) -> Floats:
@@ -160,23 +181,60 @@ def _unit_covariance(twin: CachedTwin, gauges: Sequence[str], healthy: Floats, s
     return np.asarray(common * np.outer(healthy, healthy) + np.diag(own))
 
 
-def _information(
-    run: Campaign, twin: CachedTwin, gauges: tuple[str, ...], load: Load, prior: Discrepancy
-) -> tuple[Floats, Floats]:
-    """Return P (n_gauges, n_gauges) and h (n_gauges,) of a commissioning run."""
-    order = [run.gauges.index(name) for name in gauges]
-    columns = [twin.gauges.index(name) for name in gauges]
-    noise = estimate_noise(run)
-    reference = twin.predict({}, load)[columns]
-    precision, projection = np.zeros((len(gauges), len(gauges))), np.zeros(len(gauges))
-    for cell in run.cells:
-        state = dict(zip(run.parameters, cell.state.tolist(), strict=True))
-        predicted = twin.predict(state, cell.load)[columns]
-        phi = prior.share(twin.predict({}, cell.load)[columns], reference)
-        weight = _weight(noise, cell, order)
-        precision += phi**2 * weight
-        projection += phi * weight @ np.nan_to_num(cell.mean[order] - predicted)
-    return precision, projection
+@dataclass(frozen=True, slots=True, eq=False)
+class _Run:
+    """What a commissioning run says of d and of offsets o that do not grow with the load: residual = phi d + o + noise.
+
+    Attributes
+    ----------
+    precision, across, constant
+        (n_gauges, n_gauges) of (d, d), (d, o) and (o, o).
+    projection, offset
+        (n_gauges,) of d and of o.
+    squared, n
+        chi-squared of the residuals and their number.
+    """
+
+    precision: Floats
+    across: Floats
+    constant: Floats
+    projection: Floats
+    offset: Floats
+    squared: float
+    n: int
+
+    @classmethod
+    def of(cls, run: Campaign, twin: CachedTwin, gauges: tuple[str, ...], load: Load, prior: "Discrepancy") -> "_Run":
+        """Read a run."""
+        order = [run.gauges.index(name) for name in gauges]
+        columns = [twin.gauges.index(name) for name in gauges]
+        noise = estimate_noise(run)
+        reference = twin.predict({}, load)[columns]
+        square, flat, squared, n = np.zeros((3, len(gauges), len(gauges))), np.zeros((2, len(gauges))), 0.0, 0
+        for cell in run.cells:
+            state = dict(zip(run.parameters, cell.state.tolist(), strict=True))
+            phi = prior.share(twin.predict({}, cell.load)[columns], reference)
+            weight = _weight(noise, cell, order)
+            residual = np.nan_to_num(cell.mean[order] - twin.predict(state, cell.load)[columns])
+            square += np.multiply.outer([phi**2, phi, 1.0], weight)
+            flat += np.multiply.outer([phi, 1.0], weight @ residual)
+            squared, n = squared + float(residual @ weight @ residual), n + int((cell.count[order] > 0).sum())
+        return cls(square[0], square[1], square[2], flat[0], flat[1], squared, n)
+
+    def p_value(self) -> float:
+        """Return the chance of what the best d leaves; 1 where the run has one load only."""
+        free = self.n - int(np.linalg.matrix_rank(self.precision))
+        if free <= 0:
+            return 1.0
+        best = np.linalg.lstsq(self.precision, self.projection, rcond=None)[0]
+        return float(chi2.sf(self.squared - float(self.projection @ best), free))
+
+    def without_offsets(self, scale: Floats) -> tuple[Floats, Floats]:
+        """Return precision and projection of d, offsets of any size up to the scale of the readings taken out."""
+        inner = self.constant + np.diag(scale**-2.0)
+        solved = np.linalg.solve(inner, np.column_stack([self.across.T, self.offset]))
+        precision = self.precision - self.across @ solved[:, :-1]
+        return 0.5 * (precision + precision.T), self.projection - self.across @ solved[:, -1]
 
 
 def _posterior(prior: Floats, precision: Floats, projection: Floats) -> tuple[Floats, Floats, float]:

@@ -17,7 +17,7 @@ from octmip.gap.inference.evidence import Fit, Members
 from octmip.gap.inference.inference import Inference
 from octmip.gap.inference.inputs import Inputs, doubted_state, one_state
 from octmip.gap.inference.linear_model import LinearModel
-from octmip.gap.inference.search import Weighed, log_total, search
+from octmip.gap.inference.search import Weighed, log_total, weighed_hypotheses
 
 SOUND_ENOUGH = 0.5
 """Probability that nothing is wrong, beyond which no stated state is doubted."""
@@ -128,11 +128,11 @@ Key = tuple[Members, bool, str]
 
 def attribute(inputs: Inputs) -> Posterior:
     """Return the posterior over sets of effects."""
-    found = {"": search(inputs)}
+    found = {"": weighed_hypotheses(inputs)}
     together = one_state(inputs)
     same_state = None
     if together is not None:
-        merged = search(together)
+        merged = weighed_hypotheses(together)
         same_state = float(1.0 / (1.0 + np.exp(np.clip(log_total(found[""]) - log_total(merged), -700, 700))))
         found[""] = merged if same_state > 0.5 else found[""]
     if _may_be_misstated(inputs, found[""]):
@@ -154,7 +154,7 @@ def _with_doubts(inputs: Inputs) -> dict[str, list[Weighed]]:
     prior = float(np.log(max(inputs.odds.misstated, 1e-300))) - float(np.log(max(len(tests), 1)))
     found = {}
     for test in tests:
-        weighed = search(doubted_state(inputs, test), is_quick=True)
+        weighed = weighed_hypotheses(doubted_state(inputs, test), is_quick=True)
         found[test] = [w.times(prior) for w in weighed]
     return found
 

@@ -63,7 +63,7 @@ class Weighed:
         return replace(self, log_weight=self.log_weight + log_factor)
 
 
-def search(inputs: Inputs, *, is_quick: bool = False) -> list[Weighed]:
+def weighed_hypotheses(inputs: Inputs, *, is_quick: bool = False) -> list[Weighed]:
     """Return the hypotheses about inputs, at every level of differences between models that the readings bear.
 
     With `is_quick` at the best level only, from one start.

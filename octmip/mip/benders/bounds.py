@@ -24,21 +24,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.encoding import Ranks, rank_features
+from octmip.mip.benders.cuts import Cut, Cuts
 from octmip.mip.blocks import axis
 from octmip.mip.blocks.classcount import ClassCount
 from octmip.mip.prices import Prices
 from octmip.problem import Problem
 
 NEVER = np.inf  # the bound of a cut that no tree of the problem makes
-
-
-@dataclass(frozen=True, slots=True)
-class Cut:
-    """A cut by its place among all cuts, with its feature and its rank: ranks up to it go left."""
-
-    place: int
-    feature: int
-    rank: int
 
 
 @dataclass(slots=True, eq=False)
@@ -49,8 +41,8 @@ class Bounds:
     ----------
     problem, prices, ranks
         of the node's samples.
-    feature, rank
-        (n_cuts,) of each cut.
+    cuts
+        of the node, in the order of the following.
     left, right
         (n_cuts,) least price of a tree for the samples on that side.
     both
@@ -60,8 +52,7 @@ class Bounds:
     problem: Problem
     prices: Prices
     ranks: Ranks
-    feature: NDArray[np.int64]
-    rank: NDArray[np.int64]
+    cuts: Cuts
     left: NDArray[np.float64]
     right: NDArray[np.float64]
     both: NDArray[np.float64]
@@ -70,21 +61,14 @@ class Bounds:
     def of_class_counts(cls, problem: Problem, prices: Prices) -> "Bounds":
         """Return the bounds that follow from class counts alone."""
         ranks = rank_features(problem)
+        usable = np.array(axis.usable_features(problem, ranks), dtype=np.int64)
         counts, n_leaves = ClassCount(problem, ranks, prices), 2 ** (problem.depth - 1)
         worst = prices.costs.max(axis=1)
-        features, lefts, rights, places = [], [], [], []
-        for j in axis.usable_features(problem, ranks):
-            left, (earned_left, earned_right) = counts.left_of_cuts(j), counts.earned_by_side(j, n_leaves)
-            features.append(np.full(len(left), j))
-            places.append(np.arange(len(left)))
-            lefts.append(left @ worst - earned_left)
-            rights.append((counts.total() - left) @ worst - earned_right)
-        if not features:
-            nothing = np.zeros(0)
-            return cls(problem, prices, ranks, nothing.astype(np.int64), nothing.astype(np.int64), *([nothing] * 3))
-        left, right = np.concatenate(lefts), np.concatenate(rights)
-        feature, rank = np.concatenate(features), np.concatenate(places)
-        out = cls(problem, prices, ranks, feature, rank, left, right, np.zeros(len(left)))
+        cuts = Cuts.of(ranks, usable)
+        on_left = cuts.left_of(prices.weights, prices.profile, prices.n_profiles)
+        on_right = counts.total() - on_left
+        left, right = (side @ worst - counts.earned(side, n_leaves) for side in (on_left, on_right))
+        out = cls(problem, prices, ranks, cuts, left, right, np.zeros(len(left)))
         out._leave_out_small_sides()
         return out
 
@@ -99,9 +83,22 @@ class Bounds:
         """(n_cuts,) least price of a tree that makes each cut."""
         return np.asarray(np.maximum(self.left + self.right, self.both) + self.prices.penalty)
 
+    def depth_in_run(self, is_open: NDArray[np.bool_]) -> NDArray[np.int64]:
+        """Return how far each cut lies inside its run of open cuts of one feature, 0 where it is not open, (n_cuts,).
+
+        The answer of a cut bounds its neighbours, on either side. So of cuts that are alike the innermost teaches most.
+        """
+        feature = self.cuts.feature
+        place = np.arange(1, len(feature) + 1)
+        begins = np.diff(feature, prepend=-1) != 0
+        ends = np.diff(feature, append=-1) != 0
+        before = np.maximum.accumulate(np.where(is_open, np.where(begins, place - 1, 0), place))
+        after = np.minimum.accumulate(np.where(is_open, np.where(ends, place + 1, len(place) + 1), place)[::-1])[::-1]
+        return np.asarray(np.minimum(place - before, after - place))
+
     def cut(self, place: int) -> Cut:
         """Return a cut by its place."""
-        return Cut(place, int(self.feature[place]), int(self.rank[place]))
+        return Cut(place, int(self.cuts.feature[place]), int(self.cuts.rank[place]))
 
     def is_left(self, cut: Cut) -> NDArray[np.bool_]:
         """Return which samples a cut sends left, (n_samples,)."""
@@ -131,16 +128,11 @@ class Bounds:
             left[outside > 0] = 0
             right[outside < (~samples).sum()] = 0
         if sensor is not None:
-            is_other = self.problem.sensor_index[self.feature] != sensor
+            is_other = self.problem.sensor_index[self.cuts.feature] != sensor
             left[is_other] = right[is_other] = 0
         np.maximum(self.left, left, out=self.left)
         np.maximum(self.right, right, out=self.right)
 
     def _by_cut(self, amount: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the sum of an amount per sample over the samples left of each cut, (n_cuts,)."""
-        out = np.empty(len(self.feature))
-        for j in np.unique(self.feature):
-            is_of = self.feature == j
-            n_values = len(self.ranks.values[j])
-            out[is_of] = np.bincount(self.ranks.ranks[j], amount, n_values).cumsum()[self.rank[is_of]]
-        return out
+        return self.cuts.left_of(amount)[:, 0]

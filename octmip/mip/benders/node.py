@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from octmip.certificate import checked_leaf_index
 from octmip.errors import CertificateError
-from octmip.mip.benders.bounds import Bounds, Cut
+from octmip.mip.benders.bounds import Bounds
+from octmip.mip.benders.cuts import Cut
 from octmip.mip.benders.master import Master
 from octmip.mip.benders.memory import Memory
 from octmip.mip.benders.question import Answer, Question
@@ -25,6 +26,10 @@ from octmip.tree import Leaf, Node, Split, leaf_index, leaves
 
 ROUND = 4
 """Cuts of one round. Measured on mu2, 1750 x 20, depth 2: 617 subproblems with one cut, 616 with four."""
+
+TIE = 0.4
+"""Prices are whole, so less than half a price orders the cuts of one price and no others. Measured on mu1, 350 rows,
+depth 3: 3,234 subproblems with the innermost cut of a run first, 9,652 without."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -78,7 +83,7 @@ class NodeSearch:
             for samples, price in memory.recall(question):
                 bounds.learn(samples, price)
         leaf = float(prices.of_labels(np.arange(problem.n_samples)).min())
-        tried = np.zeros(len(bounds.feature), dtype=bool)
+        tried = np.zeros(len(bounds.cuts.feature), dtype=bool)
         return cls(question, answer, together, best, prices.of_tree(problem, best), leaf, bounds, memory, tried)
 
     @property
@@ -97,7 +102,8 @@ class NodeSearch:
         while True:
             goal = min(self.price, self.question.target)
             price = np.where(self.tried, math.inf, self.bounds.price)
-            places = master.cheapest(price, goal, ROUND)
+            order = TIE / (1 + self.bounds.depth_in_run(price < goal))
+            places = master.cheapest(price, goal, ROUND, order)
             if not places:
                 return self.result
             for evaluated in tasks([partial(self._evaluated, self.bounds.cut(place), goal) for place in places]):

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from octmip.mip.benders.bounds import Cut
+from octmip.mip.benders.cuts import Cut
 from octmip.mip.benders.memory import Memory
 from octmip.mip.benders.node import Evaluated, NodeSearch
 from octmip.mip.benders.question import Answer, Question
@@ -58,7 +58,7 @@ class Runner:
         if question.problem.depth == 1:
             with self._lock:
                 self.n_subproblems += 1
-            return best_stump(question, self.seed)
+            return best_stump(question)
         first = starting_tree(question.problem, None, self.seed)
         return NodeSearch.of(question, first, self.answer, self.together, memory).run(self.in_turn)
 

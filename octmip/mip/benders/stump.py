@@ -9,20 +9,18 @@ from octmip.mip.benders.bounds import Bounds
 from octmip.mip.benders.master import Master
 from octmip.mip.benders.question import Answer, Question
 from octmip.mip.blocks import axis
-from octmip.mip.incumbent import starting_tree
 from octmip.tree import Leaf, Split
 
 
-def best_stump(question: Question, seed: int) -> Answer:
-    """Return the best tree of one split, or of none; where the target is reached, a tree and the target's proof."""
+def best_stump(question: Question) -> Answer:
+    """Return the best tree of one split, or of none; where the target is reached, one leaf and the target's proof."""
     problem, prices = question.problem, question.prices
-    leaf = float(prices.of_labels(np.arange(problem.n_samples)).min())
-    known = starting_tree(problem, None, seed)
-    price = prices.of_tree(problem, known)
-    bounds, goal = Bounds.of_class_counts(problem, prices), min(price, question.target)
+    by_label = prices.of_labels(np.arange(problem.n_samples))
+    leaf = float(by_label.min())
+    bounds, goal = Bounds.of_class_counts(problem, prices), min(leaf, question.target)
     places = Master(bounds, leaf, goal).cheapest(bounds.price, goal, 1)
     if not places:
-        return Answer(known, price, min(price, leaf, float(bounds.price.min(initial=np.inf))))
+        return Answer(Leaf(int(by_label.argmin())), leaf, min(leaf, float(bounds.price.min(initial=np.inf))))
     cut = bounds.cut(places[0])
     left = bounds.is_left(cut)
     labels = [int(prices.of_labels(np.flatnonzero(side)).argmin()) for side in (left, ~left)]

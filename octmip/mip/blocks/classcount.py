@@ -59,7 +59,8 @@ class ClassCount:
         n_classes = self.problem.n_classes
         if n_leaves >= n_classes or math.comb(n_classes, n_leaves) > MOST_LABEL_SETS:
             return np.asarray(weights @ self.gain.max(axis=1))
-        sets = [self.gain[:, list(labels)].max(axis=1) for labels in combinations(range(n_classes), n_leaves)]
+        gain = self.gain
+        sets = [gain[:, list(labels)].max(axis=1) for labels in combinations(range(n_classes), n_leaves)]
         return np.asarray((weights @ np.array(sets).T).max(axis=1))
 
     def earned_by_side(self, j: int, n_leaves: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

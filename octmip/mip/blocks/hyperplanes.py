@@ -66,6 +66,12 @@ class Space:
     reach: float
     is_exact: bool
 
+    def scope(self, mu: float) -> str:
+        """Return the trees that a bound for a strictness mu speaks about."""
+        if self.is_exact:
+            return f"all trees with whole coefficients up to {self.coefficient:g}"
+        return f"mu-separated trees: every sample that a leaf keeps lies outside a band of {mu:.3g} at each split"
+
     def normal_of(self, split: Split | HyperplaneSplit) -> NDArray[np.float64]:
         """Return the coefficients (n_features,) of a split on the transformed features."""
         normal = np.zeros(self.x.shape[1])
@@ -159,7 +165,7 @@ class Hyperplanes:
     @property
     def tolerance(self) -> float:
         """Feasibility tolerance that HiGHS needs for mu."""
-        return 1e-6 if self.mu >= 1e-3 else 1e-9
+        return tolerance_for(self.mu)
 
     @property
     def notes(self) -> dict[str, object]:
@@ -170,9 +176,7 @@ class Hyperplanes:
     @property
     def scope(self) -> str:
         """The trees that a bound speaks about."""
-        if self.space.is_exact:
-            return f"all trees with whole coefficients up to {self.problem.integer_normals}"
-        return f"mu-separated trees: every sample that a leaf keeps lies outside a band of {self.mu:.3g} at each split"
+        return self.space.scope(self.mu)
 
     def add_routing(self, rows: Rows, m: int, samples: NDArray[np.int64], left: Term, right: Term) -> None:
         """Add that what flows left (right) at node m lies left (right) of its band; big M, once per node."""
@@ -218,7 +222,7 @@ class Hyperplanes:
             normal = np.round(normal) if self.space.is_integer else normal * (np.abs(normal) >= 1e-9)
             middle = float(values[self.b[t]]) - self.mu / 2
             if values[self.d[t]] > 0.5 and normal.any():
-                split = self._split(normal, middle)
+                split = split_at(self.problem, self.space, normal, middle)
                 if split is not None:
                     found[t + 1] = split
             elif values[self.d[t]] > 0.5 and middle > 0:  # 0'x < b: a split that sends everything left
@@ -226,30 +230,36 @@ class Hyperplanes:
                 found[t + 1] = HyperplaneSplit((j,), (1.0,), float(self.problem.features[:, j].max()), Leaf(0), Leaf(0))
         return found
 
-    def _split(self, normal: NDArray[np.float64], middle: float) -> HyperplaneSplit | None:
-        """Return a split of the problem's own features, its offset midway between the nearest samples.
 
-        None where float64 does not hold it.
-        """
-        features = np.flatnonzero(normal)
-        on_own = self.space.coefficients_of(normal)
-        if on_own is None:
+def split_at(problem: Problem, space: Space, normal: NDArray[np.float64], middle: float) -> HyperplaneSplit | None:
+    """Return a split of the problem's own features, its offset midway between the nearest samples.
+
+    None where float64 does not hold it.
+
+    Parameters
+    ----------
+    normal, middle
+        coefficients (n_features,) and offset on the transformed features.
+    """
+    features = np.flatnonzero(normal)
+    on_own = space.coefficients_of(normal)
+    if on_own is None:
+        return None
+    coefficients = on_own[features]
+    totals = np.zeros(problem.n_samples)
+    with np.errstate(over="ignore", invalid="ignore"):
+        for j, coefficient in zip(features, coefficients, strict=True):  # in the order of `tree.goes_left`
+            totals += coefficient * problem.features[:, j]
+    if not np.isfinite(totals).all():
+        return None
+    is_left = space.x @ normal < middle
+    if is_left.all() or not is_left.any():
+        offset = float(totals.max()) if is_left.all() else math.nextafter(float(totals.min()), -math.inf)
+        if not math.isfinite(offset):
             return None
-        coefficients = on_own[features]
-        totals = np.zeros(self.problem.n_samples)
-        with np.errstate(over="ignore", invalid="ignore"):
-            for j, coefficient in zip(features, coefficients, strict=True):  # in the order of `tree.goes_left`
-                totals += coefficient * self.problem.features[:, j]
-        if not np.isfinite(totals).all():
-            return None
-        is_left = self.space.x @ normal < middle
-        if is_left.all() or not is_left.any():
-            offset = float(totals.max()) if is_left.all() else math.nextafter(float(totals.min()), -math.inf)
-            if not math.isfinite(offset):
-                return None
-        else:
-            offset = midpoint(float(totals[is_left].max()), float(totals[~is_left].min()))
-        return HyperplaneSplit(tuple(map(int, features)), tuple(map(float, coefficients)), offset, Leaf(0), Leaf(0))
+    else:
+        offset = midpoint(float(totals[is_left].max()), float(totals[~is_left].min()))
+    return HyperplaneSplit(tuple(map(int, features)), tuple(map(float, coefficients)), offset, Leaf(0), Leaf(0))
 
 
 def fit(normal: NDArray[np.float64], x: NDArray[np.float64], band: Band) -> tuple[float, float]:
@@ -334,6 +344,11 @@ def choose_mu(space: Space, placed: Placed, heap: Heap) -> float:
         width, _ = fit(space.normal_of(split), space.x, all_samples_band(placed, heap, m))
         widths.append(width * (1 - 1e-6))
     return max(min(widths), MU_SMALLEST)
+
+
+def tolerance_for(mu: float) -> float:
+    """Return the feasibility tolerance that HiGHS needs for a strictness mu."""
+    return 1e-6 if mu >= 1e-3 else 1e-9
 
 
 def all_samples_band(placed: Placed, heap: Heap, m: int) -> Band:

@@ -39,6 +39,8 @@ def as_object(diagnosis: Diagnosis) -> dict[str, Any]:
         "next_test": [_proposal(p) for p in diagnosis.next_test],
         "states": [{"tests": list(e.tests), "mean": e.mean, "sd": e.sd} for e in diagnosis.states],
         "notes": list(diagnosis.notes),
+        "doubts": list(diagnosis.doubts),
+        "nothing_acts": diagnosis.nothing_acts,
     }
     finite: dict[str, Any] = _finite(content)
     return finite

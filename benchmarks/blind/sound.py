@@ -1,0 +1,51 @@
+"""Score sound assets: false alarms by kind of noise, two tests in unknown states, and wrong commissioning runs."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from benchmarks.blind.answers import Found
+from benchmarks.blind.assets.families import in_order
+from benchmarks.blind.cases import SOUND
+from benchmarks.blind.figure import Figure, share, table
+from benchmarks.blind.score import Pair
+
+WHITE, OTHER, DOUBTED = (-np.inf, 0.02), (-np.inf, 0.05), (0.95, np.inf)
+
+
+def sound_tables(cases: Sequence[Pair]) -> list[str]:
+    """Return the tables of a set of sound assets, by family and over all."""
+    found = []
+    for title, is_calibrated in (("With the commissioning run", True), ("Without a commissioning run", False)):
+        part = [(f, a) for f, a in cases if f["calibrated"] == is_calibrated]
+        families = in_order({a["case"]["family"] for _, a in part})
+        by = {name: [(f, a) for f, a in part if a["case"]["family"] == name] for name in families}
+        columns = {"all": part} if len(families) == 1 else {**by, "all": part}
+        if part:
+            found.append(table(f"Sound assets. {title}", {name: sound(rows) for name, rows in columns.items()}))
+    return found
+
+
+def sound(cases: Sequence[Pair]) -> list[Figure]:
+    """Return the figures of sound assets."""
+    strata = [s for s in SOUND if any(a["case"]["stratum"] == s for _, a in cases)]
+    rows = []
+    for stratum in strata:
+        part = [f for f, a in cases if a["case"]["stratum"] == stratum]
+        kind, _, what = stratum.partition(": ")
+        if kind == "run":
+            rows.append(share(f"run of a {_RUNS[what]} doubted", [bool(f["doubts"]) for f in part], DOUBTED))
+            rows.append(share(f"asset accused beside the run of a {_RUNS[what]}", [accused(f) for f in part]))
+        else:
+            words = f"false alarm, {what}" if kind == "noise" else "false alarm, two tests in unknown states"
+            rows.append(share(words, [accused(f) for f in part], WHITE if what == "white" else OTHER))
+    right = [f for f, a in cases if a["case"]["run"] == "own" and f["calibrated"]]
+    return [*rows, share("right run doubted", [bool(f["doubts"]) for f in right], OTHER)]
+
+
+def accused(found: Found) -> bool:
+    """Return whether the first cause names something that acts."""
+    return bool(found["which"][0]["effects"])
+
+
+_RUNS = {"damaged": "damaged wing", "warm": "wing 10 K warmer", "other wing": "different wing"}

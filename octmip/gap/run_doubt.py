@@ -1,0 +1,84 @@
+"""Doubt of a commissioning run: the asset may not have been sound, or not as it is today, when it was read.
+
+A calibration hides whatever was wrong on its day, and accuses the sound asset of the opposite. Two things show it: the
+run does not grow with the load as the twin does (a temperature, a bias), or it differs from the twin by more than two
+models of one structure do, in a pattern that a damage explains. Then the run is itself diagnosed, as a campaign without
+a run, and what leads is said.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from octmip.gap.campaign.campaign import Campaign
+from octmip.gap.causes import MISSTATED, UNKNOWN, Cause, causes_of
+from octmip.gap.inference.discrepancy import UNEVEN, Discrepancy
+from octmip.gap.inference.inputs import prepare
+from octmip.gap.inference.posterior import attribute
+from octmip.gap.inference.states import state_posterior
+from octmip.gap.odds import Odds
+from octmip.gap.twins.cached import CachedTwin
+from octmip.twin import Effect
+
+UNUSUAL = 2.0
+"""Level of differences between models from which a run is looked at more closely."""
+TOO_FAR = 3.2
+"""Mean level from which no two models of one structure differ so much."""
+LIKELY = 0.5
+"""Probability from which what leads is said of a run."""
+
+
+@dataclass(frozen=True, slots=True)
+class RunDoubt:
+    """What speaks against a commissioning run.
+
+    Attributes
+    ----------
+    sentences
+        for the reader; empty where nothing does.
+    is_usable
+        whether it calibrates the twin all the same.
+    """
+
+    sentences: tuple[str, ...] = ()
+    is_usable: bool = True
+
+
+def doubt_of(
+    run: Campaign,
+    twin: CachedTwin,
+    effects: Mapping[str, Effect],
+    known: Discrepancy,
+    noise_sd: float | Mapping[str, float] | None,
+    odds: Odds,
+) -> RunDoubt:
+    """Return what speaks against a commissioning run that left the discrepancy `known`."""
+    if known.p_value >= UNEVEN and known.own_level < UNUSUAL:
+        return RunDoubt()
+    inputs, _ = prepare(run, twin, effects, None, noise_sd, odds=odds)
+    posterior = attribute(inputs)
+    misstated = sum(h.probability for h in posterior.judged if h.doubted)
+    first = causes_of(posterior)[0]
+    if misstated > LIKELY and MISSTATED in first.effects:
+        return RunDoubt((f"{_LEAD}: its readings are those of {_state_of(first)}; it is left out.",), False)
+    if known.own_level > TOO_FAR:
+        return RunDoubt((f"{_LEAD}: it differs from the twin by more than two models do; it is left out.",), False)
+    if known.p_value < UNEVEN and first.effects and first.probability > LIKELY:
+        return RunDoubt((f"{_LEAD}: it does not grow with the load as the twin does ({_called(first)}).",))
+    return RunDoubt()
+
+
+_LEAD = "The commissioning run is doubtful"
+
+
+def _state_of(cause: Cause) -> str:
+    """Return the state that a misstated test seems to be in, in words."""
+    judged = cause.judged
+    mean, _ = state_posterior(judged.allowing, judged.fit)
+    named = judged.model.inputs.named(mean[: len(judged.model.inputs.names)])
+    return " and ".join(f"{name} {max(0.0, value):.2f}" for name, value in named.items())
+
+
+def _called(cause: Cause) -> str:
+    """Return what a cause is called."""
+    named = [parameter.named.name for parameter in cause.parameters]
+    return " and ".join([*named, *["something outside the library"] * (UNKNOWN in cause.effects)]) or "a small effect"

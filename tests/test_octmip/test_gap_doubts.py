@@ -1,0 +1,114 @@
+"""What a diagnosis doubts: a commissioning run, a stated state, a state that tests share, a unit."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from octmip.errors import DataError
+from octmip.gap import Campaign, diagnose
+from octmip.gap.odds import Odds
+from tests.test_octmip.beam_twin import Beam, measured, own_effects
+
+TWIN = Beam()
+RUN = measured(1000)
+HOT = lambda state, load, time: np.full(20, -25.0)  # noqa: E731
+
+
+def stated_sound(campaign):
+    return replace(campaign, states=np.zeros_like(campaign.states))
+
+
+def some_rows(campaign, wanted):
+    keep = np.array([pair in wanted for pair in zip(campaign.test, campaign.load_factor.tolist(), strict=True)])
+    return Campaign(
+        campaign.gauges,
+        campaign.parameters,
+        tuple(np.array(campaign.test)[keep].tolist()),
+        campaign.load_factor[keep],
+        campaign.states[keep],
+        campaign.readings[keep],
+        campaign.time[keep],
+        campaign.temperature[keep],
+    )
+
+
+@pytest.mark.parametrize(
+    ("run", "words"),
+    [
+        (stated_sound(measured(1001, states=((0.3, 0.0),))), "those of mu1 0.3"),
+        (measured(1002, HOT), "does not grow with the load"),
+    ],
+    ids=["damaged", "warm"],
+)
+def test_a_wrong_commissioning_run_is_doubted_and_accuses_no_sound_asset(run, words):
+    diagnosis = diagnose(measured(2), TWIN, commissioning=run)
+    assert diagnosis.is_sound
+    assert words in diagnosis.doubts[0]
+    assert diagnosis.notes[0] == diagnosis.doubts[0]
+
+
+def test_a_run_of_an_asset_that_is_all_five_per_cent_softer_is_no_wrong_run():
+    softer = lambda state, load, time: -0.05 * TWIN.predict(state, load)  # noqa: E731
+    diagnosis = diagnose(measured(2, softer), TWIN, commissioning=measured(1003, softer))
+    assert diagnosis.is_sound
+    assert not diagnosis.doubts
+
+
+def test_a_state_that_is_not_the_stated_one_is_named_with_what_it_is():
+    diagnosis = diagnose(stated_sound(measured(7, states=((0.0, 0.0), (0.3, 0.0)))), TWIN, commissioning=RUN)
+    assert diagnosis.which[0].effects == ("state_not_as_stated",)
+    assert diagnosis.which[0].judged.doubted == "T1"
+    assert diagnosis.states[0].mean["mu1"] == pytest.approx(0.3, abs=0.03)
+
+
+@pytest.mark.parametrize(("states", "share_one"), [(((0.1, 0.5), (0.4, 0.0)), False), (((0.3, 0.2),) * 2, True)])
+def test_tests_of_one_load_each_share_a_state_only_where_the_readings_say_so(states, share_one):
+    campaign = some_rows(measured(9, states=states, known=False), {("T0", 2.0), ("T1", 3.0)})
+    diagnosis = diagnose(campaign, TWIN, commissioning=RUN)
+    assert diagnosis.is_sound
+    assert (diagnosis.posterior.same_state > 0.5) is share_one
+    found = [[state.mean[name] for name in TWIN.parameters] for state in diagnosis.states]
+    assert np.allclose(found, states[: len(found)], atol=0.05)
+
+
+class Rescaled(Beam):
+    """The beam with every second reading in a unit a thousandth as large; it says nothing of units."""
+
+    factor = np.where(np.arange(20) % 2, 1000.0, 1.0)
+
+    def predict(self, state, load_factor):
+        return self.factor * super().predict(state, load_factor)
+
+
+def test_units_change_nothing():
+    campaign = measured(3, HOT)
+    kinds = {name: own_effects()[name] for name in ("modulus", "lift_distribution")}  # proportional to the readings
+    plain = diagnose(campaign, TWIN, kinds)
+    factor = Rescaled.factor
+    other = diagnose(replace(campaign, readings=factor * campaign.readings), Rescaled(), kinds)
+    assert [c.effects for c in other.which] == [c.effects for c in plain.which]
+    assert other.unknown_probability == pytest.approx(plain.unknown_probability, abs=1e-6)
+    assert other.where.p_value == pytest.approx(plain.where.p_value, rel=1e-3)
+
+
+def test_causes_are_sorted_and_the_unknown_is_no_exception():
+    wave = lambda state, load, time: 8.0 * load * np.sin(np.arange(20.0))  # noqa: E731
+    which = diagnose(measured(5, wave), TWIN, commissioning=RUN).which
+    assert [c.probability for c in which] == sorted((c.probability for c in which), reverse=True)
+
+
+def test_that_nothing_acts_is_less_sure_than_that_nothing_is_seen():
+    diagnosis = diagnose(measured(1), TWIN)
+    assert diagnosis.is_sound
+    assert diagnosis.nothing_acts < diagnosis.which[0].probability
+
+
+def test_odds_change_what_is_expected():
+    campaign = measured(3, HOT)
+    named = diagnose(campaign, TWIN, commissioning=RUN, odds=Odds(effects={"temperature_uniform": 0.0}))
+    assert "temperature_uniform" not in named.inclusion
+    with pytest.raises(DataError, match="lacks"):
+        diagnose(campaign, TWIN, odds=Odds(effects={"no_such_effect": 2.0}))
+    with pytest.raises(DataError, match="sum is at most 1"):
+        Odds(count=(0.8, 0.4))
