@@ -103,6 +103,8 @@ class Twin(Protocol):
     * ``channels``, the instrument of every reading, in the order of the gauges, where one gives several (a force
       sensor at twelve phases of a cycle): what is wrong with it is wrong at all of them;
     * ``predict_states(states (n, n_parameters), load_factor) -> (n, n_gauges)`` (a batch);
+    * ``state_limits``, the greatest value of each state parameter, by name, up to which an unknown or doubted state is
+      looked for; one that it leaves out is taken as stated. Without it all are looked for;
     * ``is_linear_in_load`` (readings are proportional to the one load, so one load is asked for);
     * ``gauge_positions`` (n_gauges, 2) [m] and ``outline`` (n, 2) [m] (the map of the report).
     """
@@ -256,6 +258,12 @@ def _one_each(twin: Twin, what: str, given: Sequence[str]) -> tuple[str, ...]:
             "the order of its gauges"
         )
     return tuple(str(one) for one in given)
+
+
+def state_limits_of(twin: Twin) -> tuple[float, ...]:
+    """Return up to which value each state parameter is looked for; 0 where it is taken as stated."""
+    limits = getattr(twin, "state_limits", None)
+    return tuple(1.0 if limits is None else float(limits.get(name, 0.0)) for name in state_parameters(twin))
 
 
 def sign_of(twin: Twin) -> str:

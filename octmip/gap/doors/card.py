@@ -6,7 +6,10 @@ As a file it is one JSON object; only "readings" is needed:
      "parameters": {"stiffness": [100, 80, 120, "kN/m"]}, "sign": "...", "channels": {"f1": "accelerometer"}}
 
 A parameter's range is its nominal value, the least and the greatest that the asset may have, and its unit. "states" are
-parameters whose values a campaign gives test by test (a damage of 0.2); a state that is not named is 0.
+parameters whose values a campaign gives test by test (a damage of 0.2, a fraction); a state that is not named is 0.
+"state_limits" says up to which value each is looked for where it is unknown or doubted: {"crack": 0.6}. That asks the
+model some hundred times, so a state without a limit is taken as stated, but behind a function or a table, which are
+fast.
 """
 
 import json
@@ -20,7 +23,7 @@ from octmip.errors import DataError
 from octmip.formats.files import read_bytes
 from octmip.twin import ONE_LOAD
 
-FIELDS = ("readings", "loads", "states", "parameters", "sign", "channels")
+FIELDS = ("readings", "loads", "states", "parameters", "sign", "channels", "state_limits")
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +78,8 @@ class Card:
         what a positive reading is, in words.
     channels
         instrument of a reading by name, where it is not one of its own.
+    state_limits
+        up to which value a state is looked for, by name.
     """
 
     readings: Mapping[str, str]
@@ -83,6 +88,7 @@ class Card:
     parameters: Mapping[str, Range] = field(default_factory=dict)
     sign: str = ""
     channels: Mapping[str, str] = field(default_factory=dict)
+    state_limits: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not self.readings:
@@ -103,10 +109,19 @@ def card_of(
     parameters: Mapping[str, RangeLike] | None = None,
     sign: str = "",
     channels: Mapping[str, str] | None = None,
+    state_limits: Mapping[str, float] | None = None,
 ) -> Card:
     """Return a card from plain values, its ranges as `Range` or as (nominal, low, high, unit)."""
     ranges = {name: _range(name, given) for name, given in (parameters or {}).items()}
-    return Card(dict(readings), tuple(loads), tuple(states), ranges, sign, dict(channels or {}))
+    return Card(
+        readings=dict(readings),
+        loads=tuple(loads),
+        states=tuple(states),
+        parameters=ranges,
+        sign=sign,
+        channels=dict(channels or {}),
+        state_limits={name: float(value) for name, value in (state_limits or {}).items()},
+    )
 
 
 def _range(name: str, given: RangeLike) -> Range:

@@ -73,6 +73,11 @@ class FunctionTwin:
         return self.card.states
 
     @property
+    def state_limits(self) -> Mapping[str, float]:
+        """Up to which value a state is looked for, by name."""
+        return self.card.state_limits
+
+    @property
     def sign(self) -> str:
         """What a positive reading is, in words."""
         return self.card.sign
@@ -139,4 +144,5 @@ def function_twin(
     DataError
         a name that comes twice, a range that is none.
     """
-    return FunctionTwin(function, card_of(readings, loads, states, parameters, sign, channels))
+    limits = dict.fromkeys(states, 1.0)
+    return FunctionTwin(function, card_of(readings, loads, states, parameters, sign, channels, limits))

@@ -6,6 +6,7 @@ is yours to choose by the spacing: for a curvature k it is k spacing^2 / 8.
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -40,7 +41,9 @@ def table_twin(path: str | Path, card: str | Path | Card | None = None) -> Funct
     frame = _frame(Path(path))
     inputs = [*known.parameters, *known.states, *known.loads]
     numbers = _numbers(frame, path, [*inputs, *known.readings])
-    return FunctionTwin(_interpolated(numbers[:, : len(inputs)], numbers[:, len(inputs) :], inputs, str(path)), known)
+    points, values = numbers[:, : len(inputs)], numbers[:, len(inputs) :]
+    limits = {name: float(points[:, inputs.index(name)].max()) for name in known.states}
+    return FunctionTwin(_interpolated(points, values, inputs, str(path)), replace(known, state_limits=limits))
 
 
 def _frame(path: Path) -> pd.DataFrame:
