@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from octmip.gap.effects.words import EffectWords, words_at
+from octmip.gap.inference.candidates import bounds_of
 from octmip.gap.inference.linear_model import LinearModel
 from octmip.gap.inference.posterior import Judged, fit_together
 from octmip.gap.inference.signature_error import BETWEEN, neighbours, scales_of
@@ -73,9 +74,8 @@ def _parameter(head: Judged, member: int, size: float, same: Sequence[Judged]) -
     relative = np.hypot(_place_error(head.model, member), whole)
     spread = WIDTH * float(np.sqrt(variance + (mean * relative) ** 2))
     low, high = min(size, mean - spread), max(size, mean + spread)
-    if effect.is_one_sided:
-        low = max(0.0, low)
     size, low, high = (_exact(head.model, effect, place, value) for value in (size, low, high))
+    size, low, high = (float(value) for value in np.clip((size, low, high), *bounds_of(effect)))
     named = words_at(effect, head.model.inputs.twin, place)
     return Parameter(effect.name, place, size, low, high, effect.unit, effect.parameter, named)
 
