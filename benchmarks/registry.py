@@ -46,6 +46,7 @@ FAMILIES = {
     "command_tables": "benchmarks.cases.command.tables",
     "gap_detect": "benchmarks.cases.gap.detect",
     "gap_speed": "benchmarks.cases.gap.speed",
+    "gap_others": "benchmarks.cases.gap.others",
 }
 
 

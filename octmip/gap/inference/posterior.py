@@ -19,7 +19,7 @@ from octmip.gap.inference.inference import Inference
 from octmip.gap.inference.inputs import Inputs, doubted_state, one_state
 from octmip.gap.inference.linear_model import LinearModel
 from octmip.gap.inference.search import Weighed, log_total, promise, weighed_hypotheses
-from octmip.gap.inference.states import starting_states
+from octmip.gap.inference.states import highest, starting_states
 
 SOUND_ENOUGH = 0.5
 """Probability that nothing is wrong, beyond which no stated state is doubted."""
@@ -149,7 +149,8 @@ def _may_be_misstated(inputs: Inputs, weighed: Sequence[Weighed]) -> bool:
     known = any(cell.is_known for cell in inputs.campaign.cells)
     none = [w.log_weight for w in weighed if not w.members and not w.has_unknown and w.level < USUAL]
     sound = float(logsumexp(none)) if none else -np.inf
-    return bool(inputs.names) and known and sound - log_total(weighed) < np.log(SOUND_ENOUGH)
+    is_sought = bool(inputs.names) and bool((highest(inputs) > 0.0).all())
+    return is_sought and known and sound - log_total(weighed) < np.log(SOUND_ENOUGH)
 
 
 def _with_doubts(inputs: Inputs, log_stated: float) -> dict[str, list[Weighed]]:
