@@ -1,0 +1,139 @@
+"""False alarms of sound assets by kind of noise, and what the repeats say of the noise.
+
+The asset is a beam whose 20 gauges differ from the twin by some per cent, always the same; campaign and commissioning
+run (50 readings at load factors 0 to 3) are drawn anew each time, both with the same kind of noise. An alarm is a first
+cause that names something. Beside it: the mean squared error of the cells' means over the variance that the noise gives
+them (1 where that is right), what the noise is called, and the CPU milliseconds of the check and of the noise.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from benchmarks.blind.noises import NOISES, VARIANCE
+from benchmarks.cpu import Stopwatch
+from benchmarks.tables import Line
+from femlib.arrays import FloatArray
+from octmip.gap import Campaign, diagnose
+from octmip.gap.campaign.averages import averages_of
+from octmip.gap.campaign.noise_estimate import estimate_noise
+from octmip.gap.channels.checks import checked
+from octmip.twin import Effect
+
+DRAWS = 100
+LOADS, REPEATS, N_GAUGES = (0.0, 1.0, 2.0, 3.0), 50, 20
+ALONG = np.linspace(0.2, 0.8, N_GAUGES)
+HEALTHY = 900.0 * (1.0 - ALONG) ** 1.5 + 100.0
+OWN = 1.0 + 0.01 * (0.5 + np.random.default_rng(12345).standard_normal(N_GAUGES))
+"""What each gauge of the asset shows of the twin's healthy strain."""
+SD = float(np.sqrt(VARIANCE))
+FAST, JUMP = 0.3, 6.0
+"""Step of a fast walk, and height of the one jump of one gauge, in standard deviations of a reading."""
+
+Scatter = Callable[[np.random.Generator, FloatArray, int], FloatArray]
+
+
+@dataclass(frozen=True, slots=True)
+class Beam:
+    """The twin: strains over the span, and one damage at the root."""
+
+    gauges: tuple[str, ...] = tuple(f"g{k + 1:02d}" for k in range(N_GAUGES))
+    parameters: tuple[str, ...] = ("root",)
+    effects: dict[str, Effect] = field(default_factory=dict)
+
+    def predict(self, state: dict[str, float], load_factor: float) -> FloatArray:
+        """Return the strains (n_gauges,) [microstrain]."""
+        damaged = 300.0 * np.exp(-(((ALONG - 0.25) / 0.1) ** 2)) * state.get("root", 0.0)
+        return load_factor * (HEALTHY + damaged)
+
+
+def _fast_walk(rng: np.random.Generator, loads: FloatArray, n: int) -> FloatArray:
+    white = rng.standard_normal((len(loads), n))
+    return np.asarray(SD * (white + FAST * np.cumsum(rng.standard_normal((len(loads), n)), axis=0)))
+
+
+def _jump(rng: np.random.Generator, loads: FloatArray, n: int) -> FloatArray:
+    noise = SD * rng.standard_normal((len(loads), n))
+    noise[rng.integers(len(loads)) :, rng.integers(n)] += JUMP * SD
+    return np.asarray(noise)
+
+
+def _slow_common_mode(rng: np.random.Generator, loads: FloatArray, n: int) -> FloatArray:
+    shared = NOISES["AR(1) 0.85"](rng, loads, 1)
+    return np.asarray((NOISES["white"](rng, loads, n) + shared) / np.sqrt(2.0))
+
+
+KINDS: dict[str, Scatter] = {
+    **{name: scatter for name, scatter in NOISES.items() if name != "quantised"},
+    "common mode, AR(1) 0.85": _slow_common_mode,
+    "random walk, fast": _fast_walk,
+    "one jump": _jump,
+}
+
+
+def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
+    """Yield a line for each kind of noise."""
+    for kind in KINDS:
+        yield alarms(kind, DRAWS)
+
+
+def alarms(kind: str, draws: int) -> Line:
+    """Return how many of so many sound assets are accused under a kind of noise."""
+    watch, twin, accused, ratios = Stopwatch(), Beam(), 0, []
+    named: dict[str, int] = {}
+    milliseconds = []
+    for seed in range(draws):
+        campaign, run = drawn(kind, 2 * seed), drawn(kind, 2 * seed + 1)
+        clock = Stopwatch()
+        checks = checked(campaign)
+        noise = estimate_noise(checks.campaign)
+        milliseconds.append(1e3 * clock.read()[0])
+        for part, cell in zip(averages_of(checks.campaign, split=False), checks.campaign.cells, strict=True):
+            expected = OWN * twin.predict({}, cell.load_factor)
+            own = np.array([campaign.gauges.index(name) for name in checks.campaign.gauges])
+            index, every = np.zeros(len(own), dtype=np.int64), np.arange(len(own))
+            variance = np.diag(noise.of_averages([part], [cell.load], index, every))
+            ratios.append(float(np.nanmean((cell.mean - expected[own]) ** 2 / variance)))
+        found = diagnose(campaign, twin, commissioning=run)
+        accused += bool(found.which[0].effects)
+        for name in found.noise.findings:
+            named[name] = named.get(name, 0) + 1
+    return {
+        "size": kind,
+        "seed": draws,
+        "cpu_seconds": watch.read()[0],
+        "alarms": accused / draws,
+        "ratio": float(np.mean(ratios)),
+        "milliseconds": float(np.median(milliseconds)),
+        "named": {name: count / draws for name, count in named.items()},
+    }
+
+
+def drawn(kind: str, seed: int) -> Campaign:
+    """Return a campaign of the sound asset."""
+    rng = np.random.default_rng(seed)
+    load = np.repeat(LOADS, REPEATS)
+    n, twin = len(load), Beam()
+    mean = OWN * np.array([twin.predict({}, value) for value in load.tolist()])
+    return Campaign(
+        gauges=twin.gauges,
+        parameters=twin.parameters,
+        test=("T0",) * n,
+        load_factor=load,
+        states=np.zeros((n, 1)),
+        readings=mean + KINDS[kind](rng, load, N_GAUGES),
+        time=6.0 * np.arange(n, dtype=np.float64),
+        temperature=np.full(n, np.nan),
+    )
+
+
+def summary(lines: Sequence[Line]) -> str:
+    """Return the table of docs/theory/gap.md."""
+    head = "| noise | false alarms | squared error of means over their variance | named | ms |\n|---|---|---|---|---|"
+    rows = []
+    for line in lines:
+        named = ", ".join(f"{name} {share:.2f}" for name, share in line["named"].items() if share >= 0.1)
+        cells = (line["size"], f"{line['alarms']:.2f}", f"{line['ratio']:.2f}", named, f"{line['milliseconds']:.0f}")
+        rows.append("| " + " | ".join(cells) + " |")
+    return "\n".join([head, *rows])
