@@ -27,6 +27,9 @@ FAMILIES = {
     "mio_binary": "benchmarks.cases.mio.binary",
     "mio_build": "benchmarks.cases.mio.build",
     "mio_benders": "benchmarks.cases.mio.benders",
+    "mio_gaps": "benchmarks.cases.mio.gaps",
+    "mio_limits": "benchmarks.cases.mio.limits",
+    "mio_random": "benchmarks.cases.mio.random_problems",
     "two_feature_trees": "benchmarks.cases.two_feature.trees",
     "two_feature_single": "benchmarks.cases.two_feature.single",
     "two_feature_proofs": "benchmarks.cases.two_feature.proofs",
@@ -44,6 +47,7 @@ FAMILIES = {
     "gap_detect": "benchmarks.cases.gap.detect",
     "gap_noise": "benchmarks.cases.gap.noise",
     "gap_speed": "benchmarks.cases.gap.speed",
+    "gap_others": "benchmarks.cases.gap.others",
 }
 
 

@@ -10,6 +10,8 @@ EXTRA_OF = {
     "jinja2": "report",
     "pyarrow": "parquet",
     "onnx": "onnx",
+    "umbridge": "doors",
+    "fmpy": "doors",
 }
 """The extra of octmip that installs an optional package."""
 

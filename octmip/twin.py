@@ -103,6 +103,8 @@ class Twin(Protocol):
     * ``channels``, the instrument of every reading, in the order of the gauges, where one gives several (a force
       sensor at twelve phases of a cycle): what is wrong with it is wrong at all of them;
     * ``predict_states(states (n, n_parameters), load_factor) -> (n, n_gauges)`` (a batch);
+    * ``state_limits``, the greatest value of each state parameter, by name, up to which an unknown or doubted state is
+      looked for; one that it leaves out is taken as stated. Without it all are looked for;
     * ``is_linear_in_load`` (readings are proportional to the one load, so one load is asked for);
     * ``gauge_positions`` (n_gauges, 2) [m] and ``outline`` (n, 2) [m] (the map of the report).
     """
@@ -134,11 +136,12 @@ class Effect(Protocol):
     Optional: ``predict(twin, state, load_factor, size, place, time) -> (n_gauges,)``, the exact forward map where the
     reading is not linear in the size; ``acts_on_readings``, True where the signature is a map of what `twin.predict`
     returns and of nothing else (two wires swapped, a gauge dead), so that it also acts on what other effects add;
-    ``uses_time`` (the signature depends on the time); ``superposes`` (the answers to steps of the load add up, each
-    from its own time on); ``signature_error`` (relative sd of the signature at each gauge); ``n_between``
-    (neighbouring places between which it may lie, where places sample a continuum); ``seen_by`` (the `QUANTITIES` that
-    show it: the next test is chosen among them); ``gauges_of(twin, place)`` (the gauges that a place names: it is
-    left out where one was not read; without it a place is read as a gauge, or as several with / or < between them).
+    ``bounds``, the least and the greatest size that is possible; ``uses_time`` (the signature depends on the time);
+    ``superposes`` (the answers to steps of the load add up, each from its own time on); ``signature_error`` (relative
+    sd of the signature at each gauge); ``n_between`` (neighbouring places between which it may lie, where places sample
+    a continuum); ``seen_by`` (the `QUANTITIES` that show it: the next test is chosen among them); ``gauges_of(twin,
+    place)`` (the gauges that a place names: it is left out where one was not read; without it a place is read as a
+    gauge, or as several with / or < between them).
 
     Optional words for the people who read a diagnosis, with {place}, and {first} and {second} for the gauges of a
     pair: ``words`` ("gain of one gauge"), ``words_at`` ("gain of gauge {place}"), ``action`` ("recalibrate gauge
@@ -255,6 +258,12 @@ def _one_each(twin: Twin, what: str, given: Sequence[str]) -> tuple[str, ...]:
             "the order of its gauges"
         )
     return tuple(str(one) for one in given)
+
+
+def state_limits_of(twin: Twin) -> tuple[float, ...]:
+    """Return up to which value each state parameter is looked for; 0 where it is taken as stated."""
+    limits = getattr(twin, "state_limits", None)
+    return tuple(1.0 if limits is None else float(limits.get(name, 0.0)) for name in state_parameters(twin))
 
 
 def sign_of(twin: Twin) -> str:

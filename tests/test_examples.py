@@ -17,7 +17,7 @@ import pytest
 from octmip.cli import main
 
 DOCS = Path(__file__).parent.parent / "docs"
-PAGES = [DOCS / "index.md", *sorted((DOCS / "examples").glob("*.md")), *sorted((DOCS / "howto").glob("*.md"))]
+PAGES = [DOCS / "index.md", *sorted((DOCS / "examples").rglob("*.md")), *sorted((DOCS / "howto").glob("*.md"))]
 SHOWN = re.compile(r"!\[[^\]]*\]\((?:\.\./)?pictures/examples/([^)\s]+)\)")
 BLOCK = re.compile(r"^```(python|text shape|text|console)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 

@@ -19,6 +19,8 @@ from octmip.formats.files import check_writable, read_bytes, write_bytes
 from octmip.formats.names import visible
 from octmip.twin import Twin
 
+PYTHON = "python:"
+"""The door of a Python object; it may be left out."""
 EXPECTED = (
     "octmip diagnose: a twin of finite elements takes about a minute, one of formulas a few seconds; Ctrl-C ends it."
 )
@@ -31,7 +33,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--twin",
         metavar="MODULE:NAME",
         required=True,
-        help="the twin, its class or a function that makes it, such as femlib.wing:uav_twin",
+        help="the twin, its class or a function that makes it, such as femlib.wing:uav_twin; or a model behind a door: "
+        "python:MODULE:FUNCTION, table:FILE, um-bridge:ADDRESS, fmu:FILE, deck:FILE, script:FILE",
+    )
+    parser.add_argument(
+        "--card",
+        metavar="CARD.json",
+        help="readings, units, loads and ranges of a model behind a door; by default the file's name with .json added",
     )
     parser.add_argument("--commissioning", metavar="RUN.csv", help="readings of the same asset while it was sound")
     parser.add_argument("--tree", metavar="TREE.json", help="rank the nodes of this deployed tree by flipped decisions")
@@ -63,7 +71,7 @@ def _diagnosed(arguments: argparse.Namespace, line: StageLine) -> Any:
     from octmip.gap.twins.cached import CachedTwin
 
     line(f"building the twin {arguments.twin}")
-    twin = CachedTwin(load_twin(arguments.twin))
+    twin = CachedTwin(load_twin(arguments.twin, arguments.card))
     line(f"reading {arguments.campaign}")
     campaign = read_campaign(arguments.campaign, twin)
     commissioning = read_campaign(arguments.commissioning, twin) if arguments.commissioning else None
@@ -104,25 +112,42 @@ def _made(name: str, maker: Any) -> Any:
         ) from error
 
 
-def load_twin(name: str) -> Twin:
-    """Return the twin that ``module:attribute`` names, called first when it is no twin itself.
+def load_twin(name: str, card: str | None = None) -> Twin:
+    """Return the twin that a name says: a Python object, or a model behind a door.
 
     Raises
     ------
     DataError
-        there is no such module or attribute, or it gives no twin.
+        there is no such object, model or card, or it gives no twin.
     """
+    from octmip.gap.doors import FunctionTwin, read_card
+    from octmip.gap.doors.opening import door_of, open_twin
+
+    if door_of(name):
+        return open_twin(name, card)
+    if card is not None:
+        return FunctionTwin(_attribute(name.removeprefix(PYTHON)), read_card(card))
+    return _object_twin(name.removeprefix(PYTHON))
+
+
+def _attribute(name: str) -> Any:
+    """Return what ``module:attribute`` names."""
     module, colon, attribute = name.partition(":")
     if not (module and colon and attribute):
         raise DataError(f"--twin is {name!r}; expected MODULE:NAME, such as femlib.wing:uav_twin")
     if "" not in sys.path:
         sys.path.insert(0, "")  # a twin beside the campaign, in the working directory
     try:
-        found = getattr(importlib.import_module(module), attribute)
+        return getattr(importlib.import_module(module), attribute)
     except ImportError as error:
         raise DataError(f"--twin {name!r}: module {module!r} cannot be imported ({error}); check the name") from error
     except AttributeError as error:
         raise DataError(f"--twin {name!r}: {module!r} has no {attribute!r}; check the name") from error
+
+
+def _object_twin(name: str) -> Twin:
+    """Return the twin that ``module:attribute`` names, called first when it is no twin itself."""
+    found = _attribute(name)
     twin = found if hasattr(found, "predict") and not isinstance(found, type) else _made(name, found)
     if not all(hasattr(twin, part) for part in ("gauges", "predict", "effects")):
         raise DataError(

@@ -1,9 +1,12 @@
 """The gap between an asset and its twin: where it lies, what explains it, how far it closes, what to test next."""
 
 from octmip.gap.campaign.campaign import Campaign, Cell
+from octmip.gap.campaign.gather import Recorded, gathered
 from octmip.gap.campaign.reader import read_campaign
 from octmip.gap.diagnosis import Diagnosis, diagnose, rounds
+from octmip.gap.doors.function import FunctionTwin, function_twin
 from octmip.gap.effects import CHAIN
+from octmip.gap.effects.simple import SimpleEffect
 from octmip.gap.twins.augmented import Addition, AugmentedTwin
 from octmip.gap.twins.cached import CachedTwin
 
@@ -15,7 +18,12 @@ __all__ = [
     "Campaign",
     "Cell",
     "Diagnosis",
+    "FunctionTwin",
+    "Recorded",
+    "SimpleEffect",
     "diagnose",
+    "function_twin",
+    "gathered",
     "read_campaign",
     "rounds",
 ]

@@ -18,6 +18,7 @@ from octmip.gap.causes import (
     with_misfit,
 )
 from octmip.gap.effects import chain_of, in_chain
+from octmip.gap.effects.complete import completed
 from octmip.gap.inference.confounding import ABSURD, detectable
 from octmip.gap.inference.discrepancy import Discrepancy
 from octmip.gap.inference.inputs import prepare
@@ -199,7 +200,7 @@ def _diagnose(
     odds: Odds,
 ) -> Diagnosis:
     progress(Stage("the noise of the readings"))
-    chosen = dict(effects) if effects is not None else library_of(twin, campaign)
+    chosen = completed(effects if effects is not None else library_of(twin, campaign))
     asked = twin if isinstance(twin, CachedTwin) else CachedTwin(twin)
     inputs, notes = prepare(campaign, asked, chosen, commissioning, noise_sd, progress, odds)
     doubt = RunDoubt()

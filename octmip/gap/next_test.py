@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from octmip.errors import TwinError
 from octmip.gap.campaign.campaign import Campaign
 from octmip.gap.inference.evidence import Fit
 from octmip.gap.inference.inputs import Inputs
@@ -120,10 +121,15 @@ def next_tests(model: LinearModel, judged: Sequence[Judged]) -> tuple[Proposal, 
 
 
 def _strain_tests(model: LinearModel, fits: Sequence[Fit], weight: Floats) -> list[Proposal]:
-    return [
-        Proposal(f"load_{load:g}", words, _strain_information(model, fits, weight, load), cost, True)
-        for load, words, cost in _loads_to_test(model.inputs.campaign)
-    ]
+    """Return tests at other loads; one at a load that the twin refuses, as a table does beyond its rows, is none."""
+    found = []
+    for load, words, cost in _loads_to_test(model.inputs.campaign):
+        try:
+            information = _strain_information(model, fits, weight, load)
+        except TwinError:
+            continue
+        found.append(Proposal(f"load_{load:g}", words, information, cost, True))
+    return found
 
 
 def _loads_to_test(campaign: Campaign) -> list[tuple[Load, str, float]]:

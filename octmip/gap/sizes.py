@@ -7,8 +7,7 @@ The fit gives a normal size under the hypothesis that leads. Four things make th
 * where an effect may lie between places, size and place trade: a signature S_j (1 - x) + x S_k fitted by S_j alone has
   a size wrong by the factor 1 + x (1 / c_k - 1), c_k the best scale of the neighbour k, x ~ N(0, BETWEEN^2);
 * two models of one effect differ in its whole signature somewhat less than gauge by gauge: the size is no surer;
-* an effect with an exact forward map is not linear in its size: the size reported is the one whose map moves the
-  readings as far along the signature as the linear fit does.
+* an effect with an exact forward map is not linear in its size: it is fitted again with that map (`exact_sizes`).
 """
 
 from collections.abc import Sequence
@@ -17,17 +16,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from octmip.gap.effects.words import EffectWords, words_at
+from octmip.gap.exact_sizes import exact_size
+from octmip.gap.inference.candidates import bounds_of
 from octmip.gap.inference.linear_model import LinearModel
 from octmip.gap.inference.posterior import Judged, fit_together
 from octmip.gap.inference.signature_error import BETWEEN, neighbours, scales_of
-from octmip.twin import Effect
 
 WIDTH = 1.645
 """Standard deviations of a 90 % interval."""
 COMMON_PART = 0.6
 """Sd of the error of a whole signature over that at one gauge: two models of one effect share most constants."""
-STEPS = 6
-"""Secant steps toward the size of an exact forward map."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,11 +71,11 @@ def _parameter(head: Judged, member: int, size: float, same: Sequence[Judged]) -
     relative = np.hypot(_place_error(head.model, member), whole)
     spread = WIDTH * float(np.sqrt(variance + (mean * relative) ** 2))
     low, high = min(size, mean - spread), max(size, mean + spread)
-    if effect.is_one_sided:
-        low = max(0.0, low)
-    size, low, high = (_exact(head.model, effect, place, value) for value in (size, low, high))
+    exact = exact_size(head, member, size)
+    ends = (exact.size + exact.stretch * (end - size) for end in (low, high))
+    low, high = (float(end) for end in np.clip((*ends,), *bounds_of(effect)))
     named = words_at(effect, head.model.inputs.twin, place)
-    return Parameter(effect.name, place, size, low, high, effect.unit, effect.parameter, named)
+    return Parameter(effect.name, place, exact.size, low, high, effect.unit, effect.parameter, named)
 
 
 def _mixture(head: Judged, member: int, same: Sequence[Judged]) -> tuple[float, float]:
@@ -103,21 +101,3 @@ def _place_error(model: LinearModel, member: int) -> float:
     if not near:
         return 0.0
     return float(BETWEEN * np.sqrt(np.mean((1.0 / scales_of(model, near, member) - 1.0) ** 2)))
-
-
-def _exact(model: LinearModel, effect: Effect, place: str, size: float) -> float:
-    """Return the size whose exact forward map moves the readings as the linear fit does."""
-    forward = getattr(effect, "predict", None)
-    if forward is None or size == 0.0:
-        return size
-    inputs, twin, load = model.inputs, model.inputs.twin, model.inputs.reference
-    state, time = inputs.named(model.states[0]), max(average.time for average in inputs.averages)
-    line = effect.signature(twin, state, load, place=place, time=time)
-    start = twin.predict(state, load)
-    found = size
-    for _ in range(STEPS):
-        moved = float((forward(twin, state, load, found, place, time) - start) @ line / (line @ line))
-        if moved * size <= 0.0:
-            return size
-        found *= size / moved
-    return found

@@ -5,7 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from octmip.errors import TwinError
 from octmip.twin import Load, Loads, State, Twin
+
+STEP = 0.01
+"""Step of the load, one unit of size."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,10 +48,15 @@ class LoadFactorError:
     def signature(
         self, twin: Twin, state: State, load_factor: Load, place: str = "", time: float = 0.0
     ) -> NDArray[np.float64]:
-        """Return the change of the readings (n_gauges,) per unit of size."""
-        step = 0.01
-        higher = self._times(load_factor, 1.0 + step)
-        return (twin.predict(state, higher) - twin.predict(state, load_factor)) * (0.01 / step)
+        """Return the change of the readings (n_gauges,) per unit of size.
+
+        A twin that refuses the higher load, as a table does beyond its rows, is asked for the lower one.
+        """
+        here = twin.predict(state, load_factor)
+        try:
+            return twin.predict(state, self._times(load_factor, 1.0 + STEP)) - here
+        except TwinError:
+            return here - twin.predict(state, self._times(load_factor, 1.0 - STEP))
 
     def _times(self, load: Load, factor: float) -> Load:
         """Return the load with the one that is wrong multiplied."""

@@ -157,6 +157,7 @@ def prepare(
     run = calm(commissioning) if isinstance(commissioning, Campaign) else None
     noise, of_noise = noise_of(checks, run, noise_sd)
     _refuse_other_loads(campaign, run, asked)
+    _refuse_unsought(campaign, asked)
     reference = _reference(campaign, run, asked)
     known = commissioning if isinstance(commissioning, Discrepancy) else run
     discrepancy, of_discrepancy = _discrepancy(known, asked, noise, reference)
@@ -188,6 +189,17 @@ def _discrepancy(
         "No commissioning run: twin and asset may differ by about 1 % in common and 1 % per gauge before any effect; "
         "effects that scale all strains by less than about 1.5 % are invisible."
     ]
+
+
+def _refuse_unsought(campaign: Campaign, twin: CachedTwin) -> None:
+    """Refuse an unknown state where the twin has no range in which to look for it."""
+    for cell in campaign.cells:
+        for name, value in zip(campaign.parameters, cell.state.tolist(), strict=True):
+            if np.isnan(value) and not twin.state_limits.get(name, 1.0) > 0.0:
+                raise DataError(
+                    f"{cell.name}: state {name} is unknown, and the twin gives no range in which to look for it; "
+                    "expected a value; give it in the campaign, or the greatest one as state_limits in the twin's card"
+                )
 
 
 def _refuse_other_loads(campaign: Campaign, run: Campaign | None, twin: CachedTwin) -> None:

@@ -16,7 +16,7 @@ from octmip.gap.campaign.campaign import Campaign
 from octmip.gap.effects.words import effect_words
 from octmip.gap.inference.inputs import Inputs
 from octmip.gap.progress import Stage
-from octmip.twin import Effect, Load, State
+from octmip.twin import Effect, Load, State, state_limits_of
 
 Floats = NDArray[np.float64]
 Steps = list[tuple[float, float]]
@@ -73,7 +73,9 @@ def on_readings(inputs: Inputs, effect: Effect, places: Sequence[str], readings:
 
 def _states_of(inputs: Inputs, states: Floats) -> list[dict[str, float]]:
     """Return the state at which each average's signatures are asked: its own, on the lattice where it is unknown."""
-    near = [np.round(np.clip(states[part.cell], 0.0, None) / LATTICE) * LATTICE for part in inputs.averages]
+    limits = np.array(state_limits_of(inputs.twin))
+    on = [np.round(np.clip(states[part.cell], 0.0, None) / LATTICE) * LATTICE for part in inputs.averages]
+    near = [np.minimum(place, limits) for place in on]
     is_open = {cell for group in inputs.groups for cell in group}
     return [
         inputs.named(place if part.cell in is_open else states[part.cell])

@@ -2,8 +2,8 @@
 
 Every group of cells with one unknown state is screened over a grid, under a covariance that allows for every effect
 at its prior scale, so that no effect can hide the right node. The model is then linearised about the best nodes; each
-hypothesis is judged in the model closest to its own posterior state. A state must lie between 0 and `MOST`: the share
-of a hypothesis's Gaussian within the box multiplies its evidence.
+hypothesis is judged in the model closest to its own posterior state. A state must lie between 0 and `highest`: the
+share of a hypothesis's Gaussian within the box multiplies its evidence.
 """
 
 from itertools import combinations
@@ -15,8 +15,9 @@ from scipy.special import ndtr
 
 from octmip.gap.inference.evidence import Fit
 from octmip.gap.inference.inputs import Inputs
-from octmip.gap.inference.linear_model import OPEN_STATE, LinearModel, alike_gauges, linearise
+from octmip.gap.inference.linear_model import OPEN_STATE, STEP, LinearModel, alike_gauges, linearise
 from octmip.gap.progress import Stage
+from octmip.twin import state_limits_of
 
 Floats = NDArray[np.float64]
 
@@ -32,6 +33,14 @@ NODE_ERROR = 0.02
 """Relative sd of a node's change: the state lies up to half a grid line from it."""
 PLAUSIBLE = 12.0
 """Log units below the best node within which another node is still looked at."""
+
+
+def highest(inputs: Inputs) -> Floats:
+    """Return up to which value (n_parameters,) each state is looked for: `MOST`, or less where the twin has a limit.
+
+    A tangent needs a step more. A state of limit 0 is taken as stated.
+    """
+    return np.clip(np.array(state_limits_of(inputs.twin), dtype=np.float64) - STEP, 0.0, MOST)
 
 
 def grid(n_parameters: int) -> Floats:
@@ -72,7 +81,7 @@ def moved_states(model: LinearModel, fit: Fit) -> Floats:
     states = model.states.copy()
     moved = model.open_states.moved_by(fit.members, fit.size).reshape(len(model.inputs.groups), -1)
     for group, step in zip(model.inputs.groups, moved, strict=True):
-        states[list(group)] = np.clip(states[list(group)] + step, 0.0, MOST)
+        states[list(group)] = np.clip(states[list(group)] + step, 0.0, highest(model.inputs))
     return states
 
 
@@ -82,12 +91,13 @@ def distance(a: Floats, b: Floats) -> float:
 
 
 def log_box(model: LinearModel, fit: Fit) -> float:
-    """Return the log of the share of the open states' posterior that lies between 0 and `MOST` (marginals only)."""
+    """Return the log of the share of the open states' posterior that lies between 0 and `highest` (marginals only)."""
     if not model.inputs.groups:
         return 0.0
     mean, covariance = state_posterior(model, fit)
     sd = np.sqrt(np.maximum(np.diag(covariance), 1e-18))
-    inside = ndtr((MOST - mean) / sd) - ndtr(-mean / sd)
+    most = np.tile(highest(model.inputs), len(model.inputs.groups))
+    inside = ndtr((most - mean) / sd) - ndtr(-mean / sd)
     return float(np.log(np.maximum(inside, 1e-300)).sum())
 
 
@@ -110,6 +120,7 @@ def joint_covariance(model: LinearModel, fit: Fit) -> Floats:
 def _likely_nodes(inputs: Inputs, group: tuple[int, ...]) -> list[Floats]:
     """Return the nodes where the group's state may lie, best first, none near a better one."""
     nodes = grid(len(inputs.names))
+    nodes = nodes[(nodes <= highest(inputs)).all(axis=1)]
     logs = _node_logs(inputs, group, nodes)
     found: list[Floats] = []
     for k in np.argsort(-logs, kind="stable"):

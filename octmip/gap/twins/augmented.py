@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.twin import Effect, Load, State, Twin, channels_of, loads_of, state_parameters, units_of
+from octmip.twin import Effect, Load, State, Twin, channels_of, loads_of, state_limits_of, state_parameters, units_of
 
 Floats = NDArray[np.float64]
 
@@ -64,6 +64,11 @@ class AugmentedTwin:
     def parameters(self) -> tuple[str, ...]:
         """Names of the state parameters."""
         return state_parameters(self.twin)
+
+    @property
+    def state_limits(self) -> dict[str, float]:
+        """Up to which value each state parameter is looked for."""
+        return dict(zip(self.parameters, state_limits_of(self.twin), strict=True))
 
     @property
     def loads(self) -> tuple[str, ...]:

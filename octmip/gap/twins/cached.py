@@ -20,6 +20,7 @@ from octmip.twin import (
     load_words,
     loads_of,
     predict_states,
+    state_limits_of,
     state_parameters,
     units_of,
 )
@@ -55,6 +56,11 @@ class CachedTwin:
     def parameters(self) -> tuple[str, ...]:
         """Names of the state parameters."""
         return state_parameters(self.twin)
+
+    @property
+    def state_limits(self) -> dict[str, float]:
+        """Up to which value each state parameter is looked for."""
+        return dict(zip(self.parameters, state_limits_of(self.twin), strict=True))
 
     @property
     def loads(self) -> tuple[str, ...]:

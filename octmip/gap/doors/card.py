@@ -1,0 +1,163 @@
+"""The card of a model behind a door: its readings with units, its loads, and the range of every parameter.
+
+As a file it is one JSON object; only "readings" is needed:
+
+    {"readings": {"f1": "Hz", "u_top": "mm"}, "loads": ["force"], "states": ["crack"],
+     "parameters": {"stiffness": [100, 80, 120, "kN/m"]}, "sign": "...", "channels": {"f1": "accelerometer"}}
+
+A parameter's range is its nominal value, the least and the greatest that the asset may have, and its unit. "states" are
+parameters whose values a campaign gives test by test (a damage of 0.2, a fraction); a state that is not named is 0.
+"state_limits" says up to which value each is looked for where it is unknown or doubted: {"crack": 0.6}. That asks the
+model some hundred times, so a state without a limit is taken as stated, but behind a function or a table, which are
+fast.
+"""
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from octmip.errors import DataError
+from octmip.formats.files import read_bytes
+from octmip.twin import ONE_LOAD
+
+FIELDS = ("readings", "loads", "states", "parameters", "sign", "channels", "state_limits")
+
+
+@dataclass(frozen=True, slots=True)
+class Range:
+    """The values that a parameter may have.
+
+    Attributes
+    ----------
+    nominal
+        the model's value.
+    low, high
+        the least and the greatest value.
+    unit
+        unit of all three.
+    """
+
+    nominal: float
+    low: float
+    high: float
+    unit: str = "-"
+
+    def __post_init__(self) -> None:
+        numbers = (self.nominal, self.low, self.high)
+        if not all(isinstance(value, (int, float)) and math.isfinite(value) for value in numbers):
+            raise DataError(f"a range is {numbers}; expected three finite numbers: nominal, low, high")
+        if not (self.low <= self.nominal <= self.high and self.low < self.high):
+            raise DataError(
+                f"a range has nominal {self.nominal:g}, low {self.low:g} and high {self.high:g}; expected low <= "
+                "nominal <= high and low < high; order them so"
+            )
+
+
+RangeLike = Range | Sequence[Any]
+"""A range, or (nominal, low, high) or (nominal, low, high, unit)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Card:
+    """What a model behind a door is asked for and answers.
+
+    Attributes
+    ----------
+    readings
+        unit of every reading by name, in the order of the answers.
+    loads
+        names of what is applied or set.
+    states
+        names of the parameters that a campaign gives test by test.
+    parameters
+        range of every other parameter, by name.
+    sign
+        what a positive reading is, in words.
+    channels
+        instrument of a reading by name, where it is not one of its own.
+    state_limits
+        up to which value a state is looked for, by name.
+    """
+
+    readings: Mapping[str, str]
+    loads: tuple[str, ...] = ONE_LOAD
+    states: tuple[str, ...] = ()
+    parameters: Mapping[str, Range] = field(default_factory=dict)
+    sign: str = ""
+    channels: Mapping[str, str] = field(default_factory=dict)
+    state_limits: Mapping[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if not self.readings:
+            raise DataError("a card names no reading; expected the unit of every reading by name; add them")
+        names = [*self.readings, *self.loads, *self.states, *self.parameters]
+        twice = sorted({name for name in names if names.count(name) > 1})
+        if twice:
+            raise DataError(f"a card names {twice[0]!r} twice; expected one reading, load or parameter of a name")
+        unknown = [name for name in self.channels if name not in self.readings]
+        if unknown:
+            raise DataError(f"a card gives a channel to {unknown[0]!r}, which is no reading; expected a reading's name")
+
+
+def card_of(
+    readings: Mapping[str, str],
+    loads: Sequence[str] = ONE_LOAD,
+    states: Sequence[str] = (),
+    parameters: Mapping[str, RangeLike] | None = None,
+    sign: str = "",
+    channels: Mapping[str, str] | None = None,
+    state_limits: Mapping[str, float] | None = None,
+) -> Card:
+    """Return a card from plain values, its ranges as `Range` or as (nominal, low, high, unit)."""
+    ranges = {name: _range(name, given) for name, given in (parameters or {}).items()}
+    return Card(
+        readings=dict(readings),
+        loads=tuple(loads),
+        states=tuple(states),
+        parameters=ranges,
+        sign=sign,
+        channels=dict(channels or {}),
+        state_limits={name: float(value) for name, value in (state_limits or {}).items()},
+    )
+
+
+def _range(name: str, given: RangeLike) -> Range:
+    if isinstance(given, Range):
+        return given
+    if isinstance(given, str) or not isinstance(given, Sequence) or len(given) not in (3, 4):
+        raise DataError(f"parameter {name!r} has the range {given!r}; expected nominal, low, high and, if any, unit")
+    try:
+        return Range(*given)
+    except DataError as error:
+        raise DataError(f"parameter {name!r}: {error}") from error
+
+
+def read_card(path: str | Path) -> Card:
+    """Return the card in a JSON file.
+
+    Raises
+    ------
+    DataError
+        no such file, no JSON object, a key that no card has, a range that is none.
+    """
+    try:
+        content = json.loads(read_bytes(path))
+    except (ValueError, UnicodeDecodeError) as error:
+        raise DataError(f"card {path} is no JSON ({error}); expected one object with the key 'readings'") from error
+    if not isinstance(content, dict) or not isinstance(content.get("readings"), dict):
+        raise DataError(f"card {path} has no object 'readings'; expected the unit of every reading by name; add it")
+    unknown = [name for name in content if name not in FIELDS]
+    if unknown:
+        raise DataError(f"card {path} has the key {unknown[0]!r}; expected among {list(FIELDS)}; rename or drop it")
+    try:
+        return card_of(**content)
+    except (DataError, TypeError, AttributeError) as error:
+        raise DataError(f"card {path}: {error}") from error
+
+
+def card_beside(path: str | Path, card: str | Path | None) -> Card:
+    """Return the card that was given, else the one beside a file: its name with .json added."""
+    return read_card(card if card is not None else f"{path}.json")

@@ -1,0 +1,148 @@
+"""A Python function as a twin, and every parameter that has a range as an effect that the asset may show.
+
+def tower(parameters, loads):
+return {"f1": ..., "u_top": ...}
+
+twin = function_twin(tower, readings={"f1": "Hz", "u_top": "mm"}, loads=("force",),
+parameters={"stiffness": (100.0, 80.0, 120.0, "kN/m")})
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.errors import TwinError
+from octmip.gap.doors.card import Card, RangeLike, card_of
+from octmip.gap.doors.parameter import ParameterEffect
+from octmip.twin import ONE_LOAD, Effect, Load, Loads, State
+
+Floats = NDArray[np.float64]
+Function = Callable[[Mapping[str, float], Mapping[str, float]], Any]
+"""Values of all parameters and states, and of all loads, by name -> readings by name, or in the order of the card."""
+
+
+class FunctionTwin:
+    """A function with its card: a twin that asks each question once.
+
+    Attributes
+    ----------
+    function
+        the model.
+    card
+        what it is asked for and answers.
+    effects
+        one for every parameter, and others that are added: `with_effects`.
+    """
+
+    def __init__(self, function: Function, card: Card, effects: Sequence[Effect] = ()) -> None:
+        self.function = function
+        self.card = card
+        own: list[Effect] = [ParameterEffect(name, values, self.ask) for name, values in card.parameters.items()]
+        self.effects: Mapping[str, Effect] = {effect.name: effect for effect in (*own, *effects)}
+        self._answers: dict[tuple[float, ...], Floats] = {}
+
+    def with_effects(self, *effects: Effect) -> "FunctionTwin":
+        """Return the twin with more effects that the asset may show."""
+        return FunctionTwin(self.function, self.card, effects)
+
+    @property
+    def gauges(self) -> tuple[str, ...]:
+        """Names of the readings."""
+        return tuple(self.card.readings)
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Unit of every reading."""
+        return tuple(self.card.readings.values())
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Instrument of every reading."""
+        return tuple(self.card.channels.get(name, name) for name in self.card.readings)
+
+    @property
+    def loads(self) -> tuple[str, ...]:
+        """Names of what is applied or set."""
+        return self.card.loads
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the parameters that a campaign gives test by test."""
+        return self.card.states
+
+    @property
+    def state_limits(self) -> Mapping[str, float]:
+        """Up to which value a state is looked for, by name."""
+        return self.card.state_limits
+
+    @property
+    def sign(self) -> str:
+        """What a positive reading is, in words."""
+        return self.card.sign
+
+    def predict(self, state: State, load_factor: Load) -> Floats:
+        """Return the readings (n_readings,) at the parameters' nominal values."""
+        return self.ask(state, load_factor, {})
+
+    def ask(self, state: State, load: Load, values: Mapping[str, float]) -> Floats:
+        """Return the readings (n_readings,) with some parameters at other values; each is asked for once."""
+        parameters = {name: own.nominal for name, own in self.card.parameters.items()} | dict(values)
+        parameters |= {name: float(state.get(name, 0.0)) for name in self.card.states}
+        loads = dict(load) if isinstance(load, Loads) else {self.card.loads[0]: float(load)}
+        key = (*parameters.values(), *loads.values())
+        if key not in self._answers:
+            self._answers[key] = self._readings(self.function(parameters, loads))
+        return self._answers[key]
+
+    def _readings(self, answer: Any) -> Floats:
+        """Return an answer as numbers in the order of the card."""
+        if isinstance(answer, Mapping):
+            missing = [name for name in self.card.readings if name not in answer]
+            if missing:
+                raise TwinError(
+                    f"the model answers {list(answer)[:4]}... without the reading {missing[0]!r}; expected every "
+                    "reading of its card; add it"
+                )
+            answer = [answer[name] for name in self.card.readings]
+        found = np.array(answer, dtype=np.float64)
+        found.flags.writeable = False
+        return found
+
+
+def function_twin(
+    function: Function,
+    readings: Mapping[str, str],
+    parameters: Mapping[str, RangeLike] | None = None,
+    loads: Sequence[str] = ONE_LOAD,
+    states: Sequence[str] = (),
+    sign: str = "",
+    channels: Mapping[str, str] | None = None,
+) -> FunctionTwin:
+    """Return the twin of a function ``f(parameters, loads) -> readings``.
+
+    Parameters
+    ----------
+    function
+        the model; parameters and loads come by name, readings go by name or in the order of `readings`.
+    readings
+        unit of every reading by name.
+    parameters
+        (nominal, low, high, unit) of every parameter by name; each is an effect that the asset may show.
+    loads
+        names of what is applied or set, columns of a campaign.
+    states
+        names of parameters whose values a campaign gives test by test; 0 where it does not.
+    sign
+        what a positive reading is, in words.
+    channels
+        instrument of a reading by name, where one gives several.
+
+    Raises
+    ------
+    DataError
+        a name that comes twice, a range that is none.
+    """
+    limits = dict.fromkeys(states, 1.0)
+    return FunctionTwin(function, card_of(readings, loads, states, parameters, sign, channels, limits))

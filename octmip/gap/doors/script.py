@@ -1,0 +1,102 @@
+"""A program as a twin: parameters and loads go in as JSON, readings come out as JSON, one run for each question.
+
+The program reads one object from its standard input, {"parameters": {...}, "loads": {...}}, and writes one to its
+standard output, {"f1": 2.01, ...}; the last line of the output counts, so that a solver may talk before it. So an
+OpenSees script (openseespy), a MATLAB function or a vendor's solver with a licence of its own becomes a twin without
+being linked to this package.
+
+What it lacks: every question starts the program again, so a model that loads for a minute costs a minute for each
+parameter, state and load; keep such a one behind UM-Bridge.
+"""
+
+import json
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from octmip.errors import DataError, TwinError
+from octmip.gap.doors.card import Card, card_beside
+from octmip.gap.doors.function import FunctionTwin
+
+LONGEST = 600.0
+"""Seconds after which a program that does not answer is ended."""
+
+
+def script_twin(
+    path: str | Path,
+    card: str | Path | Card | None = None,
+    command: Sequence[str] = (),
+    seconds: float = LONGEST,
+) -> FunctionTwin:
+    """Return the twin of a program.
+
+    Parameters
+    ----------
+    path
+        the program: a Python script, run by this interpreter, or any executable file.
+    card
+        its card or the file of it; by default the file beside it, its name with .json added.
+    command
+        what runs it, the path as one of its words; by default this interpreter for .py, the file itself for others.
+    seconds
+        after which a run is ended.
+
+    Raises
+    ------
+    DataError
+        no such file or card.
+    """
+    program = Path(path)
+    if not program.is_file():
+        raise DataError(f"script {program} is not there; expected a program; check the path")
+    known = card if isinstance(card, Card) else card_beside(path, card)
+    own = [sys.executable, str(program)] if program.suffix == ".py" else [str(program.resolve())]
+    words = list(command) or own
+
+    def function(parameters: Mapping[str, float], loads: Mapping[str, float]) -> Any:
+        asked = json.dumps({"parameters": dict(parameters), "loads": dict(loads)})
+        return _answer(run_program(words, f"script {program}", seconds, asked=asked), program)
+
+    return FunctionTwin(function, known)
+
+
+def run_program(
+    words: Sequence[str], called: str, seconds: float, asked: str = "", folder: str | Path | None = None
+) -> str:
+    """Return what a program prints.
+
+    Raises
+    ------
+    TwinError
+        it cannot be started, does not end in time, or ends with an error.
+    """
+    try:
+        done = subprocess.run(
+            list(words), input=asked, capture_output=True, text=True, timeout=seconds, check=False, cwd=folder
+        )
+    except OSError as error:
+        raise TwinError(
+            f"{called} cannot be run by {words[0]!r} ({error.strerror}); install it or correct it"
+        ) from error
+    except subprocess.TimeoutExpired as error:
+        raise TwinError(f"{called} did not end within {seconds:g} s; expected an answer; allow more") from error
+    if done.returncode != 0:
+        said = (done.stderr.strip() or done.stdout.strip()).splitlines()
+        raise TwinError(
+            f"{called} ended with code {done.returncode} ({said[-1] if said else 'and said nothing'}); expected 0"
+        )
+    return done.stdout
+
+
+def _answer(said: str, program: Path) -> dict[str, float]:
+    lines = said.strip().splitlines()
+    try:
+        answer = json.loads(lines[-1])
+        return {str(name): float(value) for name, value in answer.items()}
+    except (IndexError, ValueError, AttributeError, TypeError) as error:
+        last = lines[-1][:60] if lines else ""
+        raise TwinError(
+            f"script {program} prints {last!r} last; expected one JSON object of readings, a number each ({error})"
+        ) from error

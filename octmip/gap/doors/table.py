@@ -1,0 +1,137 @@
+"""A table as a twin: one column per parameter, state and load, one per reading; between its rows it is interpolated.
+
+Rows that form a regular grid are interpolated along it, others over a Delaunay triangulation; both linearly, both
+exactly at their rows, and nothing is extrapolated: outside of the table there is no answer. What interpolation costs
+is yours to choose by the spacing: for a curvature k it is k spacing^2 / 8.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from scipy.interpolate import LinearNDInterpolator, RegularGridInterpolator
+
+from octmip.errors import DataError, TwinError, needed_by
+from octmip.gap.doors.card import Card, card_beside
+from octmip.gap.doors.function import Function, FunctionTwin
+
+Floats = NDArray[np.float64]
+
+
+def table_twin(path: str | Path, card: str | Path | Card | None = None) -> FunctionTwin:
+    """Return the twin of a table, CSV or Parquet.
+
+    Parameters
+    ----------
+    path
+        the table: a header, numbers below it.
+    card
+        its card or the file of it; by default the file beside the table, its name with .json added.
+
+    Raises
+    ------
+    DataError
+        no such file, a column of the card that it lacks, a cell that is no number.
+    """
+    known = card if isinstance(card, Card) else card_beside(path, card)
+    frame = _frame(Path(path))
+    inputs = [*known.parameters, *known.states, *known.loads]
+    numbers = _numbers(frame, path, [*inputs, *known.readings])
+    points, values = numbers[:, : len(inputs)], numbers[:, len(inputs) :]
+    limits = {name: float(points[:, inputs.index(name)].max()) for name in known.states}
+    return FunctionTwin(_interpolated(points, values, inputs, str(path)), replace(known, state_limits=limits))
+
+
+def _frame(path: Path) -> pd.DataFrame:
+    if not path.is_file():
+        raise DataError(f"table {path} is not there; expected a CSV or Parquet file; check the path")
+    try:
+        if path.suffix.lower() in (".parquet", ".pq"):
+            with needed_by("a twin from a Parquet file"):
+                import pyarrow  # noqa: F401
+            return pd.read_parquet(path)
+        return pd.read_csv(path, comment="#")
+    except (ValueError, UnicodeDecodeError, OSError) as error:
+        raise DataError(f"table {path} cannot be read ({error}); expected a header and numbers below it") from error
+
+
+def _numbers(frame: pd.DataFrame, path: str | Path, names: list[str]) -> Floats:
+    missing = [name for name in names if name not in frame.columns]
+    if missing:
+        raise DataError(
+            f"table {path} lacks the column {missing[0]!r} of its card; got {list(map(str, frame.columns))[:6]}...; "
+            "add it"
+        )
+    columns = [pd.to_numeric(frame[name], errors="coerce") for name in names]
+    numbers = np.array(columns, dtype=np.float64).T
+    bad = np.argwhere(~np.isfinite(numbers))
+    if len(bad):
+        row, column = (int(k) for k in bad[0])
+        raise DataError(
+            f"table {path}, row {row + 2}, column {names[column]} is {frame[names[column]].iloc[row]!r}; expected a "
+            "finite number"
+        )
+    return numbers
+
+
+def _interpolated(points: Floats, values: Floats, names: list[str], path: str) -> Function:
+    """Return the function that interpolates rows of points (n, n_inputs) and values (n, n_readings)."""
+    varied = [k for k in range(points.shape[1]) if np.ptp(points[:, k]) > 0.0]
+    low, high = points.min(axis=0), points.max(axis=0)
+    inside = _of_points(points[:, varied], values, [names[k] for k in varied], path)
+
+    def function(parameters: Mapping[str, float], loads: Mapping[str, float]) -> Floats:
+        given = {**parameters, **loads}
+        asked = np.array([given[name] for name in names])
+        beyond = np.flatnonzero((asked < low - _slack(low, high)) | (asked > high + _slack(low, high)))
+        if beyond.size:
+            k = int(beyond[0])
+            raise TwinError(
+                f"table {path} was asked for {names[k]} {asked[k]:g}; it holds {low[k]:g} to {high[k]:g}, and nothing "
+                "is extrapolated; add rows that reach it"
+            )
+        return np.asarray(inside(np.clip(asked, low, high)[varied]), dtype=np.float64)
+
+    return function
+
+
+def _slack(low: Floats, high: Floats) -> Floats:
+    """Return what rounding may add at the ends of a column."""
+    return 1e-9 * np.maximum(high - low, np.maximum(np.abs(low), np.abs(high)))
+
+
+def _of_points(points: Floats, values: Floats, names: list[str], path: str) -> Any:
+    """Return the interpolator of the columns that vary."""
+    if not names:
+        return lambda at: values.mean(axis=0)
+    axes = [np.unique(points[:, k]) for k in range(len(names))]
+    shape = tuple(len(axis) for axis in axes)
+    if len(points) == int(np.prod(shape)):
+        grid = np.full((*shape, values.shape[1]), np.nan)
+        grid[tuple(np.searchsorted(axis, points[:, k]) for k, axis in enumerate(axes))] = values
+        if np.isfinite(grid).all():
+            regular = RegularGridInterpolator(axes, grid, method="linear")
+            return lambda at: regular(at)[0]
+    if len(names) == 1:
+        raise DataError(f"table {path} holds a value of {names[0]} twice; expected one row for each; drop one")
+    return _of_scattered(points, values, names, path)
+
+
+def _of_scattered(points: Floats, values: Floats, names: list[str], path: str) -> Any:
+    width = np.ptp(points, axis=0)
+    scattered = LinearNDInterpolator(points / width, values)
+
+    def inside(at: Floats) -> Floats:
+        found = np.asarray(scattered(at / width), dtype=np.float64).reshape(-1)
+        if not np.isfinite(found).all():
+            where = ", ".join(f"{name} {value:g}" for name, value in zip(names, at, strict=True))
+            raise TwinError(
+                f"table {path} was asked for {where}, outside of its rows; nothing is extrapolated; add rows about it"
+            )
+        return found
+
+    return inside

@@ -1,0 +1,115 @@
+"""Sizes of effects that are not linear in them: fitted again to all readings with the effect's exact forward map.
+
+With W the whitening of a hypothesis, r the residual less what its other members and the open states make, and g(theta)
+the change that the exact map makes in all rows, Gauss and Newton's steps minimise
+
+    |W (r - g(theta))|^2,   theta <- theta + (J' (W r - W g)) / (J' J),   J = W dg/dtheta,
+
+from the size of the linear fit on; a step that does not lessen the sum is halved, and one that never does is not made.
+The standard deviation of the linear fit is stretched by |W S| / |J|, S the signature about none.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.gap.inference.posterior import Judged
+from octmip.twin import Load
+
+Floats = NDArray[np.float64]
+
+STEPS = 4
+"""Steps, each of two forward maps for every load."""
+HALVINGS = 3
+SLOPE = 0.05
+"""Step of the derivative over the prior sd: a table or a rough model has none at a point."""
+CLOSE = 1e-4
+"""Step over the prior sd below which a size is found."""
+
+
+@dataclass(frozen=True, slots=True)
+class ExactSize:
+    """A size by the exact forward map.
+
+    Attributes
+    ----------
+    size
+        in the effect's unit.
+    stretch
+        standard deviation over that of the linear fit.
+    """
+
+    size: float
+    stretch: float
+
+
+def exact_size(head: Judged, member: int, size: float) -> ExactSize:
+    """Return the size of a member that fits all readings best; as it was fitted where the effect is linear."""
+    effect = head.model.inputs.candidates[member].effect
+    if getattr(effect, "predict", None) is None or size == 0.0:
+        return ExactSize(size, 1.0)
+    model, own = head.allowing, head.fit
+    others = [(j, float(s)) for j, s in zip(own.members, own.size, strict=True) if j != member]
+    moved = model.tangents @ model.open_states.moved_by(own.members, own.size)
+    left = model.residual - moved - sum((s * model.signatures[:, j] for j, s in others), np.zeros(model.n))
+    low, high = getattr(effect, "bounds", (-np.inf, np.inf))
+    return _fitted(head, member, model.whiten(left), (float(low), float(high)), size)
+
+
+def _fitted(head: Judged, member: int, target: Floats, bounds: tuple[float, float], size: float) -> ExactSize:
+    model, sd = head.allowing, head.model.inputs.priors.sd[member]
+    linear = float(np.linalg.norm(model.whiten(model.signatures[:, member])))
+    found = float(np.clip(size, *bounds))
+    misfit, slope = target - _change(head, member, found), np.zeros(model.n)
+    for _ in range(STEPS):
+        ahead = SLOPE * sd if found + SLOPE * sd <= bounds[1] else -SLOPE * sd
+        slope = (_change(head, member, found + ahead) - (target - misfit)) / ahead
+        squared = float(slope @ slope)
+        if not squared > 0.0:
+            return ExactSize(found, 1.0)
+        step = float(slope @ misfit) / squared
+        after, left = _shorter(head, member, target, misfit, found, step, bounds)
+        is_found = abs(after - found) < CLOSE * sd
+        found, misfit = after, left
+        if is_found:
+            break
+    return ExactSize(found, linear / float(np.linalg.norm(slope)) if linear > 0.0 else 1.0)
+
+
+def _shorter(
+    head: Judged,
+    member: int,
+    target: Floats,
+    misfit: Floats,
+    start: float,
+    step: float,
+    bounds: tuple[float, float],
+) -> tuple[float, Floats]:
+    """Return the size after a step, halved until it lessens the misfit, and the misfit there."""
+    for _ in range(HALVINGS):
+        ahead = float(np.clip(start + step, *bounds))
+        left = target - _change(head, member, ahead)
+        if float(left @ left) <= float(misfit @ misfit):
+            return ahead, left
+        step *= 0.5
+    return start, misfit
+
+
+def _change(head: Judged, member: int, size: float) -> Floats:
+    """Return what the exact map changes in all rows (n,), whitened."""
+    model = head.allowing
+    inputs, candidate = model.inputs, model.inputs.candidates[member]
+    uses_time = bool(getattr(candidate.effect, "uses_time", False))
+    known: dict[tuple[bytes, Load, float], Floats] = {}
+    rows = []
+    for average in inputs.averages:
+        state, load = model.states[average.cell], inputs.cell_of(average).load
+        time = average.time if uses_time else 0.0
+        key = (state.tobytes(), load, time)
+        if key not in known:
+            named = inputs.named(state)
+            there = candidate.effect.predict(inputs.twin, named, load, size, candidate.place, time)  # type: ignore[attr-defined]
+            known[key] = (np.asarray(there) - inputs.twin.predict(named, load))[list(inputs.order)]
+        rows.append(known[key])
+    return model.whiten(np.array(rows)[model.average, model.gauge])

@@ -1,0 +1,235 @@
+"""The wing behind all six doors: one verdict, one size.
+
+The doors that start a program for each question are given the wing's answers as coefficients: at a known damage its
+readings are linear in the load factor and in the sizes of these effects, so that nothing is lost.
+"""
+
+import importlib.util
+import itertools
+import json
+import socket
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from femlib.wing import Wing, WingTwin
+from femlib.wing.effects import wing_effects
+from octmip.errors import DataError
+from octmip.gap import Campaign, FunctionTwin, Recorded, diagnose, gathered
+from octmip.gap.doors import deck_twin, fmu_twin, script_twin, table_twin, um_bridge_twin
+from octmip.gap.doors.card import card_of
+from octmip.gap.sizes import Parameter
+from octmip.report.diagnosis.recommendation import recommend
+
+RANGES = {
+    "temperature_uniform": (0.0, -20.0, 20.0, "K"),
+    "torsion": (0.0, -10.0, 10.0, "% chord"),
+}
+TRUTH, SIZE = "temperature_uniform", 12.0
+DAMAGES, MEASURED = (0.0, 0.3), 0.3
+LOADS = (1.0, 3.0)
+
+MODEL = """
+import json
+with open({path!r}) as file:
+    PARTS = json.load(file)
+
+def wing(parameters, loads):
+    at = PARTS[f"{{parameters['mu1']:g}}"]
+    sizes = [1.0] + [parameters[name] for name in {names!r}]
+    load = loads["load_factor"]
+    return [sum(s * (a + load * b) for s, a, b in zip(sizes, *gauge)) for gauge in at]
+"""
+
+
+@pytest.fixture(scope="module")
+def native(tiny: Wing) -> WingTwin:
+    effects = wing_effects(tiny)
+    return WingTwin(tiny, {name: effects[name] for name in RANGES})
+
+
+@pytest.fixture(scope="module")
+def twin(native: WingTwin) -> FunctionTwin:
+    def wing(parameters, loads):
+        state, load = {"mu1": parameters["mu1"]}, loads["load_factor"]
+        added = [parameters[name] * effect.signature(native, state, load) for name, effect in native.effects.items()]
+        return native.predict(state, load) + np.sum(added, axis=0)
+
+    readings, sign = dict.fromkeys(native.gauges, "microstrain"), "compressive strain positive"
+    return FunctionTwin(wing, card_of(readings, states=("mu1",), parameters=RANGES, sign=sign))
+
+
+@pytest.fixture(scope="module")
+def campaign(twin: FunctionTwin) -> Campaign:
+    rng = np.random.default_rng(6)
+    blocks = []
+    for load in LOADS:
+        true = twin.ask({"mu1": MEASURED}, load, {TRUTH: SIZE})
+        rows = true + 5.0 * rng.standard_normal((12, len(true)))
+        blocks.append(Recorded(rows, {"load_factor": load}, state={"mu1": MEASURED}))
+    return gathered(twin, blocks)
+
+
+@pytest.fixture(scope="module")
+def card(twin: FunctionTwin, tmp_path_factory) -> Path:
+    own = twin.card
+    parameters = {name: [r.nominal, r.low, r.high, r.unit] for name, r in own.parameters.items()}
+    content = {"readings": own.readings, "states": own.states, "parameters": parameters, "sign": own.sign}
+    path = tmp_path_factory.mktemp("doors") / "card.json"
+    path.write_text(json.dumps(content))
+    return path
+
+
+@pytest.fixture(scope="module")
+def model(native: WingTwin, card: Path) -> str:
+    """The wing's answers as coefficients (load^0 and load^1, of strain and effects), and what reads them."""
+    parts = {}
+    for damage in DAMAGES:
+        state = {"mu1": damage}
+        effects = native.effects.values()
+        ends = [
+            np.array([native.predict(state, load), *(effect.signature(native, state, load) for effect in effects)])
+            for load in (0.0, 1.0)
+        ]
+        still, grows = ends[0], ends[1] - ends[0]
+        parts[f"{damage:g}"] = [[still[:, k].tolist(), grows[:, k].tolist()] for k in range(still.shape[1])]
+    path = card.parent / "wing.json"
+    path.write_text(json.dumps(parts))
+    return MODEL.format(path=str(path), names=list(RANGES))
+
+
+def found(campaign: Campaign, twin: FunctionTwin) -> tuple[Parameter, str]:
+    diagnosis = diagnose(campaign, twin, twin.effects)
+    (parameter,) = diagnosis.which[0].parameters
+    return parameter, recommend(diagnosis)
+
+
+@pytest.fixture(scope="module")
+def expected(campaign: Campaign, twin: FunctionTwin) -> tuple[Parameter, str]:
+    return found(campaign, twin)
+
+
+def assert_same(own: tuple[Parameter, str], expected: tuple[Parameter, str], tolerance: float = 1e-6) -> None:
+    assert own[1] == expected[1]
+    for name in ("size", "low", "high"):
+        assert getattr(own[0], name) == pytest.approx(getattr(expected[0], name), rel=tolerance)
+
+
+def test_the_function_names_what_the_wing_itself_names(campaign, native, twin, expected):
+    parameter, sentence = expected
+    assert parameter.effect == TRUTH
+    assert parameter.low < SIZE < parameter.high
+    assert sentence.startswith("Correct the temperature uniform: it is ")
+    (own,) = diagnose(campaign, FunctionTwin(twin.function, twin.card), native.effects).which[0].parameters
+    assert own.effect == TRUTH
+    assert own.size == pytest.approx(parameter.size, rel=5e-3)  # its prior scale is the effect's own
+
+
+def test_a_table_of_the_wing_says_the_same(campaign, twin, card, expected, tmp_path):
+    """Multilinear interpolation loses nothing between these rows; between damages it does."""
+    axes = [[low, high] for _, low, high, _ in RANGES.values()]
+    lines = [",".join([*RANGES, "mu1", "load_factor", *twin.gauges])]
+    for *sizes, damage, load in itertools.product(*axes, DAMAGES, (0.0, 3.0)):
+        values = twin.ask({"mu1": damage}, load, dict(zip(RANGES, sizes, strict=True)))
+        lines.append(",".join(f"{value:.17g}" for value in (*sizes, damage, load, *values)))
+    path = tmp_path / "wing.csv"
+    path.write_text("\n".join(lines))
+    table = table_twin(path, card)
+    assert_same(found(campaign, table), expected)
+    between = np.abs(table.predict({"mu1": 0.15}, 3.0) - twin.predict({"mu1": 0.15}, 3.0)).max()
+    assert between < 0.05 * np.abs(twin.predict({"mu1": 0.3}, 3.0) - twin.predict({}, 3.0)).max()
+
+
+def test_a_program_of_the_wing_says_the_same(campaign, card, model, expected, tmp_path):
+    path = tmp_path / "wing.py"
+    path.write_text(f"{model}\nimport sys\nasked = json.load(sys.stdin)\n")
+    with path.open("a") as file:
+        file.write("names = json.load(open(sys.argv[1]))['readings']\n")
+        file.write("print(json.dumps(dict(zip(names, wing(asked['parameters'], asked['loads'])))))\n")
+    assert_same(found(campaign, script_twin(path, card, [sys.executable, "-S", "-E", str(path), str(card)])), expected)
+
+
+def test_a_deck_of_the_wing_says_the_same(campaign, twin, card, model, expected, tmp_path):
+    names = [*RANGES, "mu1", "load_factor"]
+    deck, solver = tmp_path / "wing.inp", tmp_path / "solver.py"
+    deck.write_text("** the wing\n" + "".join(f"*{name}, @{name}@\n" for name in names))
+    solver.write_text(
+        f"{model}\nlines = [line.split(', ') for line in open('job.inp') if not line.startswith('**')]\n"
+        "given = {name[1:]: float(value) for name, value in lines}\n"
+        "with open('job.dat', 'w') as file:\n"
+        "    for k, value in enumerate(wing(given, given)):\n"
+        "        file.write(f' gauge {k} strain {value!r}\\n')\n"
+    )
+    find = {name: rf"gauge {k} strain (\S+)" for k, name in enumerate(twin.gauges)}
+    command = [sys.executable, "-S", "-E", str(solver)]
+    content = json.loads(card.read_text()) | {"deck": {"command": command, "output": "{job}.dat", "find": find}}
+    (tmp_path / "wing.inp.json").write_text(json.dumps(content))
+    assert_same(found(campaign, deck_twin(deck)), expected)
+
+
+def has(*packages: str) -> bool:
+    return all(importlib.util.find_spec(package) is not None for package in packages)
+
+
+@pytest.mark.skipif(not has("umbridge"), reason="the package umbridge is not installed")
+def test_a_server_of_the_wing_says_the_same(campaign, card, model, expected, tmp_path):
+    with socket.socket() as listening:
+        listening.bind(("localhost", 0))
+        port = listening.getsockname()[1]
+    served = f"{model}\nfrom octmip.gap.doors import FunctionTwin, read_card, serve\n"
+    code = f"{served}serve(FunctionTwin(wing, read_card({str(card)!r})), {port}, 'wing')"
+    server = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    try:
+        assert_same(found(campaign, _answering(f"http://localhost:{port}/wing", card)), expected)
+    finally:
+        server.terminate()
+        server.wait()
+
+
+def _answering(address: str, card: Path) -> FunctionTwin:
+    for _ in range(600):
+        try:
+            return um_bridge_twin(address, card)
+        except DataError:
+            time.sleep(0.1)
+    raise AssertionError(f"nothing answers at {address}")
+
+
+SLAVE = """
+from pythonfmu3 import Fmi3Causality, Fmi3Slave, Fmi3Variability, Float64
+{model}
+NAMES = {names!r}
+
+class Wingfmu(Fmi3Slave):
+    def __init__(self, **kwargs):
+        super().__init__(**kwargs)
+        self.time = 0.0
+        own, moving = Fmi3Causality.independent, Fmi3Variability.continuous
+        self.register_variable(Float64("time", causality=own, variability=moving))
+        kept = dict(causality=Fmi3Causality.parameter, variability=Fmi3Variability.tunable, start=0.0)
+        for name in {inputs!r}:
+            setattr(self, name, 0.0)
+            self.register_variable(Float64(name, **kept))
+        for name in NAMES:
+            setattr(self, name, 0.0)
+            self.register_variable(Float64(name, causality=Fmi3Causality.output))
+
+    def do_step(self, current_time, step_size):
+        given = {{name: getattr(self, name) for name in {inputs!r}}}
+        for name, value in zip(NAMES, wing(given, given)):
+            setattr(self, name, value)
+        return True
+"""
+
+
+@pytest.mark.skipif(not has("fmpy", "pythonfmu3"), reason="the packages fmpy and pythonfmu3 are not installed")
+def test_an_fmu_of_the_wing_says_the_same(campaign, twin, card, model, expected, tmp_path):
+    inputs = [*RANGES, "mu1", "load_factor"]
+    (tmp_path / "wingfmu.py").write_text(SLAVE.format(model=model, names=list(twin.gauges), inputs=inputs))
+    build = [sys.executable, "-m", "pythonfmu3", "build", "-f", "wingfmu.py"]
+    subprocess.run(build, cwd=tmp_path, check=True, capture_output=True)
+    assert_same(found(campaign, fmu_twin(tmp_path / "Wingfmu.fmu", card)), expected)

@@ -1,0 +1,381 @@
+"""Doors to other people's models: function, table, script, deck, UM-Bridge and FMU, and what each refuses."""
+
+import importlib.util
+import json
+import shutil
+import socket
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+from octmip.cli.diagnose import load_twin
+from octmip.errors import DataError, TwinError
+from octmip.gap import CachedTwin, Campaign, diagnose, function_twin
+from octmip.gap.doors import deck_twin, open_twin, read_card, script_twin, table_twin
+from octmip.gap.doors.card import card_of
+from octmip.gap.doors.um_bridge import um_bridge_twin
+from octmip.report.diagnosis.recommendation import recommend
+from octmip.twin import Effect, Loads, Twin
+
+READINGS = {"tip": "mm", "mid": "mm", "f1": "Hz"}
+RANGES = {"stiffness": (100.0, 80.0, 120.0, "N/mm"), "gap": (0.0, 0.0, 0.5, "mm")}
+CARD = {"readings": READINGS, "loads": ["force"], "parameters": RANGES}
+SOURCE = """
+import math
+
+def beam(parameters, loads):
+    k, gap = parameters["stiffness"], parameters["gap"]
+    tip = loads["force"] / k + gap * math.tanh(loads["force"] / 20.0)
+    return {"tip": tip, "mid": 0.31 * loads["force"] / k + 0.5 * gap * math.tanh(loads["force"] / 20.0),
+            "f1": 12.0 * math.sqrt(k / 100.0)}
+"""
+space: dict = {}
+exec(SOURCE, space)
+beam = space["beam"]
+TWIN = function_twin(beam, READINGS, RANGES, loads=("force",))
+
+
+def measured(seed=0, stiffness=100.0, gap=0.0, loads=(50.0, 100.0, 200.0), repeats=12):
+    rng, force = np.random.default_rng(seed), np.repeat(loads, repeats)
+    clean = [list(beam({"stiffness": stiffness, "gap": gap}, {"force": f}).values()) for f in force]
+    readings = np.array(clean) + rng.standard_normal((len(force), 3)) * [0.01, 0.004, 0.02]
+    nan, n = np.full(len(force), np.nan), len(force)
+    return Campaign(
+        tuple(READINGS), (), ("pull",) * n, force, np.zeros((n, 0)), readings, nan, nan, load_names=("force",)
+    )
+
+
+def found_in(twin, **truth):
+    return diagnose(measured(**truth), twin)
+
+
+def test_every_parameter_with_a_range_is_an_effect():
+    assert isinstance(TWIN, Twin)
+    assert all(isinstance(effect, Effect) for effect in TWIN.effects.values())
+    stiffness, gap = TWIN.effects["stiffness"], TWIN.effects["gap"]
+    assert (stiffness.bounds, stiffness.is_one_sided, stiffness.unit) == ((-20.0, 20.0), False, "N/mm")
+    assert (gap.bounds, gap.is_one_sided) == ((0.0, 0.5), True)
+    assert stiffness.signature(TWIN, {}, 100.0)[0] == pytest.approx(-100.0 / 100.0**2, rel=0.01)
+    exact = stiffness.predict(TWIN, {}, 100.0, 15.0, "", 0.0)
+    assert exact == pytest.approx(list(beam({"stiffness": 115.0, "gap": 0.0}, {"force": 100.0}).values()))
+
+
+@pytest.mark.parametrize(
+    ("truth", "size"), [({"stiffness": 88.0}, -12.0), ({"stiffness": 114.0}, 14.0), ({"gap": 0.2}, 0.2)]
+)
+def test_a_parameter_that_is_not_nominal_is_found_with_its_size(truth, size):
+    (name,) = truth
+    diagnosis = found_in(TWIN, **truth)
+    (found,) = diagnosis.which[0].parameters
+    assert found.effect == name
+    assert found.size == pytest.approx(size, rel=0.08)
+    assert recommend(diagnosis).startswith(f"Correct the {name}: it is ")
+
+
+def test_a_parameter_whose_nominal_value_is_the_greatest_falls():
+    falls = function_twin(
+        lambda p, loads: [p["efficiency"] * loads["power"]], {"out": "W"}, {"efficiency": (1.0, 0.6, 1.0)}, ("power",)
+    ).effects["efficiency"]
+    assert (falls.bounds, falls.is_one_sided) == ((0.0, 0.4), True)
+    assert falls.signature(None, {}, 10.0) == pytest.approx([-10.0])
+    assert falls.says[0] == "it is {size} below the model's 1"
+
+
+def test_states_of_a_function_are_given_test_by_test():
+    twin = function_twin(lambda p, _: [10 * p["crack"] + p["k"]], {"u": "mm"}, {"k": (1, 0, 2)}, (), states=("crack",))
+    assert twin.parameters == ("crack",)
+    assert CachedTwin(twin).predict({"crack": 0.2}, Loads((), ())) == pytest.approx([3.0])
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ({"readings": {}}, "names no reading"),
+        ({"readings": {"u": "mm"}, "loads": ("u",)}, "names 'u' twice"),
+        ({"readings": {"u": "mm"}, "parameters": {"k": (1, 2)}}, "expected nominal, low, high"),
+        ({"readings": {"u": "mm"}, "parameters": {"k": (5, 0, 2)}}, "'k'.*low <= nominal <= high"),
+        ({"readings": {"u": "mm"}, "channels": {"v": "laser"}}, "channel to 'v'"),
+    ],
+)
+def test_a_card_that_makes_no_sense_is_refused(given, told):
+    with pytest.raises(DataError, match=told):
+        card_of(**given)
+
+
+def beside(path, card=CARD):
+    (path.parent / f"{path.name}.json").write_text(json.dumps(card))
+    return path
+
+
+def table(tmp_path, steps=40, name="beam.csv", scatter=None):
+    axes = [np.linspace(80, 120, steps + 1), np.linspace(0, 0.5, 6), [0.0, 50.0, 100.0, 200.0]]
+    points = np.array(np.meshgrid(*axes, indexing="ij")).reshape(3, -1).T
+    points = points if scatter is None else np.delete(points, scatter, axis=0)
+    rows = [[*p, *beam({"stiffness": p[0], "gap": p[1]}, {"force": p[2]}).values()] for p in points.tolist()]
+    lines = [",".join(["stiffness", "gap", "force", *READINGS]), *(",".join(f"{v:.17g}" for v in row) for row in rows)]
+    path = tmp_path / name
+    path.write_text("# made by hand\n" + "\n".join(lines))
+    return beside(path)
+
+
+def test_a_table_is_exact_at_its_rows_and_diagnosed_as_the_function_to_its_interpolation_error(tmp_path):
+    twin = table_twin(table(tmp_path))
+    assert twin.predict({}, 200.0) == pytest.approx(TWIN.predict({}, 200.0), rel=1e-14)
+    between = twin.effects["stiffness"].predict(twin, {}, 200.0, 0.5, "", 0.0)
+    true = TWIN.effects["stiffness"].predict(TWIN, {}, 200.0, 0.5, "", 0.0)
+    spacing, curvature = 1.0, 2 * 200.0 / 100.0**3
+    assert np.abs(between - true).max() < curvature * spacing**2 / 8 + 1e-12
+    own, exact = (found_in(t, stiffness=110.0).which[0].parameters[0] for t in (twin, TWIN))
+    assert own.effect == exact.effect
+    assert own.size == pytest.approx(exact.size, rel=2e-3)
+
+
+def test_a_table_that_is_no_grid_is_triangulated(tmp_path):
+    twin = table_twin(table(tmp_path, steps=4, scatter=[17, 90]))
+    assert twin.predict({}, 150.0) == pytest.approx(TWIN.predict({}, 150.0), rel=0.02)
+
+
+def test_a_table_extrapolates_nothing(tmp_path):
+    twin = table_twin(table(tmp_path))
+    with pytest.raises(TwinError, match=r"force 210; it holds 0 to 200, and nothing is extrapolated"):
+        twin.predict({}, 210.0)
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (lambda text: text.replace("tip", "top", 1), "lacks the column 'tip' of its card"),
+        (lambda text: text.replace("80,0,0,0,", "80,0,0,low,", 1), "row 2, column tip is 'low'"),
+        (lambda text: text + '\n"1,2', "cannot be read"),
+    ],
+)
+def test_a_table_that_does_not_hold_its_card_is_refused(tmp_path, change, told):
+    path = table(tmp_path)
+    path.write_text(change(path.read_text()))
+    with pytest.raises(DataError, match=told):
+        table_twin(path)
+
+
+def script(tmp_path, body=SOURCE, last="print('solver of somebody, version 3'); print(json.dumps(beam(**asked)))"):
+    path = tmp_path / "beam.py"
+    path.write_text(f"import json, sys\n{body}\nasked = json.load(sys.stdin)\n{last}\n")
+    return beside(path)
+
+
+def test_a_program_is_diagnosed_as_the_function_is(tmp_path):
+    path = script(tmp_path)
+    twin = script_twin(path, command=[sys.executable, "-S", "-E", str(path)])
+    own, exact = (found_in(t, stiffness=90.0, loads=(200.0,)).which[0].parameters[0] for t in (twin, TWIN))
+    assert own.effect == exact.effect
+    assert own.size == pytest.approx(exact.size, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("last", "told"),
+    [
+        ("raise SystemExit('no licence')", r"ended with code 1 \(no licence\)"),
+        ("print('done')", "prints 'done' last; expected one JSON object"),
+        ("", "prints '' last"),
+        ("print(json.dumps({'tip': 1.0}))", "without the reading 'mid'"),
+        ("import time; time.sleep(9)", "did not end within 0.5 s"),
+    ],
+)
+def test_a_program_that_fails_is_one_sentence(tmp_path, last, told):
+    with pytest.raises(TwinError, match=told):
+        script_twin(script(tmp_path, last=last), seconds=0.5 if "sleep" in last else 60).predict({}, 1.0)
+
+
+DECK = """** a bar of two trusses under a force, its stiffness by the area
+*NODE, NSET=ALL
+1, 0., 0., 0.
+2, 100., 0., 0.
+3, 200., 0., 0.
+*ELEMENT, TYPE=T3D2, ELSET=BAR
+1, 1, 2
+2, 2, 3
+*MATERIAL, NAME=M
+*ELASTIC
+@modulus@, 0.3
+*SOLID SECTION, ELSET=BAR, MATERIAL=M
+10.
+*BOUNDARY
+1, 1, 3
+2, 2, 3
+3, 2, 3
+*STEP
+*STATIC
+*CLOAD
+3, 1, @force@
+*NODE PRINT, NSET=ALL
+U
+*END STEP
+"""
+NUMBER = r"([-+0-9.E]+)"
+
+
+def deck(tmp_path, text=DECK):
+    path = tmp_path / "bar.inp"
+    path.write_text(text)
+    find = {name: {"match": rf"^\s+{node}\s+{NUMBER}", "scale": 1e3} for name, node in (("mid", 2), ("end", 3))}
+    return beside(
+        path,
+        {
+            "readings": {"mid": "um", "end": "um"},
+            "loads": ["force"],
+            "parameters": {"modulus": [200000.0, 150000.0, 250000.0, "MPa"]},
+            "deck": {"command": ["ccx", "{job}"], "output": "{job}.dat", "find": find},
+        },
+    )
+
+
+@pytest.mark.skipif(shutil.which("ccx") is None, reason="the solver ccx is not installed")
+def test_a_deck_with_parameters_is_solved_and_its_results_are_found(tmp_path):
+    twin = deck_twin(deck(tmp_path))
+    assert twin.predict({}, 1000.0) == pytest.approx([50.0, 100.0], rel=1e-4)
+    assert twin.effects["modulus"].signature(twin, {}, 1000.0)[1] == pytest.approx(-100.0 / 200000.0, rel=0.05)
+
+
+def test_a_deck_of_an_unknown_name_or_without_results_is_one_sentence(tmp_path):
+    with pytest.raises(DataError, match="holds @area@, which is no parameter"):
+        deck_twin(deck(tmp_path, DECK.replace("10.\n", "@area@\n")))
+    path = deck(tmp_path)
+    card = json.loads((tmp_path / "bar.inp.json").read_text())
+    for command, told in (["no_such_solver"], "cannot be run by 'no_such_solver'"), (["true"], "wrote no job.dat"):
+        card["deck"]["command"] = command
+        beside(path, card)
+        with pytest.raises(TwinError, match=told):
+            deck_twin(path).predict({}, 1.0)
+    card["deck"]["find"].pop("end")
+    beside(path, card)
+    with pytest.raises(DataError, match="does not say where reading 'end' is found"):
+        deck_twin(path)
+
+
+def has(package):
+    return importlib.util.find_spec(package) is not None
+
+
+def free_port():
+    with socket.socket() as listening:
+        listening.bind(("localhost", 0))
+        return listening.getsockname()[1]
+
+
+@pytest.mark.skipif(not has("umbridge"), reason="the package umbridge is not installed")
+def test_a_twin_behind_um_bridge_is_diagnosed_as_the_function_is():
+    port = free_port()
+    code = f"from octmip.gap.doors import serve; from {__name__} import TWIN; serve(TWIN, {port}, 'beam')"
+    server = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    try:
+        twin = answering(f"http://localhost:{port}/beam")
+        assert twin.predict({}, 70.0) == pytest.approx(TWIN.predict({}, 70.0), rel=1e-15)
+        own, exact = (found_in(t, stiffness=92.0, loads=(200.0,)).which[0].parameters[0] for t in (twin, TWIN))
+        assert own.size == pytest.approx(exact.size, rel=1e-12)
+        with pytest.raises(DataError, match="correct the card"):
+            um_bridge_twin(f"http://localhost:{port}/beam", card_of({"u": "mm"}))
+        with pytest.raises(DataError, match="start its server"):
+            um_bridge_twin(f"http://localhost:{port}/tower", TWIN.card)
+    finally:
+        server.terminate()
+        server.wait()
+
+
+def answering(address):
+    for _ in range(600):
+        try:
+            return um_bridge_twin(address, TWIN.card)
+        except DataError:
+            time.sleep(0.1)
+    raise AssertionError(f"nothing answers at {address}")
+
+
+SLAVE = """
+from pythonfmu3 import Fmi3Causality, Fmi3Slave, Fmi3Variability, Float64
+{source}
+
+class Beamfmu(Fmi3Slave):
+    def __init__(self, **kwargs):
+        super().__init__(**kwargs)
+        self.time = 0.0
+        own, moving = Fmi3Causality.independent, Fmi3Variability.continuous
+        self.register_variable(Float64("time", causality=own, variability=moving))
+        for name, start in (("stiffness", 100.0), ("gap", 0.0), ("force", 0.0)):
+            setattr(self, name, start)
+            self.register_variable(
+                Float64(name, causality=Fmi3Causality.parameter, variability=Fmi3Variability.tunable, start=start)
+            )
+        for name in ("tip", "mid", "f1"):
+            setattr(self, name, 0.0)
+            self.register_variable(Float64(name, causality=Fmi3Causality.output))
+
+    def do_step(self, current_time, step_size):
+        for name, value in beam({{"stiffness": self.stiffness, "gap": self.gap}}, {{"force": self.force}}).items():
+            setattr(self, name, value)
+        return True
+"""
+
+
+@pytest.mark.skipif(
+    not (has("fmpy") and has("pythonfmu3")), reason="the packages fmpy and pythonfmu3 are not installed"
+)
+def test_an_fmu_is_diagnosed_as_the_function_is(tmp_path):
+    (tmp_path / "beamfmu.py").write_text(SLAVE.format(source=SOURCE))
+    build = [sys.executable, "-m", "pythonfmu3", "build", "-f", "beamfmu.py"]
+    subprocess.run(build, cwd=tmp_path, check=True, capture_output=True)
+    twin = open_twin(f"fmu:{beside(tmp_path / 'Beamfmu.fmu')}")
+    assert twin.predict({}, 200.0) == pytest.approx(TWIN.predict({}, 200.0), rel=1e-14)
+    own, exact = (found_in(t, stiffness=92.0, loads=(200.0,)).which[0].parameters[0] for t in (twin, TWIN))
+    assert own.size == pytest.approx(exact.size, rel=1e-12)
+    wrong = {**CARD, "readings": {**READINGS, "f2": "Hz"}}
+    with pytest.raises(DataError, match="has no variable 'f2'"):
+        open_twin(f"fmu:{beside(tmp_path / 'Beamfmu.fmu', wrong)}")
+
+
+def test_a_server_that_is_not_there_is_one_sentence():
+    told = "umbridge, which is not installed; install octmip" if not has("umbridge") else "start its server"
+    with pytest.raises((DataError, ImportError), match=told):
+        um_bridge_twin("http://localhost:9/nothing", TWIN.card)
+
+
+def test_a_missing_fmu_is_one_sentence(tmp_path):
+    path = beside(tmp_path / "beam.fmu")
+    told = "fmpy, which is not installed; install octmip" if not has("fmpy") else "is not there"
+    with pytest.raises((DataError, ImportError), match=told):
+        open_twin(f"fmu:{path}")
+
+
+def test_the_command_opens_every_door_by_one_word(tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(tmp_path)
+    path = script(tmp_path)
+    (tmp_path / "towers.py").write_text(SOURCE)
+    card = str(tmp_path / "beam.py.json")
+    for name, given in (
+        (f"script:{path}", None),
+        (f"table:{table(tmp_path)}", None),
+        (f"table:{tmp_path / 'beam.csv'}", card),
+        ("python:towers:beam", card),
+        ("towers:beam", card),
+    ):
+        assert load_twin(name, given).predict({}, 100.0) == pytest.approx(TWIN.predict({}, 100.0), rel=1e-12), name
+    with pytest.raises(DataError, match="needs a card"):
+        load_twin("um-bridge:http://localhost:4242/beam")
+    (tmp_path / "beam.csv.json").unlink()
+    with pytest.raises(DataError, match=r"beam.csv.json"):
+        load_twin(f"table:{tmp_path / 'beam.csv'}")
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("{", "is no JSON"),
+        ("[]", "no object 'readings'"),
+        ('{"readings": {"u": "mm"}, "load": []}', "has the key 'load'"),
+    ],
+)
+def test_a_card_file_that_is_none_is_refused(tmp_path, text, told):
+    (tmp_path / "card.json").write_text(text)
+    with pytest.raises(DataError, match=told):
+        read_card(tmp_path / "card.json")

@@ -1,0 +1,58 @@
+"""Effects of other people: four things said are enough, and what an effect does not say has a default."""
+
+import numpy as np
+import pytest
+
+from octmip.errors import TwinError
+from octmip.gap import Campaign, SimpleEffect, diagnose
+from octmip.twin import Effect
+from tests.test_octmip.test_gap_doors import TWIN, measured
+
+
+def test_a_simple_effect_says_four_things_and_is_found():
+    slack = SimpleEffect("slack", "mm", 0.1, lambda readings, size: readings + np.array([size, 0.7 * size, 0.0]))
+    assert isinstance(slack, Effect)
+    given = measured(3)
+    readings = given.readings + np.array([0.15, 0.7 * 0.15, 0.0])
+    campaign = Campaign(
+        given.gauges, (), given.test, given.load_factor, given.states, readings, given.time, given.temperature,
+        load_names=given.load_names,
+    )  # fmt: skip
+    diagnosis = diagnose(campaign, TWIN, {**TWIN.effects, "slack": slack})
+    (found,) = diagnosis.which[0].parameters
+    assert found.effect == "slack"
+    assert found.size == pytest.approx(0.15, rel=0.1)
+
+
+def test_a_simple_effect_may_ask_for_load_and_place_and_knows_its_bounds():
+    at = SimpleEffect(
+        "hit",
+        "mm",
+        1.0,
+        lambda r, size, load, place: r + size**2 * load * (place == "b"),
+        ("a", "b"),
+        bounds=(0.0, 2.0),
+    )
+    assert at.is_one_sided
+    assert at.places(TWIN) == ("a", "b")
+    assert at.predict(TWIN, {}, 100.0, 9.0, "b", 0.0) == pytest.approx(TWIN.predict({}, 100.0) + 400.0)
+    assert not at.signature(TWIN, {}, 100.0, "a").any()
+    with pytest.raises(TwinError, match="takes 1 arguments"):
+        SimpleEffect("one", "mm", 1.0, lambda readings: readings)
+
+
+class Bare:
+    """An effect of a stranger: what it must say and no more."""
+
+    name, unit, prior_sd = "tilt", "deg", 1.0
+
+    def signature(self, twin, state, load_factor, place="", time=0.0):
+        return np.array([0.1, -0.1, 0.0])
+
+
+def test_what_an_effect_of_a_stranger_does_not_say_has_a_default():
+    assert "tilt" in diagnose(measured(5), TWIN, {"tilt": Bare()}).inclusion
+    with pytest.raises(TwinError, match=r"effect 'tilt' \(object\) has no name"):
+        diagnose(measured(5), TWIN, {"tilt": object()})
+    with pytest.raises(TwinError, match="two effects are called 'tilt'"):
+        diagnose(measured(5), TWIN, {"a": Bare(), "b": Bare()})
