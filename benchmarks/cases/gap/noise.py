@@ -11,7 +11,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from benchmarks.blind.noises import NOISES, VARIANCE
 from benchmarks.cpu import Stopwatch
 from benchmarks.tables import Line
 from femlib.arrays import FloatArray
@@ -19,7 +18,7 @@ from octmip.gap import Campaign, diagnose
 from octmip.gap.campaign.averages import averages_of
 from octmip.gap.campaign.noise_estimate import estimate_noise
 from octmip.gap.channels.checks import checked
-from octmip.twin import Effect
+from octmip.twin import Effect, State
 
 DRAWS = 100
 LOADS, REPEATS, N_GAUGES = (0.0, 1.0, 2.0, 3.0), 50, 20
@@ -27,9 +26,12 @@ ALONG = np.linspace(0.2, 0.8, N_GAUGES)
 HEALTHY = 900.0 * (1.0 - ALONG) ** 1.5 + 100.0
 OWN = 1.0 + 0.01 * (0.5 + np.random.default_rng(12345).standard_normal(N_GAUGES))
 """What each gauge of the asset shows of the twin's healthy strain."""
-SD = float(np.sqrt(VARIANCE))
-FAST, JUMP = 0.3, 6.0
-"""Step of a fast walk, and height of the one jump of one gauge, in standard deviations of a reading."""
+SD = float(np.sqrt(1000.0))
+SLOW, FAST, FAR, STEP, JUMP = 0.022, 0.3, 10.0, 0.5, 6.0
+"""Steps of a slow and a fast walk, distance of outliers, height of steps up and down and of the one jump of one gauge, in
+standard deviations of a reading."""
+OUTLIERS, DWELL = 0.02, 40.0
+"""Share of outliers, and readings between steps up and down."""
 
 Scatter = Callable[[np.random.Generator, FloatArray, int], FloatArray]
 
@@ -42,33 +44,78 @@ class Beam:
     parameters: tuple[str, ...] = ("root",)
     effects: dict[str, Effect] = field(default_factory=dict)
 
-    def predict(self, state: dict[str, float], load_factor: float) -> FloatArray:
+    def predict(self, state: State, load_factor: float) -> FloatArray:
         """Return the strains (n_gauges,) [microstrain]."""
         damaged = 300.0 * np.exp(-(((ALONG - 0.25) / 0.1) ** 2)) * state.get("root", 0.0)
         return load_factor * (HEALTHY + damaged)
 
 
-def _fast_walk(rng: np.random.Generator, loads: FloatArray, n: int) -> FloatArray:
-    white = rng.standard_normal((len(loads), n))
-    return np.asarray(SD * (white + FAST * np.cumsum(rng.standard_normal((len(loads), n)), axis=0)))
+def _white(rng: np.random.Generator, loads: FloatArray, n: int) -> FloatArray:
+    return np.asarray(SD * rng.standard_normal((len(loads), n)))
+
+
+def _serial(rho: float) -> Scatter:
+    def draw(rng: np.random.Generator, loads: FloatArray, n: int) -> FloatArray:
+        noise = _white(rng, loads, n)
+        for k in range(1, len(noise)):
+            noise[k] = rho * noise[k - 1] + np.sqrt(1.0 - rho**2) * noise[k]
+        return noise
+
+    return draw
+
+
+def _common(rho: float) -> Scatter:
+    def draw(rng: np.random.Generator, loads: FloatArray, n: int) -> FloatArray:
+        return np.asarray((_white(rng, loads, n) + _serial(rho)(rng, loads, 1)) / np.sqrt(2.0))
+
+    return draw
+
+
+def _walk(step: float) -> Scatter:
+    def draw(rng: np.random.Generator, loads: FloatArray, n: int) -> FloatArray:
+        return _white(rng, loads, n) + step * np.cumsum(_white(rng, loads, n), axis=0)
+
+    return draw
+
+
+def _outliers(rng: np.random.Generator, loads: FloatArray, n: int) -> FloatArray:
+    return _white(rng, loads, n) + FAR * SD * (rng.random((len(loads), n)) < OUTLIERS)
+
+
+def _steps(rng: np.random.Generator, loads: FloatArray, n: int) -> FloatArray:
+    turns = np.cumsum(rng.random((len(loads), n)) < 1.0 / DWELL, axis=0) + rng.integers(2, size=n)
+    return _white(rng, loads, n) + STEP * SD * (-1.0) ** turns
 
 
 def _jump(rng: np.random.Generator, loads: FloatArray, n: int) -> FloatArray:
-    noise = SD * rng.standard_normal((len(loads), n))
+    noise = _white(rng, loads, n)
     noise[rng.integers(len(loads)) :, rng.integers(n)] += JUMP * SD
-    return np.asarray(noise)
+    return noise
 
 
-def _slow_common_mode(rng: np.random.Generator, loads: FloatArray, n: int) -> FloatArray:
-    shared = NOISES["AR(1) 0.85"](rng, loads, 1)
-    return np.asarray((NOISES["white"](rng, loads, n) + shared) / np.sqrt(2.0))
+def _heavy(rng: np.random.Generator, loads: FloatArray, n: int) -> FloatArray:
+    return np.asarray(rng.standard_t(5, (len(loads), n)) * SD * np.sqrt(3.0 / 5.0))
+
+
+def _uneven(rng: np.random.Generator, loads: FloatArray, n: int) -> FloatArray:
+    return np.asarray(_white(rng, loads, n) * np.sqrt(0.5 + loads / 3.0)[:, None])
 
 
 KINDS: dict[str, Scatter] = {
-    **{name: scatter for name, scatter in NOISES.items() if name != "quantised"},
-    "common mode, AR(1) 0.85": _slow_common_mode,
-    "random walk, fast": _fast_walk,
+    "white": _white,
+    "AR(1) 0.3": _serial(0.3),
+    "AR(1) 0.5": _serial(0.5),
+    "AR(1) 0.7": _serial(0.7),
+    "AR(1) 0.85": _serial(0.85),
+    "common mode": _common(0.0),
+    "common mode, AR(1) 0.85": _common(0.85),
+    "random walk, slow": _walk(SLOW),
+    "random walk, fast": _walk(FAST),
+    "one-sided outliers": _outliers,
+    "steps up and down": _steps,
     "one jump": _jump,
+    "heavy tails": _heavy,
+    "heteroscedastic": _uneven,
 }
 
 
