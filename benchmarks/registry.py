@@ -45,6 +45,7 @@ FAMILIES = {
     "fem_rom": "benchmarks.cases.fem.rom",
     "command_tables": "benchmarks.cases.command.tables",
     "gap_detect": "benchmarks.cases.gap.detect",
+    "gap_noise": "benchmarks.cases.gap.noise",
     "gap_speed": "benchmarks.cases.gap.speed",
     "gap_others": "benchmarks.cases.gap.others",
 }

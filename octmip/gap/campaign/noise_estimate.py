@@ -7,7 +7,6 @@ ratio of the scatter at load L to the pooled one, 1 unless it differs significan
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -230,7 +229,7 @@ def quantisation_step(readings: NDArray[np.float64]) -> float:
     values = np.unique(np.round(readings[np.isfinite(readings)], 6))
     if len(values) < 3:
         return 0.0
-    step = float(min(b - a for a, b in pairwise(values.tolist())))
+    step = float(np.diff(values).min())
     if step < 1e-5:
         return 0.0
     multiples = (values - values[0]) / step

@@ -154,6 +154,8 @@ def _start(values: Floats, cell_of: NDArray[np.int64]) -> tuple[Floats, Floats]:
 
 
 def _nanmedian(values: Floats) -> Floats:
+    if np.isfinite(values).all():
+        return np.asarray(np.median(values, axis=0))
     seen = np.isfinite(values).any(axis=0)
     found = np.full(values.shape[1], np.nan)
     found[seen] = np.nanmedian(values[:, seen], axis=0)

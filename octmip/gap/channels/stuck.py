@@ -59,16 +59,18 @@ def _stuck_of_unit(campaign: Campaign, gauges: NDArray[np.int64]) -> list[Stuck]
     sd = _typical_sd(campaign, gauges)
     if sd == 0.0:
         return []
-    step_of_all = quantisation_step(campaign.readings[:, gauges])
-    found = []
+    found, step_of_all = [], None
     for k in gauges.tolist():
         values = campaign.readings[:, k]
         recorded = np.flatnonzero(np.isfinite(values))
-        if not recorded.size:
+        every = _runs(values, recorded) if recorded.size else []
+        if not every:
             continue
+        if step_of_all is None:
+            step_of_all = quantisation_step(campaign.readings[:, gauges])
         step = quantisation_step(values[:, None]) or step_of_all
         chance = max(float(erf(step * QUIET / (2.0 * np.sqrt(2.0) * sd))), 1e-3)
-        runs = [run for run in _runs(values, recorded) if recorded.size * chance ** (len(run) - 1) < CHANCE]
+        runs = [run for run in every if recorded.size * chance ** (len(run) - 1) < CHANCE]
         is_whole = bool(runs) and sum(len(run) for run in runs) == recorded.size
         rows = runs if is_whole else [run for run in runs if _is_still(campaign, values, run)]
         if rows:
@@ -88,8 +90,10 @@ def _typical_sd(campaign: Campaign, gauges: NDArray[np.int64]) -> float:
 
 def _runs(values: NDArray[np.float64], recorded: NDArray[np.int64]) -> list[NDArray[np.int64]]:
     """Return the rows of every run of equal readings, in the order of recording."""
-    breaks = np.flatnonzero(np.diff(values[recorded]) != 0.0) + 1
-    return [run for run in np.split(recorded, breaks) if len(run) >= LEAST_OF_A_CELL]
+    starts = np.concatenate([[0], np.flatnonzero(np.diff(values[recorded]) != 0.0) + 1])
+    ends = np.append(starts[1:], len(recorded))
+    long = np.flatnonzero(ends - starts >= LEAST_OF_A_CELL)
+    return [recorded[starts[k] : ends[k]] for k in long]
 
 
 def _is_still(campaign: Campaign, values: NDArray[np.float64], run: NDArray[np.int64]) -> bool:

@@ -1,0 +1,186 @@
+"""False alarms of sound assets by kind of noise, and what the repeats say of the noise.
+
+The asset is a beam whose 20 gauges differ from the twin by some per cent, always the same; campaign and commissioning
+run (50 readings at load factors 0 to 3) are drawn anew each time, both with the same kind of noise. An alarm is a first
+cause that names something. Beside it: the mean squared error of the cells' means over the variance that the noise gives
+them (1 where that is right), what the noise is called, and the CPU milliseconds of the check and of the noise.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from benchmarks.cpu import Stopwatch
+from benchmarks.tables import Line
+from femlib.arrays import FloatArray
+from octmip.gap import Campaign, diagnose
+from octmip.gap.campaign.averages import averages_of
+from octmip.gap.campaign.noise_estimate import estimate_noise
+from octmip.gap.channels.checks import checked
+from octmip.twin import Effect, State
+
+DRAWS = 100
+LOADS, REPEATS, N_GAUGES = (0.0, 1.0, 2.0, 3.0), 50, 20
+ALONG = np.linspace(0.2, 0.8, N_GAUGES)
+HEALTHY = 900.0 * (1.0 - ALONG) ** 1.5 + 100.0
+OWN = 1.0 + 0.01 * (0.5 + np.random.default_rng(12345).standard_normal(N_GAUGES))
+"""What each gauge of the asset shows of the twin's healthy strain."""
+SD = float(np.sqrt(1000.0))
+SLOW, FAST, FAR, STEP, JUMP = 0.022, 0.3, 10.0, 0.5, 6.0
+"""Steps of a slow and a fast walk, distance of outliers, height of steps up and down and of the one jump of one gauge, in
+standard deviations of a reading."""
+OUTLIERS, DWELL = 0.02, 40.0
+"""Share of outliers, and readings between steps up and down."""
+
+Scatter = Callable[[np.random.Generator, FloatArray, int], FloatArray]
+
+
+@dataclass(frozen=True, slots=True)
+class Beam:
+    """The twin: strains over the span, and one damage at the root."""
+
+    gauges: tuple[str, ...] = tuple(f"g{k + 1:02d}" for k in range(N_GAUGES))
+    parameters: tuple[str, ...] = ("root",)
+    effects: dict[str, Effect] = field(default_factory=dict)
+
+    def predict(self, state: State, load_factor: float) -> FloatArray:
+        """Return the strains (n_gauges,) [microstrain]."""
+        damaged = 300.0 * np.exp(-(((ALONG - 0.25) / 0.1) ** 2)) * state.get("root", 0.0)
+        return load_factor * (HEALTHY + damaged)
+
+
+def _white(rng: np.random.Generator, loads: FloatArray, n: int) -> FloatArray:
+    return np.asarray(SD * rng.standard_normal((len(loads), n)))
+
+
+def _serial(rho: float) -> Scatter:
+    def draw(rng: np.random.Generator, loads: FloatArray, n: int) -> FloatArray:
+        noise = _white(rng, loads, n)
+        for k in range(1, len(noise)):
+            noise[k] = rho * noise[k - 1] + np.sqrt(1.0 - rho**2) * noise[k]
+        return noise
+
+    return draw
+
+
+def _common(rho: float) -> Scatter:
+    def draw(rng: np.random.Generator, loads: FloatArray, n: int) -> FloatArray:
+        return np.asarray((_white(rng, loads, n) + _serial(rho)(rng, loads, 1)) / np.sqrt(2.0))
+
+    return draw
+
+
+def _walk(step: float) -> Scatter:
+    def draw(rng: np.random.Generator, loads: FloatArray, n: int) -> FloatArray:
+        return _white(rng, loads, n) + step * np.cumsum(_white(rng, loads, n), axis=0)
+
+    return draw
+
+
+def _outliers(rng: np.random.Generator, loads: FloatArray, n: int) -> FloatArray:
+    return _white(rng, loads, n) + FAR * SD * (rng.random((len(loads), n)) < OUTLIERS)
+
+
+def _steps(rng: np.random.Generator, loads: FloatArray, n: int) -> FloatArray:
+    turns = np.cumsum(rng.random((len(loads), n)) < 1.0 / DWELL, axis=0) + rng.integers(2, size=n)
+    return _white(rng, loads, n) + STEP * SD * (-1.0) ** turns
+
+
+def _jump(rng: np.random.Generator, loads: FloatArray, n: int) -> FloatArray:
+    noise = _white(rng, loads, n)
+    noise[rng.integers(len(loads)) :, rng.integers(n)] += JUMP * SD
+    return noise
+
+
+def _heavy(rng: np.random.Generator, loads: FloatArray, n: int) -> FloatArray:
+    return np.asarray(rng.standard_t(5, (len(loads), n)) * SD * np.sqrt(3.0 / 5.0))
+
+
+def _uneven(rng: np.random.Generator, loads: FloatArray, n: int) -> FloatArray:
+    return np.asarray(_white(rng, loads, n) * np.sqrt(0.5 + loads / 3.0)[:, None])
+
+
+KINDS: dict[str, Scatter] = {
+    "white": _white,
+    "AR(1) 0.3": _serial(0.3),
+    "AR(1) 0.5": _serial(0.5),
+    "AR(1) 0.7": _serial(0.7),
+    "AR(1) 0.85": _serial(0.85),
+    "common mode": _common(0.0),
+    "common mode, AR(1) 0.85": _common(0.85),
+    "random walk, slow": _walk(SLOW),
+    "random walk, fast": _walk(FAST),
+    "one-sided outliers": _outliers,
+    "steps up and down": _steps,
+    "one jump": _jump,
+    "heavy tails": _heavy,
+    "heteroscedastic": _uneven,
+}
+
+
+def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
+    """Yield a line for each kind of noise."""
+    for kind in KINDS:
+        yield alarms(kind, DRAWS)
+
+
+def alarms(kind: str, draws: int) -> Line:
+    """Return how many of so many sound assets are accused under a kind of noise."""
+    watch, twin, accused, ratios = Stopwatch(), Beam(), 0, []
+    named: dict[str, int] = {}
+    milliseconds = []
+    for seed in range(draws):
+        campaign, run = drawn(kind, 2 * seed), drawn(kind, 2 * seed + 1)
+        clock = Stopwatch()
+        checks = checked(campaign)
+        noise = estimate_noise(checks.campaign)
+        milliseconds.append(1e3 * clock.read()[0])
+        for part, cell in zip(averages_of(checks.campaign, split=False), checks.campaign.cells, strict=True):
+            expected = OWN * twin.predict({}, cell.load_factor)
+            own = np.array([campaign.gauges.index(name) for name in checks.campaign.gauges])
+            index, every = np.zeros(len(own), dtype=np.int64), np.arange(len(own))
+            variance = np.diag(noise.of_averages([part], [cell.load], index, every))
+            ratios.append(float(np.nanmean((cell.mean - expected[own]) ** 2 / variance)))
+        found = diagnose(campaign, twin, commissioning=run)
+        accused += bool(found.which[0].effects)
+        for name in found.noise.findings:
+            named[name] = named.get(name, 0) + 1
+    return {
+        "size": kind,
+        "seed": draws,
+        "cpu_seconds": watch.read()[0],
+        "alarms": accused / draws,
+        "ratio": float(np.mean(ratios)),
+        "milliseconds": float(np.median(milliseconds)),
+        "named": {name: count / draws for name, count in named.items()},
+    }
+
+
+def drawn(kind: str, seed: int) -> Campaign:
+    """Return a campaign of the sound asset."""
+    rng = np.random.default_rng(seed)
+    load = np.repeat(LOADS, REPEATS)
+    n, twin = len(load), Beam()
+    mean = OWN * np.array([twin.predict({}, value) for value in load.tolist()])
+    return Campaign(
+        gauges=twin.gauges,
+        parameters=twin.parameters,
+        test=("T0",) * n,
+        load_factor=load,
+        states=np.zeros((n, 1)),
+        readings=mean + KINDS[kind](rng, load, N_GAUGES),
+        time=6.0 * np.arange(n, dtype=np.float64),
+        temperature=np.full(n, np.nan),
+    )
+
+
+def summary(lines: Sequence[Line]) -> str:
+    """Return the table of docs/theory/gap.md."""
+    head = "| noise | false alarms | squared error of means over their variance | named | ms |\n|---|---|---|---|---|"
+    rows = []
+    for line in lines:
+        named = ", ".join(f"{name} {share:.2f}" for name, share in line["named"].items() if share >= 0.1)
+        cells = (line["size"], f"{line['alarms']:.2f}", f"{line['ratio']:.2f}", named, f"{line['milliseconds']:.0f}")
+        rows.append("| " + " | ".join(cells) + " |")
+    return "\n".join([head, *rows])
