@@ -1,4 +1,4 @@
-"""CPU seconds of this process and its children, and a limit in them: on a busy machine the clock says little of work."""
+"""CPU seconds of this process and its children, and a limit in them: on a busy machine the clock says little."""
 
 import os
 import resource

@@ -8,6 +8,7 @@ reported beside it. Then the most probable hypothesis that is left gives the nex
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from enum import StrEnum
 from itertools import permutations
 
 import numpy as np
@@ -32,12 +33,24 @@ MISFIT = 1e-3
 """Chance of the remaining chi-squared below which the best cause does not explain the readings."""
 EXPLAINED = 0.8
 """Share of the held-out gap up to which a misfit counts in full; it counts the less, the more of the gap closes."""
+CLEAR = 5.0
+"""d' of an effect from which its name is clear; below it a set of causes is said, not a name."""
+ENOUGH = 0.8
+"""Probability from which a clear cause is acted on."""
 IDLE = 1e-4
 """Probability below which a hypothesis is not searched for members that are not identifiable."""
 MOST_SEPARATIONS = 3
 """Effects of one group for which a reason says what would separate them."""
 SENSITIVE = 12
 """Most probable hypotheses among which the winner may change with the priors."""
+
+
+class Certainty(StrEnum):
+    """How far one may act on a cause."""
+
+    CLEAR = "clear"
+    PROBABLE = "probable"
+    OPEN = "cannot be told"
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,6 +99,8 @@ class Cause:
         sizes of its effects.
     confounded
         for every effect that has confounders.
+    d_prime
+        how far each of `parameters` stands above its own absence, in standard deviations.
     is_identifiable
         whether every effect stands d' = 3 above the noise; else its name means little.
     is_prior_sensitive
@@ -101,6 +116,17 @@ class Cause:
     is_identifiable: bool
     is_prior_sensitive: bool
     judged: Judged
+    d_prime: tuple[float, ...] = ()
+
+    @property
+    def certainty(self) -> Certainty:
+        """How far one may act on it."""
+        clear = min(self.d_prime, default=np.inf) >= CLEAR
+        if UNKNOWN not in self.effects and not clear:
+            return Certainty.PROBABLE if self.probability >= CREDIBLE else Certainty.OPEN
+        if self.probability >= CREDIBLE:
+            return Certainty.CLEAR
+        return Certainty.PROBABLE if self.probability >= ENOUGH else Certainty.OPEN
 
     @property
     def names(self) -> tuple[frozenset[str], ...]:
@@ -221,13 +247,14 @@ def _is_same(head: Judged, parts: Sequence[set[int]], other: Judged) -> bool:
 def _cause(head: Judged, same: Sequence[Judged]) -> Cause:
     own = head.fit
     probability = float(sum(h.probability for h in same))
-    seen = [j for j in head.members if visibility(head.allowing, own, j) >= SEPARABLE]
+    d_prime = tuple(visibility(head.allowing, own, j) for j in head.members)
+    seen = [j for j, d in zip(head.members, d_prime, strict=True) if d >= SEPARABLE]
     is_identifiable = len(seen) == len(head.members)
     if head.has_unknown and (not is_identifiable or head.probability < 0.5 * probability):  # nothing else stands out
         return Cause((UNKNOWN,), probability, (), (), True, False, head)
     confounded = tuple(found for j in seen if (found := _confounded(head, same, j)))
     named = (*head.effects, *[MISSTATED] * bool(head.doubted), *[UNKNOWN] * head.has_unknown)
-    return Cause(named, probability, parameters(head, same), confounded, is_identifiable, False, head)
+    return Cause(named, probability, parameters(head, same), confounded, is_identifiable, False, head, d_prime)
 
 
 def _confounded(head: Judged, same: Sequence[Judged], member: int) -> ConfoundedEffects | None:

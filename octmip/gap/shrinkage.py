@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
+from octmip.gap.inference.candidates import bounds_of
 from octmip.gap.inference.evidence import Fit
 from octmip.gap.inference.inference import Inference
 from octmip.gap.inference.linear_model import OPEN_STATE, LinearModel
@@ -178,7 +179,8 @@ def _size(model: LinearModel, members: Sequence[int], columns: Floats, solved: F
     mean = np.array([e.prior_mean for e in effects])
     gram = columns.T @ solved[:, :-1] + precision
     size = np.linalg.solve(gram, columns.T @ solved[:, -1] + precision @ mean)
-    return np.asarray(np.where([e.is_one_sided for e in effects], np.maximum(size, 0.0), size))
+    low, high = np.array([bounds_of(e) for e in effects]).T
+    return np.asarray(np.clip(size, low, high))
 
 
 def _together(parts: Sequence[_Left]) -> _Left:

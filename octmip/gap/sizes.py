@@ -17,6 +17,7 @@ import numpy as np
 
 from octmip.gap.effects.words import EffectWords, words_at
 from octmip.gap.exact_sizes import exact_size
+from octmip.gap.inference.candidates import bounds_of
 from octmip.gap.inference.linear_model import LinearModel
 from octmip.gap.inference.posterior import Judged, fit_together
 from octmip.gap.inference.signature_error import BETWEEN, neighbours, scales_of
@@ -72,11 +73,9 @@ def _parameter(head: Judged, member: int, size: float, same: Sequence[Judged]) -
     low, high = min(size, mean - spread), max(size, mean + spread)
     exact = exact_size(head, member, size)
     low, high = (exact.size + exact.stretch * (end - size) for end in (low, high))
-    low, high = (float(np.clip(end, *getattr(effect, "bounds", (-np.inf, np.inf)))) for end in (low, high))
-    if effect.is_one_sided:
-        low = max(0.0, low)
+    size, low, high = (float(value) for value in np.clip((exact.size, low, high), *bounds_of(effect)))
     named = words_at(effect, head.model.inputs.twin, place)
-    return Parameter(effect.name, place, exact.size, low, high, effect.unit, effect.parameter, named)
+    return Parameter(effect.name, place, size, low, high, effect.unit, effect.parameter, named)
 
 
 def _mixture(head: Judged, member: int, same: Sequence[Judged]) -> tuple[float, float]:

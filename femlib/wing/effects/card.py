@@ -11,6 +11,7 @@ A force that is the same in every state is solved once for all of them (`FixedFo
 Source of the first-order step: R. T. Haftka and Z. Guerdal, Elements of Structural Optimization (1992), section 7.2.
 """
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -56,6 +57,8 @@ class WingEffect:
     n_between : int
         Number of places next to one between which the effect may lie, where places sample a continuum (a span, shapes
         of a distribution); 0 where each place is its own.
+    bounds : tuple of float
+        Lowest and highest size that is possible, in `unit`.
     seen_by : tuple of str
         Quantities beside strain under load that show it, as a diagnosis names them.
     words, words_at, action : str
@@ -80,6 +83,7 @@ class WingEffect:
     superposes: bool = False
     signature_error: float = 0.03
     n_between: int = 0
+    bounds: tuple[float, float] = (-math.inf, math.inf)
     seen_by: tuple[str, ...] = ()
     words: str = ""
     words_at: str = ""

@@ -59,6 +59,7 @@ def effect(response: Response) -> WingEffect:
         n_between=8,
         signature_error=0.2,
         is_one_sided=True,
+        bounds=(0.0, 100.0),
         signatures=signatures,
     )
 

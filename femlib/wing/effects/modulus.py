@@ -32,6 +32,7 @@ def effect(response: Response) -> WingEffect:
         name="modulus",
         parameter="change of all moduli",
         unit="%",
+        bounds=(-90.0, 300.0),
         prior_sd=2.0,
         prior_source="moduli of hand-laid fabric and plywood scatter by some per cent between batches",
         separated_by="strain cannot separate it from the load factor or a common gain; deflection or frequency does",

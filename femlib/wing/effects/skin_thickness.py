@@ -22,6 +22,7 @@ def effect(response: Response) -> WingEffect:
         name="skin_thickness",
         parameter="change of the thickness of the skins' faces",
         unit="%",
+        bounds=(-90.0, 300.0),
         prior_sd=3.0,
         prior_source="fabric thickness and fibre content scatter by some per cent",
         separated_by="strain proportional to load hardly separates it from a modulus; coupons or a weighing do",

@@ -75,7 +75,9 @@ class Priors:
     ----------
     mean, sd
         of the size.
-    one_sided, is_discrete
+    bounds
+        (2, n_candidates) lowest and highest size.
+    is_discrete
         as the candidates say.
     log_weight
         log of the candidates' shares.
@@ -87,7 +89,7 @@ class Priors:
 
     mean: NDArray[np.float64]
     sd: NDArray[np.float64]
-    one_sided: NDArray[np.bool_]
+    bounds: NDArray[np.float64]
     is_discrete: NDArray[np.bool_]
     log_weight: NDArray[np.float64]
     name: NDArray[np.int64]
@@ -100,12 +102,18 @@ def priors_of(candidates: Sequence[Candidate]) -> Priors:
     return Priors(
         mean=np.array([c.effect.prior_mean for c in candidates], dtype=np.float64),
         sd=np.array([c.effect.prior_sd for c in candidates], dtype=np.float64),
-        one_sided=np.array([c.effect.is_one_sided for c in candidates], dtype=bool),
+        bounds=np.array([bounds_of(c.effect) for c in candidates], dtype=np.float64).reshape(-1, 2).T,
         is_discrete=np.array([c.is_discrete for c in candidates], dtype=bool),
         log_weight=np.log(np.array([c.weight for c in candidates], dtype=np.float64)),
         name=np.array([names.index(c.name) for c in candidates], dtype=np.int64),
         n_effects=len(names),
     )
+
+
+def bounds_of(effect: Effect) -> tuple[float, float]:
+    """Return the lowest and the highest size of an effect, as it says or as its one side has them."""
+    low, high = getattr(effect, "bounds", None) or (-np.inf, np.inf)
+    return (max(0.0, float(low)) if effect.is_one_sided else float(low)), float(high)
 
 
 def candidates_of(

@@ -111,10 +111,10 @@ def _distances(model: LinearModel, gram: tuple[Floats, Floats], member: int, siz
     """Return d' (n_candidates,) of every candidate from a member of this size, and the size that each needs for it."""
     cross, diagonal = gram
     prior = model.inputs.priors
-    discrete, mean, sd, one_sided = prior.is_discrete, prior.mean, prior.sd, prior.one_sided
+    discrete, mean, sd = prior.is_discrete, prior.mean, prior.sd
     safe = np.maximum(diagonal, 1e-300)
     needed = np.where(discrete, mean, size * cross / safe)
-    needed = np.where(one_sided, np.maximum(needed, 0.0), needed)
+    needed = np.where(discrete, mean, np.clip(needed, *prior.bounds))
     same_signature = size**2 * (diagonal[member] - cross**2 / safe) < EXACT**2
     limit = np.where(discrete, np.abs(mean), np.where(same_signature, IMPOSSIBLE, ABSURD) * sd)
     needed = np.clip(needed, -limit, limit)

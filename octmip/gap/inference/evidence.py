@@ -5,8 +5,9 @@ For candidates A with sizes ~ N(m, P), P diagonal, and Lambda = P^-1 + G_AA, eta
     log p(y | A) - log p(y | none) = (eta' Lambda^-1 eta - m' P^-1 m - log det(P Lambda)) / 2,
     sizes | y, A ~ N(Lambda^-1 eta, Lambda^-1);
 
-a one-sided size multiplies the evidence by Phi(mu/s) / Phi(m0/s0), exact for one such size and, for several, as if they
-were independent a posteriori. The scale mixture sums this over all combinations of `SCALES`.
+a size between physical bounds [l, h] (one-sided: [0, inf)) multiplies the evidence by the share of the posterior that
+lies between them over that of the prior, exact for one such size and, for several, as if they were independent a
+posteriori. The scale mixture sums this over all combinations of `SCALES`.
 Source: MacKay (1992), "Bayesian interpolation", Neural Computation 4, for the Gaussian evidence of linear models.
 """
 
@@ -74,7 +75,7 @@ def fits_of(prior: Priors, sets: Sequence[Members], gram: Floats, projection: Fl
     choices = np.array(list(product(*[(1.0,) if is_discrete else SCALES for is_discrete in discrete])))
     sd = prior.sd[index][:, None] * choices
     logs, sizes, covariances = _gaussians(
-        gram[:, None], projection[:, None], prior.mean[index][:, None], sd, prior.one_sided[index][:, None]
+        gram[:, None], projection[:, None], prior.mean[index][:, None], sd, prior.bounds[:, index][:, :, None]
     )
     total = logsumexp(logs, axis=1) - np.log(len(choices))
     share = np.exp(logs - total[:, None]) / len(choices)
@@ -88,30 +89,45 @@ def fits_of(prior: Priors, sets: Sequence[Members], gram: Floats, projection: Fl
 
 
 def _gaussians(
-    gram: Floats, projection: Floats, mean: Floats, sd: Floats, one_sided: NDArray[np.bool_]
+    gram: Floats, projection: Floats, mean: Floats, sd: Floats, bounds: Floats
 ) -> tuple[Floats, Floats, Floats]:
-    """Return log evidence (...), sizes (..., m) and covariances (..., m, m) for Gram matrices and priors (..., m)."""
+    """Return log evidence (...), sizes (..., m) and covariances (..., m, m) for Gram matrices and priors (..., m).
+
+    The bounds are (2, ..., m), the lower ones first.
+    """
     covariance = np.asarray(np.linalg.inv(gram + (sd**-2)[..., None] * np.eye(sd.shape[-1])), dtype=np.float64)
     eta = mean / sd**2 + projection
     size = np.einsum("...ij,...j->...i", covariance, eta)
     log_det = 2.0 * np.log(sd).sum(axis=-1) - np.linalg.slogdet(covariance)[1]
     value = 0.5 * ((eta * size).sum(axis=-1) - (mean**2 / sd**2).sum(axis=-1) - log_det)
-    if one_sided.any():
+    if np.isfinite(bounds).any():
         spread = np.sqrt(np.einsum("...ii->...i", covariance))
-        value = value + np.where(one_sided, log_ndtr(size / spread) - log_ndtr(mean / sd), 0.0).sum(axis=-1)
-        size, cut = _positive(size, spread, one_sided)
+        share = log_between(size, spread, bounds) - log_between(mean, sd, bounds)
+        value = value + np.where(np.isfinite(bounds).any(axis=0), share, 0.0).sum(axis=-1)
+        size, cut = _between(size, spread, bounds)
         ratio = cut / spread
         covariance = covariance * ratio[..., :, None] * ratio[..., None, :]
     return value, size, covariance
 
 
-def _positive(size: Floats, spread: Floats, one_sided: NDArray[np.bool_]) -> tuple[Floats, Floats]:
-    """Return mean and sd of normals, those that are one-sided cut to their positive half."""
-    z = size / spread
-    hazard = np.exp(-0.5 * z**2 - 0.5 * np.log(2 * np.pi) - log_ndtr(z))
-    cut_size = size + spread * hazard
-    cut_spread = spread * np.sqrt(np.maximum(1e-9, 1.0 - hazard * (hazard + z)))
-    return np.where(one_sided, cut_size, size), np.where(one_sided, cut_spread, spread)
+def log_between(mean: Floats, sd: Floats, bounds: Floats) -> Floats:
+    """Return the log of the share of normals (...) between bounds (2, ...)."""
+    low, high = (bounds[0] - mean) / sd, (bounds[1] - mean) / sd
+    turned = low > 0.0  # the upper tail is the lower one of the mirror image, where logs are exact
+    low, high = np.where(turned, -high, low), np.where(turned, -low, high)
+    above, below = log_ndtr(high), log_ndtr(low)
+    return np.asarray(above + np.log1p(-np.exp(np.minimum(below - above, -1e-16))))
+
+
+def _between(size: Floats, spread: Floats, bounds: Floats) -> tuple[Floats, Floats]:
+    """Return mean and sd of normals cut to what lies between bounds (2, ...)."""
+    log_share = log_between(size, spread, bounds)
+    low, high = (bounds[0] - size) / spread, (bounds[1] - size) / spread
+    at_low, at_high = (np.exp(-0.5 * z**2 - 0.5 * np.log(2 * np.pi) - log_share) for z in (low, high))
+    weighted = [np.where(np.isfinite(z), z, 0.0) * height for z, height in ((low, at_low), (high, at_high))]
+    shift = at_low - at_high
+    variance = np.maximum(1e-9, 1.0 + weighted[0] - weighted[1] - shift**2)
+    return np.clip(size + spread * shift, bounds[0], bounds[1]), spread * np.sqrt(variance)
 
 
 def extensions(model: LinearModel, members: Members) -> Floats:
@@ -145,4 +161,5 @@ def _single_logs(prior: Priors, scale: float, variance: Floats, gain: Floats) ->
     eta = prior.mean / sd**2 + gain
     size, spread = eta / precision, precision**-0.5
     value = 0.5 * (eta**2 / precision - prior.mean**2 / sd**2 - np.log(precision * sd**2))
-    return np.asarray(value + np.where(prior.one_sided, log_ndtr(size / spread) - log_ndtr(prior.mean / sd), 0.0))
+    share = log_between(size, spread, prior.bounds) - log_between(prior.mean, sd, prior.bounds)
+    return np.asarray(value + np.where(np.isfinite(prior.bounds).any(axis=0), share, 0.0))

@@ -23,6 +23,7 @@ def as_object(diagnosis: Diagnosis) -> dict[str, Any]:
     content = {
         "verdict": recommend(diagnosis),
         "kind": str(verdict_of(diagnosis)),
+        "certainty": str(diagnosis.which[0].certainty),
         "is_sound": diagnosis.is_sound,
         "where": _where(diagnosis.where),
         "which": [_cause(cause) for cause in diagnosis.which],
@@ -80,6 +81,7 @@ def _cause(cause: Cause) -> dict[str, Any]:
     return {
         "effects": list(cause.effects),
         "probability": cause.probability,
+        "certainty": str(cause.certainty),
         "parameters": [_parameter(p) for p in cause.parameters],
         "cannot_be_told_from": [list(c.effects[1:]) for c in cause.confounded],
         "is_prior_sensitive": cause.is_prior_sensitive,

@@ -15,14 +15,12 @@ Channels that are stuck or clipped are named in the same sentence whatever the v
 from enum import StrEnum
 
 from octmip.formats.names import visible
-from octmip.gap.causes import MISFIT, MISSTATED, UNKNOWN, Cause, ConfoundedEffects
+from octmip.gap.causes import ENOUGH, MISFIT, MISSTATED, UNKNOWN, Cause, Certainty, ConfoundedEffects
 from octmip.gap.diagnosis import BASELINE, Diagnosis
 from octmip.report.diagnosis.phrases import about, brief_words, cause_names, finding_words, listed, with_unit
 
 RIVAL = 0.05
 """Share of a cause's probability from which an effect that cannot be told from it is named beside it."""
-ENOUGH = 0.8
-"""Probability from which a cause is acted on."""
 FEW = 3
 """Names that a sentence lists."""
 MORE = "repeat the test with more readings"
@@ -50,7 +48,7 @@ def verdict_of(diagnosis: Diagnosis) -> Verdict:
         return Verdict.TOO_SMALL
     if _hidden(diagnosis):
         return Verdict.HIDDEN
-    if first.probability < ENOUGH or _rivals(first):
+    if first.certainty is Certainty.OPEN or _rivals(first):
         return Verdict.AMBIGUOUS
     return Verdict.CAUSE
 
@@ -219,4 +217,4 @@ def _act(diagnosis: Diagnosis) -> str:
     s = diagnosis.shrinkage
     rest = "something smaller remains that no effect of the library describes"
     end = rest if s is not None and s.p_after < MISFIT else "nothing else is needed"
-    return f"{parts}, probability {about(first.probability)}; {end}"
+    return f"{parts}, probability {about(first.probability)} ({first.certainty}); {end}"
