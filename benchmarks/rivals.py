@@ -119,18 +119,34 @@ def _pydl85(problem: Problem) -> Fit:
     return fit
 
 
-def _odtlearn(problem: Problem) -> Fit:
-    import pandas as pd
-    from odtlearn.flow_oct import FlowOCT
+def _odtlearn(name: str) -> Callable[[Problem], Fit]:
+    def prepare(problem: Problem) -> Fit:
+        import pandas as pd
+        from odtlearn import flow_oct
 
-    columns = pd.DataFrame(problem.features.astype(int), columns=list(problem.feature_names))
+        columns = pd.DataFrame(problem.features.astype(int), columns=list(problem.feature_names))
+
+        def fit(seconds: float, threads: int) -> Answer:
+            limit = int(np.ceil(seconds))
+            model = getattr(flow_oct, name)(
+                solver="CBC", depth=problem.depth, time_limit=limit, num_threads=threads, verbose=False
+            )
+            model.fit(columns, problem.codes)
+            errors = float((np.asarray(model.predict(columns)).ravel() != problem.codes).sum())
+            # It maximises the samples that are right, so its bound is one from above.
+            return Answer(errors, problem.n_samples - float(model.objective_bound), f"{name}, CBC")
+
+        return fit
+
+    return prepare
+
+
+def _benders(problem: Problem) -> Fit:
+    from octmip.mip.benders.solver import solve_benders
 
     def fit(seconds: float, threads: int) -> Answer:
-        model = FlowOCT(solver="CBC", depth=problem.depth, time_limit=int(np.ceil(seconds)), num_threads=threads)
-        model.fit(columns, problem.codes)
-        errors = float((np.asarray(model.predict(columns)).ravel() != problem.codes).sum())
-        # It maximises the samples that are right, so its bound is one from above.
-        return Answer(errors, problem.n_samples - float(model.objective_bound), "FlowOCT, CBC")
+        solution = solve_benders(problem, limits=Limits(seconds=seconds), n_jobs=threads)
+        return Answer(solution.objective, solution.bound, "benders", solution.n_nodes)
 
     return fit
 
@@ -169,7 +185,9 @@ RIVALS = {
     "pycontree": Rival(_pycontree, "pycontree"),
     "pystreed": Rival(_pystreed, "pystreed"),
     "pydl8.5": Rival(_pydl85, "pydl8.5"),
-    "odtlearn": Rival(_odtlearn, "odtlearn"),
+    "odtlearn": Rival(_odtlearn("FlowOCT"), "odtlearn"),
+    "odtlearn-benders": Rival(_odtlearn("BendersOCT"), "odtlearn"),
+    "octmip-benders": Rival(_benders, "octmip"),
     "octmip-oct": Rival(_oct, "octmip"),
     "octmip-flow1": Rival(_flow(fix=1), "octmip"),
     "octmip-flow2": Rival(_flow(fix=2), "octmip"),

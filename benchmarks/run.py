@@ -1,7 +1,7 @@
 """Measure a family of cases: `python -m benchmarks.run NAME [--limit 60] [--threads 1,2] [--out FILE]`.
 
 Prints one JSON line per result. Every solver answers in a process of its own, killed soon after its limit; CPU and wall
-seconds are those of the solving call alone (all threads of it), the median of several where it is short.
+seconds are those of the solving call alone (all threads and processes of it), the median of several where it is short.
 """
 
 import argparse
@@ -16,7 +16,6 @@ import resource
 import statistics
 import subprocess
 import sys
-import time
 import warnings
 from collections.abc import Iterator
 from contextlib import nullcontext
@@ -24,6 +23,7 @@ from pathlib import Path
 from typing import TextIO
 
 from benchmarks.case import Case
+from benchmarks.cpu import Stopwatch
 from benchmarks.registry import FAMILIES, family
 from benchmarks.rivals import RIVALS
 from benchmarks.tables import Line
@@ -111,11 +111,10 @@ def _measure(case: Case, options: argparse.Namespace) -> Line:
     cpu: list[float] = []
     wall: list[float] = []
     while sum(wall) < SHORT and len(wall) < 5:
-        before, start = resource.getrusage(resource.RUSAGE_SELF), time.perf_counter()
+        watch = Stopwatch()
         answer = fit(options.limit, int(options.threads))
-        wall.append(time.perf_counter() - start)
-        after = resource.getrusage(resource.RUSAGE_SELF)
-        cpu.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
+        for kept, seconds in zip((cpu, wall), watch.read(), strict=True):
+            kept.append(seconds)
     # Rivals do not say whether they finished: within the limit they claim the optimum, past it nothing.
     in_time = wall[-1] < 0.98 * options.limit
     bound = answer.bound if in_time or options.solver.startswith("octmip") else -math.inf
@@ -127,7 +126,7 @@ def _measure(case: Case, options: argparse.Namespace) -> Line:
         "cpu_seconds": round(statistics.median(cpu), 6),
         "wall_seconds": round(statistics.median(wall), 6),
         "repeats": len(wall),
-        "peak_megabytes": after.ru_maxrss // 1024,
+        "peak_megabytes": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024,
         "version": rival.version,
         "settings": answer.settings,
     }

@@ -30,6 +30,7 @@ def main() -> None:
     parser.add_argument("--trees", type=int, default=20, help="cases whose tree is retrained")
     parser.add_argument("--family", action="append", choices=FAMILIES, help="of assets; may be given more than once")
     parser.add_argument("--strata", choices=SETS, default="main", help="sound: noises, two tests, wrong runs")
+    parser.add_argument("--no-limit", action="store_true", help="leave out the limit of information")
     parser.add_argument("--asset-mesh", type=float, default=1.3, help="refinement of femlib's asset")
     parser.add_argument("--twin-mesh", type=float, default=1.0, help="refinement of the twin")
     options = parser.parse_args()
@@ -45,6 +46,7 @@ def main() -> None:
         options.asset_mesh,
         options.twin_mesh,
         options.strata,
+        not options.no_limit,
     )
     signal.signal(signal.SIGTERM, _stop)
     with tempfile.TemporaryDirectory() as scratch:

@@ -180,13 +180,17 @@ def write_run(path: Path, asset: Asset, seed: int, kind: str = "own") -> None:
     write_campaign(path, case, asset, seed, (asset.states[0],))
 
 
-def write_campaign(path: Path, case: Case, asset: Asset, seed: int, told: Sequence[State] | None = None) -> None:
-    """Write the readings of a case; where its state is known, that which the file is told."""
+def write_campaign(path: Path, case: Case, asset: Asset, seed: int, told: Sequence[State] | None = None) -> FloatArray:
+    """Write the readings of a case, with its state where it is known or that which is `told`; return their means.
+
+    These are (n_cells, n_gauges).
+    """
     rng = np.random.default_rng([seed, 2, zlib.crc32(case.name.encode())])
     means = np.concatenate([mean_readings(case.truths, asset, moment) for moment in moments(case)])
     loads = np.repeat([load for _, _, load in case.cells], REPEATS)
     noise = NOISES[case.noise](rng, loads, len(asset.gauges))
-    readings = iter(recorded(case, asset, means + noise).tolist())
+    read = recorded(case, asset, means + noise)
+    readings = iter(read.tolist())
     stated = case.states if told is None else told
     with path.open("w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
@@ -196,3 +200,4 @@ def write_campaign(path: Path, case: Case, asset: Asset, seed: int, told: Sequen
             for time in moment.times.tolist():
                 row = [f"{value:.1f}" for value in next(readings)]
                 writer.writerow([f"T{number}", f"{load:g}", *words, f"{time + INTERVAL:g}", *row])
+    return np.asarray(read.reshape(-1, REPEATS, len(asset.gauges)).mean(axis=1))

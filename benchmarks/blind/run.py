@@ -9,13 +9,14 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from benchmarks.blind.answers import Found, Task, answer, code
-from benchmarks.blind.assets.families import available, in_order, made
+from benchmarks.blind.assets.families import available, made
 from benchmarks.blind.assets.shells import REFINEMENT
-from benchmarks.blind.figure import table
-from benchmarks.blind.guards import guards
-from benchmarks.blind.score import Pair, by_effect, figures, is_standard, open_keys, strata
+from benchmarks.blind.limit.limits import limits
+from benchmarks.blind.reliability import draw
+from benchmarks.blind.score import Pair, open_keys
 from benchmarks.blind.sealing import Key, seal
 from benchmarks.blind.sound import sound_tables
+from benchmarks.blind.tables import all_tables, foreign
 from benchmarks.blind.trees import Retraining, recovered, tree_figures
 from octmip.gap.retrain import Recovery
 
@@ -36,6 +37,8 @@ class Plan:
         of assets, each with its share of the cases.
     asset_mesh, twin_mesh
         refinements.
+    limit
+        whether the limit of information is computed.
     strata
         of `cases.SETS`: "main", or "sound" for assets with which nothing is wrong.
     """
@@ -50,6 +53,7 @@ class Plan:
     asset_mesh: float = REFINEMENT
     twin_mesh: float = 1.0
     strata: str = "main"
+    limit: bool = True
 
 
 def run(folder: Path, plan: Plan) -> str:
@@ -64,7 +68,7 @@ def run(folder: Path, plan: Plan) -> str:
     found = _diagnose(folder, plan)
     clock.append(time.time())
     answers = open_keys(folder, keys)
-    tables = _tables(found, answers, plan)
+    tables = _tables(folder, keys, found, answers, plan)
     clock.append(time.time())
     text = "\n\n".join([_heading(plan, len(answers), clock), *tables])
     (folder / "tables.md").write_text(text + "\n")
@@ -135,33 +139,23 @@ def _tasks(folder: Path, plan: Plan) -> list[Task]:
     ]
 
 
-def _tables(found: Sequence[Found], answers: Mapping[str, Key], plan: Plan) -> list[str]:
-    """Return all tables."""
-    if plan.strata == "sound":
-        return sound_tables([(f, answers[f["name"]]) for f in found])
+def _tables(folder: Path, keys: Path, found: Sequence[Found], answers: Mapping[str, Key], plan: Plan) -> list[str]:
+    """Return all tables; draw the reliability of the diagnosis and, of foreign families, of each kind."""
     cases = [(f, answers[f["name"]]) for f in found]
+    if plan.strata == "sound":
+        return sound_tables(cases)
     with_run = [(f, a) for f, a in cases if f["calibrated"]]
-    without = [(f, a) for f, a in cases if not f["calibrated"]]
-    retrained = tree_figures(_recoveries(with_run, plan))
-    families = in_order({a["case"]["family"] for _, a in cases})
-    standard = [(f, a) for f, a in with_run if is_standard(a)]
-    tables = [
-        table(
-            "With the commissioning run",
-            {"known healthy state, loads 0 to 3": figures(standard) + retrained, "all cases": figures(with_run)},
-        ),
-        table("Without a commissioning run", {"all cases": figures(without)}),
-        table("By family, with the commissioning run", {name: figures(_of(with_run, name)) for name in families}),
-        table("By family, without a commissioning run", {name: figures(_of(without, name)) for name in families}),
-        table("Single effects", {"with the commissioning run": strata(with_run), "without": strata(without)}),
-        table("Top-1 by effect, d' >= 5", {"with the commissioning run": by_effect(with_run)}),
-        table("Guards and baselines, d' >= 5, with the commissioning run", {"single effects": guards(with_run)}),
-    ]
-    return tables
+    draw(folder / "reliability.svg", "Foreign families, with the commissioning run", foreign(with_run))
+    selected = [(f, answers[f["name"]]) for f in _limits(keys, answers, plan)]
+    return all_tables(cases, selected, tree_figures(_recoveries(with_run, plan)))
 
 
-def _of(cases: Sequence[Pair], family: str) -> list[Pair]:
-    return [(f, a) for f, a in cases if a["case"]["family"] == family]
+def _limits(keys: Path, answers: Mapping[str, Key], plan: Plan) -> list[Found]:
+    """Return the selector's answers; what is kept beside the keys is neither run nor selected again."""
+    if not plan.limit:
+        return []
+    assets = [made(name, plan.seed, keys, plan.asset_mesh, plan.jobs) for name in plan.families]
+    return limits(answers, {asset.family: asset for asset in assets}, keys.with_suffix(".limits.json"))
 
 
 def _recoveries(with_run: Sequence[Pair], plan: Plan) -> list[Recovery]:

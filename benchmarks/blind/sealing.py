@@ -34,8 +34,8 @@ from femlib.arrays import FloatArray
 
 HELD_LOAD = 2.5  # never measured: the correction is judged there
 TREE_LOAD = 3.0
-COMMON, OWN, LEAST = 0.01, 0.01, 0.003
-"""Without a commissioning run: what two models of one wing differ by, in common, per gauge, and of the mean strain."""
+LEAST = 0.003
+"""Without a commissioning run: what two models of one wing differ by at every gauge, of the mean strain."""
 DAMAGE = 0.5
 """Typical size of an unknown damage."""
 
@@ -80,10 +80,14 @@ class CaseRecord(TypedDict):
 
 
 class Key(Facts):
-    """The opened key of a case; `tree_means` (n_states, n_gauges) where its retrained tree is scored."""
+    """The opened key of a case, with its mean readings (n_cells, n_gauges).
+
+    `tree_means` (n_states, n_gauges) are there where its retrained tree is scored.
+    """
 
     case: CaseRecord
     salt: str
+    means: list[list[float]]
     tree_means: NotRequired[list[list[float]]]
 
 
@@ -108,10 +112,11 @@ def seal(
     for case in draw_cases(seed, count, assets, strata):
         asset = by_family[case.family]
         place = folder / slug(case.family)
-        write_campaign(place / "campaigns" / f"{case.name}.csv", case, asset, seed)
+        means = write_campaign(place / "campaigns" / f"{case.name}.csv", case, asset, seed)
         if case.run != "own":
             write_run(place / "runs" / f"{case.name}.csv", asset, seed, case.run)
         answer: dict[str, object] = {"case": asdict(case), "salt": secrets.token_hex(16), **facts(case, asset)}
+        answer["means"] = means.tolist()
         if n_trees > 0 and _is_for_tree(case):
             answer["tree_means"] = tree_means(case, asset)
             n_trees -= 1
@@ -132,8 +137,7 @@ def facts(case: Case, asset: Asset) -> Facts:
     moved = _moved(case.truths, asset, cells)
     parts = [_moved((truth,), asset, cells) for truth in case.truths]
     beside: Sequence[FloatArray | None] = parts[::-1] if len(parts) == 2 else [None] * len(parts)
-    last = cells[-1].times[-1]
-    held = Moment(case.states[0], HELD_LOAD, np.array([last]), (*cells[-1].history, (HELD_LOAD, last - 300.0)))
+    held = held_moment(case)
     names = [f"T{number} at load factor {load:g}" for number, _, load in case.cells]
     return {
         "d_prime": {key: distance(moved, case, asset, key == "calibrated") for key in ("calibrated", "bare")},
@@ -146,6 +150,13 @@ def facts(case: Case, asset: Asset) -> Facts:
         "strain": asset.strain(case.states[0]).tolist(),
         "gauges": list(asset.gauges),
     }
+
+
+def held_moment(case: Case) -> Moment:
+    """Return the moment at which the correction is judged: after the campaign, at a load never measured."""
+    end = moments(case)[-1]
+    last = end.times[-1]
+    return Moment(case.states[0], HELD_LOAD, np.array([last]), (*end.history, (HELD_LOAD, last - 300.0)))
 
 
 def _moved(truths: Sequence[Truth], asset: Asset, cells: Sequence[Moment]) -> FloatArray:
@@ -161,25 +172,26 @@ def distance(
     With `beside`, a change of the same shape: of the remainder after subtracting the best multiple of that.
     """
     flat = moved.ravel()
-    weighed = np.linalg.solve(_covariance(case, asset, is_calibrated), flat)
+    weighed = np.linalg.solve(mean_covariance(case, asset, is_calibrated), flat)
     squared = float(flat @ weighed)
     if beside is not None:
         other = beside.ravel()
-        own = float(other @ np.linalg.solve(_covariance(case, asset, is_calibrated), other))
+        own = float(other @ np.linalg.solve(mean_covariance(case, asset, is_calibrated), other))
         squared -= float(other @ weighed) ** 2 / own if own > 0.0 else 0.0
     return float(np.sqrt(max(0.0, squared)))
 
 
-def _covariance(case: Case, asset: Asset, is_calibrated: bool) -> FloatArray:
+def mean_covariance(case: Case, asset: Asset, is_calibrated: bool) -> FloatArray:
     """Return the covariance (n_cells n_gauges, same) of mean readings about what the twin says."""
     loads = np.array([load for _, _, load in case.cells])
     n, noise = len(asset.gauges), VARIANCE / REPEATS
     strain = 3.0 * asset.strain(asset.states[0])
+    common, own_share = asset.differs
     if is_calibrated:
         model = np.eye(n) * noise / sum((load / 3.0) ** 2 for load in ALL_LOADS)
     else:
-        own = (OWN * strain) ** 2 + (LEAST * np.sqrt(np.mean(strain**2))) ** 2
-        model = COMMON**2 * np.outer(strain, strain) + np.diag(own)
+        own = (own_share * strain) ** 2 + (LEAST * np.sqrt(np.mean(strain**2))) ** 2
+        model = common**2 * np.outer(strain, strain) + np.diag(own)
     covariance = np.eye(len(loads) * n) * noise + np.kron(np.outer(loads / 3.0, loads / 3.0), model)
     if case.is_known:
         return covariance

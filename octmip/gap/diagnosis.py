@@ -116,8 +116,8 @@ class Diagnosis:
 
     @property
     def is_sound(self) -> bool:
-        """Whether no effect and nothing unknown is needed to explain the readings."""
-        return bool(self.which) and not self.which[0].effects
+        """Whether no effect and nothing unknown is needed to explain the readings, and no channel stands still."""
+        return bool(self.which) and not self.which[0].effects and not self.noise.stuck
 
     @property
     def nothing_acts(self) -> float:

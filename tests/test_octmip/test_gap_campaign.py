@@ -5,7 +5,7 @@ import pytest
 
 from octmip.errors import DataError
 from octmip.gap import diagnose, read_campaign
-from octmip.gap.campaign.noise import estimate_noise, quantisation_step
+from octmip.gap.campaign.noise_estimate import estimate_noise, quantisation_step
 from tests.test_octmip.beam_twin import Beam, measured
 
 TWIN = Beam()

@@ -58,6 +58,12 @@ def test_benders_proves_what_the_exact_core_proves(options):
     assert found.objective == solve(problem, "exact").objective
 
 
+def test_without_a_feature_that_varies_the_tree_is_a_leaf():
+    problem = Problem(np.ones((6, 2)), [0, 1, 1, 0, 1, 1], depth=2, leaf_size=2)
+    found = solve_benders(problem)
+    assert (found.objective, found.bound, found.stop) == (2.0, 2.0, Stop.OPTIMAL)
+
+
 def test_the_tree_is_the_same_for_any_number_of_threads():
     problem = mixed(60, 4, 3, 2, depth=2)
     one, three = solve_benders(problem), solve_benders(problem, n_jobs=3)
@@ -157,7 +163,9 @@ rng = np.random.default_rng(0)
 features = rng.normal(size=(60, 3)).round(1)
 found = solve_benders(Problem(features, (features.sum(axis=1) > 0).astype(int), depth=2))
 print(found.stop, found.objective)
+lines = Problem(features[:14].round(), rng.integers(0, 2, 14), depth=2, split="hyperplane", split_size=2)
+print(solve_benders(lines).stop)
 """
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
-    assert done.stdout.startswith("optimal")
+    assert [line.split()[0] for line in done.stdout.splitlines()] == ["optimal", "optimal"]

@@ -77,6 +77,9 @@ class Asset(ABC):
         how many places there are of effects that are expensive to compute; 0: not in this family.
     outside
         kinds of change that no library holds.
+    differs
+        what another model of the wing differs by without a commissioning run, in common and per gauge: 1 %, or what
+        was measured where that is more.
     gauges, eta, row, span
         of the gauges that lie in no region: name, span fraction, chordwise row; half-span [m].
     payloads, hot_spots, lifts
@@ -94,6 +97,7 @@ class Asset(ABC):
         "spar_skin_debond": 8,
     }
     outside: ClassVar[tuple[str, ...]] = ()
+    differs: ClassVar[tuple[float, float]] = (0.01, 0.01)
     gauges: tuple[str, ...]
     eta: FloatArray
     row: FloatArray

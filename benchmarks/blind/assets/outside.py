@@ -15,6 +15,8 @@ SUNSHINE = 1200.0
 """Half a period of the sun [s]: four loads of 50 readings."""
 CRITICAL = 1.2
 """Load factor at which a panel buckles."""
+BUCKLED = (0.3, 0.7)
+"""Shares of a panel's stiffness for which its loss is solved; between and beyond them it is interpolated."""
 SLIPS = 0.8
 """Load factor from which a slack joint slips."""
 
@@ -64,10 +66,11 @@ def _buckled_panel(truth: Truth, asset: Asset, moment: Moment, before: FloatArra
 
     Source: von Karman, Sechler & Donnell (1932), The strength of thin plates in compression, Trans. ASME 54.
     """
-    place = f"{_dice(truth).uniform(0.3, 0.7):.3f}:0.500:0.050"
-    lost = 1.0 - np.sqrt(CRITICAL / max(moment.load, CRITICAL))
-    size = 100.0 * (1.0 - np.exp(-abs(truth.size) * lost))
-    return moment.load * asset.flaw(Flaw("damage_outside_library", place, round(float(size), 2)))
+    place = f"{_dice(truth).choice([0.31, 0.40, 0.50, 0.60, 0.69])}:0.500:0.050"
+    lost = 1.0 - np.exp(-abs(truth.size) * (1.0 - np.sqrt(CRITICAL / max(moment.load, CRITICAL))))
+    less, more = (asset.flaw(Flaw("damage_outside_library", place, 100.0 * share)) / share for share in BUCKLED)
+    slope = (more - less) / (BUCKLED[1] - BUCKLED[0])
+    return np.asarray(moment.load * lost * (less + slope * (lost - BUCKLED[0])))
 
 
 def _tip_cable(truth: Truth, asset: Asset, moment: Moment, before: FloatArray) -> FloatArray:

@@ -5,39 +5,47 @@ from functools import partial
 
 from benchmarks.cpu import Stopwatch, cpu_limit
 from benchmarks.data import Table, first_rows, published, uci
+from benchmarks.problem_options import ProblemOptions
 from benchmarks.tables import Line
-from octmip.methods.exact import branch_and_bound
+from octmip.certificate import certify
 from octmip.methods.search import local_search
 from octmip.mip.benders.solver import solve_benders
 from octmip.mip.highs import highs
 from octmip.problem import Problem
 from octmip.solution import Limits
+from octmip.solver import solve
 
-PROBLEMS: tuple[tuple[str, int, Callable[[], Table]], ...] = (
-    ("iris", 2, partial(uci, "iris")),
-    ("iris", 3, partial(uci, "iris")),
-    ("wine", 2, partial(uci, "wine")),
-    ("published mu1, 1750 rows", 2, lambda: published("mu1", 0)),
-    ("published mu2, 175 rows", 2, lambda: first_rows(published("mu2", 0), 175)),
-    ("published mu2, 350 rows", 2, lambda: first_rows(published("mu2", 0), 350)),
-    ("published mu2, 1750 rows", 2, lambda: published("mu2", 0)),
-    ("published mu1, 350 rows", 3, lambda: first_rows(published("mu1", 0), 350)),
+LINES: ProblemOptions = {"depth": 2, "split": "hyperplane", "split_size": 2}
+PROBLEMS: tuple[tuple[str, ProblemOptions, Callable[[], Table]], ...] = (
+    ("iris, depth 2", {"depth": 2}, partial(uci, "iris")),
+    ("iris, depth 3", {"depth": 3}, partial(uci, "iris")),
+    ("wine, depth 2", {"depth": 2}, partial(uci, "wine")),
+    ("published mu1, 175 rows, depth 2", {"depth": 2}, lambda: first_rows(published("mu1", 0), 175)),
+    ("published mu1, 350 rows, depth 2", {"depth": 2}, lambda: first_rows(published("mu1", 0), 350)),
+    ("published mu1, 1750 rows, depth 2", {"depth": 2}, lambda: published("mu1", 0)),
+    ("published mu2, 175 rows, depth 2", {"depth": 2}, lambda: first_rows(published("mu2", 0), 175)),
+    ("published mu2, 350 rows, depth 2", {"depth": 2}, lambda: first_rows(published("mu2", 0), 350)),
+    ("published mu2, 1750 rows, depth 2", {"depth": 2}, lambda: published("mu2", 0)),
+    ("published mu1, 350 rows, depth 3", {"depth": 3}, lambda: first_rows(published("mu1", 0), 350)),
+    ("iris, depth 2, two features", LINES, partial(uci, "iris")),
+    ("wine, depth 2, two features", LINES, partial(uci, "wine")),
 )
 
 
 def results(limit: float, threads: list[int]) -> Iterator[Line]:
     """Yield a line for each problem and number of threads; the limit is in CPU seconds of this process."""
-    for name, depth, table in PROBLEMS:
+    for name, options, table in PROBLEMS:
         data = table()
-        problem = Problem(data.features, data.labels, depth=depth)
+        problem = Problem(data.features, data.labels, **options)
         start = local_search(problem, limits=Limits(seconds=5), seed=0).tree
-        optimum = branch_and_bound(problem, limits=Limits(seconds=60)).objective
+        optimum = solve(problem, "exact", limits=Limits(seconds=60)).objective
         for n_jobs in threads:
             watch = Stopwatch()
             found = solve_benders(problem, incumbent=start, n_jobs=n_jobs, **cpu_limit(limit))
             cpu, wall = watch.read()
+            certify(problem, found)
             yield {
-                "size": f"{name}, depth {depth}",
+                "size": name,
                 "seed": 0,
                 "threads": n_jobs,
                 "optimum": optimum,

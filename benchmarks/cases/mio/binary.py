@@ -1,4 +1,4 @@
-"""The mixed-integer forms beside odtlearn's FlowOCT on CBC, on the problems that it knows: binary features.
+"""The mixed-integer forms beside odtlearn's FlowOCT and BendersOCT on CBC, on problems of binary features.
 
 Each feature becomes three binary ones, whether it is at most its first, second or third quartile: for all solvers the
 same question, and not the one that `mio_forms` asks of the same data. Every solver starts from what it starts from by
@@ -15,7 +15,7 @@ from benchmarks.data import Table, first_rows, published, uci
 from benchmarks.tables import Line, race_table
 from octmip.problem import Problem
 
-SOLVERS = ("octmip-flow2", "octmip-flow1", "octmip-oct", "odtlearn")
+SOLVERS = ("octmip-benders", "octmip-flow2", "octmip-flow1", "octmip-oct", "odtlearn", "odtlearn-benders")
 
 
 def cases() -> Iterator[Case]:
@@ -47,5 +47,7 @@ def _by_quartiles(table: Callable[[], Table], depth: int) -> Problem:
 
 
 def summary(lines: list[Line]) -> str:
-    """Return the table, the flow rows beside the peer."""
-    return race_table(lines, ours="octmip-flow2", peer="odtlearn")
+    """Return the tables: Benders beside both peers, and the flow rows beside the first."""
+    races = (("octmip-benders", "odtlearn"), ("octmip-benders", "odtlearn-benders"), ("octmip-flow2", "odtlearn"))
+    ran = {line["solver"] for line in lines}
+    return "\n\n".join(race_table(lines, ours=ours, peer=peer) for ours, peer in races if {ours, peer} <= ran)

@@ -1,6 +1,7 @@
 """Averages of repeats: the cells of a campaign, or halves of them where an effect depends on time."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,12 +24,19 @@ class AveragedCell:
         (n_gauges,) of these repeats.
     time
         mean time [s].
+    rows
+        (n_repeats,) rows of the campaign.
     """
 
     cell: int
     mean: NDArray[np.float64]
     count: NDArray[np.int64]
     time: float
+    rows: NDArray[np.int64]
+
+    def of_gauges(self, order: Sequence[int]) -> "AveragedCell":
+        """Return the average of these gauges, in their order."""
+        return replace(self, mean=self.mean[list(order)], count=self.count[list(order)])
 
 
 def averages_of(campaign: Campaign, split: bool) -> tuple[AveragedCell, ...]:
@@ -45,5 +53,5 @@ def averages_of(campaign: Campaign, split: bool) -> tuple[AveragedCell, ...]:
             count = np.isfinite(readings).sum(axis=0)
             mean = np.where(count > 0, np.nansum(readings, axis=0) / np.maximum(count, 1), np.nan)
             time = float(np.nanmean(campaign.time[rows])) - start if campaign.has_time else cell.time
-            found.append(AveragedCell(k, mean, count, time))
+            found.append(AveragedCell(k, mean, count, time, rows))
     return tuple(found)

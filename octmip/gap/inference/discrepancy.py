@@ -10,9 +10,10 @@ relative errors share one factor, the **level**, with a prior over `LEVELS`. At 
 with k a correlation along the structure and s the scale of readings of one unit. A commissioning run gives d gauge by
 gauge, its covariance, and the level:
 
-    P = sum_c phi_c^2 (V/N_c)^-1,   h = sum_c phi_c (V/N_c)^-1 (mean_c - f_c),
-    d ~ N(Q h, Q),   Q = (P + (l^2 K)^-1)^-1,   log p(run | l) = (h' Q h - log det(I + l^2 K P)) / 2 + constant.
+    P = Phi' V^-1 Phi,   h = Phi' V^-1 (mean - f),
+    d ~ N(Q h, Q),   Q = (P + (l^2 K)^-1)^-1,   log p(run | l) = (h' Q h - log det(I + l^2 K P)) / 2 + constant
 
+with the means of all cells stacked, V the covariance of their noise and Phi the pattern phi(L) of every gauge.
 Source: Kennedy and O'Hagan (2001), "Bayesian calibration of computer models", J. R. Statist. Soc. B 63, for a
 discrepancy with a prior of its own; the level and its prior are this project's.
 """
@@ -21,13 +22,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy.linalg as linalg
 from numpy.typing import NDArray
 from scipy.special import logsumexp
 from scipy.stats import chi2
 
 from octmip.errors import DataError
+from octmip.gap.campaign.averages import averages_of
 from octmip.gap.campaign.campaign import Campaign, Cell
-from octmip.gap.campaign.noise import Noise, estimate_noise
+from octmip.gap.campaign.noise import Noise
 from octmip.gap.twins.cached import CachedTwin
 from octmip.twin import Load
 
@@ -114,8 +117,8 @@ def uncalibrated(twin: CachedTwin, gauges: Sequence[str], load: Load) -> Discrep
     return Discrepancy(np.zeros(len(healthy)), unit, scale, DAMAGE, 1.0, prior, False)
 
 
-def calibrated(run: Campaign, twin: CachedTwin, gauges: tuple[str, ...], load: Load) -> Discrepancy:
-    """Return the difference that a commissioning run shows for these gauges, at the reference load `load`.
+def calibrated(run: Campaign, twin: CachedTwin, noise: Noise, load: Load) -> Discrepancy:
+    """Return the difference that a commissioning run shows for the gauges of its noise, at the reference load `load`.
 
     Where the run is not proportional to the twin's healthy readings (chance below `UNEVEN`), what does not grow with
     the load is fitted beside d, so that a temperature or a bias of that day does not enter the calibration.
@@ -123,11 +126,11 @@ def calibrated(run: Campaign, twin: CachedTwin, gauges: tuple[str, ...], load: L
     Raises
     ------
     DataError
-        the run lacks a gauge of the campaign, holds an unknown state, or no load.
+        the run holds an unknown state, or no load.
     """
-    _check_run(run, gauges)
-    prior = uncalibrated(twin, gauges, load)
-    read = _Run.of(run, twin, gauges, load, prior)
+    _check_run(run)
+    prior = uncalibrated(twin, noise.gauges, load)
+    read = _Run.of(run, twin, noise, load, prior)
     if not read.precision.any():
         raise DataError("the commissioning run holds readings at zero load only; expected two loads or more")
     p_value = read.p_value()
@@ -204,22 +207,23 @@ class _Run:
     n: int
 
     @classmethod
-    def of(cls, run: Campaign, twin: CachedTwin, gauges: tuple[str, ...], load: Load, prior: "Discrepancy") -> "_Run":
+    def of(cls, run: Campaign, twin: CachedTwin, noise: Noise, load: Load, prior: "Discrepancy") -> "_Run":
         """Read a run."""
-        order = [run.gauges.index(name) for name in gauges]
-        columns = [twin.gauges.index(name) for name in gauges]
-        noise = estimate_noise(run)
+        order = [run.gauges.index(name) for name in noise.gauges]
+        columns = [twin.gauges.index(name) for name in noise.gauges]
         reference = twin.predict({}, load)[columns]
-        square, flat, squared, n = np.zeros((3, len(gauges), len(gauges))), np.zeros((2, len(gauges))), 0.0, 0
-        for cell in run.cells:
-            state = dict(zip(run.parameters, cell.state.tolist(), strict=True))
-            phi = prior.share(twin.predict({}, cell.load)[columns], reference)
-            weight = _weight(noise, cell, order)
-            residual = np.nan_to_num(cell.mean[order] - twin.predict(state, cell.load)[columns])
-            square += np.multiply.outer([phi**2, phi, 1.0], weight)
-            flat += np.multiply.outer([phi, 1.0], weight @ residual)
-            squared, n = squared + float(residual @ weight @ residual), n + int((cell.count[order] > 0).sum())
-        return cls(square[0], square[1], square[2], flat[0], flat[1], squared, n)
+        means = [part.of_gauges(order) for part in averages_of(run, split=False)]
+        average, gauge = np.nonzero(np.array([part.count > 0 for part in means]))
+        cells = [run.cells[part.cell] for part in means]
+        predicted = np.array([twin.predict(_state(run, cell), cell.load)[columns] for cell in cells])
+        phi = np.array([prior.share(twin.predict({}, cell.load)[columns], reference) for cell in cells])
+        root = np.linalg.cholesky(noise.of_averages(means, [cell.load for cell in cells], average, gauge))
+        offset = (gauge[:, None] == np.arange(len(order))).astype(np.float64)
+        residual = (np.array([part.mean for part in means]) - predicted)[average, gauge]
+        stacked = np.column_stack([phi[average, None] * offset, offset, residual])
+        white = linalg.solve_triangular(root, stacked, lower=True)
+        d, o, left = np.split(white, [len(order), 2 * len(order)], axis=1)
+        return cls(d.T @ d, d.T @ o, o.T @ o, (d.T @ left)[:, 0], (o.T @ left)[:, 0], float(np.sum(left**2)), len(left))
 
     def p_value(self) -> float:
         """Return the chance of what the best d leaves; 1 where the run has one load only."""
@@ -254,19 +258,11 @@ def _spread(share: Floats) -> tuple[tuple[float, float], ...]:
     return tuple(zip(LEVELS, np.asarray(logsumexp(logs, axis=1)).tolist(), strict=True))
 
 
-def _check_run(run: Campaign, gauges: tuple[str, ...]) -> None:
-    missing = [name for name in gauges if name not in run.gauges]
-    if missing:
-        raise DataError(f"the commissioning run lacks gauge {missing[0]}; expected every gauge of the campaign")
+def _check_run(run: Campaign) -> None:
     unknown = [cell for cell in run.cells if not cell.is_known]
     if unknown:
         raise DataError(f"the commissioning run holds an unknown state ({unknown[0].name}); give its state columns")
 
 
-def _weight(noise: Noise, cell: Cell, order: list[int]) -> Floats:
-    """Return the precision (n_gauges, n_gauges) of a cell's means, zero for gauges that recorded nothing."""
-    matrix = noise.of_mean(cell.count, cell.load)[np.ix_(order, order)]
-    seen = cell.count[order] > 0
-    weight = np.zeros_like(matrix)
-    weight[np.ix_(seen, seen)] = np.linalg.inv(matrix[np.ix_(seen, seen)])
-    return weight
+def _state(run: Campaign, cell: Cell) -> dict[str, float]:
+    return dict(zip(run.parameters, cell.state.tolist(), strict=True))

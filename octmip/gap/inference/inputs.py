@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from octmip.errors import DataError
 from octmip.gap.campaign.averages import AveragedCell, averages_of
 from octmip.gap.campaign.campaign import Campaign, Cell
-from octmip.gap.campaign.clipping import unclipped
 from octmip.gap.campaign.noise import Noise
-from octmip.gap.campaign.source_of_noise import noise_of
+from octmip.gap.channels.checks import calm, checked
+from octmip.gap.channels.source_of_noise import noise_of, noise_of_run
 from octmip.gap.inference.candidates import Candidate, Priors, candidates_of, priors_of
 from octmip.gap.inference.discrepancy import Discrepancy, calibrated, uncalibrated
 from octmip.gap.odds import Odds
@@ -152,14 +152,15 @@ def prepare(
         raise DataError(f"column {unknown[0]!r} is no gauge of the twin; expected among {list(twin.gauges[:3])}...")
     asked = twin if isinstance(twin, CachedTwin) else CachedTwin(twin)
     campaign = replace(campaign, units=tuple(units_of(asked)[asked.gauges.index(name)] for name in campaign.gauges))
-    campaign, rails, of_clipping = unclipped(campaign)
-    run = unclipped(commissioning)[0] if isinstance(commissioning, Campaign) else None
-    noise, of_noise = noise_of(campaign, run, rails, noise_sd)
+    checks = checked(campaign)
+    campaign = checks.campaign
+    run = calm(commissioning) if isinstance(commissioning, Campaign) else None
+    noise, of_noise = noise_of(checks, run, noise_sd)
     _refuse_other_loads(campaign, run, asked)
     _refuse_unsought(campaign, asked)
     reference = _reference(campaign, run, asked)
     known = commissioning if isinstance(commissioning, Discrepancy) else run
-    discrepancy, of_discrepancy = _discrepancy(known, asked, campaign.gauges, reference)
+    discrepancy, of_discrepancy = _discrepancy(known, asked, noise, reference)
     inputs = Inputs(
         campaign=campaign,
         twin=asked,
@@ -172,20 +173,21 @@ def prepare(
         odds=odds,
         progress=progress,
     )
-    return inputs, [*of_clipping, *of_noise, *of_discrepancy]
+    return inputs, [*checks.notes, *of_noise, *of_discrepancy]
 
 
 def _discrepancy(
-    known: Campaign | Discrepancy | None, twin: CachedTwin, gauges: tuple[str, ...], reference: Load
+    known: Campaign | Discrepancy | None, twin: CachedTwin, noise: Noise, reference: Load
 ) -> tuple[Discrepancy, list[str]]:
     """Return what twin and asset differ by before any effect: known, from a commissioning run, or what is usual."""
     if isinstance(known, Discrepancy):
         return known, []
     if known is not None:
-        return calibrated(known, twin, gauges, reference), []
-    return uncalibrated(twin, gauges, reference), [
+        of_run, notes = noise_of_run(known, noise)
+        return calibrated(known, twin, of_run, reference), notes
+    return uncalibrated(twin, noise.gauges, reference), [
         "No commissioning run: twin and asset may differ by about 1 % in common and 1 % per gauge before any effect; "
-        "effects that scale all strains by less than about 1.5 % are invisible."
+        "effects that scale all readings by less than about 1.5 % are invisible."
     ]
 
 

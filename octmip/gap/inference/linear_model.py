@@ -13,7 +13,7 @@ Learning", eq. 2.43 (basis functions with Gaussian weights).
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import scipy.linalg as linalg
@@ -123,6 +123,8 @@ class LinearModel:
         signatures and residual in units of `factor`.
     open_states
         what the readings say of the unknown states.
+    share, change
+        (n,) size of the healthy prediction relative to the reference load's, and what damage changes in the prediction.
     """
 
     inputs: Inputs
@@ -137,6 +139,8 @@ class LinearModel:
     tangents: Floats
     whitened: Whitened
     open_states: OpenStates
+    share: Floats
+    change: Floats
 
     def __post_init__(self) -> None:
         own = (self.states, self.average, self.gauge, self.predicted, self.residual, self.covariance, self.factor)
@@ -192,7 +196,8 @@ def linearise(inputs: Inputs, states: Floats) -> LinearModel:
     predicted = expected.ravel()[flat]
     residual = np.array([part.mean for part in inputs.averages]).ravel()[flat] - predicted
     tangents = _tangents(inputs, states, flat)
-    covariance = _covariance(inputs, states, (average, gauge), share, strain - healthy, tangents)
+    rows, change = (average, gauge), (strain - healthy).ravel()[flat]
+    covariance = _covariance(inputs, states, rows, share[average], change, tangents)
     factor = np.asarray(np.linalg.cholesky(covariance), dtype=np.float64)
     signatures = signatures_of(inputs, states, expected)[:, flat].T
     whitened, open_ = _whitened(factor, signatures, residual, tangents)
@@ -207,6 +212,27 @@ def linearise(inputs: Inputs, states: Floats) -> LinearModel:
         factor=factor,
         signatures=signatures,
         tangents=tangents,
+        whitened=whitened,
+        open_states=open_states_of(open_, whitened),
+        share=share[average],
+        change=change,
+    )
+
+
+def at_level(model: LinearModel, level: float) -> LinearModel:
+    """Return the model at another level of differences between models: only its covariance is another."""
+    inputs = replace(model.inputs, discrepancy=model.inputs.discrepancy.at(level))
+    rows = (model.average, model.gauge)
+    covariance = _covariance(inputs, model.states, rows, model.share, model.change, model.tangents)
+    if np.array_equal(covariance, model.covariance):
+        return replace(model, inputs=inputs)
+    factor = np.asarray(np.linalg.cholesky(covariance), dtype=np.float64)
+    whitened, open_ = _whitened(factor, model.signatures, model.residual, model.tangents)
+    return replace(
+        model,
+        inputs=inputs,
+        covariance=covariance,
+        factor=factor,
         whitened=whitened,
         open_states=open_states_of(open_, whitened),
     )
@@ -267,22 +293,13 @@ def _covariance(
     change: Floats,
     tangents: Floats,
 ) -> Floats:
-    """Return C0 (n, n); `rows` are averaged cell and gauge, `change` (n_averages, n_gauges) is what damage makes."""
+    """Return C0 (n, n); `rows` are averaged cell and gauge, `share` and `change` (n,) as in the model."""
     average, gauge = rows
-    covariance = _noise(inputs, average, gauge)
-    covariance += np.outer(share[average], share[average]) * inputs.discrepancy.covariance[np.ix_(gauge, gauge)]
+    covariance = inputs.noise.of_averages(inputs.averages, inputs.loads, average, gauge)
+    covariance += np.outer(share, share) * inputs.discrepancy.covariance[np.ix_(gauge, gauge)]
     cell = np.array([part.cell for part in inputs.averages])[average]
-    covariance += _damage_nugget(inputs.discrepancy.damage * change[average, gauge], gauge, states[cell])
+    covariance += _damage_nugget(inputs.discrepancy.damage * change, gauge, states[cell])
     covariance += OPEN_STATE**2 * tangents @ tangents.T
-    return covariance
-
-
-def _noise(inputs: Inputs, average: NDArray[np.int64], gauge: NDArray[np.int64]) -> Floats:
-    covariance = np.zeros((len(average), len(average)))
-    for k, part in enumerate(inputs.averages):
-        here = np.flatnonzero(average == k)
-        of_mean = inputs.noise.of_mean(part.count, inputs.cell_of(part).load)
-        covariance[np.ix_(here, here)] = of_mean[np.ix_(gauge[here], gauge[here])]
     return covariance
 
 

@@ -7,6 +7,7 @@ bears it most. Sets whose members imitate each other beyond what these readings 
 explanation, reported under the name of its most probable member.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -17,11 +18,13 @@ from octmip.gap.inference.evidence import Fit, Members
 from octmip.gap.inference.inference import Inference
 from octmip.gap.inference.inputs import Inputs, doubted_state, one_state
 from octmip.gap.inference.linear_model import LinearModel
-from octmip.gap.inference.search import Weighed, log_total, weighed_hypotheses
-from octmip.gap.inference.states import highest
+from octmip.gap.inference.search import Weighed, log_total, promise, weighed_hypotheses
+from octmip.gap.inference.states import highest, starting_states
 
 SOUND_ENOUGH = 0.5
 """Probability that nothing is wrong, beyond which no stated state is doubted."""
+HOPELESS = 10.0
+"""Log units behind which another state of a test is no explanation, with at most one effect beside it."""
 USUAL = 2.0
 """Level of differences between models from which "nothing is wrong" may hide a state that is not as stated."""
 
@@ -129,15 +132,15 @@ Key = tuple[Members, bool, str]
 
 def attribute(inputs: Inputs) -> Posterior:
     """Return the posterior over sets of effects."""
-    found = {"": weighed_hypotheses(inputs)}
+    found = {"": weighed_hypotheses(inputs, starting_states(inputs))}
     together = one_state(inputs)
     same_state = None
     if together is not None:
-        merged = weighed_hypotheses(together)
+        merged = weighed_hypotheses(together, starting_states(together))
         same_state = float(1.0 / (1.0 + np.exp(np.clip(log_total(found[""]) - log_total(merged), -700, 700))))
         found[""] = merged if same_state > 0.5 else found[""]
     if _may_be_misstated(inputs, found[""]):
-        found |= _with_doubts(inputs)
+        found |= _with_doubts(inputs, log_total(found[""]))
     return _normalised(found, same_state)
 
 
@@ -150,14 +153,19 @@ def _may_be_misstated(inputs: Inputs, weighed: Sequence[Weighed]) -> bool:
     return is_sought and known and sound - log_total(weighed) < np.log(SOUND_ENOUGH)
 
 
-def _with_doubts(inputs: Inputs) -> dict[str, list[Weighed]]:
-    """Return what explains the readings where the stated state of one test is taken as unknown, by test."""
+def _with_doubts(inputs: Inputs, log_stated: float) -> dict[str, list[Weighed]]:
+    """Return what explains the readings where the stated state of one test is taken as unknown, by test.
+
+    Tests are left out whose other state, with nothing else wrong, is too far behind all that the stated states allow.
+    """
     tests = list(dict.fromkeys(cell.test for cell in inputs.campaign.cells if cell.is_known))
     prior = float(np.log(max(inputs.odds.misstated, 1e-300))) - float(np.log(max(len(tests), 1)))
     found = {}
     for test in tests:
-        weighed = weighed_hypotheses(doubted_state(inputs, test), is_quick=True)
-        found[test] = [w.times(prior) for w in weighed]
+        doubted = doubted_state(inputs, test)
+        states = starting_states(doubted)
+        if promise(doubted, states[0]) + prior > log_stated - HOPELESS:
+            found[test] = [w.times(prior) for w in weighed_hypotheses(doubted, states[:1], is_quick=True)]
     return found
 
 
@@ -177,5 +185,5 @@ def _judged(key: Key, same: Sequence[Weighed], total: float) -> Judged:
     """Return what one hypothesis weighs under all variants, in the one that bears it most."""
     members, has_unknown, doubted = key
     best = max(same, key=lambda w: w.log_weight)
-    probability = float(np.exp(logsumexp([w.log_weight for w in same]) - total))
+    probability = sum(math.exp(w.log_weight - total) for w in same)
     return Judged(members, has_unknown, probability, best.inference, doubted, best.words)

@@ -10,16 +10,19 @@ from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 from octmip.gap.inference.evidence import Members, extensions
 from octmip.gap.inference.hypotheses import Hypothesis, likely_sets, log_prior
 from octmip.gap.inference.inference import Inference
 from octmip.gap.inference.inputs import Inputs
-from octmip.gap.inference.linear_model import linearise
-from octmip.gap.inference.states import STATE_RESOLUTION, distance, log_box, moved_states, starting_states
+from octmip.gap.inference.linear_model import at_level, linearise
+from octmip.gap.inference.states import STATE_RESOLUTION, distance, log_box, moved_states
 from octmip.gap.inference.unknown import weigh_unknown
 from octmip.gap.progress import Stage
+
+Floats = NDArray[np.float64]
 
 EXACT = 100
 """Hypotheses whose evidence is computed exactly and, with open states, about their own states."""
@@ -63,19 +66,22 @@ class Weighed:
         return replace(self, log_weight=self.log_weight + log_factor)
 
 
-def weighed_hypotheses(inputs: Inputs, *, is_quick: bool = False) -> list[Weighed]:
+def weighed_hypotheses(inputs: Inputs, states: Sequence[Floats], *, is_quick: bool = False) -> list[Weighed]:
     """Return the hypotheses about inputs, at every level of differences between models that the readings bear.
 
-    With `is_quick` at the best level only, from one start.
+    Parameters
+    ----------
+    states
+        assignments (n_cells, n_parameters) to start from, the best first.
+    is_quick
+        whether to look at the best level only.
     """
-    states = starting_states(inputs)
-    levels = _levels(inputs, states[0])
-    if is_quick:
-        states, levels = states[:1], levels[:1]
+    levels = _levels(inputs, states[0])[: 1 if is_quick else None]
     first, log_level = levels[0]
-    started = [Inference(linearise(first, assignment)) for assignment in states]
-    enough = _promise(started[0]) - BEHIND
-    inferences = [started[0], *(one for one in started[1:] if _promise(one) > enough)]
+    at = replace(inputs, discrepancy=inputs.discrepancy.at(first))
+    started = [Inference(linearise(at, assignment)) for assignment in states]
+    enough = _best_single(started[0]) - BEHIND
+    inferences = [started[0], *(one for one in started[1:] if _best_single(one) > enough)]
     by_start = [sorted(likely_sets(one), key=lambda h: -h.log_weight) for one in inferences]
     found = {h.members: h for hypotheses in by_start for h in hypotheses}
     if inputs.groups:
@@ -88,23 +94,31 @@ def weighed_hypotheses(inputs: Inputs, *, is_quick: bool = False) -> list[Weighe
     result = [w.times(log_level) for w in everything]
     kept = list({id(w.inference): w.inference for w in weighed}.values())
     for level, log_share in levels[1:]:
-        again = [Inference(linearise(level, one.model.states)) for one in kept]
+        again = [Inference(at_level(one.model, level)) for one in kept]
         own = _weigh(again, sets)
         result += [w.times(log_share) for w in (*own, *_with_unknown(own))]
     return result
 
 
-def _levels(inputs: Inputs, states: np.ndarray) -> list[tuple[Inputs, float]]:
-    """Return the inputs at each level worth a look with the log of its probability, the best first."""
-    found = []
-    for level, log_share in inputs.discrepancy.log_levels:
-        at = replace(inputs, discrepancy=inputs.discrepancy.at(level))
-        found.append((_promise(Inference(linearise(at, states))) + log_share, at, log_share))
-    found.sort(key=lambda item: -item[0])
-    return [(at, log_share) for value, at, log_share in found[:MOST_LEVELS] if value > found[0][0] - LEVEL_BEHIND]
+def _levels(inputs: Inputs, states: Floats) -> list[tuple[float, float]]:
+    """Return each level worth a look with the log of its probability, the best first."""
+    found = sorted(_by_level(inputs, states), key=lambda item: -item[0])
+    return [(level, log_share) for value, level, log_share in found[:MOST_LEVELS] if value > found[0][0] - LEVEL_BEHIND]
 
 
-def _promise(inference: Inference) -> float:
+def _by_level(inputs: Inputs, states: Floats) -> list[tuple[float, float, float]]:
+    """Return for every level what its best single candidate weighs there, the level, and the log of its probability."""
+    model = linearise(inputs, states)
+    levels = inputs.discrepancy.log_levels
+    return [(_best_single(Inference(at_level(model, at))) + log_share, at, log_share) for at, log_share in levels]
+
+
+def promise(inputs: Inputs, states: Floats) -> float:
+    """Return the log evidence of the best single candidate, or of none, about some states at the best level."""
+    return max(value for value, *_ in _by_level(inputs, states))
+
+
+def _best_single(inference: Inference) -> float:
     """Return the log evidence of the best single candidate, or of none."""
     return inference.model.log_none + float(max(0.0, extensions(inference.model, ()).max(initial=0.0)))
 

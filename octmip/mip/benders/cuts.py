@@ -60,6 +60,6 @@ class Cuts:
         """Return the sum left of each cut of an amount (n_samples,), by kind of sample: (n_cuts, n_kinds)."""
         cell = self.cell if kind is None else self.cell * n_kinds + kind
         amounts = np.broadcast_to(amount, cell.shape).ravel()
-        total = np.bincount(np.zeros_like(cell[0]) if kind is None else kind, amount, n_kinds)
+        total = np.sum(amount) if kind is None else np.bincount(kind, amount, n_kinds)
         running = np.bincount(cell.ravel(), amounts, len(self.is_cut) * n_kinds).reshape(-1, n_kinds).cumsum(axis=0)
         return np.asarray((running - self.feature_of_rank[:, None] * total)[self.is_cut])

@@ -57,7 +57,8 @@ def solve_benders(
     if problem.split == "hyperplane":
         return solve_planes(problem, limits=limits, incumbent=incumbent, seed=seed, progress=progress, mu=mu)
     clock = Clock(limits, time.perf_counter())
-    process.warm()
+    if problem.sensor_budget is not None:  # masters are linear programs, solved here; joint sides are not
+        process.warm()
     tree = starting_tree(problem, incumbent, seed)
     prices = whole_prices(problem, problem.objective(tree))
     result = RunResult(Known(tree, problem.objective(tree), prices, Rows()), tree, Stop.TIME, {})

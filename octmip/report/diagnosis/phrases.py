@@ -16,7 +16,11 @@ FINDINGS = {
     "heteroscedastic_noise": "noise that differs between gauges or loads",
     "correlated_noise": "noise that successive readings or several gauges share",
     "quantisation": "readings in coarse steps",
+    "random_walk": "noise that wanders from test to test",
     "clipping": "readings cut off at the end of a range",
+    "stuck_channel": "a channel that stands still",
+    "jump": "a gauge that jumps",
+    "outliers": "far-off readings to one side",
 }
 """What is found in the noise, in words."""
 

@@ -42,7 +42,7 @@ def verdict_of(diagnosis: Diagnosis) -> Verdict:
     first = diagnosis.which[0]
     if UNKNOWN in first.effects:
         return Verdict.UNEXPLAINED
-    if diagnosis.is_sound:
+    if not first.effects:
         return Verdict.SOUND
     if not first.is_identifiable:
         return Verdict.TOO_SMALL

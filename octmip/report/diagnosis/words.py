@@ -142,7 +142,7 @@ def doubt_lines(diagnosis: Diagnosis) -> list[str]:
         lines.append(f"It looks like {diagnosis.posterior.unknown_words}.")
     else:
         lines.append(f"{OUTSIDE.capitalize()}: {likely(diagnosis.unknown_probability)}.")
-    if diagnosis.is_sound:
+    if not diagnosis.which[0].effects:
         sizes = ", ".join(f"{name} {size}" for name, size in detectable_sizes(diagnosis))
         lines.append(f"Detectable sizes (these readings would have shown them with 95 % power): {sizes}.")
     refused = list(diagnosis.refused.items())[:FEW]

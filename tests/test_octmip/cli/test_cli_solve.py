@@ -90,6 +90,8 @@ def test_compare_shows_every_method_and_the_gap_to_the_best_bound(data, run, mon
     answer = json.loads(run(*words, "--json")[1])
     assert [row.get("gap_to_best_bound") for row in answer["rows"]] == [0.0, 0.0, None]
     assert [row.get("gap") for row in answer["rows"]] == [None, 0.0, None]
+    reached = [row.get("seconds_to_gap", {}).get("1 %") is not None for row in answer["rows"]]
+    assert reached == [False, True, False]
 
 
 def test_frontier_shows_one_row_for_each_value(data, run, tmp_path):

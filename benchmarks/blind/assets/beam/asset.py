@@ -57,6 +57,8 @@ class BeamAsset(Asset):
     }
     outside: ClassVar[tuple[str, ...]] = ("buckled_panel", "tip_cable", "moist_skin")
 
+    differs: ClassVar[tuple[float, float]] = (0.01, 0.014)
+
     def __init__(self, seed: int, n_stations: int = N_STATIONS) -> None:
         super().__init__()
         card = Card()

@@ -56,6 +56,8 @@ class SpringsAsset(Asset):
     }
     outside: ClassVar[tuple[str, ...]] = ("loose_rib", "slack_joint", "lead_wires")
 
+    differs: ClassVar[tuple[float, float]] = (0.01, 0.023)
+
     def __init__(self, seed: int, store: Path | None = None, jobs: int = 1, refinement: float = 1.0) -> None:
         super().__init__()
         self.shape = Shape(taper=TAPER, refinement=refinement)

@@ -1,0 +1,82 @@
+"""Write the instances, or print their table: `python -m benchmarks.instances [--out DIR] [--only REGEX] [--cip]`.
+
+Each is written as MPS by HiGHS; with `--cip` also as SCIP's own format, which needs the package pyscipopt. Beside them
+stands sizes.json with rows, columns, integers and nonzeros of each.
+"""
+
+import argparse
+import json
+import re
+import sys
+from pathlib import Path
+
+from benchmarks.instances.catalogue import INSTANCES, Instance
+from benchmarks.instances.known import known, markdown
+from octmip.mip.highs import highs
+from octmip.mip.rows import Rows
+
+
+def main(words: list[str] | None = None) -> int:
+    """Write the instances, or print the table."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.instances", description=__doc__)
+    parser.add_argument("--out", type=Path, help="folder to write into; made if it is not there")
+    parser.add_argument("--only", default="", help="only instances whose name holds this regular expression")
+    parser.add_argument("--cip", action="store_true", help="also write SCIP's format, through pyscipopt")
+    parser.add_argument("--table", action="store_true", help="print what is known of all instances, in Markdown")
+    options = parser.parse_args(words)
+    if options.table:
+        print(markdown(known()))
+    if options.out is not None:
+        chosen = [instance for instance in INSTANCES if re.search(options.only, instance.name)]
+        _write(chosen, options.out, with_cip=options.cip)
+    elif not options.table:
+        parser.error("nothing to do; give --out DIR, or --table")
+    return 0
+
+
+def _write(instances: list[Instance], folder: Path, *, with_cip: bool) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    sizes = {}
+    for instance in instances:
+        rows, path = instance.rows(), folder / f"{instance.name}.mps"
+        highs.write(rows, path)
+        if with_cip:
+            write_cip(path)
+        sizes[instance.name] = size_of(rows)
+        print(f"{path}  {path.stat().st_size / 1e6:.2f} MB  {sizes[instance.name]}", file=sys.stderr)
+    (folder / "sizes.json").write_text(json.dumps(sizes, indent=1) + "\n")
+
+
+def size_of(rows: Rows) -> dict[str, int]:
+    """Return rows, columns, integer columns and nonzeros of a model."""
+    n_integers = int(rows.is_integer.sum())
+    return {
+        "rows": rows.n_rows,
+        "columns": rows.n_columns,
+        "integers": n_integers,
+        "nonzeros": int(rows.matrix().nnz),
+    }
+
+
+def write_cip(path: Path) -> None:
+    """Write an MPS file again beside itself as SCIP's own format.
+
+    Raises
+    ------
+    SystemExit
+        pyscipopt is not installed.
+    """
+    try:
+        from pyscipopt import Model
+    except ModuleNotFoundError as error:
+        raise SystemExit(
+            "--cip needs the package pyscipopt, which is not installed; install it, or leave out --cip"
+        ) from error
+    model = Model()
+    model.hideOutput()
+    model.readProblem(str(path))
+    model.writeProblem(str(path.with_suffix(".cip")), verbose=False)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,1 @@
+"""What is wrong with single channels, found before anything else: stuck, clipped, jumped, with far-off readings."""

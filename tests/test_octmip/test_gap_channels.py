@@ -1,0 +1,191 @@
+"""What single channels do wrong is named and left out: stuck, clipped, jumped, with far-off readings."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from octmip.gap import diagnose
+from octmip.gap.channels.checks import checked
+from octmip.gap.channels.jumps import jumps_in
+from octmip.gap.channels.outliers import robust
+from octmip.gap.channels.stuck import stuck_in
+from tests.test_octmip.beam_twin import Beam, measured
+
+SD = 31.6
+TWIN = Beam()
+
+
+def changed(change, seed=5, noise=None, **settings):
+    campaign = measured(seed, noise=noise, **settings)
+    readings = np.array(campaign.readings)
+    change(readings)
+    return dataclasses.replace(campaign, readings=readings)
+
+
+def put(rows, value):
+    def change(readings):
+        readings[rows, 6] = value
+
+    return change
+
+
+STUCK = {
+    "at 0 always": (put(slice(None), 0.0), 200),
+    "at another value always": (put(slice(None), 812.0), 200),
+    "at 0 from the last load but one on": (put(slice(100, None), 0.0), 100),
+    "from the middle of a load on": (put(slice(120, None), 1111.0), 80),
+    "in one load": (put(slice(50, 100), 640.5), 50),
+    "for a time within a load": (put(slice(60, 80), 640.5), 20),
+    "at the last reading": (lambda r: r.__setitem__((slice(130, None), 6), r[129, 6]), 70),
+    "each load at a level of its own": (lambda r: r.__setitem__((slice(None), 6), np.repeat(r[::50, 6], 50)), 200),
+    "at a negative value": (put(slice(None), -37.25), 200),
+    "at 0 at first": (put(slice(0, 50), 0.0), 50),
+}
+
+
+@pytest.mark.parametrize("name", STUCK)
+def test_a_stuck_channel_is_named_first_and_left_out(name):
+    change, count = STUCK[name]
+    campaign = changed(change)
+    (found,) = stuck_in(campaign)
+    assert found.gauge == 6
+    assert abs(len(found.rows) - count) <= 1
+    checks = checked(campaign)
+    assert checks.stuck == ("g07",)
+    assert checks.notes[0].startswith("Stuck: ")
+    assert "g07" in checks.notes[0]
+    assert ("g07" in checks.campaign.gauges) == (count < 199)
+
+
+@pytest.mark.parametrize("name", ["at another value always", "from the middle of a load on", "in one load"])
+def test_a_stuck_channel_leaves_the_rest_sound(name):
+    """A channel stuck at 812 made 14 of 18 campaigns unexplained."""
+    diagnosis = diagnose(changed(STUCK[name][0]), TWIN, commissioning=measured(1000))
+    assert diagnosis.which[0].effects == ()
+    assert diagnosis.noise.stuck == ("g07",)
+    assert not diagnosis.is_sound
+    assert diagnosis.notes[0].startswith("Stuck: ")
+
+
+@pytest.mark.parametrize("step", [5.0, 20.0, 40.0, 80.0])
+def test_coarse_steps_are_not_stuck(step):
+    for seed in range(3):
+        campaign = measured(seed)
+        coarse = dataclasses.replace(campaign, readings=np.round(campaign.readings / step) * step)
+        assert stuck_in(coarse) == []
+
+
+def test_one_coarse_channel_is_not_stuck():
+    assert stuck_in(changed(lambda r: r.__setitem__((slice(None), 6), np.round(r[:, 6] / 60.0) * 60.0))) == []
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_clipped_channel_is_clipped_and_not_stuck(sign):
+    def change(readings):
+        readings *= sign
+        readings[:, 1] = sign * np.minimum(sign * readings[:, 1], 900.0)
+
+    campaign = changed(change)
+    assert stuck_in(campaign) == []
+    assert checked(campaign).clipped == {"g02": sign * 900.0}
+
+
+def with_outliers(share, draw, one_sided=True):
+    def noise(rng, shape, load):
+        hit = rng.random(shape) < share
+        sign = 1.0 if one_sided else rng.choice([-1.0, 1.0], shape)
+        return SD * (rng.standard_normal(shape) + sign * hit * draw(rng, shape))
+
+    return noise
+
+
+OUTLIERS = {
+    "all alike": lambda rng, shape: np.full(shape, 10.0),
+    "exponential": lambda rng, shape: rng.exponential(5.0, shape),
+    "half normal": lambda rng, shape: 10.0 * np.abs(rng.standard_normal(shape)),
+}
+
+
+def z_of(noise, seed, check=True):
+    """Means less what the beam shows, in standard deviations of means of plain readings."""
+    campaign = measured(seed, noise=noise, mesh=0.0)
+    if check:
+        campaign = dataclasses.replace(campaign, readings=robust(campaign).readings)
+    return np.array([(c.mean - TWIN.predict({}, c.load_factor)) / (SD / np.sqrt(50)) for c in campaign.cells])
+
+
+@pytest.mark.parametrize("name", OUTLIERS)
+def test_means_withstand_outliers_to_one_side(name):
+    """Plain means are 0.7 to 1.4 standard deviations too high in every gauge."""
+    z = np.array([z_of(with_outliers(0.02, OUTLIERS[name]), seed) for seed in range(8)])
+    assert abs(z.mean()) < 0.15
+    assert z.std() < 1.08
+
+
+def test_means_of_normal_noise_are_plain_means():
+    z = [(z_of(None, seed), z_of(None, seed, check=False)) for seed in range(20)]
+    assert np.mean([np.square(a).mean() for a, _ in z]) <= 1.05 * np.mean([np.square(b).mean() for _, b in z])
+
+
+@pytest.mark.parametrize("shape_of", [16.0, 4.0, 2.0])
+def test_means_of_skewed_noise_are_not_moved(shape_of):
+    def noise(rng, shape, load):
+        return SD * (rng.gamma(shape_of, size=shape) - shape_of) / np.sqrt(shape_of)
+
+    z = np.array([z_of(noise, seed) for seed in range(8)])
+    assert abs(z.mean()) < 0.12
+
+
+def test_outliers_are_named_with_gauge_and_share():
+    def noise(rng, shape, load):
+        series = SD * rng.standard_normal(shape)
+        series[:, 3] += 12.0 * SD * (rng.random(shape[0]) < 0.05)
+        return series
+
+    found = checked(measured(5, noise=noise))
+    assert tuple(found.outliers) == ("g04",)
+    assert found.outliers["g04"] == pytest.approx(0.05, abs=0.04)
+    assert found.findings == ("outliers",)
+    assert "g04" in found.notes[-1]
+
+
+def test_outliers_accuse_no_sound_asset():
+    """Nine of nine sound assets were accused."""
+    noise = with_outliers(0.02, OUTLIERS["all alike"])
+    diagnosis = diagnose(measured(3, noise=noise), TWIN, commissioning=measured(1003, noise=noise))
+    assert "outliers" in diagnosis.noise.findings
+    assert diagnosis.is_sound
+
+
+@pytest.mark.parametrize("size", [3.0, -6.0, 20.0])
+@pytest.mark.parametrize("row", [20, 75, 120])
+def test_a_jump_is_named_with_its_gauge_and_row(size, row):
+    campaign = changed(lambda r: r.__setitem__((slice(row, None), 8), r[row:, 8] + size * SD))
+    (jump,) = checked(campaign).jumps
+    assert jump.gauge == "g09"
+    assert abs(jump.row - row) <= 2
+    assert jump.size == pytest.approx(size * SD, rel=0.35)
+
+
+def test_a_jump_accuses_no_sound_asset():
+    campaign = changed(lambda r: r.__setitem__((slice(75, None), 8), r[75:, 8] + 6.0 * SD))
+    diagnosis = diagnose(campaign, TWIN, commissioning=measured(1000))
+    assert "jump" in diagnosis.noise.findings
+    assert diagnosis.is_sound
+
+
+def test_slow_noise_is_no_jump():
+    def noise(rng, shape, load):
+        series = rng.standard_normal((shape[0] + 100, shape[1]))
+        for k in range(1, len(series)):
+            series[k] = 0.85 * series[k - 1] + np.sqrt(1.0 - 0.85**2) * series[k]
+        return SD * series[100:]
+
+    assert sum(len(jumps_in(measured(seed, noise=noise))) for seed in range(6)) <= 1
+
+
+def test_every_channel_stuck_is_refused():
+    campaign = measured(5)
+    campaign = dataclasses.replace(campaign, readings=np.repeat(campaign.readings[::50], 50, axis=0))
+    assert stuck_in(campaign) == []  # nothing says how much the channels scatter: refused where the noise is asked for
