@@ -4,7 +4,7 @@ All of them hold whatever the states of the asset are; what depends on the state
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from itertools import groupby
 
 import numpy as np
@@ -35,6 +35,10 @@ class Inputs:
     ----------
     campaign, twin, noise, discrepancy, candidates
         as named.
+    priors
+        of the candidates.
+    order
+        position in the twin's gauges of each of the campaign's.
     averages
         the campaign's repeats, averaged.
     reference
@@ -45,9 +49,6 @@ class Inputs:
         told at every stage of what is made of these inputs.
     odds
         how probable causes are before any reading.
-    Derived:
-        order: position in the twin's gauges of each of the campaign's.
-        priors: of the candidates.
     """
 
     campaign: Campaign
@@ -55,17 +56,13 @@ class Inputs:
     noise: Noise
     discrepancy: Discrepancy
     candidates: tuple[Candidate, ...]
+    priors: Priors
+    order: tuple[int, ...]
     averages: tuple[AveragedCell, ...]
     reference: Load
     groups: Groups
     progress: Progress = silent
     odds: Odds = Odds()  # noqa: RUF009  (frozen)
-    order: tuple[int, ...] = field(init=False)
-    priors: Priors = field(init=False)
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "order", tuple(self.twin.gauges.index(name) for name in self.campaign.gauges))
-        object.__setattr__(self, "priors", priors_of(self.candidates))
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -161,12 +158,15 @@ def prepare(
     reference = _reference(campaign, run, asked)
     known = commissioning if isinstance(commissioning, Discrepancy) else run
     discrepancy, of_discrepancy = _discrepancy(known, asked, noise, reference)
+    candidates = candidates_of(effects, asked, campaign.gauges, odds)
     inputs = Inputs(
         campaign=campaign,
         twin=asked,
         noise=noise,
         discrepancy=discrepancy,
-        candidates=candidates_of(effects, asked, campaign.gauges, odds),
+        candidates=candidates,
+        priors=priors_of(candidates),
+        order=tuple(asked.gauges.index(name) for name in campaign.gauges),
         averages=averages_of(campaign, any(getattr(effect, "uses_time", False) for effect in effects.values())),
         reference=reference,
         groups=_open_groups(campaign),

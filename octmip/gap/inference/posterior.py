@@ -24,7 +24,9 @@ from octmip.gap.inference.states import highest, starting_states
 SOUND_ENOUGH = 0.5
 """Probability that nothing is wrong, beyond which no stated state is doubted."""
 HOPELESS = 10.0
-"""Log units behind which another state of a test is no explanation, with at most one effect beside it."""
+"""Log units behind which another state of a test is no explanation."""
+OPEN = 0.2
+"""Probability of the unknown from which another state of a test is looked at beside an effect."""
 USUAL = 2.0
 """Level of differences between models from which "nothing is wrong" may hide a state that is not as stated."""
 
@@ -140,7 +142,7 @@ def attribute(inputs: Inputs) -> Posterior:
         same_state = float(1.0 / (1.0 + np.exp(np.clip(log_total(found[""]) - log_total(merged), -700, 700))))
         found[""] = merged if same_state > 0.5 else found[""]
     if _may_be_misstated(inputs, found[""]):
-        found |= _with_doubts(inputs, log_total(found[""]))
+        found |= _with_doubts(inputs, found[""])
     return _normalised(found, same_state)
 
 
@@ -153,19 +155,24 @@ def _may_be_misstated(inputs: Inputs, weighed: Sequence[Weighed]) -> bool:
     return is_sought and known and sound - log_total(weighed) < np.log(SOUND_ENOUGH)
 
 
-def _with_doubts(inputs: Inputs, log_stated: float) -> dict[str, list[Weighed]]:
+def _with_doubts(inputs: Inputs, weighed: Sequence[Weighed]) -> dict[str, list[Weighed]]:
     """Return what explains the readings where the stated state of one test is taken as unknown, by test.
 
-    Tests are left out whose other state, with nothing else wrong, is too far behind all that the stated states allow.
+    Tests are left out whose other state explains the readings too badly, beside all that the stated states allow: with
+    nothing else wrong, or beside one effect where no effect of the library explains them at the stated states.
     """
+    log_stated = log_total(weighed)
+    outside = log_total([w for w in weighed if w.has_unknown])
+    is_open = outside - log_stated > np.log(OPEN)
     tests = list(dict.fromkeys(cell.test for cell in inputs.campaign.cells if cell.is_known))
     prior = float(np.log(max(inputs.odds.misstated, 1e-300))) - float(np.log(max(len(tests), 1)))
     found = {}
     for test in tests:
         doubted = doubted_state(inputs, test)
         states = starting_states(doubted)
-        if promise(doubted, states[0]) + prior > log_stated - HOPELESS:
-            found[test] = [w.times(prior) for w in weighed_hypotheses(doubted, states[:1], is_quick=True)]
+        if promise(doubted, states[0], is_alone=not is_open) + prior > log_stated - HOPELESS:
+            others = weighed_hypotheses(doubted, states[:1], is_quick=True)
+            found[test] = [w.times(prior) for w in others]
     return found
 
 

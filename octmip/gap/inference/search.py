@@ -113,8 +113,14 @@ def _by_level(inputs: Inputs, states: Floats) -> list[tuple[float, float, float]
     return [(_best_single(Inference(at_level(model, at))) + log_share, at, log_share) for at, log_share in levels]
 
 
-def promise(inputs: Inputs, states: Floats) -> float:
-    """Return the log evidence of the best single candidate, or of none, about some states at the best level."""
+def promise(inputs: Inputs, states: Floats, *, is_alone: bool = False) -> float:
+    """Return the log evidence of the best single candidate, or of none, about some states at the best level.
+
+    With `is_alone` that of none.
+    """
+    if is_alone:
+        model = linearise(inputs, states)
+        return max(at_level(model, at).log_none + log_share for at, log_share in inputs.discrepancy.log_levels)
     return max(value for value, *_ in _by_level(inputs, states))
 
 
