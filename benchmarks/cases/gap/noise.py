@@ -28,8 +28,8 @@ OWN = 1.0 + 0.01 * (0.5 + np.random.default_rng(12345).standard_normal(N_GAUGES)
 """What each gauge of the asset shows of the twin's healthy strain."""
 SD = float(np.sqrt(1000.0))
 SLOW, FAST, FAR, STEP, JUMP = 0.022, 0.3, 10.0, 0.5, 6.0
-"""Steps of a slow and a fast walk, distance of outliers, height of steps up and down and of the one jump of one gauge, in
-standard deviations of a reading."""
+"""Steps of a slow and a fast walk, distance of outliers, height of steps up and down and of the one jump of one gauge,
+in standard deviations of a reading."""
 OUTLIERS, DWELL = 0.02, 40.0
 """Share of outliers, and readings between steps up and down."""
 
