@@ -41,7 +41,7 @@ def _seconds_of_running_children() -> float:
         for child in thread.read_text().split():
             try:
                 fields = Path(f"/proc/{child}/stat").read_text().rpartition(")")[2].split()
-            except FileNotFoundError:  # ended since
+            except (FileNotFoundError, ProcessLookupError):  # ended since
                 continue
             ticks += int(fields[11]) + int(fields[12])
     return ticks / os.sysconf("SC_CLK_TCK")

@@ -75,3 +75,5 @@ NOISES: Mapping[str, Scatter] = {
     "quantised": _white,
 }
 """By name; "quantised" is white noise that the recorder rounds."""
+GROWN: Mapping[str, float] = {f"AR(1) {rho:g}": (1.0 + rho) / (1.0 - rho) for rho in (0.3, 0.5, 0.7, 0.85)}
+"""Variance of a mean of many readings over that of white noise, where it is not one."""

@@ -29,7 +29,7 @@ from octmip.gap.location import Where, localise
 from octmip.gap.next_test import Proposal, next_tests
 from octmip.gap.odds import Odds
 from octmip.gap.progress import Progress, Stage, silent
-from octmip.gap.run_doubt import RunDoubt, doubt_of
+from octmip.gap.run_check import RunCheck, check_of
 from octmip.gap.shrinkage import Shrinkage, measure_shrinkage
 from octmip.gap.tree_nodes import flips
 from octmip.gap.twins.augmented import Addition, AugmentedTwin
@@ -203,10 +203,10 @@ def _diagnose(
     chosen = completed(effects if effects is not None else library_of(twin, campaign))
     asked = twin if isinstance(twin, CachedTwin) else CachedTwin(twin)
     inputs, notes = prepare(campaign, asked, chosen, commissioning, noise_sd, progress, odds)
-    doubt = RunDoubt()
+    checked = RunCheck()
     if isinstance(commissioning, Campaign):
-        doubt = doubt_of(commissioning, asked, chosen, inputs.discrepancy, noise_sd, odds)
-    if not doubt.is_usable:
+        checked = check_of(commissioning, asked, chosen, inputs.discrepancy, noise_sd, odds)
+    if not checked.is_usable:
         inputs, notes = prepare(campaign, asked, chosen, None, noise_sd, progress, odds)
     posterior = attribute(inputs)
     progress(Stage("how far the best cause closes the gap"))
@@ -226,9 +226,9 @@ def _diagnose(
         detectable=sizes,
         refused=_refused(which, model, sizes),
         states=_states(which[0].judged) if which else (),
-        notes=(*doubt.sentences, *campaign.notes, *notes),
+        notes=(*checked.sentences, *campaign.notes, *notes),
         posterior=posterior,
-        doubts=doubt.sentences,
+        doubts=checked.sentences,
     )
 
 

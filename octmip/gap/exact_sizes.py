@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from octmip.gap.inference.candidates import bounds_of
 from octmip.gap.inference.posterior import Judged
 from octmip.twin import Load
 
@@ -53,8 +54,7 @@ def exact_size(head: Judged, member: int, size: float) -> ExactSize:
     others = [(j, float(s)) for j, s in zip(own.members, own.size, strict=True) if j != member]
     moved = model.tangents @ model.open_states.moved_by(own.members, own.size)
     left = model.residual - moved - sum((s * model.signatures[:, j] for j, s in others), np.zeros(model.n))
-    low, high = getattr(effect, "bounds", (-np.inf, np.inf))
-    return _fitted(head, member, model.whiten(left), (float(low), float(high)), size)
+    return _fitted(head, member, model.whiten(left), bounds_of(effect), size)
 
 
 def _fitted(head: Judged, member: int, target: Floats, bounds: tuple[float, float], size: float) -> ExactSize:

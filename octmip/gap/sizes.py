@@ -72,10 +72,10 @@ def _parameter(head: Judged, member: int, size: float, same: Sequence[Judged]) -
     spread = WIDTH * float(np.sqrt(variance + (mean * relative) ** 2))
     low, high = min(size, mean - spread), max(size, mean + spread)
     exact = exact_size(head, member, size)
-    ends = (exact.size + exact.stretch * (end - size) for end in (low, high))
-    low, high = (float(end) for end in np.clip((*ends,), *bounds_of(effect)))
+    low, high = (exact.size + exact.stretch * (end - size) for end in (low, high))
+    size, low, high = (float(value) for value in np.clip((exact.size, low, high), *bounds_of(effect)))
     named = words_at(effect, head.model.inputs.twin, place)
-    return Parameter(effect.name, place, exact.size, low, high, effect.unit, effect.parameter, named)
+    return Parameter(effect.name, place, size, low, high, effect.unit, effect.parameter, named)
 
 
 def _mixture(head: Judged, member: int, same: Sequence[Judged]) -> tuple[float, float]:

@@ -64,6 +64,14 @@ def test_without_a_feature_that_varies_the_tree_is_a_leaf():
     assert (found.objective, found.bound, found.stop) == (2.0, 2.0, Stop.OPTIMAL)
 
 
+@pytest.mark.parametrize("seed", [89, 203])
+def test_a_master_that_the_primal_simplex_method_leaves_open_is_solved_anew(seed):
+    problem = random_problem(np.random.default_rng(seed), max_samples=8 + seed % 6, max_features=3)
+    found = solve_benders(problem)
+    assert found.stop is Stop.OPTIMAL
+    assert found.objective == pytest.approx(solve(problem, "exact").objective, rel=1e-12)
+
+
 def test_the_tree_is_the_same_for_any_number_of_threads():
     problem = mixed(60, 4, 3, 2, depth=2)
     one, three = solve_benders(problem), solve_benders(problem, n_jobs=3)

@@ -77,6 +77,8 @@ class Asset(ABC):
         how many places there are of effects that are expensive to compute; 0: not in this family.
     outside
         kinds of change that no library holds.
+    knows_every_state
+        whether it answers any state at once, and not only those of its tests.
     differs
         what another model of the wing differs by without a commissioning run, in common and per gauge: 1 %, or what
         was measured where that is more.
@@ -97,6 +99,7 @@ class Asset(ABC):
         "spar_skin_debond": 8,
     }
     outside: ClassVar[tuple[str, ...]] = ()
+    knows_every_state: ClassVar[bool] = False
     differs: ClassVar[tuple[float, float]] = (0.01, 0.01)
     gauges: tuple[str, ...]
     eta: FloatArray

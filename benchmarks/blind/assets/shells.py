@@ -96,6 +96,7 @@ class FemlibAsset(ShellAsset):
     """The wing on a finer mesh, its gauges reading (1 + own difference) times its strain."""
 
     family = "femlib, other mesh"
+    knows_every_state: ClassVar[bool] = True
     outside: ClassVar[tuple[str, ...]] = ("quadratic_gauges", "rib_field", "passing_sun")
 
     def __init__(self, seed: int, refinement: float = REFINEMENT) -> None:

@@ -6,8 +6,9 @@ import numpy as np
 
 from benchmarks.blind.answers import CauseRecord, Found, ParameterRecord
 from benchmarks.blind.assets.asset import Asset
-from benchmarks.blind.cases import Case
+from benchmarks.blind.cases import REPEATS, Case
 from benchmarks.blind.limit.selector import Selector, Told, held_change
+from benchmarks.blind.noises import GROWN, VARIANCE
 from benchmarks.blind.sealing import held_moment, mean_covariance
 from femlib.arrays import FloatArray
 
@@ -19,7 +20,9 @@ MOST = 6
 
 def limit(case: Case, asset: Asset, means: FloatArray, is_calibrated: bool) -> Found:
     """Return the selector's answer from the mean readings of a case (n_cells, n_gauges)."""
-    selector = Selector(case, asset, means, mean_covariance(case, asset, is_calibrated))
+    covariance = mean_covariance(case, asset, is_calibrated)
+    noise = VARIANCE / REPEATS * (GROWN.get(case.noise, 1.0) - 1.0)
+    selector = Selector(case, asset, means, covariance + noise * np.eye(len(covariance)))
     causes = _causes(selector)
     covered = np.cumsum([probability for _, _, probability in causes])
     n = int(np.searchsorted(covered, CREDIBLE)) + 1

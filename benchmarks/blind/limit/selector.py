@@ -56,6 +56,7 @@ class Selector:
         self.base = np.array([m.load * asset.strain(m.state) for m in self.cells])
         self.residual = self._white(means - self.base)
         self.candidates = singles(asset)
+        self.n_names = len({c.truth.name for c in self.candidates})
         self.columns = self._columns(self.candidates)
         alone = integrate(self.columns, self.residual)
         self.told = [Told((), (), float(np.log(KINDS["none"]))), *self._singles(alone), *self._pairs(alone)]
@@ -166,7 +167,7 @@ class Selector:
 
     def _of_pair(self, a: Candidate, b: Candidate) -> float:
         """Return the prior: two names of all, in either order."""
-        n = len({c.truth.name for c in self.candidates})
+        n = self.n_names
         return float(np.log(KINDS["pair"]) + a.log_prior + b.log_prior + np.log(2.0 * n / (n - 1)))
 
     def _outside(self) -> list[Told]:

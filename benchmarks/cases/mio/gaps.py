@@ -30,6 +30,7 @@ from octmip.solution import Limits, Progress, Solution, relative_gap
 
 GAPS = (0.1, 0.01, 0.0)
 COLOURS = {"printed": "tab:grey", "strengthened": "tab:orange", "Benders": "tab:blue", "exact": "tab:green"}
+WIDTHS = {"printed": 6.0, "strengthened": 3.5, "Benders": 1.5, "exact": 1.5}
 LINES: ProblemOptions = {"depth": 2, "split": "hyperplane", "split_size": 2}
 PROBLEMS: tuple[tuple[str, Callable[[], Table], ProblemOptions], ...] = (
     ("iris, depth 3", partial(uci, "iris"), {"depth": 3}),
@@ -126,7 +127,9 @@ def _draw(axes: Any, line: Line) -> None:
     times = [max(at, 0.01) for at, _, _ in line["trace"]] + [max(line["cpu_seconds"], 0.01)]
     bounds = [bound for _, _, bound in line["trace"]]
     colour = COLOURS[line["method"]]
-    axes.step([0.01, *times], [0.0, *bounds, bounds[-1]], where="post", color=colour, label=line["method"])
+    width = WIDTHS[line["method"]]  # lines that lie on each other are all seen
+    steps = [0.0, *bounds, bounds[-1]]
+    axes.step([0.01, *times], steps, where="post", color=colour, linewidth=width, label=line["method"])
     if line["bound"] >= line["objective"]:
         axes.plot(times[-1], bounds[-1], "o", color=colour)
 

@@ -8,7 +8,8 @@ chance `BROKEN` for each feature, Cauchy about m with scale `WIDE` s. With the s
 m, s and pi are fitted by expectation-maximisation: each test enters by its probability of being sound, so several
 wrong ones do not hide each other. It starts from the median, from the rig's lever, and from each test that has a few
 alike; the start with the largest posterior counts, so that wrong tests may be the majority as long as they do not
-agree with each other and with the physics. The physics is the prior of m: both ends act on one drum, so their gains
+agree with each other and with the physics. Readings that are wrong without any comparison (standing still, cut off,
+a copy) do not enter. The physics is the prior of m: both ends act on one drum, so their gains
 are equal (`SAME_DRUM`); a slack end reads about nothing, and little of the force is left (`SOUND`).
 Source: Box, Tiao (1968), "A Bayesian approach to some outlier problems", Biometrika 55.
 """
@@ -35,12 +36,12 @@ SHARE = (1.0, 4.0)
 """Beta prior of the share of wrong tests."""
 SAME_DRUM = 0.06
 """Sd of the log of the ratio of the two gains of a sound series."""
-LEVER = (2.0, 0.15)
-"""The rig's lever [kip/1000 lb] and the sd of its log; the many tests of another rig outweigh it."""
+LEVER = (2.0, 0.07, 60.0)
+"""The rig's lever [kip/1000 lb], the sd of its log, and the log odds of this rig in these units against any other."""
 SOUND: Mapping[str, tuple[float, float]] = {
     "zero": (0.0, 0.03),
-    "slack_a": (0.0, 0.03),
-    "slack_b": (0.0, 0.03),
+    "slack_a": (0.0, 0.02),
+    "slack_b": (0.0, 0.02),
     "drift_a": (0.0, 0.01),
     "drift_b": (0.0, 0.01),
     "unexplained": (-3.0, 0.7),
@@ -81,12 +82,13 @@ def accused(tests: Sequence[Recording], found: Shown | None = None) -> FloatArra
     """
     found = shown(tests) if found is None else found
     values = levelled(found.values, np.array([test.frequency for test in tests]), force_size(tests))
-    wrong = best_fit(values, found.spread).wrong.copy()
-    for k, test in enumerate(tests):
-        wrong[k] = max(wrong[k], certain(test, tests))
+    wrong = np.array([certain(test, tests) for test in tests])
     for one, other in copies(tests):
         worse = one if found.values[one, 7] > found.values[other, 7] else other
         wrong[worse] = max(wrong[worse], 0.98)
+    open_ones = np.flatnonzero(wrong == 0.0)
+    if len(open_ones):
+        wrong[open_ones] = best_fit(values[open_ones], found.spread[open_ones]).wrong
     return wrong
 
 
@@ -215,7 +217,8 @@ def moved(
 def physics(location: FloatArray) -> float:
     """Return the log prior of the location of sound tests."""
     gain_a, gain_b = location[:2].tolist()
-    z = [(gain_b - gain_a) / SAME_DRUM, ((gain_a + gain_b) / 2.0 - np.log(LEVER[0])) / LEVER[1]]
+    lever = ((gain_a + gain_b) / 2.0 - np.log(LEVER[0])) / LEVER[1]
+    z = [(gain_b - gain_a) / SAME_DRUM, min(abs(lever), np.sqrt(2.0 * LEVER[2]))]
     z += [(location[FEATURES.index(name)] - mean) / sd for name, (mean, sd) in SOUND.items()]
     return float(-0.5 * np.sum(np.square(z)))
 

@@ -38,6 +38,8 @@ SMALL = 0.33
 """Share of the scale of such a feature that comes from errors that do not grow with the force."""
 KEPT = 25.0
 """Scales of a slack level by which a nominal tension as large as the level may move it: a third of that tension."""
+ONE_END = 2.0
+"""Factor on all scales where one end was not recorded: half of the balance is then missing."""
 TURNED = 0.1
 """Share of positive gains below which the whole series names its ends the other way round: no fault of a test."""
 
@@ -93,6 +95,8 @@ def spreads(tests: Sequence[Recording], level: float) -> FloatArray:
         kept = np.hypot(1.0, KEPT * np.abs(nominal - np.median(nominal)) / level)
         for name in ("zero", "slack_a", "slack_b"):
             wider[:, FEATURES.index(name)] = kept
+    silent = [not np.isfinite(test.tension).any(axis=1).all() for test in tests]
+    wider[silent] *= ONE_END
     return wider
 
 

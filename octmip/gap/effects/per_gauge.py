@@ -271,7 +271,7 @@ def offsets_of(unit: str, typical: float, is_only: bool) -> tuple[PerGauge, PerG
         units=(unit,),
         prior_sd=OFFSET_SHARE * scale,
         prior_source=f"{100 * OFFSET_SHARE:g} % of the typical reading",
-        words="offset of one channel",
+        words="offset of one channel" if is_only else f"offset of one channel in {unit}",
         words_at="offset of {place}",
         action="set {place} to zero again",
     )
@@ -282,7 +282,7 @@ def offsets_of(unit: str, typical: float, is_only: bool) -> tuple[PerGauge, PerG
         units=(unit,),
         prior_sd=DRIFT_SHARE * scale,
         prior_source=f"{100 * DRIFT_SHARE:g} % of the typical reading in an hour",
-        words="drift of one channel",
+        words="drift of one channel" if is_only else f"drift of one channel in {unit}",
         words_at="drift of {place}",
         action="find out why {place} drifts",
     )

@@ -187,7 +187,7 @@ def _discrepancy(
         return calibrated(known, twin, of_run, reference), notes
     return uncalibrated(twin, noise.gauges, reference), [
         "No commissioning run: twin and asset may differ by about 1 % in common and 1 % per gauge before any effect; "
-        "effects that scale all strains by less than about 1.5 % are invisible."
+        "effects that scale all readings by less than about 1.5 % are invisible."
     ]
 
 

@@ -185,7 +185,7 @@ def _first_name(diagnosis: Diagnosis) -> str:
 
 
 def _cell_name(cells: tuple[MeasuredCell, ...], cell: MeasuredCell) -> str:
-    load = shown(cell.load_words)
+    load = shown(cell.load_words) if cell.load_words else ""
     if len({c.test for c in cells}) == 1:
         return _capital(load) or shown(cell.test)
     return f"{shown(cell.test)}, {load}" if load else shown(cell.test)

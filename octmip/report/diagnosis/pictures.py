@@ -139,7 +139,7 @@ def gauge_panel(cells: Sequence[MeasuredCell], gauge: int, name: str, has_repair
     ]
     parts.append(f'<line x1="44" x2="{SMALL - 8}" y1="{y(0.0):.1f}" y2="{y(0.0):.1f}" class="grid"/>')
     parts += [_text(x(load), TALL - 20, f"{load:g}", "middle") for load in _few(loads)]
-    parts.append(_text(x((loads[0] + loads[-1]) / 2), TALL - 4, axis_words(cells), "middle"))
+    parts.append(_text((44 + SMALL - 16) / 2, TALL - 4, axis_words(cells), "middle"))
     parts += [_course(seen, at, gauge, x, y, kind) for kind in kinds]
     parts += [_measured_dot(cell, at[id(cell)], gauge, x, y) for cell in seen]
     return "".join([*parts, "</svg>"])

@@ -57,6 +57,7 @@ class BeamAsset(Asset):
     }
     outside: ClassVar[tuple[str, ...]] = ("buckled_panel", "tip_cable", "moist_skin")
 
+    knows_every_state: ClassVar[bool] = True
     differs: ClassVar[tuple[float, float]] = (0.01, 0.014)
 
     def __init__(self, seed: int, n_stations: int = N_STATIONS) -> None:
@@ -119,7 +120,7 @@ class BeamAsset(Asset):
         along = self.strips.eta * self.span
         slope = np.gradient(load * self._answers((0.0, 0.0)).moved[:, -2], along)
         inward = np.concatenate([[0.0], np.cumsum(0.5 * (np.cos(slope[1:]) + np.cos(slope[:-1])) * np.diff(along))])
-        force = own_lift(self.card, self.strips.eta)
+        force = self.kept("own lift", lambda: own_lift(self.card, self.strips.eta))
         straight, bent = (
             np.maximum(place - np.interp(self.eta, self.strips.eta, place)[:, None], 0.0) @ force
             for place in (along, inward)

@@ -1,4 +1,4 @@
-"""Doubt of a commissioning run: the asset may not have been sound, or not as it is today, when it was read.
+"""The check of a commissioning run: the asset may not have been sound, or not as it is today, when it was read.
 
 A calibration hides whatever was wrong on its day, and accuses the sound asset of the opposite. Two things show it: the
 run does not grow with the load as the twin does (a temperature, a bias), or it differs from the twin by more than two
@@ -28,7 +28,7 @@ LIKELY = 0.5
 
 
 @dataclass(frozen=True, slots=True)
-class RunDoubt:
+class RunCheck:
     """What speaks against a commissioning run.
 
     Attributes
@@ -43,28 +43,28 @@ class RunDoubt:
     is_usable: bool = True
 
 
-def doubt_of(
+def check_of(
     run: Campaign,
     twin: CachedTwin,
     effects: Mapping[str, Effect],
     known: Discrepancy,
     noise_sd: float | Mapping[str, float] | None,
     odds: Odds,
-) -> RunDoubt:
+) -> RunCheck:
     """Return what speaks against a commissioning run that left the discrepancy `known`."""
     if known.p_value >= UNEVEN and known.own_level < UNUSUAL:
-        return RunDoubt()
+        return RunCheck()
     inputs, _ = prepare(run, twin, effects, None, noise_sd, odds=odds)
     posterior = attribute(inputs)
     misstated = sum(h.probability for h in posterior.judged if h.doubted)
     first = causes_of(posterior)[0]
     if misstated > LIKELY and MISSTATED in first.effects:
-        return RunDoubt((f"{_LEAD}: its readings are those of {_state_of(first)}; it is left out.",), False)
+        return RunCheck((f"{_LEAD}: its readings are those of {_state_of(first)}; it is left out.",), False)
     if known.own_level > TOO_FAR:
-        return RunDoubt((f"{_LEAD}: it differs from the twin by more than two models do; it is left out.",), False)
+        return RunCheck((f"{_LEAD}: it differs from the twin by more than two models do; it is left out.",), False)
     if known.p_value < UNEVEN and first.effects and first.probability > LIKELY:
-        return RunDoubt((f"{_LEAD}: it does not grow with the load as the twin does ({_called(first)}).",))
-    return RunDoubt()
+        return RunCheck((f"{_LEAD}: it does not grow with the load as the twin does ({_called(first)}).",))
+    return RunCheck()
 
 
 _LEAD = "The commissioning run is doubtful"
