@@ -186,8 +186,8 @@ def _discrepancy(
         of_run, notes = noise_of_run(known, noise)
         return calibrated(known, twin, of_run, reference), notes
     return uncalibrated(twin, noise.gauges, reference), [
-        "No commissioning run: twin and asset may differ by about 1 % in common and 1 % per gauge before any effect; "
-        "effects that scale all readings by less than about 1.5 % are invisible."
+        "No commissioning run: twin and asset may differ by 1 % and more in common and per gauge before any effect; "
+        "effects that scale all readings by less than about 3 % are invisible."
     ]
 
 
