@@ -1,10 +1,8 @@
 """A time series reduced to readings by a stated rule, each repeat of the rule a row.
 
-| rule | a row is | a reading is |
-|---|---|---|
-| `phase_means` | one cycle | the mean of the signal over one of n equal parts of the cycle |
-| `amplitudes` | one block | the amplitude at one frequency: a sine, a cosine and a mean by least squares |
-| `modes` | one block | frequency, then damping ratio, of one peak of the spectrum |
+* ``phase_means``: a row is one cycle, a reading the mean of the signal over one of n equal parts of the cycle.
+* ``amplitudes``: a row is one block, a reading the amplitude at one frequency, by least squares beside a mean.
+* ``modes``: a row is one block, the readings are frequency and damping ratio of peaks of the spectrum.
 
 The scatter of the rows is the noise of the readings, so blocks should be longer than what correlates them: a cycle is,
 as a rule, and a block of some hundred periods of a lightly damped mode.

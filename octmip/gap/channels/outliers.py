@@ -140,8 +140,11 @@ def _scale(values: Floats, cell_of: NDArray[np.int64]) -> Floats:
     centre, sd = _start(values, cell_of)
     distance = np.abs(values - centre[cell_of]) / sd
     of_cell = [_nanmedian(distance[cell_of == k].reshape(-1, 1))[0] for k in range(len(centre))]
-    factor = np.array(of_cell) / np.nanmedian(of_cell)
-    return np.where(np.isfinite(factor) & (factor > 0.0), factor, 1.0)[cell_of]
+    seen = np.array(of_cell)
+    seen = np.where(np.isfinite(seen) & (seen > 0.0), seen, np.nan)
+    if np.isnan(seen).all():  # one reading a cell, or sd of nothing: no cell is known to scatter more
+        return np.ones(len(values))
+    return np.where(np.isnan(seen), 1.0, seen / np.nanmedian(seen))[cell_of]
 
 
 def _start(values: Floats, cell_of: NDArray[np.int64]) -> tuple[Floats, Floats]:
