@@ -13,8 +13,8 @@ def test_every_campaign_can_be_made():
 
 
 def test_speed_lines_name_what_was_found_and_make_a_table():
-    lines = list(gap_speed.measured(0.25, gap_speed.CAMPAIGNS[1:4:2], again=1))
-    assert [line["state"] for line in lines] == ["known", "unknown"]
-    assert [line["found"] for line in lines] == ["temperature_gradient", "none"]
+    lines = list(gap_speed.measured(0.25, gap_speed.CAMPAIGNS[1:2], again=1))
+    assert [line["state"] for line in lines] == ["known"]
+    assert [line["found"] for line in lines] == ["temperature_gradient"]
     assert all(line["first_cpu_seconds"] > line["again_cpu_seconds"] > 0.0 for line in lines)
     assert "| known | temperature_gradient 6 | temperature_gradient |" in gap_speed.summary(lines)
