@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure as Drawing
 
 from benchmarks.blind.figure import Figure, calibration
-from benchmarks.blind.score import Pair, d_prime, top
+from benchmarks.blind.score import Pair, least_part, top
 
 BANDS: Mapping[str, tuple[float, float]] = {"1 to 3": (1.0, 3.0), "3 to 5": (3.0, 5.0), "above 5": (5.0, np.inf)}
 MUST: Mapping[str, tuple[float, float] | None] = {"1 to 3": None, "3 to 5": (-np.inf, 0.05), "above 5": (-np.inf, 0.05)}
@@ -18,10 +18,10 @@ TOLD = ("single", "pair", "outside")
 
 
 def in_band(cases: Sequence[Pair], band: str) -> list[Pair]:
-    """Return the cases in which something acts whose d' lies in a band."""
+    """Return the cases in which something acts, the d' of its faintest part in a band."""
     low, high = BANDS[band]
     acting = [(f, a) for f, a in cases if a["case"]["stratum"].startswith(TOLD)]
-    return [(f, a) for f, a in acting if low <= d_prime(f, a) < high]
+    return [(f, a) for f, a in acting if low <= least_part(f, a) < high]
 
 
 def errors(cases: Sequence[Pair]) -> list[Figure]:

@@ -91,8 +91,10 @@ def d_prime(found: Found, answer: Key) -> float:
 
 
 def least_part(found: Found, answer: Key) -> float:
-    """Return how far the weaker effect stands from what the other can imitate."""
-    return min(answer["d_prime_of_parts"]["calibrated" if found["calibrated"] else "bare"])
+    """Return how far the weakest effect stands from what the other can imitate, of what is outside from the library."""
+    kind = "calibrated" if found["calibrated"] else "bare"
+    parts = answer["d_prime_of_parts"][kind]
+    return min([*parts, *([answer["from_library"][kind]] if "from_library" in answer else [])])
 
 
 def is_standard(answer: Key) -> bool:
@@ -172,12 +174,20 @@ def _channel_named(found: Found, answer: Key) -> bool:
 
 def _beliefs(by: ByStratum, clear: Sequence[Pair]) -> list[Figure]:
     outside = [f["unknown_probability"] for f, a in by["outside"] if d_prime(f, a) > SEEN]
+    apart = [(f, a) for f, a in by["outside"] if least_part(f, a) >= CLEAR]
     usual = [f["unknown_probability"] for s in ("none", "single", "pair") for f, _ in by[s]]
     told = [(f, a) for s in PRIOR for f, a in by[s]]
     stated = [f["which"][0]["probability"] for f, _ in told]
-    seen = [d_prime(f, a) >= SEEN or not names_of(a) for f, a in told]
+    seen = [not names_of(a) or least_part(f, a) >= SEEN for f, a in told]
     return [
         area("outside the library, AUROC (d' > 3)", outside, usual, (0.95, INFINITY)),
+        area(
+            "these, d' >= 5 from every effect of the library",
+            [f["unknown_probability"] for f, _ in apart],
+            usual,
+            (0.95, INFINITY),
+        ),
+        share("these, called unexplained", ["unknown" in f["which"][0]["effects"] for f, _ in apart], (0.90, INFINITY)),
         statistic(
             "mean probability on the true group, d' >= 5",
             [right_probability(f, names_of(a)) for f, a in clear],

@@ -27,6 +27,7 @@ from benchmarks.blind.cases import (
     write_campaign,
     write_run,
 )
+from benchmarks.blind.limit.candidates import singles
 from benchmarks.blind.noises import VARIANCE
 from benchmarks.blind.truths import Extra, Truth
 from femlib.arrays import FloatArray
@@ -43,7 +44,8 @@ class Facts(TypedDict):
     """Facts of a case that the scorer needs besides the case itself.
 
     `d_prime` (of all truths) and `d_prime_of_parts` (of each) are by "calibrated" and "bare", with and without a
-    commissioning run; the others are (n_gauges,), `entries` by test and load.
+    commissioning run; so is `from_library`, of what no library holds: what the best multiple of the most alike effect
+    of the library leaves. The others are (n_gauges,), `entries` by test and load.
     """
 
     d_prime: dict[str, float]
@@ -52,6 +54,7 @@ class Facts(TypedDict):
     entries: dict[str, list[float]]
     strain: list[float]
     gauges: list[str]
+    from_library: NotRequired[dict[str, float]]
 
 
 class TruthRecord(TypedDict):
@@ -138,7 +141,7 @@ def facts(case: Case, asset: Asset) -> Facts:
     beside: Sequence[FloatArray | None] = parts[::-1] if len(parts) == 2 else [None] * len(parts)
     held = held_moment(case)
     names = [f"T{number} at load factor {load:g}" for number, _, load in case.cells]
-    return {
+    found: Facts = {
         "d_prime": {key: distance(moved, case, asset, key == "calibrated") for key in ("calibrated", "bare")},
         "d_prime_of_parts": {
             key: [distance(p, case, asset, key == "calibrated", q) for p, q in zip(parts, beside, strict=True)]
@@ -149,6 +152,23 @@ def facts(case: Case, asset: Asset) -> Facts:
         "strain": asset.strain(case.states[0]).tolist(),
         "gauges": list(asset.gauges),
     }
+    if case.stratum == "outside":
+        found["from_library"] = from_library(moved, case, asset)
+    return found
+
+
+def from_library(moved: FloatArray, case: Case, asset: Asset) -> dict[str, float]:
+    """Return how far a change (n_cells, n_gauges) stands from all that a single effect of the library can make."""
+    alike = [_moved((candidate.truth,), asset, moments(case)).ravel() for candidate in singles(asset)]
+    columns = np.column_stack([moved.ravel(), *alike])
+    found = {}
+    for kind in ("calibrated", "bare"):
+        root = np.linalg.cholesky(mean_covariance(case, asset, kind == "calibrated"))
+        own, *others = np.linalg.solve(root, columns).T
+        across, length = np.array(others) @ own, np.sum(np.array(others) ** 2, axis=1)
+        most = float(np.max(across**2 / np.maximum(length, 1e-300)))
+        found[kind] = float(np.sqrt(max(0.0, float(own @ own) - most)))
+    return found
 
 
 def held_moment(case: Case) -> Moment:

@@ -15,7 +15,7 @@ import numpy as np
 
 from octmip.gap.effects.words import words_at
 from octmip.gap.inference.candidates import SCALES
-from octmip.gap.inference.confounding import SEPARABLE, confounded_with, confounders, visibility
+from octmip.gap.inference.confounding import SEPARABLE, confounded_with, confounders
 from octmip.gap.inference.evidence import Members
 from octmip.gap.inference.posterior import Judged, Posterior, fit_together
 from octmip.gap.inference.signature_error import neighbours
@@ -245,9 +245,8 @@ def _is_same(head: Judged, parts: Sequence[set[int]], other: Judged) -> bool:
 
 
 def _cause(head: Judged, same: Sequence[Judged]) -> Cause:
-    own = head.fit
     probability = float(sum(h.probability for h in same))
-    d_prime = tuple(visibility(head.allowing, own, j) for j in head.members)
+    d_prime = tuple(head.inference.visibilities(head.members).tolist())
     seen = [j for j, d in zip(head.members, d_prime, strict=True) if d >= SEPARABLE]
     is_identifiable = len(seen) == len(head.members)
     if head.has_unknown and (not is_identifiable or head.probability < 0.5 * probability):  # nothing else stands out

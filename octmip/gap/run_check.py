@@ -55,7 +55,7 @@ def check_of(
     if known.p_value >= UNEVEN and known.own_level < UNUSUAL:
         return RunCheck()
     inputs, _ = prepare(run, twin, effects, None, noise_sd, odds=odds)
-    posterior = attribute(inputs)
+    posterior = attribute(inputs, is_quick=True)
     misstated = sum(h.probability for h in posterior.judged if h.doubted)
     first = causes_of(posterior)[0]
     if misstated > LIKELY and MISSTATED in first.effects:

@@ -111,6 +111,6 @@ def effect(response: Response) -> WingEffect:
         response=response,
         force=force,
         is_one_sided=True,
-        signature_error=0.15,
+        signature_error=0.3,
         powers=Powers(response),
     )

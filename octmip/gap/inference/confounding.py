@@ -79,13 +79,6 @@ def confounded_with(model: LinearModel, own: Fit, member: int) -> set[int]:
     return {int(j) for j in np.flatnonzero(d_prime < SEPARABLE)}
 
 
-def visibility(model: LinearModel, own: Fit, member: int) -> float:
-    """Return d' of a fitted member from its own absence."""
-    size = float(own.size[own.members.index(member)])
-    _, diagonal = conditional_gram(model, tuple(j for j in own.members if j != member), member)
-    return abs(size) * float(np.sqrt(diagonal[member]))
-
-
 def _from_member(model: LinearModel, own: Fit, member: int) -> tuple[Floats, Floats]:
     """Return d' (n_candidates,) of every candidate from a fitted member, and the size that each needs for it."""
     size = float(own.size[own.members.index(member)])

@@ -52,6 +52,10 @@ FLOOR = 0.003
 """Sd of the part of each gauge over the rms of its unit's readings: gauges of little strain differ by more."""
 DAMAGE = 0.04
 """Relative sd of the change that damage makes: on meshes of 30k degrees of freedom it is known to some per cent."""
+WIDE = 4.0
+"""Factor on the relative errors of a gauge that two models place in fields of unlike slope: a tail, not a level."""
+WIDE_SHARE = 0.05
+"""Share of such gauges. Three pairs of models of one wing have 1 of 20 each (docs/gap/sealed.md)."""
 UNEVEN = 1e-3
 """Chance below which a run is taken as not proportional to the load."""
 HALF = 0.5
@@ -72,10 +76,14 @@ class Discrepancy:
         (n_gauges, n_gauges) in their squares.
     scale
         (n_gauges,) root mean square healthy prediction at the reference load over the readings of each one's unit.
+    healthy
+        (n_gauges,) the twin's healthy prediction at the reference load.
     damage
         relative sd of the change that damage makes.
     level
         factor on relative differences that these numbers hold for.
+    wide
+        gauges whose own relative errors are `WIDE` times as large, as positions.
     log_levels
         levels that are possible, each with the log of its probability.
     is_calibrated
@@ -89,18 +97,37 @@ class Discrepancy:
     mean: Floats
     covariance: Floats
     scale: Floats
+    healthy: Floats
     damage: float
     level: float
     log_levels: tuple[tuple[float, float], ...]
     is_calibrated: bool
     p_value: float = 1.0
     own_level: float = 1.0
+    wide: tuple[int, ...] = ()
 
-    def at(self, level: float) -> "Discrepancy":
-        """Return the difference at another level; what a commissioning run has measured stays."""
-        grown = (level / self.level) ** 2
-        covariance = self.covariance if self.is_calibrated else grown * self.covariance
-        return replace(self, covariance=covariance, damage=DAMAGE * level, level=level)
+    @property
+    def typical_level(self) -> float:
+        """Root mean square of the levels that are possible."""
+        return float(np.sqrt(sum(level**2 * np.exp(log_share) for level, log_share in self.log_levels)))
+
+    def at(self, level: float, wide: tuple[int, ...] = ()) -> "Discrepancy":
+        """Return the difference at another level, with other wide gauges; what a commissioning run measured stays."""
+        if self.is_calibrated:
+            return replace(self, damage=DAMAGE * level, level=level, wide=wide)
+        own = np.diag(self._own_tails(wide) - self._own_tails(self.wide))
+        covariance = (level / self.level) ** 2 * (self.covariance + self.level**2 * own)
+        return replace(self, covariance=covariance, damage=DAMAGE * level, level=level, wide=wide)
+
+    def _own_tails(self, wide: tuple[int, ...]) -> Floats:
+        """Return what wide gauges add to their variances (n_gauges,) at level 1."""
+        tails = np.zeros(len(self.healthy))
+        tails[list(wide)] = (WIDE * OWN * self.healthy[list(wide)]) ** 2
+        return tails
+
+    def damage_tails(self, gauge: NDArray[np.int64]) -> Floats:
+        """Return the relative sd (n,) that what damage changes at some gauges has beyond `damage`: 0 where not wide."""
+        return np.asarray(np.where(np.isin(gauge, self.wide), WIDE * self.damage, 0.0))
 
     def share(self, healthy: Floats, reference: Floats) -> float:
         """Return phi: the signed size of a healthy prediction relative to the one at the reference load."""
@@ -114,7 +141,7 @@ def uncalibrated(twin: CachedTwin, gauges: Sequence[str], load: Load) -> Discrep
     prior = tuple(zip(LEVELS, np.log(LEVEL_PRIOR).tolist(), strict=True))
     scale = scale_of(twin, gauges, load)
     unit = _unit_covariance(twin, gauges, healthy, scale)
-    return Discrepancy(np.zeros(len(healthy)), unit, scale, DAMAGE, 1.0, prior, False)
+    return Discrepancy(np.zeros(len(healthy)), unit, scale, healthy, DAMAGE, 1.0, prior, False)
 
 
 def calibrated(run: Campaign, twin: CachedTwin, noise: Noise, load: Load) -> Discrepancy:

@@ -36,10 +36,10 @@ class Hypothesis:
 def log_prior(inputs: Inputs, members: Members) -> float:
     """Return the log prior probability of a set of candidates."""
     shares = float(inputs.priors.log_weight[list(members)].sum())
-    return _log_count(inputs, len(members)) + shares
+    return log_count(inputs, len(members)) + shares
 
 
-def _log_count(inputs: Inputs, k: int) -> float:
+def log_count(inputs: Inputs, k: int) -> float:
     """Return the log prior probability of each set of k effects."""
     return log(max(inputs.odds.count[k], 1e-300)) - log(max(comb(inputs.priors.n_effects, k), 1))
 
@@ -74,7 +74,7 @@ def _extended(inference: Inference, members: Members) -> dict[Members, float]:
     if members:
         keep = keep[np.argsort(-logs[keep], kind="stable")[: 2 * BEAM[0]]]
     shares = prior.log_weight
-    weights = logs[keep] + shares[keep] + shares[list(members)].sum() + _log_count(inputs, len(members) + 1)
+    weights = logs[keep] + shares[keep] + shares[list(members)].sum() + log_count(inputs, len(members) + 1)
     joined = [tuple(sorted((*members, j))) for j in keep.tolist()]
     return dict(zip(joined, weights.tolist(), strict=True))
 

@@ -95,17 +95,27 @@ class Inference:
         return self._allowing[members]
 
     def visibilities(self, members: Members) -> Floats:
-        """Return d' (n_members,) of each member from its own absence, the others refitted, under the set's errors."""
-        judged = self.judge([members])[0]
-        gram = reduced(self.model, members, judged.root).gram
+        """Return d' (n_members,) of each member from its own absence, the others refitted, under the others' errors.
+
+        A member's own errors grow with its size and vanish with it: they blur how large it is, not whether it acts.
+        """
+        size = self.judge([members])[0].fit.size
         precision = np.diag((3.0 * self.model.inputs.priors.sd[list(members)]) ** -2)
         left = []
         for k in range(len(members)):
             others = np.arange(len(members)) != k
+            gram = reduced(self.model, members, self._root_of_others(members, size, k)).gram
             cross = gram[others, k]
             within = (gram + precision)[np.ix_(others, others)]
             left.append(gram[k, k] - cross @ np.linalg.solve(within, cross))
-        return np.asarray(np.abs(judged.fit.size) * np.sqrt(np.maximum(left, 0.0)))
+        return np.asarray(np.abs(size) * np.sqrt(np.maximum(left, 0.0)))
+
+    def _root_of_others(self, members: Members, size: Floats, without: int) -> Floats:
+        """Return the errors (n, r) of all members but one, given by position, at their sizes."""
+        kept = [k for k in range(len(members)) if k != without]
+        errors = [self._error(members[k]) for k in kept]
+        root = root_of(self.model, tuple(members[k] for k in kept), size[kept], errors)
+        return np.zeros((self.model.n, 0)) if root is None else root
 
     def identifiable(self, members: Members) -> Members:
         """Return the members that stand d' = 3 above the noise, the faintest removed one at a time."""

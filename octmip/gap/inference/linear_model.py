@@ -19,6 +19,7 @@ import numpy as np
 import scipy.linalg as linalg
 from numpy.typing import NDArray
 
+from octmip.gap.inference.discrepancy import OWN, WIDE
 from octmip.gap.inference.inputs import Inputs
 from octmip.gap.inference.signatures import signatures_of
 from octmip.twin import Load
@@ -219,9 +220,9 @@ def linearise(inputs: Inputs, states: Floats) -> LinearModel:
     )
 
 
-def at_level(model: LinearModel, level: float) -> LinearModel:
-    """Return the model at another level of differences between models: only its covariance is another."""
-    inputs = replace(model.inputs, discrepancy=model.inputs.discrepancy.at(level))
+def at_level(model: LinearModel, level: float, wide: tuple[int, ...] = ()) -> LinearModel:
+    """Return the model at another level of differences between models, some gauges wide: another covariance."""
+    inputs = replace(model.inputs, discrepancy=model.inputs.discrepancy.at(level, wide))
     rows = (model.average, model.gauge)
     covariance = _covariance(inputs, model.states, rows, model.share, model.change, model.tangents)
     if np.array_equal(covariance, model.covariance):
@@ -236,6 +237,16 @@ def at_level(model: LinearModel, level: float) -> LinearModel:
         whitened=whitened,
         open_states=open_states_of(open_, whitened),
     )
+
+
+def tail_of(model: LinearModel, gauge: int) -> Floats:
+    """Return a whitened root (n, r) of what the covariance gains where a gauge is wide, or nearly so: one state's."""
+    known = model.inputs.discrepancy
+    here = model.gauge == gauge
+    columns = [np.where(here, WIDE * known.damage * model.change, 0.0)]
+    if not known.is_calibrated:
+        columns.append(np.where(here, WIDE * OWN * known.level * known.healthy[gauge] * model.share, 0.0))
+    return model.whiten(np.column_stack(columns))
 
 
 def open_states_of(open_: Floats, whitened: Whitened) -> OpenStates:
@@ -298,19 +309,22 @@ def _covariance(
     covariance = inputs.noise.of_averages(inputs.averages, inputs.loads, average, gauge)
     covariance += np.outer(share, share) * inputs.discrepancy.covariance[np.ix_(gauge, gauge)]
     cell = np.array([part.cell for part in inputs.averages])[average]
-    covariance += _damage_nugget(inputs.discrepancy.damage * change, gauge, states[cell])
+    tails = inputs.discrepancy.damage_tails(gauge)
+    covariance += _damage_nugget(inputs.discrepancy.damage * change, tails * change, gauge, states[cell])
     covariance += OPEN_STATE**2 * tangents @ tangents.T
     return covariance
 
 
-def _damage_nugget(sd: Floats, gauge: NDArray[np.int64], states: Floats) -> Floats:
+def _damage_nugget(sd: Floats, tails: Floats, gauge: NDArray[np.int64], states: Floats) -> Floats:
     """Return the covariance of errors of these sd (n,) in what damage changes: in common, per gauge, partly per state.
 
-    The states (n, n_parameters) are those of the rows; a `sd` has the sign of the change.
+    The states (n, n_parameters) are those of the rows; a `sd` has the sign of the change. `tails` (n,) are the sd of
+    wide gauges' own part.
     """
     same_state = (states[:, None, :] == states[None, :, :]).all(axis=2)
     shared = OWN_STATE**2 + (1.0 - OWN_STATE**2) * same_state
-    return np.asarray(np.outer(sd, sd) * alike_gauges(gauge) * shared)
+    own = np.outer(tails, tails) * (gauge[:, None] == gauge[None, :])
+    return np.asarray((np.outer(sd, sd) * alike_gauges(gauge) + own) * shared)
 
 
 def alike_gauges(gauge: NDArray[np.int64]) -> Floats:

@@ -18,7 +18,7 @@ from octmip.gap.inference.evidence import Fit, Members
 from octmip.gap.inference.inference import Inference
 from octmip.gap.inference.inputs import Inputs, doubted_state, one_state
 from octmip.gap.inference.linear_model import LinearModel
-from octmip.gap.inference.search import Weighed, log_total, promise, weighed_hypotheses
+from octmip.gap.inference.search import Weighed, log_total, nothing_else, promise, weighed_hypotheses
 from octmip.gap.inference.states import highest, starting_states
 
 SOUND_ENOUGH = 0.5
@@ -132,9 +132,9 @@ Key = tuple[Members, bool, str]
 """What a hypothesis says: its candidates, whether the unknown acts, the test whose state it doubts."""
 
 
-def attribute(inputs: Inputs) -> Posterior:
-    """Return the posterior over sets of effects."""
-    found = {"": weighed_hypotheses(inputs, starting_states(inputs))}
+def attribute(inputs: Inputs, *, is_quick: bool = False) -> Posterior:
+    """Return the posterior over sets of effects; a quick one under the best difference between models only."""
+    found = {"": weighed_hypotheses(inputs, starting_states(inputs), is_quick=is_quick)}
     together = one_state(inputs)
     same_state = None
     if together is not None:
@@ -142,7 +142,7 @@ def attribute(inputs: Inputs) -> Posterior:
         same_state = float(1.0 / (1.0 + np.exp(np.clip(log_total(found[""]) - log_total(merged), -700, 700))))
         found[""] = merged if same_state > 0.5 else found[""]
     if _may_be_misstated(inputs, found[""]):
-        found |= _with_doubts(inputs, found[""])
+        found |= _with_doubts(inputs, found[""], is_quick=is_quick)
     return _normalised(found, same_state)
 
 
@@ -155,11 +155,12 @@ def _may_be_misstated(inputs: Inputs, weighed: Sequence[Weighed]) -> bool:
     return is_sought and known and sound - log_total(weighed) < np.log(SOUND_ENOUGH)
 
 
-def _with_doubts(inputs: Inputs, weighed: Sequence[Weighed]) -> dict[str, list[Weighed]]:
+def _with_doubts(inputs: Inputs, weighed: Sequence[Weighed], *, is_quick: bool) -> dict[str, list[Weighed]]:
     """Return what explains the readings where the stated state of one test is taken as unknown, by test.
 
     Tests are left out whose other state explains the readings too badly, beside all that the stated states allow: with
-    nothing else wrong, or beside one effect where no effect of the library explains them at the stated states.
+    nothing else wrong, or beside one effect where no effect of the library explains them at the stated states. A quick
+    look is at the other state with nothing else wrong.
     """
     log_stated = log_total(weighed)
     outside = log_total([w for w in weighed if w.has_unknown])
@@ -170,7 +171,12 @@ def _with_doubts(inputs: Inputs, weighed: Sequence[Weighed]) -> dict[str, list[W
     for test in tests:
         doubted = doubted_state(inputs, test)
         states = starting_states(doubted)
-        if promise(doubted, states[0], is_alone=not is_open) + prior > log_stated - HOPELESS:
+        alone = nothing_else(doubted, states[0])
+        if is_quick:
+            found[test] = [alone.times(prior)]
+            continue
+        value = promise(doubted, states[0]) if is_open else alone.log_weight
+        if value + prior > log_stated - HOPELESS:
             others = weighed_hypotheses(doubted, states[:1], is_quick=True)
             found[test] = [w.times(prior) for w in others]
     return found

@@ -13,11 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp
 
+from octmip.gap.inference.discrepancy import WIDE_SHARE
 from octmip.gap.inference.evidence import Members, extensions
-from octmip.gap.inference.hypotheses import Hypothesis, likely_sets, log_prior
+from octmip.gap.inference.hypotheses import Hypothesis, likely_sets, log_count, log_prior
 from octmip.gap.inference.inference import Inference
 from octmip.gap.inference.inputs import Inputs
-from octmip.gap.inference.linear_model import at_level, linearise
+from octmip.gap.inference.linear_model import LinearModel, at_level, linearise, tail_of
+from octmip.gap.inference.signature_error import with_errors
 from octmip.gap.inference.states import STATE_RESOLUTION, distance, log_box, moved_states
 from octmip.gap.inference.unknown import weigh_unknown
 from octmip.gap.progress import Stage
@@ -42,6 +44,15 @@ LEVEL_BEHIND = 4.0
 """Log units behind the best level of differences beyond which another level is not looked at."""
 MOST_LEVELS = 3
 """Levels that are looked at."""
+WITH_WIDE = 2
+"""Of them, those that are looked at with wide gauges too."""
+MOST_WIDE = 2
+"""Wide gauges at once."""
+MOST_DIFFERENCES = 5
+"""Levels, with wide gauges and without, that are looked at."""
+FAINT = 0.3
+"""Standard deviations that a wide gauge must be able to move a reading; others make no difference."""
+_LOG_WIDE = float(np.log(WIDE_SHARE / (1.0 - WIDE_SHARE)))
 WITH_UNKNOWN = 30
 """Best sets that are weighed with the unknown beside them."""
 
@@ -66,19 +77,28 @@ class Weighed:
         return replace(self, log_weight=self.log_weight + log_factor)
 
 
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """How far two models differ: a level, wide gauges, and the log of their probability."""
+
+    level: float
+    wide: tuple[int, ...]
+    log_share: float
+
+
 def weighed_hypotheses(inputs: Inputs, states: Sequence[Floats], *, is_quick: bool = False) -> list[Weighed]:
-    """Return the hypotheses about inputs, at every level of differences between models that the readings bear.
+    """Return the hypotheses about inputs, under every difference between models that the readings bear.
 
     Parameters
     ----------
     states
         assignments (n_cells, n_parameters) to start from, the best first.
     is_quick
-        whether to look at the best level only.
+        whether to look at the best difference only.
     """
-    levels = _levels(inputs, states[0])[: 1 if is_quick else None]
-    first, log_level = levels[0]
-    at = replace(inputs, discrepancy=inputs.discrepancy.at(first))
+    differences = _differences(inputs, states[0])[: 1 if is_quick else None]
+    first = differences[0]
+    at = replace(inputs, discrepancy=inputs.discrepancy.at(first.level, first.wide))
     started = [Inference(linearise(at, assignment)) for assignment in states]
     enough = _best_single(started[0]) - BEHIND
     inferences = [started[0], *(one for one in started[1:] if _best_single(one) > enough)]
@@ -91,37 +111,80 @@ def weighed_hypotheses(inputs: Inputs, states: Sequence[Floats], *, is_quick: bo
     sets = _with_parts([h.members for h in ordered[:EXACT]])
     weighed = _settled_leaders(inferences, sets)
     everything = [*weighed, *_others(weighed, ordered, sets), *_with_unknown(weighed)]
-    result = [w.times(log_level) for w in everything]
-    kept = list({id(w.inference): w.inference for w in weighed}.values())
-    for level, log_share in levels[1:]:
-        again = [Inference(at_level(one.model, level)) for one in kept]
-        own = _weigh(again, sets)
-        result += [w.times(log_share) for w in (*own, *_with_unknown(own))]
+    result = [w.times(first.log_share) for w in everything]
+    for other in differences[1:]:
+        own = _weighed_under(other, weighed)
+        result += [w.times(other.log_share) for w in (*own, *_with_unknown(own))]
     return result
 
 
-def _levels(inputs: Inputs, states: Floats) -> list[tuple[float, float]]:
-    """Return each level worth a look with the log of its probability, the best first."""
-    found = sorted(_by_level(inputs, states), key=lambda item: -item[0])
-    return [(level, log_share) for value, level, log_share in found[:MOST_LEVELS] if value > found[0][0] - LEVEL_BEHIND]
+def _weighed_under(difference: Difference, weighed: Sequence[Weighed]) -> list[Weighed]:
+    """Return hypotheses weighed under another difference, each about the states about which it was weighed."""
+    found = []
+    for one in {id(w.inference): w.inference for w in weighed}.values():
+        again = Inference(at_level(one.model, difference.level, difference.wide))
+        found += _weigh([again], [w.members for w in weighed if w.inference is one])
+    return found
 
 
-def _by_level(inputs: Inputs, states: Floats) -> list[tuple[float, float, float]]:
-    """Return for every level what its best single candidate weighs there, the level, and the log of its probability."""
+def _differences(inputs: Inputs, states: Floats) -> list[Difference]:
+    """Return each difference between models that is worth a look, the best first."""
+    model = linearise(inputs, states)
+    found = _by_level(model)
+    levels = sorted(found, key=lambda item: -item[0])[:MOST_LEVELS]
+    for value, difference in levels[:WITH_WIDE]:
+        found += _with_wide(model, value, difference)
+    found.sort(key=lambda item: -item[0])
+    return [d for value, d in found[:MOST_DIFFERENCES] if value > found[0][0] - LEVEL_BEHIND]
+
+
+def _by_level(model: LinearModel) -> list[tuple[float, Difference]]:
+    """Return every level with what the best single candidate, or none, weighs there."""
+    levels = model.inputs.discrepancy.log_levels
+    differences = [Difference(level, (), log_share) for level, log_share in levels]
+    return [(_value(at_level(model, d.level)) + d.log_share, d) for d in differences]
+
+
+def _with_wide(model: LinearModel, value: float, start: Difference) -> list[tuple[float, Difference]]:
+    """Return a difference with the gauges made wide, one after the other, that raise what it weighs most."""
+    found: list[tuple[float, Difference]] = []
+    difference, at = start, at_level(model, start.level)
+    for _ in range(MOST_WIDE):
+        roots = {g: tail_of(at, g) for g in range(len(model.inputs.order)) if g not in difference.wide}
+        tried = {g: _value(with_errors(at, root)) for g, root in roots.items() if np.abs(root).max(initial=0.0) > FAINT}
+        if not tried:
+            break
+        g = max(tried, key=lambda g: tried[g])
+        difference = Difference(start.level, (*difference.wide, g), difference.log_share + _LOG_WIDE)
+        own = tried[g] + difference.log_share
+        if own < value - LEVEL_BEHIND:
+            break
+        found.append((own, difference))
+        value, at = max(value, own), at_level(model, difference.level, difference.wide)
+    return found
+
+
+def _value(model: LinearModel) -> float:
+    """Return the log of the greatest prior times evidence among none and the single candidates."""
+    singles = extensions(model, ()) + model.inputs.priors.log_weight + log_count(model.inputs, 1)
+    return model.log_none + max(log_count(model.inputs, 0), float(singles.max(initial=-np.inf)))
+
+
+def promise(inputs: Inputs, states: Floats) -> float:
+    """Return the log evidence of the best single candidate, or of none, about some states at the best level."""
     model = linearise(inputs, states)
     levels = inputs.discrepancy.log_levels
-    return [(_best_single(Inference(at_level(model, at))) + log_share, at, log_share) for at, log_share in levels]
+    return max(_best_single(Inference(at_level(model, at))) + log_share for at, log_share in levels)
 
 
-def promise(inputs: Inputs, states: Floats, *, is_alone: bool = False) -> float:
-    """Return the log evidence of the best single candidate, or of none, about some states at the best level.
-
-    With `is_alone` that of none.
-    """
-    if is_alone:
-        model = linearise(inputs, states)
-        return max(at_level(model, at).log_none + log_share for at, log_share in inputs.discrepancy.log_levels)
-    return max(value for value, *_ in _by_level(inputs, states))
+def nothing_else(inputs: Inputs, states: Floats) -> Weighed:
+    """Return what it weighs that no effect acts, about some states and at the level that bears it best."""
+    model = linearise(inputs, states)
+    tried = [(at_level(model, at), log_share) for at, log_share in inputs.discrepancy.log_levels]
+    at, log_share = max(tried, key=lambda item: item[0].log_none + item[1])
+    own = Inference(at)
+    box = log_box(at, own.fit(()))
+    return Weighed((), False, at.log_none + log_share + box + log_prior(inputs, ()), own)
 
 
 def _best_single(inference: Inference) -> float:

@@ -37,5 +37,5 @@ def effect(response: Response) -> WingEffect:
         load_power=1,
         response=response,
         force=force,
-        signature_error=0.1,
+        signature_error=0.5,
     )

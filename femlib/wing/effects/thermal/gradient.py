@@ -27,6 +27,7 @@ def effect(response: Response) -> WingEffect:
         parameter="temperature of the upper skin above the lower one",
         unit="K",
         prior_sd=5.0,
+        bounds=(-40.0, 40.0),
         prior_source="sun on a dark skin warms it by five to twenty kelvin",
         separated_by="moisture of one skin gives the same readings; a thermometer on each skin separates them",
         words="difference in temperature of the skins",

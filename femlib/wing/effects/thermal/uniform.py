@@ -27,6 +27,7 @@ def effect(response: Response) -> WingEffect:
         parameter="temperature above that at which the gauges were set to zero",
         unit="K",
         prior_sd=10.0,
+        bounds=(-100.0, 100.0),
         prior_source="a flight or a day in a hangar changes the temperature by ten to thirty kelvin",
         separated_by="it is there at zero load and does not grow with the load",
         words="temperature of the whole wing",
