@@ -96,17 +96,19 @@ class Twin(Protocol):
 
     Optional attributes, used where they exist:
 
-    * ``loads``, the names of what is applied or set, columns of a campaign. With one name `predict` gets a float, with
-      several or none a mapping by name (`Loads`). Without this attribute there is one load, ``load_factor``;
-    * ``units``, the unit of every reading, by gauge or in their order; without it all are microstrain;
-    * ``sign``, what a positive reading is, in words; or ``compressive_positive``, True (as without either) or False;
-    * ``channels``, the instrument of every reading, in the order of the gauges, where one gives several (a force
-      sensor at twelve phases of a cycle): what is wrong with it is wrong at all of them;
-    * ``predict_states(states (n, n_parameters), load_factor) -> (n, n_gauges)`` (a batch);
-    * ``state_limits``, the greatest value of each state parameter, by name, up to which an unknown or doubted state is
-      looked for; one that it leaves out is taken as stated. Without it all are looked for;
-    * ``is_linear_in_load`` (readings are proportional to the one load, so one load is asked for);
-    * ``gauge_positions`` (n_gauges, 2) [m] and ``outline`` (n, 2) [m] (the map of the report).
+    * ``loads``: names of the loads and settings, which are columns of a campaign. A twin with one load gets it as a
+      float, a twin with several loads, or with none, gets a mapping by name (`Loads`). A twin without this attribute
+      has one load, ``load_factor``;
+    * ``units``: unit of every reading, by gauge or in the order of the gauges. By default microstrain;
+    * ``sign``: what a positive reading is, in words; or ``compressive_positive``, True (the default) or False;
+    * ``channels``: instrument of every reading, in the order of the gauges. It is needed where one instrument gives
+      several readings (a force sensor at twelve phases of a cycle), because its faults act on all of them. By default
+      every gauge is an instrument of its own;
+    * ``predict_states(states (n, n_parameters), load_factor) -> (n, n_gauges)``: the readings of many states at once;
+    * ``state_limits``: greatest value of each state parameter, by name, up to which an unknown or doubted state is
+      looked for. A parameter that it leaves out is taken as stated. By default every parameter is looked for up to 1;
+    * ``is_linear_in_load``: True where readings are proportional to the load; the twin is then asked at one load only;
+    * ``gauge_positions`` (n_gauges, 2) [m] and ``outline`` (n, 2) [m]: for the map of the report.
     """
 
     @property
@@ -133,20 +135,26 @@ class Twin(Protocol):
 class Effect(Protocol):
     """One thing that the twin lacks.
 
-    Optional: ``predict(twin, state, load_factor, size, place, time) -> (n_gauges,)``, the exact forward map where the
-    reading is not linear in the size; ``acts_on_readings``, True where the signature is a map of what `twin.predict`
-    returns and of nothing else (two wires swapped, a gauge dead), so that it also acts on what other effects add;
-    ``bounds``, the least and the greatest size that is possible; ``uses_time`` (the signature depends on the time);
-    ``superposes`` (the answers to steps of the load add up, each from its own time on); ``signature_error`` (relative
-    sd of the signature at each gauge); ``n_between`` (neighbouring places between which it may lie, where places sample
-    a continuum); ``seen_by`` (the `QUANTITIES` that show it: the next test is chosen among them); ``gauges_of(twin,
-    place)`` (the gauges that a place names: it is left out where one was not read; without it a place is read as a
-    gauge, or as several with / or < between them).
+    Optional attributes, used where they exist:
 
-    Optional words for the people who read a diagnosis, with {place}, and {first} and {second} for the gauges of a
-    pair: ``words`` ("gain of one gauge"), ``words_at`` ("gain of gauge {place}"), ``action`` ("recalibrate gauge
-    {place}") and ``says``, what a positive and a negative size mean ("it reads {size} too high", "it reads {size} too
-    low"). Without them the effect is called by its name.
+    * ``predict(twin, state, load_factor, size, place, time) -> (n_gauges,)``: the exact forward map, where the reading
+      is not linear in the size;
+    * ``acts_on_readings``: True where the signature is a map of what `twin.predict` returns and of nothing else (two
+      wires swapped, a gauge dead). Such an effect also acts on what other effects add;
+    * ``bounds``: the least and the greatest possible size;
+    * ``uses_time``: True where the signature depends on the time;
+    * ``superposes``: True where the answers to steps of the load add up, each from its own time on;
+    * ``signature_error``: relative standard deviation of the signature at each gauge;
+    * ``n_between``: where places sample a continuum, the number of neighbouring places between which the effect may
+      lie;
+    * ``seen_by``: the `QUANTITIES` that show it; the next test is chosen among them;
+    * ``gauges_of(twin, place)``: the gauges that a place names. A place is left out where one of them was not read. By
+      default a place is the name of a gauge, or of several with / or < between them.
+
+    Optional words for the people who read a diagnosis: ``words`` ("gain of one gauge"), ``words_at`` ("gain of gauge
+    {place}"), ``action`` ("recalibrate gauge {place}") and ``says``, what a positive and what a negative size mean ("it
+    reads {size} too high", "it reads {size} too low"). They may hold {place}, and {first} and {second} for the gauges
+    of a pair. An effect without them is called by its name.
     """
 
     @property
@@ -249,6 +257,12 @@ def units_of(twin: Twin) -> tuple[str, ...]:
 def channels_of(twin: Twin) -> tuple[str, ...]:
     """Return the instrument of every reading, in the order of the gauges; the gauge itself where none is announced."""
     return _one_each(twin, "channels", getattr(twin, "channels", twin.gauges))
+
+
+def positions_of(twin: Twin) -> NDArray[np.float64] | None:
+    """Return the places of the gauges (n_gauges, 2) [m]; None for a twin that does not say them."""
+    places = getattr(twin, "gauge_positions", None)
+    return None if places is None else np.asarray(places, dtype=np.float64)
 
 
 def _one_each(twin: Twin, what: str, given: Sequence[str]) -> tuple[str, ...]:

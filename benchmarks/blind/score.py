@@ -10,9 +10,9 @@ import numpy as np
 from benchmarks.blind.answers import Found
 from benchmarks.blind.cases import ALL_LOADS, CONFOUNDED, REPEATS
 from benchmarks.blind.figure import Figure, area, calibration, share, statistic
-from benchmarks.blind.noises import VARIANCE
 from benchmarks.blind.sealing import LEAST, Key, fingerprint
 from benchmarks.blind.truths import TRACELESS
+from benchmarks.noises import VARIANCE
 from femlib.arrays import FloatArray
 
 Pair = tuple[Found, Key]

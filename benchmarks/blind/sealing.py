@@ -28,8 +28,8 @@ from benchmarks.blind.cases import (
     write_run,
 )
 from benchmarks.blind.limit.candidates import singles
-from benchmarks.blind.noises import VARIANCE
 from benchmarks.blind.truths import Extra, Truth
+from benchmarks.noises import VARIANCE
 from femlib.arrays import FloatArray
 
 HELD_LOAD = 2.5  # never measured: the correction is judged there

@@ -9,8 +9,8 @@ import numpy as np
 from benchmarks.blind.answers import Found, twin
 from benchmarks.blind.assets.asset import TREE_STATES
 from benchmarks.blind.figure import Figure, share, statistic
-from benchmarks.blind.noises import VARIANCE
 from benchmarks.blind.sealing import TREE_LOAD, Key
+from benchmarks.noises import VARIANCE
 from femlib.arrays import FloatArray
 from octmip.gap import CHAIN, Addition, AugmentedTwin
 from octmip.gap.retrain import Lesson, Recovery, recovery, retrained, trained

@@ -41,6 +41,8 @@ CORRELATED = 0.9
 """Posterior correlation of a damage and an effect beyond which they are not told apart."""
 INVISIBLE = 1e6
 """Detectable size over the prior's sd beyond which the signature is zero."""
+NAMED = 4
+"""Tests named one by one in a sentence about many."""
 BASELINE = "a healthy commissioning run at zero and several other loads would separate them"
 
 
@@ -226,7 +228,7 @@ def _diagnose(
         detectable=sizes,
         refused=_refused(which, model, sizes),
         states=_states(which[0].judged) if which else (),
-        notes=(*checked.sentences, *campaign.notes, *notes),
+        notes=(*checked.sentences, *campaign.notes, *notes, *_of_one_state(posterior, campaign)),
         posterior=posterior,
         doubts=checked.sentences,
     )
@@ -256,6 +258,21 @@ def _which(posterior: Posterior) -> tuple[tuple[Cause, ...], Shrinkage | None, f
         closing = measure_shrinkage(best.judged.inference, best.judged.members)
     which, unknown_probability = with_misfit(which, best, closing, posterior.unknown_probability)
     return which, closing, unknown_probability
+
+
+def _of_one_state(posterior: Posterior, campaign: Campaign) -> tuple[str, ...]:
+    """Return whether tests of unknown state that were read at one load each are taken as one state, as a sentence."""
+    probability = posterior.same_state
+    if probability is None:
+        return ()
+    tests = list(dict.fromkeys(cell.test for cell in campaign.cells if not cell.is_known))
+    named = ", ".join(tests[:NAMED]) + (f" and {len(tests) - NAMED} more" if len(tests) > NAMED else "")
+    shown = "above 0.99" if probability > 0.99 else "below 0.01" if probability < 0.01 else f"{probability:.2f}"
+    taken = "they are taken as one" if probability > 0.5 else "each is taken by itself"
+    return (
+        f"Tests {named} have unknown states and one load each: the readings show one state with probability {shown}, "
+        f"{taken}. State what is known, or read each test at two loads.",
+    )
 
 
 def _states(judged: Judged) -> tuple[StateEstimate, ...]:

@@ -14,7 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.gap.inference.candidates import bounds_of
+from octmip.gap.inference.candidates import Candidate, Forward, bounds_of
+from octmip.gap.inference.linear_model import LinearModel
 from octmip.gap.inference.posterior import Judged
 from octmip.twin import Load
 
@@ -47,29 +48,30 @@ class ExactSize:
 
 def exact_size(head: Judged, member: int, size: float) -> ExactSize:
     """Return the size of a member that fits all readings best; as it was fitted where the effect is linear."""
-    effect = head.model.inputs.candidates[member].effect
-    if getattr(effect, "predict", None) is None or size == 0.0:
+    candidate = head.model.inputs.candidates[member]
+    if candidate.forward is None or size == 0.0:
         return ExactSize(size, 1.0)
     model, own = head.allowing, head.fit
     others = [(j, float(s)) for j, s in zip(own.members, own.size, strict=True) if j != member]
     moved = model.tangents @ model.open_states.moved_by(own.members, own.size)
     left = model.residual - moved - sum((s * model.signatures[:, j] for j, s in others), np.zeros(model.n))
-    return _fitted(head, member, model.whiten(left), bounds_of(effect), size)
+    return _fitted(_Map(head.allowing, candidate, candidate.forward), member, model.whiten(left), size)
 
 
-def _fitted(head: Judged, member: int, target: Floats, bounds: tuple[float, float], size: float) -> ExactSize:
-    model, sd = head.allowing, head.model.inputs.priors.sd[member]
+def _fitted(exact: "_Map", member: int, target: Floats, size: float) -> ExactSize:
+    model, bounds = exact.model, bounds_of(exact.candidate.effect)
+    sd = model.inputs.priors.sd[member]
     linear = float(np.linalg.norm(model.whiten(model.signatures[:, member])))
     found = float(np.clip(size, *bounds))
-    misfit, slope = target - _change(head, member, found), np.zeros(model.n)
+    misfit, slope = target - exact.change(found), np.zeros(model.n)
     for _ in range(STEPS):
         ahead = SLOPE * sd if found + SLOPE * sd <= bounds[1] else -SLOPE * sd
-        slope = (_change(head, member, found + ahead) - (target - misfit)) / ahead
+        slope = (exact.change(found + ahead) - (target - misfit)) / ahead
         squared = float(slope @ slope)
         if not squared > 0.0:
             return ExactSize(found, 1.0)
         step = float(slope @ misfit) / squared
-        after, left = _shorter(head, member, target, misfit, found, step, bounds)
+        after, left = _shorter(exact, target, misfit, found, step, bounds)
         is_found = abs(after - found) < CLOSE * sd
         found, misfit = after, left
         if is_found:
@@ -78,8 +80,7 @@ def _fitted(head: Judged, member: int, target: Floats, bounds: tuple[float, floa
 
 
 def _shorter(
-    head: Judged,
-    member: int,
+    exact: "_Map",
     target: Floats,
     misfit: Floats,
     start: float,
@@ -89,27 +90,34 @@ def _shorter(
     """Return the size after a step, halved until it lessens the misfit, and the misfit there."""
     for _ in range(HALVINGS):
         ahead = float(np.clip(start + step, *bounds))
-        left = target - _change(head, member, ahead)
+        left = target - exact.change(ahead)
         if float(left @ left) <= float(misfit @ misfit):
             return ahead, left
         step *= 0.5
     return start, misfit
 
 
-def _change(head: Judged, member: int, size: float) -> Floats:
-    """Return what the exact map changes in all rows (n,), whitened."""
-    model = head.allowing
-    inputs, candidate = model.inputs, model.inputs.candidates[member]
-    uses_time = bool(getattr(candidate.effect, "uses_time", False))
-    known: dict[tuple[bytes, Load, float], Floats] = {}
-    rows = []
-    for average in inputs.averages:
-        state, load = model.states[average.cell], inputs.cell_of(average).load
-        time = average.time if uses_time else 0.0
-        key = (state.tobytes(), load, time)
-        if key not in known:
-            named = inputs.named(state)
-            there = candidate.effect.predict(inputs.twin, named, load, size, candidate.place, time)  # type: ignore[attr-defined]
-            known[key] = (np.asarray(there) - inputs.twin.predict(named, load))[list(inputs.order)]
-        rows.append(known[key])
-    return model.whiten(np.array(rows)[model.average, model.gauge])
+@dataclass(frozen=True, slots=True, eq=False)
+class _Map:
+    """The exact forward map of a candidate in the linear model of a hypothesis."""
+
+    model: LinearModel
+    candidate: Candidate
+    forward: Forward
+
+    def change(self, size: float) -> Floats:
+        """Return what it changes in all rows (n,), whitened."""
+        model, inputs = self.model, self.model.inputs
+        uses_time = bool(getattr(self.candidate.effect, "uses_time", False))
+        known: dict[tuple[bytes, Load, float], Floats] = {}
+        rows = []
+        for average in inputs.averages:
+            state, load = model.states[average.cell], inputs.cell_of(average).load
+            time = average.time if uses_time else 0.0
+            key = (state.tobytes(), load, time)
+            if key not in known:
+                named = inputs.named(state)
+                there = self.forward(inputs.twin, named, load, size, self.candidate.place, time)
+                known[key] = (np.asarray(there) - inputs.twin.predict(named, load))[list(inputs.order)]
+            rows.append(known[key])
+        return model.whiten(np.array(rows)[model.average, model.gauge])

@@ -6,6 +6,11 @@ from math import isfinite
 
 from octmip.errors import DataError
 
+MOST_EFFECTS = 3
+"""Effects that the search puts together, at most."""
+UNKNOWN_BESIDE = 3
+"""Sizes of sets of effects with which the unknown is weighed: none, one and two."""
+
 
 @dataclass(frozen=True, slots=True)
 class Odds:
@@ -14,13 +19,19 @@ class Odds:
     Attributes
     ----------
     count
-        of no, one, two and three effects of the library.
+        of no, one, two and three effects of the library, 1 to 4 entries; sets of more effects than it has are not
+        looked for.
     unknown
-        of something outside the library alone, beside one effect and beside two.
+        of something outside the library alone, beside one effect and beside two, all 3.
     misstated
         that the stated state of a test is wrong.
     effects
         by name, how many times as probable an effect is as one that is not named here; 0 leaves it out.
+
+    Raises
+    ------
+    DataError
+        another number of entries, no probabilities, or a negative factor.
     """
 
     count: tuple[float, ...] = (0.48, 0.34, 0.12, 0.02)
@@ -29,12 +40,32 @@ class Odds:
     effects: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        if not 1 <= len(self.count) <= MOST_EFFECTS + 1:
+            raise DataError(
+                f"odds count have {len(self.count)} entries; expected 1 to {MOST_EFFECTS + 1}: of no, one, two and "
+                "three effects; the search looks for no larger sets, drop the others"
+            )
+        if len(self.unknown) != UNKNOWN_BESIDE:
+            raise DataError(
+                f"odds unknown have {len(self.unknown)} entries; expected {UNKNOWN_BESIDE}: alone, beside one effect "
+                "and beside two; give each, 0 for never"
+            )
+        self._check_numbers()
+
+    def _check_numbers(self) -> None:
         numbers = {"count": self.count, "unknown": self.unknown, "misstated": (self.misstated,)}
         for name, values in numbers.items():
             if not all(isfinite(v) and 0.0 <= v < 1.0 for v in values) or not sum(values) <= 1.0:
-                raise DataError(f"odds {name} are {values}; expected probabilities whose sum is at most 1")
-        if not self.count or not self.count[0] > 0.0:
-            raise DataError(f"odds count are {self.count}; expected a probability above 0 that no effect acts")
+                raise DataError(
+                    f"odds {name} are {values}; expected probabilities below 1 whose sum is at most 1; lower them"
+                )
+        if not self.count[0] > 0.0:
+            raise DataError(
+                f"odds count are {self.count}; expected a probability above 0 that no effect acts; raise the first"
+            )
         for name, factor in self.effects.items():
             if not (isfinite(factor) and factor >= 0.0):
-                raise DataError(f"odds of effect {name} are {factor}; expected a factor of 0 or more")
+                raise DataError(
+                    f"odds of effect {name} are {factor}; expected a factor of 0 or more; 1 is as probable as one "
+                    "that is not named, 0 leaves it out"
+                )

@@ -195,7 +195,7 @@ def is_package(module):
     return (ROOT.parents[1] / module.replace(".", "/")).is_dir()
 
 
-@pytest.mark.parametrize("name", CASE_MAKER)
+@pytest.mark.parametrize("name", [*CASE_MAKER, "../noises"])
 def test_the_case_maker_knows_nothing_of_the_diagnosis(name):
     tree = ast.parse((ROOT / f"{name}.py").read_text())
     imported = {

@@ -16,10 +16,11 @@ from benchmarks.blind.limit import selector
 from benchmarks.blind.limit.candidates import singles
 from benchmarks.blind.limit.evidence import Columns, integrate, pair_gains, pattern_evidence
 from benchmarks.blind.limit.record import limit
-from benchmarks.blind.noises import GROWN, NOISES, VARIANCE
+from benchmarks.blind.noises import GROWN, NOISES
 from benchmarks.blind.sealing import facts
 from benchmarks.blind.sound import sound
 from benchmarks.blind.truths import SINGLES, Truth
+from benchmarks.noises import VARIANCE
 
 HEALTHY = (0.0, 0.0)
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from octmip.gap import diagnose
+from octmip.gap.campaign.noise_estimate import estimate_noise
 from octmip.gap.channels.checks import checked
 from octmip.gap.channels.jumps import jumps_in
 from octmip.gap.channels.outliers import robust
@@ -189,3 +190,31 @@ def test_every_channel_stuck_is_refused():
     campaign = measured(5)
     campaign = dataclasses.replace(campaign, readings=np.repeat(campaign.readings[::50], 50, axis=0))
     assert stuck_in(campaign) == []  # nothing says how much the channels scatter: refused where the noise is asked for
+
+
+FINE = 5e-4
+"""Standard deviation of a reading of a fibre [microstrain]."""
+
+
+def in_strain(campaign):
+    return dataclasses.replace(campaign, readings=1e-6 * campaign.readings, units=("strain",) * len(campaign.gauges))
+
+
+@pytest.mark.parametrize("name", ["at another value always", "in one load", "for a time within a load"])
+def test_a_stuck_channel_is_found_in_whatever_unit(name):
+    campaign = changed(STUCK[name][0], sd=FINE)
+    (one,), (other,) = stuck_in(campaign), stuck_in(in_strain(campaign))
+    assert (one.gauge, one.rows.tolist(), one.is_whole) == (other.gauge, other.rows.tolist(), other.is_whole)
+
+
+def test_the_noise_is_the_same_in_whatever_unit():
+    campaign = measured(3, repeats=20, sd=FINE)
+    readings = np.round(campaign.readings / FINE) * FINE
+    readings[:, 6] = 840.0
+    campaign = dataclasses.replace(campaign, readings=readings)
+    one, other = estimate_noise(campaign), estimate_noise(in_strain(campaign))
+    assert one.stuck == other.stuck == ("g07",)
+    assert one.findings == other.findings
+    assert "quantisation" in one.findings
+    assert other.step == pytest.approx(1e-6 * one.step)
+    assert other.covariance == pytest.approx(1e-12 * one.covariance, rel=1e-6, abs=1e-24)

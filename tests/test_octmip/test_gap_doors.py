@@ -90,6 +90,25 @@ def test_states_of_a_function_are_given_test_by_test():
     assert CachedTwin(twin).predict({"crack": 0.2}, Loads((), ())) == pytest.approx([3.0])
 
 
+def test_more_effects_keep_those_that_were_added_before_and_the_answers():
+    asked = []
+
+    def line(parameters, loads):
+        asked.append(parameters)
+        return [parameters["k"] * loads["force"]]
+
+    twin = function_twin(line, {"u": "mm"}, {"k": (1.0, 0.5, 2.0)}, ("force",))
+    twin.predict({}, 3.0)
+    drift, gain = (TWIN.effects[name] for name in ("stiffness", "gap"))
+    both = twin.with_effects(drift).with_effects(gain)
+    assert list(both.effects) == ["k", "stiffness", "gap"]
+    assert list(twin.effects) == ["k"]
+    assert both.predict({}, 3.0) == pytest.approx([3.0])
+    assert both.effects["k"].predict(both, {}, 3.0, 0.5, "", 0.0) == pytest.approx([4.5])
+    twin.ask({}, 3.0, {"k": 1.5})
+    assert len(asked) == 2
+
+
 @pytest.mark.parametrize(
     ("given", "told"),
     [

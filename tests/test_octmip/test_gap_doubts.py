@@ -70,6 +70,9 @@ def test_tests_of_one_load_each_share_a_state_only_where_the_readings_say_so(sta
     assert (diagnosis.posterior.same_state > 0.5) is share_one
     found = [[state.mean[name] for name in TWIN.parameters] for state in diagnosis.states]
     assert np.allclose(found, states[: len(found)], atol=0.05)
+    (note,) = (note for note in diagnosis.notes if "one state" in note)
+    assert ("they are taken as one" in note) is share_one
+    assert f"probability {'above 0.99' if share_one else 'below 0.01'}" in note
 
 
 class Rescaled(Beam):
@@ -112,3 +115,24 @@ def test_odds_change_what_is_expected():
         diagnose(campaign, TWIN, odds=Odds(effects={"no_such_effect": 2.0}))
     with pytest.raises(DataError, match="sum is at most 1"):
         Odds(count=(0.8, 0.4))
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ({"count": (0.5, 0.2, 0.1, 0.05, 0.01)}, "count have 5 entries; expected 1 to 4: of no, one, two and three"),
+        ({"count": ()}, "count have 0 entries; expected 1 to 4"),
+        ({"count": (0.0, 0.5)}, "above 0 that no effect acts; raise the first"),
+        ({"unknown": (0.03, 0.01)}, "unknown have 2 entries; expected 3: alone, beside one effect and beside two"),
+        ({"unknown": (0.03, 0.01, 0.002, 0.001)}, "unknown have 4 entries; expected 3"),
+        ({"misstated": -0.1}, "misstated .* sum is at most 1"),
+        ({"effects": {"gain": -1.0}}, "effect gain are -1.0; expected a factor of 0 or more; .* 0 leaves it out"),
+    ],
+)
+def test_odds_that_no_search_can_use_are_refused(given, told):
+    with pytest.raises(DataError, match=told):
+        Odds(**given)
+
+
+def test_the_fewest_odds_of_a_count_are_used():
+    assert not diagnose(measured(3, HOT), TWIN, commissioning=RUN, odds=Odds(count=(0.9,))).which[0].parameters

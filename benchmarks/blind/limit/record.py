@@ -8,8 +8,9 @@ from benchmarks.blind.answers import CauseRecord, Found, ParameterRecord
 from benchmarks.blind.assets.asset import Asset
 from benchmarks.blind.cases import REPEATS, Case
 from benchmarks.blind.limit.selector import Selector, Told, held_change
-from benchmarks.blind.noises import GROWN, VARIANCE
+from benchmarks.blind.noises import GROWN
 from benchmarks.blind.sealing import held_moment, mean_covariance
+from benchmarks.noises import VARIANCE
 from femlib.arrays import FloatArray
 
 SEPARABLE = 3.0

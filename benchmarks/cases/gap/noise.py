@@ -6,12 +6,13 @@ cause that names something. Beside it: the mean squared error of the cells' mean
 them (1 where that is right), what the noise is called, and the CPU milliseconds of the check and of the noise.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from benchmarks.cpu import Stopwatch
+from benchmarks.noises import VARIANCE, Scatter, heavy, heteroscedastic, outliers, serial, steps, walk, white
 from benchmarks.tables import Line
 from femlib.arrays import FloatArray
 from octmip.gap import Campaign, diagnose
@@ -26,14 +27,10 @@ ALONG = np.linspace(0.2, 0.8, N_GAUGES)
 HEALTHY = 900.0 * (1.0 - ALONG) ** 1.5 + 100.0
 OWN = 1.0 + 0.01 * (0.5 + np.random.default_rng(12345).standard_normal(N_GAUGES))
 """What each gauge of the asset shows of the twin's healthy strain."""
-SD = float(np.sqrt(1000.0))
+SD = float(np.sqrt(VARIANCE))
 SLOW, FAST, FAR, STEP, JUMP = 0.022, 0.3, 10.0, 0.5, 6.0
 """Steps of a slow and a fast walk, distance of outliers, height of steps up and down and of the one jump of one gauge,
 in standard deviations of a reading."""
-OUTLIERS, DWELL = 0.02, 40.0
-"""Share of outliers, and readings between steps up and down."""
-
-Scatter = Callable[[np.random.Generator, FloatArray, int], FloatArray]
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,72 +47,34 @@ class Beam:
         return load_factor * (HEALTHY + damaged)
 
 
-def _white(rng: np.random.Generator, loads: FloatArray, n: int) -> FloatArray:
-    return np.asarray(SD * rng.standard_normal((len(loads), n)))
-
-
-def _serial(rho: float) -> Scatter:
-    def draw(rng: np.random.Generator, loads: FloatArray, n: int) -> FloatArray:
-        noise = _white(rng, loads, n)
-        for k in range(1, len(noise)):
-            noise[k] = rho * noise[k - 1] + np.sqrt(1.0 - rho**2) * noise[k]
-        return noise
-
-    return draw
-
-
 def _common(rho: float) -> Scatter:
     def draw(rng: np.random.Generator, loads: FloatArray, n: int) -> FloatArray:
-        return np.asarray((_white(rng, loads, n) + _serial(rho)(rng, loads, 1)) / np.sqrt(2.0))
+        return np.asarray((white(rng, loads, n) + serial(rho)(rng, loads, 1)) / np.sqrt(2.0))
 
     return draw
-
-
-def _walk(step: float) -> Scatter:
-    def draw(rng: np.random.Generator, loads: FloatArray, n: int) -> FloatArray:
-        return _white(rng, loads, n) + step * np.cumsum(_white(rng, loads, n), axis=0)
-
-    return draw
-
-
-def _outliers(rng: np.random.Generator, loads: FloatArray, n: int) -> FloatArray:
-    return _white(rng, loads, n) + FAR * SD * (rng.random((len(loads), n)) < OUTLIERS)
-
-
-def _steps(rng: np.random.Generator, loads: FloatArray, n: int) -> FloatArray:
-    turns = np.cumsum(rng.random((len(loads), n)) < 1.0 / DWELL, axis=0) + rng.integers(2, size=n)
-    return _white(rng, loads, n) + STEP * SD * (-1.0) ** turns
 
 
 def _jump(rng: np.random.Generator, loads: FloatArray, n: int) -> FloatArray:
-    noise = _white(rng, loads, n)
+    noise = white(rng, loads, n)
     noise[rng.integers(len(loads)) :, rng.integers(n)] += JUMP * SD
     return noise
 
 
-def _heavy(rng: np.random.Generator, loads: FloatArray, n: int) -> FloatArray:
-    return np.asarray(rng.standard_t(5, (len(loads), n)) * SD * np.sqrt(3.0 / 5.0))
-
-
-def _uneven(rng: np.random.Generator, loads: FloatArray, n: int) -> FloatArray:
-    return np.asarray(_white(rng, loads, n) * np.sqrt(0.5 + loads / 3.0)[:, None])
-
-
 KINDS: dict[str, Scatter] = {
-    "white": _white,
-    "AR(1) 0.3": _serial(0.3),
-    "AR(1) 0.5": _serial(0.5),
-    "AR(1) 0.7": _serial(0.7),
-    "AR(1) 0.85": _serial(0.85),
+    "white": white,
+    "AR(1) 0.3": serial(0.3),
+    "AR(1) 0.5": serial(0.5),
+    "AR(1) 0.7": serial(0.7),
+    "AR(1) 0.85": serial(0.85),
     "common mode": _common(0.0),
     "common mode, AR(1) 0.85": _common(0.85),
-    "random walk, slow": _walk(SLOW),
-    "random walk, fast": _walk(FAST),
-    "one-sided outliers": _outliers,
-    "steps up and down": _steps,
+    "random walk, slow": walk(SLOW * SD),
+    "random walk, fast": walk(FAST * SD),
+    "one-sided outliers": outliers(FAR * SD),
+    "steps up and down": steps(STEP * SD),
     "one jump": _jump,
-    "heavy tails": _heavy,
-    "heteroscedastic": _uneven,
+    "heavy tails": heavy,
+    "heteroscedastic": heteroscedastic,
 }
 
 

@@ -18,7 +18,7 @@ FEWEST = 4
 
 
 def unclipped(campaign: Campaign) -> tuple[Campaign, dict[str, float], list[str]]:
-    """Return the campaign without the clipped readings, the rail of each clipped gauge [microstrain], and notes."""
+    """Return the campaign without the clipped readings, the rail of each clipped gauge in its unit, and notes."""
     readings = np.array(campaign.readings)
     rails: dict[str, float] = {}
     notes = []

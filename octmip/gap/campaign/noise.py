@@ -87,7 +87,7 @@ class Jump:
     row
         first row of the campaign after it.
     size
-        [microstrain].
+        in the unit of the gauge's readings.
     """
 
     gauge: str
@@ -104,7 +104,7 @@ class Noise:
     gauges
         names.
     covariance
-        (n_gauges, n_gauges) of one reading [microstrain^2].
+        (n_gauges, n_gauges) of one reading, in the squares of the units.
     inflation
         factor on the variance of means for serial correlation, of the typical gauge and cell.
     scale
@@ -114,13 +114,13 @@ class Noise:
     kurtosis
         excess kurtosis, 0 for a normal distribution.
     step
-        quantisation step [microstrain], 0 when none is seen.
+        quantisation step in the unit of the readings, 0 when none is seen.
     stuck
         gauges that stand still, always or for a time.
     findings
         names of what is not plain white noise, of the effects' list.
     clipped
-        by gauge that met the end of its range, where that lies [microstrain].
+        by gauge that met the end of its range, where that lies in its unit.
     degrees
         repeats less cells, over the gauges' mean.
     parts
@@ -200,7 +200,7 @@ class Noise:
 
 
 def given_noise(gauges: tuple[str, ...], sd: float | Mapping[str, float]) -> Noise:
-    """Return white noise of a known standard deviation [microstrain], of all gauges or by gauge.
+    """Return white noise of a known standard deviation in the unit of the readings, of all gauges or by gauge.
 
     Raises
     ------

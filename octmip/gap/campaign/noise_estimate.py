@@ -25,6 +25,10 @@ MILD = 1e-5
 """Variance of log variances beyond chance below which all gauges are equally noisy."""
 FEW_DEGREES = 40
 """Repeats beyond the first, over all cells, below which the commissioning run's are added."""
+ROUNDING = 1e-12
+"""Standard deviation over the greatest reading up to which repeats are equal: means round in the last digits."""
+DIGITS = 9
+"""Digits after the first one of the greatest reading that tell two readings apart; a step is ten times as coarse."""
 SCALE_SIGNIFICANT = 1.08
 """Ratios of standard deviations between loads closer to 1 than this are not worth a model."""
 
@@ -102,7 +106,7 @@ class _Scatter:
     scaled
         for each cell (n_repeats, n_gauges) in standard deviations; NaN where nothing was recorded.
     own, variance
-        (n_gauges,) variance of one reading, as it scatters and drawn toward all gauges [microstrain^2].
+        (n_gauges,) variance of one reading, as it scatters and drawn toward all gauges, in squares of its unit.
     degrees
         (n_gauges,) repeats less cells.
     usable, stuck
@@ -122,7 +126,7 @@ def _scatter(campaign: Campaign) -> _Scatter:
     pooled = np.concatenate(residuals)
     degrees = np.isfinite(pooled).sum(axis=0) - sum((cell.count > 0).astype(int) for cell in campaign.cells)
     own = np.nansum(pooled**2, axis=0) / np.maximum(degrees, 1)
-    stuck = (own <= 1e-18) & (degrees > 0)
+    stuck = (own <= least_variance(campaign.readings)) & (degrees > 0)
     usable = (degrees > 0) & ~stuck
     if not usable.any():
         raise DataError("no gauge shows any scatter between repeats; expected noise; the rows are copies of each other")
@@ -224,17 +228,27 @@ def _gauges_differ(scatter: _Scatter, kurtosis: float, inflation: float) -> bool
     return bool(z.max() > SIGNIFICANT + 0.5)
 
 
+def least_variance(readings: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the variance (n_gauges,) beyond which repeats differ, of readings (n_rows, n_gauges) in any unit."""
+    return np.asarray((ROUNDING * np.max(np.abs(np.nan_to_num(readings)), axis=0, initial=0.0)) ** 2)
+
+
 def quantisation_step(readings: NDArray[np.float64]) -> float:
-    """Return the step [microstrain] that all readings are whole multiples of, 0 when there is none above 1e-6."""
-    values = np.unique(np.round(readings[np.isfinite(readings)], 6))
+    """Return the step that all readings are whole multiples of, in their unit; 0 when there is none.
+
+    Steps below 1e-8 of the greatest reading, or less, are none.
+    """
+    recorded = readings[np.isfinite(readings)]
+    greatest = float(np.abs(recorded).max(initial=0.0))
+    if not greatest > 0.0:
+        return 0.0
+    digits = DIGITS - int(np.floor(np.log10(greatest)))
+    values = np.unique(np.round(recorded, digits))
     if len(values) < 3:
         return 0.0
     step = float(np.diff(values).min())
-    if step < 1e-5:
+    if step < 10.0 ** (1 - digits):
         return 0.0
     multiples = (values - values[0]) / step
-    return (
-        step
-        if bool(np.all(np.abs(multiples - np.round(multiples)) < 1e-3 * np.maximum(1, np.abs(multiples) * 1e-3)))
-        else 0.0
-    )
+    off = np.abs(multiples - np.round(multiples))
+    return step if bool(np.all(off < 1e-3 * np.maximum(1, np.abs(multiples) * 1e-3))) else 0.0

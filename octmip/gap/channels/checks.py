@@ -37,7 +37,7 @@ class Checked:
     stuck
         channels that stand still, always or for a time.
     clipped
-        by channel that met the end of its range, where that lies [microstrain].
+        by channel that met the end of its range, where that lies in its unit.
     jumps
         gauges that jumped.
     outliers

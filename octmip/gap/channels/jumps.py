@@ -48,7 +48,7 @@ class Found:
     gauge, cell, row
         indices of gauge and cell, first row after it.
     size
-        [microstrain].
+        in the unit of the gauge's readings.
     """
 
     gauge: int

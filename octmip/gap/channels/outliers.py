@@ -57,7 +57,7 @@ class Robust:
     Attributes
     ----------
     readings
-        (n_rows, n_gauges) [microstrain].
+        (n_rows, n_gauges) in their units.
     share
         by gauge with far-off readings, their share.
     is_one_sided

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.special import erf
 
 from octmip.gap.campaign.campaign import Campaign, Cell
-from octmip.gap.campaign.noise_estimate import quantisation_step
+from octmip.gap.campaign.noise_estimate import least_variance, quantisation_step
 from octmip.twin import Load, amounts_of
 
 CHANCE = 1e-6
@@ -84,7 +84,7 @@ def _typical_sd(campaign: Campaign, gauges: NDArray[np.int64]) -> float:
     pairs = zip(campaign.cells, seen, strict=True)
     spreads = [np.nanvar(campaign.readings[np.ix_(cell.rows, some)], axis=0, ddof=1) for cell, some in pairs]
     every = np.concatenate(spreads) if spreads else np.zeros(0)
-    every = every[every > 1e-18]
+    every = every[every > least_variance(campaign.readings[:, gauges]).max()]
     return float(np.sqrt(np.median(every))) if every.size else 0.0
 
 

@@ -5,11 +5,11 @@ As a file it is one JSON object; only "readings" is needed:
     {"readings": {"f1": "Hz", "u_top": "mm"}, "loads": ["force"], "states": ["crack"],
      "parameters": {"stiffness": [100, 80, 120, "kN/m"]}, "sign": "...", "channels": {"f1": "accelerometer"}}
 
-A parameter's range is its nominal value, the least and the greatest that the asset may have, and its unit. "states" are
-parameters whose values a campaign gives test by test (a damage of 0.2, a fraction); a state that is not named is 0.
-"state_limits" says up to which value each is looked for where it is unknown or doubted: {"crack": 0.6}. That asks the
-model some hundred times, so a state without a limit is taken as stated, but behind a function or a table, which are
-fast.
+A parameter's range is its nominal value, the least and the greatest value that the asset may have, and the unit.
+"states" are parameters whose values a campaign gives test by test (a damage of 0.2, a fraction); a state that a
+campaign leaves out is 0. "state_limits" says up to which value each state is looked for where it is unknown or doubted:
+{"crack": 0.6}. The search asks the model some hundred times, so a state without a limit is taken as stated. Functions
+and tables are fast: their states are looked for without being asked, up to 1 and up to the table's greatest value.
 """
 
 import json

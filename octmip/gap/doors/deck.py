@@ -2,9 +2,9 @@
 
 A deck is any text file in which @name@ stands for a parameter, a state or a load. Its card (`Card`) has one key more,
 "deck": {"command": ["ccx", "{job}"], "output": "{job}.dat", "find": {...}}. The solver runs in a folder of its own,
-where the deck lies as {job} with its own ending. "find" says for each reading where its number is: a regular expression
-whose first group it is, sought in the "output" file, the last match counting; "scale" multiplies it, as in
-{"u": {"match": "...", "scale": 1e3}}. What else the deck needs must be named in it by absolute paths.
+where the deck lies as {job} with its own ending. "find" gives a regular expression for each reading: its first group is
+the number, and its last match in the "output" file counts. "scale" multiplies the number, as in
+{"u": {"match": "...", "scale": 1e3}}. Other files that the deck needs must be named in it by absolute paths.
 """
 
 import json

@@ -1,13 +1,20 @@
 """A Python function as a twin, and every parameter that has a range as an effect that the asset may show.
 
-def tower(parameters, loads):
-return {"f1": ..., "u_top": ...}
+    def tower(parameters, loads):
+        return {"f1": ..., "u_top": ...}
 
-twin = function_twin(tower, readings={"f1": "Hz", "u_top": "mm"}, loads=("force",),
-parameters={"stiffness": (100.0, 80.0, 120.0, "kN/m")})
+    twin = function_twin(
+        tower,
+        readings={"f1": "Hz", "u_top": "mm"},
+        loads=("force",),
+        parameters={"stiffness": (100.0, 80.0, 120.0, "kN/m")},
+    )
+
+Each question is put to the function once; its answer is kept.
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 from typing import Any
 
 import numpy as np
@@ -44,8 +51,13 @@ class FunctionTwin:
         self._answers: dict[tuple[float, ...], Floats] = {}
 
     def with_effects(self, *effects: Effect) -> "FunctionTwin":
-        """Return the twin with more effects that the asset may show."""
-        return FunctionTwin(self.function, self.card, effects)
+        """Return the twin with more effects that the asset may show, beside all that it has; the answers are shared.
+
+        An effect takes the place of one of the same name.
+        """
+        twin = copy(self)
+        twin.effects = {**self.effects, **{effect.name: effect for effect in effects}}
+        return twin
 
     @property
     def gauges(self) -> tuple[str, ...]:

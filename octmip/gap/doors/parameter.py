@@ -1,8 +1,7 @@
 """A parameter of a model as an effect: the asset's value is not the model's.
 
-The size is the asset's value less the nominal one, within the parameter's range. Its trace is a finite difference of
-the model; the exact forward map asks the model at the value itself, so that nothing is linear that the model does not
-make so.
+The size is the asset's value less the nominal one, within the parameter's range. Its signature is a finite difference
+of the model; the exact forward map asks the model at the value itself, so a model that bends is not taken as linear.
 """
 
 from collections.abc import Callable, Mapping
@@ -20,12 +19,12 @@ Ask = Callable[[State, Any, Mapping[str, float]], Floats]
 """State, load and values of parameters that are not nominal -> readings (n_gauges,)."""
 
 SHARE = 0.25
-"""Prior sd over the width of the range: the whole of it is two standard deviations to either side."""
+"""Prior sd over the width of the range: the range reaches two standard deviations to either side of its middle."""
 STEP = 0.25
 """Step of the finite difference over the prior sd: small beside the curvature of a model that is tabulated or rough."""
 BENT = 0.05
-"""Relative error of the trace at each reading: a line through what a model bends. Of 30 draws of the three twins of the
-documentation it lets one more be named, a storey softer by 38 %; with .12 a stiffness passes for a gain."""
+"""Relative error of the signature at each reading: it is a line, and models bend. Of 30 draws of the three twins of the
+documentation one more is named with it, a storey softer by 38 %; with 0.12 a stiffness is taken for a gain."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

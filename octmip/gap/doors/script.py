@@ -5,8 +5,8 @@ standard output, {"f1": 2.01, ...}; the last line of the output counts, so that 
 OpenSees script (openseespy), a MATLAB function or a vendor's solver with a licence of its own becomes a twin without
 being linked to this package.
 
-What it lacks: every question starts the program again, so a model that loads for a minute costs a minute for each
-parameter, state and load; keep such a one behind UM-Bridge.
+What it lacks: every question starts the program again, so a program that takes a minute to start costs a minute for
+each parameter, state and load. Keep such a model running behind UM-Bridge.
 """
 
 import json

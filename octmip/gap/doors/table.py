@@ -1,8 +1,8 @@
 """A table as a twin: one column per parameter, state and load, one per reading; between its rows it is interpolated.
 
-Rows that form a regular grid are interpolated along it, others over a Delaunay triangulation; both linearly, both
-exactly at their rows, and nothing is extrapolated: outside of the table there is no answer. What interpolation costs
-is yours to choose by the spacing: for a curvature k it is k spacing^2 / 8.
+Rows that form a regular grid are interpolated linearly along it, other rows linearly over a Delaunay triangulation.
+Both are exact at the rows. Nothing is extrapolated: outside of the table there is no answer. The error between two rows
+is at most k spacing^2 / 8 for a curvature k, so the spacing decides how exact the twin is.
 """
 
 from collections.abc import Mapping

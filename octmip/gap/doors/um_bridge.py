@@ -1,8 +1,8 @@
 """A model behind UM-Bridge as a twin, and any twin as a server of UM-Bridge.
 
 UM-Bridge (Seelinger et al. (2023), J. Open Source Software 8) asks models over HTTP: a list of vectors in, a list of
-vectors out. Here the vectors are one of all parameters and states and one of all loads, in the order of the card, and
-one of all readings; it knows no names, so the card must be at hand on this side.
+vectors out. Here the vectors in are one of all parameters and states and one of all loads, the vector out is one of all
+readings, each in the order of the card. UM-Bridge knows no names, so the card must be at hand on this side.
 """
 
 from collections.abc import Mapping

@@ -21,7 +21,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.twin import MICROSTRAIN, STRAINS, Load, State, Twin, channels_of, units_of
+from octmip.errors import TwinError
+from octmip.twin import MICROSTRAIN, STRAINS, Load, State, Twin, channels_of, positions_of, units_of
 
 POISSON = 0.3
 """Transverse contraction that a turned gauge feels."""
@@ -86,7 +87,7 @@ class PerGauge:
 
     def places(self, twin: Twin) -> tuple[str, ...]:
         """Return the gauges, or their instruments; none where positions are needed and the twin does not say them."""
-        if self.needs_positions and getattr(twin, "gauge_positions", None) is None:
+        if self.needs_positions and positions_of(twin) is None:
             return ()
         found = zip(channels_of(twin), units_of(twin), strict=True)
         return tuple(dict.fromkeys(channel for channel, unit in found if not self.units or unit in self.units))
@@ -122,7 +123,12 @@ def _misalignment(moment: Moment) -> float:
 
 
 def _offset(moment: Moment) -> float:
-    positions, units = np.asarray(moment.twin.gauge_positions), units_of(moment.twin)  # type: ignore[attr-defined]
+    positions, units = positions_of(moment.twin), units_of(moment.twin)
+    if positions is None:
+        raise TwinError(
+            "the twin does not say where its gauges lie, so a gauge that lies elsewhere has no signature; expected "
+            "gauge_positions (n_gauges, 2) [m]; give them"
+        )
     same = [k for k, unit in enumerate(units) if unit == units[moment.gauge]]
     return 1e-3 * spanwise_slope(positions[same], moment.strains[same], same.index(moment.gauge))
 

@@ -4,15 +4,19 @@ A candidate adds size * signature to the readings with size ~ N(mean, (scale sd)
 weight; a size known to be positive keeps the positive half. A discrete effect (swapped or not) has one scale only.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
 from octmip.gap.odds import Odds
-from octmip.twin import Effect, Twin
+from octmip.twin import Effect, State, Twin
+
+Forward = Callable[[Twin, State, Any, float, str, float], NDArray[np.float64]]
+"""Twin, state, load, size, place and time -> readings (n_gauges,) with an effect of that size."""
 
 SCALES = (1 / 3, 1.0, 3.0)
 """Factors on the sd of every prior, equally likely: no result may hang on one guess of the size."""
@@ -60,6 +64,12 @@ class Candidate:
     def n_between(self) -> int:
         """Number of neighbouring places between which the effect may lie; 0 where each place is its own."""
         return int(getattr(self.effect, "n_between", 0))
+
+    @property
+    def forward(self) -> Forward | None:
+        """The exact forward map, where the effect is not linear in its size."""
+        forward: Forward | None = getattr(self.effect, "predict", None)
+        return forward
 
     @property
     def words(self) -> str:

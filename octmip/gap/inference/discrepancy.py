@@ -91,7 +91,7 @@ class Discrepancy:
     p_value
         chance of a commissioning run that is as far from proportional to the twin's healthy readings; 1 without a run.
     own_level
-        level of the healthy readings themselves, the mean over its posterior (without a run over its prior).
+        level of the healthy readings themselves, the mean over its posterior; 1 without a run.
     """
 
     mean: Floats

@@ -55,6 +55,8 @@ FAINT = 0.3
 _LOG_WIDE = float(np.log(WIDE_SHARE / (1.0 - WIDE_SHARE)))
 WITH_UNKNOWN = 30
 """Best sets that are weighed with the unknown beside them."""
+FAR = STATE_RESOLUTION / 2
+"""Distance of states beyond which a set must be judged about its own."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -237,7 +239,7 @@ def _settled_leaders(inferences: list[Inference], sets: list[Members]) -> list[W
     weighed = _weigh(inferences, sets)
     for _ in range(LAPS if inferences[0].model.inputs.groups else 0):
         best = max(w.log_weight for w in weighed)
-        far = [w for w in weighed if w.log_weight > best - LEADERS and _away(w.inference, w.members) > _FAR]
+        far = [w for w in weighed if w.log_weight > best - LEADERS and _away(w.inference, w.members) > FAR]
         new: list[Inference] = []
         for w in sorted(far, key=lambda w: -w.log_weight)[:POLISHED]:
             found = _settled(w.inference, w.members, [*inferences, *new])
@@ -248,9 +250,6 @@ def _settled_leaders(inferences: list[Inference], sets: list[Members]) -> list[W
         inferences = [*inferences, *new]
         weighed = _weigh(inferences, sets)
     return weighed
-
-
-_FAR = STATE_RESOLUTION / 2
 
 
 def _weigh(inferences: Sequence[Inference], sets: list[Members]) -> list[Weighed]:
@@ -266,7 +265,7 @@ def _exact(inferences: Sequence[Inference], members: Members) -> Weighed:
         model, judgement = inference.model, inference.judge([members])[0]
         value = model.log_none + judgement.log_factor + log_box(model, judgement.fit)
         tried.append((_away(inference, members), value + log_prior(model.inputs, members), inference))
-    near = [t for t in tried if t[0] < _FAR] or [min(tried, key=lambda t: t[0])]
+    near = [t for t in tried if t[0] < FAR] or [min(tried, key=lambda t: t[0])]
     _, value, nearest = max(near, key=lambda t: t[1])
     return Weighed(members, False, value, nearest)
 

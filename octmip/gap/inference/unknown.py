@@ -1,9 +1,9 @@
 """The unknown: a discrepancy that no effect of the library describes, as a hypothesis with its own evidence.
 
 The asset shows an extra field tau * s * u over the gauges, s their scales (`Discrepancy.scale`), u ~ N(0, kernel), with
-the load as L^0, L^1 or L^2; the kernel is white over the gauges or smooth along the structure, at every state alike, or
-white and another in every test. With the whitened field's
-singular values s and the residual's components c,
+the load as L^0, L^1 or L^2. The kernel is white over the gauges or smooth along the structure, one field in all tests,
+or white with a field of its own in each test. With the whitened field's singular values s and the residual's components
+c,
 
     log BF = sum (c^2 q - log(1 + tau^2 s^2)) / 2,   q = tau^2 s^2 / (1 + tau^2 s^2).
 
@@ -25,7 +25,11 @@ from octmip.gap.inference.signature_error import with_errors
 
 Floats = NDArray[np.float64]
 
-KERNELS = ("rough", "smooth")
+FIELD_WORDS = {
+    "rough": "a rough field",
+    "smooth": "a smooth field",
+    "rough in each test": "a rough field of its own in each test",
+}
 POWERS = (0, 1, 2)
 LOAD_WORDS = ("constant in load", "proportional to the load", "growing with the load squared")
 SIZES = (0.003, 0.01, 0.03, 0.1)
@@ -93,7 +97,7 @@ def weigh_unknown(model: LinearModel) -> Unknown:
     return Unknown(
         float(logsumexp(values)) - float(np.log(len(kinds))),
         float(np.log(len(kinds))),
-        f"a {name} field, {LOAD_WORDS[power]}, of about {100 * size:g} % of the readings",
+        f"{FIELD_WORDS[name]}, {LOAD_WORDS[power]}, of about {100 * size:g} % of the readings",
         Inference(with_errors(model, field.u * (field.s * size))),
     )
 
@@ -112,7 +116,7 @@ def _roots(model: LinearModel) -> dict[str, Floats]:
     names = list(dict.fromkeys(tests.tolist()))
     if len(names) > 1:
         own = (tests[:, None] == np.array(names)[None, :]).astype(float)
-        found["rough, in each test another,"] = np.hstack([found["rough"] * own[:, [k]] for k in range(len(names))])
+        found["rough in each test"] = np.hstack([found["rough"] * own[:, [k]] for k in range(len(names))])
     return found
 
 

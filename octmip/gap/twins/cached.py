@@ -19,6 +19,7 @@ from octmip.twin import (
     channels_of,
     load_words,
     loads_of,
+    positions_of,
     predict_states,
     state_limits_of,
     state_parameters,
@@ -75,8 +76,7 @@ class CachedTwin:
     @property
     def gauge_positions(self) -> NDArray[np.float64] | None:
         """Places (n_gauges, 2) [m], or None when the twin does not say."""
-        places = getattr(self.twin, "gauge_positions", None)
-        return None if places is None else np.asarray(places, dtype=np.float64)
+        return positions_of(self.twin)
 
     @property
     def _is_linear(self) -> bool:
