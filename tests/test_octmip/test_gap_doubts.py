@@ -75,6 +75,29 @@ def test_tests_of_one_load_each_share_a_state_only_where_the_readings_say_so(sta
     assert f"probability {'above 0.99' if share_one else 'below 0.01'}" in note
 
 
+def more_of_the_damage(gauge, share):
+    """Return a change: one gauge shows more of what damage changes than the twin says."""
+    here = np.arange(20) == gauge
+
+    def change(state, load, time):
+        return share * here * (TWIN.predict(state, load) - TWIN.predict({}, load))
+
+    return change
+
+
+def test_a_gauge_at_which_damage_acts_by_half_as_much_again_is_not_accused():
+    campaign = measured(11, more_of_the_damage(4, 0.4), states=((0.3, 0.2),), known=False)
+    diagnosis = diagnose(campaign, TWIN, commissioning=RUN)
+    assert diagnosis.is_sound
+    assert max(diagnosis.inclusion[name] for name in ("gauge_gain", "gauge_bias", "crosstalk")) < 0.4
+
+
+def test_a_gain_that_acts_in_the_sound_state_too_is_still_named():
+    gain = lambda state, load, time: 0.04 * (np.arange(20) == 4) * TWIN.predict(state, load)  # noqa: E731
+    campaign = measured(12, gain, states=((0.0, 0.0), (0.3, 0.2)))
+    assert diagnose(campaign, TWIN, commissioning=RUN).which[0].effects == ("gauge_gain",)
+
+
 class Rescaled(Beam):
     """The beam with every second reading in a unit a thousandth as large; it says nothing of units."""
 

@@ -52,10 +52,13 @@ FLOOR = 0.003
 """Sd of the part of each gauge over the rms of its unit's readings: gauges of little strain differ by more."""
 DAMAGE = 0.04
 """Relative sd of the change that damage makes: on meshes of 30k degrees of freedom it is known to some per cent."""
-WIDE = 4.0
-"""Factor on the relative errors of a gauge that two models place in fields of unlike slope: a tail, not a level."""
+WIDE_DAMAGE = 0.25
+"""Relative sd of the change that damage makes at a gauge where two models' fields have unlike slopes: a tail of its own,
+not a level. Three pairs of models of one wing differ there by .13, .5 and .5."""
+WIDE_OWN = 0.03
+"""Relative sd of healthy readings at such a gauge."""
 WIDE_SHARE = 0.05
-"""Share of such gauges. Three pairs of models of one wing have 1 of 20 each (docs/gap/sealed.md)."""
+"""Share of such gauges: 1 of 20 in each of the three pairs."""
 UNEVEN = 1e-3
 """Chance below which a run is taken as not proportional to the load."""
 HALF = 0.5
@@ -83,7 +86,7 @@ class Discrepancy:
     level
         factor on relative differences that these numbers hold for.
     wide
-        gauges whose own relative errors are `WIDE` times as large, as positions.
+        positions of the gauges whose own errors are those of `WIDE_DAMAGE` and `WIDE_OWN`.
     log_levels
         levels that are possible, each with the log of its probability.
     is_calibrated
@@ -115,19 +118,19 @@ class Discrepancy:
         """Return the difference at another level, with other wide gauges; what a commissioning run measured stays."""
         if self.is_calibrated:
             return replace(self, damage=DAMAGE * level, level=level, wide=wide)
-        own = np.diag(self._own_tails(wide) - self._own_tails(self.wide))
-        covariance = (level / self.level) ** 2 * (self.covariance + self.level**2 * own)
+        covariance = (level / self.level) ** 2 * (self.covariance - self._own_tails(self.wide))
+        covariance = covariance + self._own_tails(wide)
         return replace(self, covariance=covariance, damage=DAMAGE * level, level=level, wide=wide)
 
     def _own_tails(self, wide: tuple[int, ...]) -> Floats:
-        """Return what wide gauges add to their variances (n_gauges,) at level 1."""
+        """Return what wide gauges add to the covariance (n_gauges, n_gauges) of healthy readings."""
         tails = np.zeros(len(self.healthy))
-        tails[list(wide)] = (WIDE * OWN * self.healthy[list(wide)]) ** 2
-        return tails
+        tails[list(wide)] = (WIDE_OWN * self.healthy[list(wide)]) ** 2
+        return np.diag(tails)
 
     def damage_tails(self, gauge: NDArray[np.int64]) -> Floats:
         """Return the relative sd (n,) that what damage changes at some gauges has beyond `damage`: 0 where not wide."""
-        return np.asarray(np.where(np.isin(gauge, self.wide), WIDE * self.damage, 0.0))
+        return np.asarray(np.where(np.isin(gauge, self.wide), WIDE_DAMAGE, 0.0))
 
     def share(self, healthy: Floats, reference: Floats) -> float:
         """Return phi: the signed size of a healthy prediction relative to the one at the reference load."""

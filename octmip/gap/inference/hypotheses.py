@@ -6,7 +6,7 @@ the others already imitate are the same explanation twice and are left out.
 """
 
 from dataclasses import dataclass
-from math import comb, log
+from math import comb, inf, log
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,7 +40,9 @@ def log_prior(inputs: Inputs, members: Members) -> float:
 
 
 def log_count(inputs: Inputs, k: int) -> float:
-    """Return the log prior probability of each set of k effects."""
+    """Return the log prior probability of each set of k effects; -inf for more than the odds know of."""
+    if k >= len(inputs.odds.count):
+        return -inf
     return log(max(inputs.odds.count[k], 1e-300)) - log(max(comb(inputs.priors.n_effects, k), 1))
 
 
