@@ -220,7 +220,7 @@ def _diagnose(
         which=which,
         shrinkage=closing,
         next_test=next_tests(model, with_identifiable(posterior.judged)),
-        noise=inputs.noise,
+        noise=model.inputs.noise,
         inclusion=posterior.inclusion(),
         unknown_probability=unknown_probability,
         detectable=sizes,

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from octmip.gap.campaign.campaign import Campaign
 from octmip.gap.causes import MISSTATED, UNKNOWN, Cause, causes_of
-from octmip.gap.inference.discrepancy import UNEVEN, Discrepancy
+from octmip.gap.inference.discrepancy import Discrepancy
 from octmip.gap.inference.inputs import prepare
 from octmip.gap.inference.posterior import attribute
 from octmip.gap.inference.states import state_posterior
@@ -52,7 +52,7 @@ def check_of(
     odds: Odds,
 ) -> RunCheck:
     """Return what speaks against a commissioning run that left the discrepancy `known`."""
-    if known.p_value >= UNEVEN and known.own_level < UNUSUAL:
+    if known.uneven <= LIKELY and known.own_level < UNUSUAL:
         return RunCheck()
     inputs, _ = prepare(run, twin, effects, None, noise_sd, odds=odds)
     posterior = attribute(inputs)
@@ -62,7 +62,7 @@ def check_of(
         return RunCheck((f"{_LEAD}: its readings are those of {_state_of(first)}; it is left out.",), False)
     if known.own_level > TOO_FAR:
         return RunCheck((f"{_LEAD}: it differs from the twin by more than two models do; it is left out.",), False)
-    if known.p_value < UNEVEN and first.effects and first.probability > LIKELY:
+    if known.uneven > LIKELY and first.effects and first.probability > LIKELY:
         return RunCheck((f"{_LEAD}: it does not grow with the load as the twin does ({_called(first)}).",))
     return RunCheck()
 

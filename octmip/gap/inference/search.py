@@ -16,7 +16,7 @@ from scipy.special import logsumexp
 from octmip.gap.inference.evidence import Members, extensions
 from octmip.gap.inference.hypotheses import Hypothesis, likely_sets, log_prior
 from octmip.gap.inference.inference import Inference
-from octmip.gap.inference.inputs import Inputs
+from octmip.gap.inference.inputs import Inputs, Variant
 from octmip.gap.inference.linear_model import at_level, linearise
 from octmip.gap.inference.states import STATE_RESOLUTION, distance, log_box, moved_states
 from octmip.gap.inference.unknown import weigh_unknown
@@ -42,6 +42,8 @@ LEVEL_BEHIND = 4.0
 """Log units behind the best level of differences beyond which another level is not looked at."""
 MOST_LEVELS = 3
 """Levels that are looked at."""
+MOST_WALKS = 2
+"""Sizes of a walk of the readings that are looked at."""
 WITH_UNKNOWN = 30
 """Best sets that are weighed with the unknown beside them."""
 
@@ -67,16 +69,28 @@ class Weighed:
 
 
 def weighed_hypotheses(inputs: Inputs, states: Sequence[Floats], *, is_quick: bool = False) -> list[Weighed]:
-    """Return the hypotheses about inputs, at every level of differences between models that the readings bear.
+    """Return the hypotheses about inputs, for every walk and level of differences that the readings bear.
 
     Parameters
     ----------
     states
         assignments (n_cells, n_parameters) to start from, the best first.
     is_quick
-        whether to look at the best level only.
+        whether to look at the best walk and level only.
     """
-    levels = _levels(inputs, states[0])[: 1 if is_quick else None]
+    found = []
+    for variant, levels in _variants(inputs, states[0])[: 1 if is_quick else None]:
+        own = _under(inputs.under(variant), states, levels[: 1 if is_quick else None])
+        found += [w.times(variant.log_share) for w in own]
+    return found
+
+
+Level = tuple[float, float]
+"""A level of differences between models, and the log of its probability."""
+
+
+def _under(inputs: Inputs, states: Sequence[Floats], levels: Sequence[Level]) -> list[Weighed]:
+    """Return the hypotheses under one size of the walk, at these levels, the best first."""
     first, log_level = levels[0]
     at = replace(inputs, discrepancy=inputs.discrepancy.at(first))
     started = [Inference(linearise(at, assignment)) for assignment in states]
@@ -100,9 +114,25 @@ def weighed_hypotheses(inputs: Inputs, states: Sequence[Floats], *, is_quick: bo
     return result
 
 
-def _levels(inputs: Inputs, states: Floats) -> list[tuple[float, float]]:
-    """Return each level worth a look with the log of its probability, the best first."""
-    found = sorted(_by_level(inputs, states), key=lambda item: -item[0])
+def _variants(inputs: Inputs, states: Floats) -> list[tuple[Variant, list[Level]]]:
+    """Return the sizes of the walk that are worth a look, the best first, each with its levels.
+
+    That nothing wanders always is; a walk is where it explains the readings better with the best single effect beside
+    it, so that no more is weighed where there is no sign of one.
+    """
+    by_variant = [(_by_level(inputs.under(variant), states), variant) for variant in inputs.variants]
+    values = [max(value for value, *_ in found) + variant.log_share for found, variant in by_variant]
+    order = sorted(range(len(values)), key=lambda k: -values[k])
+    still = [k for k in order if not by_variant[k][1].wanders][:1]
+    least = max([values[k] for k in still] + [values[order[0]] - LEVEL_BEHIND])
+    walks = [k for k in order if by_variant[k][1].wanders and values[k] >= least][:MOST_WALKS]
+    kept = sorted([*still, *walks], key=lambda k: -values[k])
+    return [(by_variant[k][1], _levels(by_variant[k][0])) for k in kept]
+
+
+def _levels(by_level: Sequence[tuple[float, float, float]]) -> list[Level]:
+    """Return each level worth a look, the best first."""
+    found = sorted(by_level, key=lambda item: -item[0])
     return [(level, log_share) for value, level, log_share in found[:MOST_LEVELS] if value > found[0][0] - LEVEL_BEHIND]
 
 
@@ -114,10 +144,14 @@ def _by_level(inputs: Inputs, states: Floats) -> list[tuple[float, float, float]
 
 
 def promise(inputs: Inputs, states: Floats, *, is_alone: bool = False) -> float:
-    """Return the log evidence of the best single candidate, or of none, about some states at the best level.
+    """Return the log evidence of the best single candidate, or of none, about some states, at its best walk and level.
 
     With `is_alone` that of none.
     """
+    return max(_promise(inputs.under(v), states, is_alone) + v.log_share for v in inputs.variants)
+
+
+def _promise(inputs: Inputs, states: Floats, is_alone: bool) -> float:
     if is_alone:
         model = linearise(inputs, states)
         return max(at_level(model, at).log_none + log_share for at, log_share in inputs.discrepancy.log_levels)
