@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 from octmip.gap.campaign.campaign import Campaign
+from octmip.gap.campaign.noise import Noise
 from octmip.gap.inference.discrepancy import LEVEL_PRIOR, LEVELS, uncalibrated
 from octmip.gap.inference.evidence import alike, fits_of
 from octmip.gap.inference.inputs import Inputs, prepare
@@ -87,7 +88,7 @@ def wrong_run(
     kernels = _kernels(today.inputs)
     campaign = _part(today, today.inputs)
     before = _of_run(today, run, _difference(campaign, kernels), effects, noise_sd, odds)
-    other = _part(before, today.inputs)
+    other = _with_own_walk(before, today.inputs, kernels)
     none = _levels([campaign, other], kernels)
     right = _log(none) + _log_gain(posterior, campaign, [campaign, other], kernels, today.inputs)
     single = _with_single(other, [campaign, other], kernels, before.inputs)
@@ -116,7 +117,7 @@ def _of_run(
     noise_sd: float | Mapping[str, float] | None,
     odds: Odds,
 ) -> LinearModel:
-    """Return the model of the run as a campaign of its own, of the gauges and with the walk of the campaign.
+    """Return the model of the run as a campaign of its own, of the gauges of the campaign.
 
     What its effects change is taken from the twin with the `difference` (n_gauges,) that the campaign shows.
     """
@@ -124,10 +125,7 @@ def _of_run(
     readings = run.readings[:, [run.gauges.index(name) for name in gauges]]
     own = replace(run, gauges=gauges, readings=readings, units=())
     inputs, _ = prepare(own, today.inputs.twin, effects, None, noise_sd, odds=odds)
-    walk = _relative_walk(today.inputs)
-    alike_walk = min(inputs.variants, key=lambda v: abs(_relative_walk(inputs.under(v)) - walk))
     states = np.array([cell.state for cell in inputs.campaign.cells])
-    inputs = inputs.under(alike_walk)
     own_gauges = [gauges.index(name) for name in inputs.campaign.gauges]
     mean = today.inputs.share_of_reference(inputs.reference) * difference[own_gauges]
     return linearise(replace(inputs, discrepancy=replace(inputs.discrepancy, mean=mean)), states)
@@ -141,8 +139,12 @@ def _difference(campaign: _Part, kernels: list[Floats]) -> Floats:
     return np.asarray(np.linalg.solve(np.eye(len(kernel)) + kernel @ precision, kernel @ projection))
 
 
-def _relative_walk(inputs: Inputs) -> float:
-    return inputs.noise.walk_sd / float(np.sqrt(np.median(np.diag(inputs.noise.covariance))))
+def _with_own_walk(before: LinearModel, of: Inputs, kernels: list[Floats]) -> _Part:
+    """Return the readings of the run under the size of its own walk that explains them best."""
+    variants = before.inputs.variants
+    parts = [_part(before, of, variant.noise) for variant in variants]
+    values = [_log(_levels([part], kernels)) + variant.log_share for part, variant in zip(parts, variants, strict=True)]
+    return parts[int(np.argmax(values))]
 
 
 def _kernels(inputs: Inputs) -> list[Floats]:
@@ -150,11 +152,17 @@ def _kernels(inputs: Inputs) -> list[Floats]:
     return [prior.at(level).covariance for level in LEVELS]
 
 
-def _part(model: LinearModel, of: Inputs) -> _Part:
-    """Return the readings of a model whitened, its discrepancy left out; gauges and reference are those `of` inputs."""
+def _part(model: LinearModel, of: Inputs, noise: Noise | None = None) -> _Part:
+    """Return the readings of a model whitened, its discrepancy left out; gauges and reference are those `of` inputs.
+
+    With another `noise` than the model's where one is given.
+    """
     inputs, gauge = model.inputs, model.gauge
     known = inputs.discrepancy
     covariance = model.covariance - np.outer(model.share, model.share) * known.covariance[np.ix_(gauge, gauge)]
+    if noise is not None:
+        rows = (inputs.averages, inputs.loads, model.average, gauge)
+        covariance += noise.of_averages(*rows) - inputs.noise.of_averages(*rows)
     root = np.linalg.cholesky(0.5 * (covariance + covariance.T))
     phi = np.array([of.share_of_reference(load) for load in inputs.loads])[model.average]
     number = np.array([of.campaign.gauges.index(name) for name in inputs.campaign.gauges])[gauge]

@@ -5,6 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from benchmarks.cases.gap.noise import Beam as Cantilever
+from benchmarks.cases.gap.noise import drawn
 from octmip.gap import diagnose
 from octmip.gap.campaign.averages import averages_of, moments_of
 from octmip.gap.campaign.noise import least_moment
@@ -114,3 +116,8 @@ def test_what_does_not_grow_with_the_load_stays_out_of_the_calibration():
     assert calm.discrepancy.uneven < 0.1
     sd = np.sqrt(np.diag(inputs.discrepancy.covariance))
     assert np.abs((inputs.discrepancy.mean - calm.discrepancy.mean) / sd).max() < 3.0
+
+
+def test_a_run_that_wanders_beside_a_calm_campaign_is_not_doubted():
+    kind = "random walk, slow"
+    assert not diagnose(drawn(kind, 0), Cantilever(), commissioning=drawn(kind, 1)).doubts

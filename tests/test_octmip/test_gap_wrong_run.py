@@ -47,7 +47,7 @@ def test_a_run_that_may_be_wrong_is_mentioned():
 def test_an_asset_that_has_become_softer_has_a_right_run():
     diagnosis = diagnose(measured(21002, stiffer(-0.05)), TWIN, commissioning=measured(31003))
     assert not diagnosis.doubts
-    assert "modulus" in diagnosis.which[0].names[0] or diagnosis.which[0].effects == ("modulus",)
+    assert any("modulus" in part for part in diagnosis.which[0].names)
 
 
 def test_the_odds_of_a_wrong_run_are_an_argument():
