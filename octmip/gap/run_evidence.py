@@ -6,9 +6,9 @@ is a hypothesis beside all causes of the campaign, weighed by its evidence over 
 
     r_run = phi d + s theta + noise,   r_campaign = phi d + noise,   d ~ N(0, l^2 K),
 
-with s theta one effect of the library in the run only, or a state that is not as stated, or a d of its own for each (it
-is a run of another asset, or of other gauges). With d integrated out at each level an effect has the Gram scalar
-s's - a'Qa and the projection s'r - a'Qh, a = Phi's, whitened by the noise.
+with s theta one effect of the library in the run only, or a state that is not as stated, or any pattern over the gauges
+(a run of another asset, or of other gauges; the same pattern is weighed in the campaign). With d integrated out at
+each level an effect has the Gram scalar s's - a'Qa and the projection s'r - a'Qh, a = Phi's, whitened by the noise.
 """
 
 from collections.abc import Mapping
@@ -33,6 +33,8 @@ Floats = NDArray[np.float64]
 
 OF_STATE, OF_EFFECT, OF_OTHER = 0.4, 0.4, 0.2
 """Shares of what may be wrong with a run: the state, one effect, all of it."""
+FIELDS = (0.01, 0.03, 0.1)
+"""Sd of any pattern over the scale of the readings."""
 SILENT = 1e-250
 """Probability of a sound campaign below which the best single effect says how much better it is explained."""
 
@@ -90,12 +92,15 @@ def wrong_run(
     before = _of_run(today, run, _difference(campaign, kernels), effects, noise_sd, odds)
     other = _with_own_walk(before, today.inputs, kernels)
     none = _levels([campaign, other], kernels)
-    right = _log(none) + _log_gain(posterior, campaign, [campaign, other], kernels, today.inputs)
+    scale = today.inputs.discrepancy.scale
+    strange = _log_prior(odds.unknown[:1], odds) + _with_field(campaign, [campaign, other], kernels, scale)
+    gain = _log_gain(posterior, campaign, [campaign, other], kernels, today.inputs)
+    right = float(np.logaddexp(_log(none) + gain, _log(none + strange)))
     single = _with_single(other, [campaign, other], kernels, before.inputs)
     weights = {
         "state": np.log(OF_STATE) + _log(none + _with_state(other, [campaign, other], kernels)),
         "effect": np.log(OF_EFFECT) + _log_sum(none, single),
-        "other": np.log(OF_OTHER) + _log(_levels([campaign], kernels) + _levels([other], kernels)),
+        "other": np.log(OF_OTHER) + _log(none + _with_field(other, [campaign, other], kernels, scale)),
     }
     wrong = float(np.log(max(odds.wrong_run, 1e-300))) + float(logsumexp(list(weights.values())))
     probability = float(1.0 / (1.0 + np.exp(np.clip(right - wrong, -700.0, 700.0))))
@@ -230,13 +235,26 @@ def _with_single(own: _Part, parts: list[_Part], kernels: list[Floats], inputs: 
 def _with_state(own: _Part, parts: list[_Part], kernels: list[Floats]) -> Floats:
     """Return what another state than is stated, in one part, adds to the log evidence (n_levels,)."""
     n = own.tangents.shape[1]
-    if not n:
-        return np.full(len(kernels), -np.inf)
+    return (
+        _with_columns(own.tangents, np.full(n, OPEN_STATE), own, parts, kernels)
+        if n
+        else np.full(len(kernels), -np.inf)
+    )
+
+
+def _with_field(own: _Part, parts: list[_Part], kernels: list[Floats], scale: Floats) -> Floats:
+    """Return what a pattern of any shape over the gauges, in one part, adds to the log evidence (n_levels,)."""
+    found = [_with_columns(own.phi, size * scale, own, parts, kernels) for size in FIELDS]
+    return np.asarray(logsumexp(found, axis=0) - np.log(len(FIELDS)))
+
+
+def _with_columns(columns: Floats, sd: Floats, own: _Part, parts: list[_Part], kernels: list[Floats]) -> Floats:
+    """Return what whitened columns (n, m) with weights of these sd (m,) add to the log evidence (n_levels,)."""
     found = []
     for kernel in kernels:
-        gram, projection = _conditional(own.tangents, own, parts, kernel)
-        inner = gram + np.eye(n) / OPEN_STATE**2
-        log_det = float(np.linalg.slogdet(inner)[1]) + 2.0 * n * np.log(OPEN_STATE)
+        gram, projection = _conditional(columns, own, parts, kernel)
+        inner = gram + np.diag(sd**-2.0)
+        log_det = float(np.linalg.slogdet(inner)[1]) + 2.0 * float(np.log(sd).sum())
         found.append(0.5 * float(projection @ np.linalg.solve(inner, projection)) - 0.5 * log_det)
     return np.array(found)
 
@@ -255,6 +273,11 @@ def _log_gain(posterior: Posterior, own: _Part, parts: list[_Part], kernels: lis
 def _log_sum(none: Floats, added: Floats) -> float:
     """Return the log of the evidence summed over what each of (n_levels, n_candidates) adds."""
     return float(logsumexp([_log(none + column) for column in added.T])) if added.size else -np.inf
+
+
+def _log_prior(probabilities: tuple[float, ...], odds: Odds) -> float:
+    """Return the log of a prior probability over that of nothing."""
+    return float(np.log(max(sum(probabilities), 1e-300)) - np.log(odds.count[0]))
 
 
 def _log(levels: Floats) -> float:
