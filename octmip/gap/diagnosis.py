@@ -29,7 +29,7 @@ from octmip.gap.location import Where, localise
 from octmip.gap.next_test import Proposal, next_tests
 from octmip.gap.odds import Odds
 from octmip.gap.progress import Progress, Stage, silent
-from octmip.gap.run_check import RunCheck, check_of
+from octmip.gap.run_check import RunCheck, check_beside, check_of
 from octmip.gap.shrinkage import Shrinkage, measure_shrinkage
 from octmip.gap.tree_nodes import flips
 from octmip.gap.twins.augmented import Addition, AugmentedTwin
@@ -208,9 +208,12 @@ def _diagnose(
     checked = RunCheck()
     if isinstance(commissioning, Campaign):
         checked = check_of(commissioning, asked, chosen, inputs.discrepancy, noise_sd, odds)
-    if not checked.is_usable:
+    posterior = attribute(inputs) if checked.is_usable else None
+    if posterior is not None and isinstance(commissioning, Campaign) and not checked.sentences:
+        checked = check_beside(posterior, commissioning, chosen, noise_sd, odds)
+    if posterior is None or not checked.is_usable:
         inputs, notes = prepare(campaign, asked, chosen, None, noise_sd, progress, odds)
-    posterior = attribute(inputs)
+        posterior = attribute(inputs)
     progress(Stage("how far the best cause closes the gap"))
     which, closing, unknown_probability = _which(posterior)
     progress(Stage("which test to run next"))
@@ -222,13 +225,13 @@ def _diagnose(
         which=which,
         shrinkage=closing,
         next_test=next_tests(model, with_identifiable(posterior.judged)),
-        noise=inputs.noise,
+        noise=model.inputs.noise,
         inclusion=posterior.inclusion(),
         unknown_probability=unknown_probability,
         detectable=sizes,
         refused=_refused(which, model, sizes),
         states=_states(which[0].judged) if which else (),
-        notes=(*checked.sentences, *campaign.notes, *notes, *_of_one_state(posterior, campaign)),
+        notes=(*checked.sentences, *checked.remarks, *campaign.notes, *notes, *_of_one_state(posterior, campaign)),
         posterior=posterior,
         doubts=checked.sentences,
     )

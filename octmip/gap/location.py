@@ -164,16 +164,20 @@ def _means(model: LinearModel) -> _Means:
     mix[entry.ravel(), np.arange(model.n)] = count
     mix = mix / mix.sum(axis=1, keepdims=True)
     covariance = mix @ model.covariance @ mix.T
+    noise = np.einsum("ij,jk,ik->i", mix, noise_covariance(model), mix)
     units, scale = tuple(model.inputs.units[g] for g in places[1]), model.inputs.scale[places[1]]
-    return _Means(places[0], places[1], mix @ model.residual, covariance, mix**2 @ noise_variance(model), units, scale)
+    return _Means(places[0], places[1], mix @ model.residual, covariance, noise, units, scale)
 
 
 def noise_variance(model: LinearModel) -> Floats:
     """Return the variance (n,) that noise alone gives each averaged reading [microstrain^2]."""
+    return np.asarray(np.diag(noise_covariance(model)))
+
+
+def noise_covariance(model: LinearModel) -> Floats:
+    """Return the covariance (n, n) that noise alone gives the averaged readings: what wanders is in it, no jump."""
     inputs = model.inputs
-    pairs = zip(inputs.averages, inputs.loads, strict=True)
-    of_average = [np.diag(inputs.noise.of_mean(average.count, load)) for average, load in pairs]
-    return np.array(of_average)[model.average, model.gauge]
+    return inputs.noise.of_scatter(inputs.averages, inputs.loads, model.average, model.gauge)
 
 
 def _entries(means: _Means, names: Sequence[str], share: Floats) -> tuple[Place, ...]:

@@ -25,6 +25,8 @@ class Odds:
         of something outside the library alone, beside one effect and beside two, all 3.
     misstated
         that the stated state of a test is wrong.
+    wrong_run
+        that a commissioning run was taken with a fault of its own, or of another asset.
     effects
         by name, how many times as probable an effect is as one that is not named here; 0 leaves it out.
 
@@ -37,6 +39,7 @@ class Odds:
     count: tuple[float, ...] = (0.48, 0.34, 0.12, 0.02)
     unknown: tuple[float, ...] = (0.03, 0.01, 0.002)
     misstated: float = 0.01
+    wrong_run: float = 0.02
     effects: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -54,6 +57,7 @@ class Odds:
 
     def _check_numbers(self) -> None:
         numbers = {"count": self.count, "unknown": self.unknown, "misstated": (self.misstated,)}
+        numbers["wrong_run"] = (self.wrong_run,)
         for name, values in numbers.items():
             if not all(isfinite(v) and 0.0 <= v < 1.0 for v in values) or not sum(values) <= 1.0:
                 raise DataError(

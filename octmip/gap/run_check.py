@@ -1,9 +1,10 @@
 """The check of a commissioning run: the asset may not have been sound, or not as it is today, when it was read.
 
-A calibration hides whatever was wrong on its day, and accuses the sound asset of the opposite. Two things show it: the
+A calibration hides whatever was wrong on its day, and accuses the sound asset of the opposite. Three things show it: a
 run does not grow with the load as the twin does (a temperature, a bias), or it differs from the twin by more than two
-models of one structure do, in a pattern that a damage explains. Then the run is itself diagnosed, as a campaign without
-a run, and what leads is said.
+models of one structure do, in a pattern that a damage explains: then the run is itself diagnosed, as a campaign without
+a run, and what leads is said. Or the asset is accused of what a fault of the run explains as well, beside a difference
+of twin and asset that is more usual (`octmip.gap.run_evidence`).
 """
 
 from collections.abc import Mapping
@@ -11,11 +12,12 @@ from dataclasses import dataclass
 
 from octmip.gap.campaign.campaign import Campaign
 from octmip.gap.causes import MISSTATED, UNKNOWN, Cause, causes_of
-from octmip.gap.inference.discrepancy import UNEVEN, Discrepancy
+from octmip.gap.inference.discrepancy import Discrepancy
 from octmip.gap.inference.inputs import prepare
-from octmip.gap.inference.posterior import attribute
+from octmip.gap.inference.posterior import Posterior, attribute
 from octmip.gap.inference.states import state_posterior
 from octmip.gap.odds import Odds
+from octmip.gap.run_evidence import wrong_run
 from octmip.gap.twins.cached import CachedTwin
 from octmip.twin import Effect
 
@@ -23,6 +25,8 @@ UNUSUAL = 2.0
 """Level of differences between models from which a run is looked at more closely."""
 TOO_FAR = 3.2
 """Mean level from which no two models of one structure differ so much."""
+POSSIBLE = 0.1
+"""Probability from which a run that may be wrong is mentioned."""
 LIKELY = 0.5
 """Probability from which what leads is said of a run."""
 
@@ -37,10 +41,13 @@ class RunCheck:
         for the reader; empty where nothing does.
     is_usable
         whether it calibrates the twin all the same.
+    remarks
+        what may speak against it, though less probably than not.
     """
 
     sentences: tuple[str, ...] = ()
     is_usable: bool = True
+    remarks: tuple[str, ...] = ()
 
 
 def check_of(
@@ -52,7 +59,7 @@ def check_of(
     odds: Odds,
 ) -> RunCheck:
     """Return what speaks against a commissioning run that left the discrepancy `known`."""
-    if known.p_value >= UNEVEN and known.own_level < UNUSUAL:
+    if known.uneven <= LIKELY and known.own_level < UNUSUAL:
         return RunCheck()
     inputs, _ = prepare(run, twin, effects, None, noise_sd, odds=odds)
     posterior = attribute(inputs, is_quick=True)
@@ -62,9 +69,29 @@ def check_of(
         return RunCheck((f"{_LEAD}: its readings are those of {_state_of(first)}; it is left out.",), False)
     if known.own_level > TOO_FAR:
         return RunCheck((f"{_LEAD}: it differs from the twin by more than two models do; it is left out.",), False)
-    if known.p_value < UNEVEN and first.effects and first.probability > LIKELY:
+    if known.uneven > LIKELY and first.effects and first.probability > LIKELY:
         return RunCheck((f"{_LEAD}: it does not grow with the load as the twin does ({_called(first)}).",))
     return RunCheck()
+
+
+def check_beside(
+    posterior: Posterior,
+    run: Campaign,
+    effects: Mapping[str, Effect],
+    noise_sd: float | Mapping[str, float] | None,
+    odds: Odds,
+) -> RunCheck:
+    """Return what speaks against a run beside which the asset is accused: it may be the run that is wrong."""
+    sound = sum(h.probability for h in posterior.judged if not h.members and not h.has_unknown and not h.doubted)
+    if sound > LIKELY:
+        return RunCheck()
+    found = wrong_run(posterior, run, effects, noise_sd, odds)
+    if found.probability <= LIKELY:
+        remark = (
+            f"It may also be the commissioning run that is wrong (probability {found.probability:.2f}): {found.what}."
+        )
+        return RunCheck(remarks=(remark,) if found.probability > POSSIBLE else ())
+    return RunCheck((f"{_LEAD}: {found.what}; it is left out.",), False)
 
 
 _LEAD = "The commissioning run is doubtful"

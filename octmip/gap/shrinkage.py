@@ -21,7 +21,7 @@ from octmip.gap.inference.candidates import bounds_of
 from octmip.gap.inference.evidence import Fit
 from octmip.gap.inference.inference import Inference
 from octmip.gap.inference.linear_model import OPEN_STATE, LinearModel
-from octmip.gap.location import noise_variance
+from octmip.gap.location import noise_covariance
 from octmip.twin import MICROSTRAIN, amounts_of
 
 Floats = NDArray[np.float64]
@@ -96,9 +96,12 @@ class _Left:
     ----------
     name
         what was held out.
+    rows
+        (n_held,) rows of the model.
     """
 
     name: str
+    rows: NDArray[np.int64]
     before: Floats
     after: Floats
     noise: Floats
@@ -109,11 +112,13 @@ def measure_shrinkage(inference: Inference, members: Sequence[int], seed: int = 
     """Return how far the candidates `members` close the gap, the interval by a parametric bootstrap of the noise."""
     model, chosen = inference.model, tuple(members)
     allowing, own = inference.allowing(chosen).model, inference.judge([chosen])[0].fit
-    noise = noise_variance(model)
+    shared = noise_covariance(model)
+    noise = np.diag(shared)
     floor = np.diag(model.covariance) - noise - OPEN_STATE**2 * np.sum(model.tangents**2, axis=1)
     parts = [_left(model, chosen, name, rows, noise, floor) for name, rows in _folds(model)]
     whole = _together(parts)
-    closed, low, high = _closed(whole, np.random.default_rng(seed))
+    scale = model.inputs.scale[model.gauge]
+    closed, low, high = _closed(whole, _drawn(shared / np.outer(scale, scale), seed)[:, whole.rows])
     remaining = allowing.rest(chosen, own.size)
     return Shrinkage(
         before=_rms(whole.before, whole.noise),
@@ -167,7 +172,7 @@ def _left(
     within = columns[held] @ size + through @ (solved[:, -1] - solved[:, :-1] @ size)
     scale = model.inputs.scale[model.gauge[held]]
     after, squared = (model.residual[held] - within) / scale, scale**2
-    return _Left(name, without / scale, after, noise[held] / squared, floor[held] / squared)
+    return _Left(name, held, without / scale, after, noise[held] / squared, floor[held] / squared)
 
 
 def _size(model: LinearModel, members: Sequence[int], columns: Floats, solved: Floats) -> Floats:
@@ -187,7 +192,8 @@ def _together(parts: Sequence[_Left]) -> _Left:
     def joined(name: str) -> Floats:
         return np.concatenate([np.zeros(0), *(getattr(part, name) for part in parts)])
 
-    return _Left("all", joined("before"), joined("after"), joined("noise"), joined("floor"))
+    rows = np.concatenate([np.zeros(0, dtype=np.int64), *(part.rows for part in parts)])
+    return _Left("all", rows, joined("before"), joined("after"), joined("noise"), joined("floor"))
 
 
 def _held_out(part: _Left) -> HeldOut:
@@ -201,7 +207,14 @@ def _rms(left: Floats, noise: Floats) -> float:
     return float(np.sqrt(max(0.0, float(np.mean(left**2 - noise))))) if len(left) else float("nan")
 
 
-def _closed(whole: _Left, rng: np.random.Generator) -> tuple[float, float, float]:
+def _drawn(covariance: Floats, seed: int) -> Floats:
+    """Return draws (DRAWS, n) of noise: what wanders moves many means together."""
+    values, vectors = np.linalg.eigh(covariance)
+    normal = np.random.default_rng(seed).standard_normal((DRAWS, len(covariance)))
+    return np.asarray((normal * np.sqrt(np.maximum(values, 0.0))) @ vectors.T)
+
+
+def _closed(whole: _Left, draws: Floats) -> tuple[float, float, float]:
     """Return the share closed and its 90 % interval; NaN when the gap does not stand above noise and floor."""
     before, after, noise = whole.before, whole.after, whole.noise
     nan = float("nan")
@@ -213,7 +226,6 @@ def _closed(whole: _Left, rng: np.random.Generator) -> tuple[float, float, float
     error = float(np.sqrt(np.mean(2 * noise**2 + 4 * noise * before**2) / len(before)))
     if gap < LEAST_GAP * error:
         return nan, nan, nan
-    draws = rng.standard_normal((DRAWS, len(before))) * np.sqrt(noise)
     g0 = np.mean((before + draws) ** 2 - 2 * noise, axis=1)
     g1 = np.mean((after + draws) ** 2 - 2 * noise, axis=1)
     low, high = np.quantile((g0 - g1) / np.maximum(g0 - floor, 0.1 * gap), [0.05, 0.95])

@@ -39,11 +39,14 @@ class NoisePart:
         its serial correlation.
     excess
         factor on the variance of means for what white noise, AR(1) and a walk do not explain.
+    open_serial
+        what repeats alone leave of the serial correlation, improbable walks included; None where that is `serial`.
     """
 
     covariance: Floats
     serial: Serial
     excess: float = 1.0
+    open_serial: Serial | None = None
 
     def of_mean(self, n: int) -> float:
         """Return the variance of a mean of n readings over that of one."""
@@ -56,7 +59,7 @@ class NoisePart:
         for i, one in enumerate(averages):
             for j in range(i + 1):
                 other = averages[j]
-                shared = step * _least(one.rows, other.rows) if step > 0.0 else 0.0
+                shared = step * least_moment(one.moments, other.moments) if step > 0.0 else 0.0
                 if i != j and one.cell == other.cell:
                     shared += self._neighbours(other, one)
                 found[i, j] = found[j, i] = shared
@@ -67,13 +70,16 @@ class NoisePart:
         return self.excess * self.serial.between(n, m, n)
 
 
-def _least(one: NDArray[np.int64], other: NDArray[np.int64]) -> float:
-    """Return the mean of min(i, j) over the rows of two averages, which a walk from the first row on shares."""
-    every = np.minimum(one[:, None], other[None, :]) if len(one) * len(other) <= 10_000 else None
-    if every is not None:
-        return float(every.mean()) + 1.0
-    thin = [rows[:: 1 + len(rows) // 100] for rows in (one, other)]
-    return float(np.minimum(thin[0][:, None], thin[1][None, :]).mean()) + 1.0
+def least_moment(one: Floats, other: Floats) -> float:
+    """Return the mean of min(s, t) over the moments of two averages, which a walk from the first reading on shares."""
+    if one.max() <= other.min():
+        return float(one.mean())
+    if other.max() <= one.min():
+        return float(other.mean())
+    ordered = np.sort(other)
+    below = np.searchsorted(ordered, one)
+    sums = np.concatenate([np.zeros(1), np.cumsum(ordered)])
+    return float(np.mean(sums[below] + one * (len(ordered) - below))) / len(ordered)
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,6 +157,13 @@ class Noise:
             object.__setattr__(self, "parts", (NoisePart(self.covariance, WHITE),))
 
     @property
+    def walk_sd(self) -> float:
+        """Standard deviation of one step of the typical gauge's walk; 0 where nothing wanders."""
+        own = self.parts[0]
+        step = own.serial.step_variance / own.serial.variance
+        return float(np.sqrt(step * np.median(np.diag(own.covariance))))
+
+    @property
     def sd_microstrain(self) -> float:
         """Typical standard deviation of one reading [microstrain]."""
         return float(np.sqrt(np.median(np.diag(self.covariance))))
@@ -179,6 +192,17 @@ class Noise:
         gauge: NDArray[np.int64],
     ) -> Floats:
         """Return the covariance (n, n) of averages at these loads; (n,) indices of average and gauge."""
+        total = self.of_scatter(averages, loads, average, gauge)
+        return total + self.offsets(averages, average, gauge) if self.jumps else total
+
+    def of_scatter(
+        self,
+        averages: Sequence[AveragedCell],
+        loads: Sequence[Load],
+        average: NDArray[np.int64],
+        gauge: NDArray[np.int64],
+    ) -> Floats:
+        """Return `of_averages` without the offsets of gauges that jumped, of which nothing is known."""
         total = self.across(averages, average, gauge)
         for k, (part, load) in enumerate(zip(averages, loads, strict=True)):
             here = np.flatnonzero(average == k)
@@ -192,6 +216,11 @@ class Noise:
             shared = part.between(averages)
             if shared.any():
                 total += shared[np.ix_(average, average)] * part.covariance[np.ix_(gauge, gauge)]
+        return total
+
+    def offsets(self, averages: Sequence[AveragedCell], average: NDArray[np.int64], gauge: NDArray[np.int64]) -> Floats:
+        """Return the covariance (n, n) of the offsets that gauges have since they jumped."""
+        total = np.zeros((len(average), len(average)))
         for jump in self.jumps:
             k = self.gauges.index(jump.gauge)
             after = np.array([float((part.rows >= jump.row).mean()) for part in averages])[average] * (gauge == k)

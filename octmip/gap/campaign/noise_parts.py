@@ -96,7 +96,7 @@ def parts_of(blocks: Sequence[Floats]) -> Parts:
     cosines = [coefficients(block) / scatter for block in rest if len(block) >= SHORTEST]
     common = fit(_own_spectra(cosines))
     different = _different(cosines, common)
-    parts = [_own_part(own, _decided(common), cosines, different)]
+    parts = [_own_part(own, common, cosines, different)]
     parts += [_single_part(own, k, [c[:, [k]] for c in cosines]) for k in different]
     parts += [_shared_part(blocks, shared[:, k], len(pooled) / inflation) for k in range(shared.shape[1])]
     serials = [part.serial for part in parts]
@@ -213,13 +213,15 @@ def _slow_ratio(cosines: Floats, serial: Serial) -> Floats:
     return np.asarray((cosines[1:LOW] ** 2 / shape[:, None]).mean(axis=0))
 
 
-def _own_part(own: Floats, serial: Serial, cosines: Sequence[Floats], different: Sequence[int]) -> NoisePart:
+def _own_part(own: Floats, common: Serial, cosines: Sequence[Floats], different: Sequence[int]) -> NoisePart:
     """Return what single gauges have, those that differ left out."""
+    serial = _decided(common)
     covariance = serial.variance * own
     covariance[different, :] = 0.0
     covariance[:, different] = 0.0
     keep = np.setdiff1d(np.arange(len(own)), different)
-    return NoisePart(covariance, serial, _excess([c[:, keep] for c in cosines], serial))
+    excess = _excess([c[:, keep] for c in cosines], serial)
+    return NoisePart(covariance, serial, excess, common if cosines else None)
 
 
 def _single_part(own: Floats, gauge: int, cosines: Sequence[Floats]) -> NoisePart:

@@ -222,8 +222,13 @@ def without_walk(serial: Serial) -> Serial:
     still = serial.walk == 0.0
     if still.all() or not still.any():
         return serial
-    weight = serial.weight[still] / serial.weight[still].sum()
-    return Serial(weight, serial.white[still], serial.remembering[still], serial.rho[still], serial.walk[still])
+    return given(serial, still)
+
+
+def given(serial: Serial, wanted: NDArray[np.bool_]) -> Serial:
+    """Return the posterior given that one of the `wanted` points (n_points,) holds."""
+    weight = serial.weight[wanted] / serial.weight[wanted].sum()
+    return Serial(weight, serial.white[wanted], serial.remembering[wanted], serial.rho[wanted], serial.walk[wanted])
 
 
 def expected(serial: Serial, n: int) -> Floats:

@@ -8,12 +8,7 @@ relative errors share one factor, the **level**, with a prior over `LEVELS`. At 
     d ~ N(0, l^2 K),   K = COMMON^2 f f' + SMOOTH^2 (f f') o k + OWN^2 diag(f^2) + (FLOOR s)^2
 
 with k a correlation along the structure and s the scale of readings of one unit. A commissioning run gives d gauge by
-gauge, its covariance, and the level:
-
-    P = Phi' V^-1 Phi,   h = Phi' V^-1 (mean - f),
-    d ~ N(Q h, Q),   Q = (P + (l^2 K)^-1)^-1,   log p(run | l) = (h' Q h - log det(I + l^2 K P)) / 2 + constant
-
-with the means of all cells stacked, V the covariance of their noise and Phi the pattern phi(L) of every gauge.
+gauge, its covariance, and the level (`octmip.gap.commissioning`).
 Source: Kennedy and O'Hagan (2001), "Bayesian calibration of computer models", J. R. Statist. Soc. B 63, for a
 discrepancy with a prior of its own; the level and its prior are this project's.
 """
@@ -22,15 +17,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy.linalg as linalg
 from numpy.typing import NDArray
 from scipy.special import logsumexp
-from scipy.stats import chi2
 
-from octmip.errors import DataError
-from octmip.gap.campaign.averages import averages_of
-from octmip.gap.campaign.campaign import Campaign, Cell
-from octmip.gap.campaign.noise import Noise
 from octmip.gap.twins.cached import CachedTwin
 from octmip.twin import Load
 
@@ -53,8 +42,8 @@ FLOOR = 0.003
 DAMAGE = 0.04
 """Relative sd of the change that damage makes: on meshes of 30k degrees of freedom it is known to some per cent."""
 WIDE_DAMAGE = 0.25
-"""Relative sd of the change that damage makes at a gauge where two models' fields have unlike slopes: a tail of its own,
-not a level. Three pairs of models of one wing differ there by .13, .5 and .5."""
+"""The same at a wide gauge, where two models' fields have unlike slopes: a tail of its own, whatever the level.
+Three pairs of models of one wing differ there by .13, .5 and .5."""
 WIDE_OWN = 0.03
 """Relative sd of healthy readings at such a gauge."""
 WIDE_SHARE = 0.05
@@ -93,6 +82,8 @@ class Discrepancy:
         whether a commissioning run stands behind it.
     p_value
         chance of a commissioning run that is as far from proportional to the twin's healthy readings; 1 without a run.
+    uneven
+        probability that a part of the run does not grow with the load as the twin does; 0 without a run.
     own_level
         level of the healthy readings themselves, the mean over its posterior; 1 without a run.
     """
@@ -108,6 +99,7 @@ class Discrepancy:
     p_value: float = 1.0
     own_level: float = 1.0
     wide: tuple[int, ...] = ()
+    uneven: float = 0.0
 
     @property
     def typical_level(self) -> float:
@@ -147,40 +139,6 @@ def uncalibrated(twin: CachedTwin, gauges: Sequence[str], load: Load) -> Discrep
     return Discrepancy(np.zeros(len(healthy)), unit, scale, healthy, DAMAGE, 1.0, prior, False)
 
 
-def calibrated(run: Campaign, twin: CachedTwin, noise: Noise, load: Load) -> Discrepancy:
-    """Return the difference that a commissioning run shows for the gauges of its noise, at the reference load `load`.
-
-    Where the run is not proportional to the twin's healthy readings (chance below `UNEVEN`), what does not grow with
-    the load is fitted beside d, so that a temperature or a bias of that day does not enter the calibration.
-
-    Raises
-    ------
-    DataError
-        the run holds an unknown state, or no load.
-    """
-    _check_run(run)
-    prior = uncalibrated(twin, noise.gauges, load)
-    read = _Run.of(run, twin, noise, load, prior)
-    if not read.precision.any():
-        raise DataError("the commissioning run holds readings at zero load only; expected two loads or more")
-    p_value = read.p_value()
-    precision, projection = read.without_offsets(prior.scale) if p_value < UNEVEN else (read.precision, read.projection)
-    known = [_posterior(prior.at(level).covariance, precision, projection) for level in LEVELS]
-    logs = np.log(LEVEL_PRIOR) + np.array([log for _, _, log in known])
-    share = np.exp(logs - logsumexp(logs))
-    mean = np.einsum("l,lg->g", share, np.array([m for m, _, _ in known]))
-    spread = np.array([c + np.outer(m - mean, m - mean) for m, c, _ in known])
-    return replace(
-        prior,
-        mean=mean,
-        covariance=np.asarray(np.einsum("l,lij->ij", share, spread)),
-        log_levels=_spread(share),
-        is_calibrated=True,
-        p_value=p_value,
-        own_level=float(share @ LEVELS),
-    )
-
-
 def scale_of(twin: CachedTwin, gauges: Sequence[str], load: Load) -> Floats:
     """Return the size (n_gauges,) against which readings are small: the rms prediction over those of the same unit.
 
@@ -214,85 +172,9 @@ def _unit_covariance(twin: CachedTwin, gauges: Sequence[str], healthy: Floats, s
     return np.asarray(common * np.outer(healthy, healthy) + np.diag(own))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Run:
-    """What a commissioning run says of d and of offsets o that do not grow with the load: residual = phi d + o + noise.
-
-    Attributes
-    ----------
-    precision, across, constant
-        (n_gauges, n_gauges) of (d, d), (d, o) and (o, o).
-    projection, offset
-        (n_gauges,) of d and of o.
-    squared, n
-        chi-squared of the residuals and their number.
-    """
-
-    precision: Floats
-    across: Floats
-    constant: Floats
-    projection: Floats
-    offset: Floats
-    squared: float
-    n: int
-
-    @classmethod
-    def of(cls, run: Campaign, twin: CachedTwin, noise: Noise, load: Load, prior: "Discrepancy") -> "_Run":
-        """Read a run."""
-        order = [run.gauges.index(name) for name in noise.gauges]
-        columns = [twin.gauges.index(name) for name in noise.gauges]
-        reference = twin.predict({}, load)[columns]
-        means = [part.of_gauges(order) for part in averages_of(run, split=False)]
-        average, gauge = np.nonzero(np.array([part.count > 0 for part in means]))
-        cells = [run.cells[part.cell] for part in means]
-        predicted = np.array([twin.predict(_state(run, cell), cell.load)[columns] for cell in cells])
-        phi = np.array([prior.share(twin.predict({}, cell.load)[columns], reference) for cell in cells])
-        root = np.linalg.cholesky(noise.of_averages(means, [cell.load for cell in cells], average, gauge))
-        offset = (gauge[:, None] == np.arange(len(order))).astype(np.float64)
-        residual = (np.array([part.mean for part in means]) - predicted)[average, gauge]
-        stacked = np.column_stack([phi[average, None] * offset, offset, residual])
-        white = linalg.solve_triangular(root, stacked, lower=True)
-        d, o, left = np.split(white, [len(order), 2 * len(order)], axis=1)
-        return cls(d.T @ d, d.T @ o, o.T @ o, (d.T @ left)[:, 0], (o.T @ left)[:, 0], float(np.sum(left**2)), len(left))
-
-    def p_value(self) -> float:
-        """Return the chance of what the best d leaves; 1 where the run has one load only."""
-        free = self.n - int(np.linalg.matrix_rank(self.precision))
-        if free <= 0:
-            return 1.0
-        best = np.linalg.lstsq(self.precision, self.projection, rcond=None)[0]
-        return float(chi2.sf(self.squared - float(self.projection @ best), free))
-
-    def without_offsets(self, scale: Floats) -> tuple[Floats, Floats]:
-        """Return precision and projection of d, offsets of any size up to the scale of the readings taken out."""
-        inner = self.constant + np.diag(scale**-2.0)
-        solved = np.linalg.solve(inner, np.column_stack([self.across.T, self.offset]))
-        precision = self.precision - self.across @ solved[:, :-1]
-        return 0.5 * (precision + precision.T), self.projection - self.across @ solved[:, -1]
-
-
-def _posterior(prior: Floats, precision: Floats, projection: Floats) -> tuple[Floats, Floats, float]:
-    """Return mean and covariance of d under a prior covariance, and the log evidence of the run (up to a constant)."""
-    grown = np.eye(len(prior)) + prior @ precision
-    covariance = np.linalg.solve(grown, prior)
-    covariance = 0.5 * (covariance + covariance.T)
-    mean = covariance @ projection
-    return mean, covariance, 0.5 * float(projection @ mean) - 0.5 * float(np.linalg.slogdet(grown)[1])
-
-
-def _spread(share: Floats) -> tuple[tuple[float, float], ...]:
+def spread_levels(share: Floats) -> tuple[tuple[float, float], ...]:
     """Return the levels of what damage and effects change, given the shares (n_levels,) of those of healthy strains."""
     steps = np.log(np.divide.outer(LEVELS, LEVELS)) / np.log(ALIKE)
     logs = -0.5 * steps**2 + np.log(LEVEL_PRIOR)[:, None]
     logs = logs - logsumexp(logs, axis=0) + np.log(np.maximum(share, 1e-300))
     return tuple(zip(LEVELS, np.asarray(logsumexp(logs, axis=1)).tolist(), strict=True))
-
-
-def _check_run(run: Campaign) -> None:
-    unknown = [cell for cell in run.cells if not cell.is_known]
-    if unknown:
-        raise DataError(f"the commissioning run holds an unknown state ({unknown[0].name}); give its state columns")
-
-
-def _state(run: Campaign, cell: Cell) -> dict[str, float]:
-    return dict(zip(run.parameters, cell.state.tolist(), strict=True))

@@ -3,7 +3,7 @@
 All of them hold whatever the states of the asset are; what depends on the states is the linear model's.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
 
@@ -14,10 +14,12 @@ from octmip.errors import DataError
 from octmip.gap.campaign.averages import AveragedCell, averages_of
 from octmip.gap.campaign.campaign import Campaign, Cell
 from octmip.gap.campaign.noise import Noise
+from octmip.gap.campaign.wandering import Wander, transition, wanders_of
 from octmip.gap.channels.checks import calm, checked
 from octmip.gap.channels.source_of_noise import noise_of, noise_of_run
+from octmip.gap.commissioning import read_run
 from octmip.gap.inference.candidates import Candidate, Priors, candidates_of, priors_of
-from octmip.gap.inference.discrepancy import Discrepancy, calibrated, uncalibrated
+from octmip.gap.inference.discrepancy import Discrepancy, uncalibrated
 from octmip.gap.odds import Odds
 from octmip.gap.progress import Progress, silent
 from octmip.gap.twins.cached import CachedTwin
@@ -25,6 +27,23 @@ from octmip.twin import MIXED, Effect, Load, Twin, amounts_of, units_of
 
 Floats = NDArray[np.float64]
 Groups = tuple[tuple[int, ...], ...]
+
+UNLIKELY = 25.0
+"""Log units behind the best variant, after repeats and commissioning run, beyond which one is not looked at."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Variant:
+    """The noise if the readings wander so far, the discrepancy with it, the log of its probability."""
+
+    noise: Noise
+    discrepancy: Discrepancy
+    log_share: float
+
+    @property
+    def wanders(self) -> bool:
+        """Whether anything wanders."""
+        return self.noise.walk_sd > 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,6 +68,9 @@ class Inputs:
         told at every stage of what is made of these inputs.
     odds
         how probable causes are before any reading.
+    variants
+        noise and discrepancy for every size of a walk of the readings that repeats and commissioning run leave open,
+        the most probable first; `noise` and `discrepancy` are those of one of them.
     """
 
     campaign: Campaign
@@ -63,6 +85,7 @@ class Inputs:
     groups: Groups
     progress: Progress = silent
     odds: Odds = Odds()  # noqa: RUF009  (frozen)
+    variants: tuple[Variant, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -100,6 +123,10 @@ class Inputs:
             return np.ones(len(self.units))
         sd, units = np.sqrt(np.diag(self.noise.covariance)), np.array(self.units)
         return np.array([float(np.median(sd[units == unit])) for unit in self.units])
+
+    def under(self, variant: Variant) -> "Inputs":
+        """Return the inputs with the noise and the discrepancy of a variant."""
+        return replace(self, noise=variant.noise, discrepancy=variant.discrepancy)
 
     def healthy(self, load: Load) -> Floats:
         """Return what the twin predicts (n_gauges,) of the healthy state at a load, for the campaign's gauges."""
@@ -157,38 +184,68 @@ def prepare(
     _refuse_unsought(campaign, asked)
     reference = _reference(campaign, run, asked)
     known = commissioning if isinstance(commissioning, Discrepancy) else run
-    discrepancy, of_discrepancy = _discrepancy(known, asked, noise, reference)
+    averages = averages_of(campaign, any(getattr(effect, "uses_time", False) for effect in effects.values()))
+    variants, of_discrepancy = _variants(known, asked, noise, averages, reference)
     candidates = candidates_of(effects, asked, campaign.gauges, odds)
     inputs = Inputs(
         campaign=campaign,
         twin=asked,
-        noise=noise,
-        discrepancy=discrepancy,
+        noise=variants[0].noise,
+        discrepancy=variants[0].discrepancy,
         candidates=candidates,
         priors=priors_of(candidates),
         order=tuple(asked.gauges.index(name) for name in campaign.gauges),
-        averages=averages_of(campaign, any(getattr(effect, "uses_time", False) for effect in effects.values())),
+        averages=averages,
         reference=reference,
         groups=_open_groups(campaign),
         odds=odds,
         progress=progress,
+        variants=variants,
     )
     return inputs, [*checks.notes, *of_noise, *of_discrepancy]
 
 
-def _discrepancy(
-    known: Campaign | Discrepancy | None, twin: CachedTwin, noise: Noise, reference: Load
-) -> tuple[Discrepancy, list[str]]:
-    """Return what twin and asset differ by before any effect: known, from a commissioning run, or what is usual."""
-    if isinstance(known, Discrepancy):
-        return known, []
-    if known is not None:
-        of_run, notes = noise_of_run(known, noise)
-        return calibrated(known, twin, of_run, reference), notes
-    return uncalibrated(twin, noise.gauges, reference), [
-        "No commissioning run: twin and asset may differ by 1 % and more in common and per gauge before any effect; "
-        "effects that scale all readings by less than about 3 % are invisible."
-    ]
+def _variants(
+    known: Campaign | Discrepancy | None,
+    twin: CachedTwin,
+    noise: Noise,
+    averages: Sequence[AveragedCell],
+    reference: Load,
+) -> tuple[tuple[Variant, ...], list[str]]:
+    """Return what twin and asset differ by before any effect, and the noise, for every size of a walk.
+
+    The difference is known, from a commissioning run, or what is usual.
+    """
+    wanders = wanders_of(noise, averages)
+    if isinstance(known, Campaign):
+        return _beside_run(known, twin, noise, wanders, reference)
+    usual = uncalibrated(twin, noise.gauges, reference) if known is None else known
+    found = tuple(Variant(wander.noise, usual, float(np.log(wander.share))) for wander in wanders)
+    return found, [_WITHOUT_RUN] if known is None else []
+
+
+def _beside_run(
+    run: Campaign, twin: CachedTwin, noise: Noise, wanders: Sequence[Wander], reference: Load
+) -> tuple[tuple[Variant, ...], list[str]]:
+    """Return a variant for every size of the campaign's walk; the run wanders likewise, or as far as it does itself."""
+    of_run, notes = noise_of_run(run, noise)
+    own = wanders_of(of_run, averages_of(run, split=False))
+    evidence = read_run(run, twin, own, reference)
+    repeats = np.array([one.log_likelihood if run.has_repeats else 0.0 for one in own])
+    found = []
+    for wander in wanders:
+        log_own = np.log([transition(wander, one) for one in own]) + repeats
+        discrepancy, log_run = evidence.calibrated(log_own)
+        found.append(Variant(wander.noise, discrepancy, float(np.log(wander.share)) + log_run))
+    highest = max(variant.log_share for variant in found)
+    kept = [replace(v, log_share=v.log_share - highest) for v in found if v.log_share > highest - UNLIKELY]
+    return tuple(sorted(kept, key=lambda variant: -variant.log_share)), notes
+
+
+_WITHOUT_RUN = (
+    "No commissioning run: twin and asset may differ by 1 % and more in common and per gauge before any effect; "
+    "effects that scale all readings by less than about 3 % are invisible."
+)
 
 
 def _refuse_unsought(campaign: Campaign, twin: CachedTwin) -> None:

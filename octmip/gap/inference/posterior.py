@@ -89,7 +89,7 @@ class Posterior:
     judged
         ordered hypotheses; probabilities sum to 1.
     inference
-        the main one: of the most probable hypothesis without the unknown.
+        the main one: of the most probable hypothesis without the unknown, under the noise of the leading one.
     same_state
         probability that tests with unknown states of one load each are one state; None where nothing suggests it.
     """
@@ -190,8 +190,15 @@ def _normalised(found: dict[str, list[Weighed]], same_state: float | None) -> Po
     total = float(logsumexp([w.log_weight for same in by_key.values() for w in same]))
     judged = [_judged(key, same, total) for key, same in by_key.items()]
     judged.sort(key=lambda h: -h.probability)
-    main = next(h.inference for h in judged if not h.has_unknown)
-    return Posterior(tuple(judged), main, same_state)
+    return Posterior(tuple(judged), _main(judged[0], found), same_state)
+
+
+def _main(leader: Judged, found: dict[str, list[Weighed]]) -> Inference:
+    """Return the inference of the most probable hypothesis without the unknown, under the noise of the leading one."""
+    walk = leader.model.inputs.noise.walk_sd
+    known = [w for weighed in found.values() for w in weighed if not w.has_unknown]
+    alike = [w for w in known if w.inference.model.inputs.noise.walk_sd == walk]
+    return max(alike, key=lambda w: w.log_weight).inference
 
 
 def _judged(key: Key, same: Sequence[Weighed], total: float) -> Judged:

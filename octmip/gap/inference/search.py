@@ -17,7 +17,7 @@ from octmip.gap.inference.discrepancy import WIDE_SHARE
 from octmip.gap.inference.evidence import Members, extensions
 from octmip.gap.inference.hypotheses import Hypothesis, likely_sets, log_count, log_prior
 from octmip.gap.inference.inference import Inference
-from octmip.gap.inference.inputs import Inputs
+from octmip.gap.inference.inputs import Inputs, Variant
 from octmip.gap.inference.linear_model import LinearModel, at_level, linearise, tail_of
 from octmip.gap.inference.signature_error import with_errors
 from octmip.gap.inference.states import STATE_RESOLUTION, distance, log_box, moved_states
@@ -53,6 +53,8 @@ MOST_DIFFERENCES = 5
 FAINT = 0.3
 """Standard deviations that a wide gauge must be able to move a reading; others make no difference."""
 _LOG_WIDE = float(np.log(WIDE_SHARE / (1.0 - WIDE_SHARE)))
+MOST_WALKS = 2
+"""Sizes of a walk of the readings that are looked at."""
 WITH_UNKNOWN = 30
 """Best sets that are weighed with the unknown beside them."""
 FAR = STATE_RESOLUTION / 2
@@ -89,15 +91,24 @@ class Difference:
 
 
 def weighed_hypotheses(inputs: Inputs, states: Sequence[Floats], *, is_quick: bool = False) -> list[Weighed]:
-    """Return the hypotheses about inputs, under every difference between models that the readings bear.
+    """Return the hypotheses about inputs, for every walk and every difference between models that the readings bear.
 
     Parameters
     ----------
     states
         assignments (n_cells, n_parameters) to start from, the best first.
     is_quick
-        whether to look at the best difference only.
+        whether to look at the best walk and difference only.
     """
+    found = []
+    for variant in _variants(inputs, states[0])[: 1 if is_quick else None]:
+        own = _under(inputs.under(variant), states, is_quick=is_quick)
+        found += [w.times(variant.log_share) for w in own]
+    return found
+
+
+def _under(inputs: Inputs, states: Sequence[Floats], *, is_quick: bool) -> list[Weighed]:
+    """Return the hypotheses under one size of the walk."""
     differences = _differences(inputs, states[0])[: 1 if is_quick else None]
     first = differences[0]
     at = replace(inputs, discrepancy=inputs.discrepancy.at(first.level, first.wide))
@@ -127,6 +138,24 @@ def _weighed_under(difference: Difference, weighed: Sequence[Weighed]) -> list[W
         again = Inference(at_level(one.model, difference.level, difference.wide))
         found += _weigh([again], [w.members for w in weighed if w.inference is one])
     return found
+
+
+def _variants(inputs: Inputs, states: Floats) -> list[Variant]:
+    """Return the sizes of the walk that are worth a look, the best first.
+
+    That nothing wanders always is; a walk is where it explains the readings better with the best single effect beside
+    it, so that no more is weighed where there is no sign of one.
+    """
+    if len(inputs.variants) == 1:
+        return list(inputs.variants)
+    models = [linearise(inputs.under(variant), states) for variant in inputs.variants]
+    logs = [max(value for value, _ in _by_level(model)) for model in models]
+    found = [(log + variant.log_share, variant) for log, variant in zip(logs, inputs.variants, strict=True)]
+    found.sort(key=lambda item: -item[0])
+    still = [item for item in found if not item[1].wanders][:1]
+    least = max([value for value, _ in still] + [found[0][0] - LEVEL_BEHIND])
+    walks = [item for item in found if item[1].wanders and item[0] >= least][:MOST_WALKS]
+    return [variant for _, variant in sorted([*still, *walks], key=lambda item: -item[0])]
 
 
 def _differences(inputs: Inputs, states: Floats) -> list[Difference]:
@@ -173,16 +202,22 @@ def _value(model: LinearModel) -> float:
 
 
 def promise(inputs: Inputs, states: Floats) -> float:
-    """Return the log evidence of the best single candidate, or of none, about some states at the best level."""
-    model = linearise(inputs, states)
-    levels = inputs.discrepancy.log_levels
-    return max(_best_single(Inference(at_level(model, at))) + log_share for at, log_share in levels)
+    """Return the log evidence of none or the best single candidate, about some states, at the best walk and level."""
+    found = []
+    for variant in inputs.variants:
+        model = linearise(inputs.under(variant), states)
+        levels = variant.discrepancy.log_levels
+        found += [_best_single(Inference(at_level(model, at))) + share + variant.log_share for at, share in levels]
+    return max(found)
 
 
 def nothing_else(inputs: Inputs, states: Floats) -> Weighed:
-    """Return what it weighs that no effect acts, about some states and at the level that bears it best."""
-    model = linearise(inputs, states)
-    tried = [(at_level(model, at), log_share) for at, log_share in inputs.discrepancy.log_levels]
+    """Return what it weighs that no effect acts, about some states, under the walk and level that bear it best."""
+    tried = []
+    for variant in inputs.variants:
+        model = linearise(inputs.under(variant), states)
+        shares = [(level, log_share + variant.log_share) for level, log_share in variant.discrepancy.log_levels]
+        tried += [(at_level(model, level), log_share) for level, log_share in shares]
     at, log_share = max(tried, key=lambda item: item[0].log_none + item[1])
     own = Inference(at)
     box = log_box(at, own.fit(()))

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from octmip.gap.causes import UNKNOWN
 from octmip.gap.diagnosis import Diagnosis
 from octmip.gap.inference.linear_model import OPEN_STATE, LinearModel
-from octmip.gap.location import noise_variance
+from octmip.gap.location import noise_covariance
 from octmip.twin import Load
 
 Floats = NDArray[np.float64]
@@ -76,9 +76,9 @@ def noise_sds(diagnosis: Diagnosis) -> dict[str, float]:
 def measured_cells(diagnosis: Diagnosis) -> tuple[MeasuredCell, ...]:
     """Return every cell of the campaign, halves of its repeats taken together."""
     model, after = _after_first_cause(diagnosis)
-    noise = noise_variance(model)
+    noise = noise_covariance(model)
     states = OPEN_STATE**2 * np.sum(model.tangents**2, axis=1)
-    usual = np.sqrt(np.maximum(0.0, np.diag(model.covariance) - noise - states))
+    usual = np.sqrt(np.maximum(0.0, np.diag(model.covariance) - np.diag(noise) - states))
     return tuple(_cell(model, number, after, noise, usual) for number in range(len(model.inputs.campaign.cells)))
 
 
@@ -105,7 +105,7 @@ def _cell(model: LinearModel, number: int, after: Floats, noise: Floats, usual: 
             means[:, gauge] = [
                 share @ model.residual[rows],
                 share @ after[rows],
-                WIDTH * np.sqrt(share**2 @ noise[rows]),
+                WIDTH * np.sqrt(share @ noise[np.ix_(rows, rows)] @ share),
                 WIDTH * share @ usual[rows],
             ]
     measured = np.where(np.isnan(means[0]), np.nan, cell.mean)

@@ -225,10 +225,22 @@ def noise_lines(diagnosis: Diagnosis) -> list[str]:
         lines.append(
             f"Successive readings are correlated: the variance of a mean is {noise.inflation:.1f} times as large."
         )
+    if noise.walk_sd > 0.0:
+        lines.append(f"The readings wander{_walk_words(diagnosis)}. Read the loads in turns, or zero the gauges often.")
     if noise.findings:
         found = ", ".join(FINDINGS.get(name, name.replace("_", " ")) for name in noise.findings)
         lines.append(f"Not plain white noise: {found}.")
     return lines
+
+
+def _walk_words(diagnosis: Diagnosis) -> str:
+    """Return how far the readings of the typical gauge wander over the campaign, where all have one unit."""
+    inputs = diagnosis.posterior.model.inputs
+    if len(set(inputs.units)) > 1:
+        return " over the campaign"
+    steps = max(float(average.moments.max()) for average in inputs.averages)
+    over = diagnosis.noise.walk_sd * math.sqrt(steps)
+    return f": the typical gauge by {amount(over, inputs.unit)} over the campaign (one standard deviation)"
 
 
 def state_lines(diagnosis: Diagnosis) -> list[str]:

@@ -1,0 +1,123 @@
+"""Readings that wander from load to load: weighed against effects by campaign and commissioning run together."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from benchmarks.cases.gap.noise import Beam as Cantilever
+from benchmarks.cases.gap.noise import drawn
+from octmip.gap import diagnose
+from octmip.gap.campaign.averages import averages_of, moments_of
+from octmip.gap.campaign.noise import least_moment
+from octmip.gap.campaign.noise_estimate import estimate_noise
+from octmip.gap.campaign.wandering import PRIOR, transition, wanders_of
+from octmip.gap.inference.inputs import prepare
+from octmip.gap.location import noise_variance
+from octmip.report.diagnosis.words import noise_lines
+from tests.test_octmip.beam_twin import Beam, measured
+
+TWIN = Beam()
+SD, STEP = 31.6, 0.022
+"""A walk of this step, in standard deviations of a reading, moves later means by twice their scatter."""
+
+
+def wandering(step=STEP):
+    """Noise whose walk goes on from load to load."""
+    level = [np.zeros(20)]
+
+    def noise(rng, shape, load):
+        walk = level[0] + step * np.cumsum(rng.standard_normal(shape), axis=0)
+        level[0] = walk[-1]
+        return SD * (walk + rng.standard_normal(shape))
+
+    return noise
+
+
+@pytest.fixture(scope="module")
+def sound():
+    return diagnose(measured(12, noise=wandering()), TWIN, commissioning=measured(1012, noise=wandering()))
+
+
+def test_a_walk_too_slow_for_the_repeats_accuses_no_sound_asset_and_is_named(sound):
+    """Before: something outside the library, probability over .999, in 20 of 20 draws."""
+    assert "random_walk" not in estimate_noise(sound.posterior.model.inputs.campaign).findings
+    assert sound.is_sound
+    assert "random_walk" in sound.noise.findings
+    assert sound.noise.walk_sd == pytest.approx(STEP * SD, rel=0.3)
+
+
+def test_error_bars_know_the_walk(sound):
+    model = sound.posterior.model
+    variance = [noise_variance(model)[model.cells == k].mean() for k in (0, 3)]
+    assert variance[1] - variance[0] == pytest.approx(150 * (STEP * SD) ** 2, rel=0.6)
+    assert variance[1] > 2.0 * variance[0]
+
+
+def test_the_page_says_how_far_the_readings_wander(sound):
+    assert any("wander: the typical gauge by" in line for line in noise_lines(sound))
+
+
+def test_a_calm_run_beside_a_campaign_that_wanders():
+    diagnosis = diagnose(measured(13, noise=wandering()), TWIN, commissioning=measured(1013))
+    assert diagnosis.is_sound
+    assert not diagnosis.doubts
+
+
+def test_an_effect_is_found_beside_a_walk():
+    gain = 0.08 * (np.arange(20) == 4)
+    high = lambda state, load, time: gain * TWIN.predict(state, load)  # noqa: E731
+    diagnosis = diagnose(measured(14, high, noise=wandering()), TWIN, commissioning=measured(1014, noise=wandering()))
+    first = diagnosis.which[0]
+    assert first.effects == ("gauge_gain",)
+    size = first.parameters[0]
+    assert size.place == "g05"
+    assert size.low < 8.0 < size.high
+
+
+def test_something_unknown_is_no_walk_where_the_readings_are_calm():
+    wave = lambda state, load, time: 25.0 * load * np.sin(np.arange(20.0))  # noqa: E731
+    diagnosis = diagnose(measured(5, wave), TWIN, commissioning=measured(1005))
+    assert diagnosis.unknown_probability > 0.9
+    assert diagnosis.noise.walk_sd == 0.0
+
+
+def test_sizes_hold_all_that_repeats_leave_open():
+    campaign = measured(1)
+    wanders = wanders_of(estimate_noise(campaign), averages_of(campaign, split=False))
+    assert sum(wander.share for wander in wanders) == pytest.approx(1.0, abs=1e-4)
+    assert wanders[0].noise.walk_sd == 0.0
+    assert PRIOR.sum() == pytest.approx(1.0)
+    assert all(0.0 < transition(wanders[0], other) <= 1.0 for other in wanders)
+
+
+def test_a_walk_goes_by_time_where_that_is_recorded():
+    campaign = measured(1, loads=(1.0, 2.0), repeats=10)
+    rows = np.random.default_rng(1).permutation(20)
+    shuffled = replace(
+        campaign,
+        readings=campaign.readings[rows],
+        load_factor=campaign.load_factor[rows],
+        time=campaign.time[rows],
+    )
+    assert moments_of(shuffled).tolist() == (rows + 1.0).tolist()
+    untimed = replace(shuffled, time=np.full(20, np.nan))
+    assert moments_of(untimed).tolist() == list(range(1, 21))
+    one, other = (averages_of(shuffled, split=False)[k].moments for k in (0, 1))
+    for pair in ((one, one), (one, other), (other, one)):
+        assert least_moment(*pair) == pytest.approx(np.minimum(*np.meshgrid(*pair)).mean())
+
+
+def test_what_does_not_grow_with_the_load_stays_out_of_the_calibration():
+    hot = measured(1003, lambda state, load, time: np.full(20, -25.0))
+    inputs, _ = prepare(measured(3), TWIN, TWIN.effects, hot)
+    calm, _ = prepare(measured(3), TWIN, TWIN.effects, measured(1003))
+    assert inputs.discrepancy.uneven > 0.99
+    assert calm.discrepancy.uneven < 0.1
+    sd = np.sqrt(np.diag(inputs.discrepancy.covariance))
+    assert np.abs((inputs.discrepancy.mean - calm.discrepancy.mean) / sd).max() < 3.0
+
+
+def test_a_run_that_wanders_beside_a_calm_campaign_is_not_doubted():
+    kind = "random walk, slow"
+    assert not diagnose(drawn(kind, 0), Cantilever(), commissioning=drawn(kind, 1)).doubts

@@ -1,0 +1,57 @@
+"""A wrong commissioning run is doubted where it accuses a sound asset; a right one beside a real effect is not."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from octmip.errors import DataError
+from octmip.gap import diagnose
+from octmip.gap.odds import Odds
+from tests.test_octmip.beam_twin import Beam, measured
+
+TWIN = Beam()
+
+
+def stiffer(share):
+    return lambda state, load, time: share * TWIN.predict(state, load)
+
+
+def crossed(campaign, one, other):
+    readings = np.array(campaign.readings)
+    readings[:, [one, other]] = readings[:, [other, one]]
+    return replace(campaign, readings=readings)
+
+
+@pytest.mark.parametrize(
+    ("run", "words"),
+    [
+        (measured(31000, stiffer(0.05)), "effect of that day"),
+        (crossed(measured(31001), 0, 15), "differs from the twin"),
+    ],
+    ids=["another load cell", "crossed wires"],
+)
+def test_a_run_of_a_wrong_load_cell_or_of_crossed_wires_is_doubted(run, words):
+    """Before: with another load cell the sound asset was accused of a modulus in 12 of 12 draws."""
+    diagnosis = diagnose(measured(21000), TWIN, commissioning=run)
+    assert diagnosis.is_sound
+    assert words in diagnosis.doubts[0]
+
+
+def test_a_run_that_may_be_wrong_is_mentioned():
+    diagnosis = diagnose(measured(21001), TWIN, commissioning=measured(31002, stiffer(0.03)))
+    assert not diagnosis.doubts
+    assert any("may also be the commissioning run" in note for note in diagnosis.notes)
+
+
+def test_an_asset_that_has_become_softer_has_a_right_run():
+    diagnosis = diagnose(measured(21002, stiffer(-0.05)), TWIN, commissioning=measured(31003))
+    assert not diagnosis.doubts
+    assert any("modulus" in part for part in diagnosis.which[0].names)
+
+
+def test_the_odds_of_a_wrong_run_are_an_argument():
+    run = measured(31000, stiffer(0.05))
+    assert not diagnose(measured(21000), TWIN, commissioning=run, odds=Odds(wrong_run=1e-6)).doubts
+    with pytest.raises(DataError, match="wrong_run"):
+        Odds(wrong_run=-0.1)
