@@ -1,16 +1,19 @@
 """The wheel and the source distribution as a stranger gets them: built once, installed into empty environments.
 
 The Rust build is that of `make`: cargo's target folder (CARGO_TARGET_DIR) is used again, so that a wheel takes seconds.
+Packages of others that this environment holds, in the version that pip chose, are linked instead of unpacked again.
 """
 
 import fcntl
+import json
 import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 
 import pytest
@@ -96,12 +99,48 @@ def installed(folder: Path, extras: str = "") -> Installed:
             empty_environment(place)
             if core is None:
                 pip("download", "--dest", found.downloads, wheel)
+                link_packages(found, (file.name.split("-")[:2] for file in found.downloads.glob("*.whl")))
                 pip("--python", found.python, "install", "--no-index", "--find-links", found.downloads, "octmip")
             else:
                 pip("--python", found.python, "install", "--no-deps", wheel)
                 see_packages(found, core)
-                pip("--python", found.python, "install", f"octmip[{extras}]")
+                left = link_packages(found, chosen(found, f"octmip[{extras}]", place / "report.json"))
+                if left:
+                    pip("--python", found.python, "install", "--no-deps", *left)
     return found
+
+
+def chosen(environment: Installed, wanted: str, report: Path) -> list[tuple[str, str]]:
+    """Return name and version of every package that pip would add to an environment."""
+    pip("--python", environment.python, "install", "--dry-run", "--report", report, wanted)
+    added = (one["metadata"] for one in json.loads(report.read_text())["install"])
+    return [(one["name"], one["version"]) for one in added]
+
+
+def link_packages(environment: Installed, packages: Iterable[Sequence[str]]) -> list[str]:
+    """Link the packages that this environment holds in the same version; return the others as pip wants them."""
+    left = []
+    for name, version in packages:
+        parts = parts_of(name, version)
+        for part in parts:
+            place = environment.packages / part.name
+            if not place.is_symlink():  # two packages may share a folder
+                place.symlink_to(part)
+        if not parts:
+            left.append(f"{name}=={version}")
+    return left
+
+
+def parts_of(name: str, version: str) -> list[Path]:
+    """Return the folders and files of a package in this environment; none where it has another version or none."""
+    try:
+        own = distribution(name)
+    except PackageNotFoundError:
+        return []
+    if own.version != version or name == "octmip" or not own.files:
+        return []
+    here = Path(str(own.locate_file("")))
+    return [here / part for part in {file.parts[0] for file in own.files} - {"..", "__pycache__"}]
 
 
 def see_packages(environment: Installed, other: Installed) -> None:

@@ -27,11 +27,27 @@ def main(words: list[str] | None = None) -> int:
     if options.table:
         print(markdown(known()))
     if options.out is not None:
-        chosen = [instance for instance in INSTANCES if re.search(options.only, instance.name)]
+        chosen = _chosen(options.only, parser)
+        if options.out.exists() and not options.out.is_dir():
+            parser.error(f"--out {options.out} is a file; expected a folder, made if it is not there; choose another")
         _write(chosen, options.out, with_cip=options.cip)
     elif not options.table:
         parser.error("nothing to do; give --out DIR, or --table")
     return 0
+
+
+def _chosen(only: str, parser: argparse.ArgumentParser) -> list[Instance]:
+    """Return the instances whose name holds a regular expression; the command ends where there is none."""
+    try:
+        chosen = [instance for instance in INSTANCES if re.search(only, instance.name)]
+    except re.error as error:
+        parser.error(f"--only {only!r} is no regular expression ({error}); expected one such as ^flow-; correct it")
+    if not chosen:
+        parser.error(
+            f"--only {only!r} names none of the {len(INSTANCES)} instances; expected part of a name such as "
+            f"{INSTANCES[0].name}; correct it"
+        )
+    return chosen
 
 
 def _write(instances: list[Instance], folder: Path, *, with_cip: bool) -> None:

@@ -17,6 +17,7 @@ from benchmarks.blind import trees
 from benchmarks.blind.answers import Task, answer
 from benchmarks.blind.assets import calculix
 from benchmarks.blind.assets.beam.asset import BeamAsset
+from benchmarks.blind.assets.families import made
 from benchmarks.blind.assets.moment import Moment
 from benchmarks.blind.assets.shells import FemlibAsset
 from benchmarks.blind.cases import ALL_LOADS, Case, draw_cases, mean_readings, moments, write_campaign, write_run
@@ -54,22 +55,35 @@ def quick_trees():
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory, quick_trees):
+def strips():
+    """The asset of another hand, of a third of the strips that it has in a study: solved once for all these tests."""
+    return BeamAsset(11, n_stations=41)
+
+
+def test_a_family_is_made_by_its_name(tmp_path):
+    assert isinstance(made("beam", 11, tmp_path / "set.keys.json"), BeamAsset)
+    with pytest.raises(SystemExit, match=r"there is no family 'paper'; expected one of femlib, .*; correct --family"):
+        made("paper", 11, tmp_path / "set.keys.json")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory, quick_trees, strips):
     folder = tmp_path_factory.mktemp("blind") / "set"
     plan = blind.Plan(
         11, count=16, jobs=1, without=0.1, lasso=1, trees=1, families=("beam",), twin_mesh=0.3, limit=False
     )
-    asset = BeamAsset(11)
 
     def select(task):
         key = json.loads((folder.parent / "set.keys.json").read_text())[task.name]
         kinds = (True, False) if task.without else (True,)
-        found = [limit(case_of(key), asset, np.array(key["means"]), is_calibrated) for is_calibrated in kinds]
+        found = [limit(case_of(key), strips, np.array(key["means"]), is_calibrated) for is_calibrated in kinds]
         return [{**f, "augmented": {**f["augmented"], "calibration": [0.0] * 24}} for f in found]
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(blind, "answer", select)
+        patch.setattr(blind, "made", lambda *_: strips)
         patch.setattr(selector, "N_PAIRS", 15)
+        patch.setattr(selector, "N_DISCRETE", 5)
         blind.run(folder, plan)
     return folder
 
@@ -90,9 +104,9 @@ def test_a_small_set_is_far_from_chance(cases):
 
 
 @pytest.fixture(scope="module")
-def diagnosed(tmp_path_factory):
+def diagnosed(tmp_path_factory, strips):
     """Return what the diagnosis says of four clear cases of the strips, and the facts of each."""
-    asset, place = BeamAsset(11), tmp_path_factory.mktemp("clear")
+    asset, place = strips, tmp_path_factory.mktemp("clear")
     (place / "campaigns").mkdir()
     write_run(place / "commissioning.csv", asset, 11)
     truths = {

@@ -1,6 +1,7 @@
 """The instances: the command writes files that HiGHS reads back, and the table says no more than is known."""
 
 import json
+import re
 from pathlib import Path
 
 import highspy
@@ -26,6 +27,22 @@ def test_a_file_read_back_has_the_size_in_the_table_and_the_optimum(tmp_path):
     )
     reader.run()
     assert reader.getInfo().objective_function_value == pytest.approx(known()["trees"]["iris-d1"]["errors"])
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["--out", "FILE"], "FILE is a file; expected a folder"),
+        (["--out", "new", "--only", "["], r"--only '\[' is no regular expression"),
+        (["--out", "new", "--only", "no such"], "--only 'no such' names none of the"),
+    ],
+)
+def test_words_that_write_nothing_are_refused_in_one_sentence(words, told, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "FILE").touch()
+    with pytest.raises(SystemExit):
+        main(words)
+    assert re.search(told, capsys.readouterr().err)
 
 
 def test_every_instance_has_a_size_and_a_best_tree_that_its_bound_does_not_exceed():

@@ -4,6 +4,7 @@ The made rig is a formula of its own: play and two linear springs in steps of ti
 """
 
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -18,7 +19,7 @@ from benchmarks.real.damper.cycles import samples_of
 from benchmarks.real.damper.faults import FAULTS, corrupted
 from benchmarks.real.damper.features import shown
 from benchmarks.real.damper.lacking import lacking
-from benchmarks.real.damper.series import read_folder
+from benchmarks.real.damper.series import read_folder, read_test
 from benchmarks.real.damper.slack import slack_force, slacks
 from octmip.errors import DataError
 
@@ -186,3 +187,38 @@ def test_the_measured_damper_has_one_backlash_in_both_series_and_no_wrong_readin
     assert found["cause"]["name"] == "backlash"
     assert found["cause"]["sizes_agree"]
     assert found["closed"] > 0.9
+
+
+@pytest.mark.parametrize(
+    ("content", "told"),
+    [
+        ("", "m0.csv is no table"),
+        (
+            "time_s,displacement_in,force_kip,force_set\n0,0,0,0\n",
+            "more than one column .* with 'force'.*force_set",
+        ),
+        ("time_s,displacement_in\n0,0\n", "no column that begins with 'force'"),
+    ],
+)
+def test_a_test_that_cannot_be_read_is_one_sentence(folder, tmp_path, content, told, capsys):
+    (tmp_path / "tests.csv").write_text((folder / "tests.csv").read_text())
+    (tmp_path / "m0.csv").write_text(content)
+    with pytest.raises(SystemExit):
+        main(["--data", str(tmp_path)])
+    assert re.search(told, capsys.readouterr().err)
+
+
+def test_answers_that_cannot_be_written_are_refused_before_the_work(folder, tmp_path, capsys):
+    for option in ("--out", "--picture"):
+        with pytest.raises(SystemExit):
+            main(["--data", str(folder), option, str(tmp_path / "nowhere" / "x.json")])
+        assert "there is no folder" in capsys.readouterr().err
+
+
+def test_the_end_that_was_recorded_alone_stays_that_end(folder, tmp_path):
+    whole = pd.read_csv(folder / "m0.csv")
+    whole.drop(columns="tension_a_lb").to_csv(tmp_path / "m0.csv", index=False)
+    told = dict.fromkeys(("frequency", "amplitude", "tension"), 1.0)
+    alone = read_test(tmp_path / "m0.csv", "m0", "made", told)
+    assert np.isnan(alone.tension[0]).all()
+    assert np.isfinite(alone.tension[1]).all()

@@ -387,6 +387,24 @@ def test_the_command_opens_every_door_by_one_word(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(
+    ("name", "told"),
+    [
+        ("table:beam.csv", r"^table beam.csv is not there; expected a CSV or Parquet file"),
+        ("script:beam.py", r"^script beam.py is not there"),
+        ("deck:beam.inp", r"^beam.inp cannot be read"),
+        ("table:here.csv", r"^card here.csv.json is not there: .*--card"),
+        ("script:here.csv", r"^card here.csv.json is not there: .*--card"),
+        ("deck:here.csv", r"^card here.csv.json is not there: .*--card"),
+    ],
+)
+def test_what_is_not_there_is_named_the_model_before_its_card(tmp_path, monkeypatch, name, told):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "here.csv").write_text("force,tip\n1,2\n")
+    with pytest.raises(DataError, match=told):
+        open_twin(name)
+
+
+@pytest.mark.parametrize(
     ("text", "told"),
     [
         ("{", "is no JSON"),

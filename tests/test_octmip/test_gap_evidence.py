@@ -1,10 +1,12 @@
-"""The closed-form evidence against nested sampling, an independent integrator, and the dense Gaussian density."""
+"""The closed-form evidence against two independent integrators, and against the dense Gaussian density."""
+
+from functools import cache
 
 import numpy as np
 import pytest
 from dynesty import NestedSampler
 from scipy.special import ndtr
-from scipy.stats import multivariate_normal
+from scipy.stats import multivariate_normal, norm
 
 from octmip.gap import CHAIN
 from octmip.gap.inference.candidates import SCALES
@@ -20,6 +22,7 @@ del EFFECTS["swapped_pair"]
 COMMISSIONING = measured(1000)
 
 
+@cache
 def inference_of(seed, size=2.0, sd=120.0):
     """A noisy campaign with a weak effect: evidences of a few nats, which nested sampling finds exactly and fast."""
 
@@ -43,18 +46,33 @@ def mixture_quantiles(is_one_sided):
     return (z, np.maximum(0.0, 2 * share - 1)) if is_one_sided else (z, share)
 
 
+ALONE = [
+    ("temperature_uniform", ""),
+    ("modulus", ""),
+    ("gauge_bias", "g04"),
+    ("gauge_gain", "g02"),
+    ("misalignment", "g02"),
+    ("temperature_gradient", ""),
+    ("lift_distribution", ""),
+]
 SETS = [
-    [("temperature_uniform", "")],
-    [("modulus", "")],
-    [("gauge_bias", "g04")],
-    [("gauge_gain", "g02")],
-    [("misalignment", "g02")],
-    [("temperature_gradient", "")],
-    [("lift_distribution", "")],
     [("temperature_uniform", ""), ("modulus", "")],
     [("temperature_uniform", ""), ("gauge_bias", "g04")],
     [("temperature_gradient", ""), ("large_deflection", "")],
 ]
+
+
+@pytest.mark.parametrize("chosen", ALONE, ids=[name for name, _ in ALONE])
+def test_evidence_of_one_effect_equals_its_integral_within_a_tenth(chosen):
+    inference = inference_of(3)
+    member = candidate(inference, *chosen)
+    effect, white = inference.model.inputs.candidates[member].effect, inference.model.whitened
+    size = effect.prior_sd * np.linspace(0.0 if effect.is_one_sided else -30.0, 30.0, 200_001)
+    density = np.mean([norm.pdf(size, scale=scale * effect.prior_sd) for scale in SCALES], axis=0)
+    log_likelihood = white.projection[member] * size - 0.5 * white.gram[member, member] * size**2
+    most = float(log_likelihood.max())
+    integral = np.trapezoid(np.exp(log_likelihood - most) * density, size) * (2.0 if effect.is_one_sided else 1.0)
+    assert inference.fit([member]).log_factor == pytest.approx(most + float(np.log(integral)), abs=0.1)
 
 
 @pytest.mark.parametrize("chosen", SETS, ids=["+".join(name for name, _ in chosen) for chosen in SETS])

@@ -8,6 +8,7 @@ import pytest
 from octmip import Limits, Problem, Stop, certify, solve
 from octmip.errors import ProblemError
 from octmip.mip.benders.planes.question import Question, feature_sets
+from octmip.mip.benders.planes.search import PlaneSearch
 from octmip.mip.benders.planes.separation import Separation
 from octmip.mip.benders.solver import solve_benders
 from octmip.mip.prices import own_prices
@@ -56,6 +57,26 @@ def test_a_limit_ends_the_run_with_a_tree_and_a_bound_that_holds():
         found = solve_benders(problem, limits=limits)
         assert found.stop is stop
         assert found.bound <= best <= found.objective
+
+
+def test_no_more_masters_are_solved_than_the_limit_of_nodes_allows():
+    problem = grid(7, n=24, n_classes=3)
+    found = solve_benders(problem, limits=Limits(nodes=3), mu=1e-4)
+    assert (found.stop, found.n_nodes) == (Stop.NODES, 3)
+
+
+def test_a_tree_that_costs_more_than_claimed_ends_the_run_as_numerics(monkeypatch):
+    monkeypatch.setattr(PlaneSearch, "cheaper", lambda self, target: Leaf(0))
+    found = solve_benders(grid(1), mu=1e-4)
+    assert found.stop is Stop.NUMERICS
+    assert "when all samples are routed" in found.details["numerics"]
+    assert found.bound < found.objective
+
+
+def test_a_problem_without_a_split_is_its_best_leaf():
+    problem = grid(1, allowed_splits=[])
+    found = solve_benders(problem, incumbent=Leaf(int(problem.class_costs().argmax())))
+    assert (found.stop, found.objective) == (Stop.OPTIMAL, problem.class_costs().min())
 
 
 def test_no_split_of_any_set_tells_a_core_apart_and_every_smaller_one_is_told_apart():

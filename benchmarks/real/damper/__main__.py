@@ -9,6 +9,7 @@ from benchmarks.real.damper.answers import ACCUSED, WORTH, SeriesVerdict, answer
 from benchmarks.real.damper.picture import picture
 from benchmarks.real.damper.series import read_folder
 from octmip.errors import OctmipError
+from octmip.formats.files import check_writable, write_bytes
 
 
 def show(verdict: SeriesVerdict) -> None:
@@ -36,13 +37,15 @@ def main(words: Sequence[str] | None = None) -> None:
     parser.add_argument("--picture", metavar="FILE.png")
     asked = parser.parse_args(words)
     try:
+        for path in filter(None, (asked.out, asked.picture)):
+            check_writable(path)
         verdicts = diagnose_tests(read_folder(asked.data))
     except OctmipError as error:
         parser.error(str(error))
     for verdict in verdicts:
         show(verdict)
     if asked.out:
-        asked.out.write_text(json.dumps(answers(verdicts), indent=1) + "\n", encoding="utf-8")
+        write_bytes(asked.out, (json.dumps(answers(verdicts), indent=1) + "\n").encode())
     if asked.picture:
         picture(verdicts, asked.picture)
 

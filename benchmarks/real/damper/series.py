@@ -8,6 +8,7 @@ sampled faster than `FASTEST` are averaged in blocks: no effect that is looked f
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -29,6 +30,7 @@ UNITS = {
     "time": {"s": 1.0, "ms": 1e-3},
 }
 """Factor to in, in/s, kip, lb, Hz and s, by the end of a column's name; a name without a unit has these."""
+NUMBER = {1: "one column", 2: "two columns"}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -74,13 +76,35 @@ def factor(kind: str, column: str) -> float:
     return known[max(ends, key=len)] if ends else 1.0
 
 
-def column_of(table: pd.DataFrame, kind: str, which: int = 0) -> FloatArray | None:
-    """Return the column of that kind in the units of this program, None where there is none."""
+def columns_of(table: pd.DataFrame, kind: str, path: Path, most: int = 1) -> list[FloatArray]:
+    """Return the columns of that kind in the units of this program, in the order of their names, `most` at most."""
+    names = sorted(str(name) for name in table.columns if str(name).lower().startswith(kind))
+    if len(names) > most:
+        raise DataError(
+            f"{path} has more than {NUMBER[most]} whose name begins with {kind!r}: {names}; expected {most} at most; "
+            "rename what is not meant"
+        )
+    return [_numbers(table, kind, name) for name in names]
+
+
+def condition_of(table: pd.DataFrame, kind: str) -> FloatArray | None:
+    """Return the first column of tests.csv whose name holds a kind (nominal_tension_lb), None where there is none."""
     names = sorted(str(name) for name in table.columns if kind in str(name).lower())
-    if which >= len(names):
-        return None
-    numbers = pd.to_numeric(table[names[which]], errors="coerce").to_numpy(dtype=np.float64)
-    return np.asarray(numbers * factor(kind, names[which]))
+    return _numbers(table, kind, names[0]) if names else None
+
+
+def _numbers(table: pd.DataFrame, kind: str, name: str) -> FloatArray:
+    numbers = pd.to_numeric(table[name], errors="coerce").to_numpy(dtype=np.float64)
+    return np.asarray(numbers * factor(kind, name))
+
+
+def table_of(path: Path, **options: Any) -> pd.DataFrame:
+    """Return a CSV file as a table."""
+    try:
+        table: pd.DataFrame = pd.read_csv(path, skipinitialspace=True, **options)
+    except (ValueError, OSError) as error:
+        raise DataError(f"{path} is no table ({error}); expected a header and numbers below it; correct it") from error
+    return table
 
 
 def read_folder(folder: Path) -> list[Recording]:
@@ -90,10 +114,10 @@ def read_folder(folder: Path) -> list[Recording]:
         raise DataError(
             f"{path} is not there: the table of tests; got a folder without it; give --data a folder of tests"
         )
-    table = pd.read_csv(path, skipinitialspace=True, dtype={"test": str, "series": str})
+    table = table_of(path, dtype={"test": str, "series": str})
     if "test" not in table or not len(table):
         raise DataError(f"{path} needs a column 'test' with a name a row; got columns {list(table.columns)}; add it")
-    conditions = {kind: column_of(table, kind) for kind in ("frequency", "amplitude", "tension")}
+    conditions = {kind: condition_of(table, kind) for kind in ("frequency", "amplitude", "tension")}
     series = table["series"].fillna("all") if "series" in table else pd.Series("all", index=table.index)
     found = []
     for k, name in enumerate(table["test"]):
@@ -106,15 +130,15 @@ def read_test(path: Path, name: str, series: str, told: dict[str, float]) -> Rec
     """Return one test; `told` has what tests.csv says of frequency, amplitude and tension."""
     if not path.is_file():
         raise DataError(f"{path} is not there, but tests.csv names test {name!r}; add the file or drop the row")
-    table = pd.read_csv(path, skipinitialspace=True)
-    columns = {kind: column_of(table, kind) for kind in ("time", "displacement", "force")}
-    if missing := [kind for kind, column in columns.items() if column is None]:
+    table = table_of(path)
+    columns = {kind: columns_of(table, kind, path) for kind in ("time", "displacement", "force", "velocity")}
+    if missing := [kind for kind in ("time", "displacement", "force") if not columns[kind]]:
         raise DataError(f"{path} has no column that begins with {missing[0]!r}; got {list(table.columns)}; add it")
-    cells = [column_of(table, "tension", which) for which in (0, 1)]
-    velocity = column_of(table, "velocity")
-    rows = [columns["time"], columns["displacement"], columns["force"], velocity, *cells]
     blank = np.full(len(table), np.nan)
-    block = evenly(np.array([blank if row is None else row for row in rows]), path)
+    cells = [*columns_of(table, "tension", path, most=2), blank, blank][:2]
+    if [str(name)[:9].lower() for name in table.columns if str(name).lower().startswith("tension")] == ["tension_b"]:
+        cells.reverse()  # only the other end was recorded
+    block = evenly(np.array([*((*columns[kind], blank)[0] for kind in columns), *cells]), path)
     time, displacement, force, velocity, *tension = block
     if not np.isfinite(velocity).all():
         velocity = np.gradient(displacement, time)

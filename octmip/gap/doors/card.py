@@ -143,10 +143,13 @@ def read_card(path: str | Path) -> Card:
     DataError
         no such file, no JSON object, a key that no card has, a range that is none.
     """
+    written = read_bytes(path)
     try:
-        content = json.loads(read_bytes(path))
-    except (ValueError, UnicodeDecodeError) as error:
-        raise DataError(f"card {path} is no JSON ({error}); expected one object with the key 'readings'") from error
+        content = json.loads(written)
+    except ValueError as error:
+        raise DataError(
+            f"card {path} is no JSON ({error}); expected one object with the key 'readings'; correct it"
+        ) from error
     if not isinstance(content, dict) or not isinstance(content.get("readings"), dict):
         raise DataError(f"card {path} has no object 'readings'; expected the unit of every reading by name; add it")
     unknown = [name for name in content if name not in FIELDS]
@@ -160,4 +163,21 @@ def read_card(path: str | Path) -> Card:
 
 def card_beside(path: str | Path, card: str | Path | None) -> Card:
     """Return the card that was given, else the one beside a file: its name with .json added."""
-    return read_card(card if card is not None else f"{path}.json")
+    return read_card(place_of_card(path, card))
+
+
+def place_of_card(path: str | Path, card: str | Path | None) -> Path:
+    """Return where the card of a file is.
+
+    Raises
+    ------
+    DataError
+        nothing is there.
+    """
+    place = Path(card) if card is not None else Path(f"{path}.json")
+    if not place.exists():
+        raise DataError(
+            f"card {place} is not there: what the model {path} is asked for and answers; expected a JSON file; write "
+            "it, or say where it is (--card FILE)"
+        )
+    return place

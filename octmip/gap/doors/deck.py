@@ -17,7 +17,7 @@ from typing import Any
 
 from octmip.errors import DataError, TwinError
 from octmip.formats.files import read_bytes
-from octmip.gap.doors.card import Card, card_of
+from octmip.gap.doors.card import Card, card_of, place_of_card
 from octmip.gap.doors.function import FunctionTwin
 from octmip.gap.doors.script import LONGEST, run_program
 
@@ -61,9 +61,8 @@ def deck_twin(path: str | Path, card: str | Path | None = None, seconds: float =
     DataError
         no such file, a @name@ that the card does not have, a reading that is not found anywhere.
     """
-    beside = Path(card) if card is not None else Path(f"{path}.json")
     text = read_bytes(path).decode("utf-8", errors="surrogateescape")
-    known, solver = _card_and_solver(beside)
+    known, solver = _card_and_solver(place_of_card(path, card))
     names = {*known.parameters, *known.states, *known.loads}
     used = set(re.findall(r"@(\w+)@", text))
     if not used <= names:
@@ -81,8 +80,9 @@ def deck_twin(path: str | Path, card: str | Path | None = None, seconds: float =
 
 
 def _card_and_solver(path: Path) -> tuple[Card, Solver]:
+    written = read_bytes(path)
     try:
-        content = json.loads(read_bytes(path))
+        content = json.loads(written)
         own: dict[str, Any] = content.pop("deck")
         find = {name: _place(found) for name, found in own["find"].items()}
         solver = Solver(tuple(own["command"]), str(own.get("output", "")), find)

@@ -8,10 +8,9 @@ of a variable at the end of the run, which for a model that has settled is its s
 What it lacks: signals over time as loads; FMUs for another platform than this one (they hold machine code).
 """
 
-import shutil
 import tempfile
 import weakref
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -41,17 +40,10 @@ def fmu_twin(path: str | Path, card: str | Path | Card | None = None) -> Functio
     """
     with needed_by("a twin from an FMU"):
         import fmpy
-    known = card if isinstance(card, Card) else card_beside(path, card)
     if not Path(path).is_file():
         raise DataError(f"FMU {path} is not there; expected a file; check the path")
-    try:
-        description = fmpy.read_model_description(str(path))
-        folder = tempfile.mkdtemp(prefix="octmip-fmu-")
-        unpacked = fmpy.extract(str(path), unzipdir=folder)
-    except Exception as error:
-        raise DataError(
-            f"FMU {path} cannot be read ({error}); expected a Functional Mock-up Unit 2.0 or 3.0"
-        ) from error
+    known = card if isinstance(card, Card) else card_beside(path, card)
+    description = _of_fmu(path, lambda: fmpy.read_model_description(str(path)))
     names = {variable.name for variable in description.modelVariables}
     outputs = {name: _split(name, names) for name in known.readings}
     wanted = [*known.parameters, *known.states, *known.loads, *(variable for variable, _ in outputs.values())]
@@ -64,6 +56,8 @@ def fmu_twin(path: str | Path, card: str | Path | Card | None = None) -> Functio
     stop = float(getattr(experiment, "stopTime", None) or 1.0)
     times = [time for _, time in outputs.values() if time is not None]
     end = max(times) if times else stop
+    folder = tempfile.TemporaryDirectory(prefix="octmip-fmu-")  # removed with the function that holds it
+    unpacked = _of_fmu(path, lambda: fmpy.extract(str(path), unzipdir=folder.name))
 
     def function(parameters: Mapping[str, float], loads: Mapping[str, float]) -> dict[str, float]:
         try:
@@ -81,8 +75,17 @@ def fmu_twin(path: str | Path, card: str | Path | Card | None = None) -> Functio
         at = {name: end if time is None else time for name, (_, time) in outputs.items()}
         return {name: float(np.interp(at[name], result["time"], result[outputs[name][0]])) for name in outputs}
 
-    weakref.finalize(function, shutil.rmtree, folder, ignore_errors=True)
+    weakref.finalize(function, folder.cleanup)
     return FunctionTwin(function, known)
+
+
+def _of_fmu(path: str | Path, read: Callable[[], Any]) -> Any:
+    try:
+        return read()
+    except Exception as error:
+        raise DataError(
+            f"FMU {path} cannot be read ({error}); expected a Functional Mock-up Unit 2.0 or 3.0; write it again"
+        ) from error
 
 
 def _split(name: str, variables: set[str]) -> tuple[str, float | None]:

@@ -37,8 +37,8 @@ def table_twin(path: str | Path, card: str | Path | Card | None = None) -> Funct
     DataError
         no such file, a column of the card that it lacks, a cell that is no number.
     """
-    known = card if isinstance(card, Card) else card_beside(path, card)
     frame = _frame(Path(path))
+    known = card if isinstance(card, Card) else card_beside(path, card)
     inputs = [*known.parameters, *known.states, *known.loads]
     numbers = _numbers(frame, path, [*inputs, *known.readings])
     points, values = numbers[:, : len(inputs)], numbers[:, len(inputs) :]

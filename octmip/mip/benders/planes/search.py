@@ -20,6 +20,7 @@ from octmip.mip.benders.planes.separation import Separation
 from octmip.mip.engine import Clock, LimitReachedError
 from octmip.mip.highs import highs
 from octmip.mip.rows import Rows
+from octmip.solution import Stop
 from octmip.tree import HyperplaneSplit, Leaf, Node
 
 CORES = 3
@@ -94,6 +95,8 @@ class PlaneSearch:
     def _solution(self, rows: Rows, tolerance: float) -> NDArray[np.float64] | None:
         """Return a solution of a master, None if HiGHS proves that there is none."""
         self._check()
+        if self.n_masters >= self.clock.limits.nodes:
+            raise LimitReachedError(Stop.NODES)
         self.n_masters += 1
         options = highs.Options(limits=self.clock.left, seed=self.seed, tolerance=tolerance)
         outcome = highs.run(rows, options, progress=lambda _: self.report())

@@ -87,9 +87,6 @@ class _Run:
             if found is not None:
                 best = self._take(found, target)
             self.keep()
-            if planes.n_masters >= limits.nodes:
-                self.result.stop = Stop.NODES
-                return
             if 0 < limits.gap >= relative_gap(self.problem.objective(self.result.tree), self._shown_bound):
                 self.result.stop = Stop.GAP
                 return
