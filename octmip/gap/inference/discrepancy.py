@@ -9,6 +9,9 @@ relative errors share one factor, the **level**, with a prior over `LEVELS`. At 
 
 with k a correlation along the structure and s the scale of readings of one unit. A commissioning run gives d gauge by
 gauge, its covariance, and the level (`octmip.gap.commissioning`).
+
+A gauge may be **wide**, with probability `WIDE_SHARE`: its own error of what damage changes has the sd `WIDE_DAMAGE`
+beyond that, and of the healthy reading, where no run has measured it, `WIDE_OWN`.
 Source: Kennedy and O'Hagan (2001), "Bayesian calibration of computer models", J. R. Statist. Soc. B 63, for a
 discrepancy with a prior of its own; the level and its prior are this project's.
 """
