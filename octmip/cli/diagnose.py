@@ -49,6 +49,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=float,
         help="standard deviation of one reading in its unit, used where no load was read three times",
     )
+    parser.add_argument(
+        "--load-limits",
+        metavar=("LOW", "HIGH"),
+        type=float,
+        nargs=2,
+        help="loads between which the structure may be tested; no test beyond them is proposed",
+    )
     parser.add_argument("--out", metavar="PAGE.html", help="write a page with figures to this file")
     add_json_argument(parser)
 
@@ -77,6 +84,8 @@ def _diagnosed(arguments: argparse.Namespace, line: StageLine) -> Any:
     commissioning = read_campaign(arguments.commissioning, twin) if arguments.commissioning else None
     file = read_tree_file(arguments.tree) if arguments.tree else None
     settings: dict[str, Any] = {} if file is None else {"tree": file.tree, "feature_names": file.feature_names}
+    if arguments.load_limits:
+        settings["load_limits"] = tuple(arguments.load_limits)
     return diagnose(campaign, twin, commissioning=commissioning, noise_sd=arguments.noise, progress=line, **settings)
 
 

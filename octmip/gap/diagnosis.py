@@ -26,7 +26,7 @@ from octmip.gap.inference.linear_model import LinearModel
 from octmip.gap.inference.posterior import Judged, Posterior, attribute
 from octmip.gap.inference.states import joint_covariance, state_posterior
 from octmip.gap.location import Where, localise
-from octmip.gap.next_test import Proposal, next_tests
+from octmip.gap.next_test import Limits, Proposal, checked_limits, next_tests
 from octmip.gap.odds import Odds
 from octmip.gap.progress import Progress, Stage, silent
 from octmip.gap.run_check import RunCheck, check_beside, check_of
@@ -154,6 +154,7 @@ def diagnose(
     noise_sd: float | Mapping[str, float] | None = None,
     progress: Progress = silent,
     odds: Odds = Odds(),  # noqa: B008  (frozen)
+    load_limits: Limits | None = None,
 ) -> Diagnosis:
     """Return where campaign and twin differ, which effects explain it, how far the gap closes, and what to test next.
 
@@ -179,6 +180,8 @@ def diagnose(
         called at the start of every stage; what it raises ends the diagnosis.
     odds
         how probable causes are before any reading.
+    load_limits
+        lowest and highest load that the structure may be tested at: no test beyond them is proposed.
 
     Raises
     ------
@@ -187,7 +190,9 @@ def diagnose(
         gauge or a known state).
     """
     with threadpool_limits(1):  # the matrices are small: threads cost more than they save
-        return _diagnose(campaign, twin, effects, commissioning, tree, feature_names, noise_sd, progress, odds)
+        return _diagnose(
+            campaign, twin, effects, commissioning, tree, feature_names, noise_sd, progress, odds, load_limits
+        )
 
 
 def _diagnose(
@@ -200,7 +205,9 @@ def _diagnose(
     noise_sd: float | Mapping[str, float] | None,
     progress: Progress,
     odds: Odds,
+    load_limits: Limits | None,
 ) -> Diagnosis:
+    checked_limits(load_limits)
     progress(Stage("the noise of the readings"))
     chosen = completed(effects if effects is not None else library_of(twin, campaign))
     asked = twin if isinstance(twin, CachedTwin) else CachedTwin(twin)
@@ -224,7 +231,7 @@ def _diagnose(
         where=localise(model, nodes),
         which=which,
         shrinkage=closing,
-        next_test=next_tests(model, with_identifiable(posterior.judged)),
+        next_test=next_tests(model, with_identifiable(posterior.judged), load_limits),
         noise=model.inputs.noise,
         inclusion=posterior.inclusion(),
         unknown_probability=unknown_probability,

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.errors import TwinError
+from octmip.errors import DataError, TwinError
 from octmip.gap.campaign.campaign import Campaign
 from octmip.gap.inference.evidence import Fit
 from octmip.gap.inference.inputs import Inputs
@@ -106,8 +106,31 @@ class Proposal:
         return self.information / self.cost
 
 
-def next_tests(model: LinearModel, judged: Sequence[Judged]) -> tuple[Proposal, ...]:
-    """Return the tests worth running, best value first; none when little uncertainty remains."""
+Limits = tuple[float, float]
+"""The lowest and the highest load that the structure may be tested at."""
+
+
+def checked_limits(limits: Limits | None) -> Limits | None:
+    """Return limits of the load.
+
+    Raises
+    ------
+    DataError
+        the lowest is not below the highest.
+    """
+    if limits is not None and not limits[0] < limits[1]:
+        raise DataError(
+            f"the limits of the load are {limits[0]:g} to {limits[1]:g}; expected the lowest first, then the highest; "
+            "give for instance -1.0 and 3.5"
+        )
+    return limits
+
+
+def next_tests(model: LinearModel, judged: Sequence[Judged], limits: Limits | None = None) -> tuple[Proposal, ...]:
+    """Return the tests worth running, best value first; none when little uncertainty remains.
+
+    Within `limits` of the load where they are given; a campaign of several loads repeats what was applied.
+    """
     if judged and not judged[0].members and not judged[0].has_unknown:
         return ()  # sound: what competes with it is too small to name
     open_ones = [h for h in judged[:MOST_HYPOTHESES] if not h.has_unknown and h.probability > 1e-3]
@@ -116,14 +139,14 @@ def next_tests(model: LinearModel, judged: Sequence[Judged]) -> tuple[Proposal, 
         return ()
     weight = weight / weight.sum()
     fits = [h.fit for h in open_ones]
-    proposals = [*_strain_tests(model, fits, weight), *_other_tests(model.inputs, fits, weight)]
+    proposals = [*_strain_tests(model, fits, weight, limits), *_other_tests(model.inputs, fits, weight)]
     return tuple(sorted((p for p in proposals if p.information > WORTH), key=lambda p: -p.value))
 
 
-def _strain_tests(model: LinearModel, fits: Sequence[Fit], weight: Floats) -> list[Proposal]:
+def _strain_tests(model: LinearModel, fits: Sequence[Fit], weight: Floats, limits: Limits | None) -> list[Proposal]:
     """Return tests at other loads; one at a load that the twin refuses, as a table does beyond its rows, is none."""
     found = []
-    for load, words, cost in _loads_to_test(model.inputs.campaign):
+    for load, words, cost in _loads_to_test(model.inputs.campaign, limits):
         try:
             information = _strain_information(model, fits, weight, load)
         except TwinError:
@@ -132,7 +155,7 @@ def _strain_tests(model: LinearModel, fits: Sequence[Fit], weight: Floats) -> li
     return found
 
 
-def _loads_to_test(campaign: Campaign) -> list[tuple[Load, str, float]]:
+def _loads_to_test(campaign: Campaign, limits: Limits | None) -> list[tuple[Load, str, float]]:
     """Return loads worth a test, with what to do and what it costs; of several loads those that were applied."""
     if len(campaign.load_names) != 1:
         every = campaign.loads[:: max(1, len(campaign.loads) // MOST_REPEATED)]
@@ -141,12 +164,20 @@ def _loads_to_test(campaign: Campaign) -> list[tuple[Load, str, float]]:
         ]
     top = max(abs(amounts_of(load)[0]) for load in campaign.loads) or 1.0
     words = campaign.load_words
-    return [
-        (0.0, "read all gauges at zero load", 0.5),
-        (-1.0, f"load the structure the other way, {words(-1.0)}", 3.0),
-        (top, f"repeat {words(top)} with {REPEATS} readings", 1.0),
-        (1.5 * top, f"go to {words(1.5 * top)}, if the structure allows it", 2.0),
-    ]
+    low, high = limits or (-1.0, 1.5 * top)
+    hint = "" if limits else ", if the structure allows it"
+    tests: list[tuple[Load, str, float]] = []
+    if low <= 0.0 <= high:
+        tests.append((0.0, "read all gauges at zero load", 0.5))
+    if low < 0.0:
+        back = max(low, -1.0)
+        tests.append((back, f"load the structure the other way, {words(back)}{hint}", 3.0))
+    if high >= top:
+        tests.append((top, f"repeat {words(top)} with {REPEATS} readings", 1.0))
+    if high > top:
+        more = min(high, 1.5 * top)
+        tests.append((more, f"go to {words(more)}{hint}", 2.0))
+    return tests
 
 
 def _other_tests(inputs: Inputs, fits: Sequence[Fit], weight: Floats) -> list[Proposal]:

@@ -5,6 +5,7 @@ from dataclasses import FrozenInstanceError, replace
 import numpy as np
 import pytest
 
+from octmip.errors import DataError
 from octmip.gap import CHAIN, CachedTwin, diagnose
 from octmip.gap.inference.inference import Inference
 from octmip.gap.inference.inputs import prepare
@@ -78,3 +79,19 @@ def test_a_twin_is_asked_once_for_each_state_and_load():
     assert counted.asked == 1
     assert np.array_equal(cached.predict_states(np.array([[0.2, 0.0], [0.3, 0.0]]), 2.0)[0], first)
     assert counted.asked == 2
+
+
+@pytest.mark.parametrize(
+    ("limits", "proposed"),
+    [(None, {"load_0", "load_3", "load_-1"}), ((0.0, 2.5), {"load_0", "load_2.5"}), ((0.5, 2.0), set())],
+)
+def test_no_load_beyond_the_limits_is_proposed(limits, proposed):
+    gain = lambda state, load, time: 0.06 * (np.arange(20) == 4) * Beam().predict(state, load)  # noqa: E731
+    found = diagnose(measured(21, gain, loads=(2.0,)), Beam(), commissioning=COMMISSIONING, load_limits=limits)
+    assert {test.name for test in found.next_test if test.is_strain_test} == proposed
+    assert any("if the structure allows it" in test.words for test in found.next_test) == (limits is None)
+
+
+def test_limits_of_the_load_in_the_wrong_order_are_refused():
+    with pytest.raises(DataError, match="the lowest first"):
+        diagnose(measured(21, loads=(2.0,)), Beam(), commissioning=COMMISSIONING, load_limits=(3.5, -1.0))
