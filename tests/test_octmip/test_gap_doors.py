@@ -157,6 +157,22 @@ def test_a_table_that_is_no_grid_is_triangulated(tmp_path):
     assert twin.predict({}, 150.0) == pytest.approx(TWIN.predict({}, 150.0), rel=0.02)
 
 
+@pytest.mark.parametrize(
+    ("rows", "told"),
+    [
+        (["1,0,2", "1,0,3"], "rows 2 and 3 hold the same a 1, b 0; expected one row for each"),
+        (["1,0,2", "1,1,3", "1,0,4"], "rows 2 and 4 hold the same a 1, b 0; expected one row for each"),
+        (["0,0,1", "1,1,2", "2,2,3"], "3 rows that span no area in a, b"),
+    ],
+)
+def test_rows_that_cannot_be_interpolated_are_refused(tmp_path, rows, told):
+    path = tmp_path / "plane.csv"
+    path.write_text("\n".join(["a,b,u", *rows]))
+    beside(path, {"readings": {"u": "mm"}, "loads": ["a", "b"]})
+    with pytest.raises(DataError, match=told):
+        table_twin(path)
+
+
 def test_a_table_extrapolates_nothing(tmp_path):
     twin = table_twin(table(tmp_path))
     with pytest.raises(TwinError, match=r"force 210; it holds 0 to 200, and nothing is extrapolated"):
