@@ -14,7 +14,7 @@ import pytest
 from octmip.cli.diagnose import load_twin
 from octmip.errors import DataError, TwinError
 from octmip.gap import CachedTwin, Campaign, diagnose, function_twin
-from octmip.gap.doors import deck_twin, open_twin, read_card, script_twin, table_twin
+from octmip.gap.doors import deck_twin, open_twin, script_twin, table_twin
 from octmip.gap.doors.card import card_of
 from octmip.gap.doors.um_bridge import um_bridge_twin
 from octmip.report.diagnosis.recommendation import recommend
@@ -155,22 +155,6 @@ def test_a_table_is_exact_at_its_rows_and_diagnosed_as_the_function_to_its_inter
 def test_a_table_that_is_no_grid_is_triangulated(tmp_path):
     twin = table_twin(table(tmp_path, steps=4, scatter=[17, 90]))
     assert twin.predict({}, 150.0) == pytest.approx(TWIN.predict({}, 150.0), rel=0.02)
-
-
-@pytest.mark.parametrize(
-    ("rows", "told"),
-    [
-        (["1,0,2", "1,0,3"], "rows 2 and 3 hold the same a 1, b 0; expected one row for each"),
-        (["1,0,2", "1,1,3", "1,0,4"], "rows 2 and 4 hold the same a 1, b 0; expected one row for each"),
-        (["0,0,1", "1,1,2", "2,2,3"], "3 rows that span no area in a, b"),
-    ],
-)
-def test_rows_that_cannot_be_interpolated_are_refused(tmp_path, rows, told):
-    path = tmp_path / "plane.csv"
-    path.write_text("\n".join(["a,b,u", *rows]))
-    beside(path, {"readings": {"u": "mm"}, "loads": ["a", "b"]})
-    with pytest.raises(DataError, match=told):
-        table_twin(path)
 
 
 def test_a_table_extrapolates_nothing(tmp_path):
@@ -400,35 +384,3 @@ def test_the_command_opens_every_door_by_one_word(tmp_path, monkeypatch):
     (tmp_path / "beam.csv.json").unlink()
     with pytest.raises(DataError, match=r"beam.csv.json"):
         load_twin(f"table:{tmp_path / 'beam.csv'}")
-
-
-@pytest.mark.parametrize(
-    ("name", "told"),
-    [
-        ("table:beam.csv", r"^table beam.csv is not there; expected a CSV or Parquet file"),
-        ("script:beam.py", r"^script beam.py is not there"),
-        ("deck:beam.inp", r"^beam.inp cannot be read"),
-        ("table:here.csv", r"^card here.csv.json is not there: .*--card"),
-        ("script:here.csv", r"^card here.csv.json is not there: .*--card"),
-        ("deck:here.csv", r"^card here.csv.json is not there: .*--card"),
-    ],
-)
-def test_what_is_not_there_is_named_the_model_before_its_card(tmp_path, monkeypatch, name, told):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "here.csv").write_text("force,tip\n1,2\n")
-    with pytest.raises(DataError, match=told):
-        open_twin(name)
-
-
-@pytest.mark.parametrize(
-    ("text", "told"),
-    [
-        ("{", "is no JSON"),
-        ("[]", "no object 'readings'"),
-        ('{"readings": {"u": "mm"}, "load": []}', "has the key 'load'"),
-    ],
-)
-def test_a_card_file_that_is_none_is_refused(tmp_path, text, told):
-    (tmp_path / "card.json").write_text(text)
-    with pytest.raises(DataError, match=told):
-        read_card(tmp_path / "card.json")
