@@ -6,7 +6,7 @@ ZIG = $(shell test "$$(uname -s)" = Linux && $(BIN)/python -m ziglang version >/
 NATIVE := $(shell find octmip/native/src octmip/native/check octmip/native/Cargo.toml -type f)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: uav mission blind test lint lint-python lint-rust pytest wheel site tools benchmarks clean
+.PHONY: uav mission blind test lint lint-rust-then-python lint-python lint-rust pytest wheel site tools benchmarks clean
 
 uav: $(VENV)/.installed
 	@$(BIN)/python -m benchmarks.uav $(if $(STRAINS),--strains $(STRAINS)) $(ARGS)
@@ -19,16 +19,21 @@ mission: $(VENV)/.installed
 blind: $(VENV)/.installed
 	@$(BIN)/python -m benchmarks.blind $(ARGS)
 
-# Rust is checked beside the installation of the Python packages, and types beside the tests: each keeps one core busy.
+# The native core is built beside the installation of the Python packages, and Rust and types are checked beside the
+# tests: no core of the machine waits.
 test: | tools
-	$(MAKE) --jobs 2 --output-sync=target lint-rust $(VENV)/.installed-test
-	$(MAKE) --jobs 2 lint-python pytest
+	$(MAKE) --jobs 2 --output-sync=target $(VENV)/.installed-test
+	$(MAKE) --jobs 2 lint-rust-then-python pytest
 
 pytest: $(VENV)/.installed-test
 	MAKEFLAGS= OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loadscope-reorder -r s
 
 lint: lint-python
 	cd octmip/native && cargo fmt --all --check && cargo clippy --release --quiet --workspace --all-targets --features python -- -D warnings
+
+lint-rust-then-python:
+	$(MAKE) lint-rust
+	$(MAKE) lint-python
 
 lint-python: $(VENV)/.installed-test
 	$(BIN)/ruff check .
@@ -58,26 +63,41 @@ tools:
 	@command -v cargo >/dev/null || { echo "the Rust toolchain (cargo) is missing: install stable Rust 1.89 or newer, for instance with rustup"; exit 2; }
 
 # Editable: Python files are used where they lie, and the native core is built again when a Rust file changes.
-$(VENV)/.installed: pyproject.toml $(NATIVE) | tools
-	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --no-compile --editable '.[all]'
+$(VENV)/.core: pyproject.toml $(NATIVE) | $(BIN)/python
+	$(BIN)/python -m pip install --quiet --no-compile --no-deps --editable .
 	@touch $@
 
-# Without the project itself: pip would build the native core once more.
+# What the project and some extras need, with octmip[EXTRA] written out: pip would build the native core for it.
 define REQUIREMENTS
-import tomllib
-extras = tomllib.load(open("pyproject.toml", "rb"))["project"]["optional-dependencies"]
-print("\n".join(extras["test"] + extras["docs"]))
+import re, sys, tomllib
+project = tomllib.load(open("pyproject.toml", "rb"))["project"]
+def lines(extra):
+    for line in project["optional-dependencies"][extra]:
+        own = re.fullmatch(r"octmip\[(.*)\]", line)
+        yield from (part for name in own[1].split(",") for part in lines(name)) if own else [line]
+every = [*project["dependencies"], *(line for extra in sys.argv[1:] for line in lines(extra))]
+print("\n".join(dict.fromkeys(every)))
 endef
 export REQUIREMENTS
 
-$(VENV)/.installed-test: $(VENV)/.installed
-	$(BIN)/python -c "$$REQUIREMENTS" > $(VENV)/test-requirements.txt
-	$(BIN)/python -m pip install --quiet --no-compile --requirement $(VENV)/test-requirements.txt
+$(VENV)/.packages: EXTRAS = all
+$(VENV)/.packages-test: EXTRAS = test docs
+$(VENV)/.packages $(VENV)/.packages-test: pyproject.toml | $(BIN)/python
+	$(BIN)/python -c "$$REQUIREMENTS" $(EXTRAS) > $@.txt
+	$(BIN)/python -m pip install --quiet --no-compile --requirement $@.txt
 	@touch $@
 
-$(VENV)/.wheel-tools: | tools
-	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+$(VENV)/.installed: $(VENV)/.core $(VENV)/.packages
+	@touch $@
+
+# Its packages are those of .installed and more.
+$(VENV)/.installed-test: $(VENV)/.core $(VENV)/.packages-test
+	@touch $(VENV)/.packages $(VENV)/.installed $@
+
+$(BIN)/python: | tools
+	$(PYTHON) -m venv $(VENV)
+
+$(VENV)/.wheel-tools: | $(BIN)/python
 	$(BIN)/python -m pip install --quiet 'maturin>=1.9,<2'
 	@$(BIN)/python -m pip install --quiet ziglang || echo "ziglang cannot be installed: the wheel gets the tag of this machine's C library, and older systems refuse it"
 	@touch $@

@@ -30,6 +30,10 @@ def main(words: list[str] | None = None) -> int:
         chosen = _chosen(options.only, parser)
         if options.out.exists() and not options.out.is_dir():
             parser.error(f"--out {options.out} is a file; expected a folder, made if it is not there; choose another")
+        try:
+            options.out.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            parser.error(f"--out {options.out} cannot be made ({error.strerror}); choose another place")
         _write(chosen, options.out, with_cip=options.cip)
     elif not options.table:
         parser.error("nothing to do; give --out DIR, or --table")
@@ -51,7 +55,6 @@ def _chosen(only: str, parser: argparse.ArgumentParser) -> list[Instance]:
 
 
 def _write(instances: list[Instance], folder: Path, *, with_cip: bool) -> None:
-    folder.mkdir(parents=True, exist_ok=True)
     sizes = {}
     for instance in instances:
         rows, path = instance.rows(), folder / f"{instance.name}.mps"

@@ -149,7 +149,10 @@ def _attribute(name: str) -> Any:
     try:
         return getattr(importlib.import_module(module), attribute)
     except ImportError as error:
-        raise DataError(f"--twin {name!r}: module {module!r} cannot be imported ({error}); check the name") from error
+        raise DataError(
+            f"--twin {name!r}: module {module!r} cannot be imported ({error}); expected MODULE:NAME, or a door such as "
+            "table:FILE.csv; check the name"
+        ) from error
     except AttributeError as error:
         raise DataError(f"--twin {name!r}: {module!r} has no {attribute!r}; check the name") from error
 

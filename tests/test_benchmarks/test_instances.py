@@ -33,6 +33,7 @@ def test_a_file_read_back_has_the_size_in_the_table_and_the_optimum(tmp_path):
     ("words", "told"),
     [
         (["--out", "FILE"], "FILE is a file; expected a folder"),
+        (["--out", "FILE/new", "--only", "^flow-iris-d1$"], "FILE/new cannot be made .*choose another place"),
         (["--out", "new", "--only", "["], r"--only '\[' is no regular expression"),
         (["--out", "new", "--only", "no such"], "--only 'no such' names none of the"),
     ],

@@ -20,13 +20,16 @@ from benchmarks.uav.mission.simulation import fly
 from benchmarks.uav.mission.table_twin import TableTwin
 from benchmarks.uav.mission.watch_study import told_limit
 from femlib.dataset import published_strains
+from femlib.wing import reduced_twin, uav_wing
 
 SHARED = Path(__file__).parents[3] / "shared" / "uav" / "strains.csv"
 
 
 @pytest.fixture(scope="module")
 def aircraft(tmp_path_factory: pytest.TempPathFactory) -> Aircraft:
-    return build_aircraft(tmp_path_factory.mktemp("mission"), depth=2)
+    with pytest.MonkeyPatch.context() as patch:  # a coarse mesh: the course is the same
+        patch.setattr("benchmarks.uav.mission.aircraft.uav_twin", lambda: reduced_twin(uav_wing(refinement=0.35)))
+        return build_aircraft(tmp_path_factory.mktemp("mission"), depth=2)
 
 
 @pytest.fixture(scope="module")

@@ -5,7 +5,24 @@ import pytest
 
 from benchmarks.uav.sensing import __main__ as command
 from benchmarks.uav.sensing import budget, frontier, placement
+from benchmarks.uav.sensing import readings as source
 from benchmarks.uav.sensing.readings import candidate_wing, installed, mean_strains, readings
+from femlib.wing import uav_wing
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _coarse_wing():
+    """The wing on a coarse mesh: what is tested here holds on any."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(source, "uav_wing", lambda candidates: uav_wing(candidates=candidates, refinement=0.35))
+        _forget()
+        yield
+    _forget()
+
+
+def _forget():
+    candidate_wing.cache_clear()
+    mean_strains.cache_clear()
 
 
 @pytest.mark.parametrize("study", [budget, frontier])

@@ -1,5 +1,7 @@
 """Tables as they come from loggers and spreadsheets: each is read, warned of or refused with row, column and cure."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -201,6 +203,19 @@ def test_clipped_gauges_are_named_and_left_out_where_they_clip():
     told = "Widen the range of the channels of gauges g02 and g17: g02 ends at 1500 microstrain and g17 ends at 1500"
     assert recommend(diagnosis).startswith(told)
     assert any("column g02 stops at 1500 microstrain" in note for note in diagnosis.notes)
+
+
+def test_a_gauge_that_meets_both_ends_of_its_range_is_left_out_at_both():
+    whole = measured(5, loads=(-3.0, -2.0, 0.0, 2.0, 3.0))
+    readings = whole.readings.copy()
+    readings[:, 6] = np.clip(readings[:, 6], -900.0, 900.0)
+    left, rails, notes = unclipped(replace(whole, readings=readings))
+    assert set(rails) == {"g07"}
+    assert [float(cell.load) for cell in left.cells if np.isfinite(cell.mean[6])] == [0.0]
+    assert [note.partition(" microstrain")[0] for note in notes] == [
+        "Clipped: column g07 stops at 900",
+        "Clipped: column g07 stops at -900",
+    ]
 
 
 def test_an_effect_is_found_beside_clipped_gauges():

@@ -176,6 +176,15 @@ def test_a_jump_accuses_no_sound_asset():
     assert diagnosis.is_sound
 
 
+def test_a_gauge_that_jumps_in_its_only_cell_is_left_out():
+    campaign = changed(lambda r: r.__setitem__((slice(25, None), 6), r[25:, 6] + 15.0 * SD), loads=(2.0,))
+    diagnosis = diagnose(campaign, TWIN, commissioning=measured(1000))
+    assert diagnosis.notes[0].startswith("Jump: gauge g07")
+    assert "jump" in diagnosis.noise.findings
+    assert "g07" not in diagnosis.noise.gauges
+    assert diagnosis.is_sound
+
+
 def test_slow_noise_is_no_jump():
     def noise(rng, shape, load):
         series = rng.standard_normal((shape[0] + 100, shape[1]))

@@ -14,7 +14,7 @@ import pytest
 from octmip.cli.diagnose import load_twin
 from octmip.errors import DataError, TwinError
 from octmip.gap import CachedTwin, Campaign, diagnose, function_twin
-from octmip.gap.doors import deck_twin, open_twin, read_card, script_twin, table_twin
+from octmip.gap.doors import deck_twin, open_twin, script_twin, table_twin
 from octmip.gap.doors.card import card_of
 from octmip.gap.doors.um_bridge import um_bridge_twin
 from octmip.report.diagnosis.recommendation import recommend
@@ -384,35 +384,3 @@ def test_the_command_opens_every_door_by_one_word(tmp_path, monkeypatch):
     (tmp_path / "beam.csv.json").unlink()
     with pytest.raises(DataError, match=r"beam.csv.json"):
         load_twin(f"table:{tmp_path / 'beam.csv'}")
-
-
-@pytest.mark.parametrize(
-    ("name", "told"),
-    [
-        ("table:beam.csv", r"^table beam.csv is not there; expected a CSV or Parquet file"),
-        ("script:beam.py", r"^script beam.py is not there"),
-        ("deck:beam.inp", r"^beam.inp cannot be read"),
-        ("table:here.csv", r"^card here.csv.json is not there: .*--card"),
-        ("script:here.csv", r"^card here.csv.json is not there: .*--card"),
-        ("deck:here.csv", r"^card here.csv.json is not there: .*--card"),
-    ],
-)
-def test_what_is_not_there_is_named_the_model_before_its_card(tmp_path, monkeypatch, name, told):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "here.csv").write_text("force,tip\n1,2\n")
-    with pytest.raises(DataError, match=told):
-        open_twin(name)
-
-
-@pytest.mark.parametrize(
-    ("text", "told"),
-    [
-        ("{", "is no JSON"),
-        ("[]", "no object 'readings'"),
-        ('{"readings": {"u": "mm"}, "load": []}', "has the key 'load'"),
-    ],
-)
-def test_a_card_file_that_is_none_is_refused(tmp_path, text, told):
-    (tmp_path / "card.json").write_text(text)
-    with pytest.raises(DataError, match=told):
-        read_card(tmp_path / "card.json")

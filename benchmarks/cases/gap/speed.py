@@ -55,7 +55,7 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
 
 def measured(refinement: float, asked: Sequence[Asked], again: int = AGAIN) -> Iterator[Line]:
     """Yield the lines of the campaigns on one mesh, known states first."""
-    for is_known in (True, False):
+    for is_known in sorted({one.is_known for one in asked}, reverse=True):
         begin = time.process_time()
         twin = wing_twin(refinement)
         built = time.process_time() - begin

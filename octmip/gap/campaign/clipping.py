@@ -18,50 +18,48 @@ FEWEST = 4
 
 
 def unclipped(campaign: Campaign) -> tuple[Campaign, dict[str, float], list[str]]:
-    """Return the campaign without the clipped readings, the rail of each clipped gauge in its unit, and notes."""
+    """Return the campaign without the clipped readings, the rail of each clipped gauge in its unit, and notes.
+
+    Of a gauge that meets both ends of its range the upper one is told; the notes have both.
+    """
     readings = np.array(campaign.readings)
     rails: dict[str, float] = {}
     notes = []
     for k, name in enumerate(campaign.gauges):
-        rail = rail_of(campaign, k)
-        if rail is None:
-            continue
-        at_rail = campaign.readings[:, k] == rail
-        cells = [cell for cell in campaign.cells if at_rail[cell.rows].any()]
-        for cell in cells:
-            readings[cell.rows, k] = np.nan
-        rails[name] = rail
-        first = campaign.row_number(int(np.flatnonzero(at_rail)[0]))
-        notes.append(
-            f"Clipped: column {name} stops at {rail:g} {campaign.unit_of(name)} in {int(at_rail.sum())} readings "
-            f"(first in row {first}); it is left out of {', '.join(cell.name for cell in cells)}. Widen the channel's "
-            "range."
-        )
+        for rail in rails_of(campaign, k):
+            at_rail = campaign.readings[:, k] == rail
+            cells = [cell for cell in campaign.cells if at_rail[cell.rows].any()]
+            for cell in cells:
+                readings[cell.rows, k] = np.nan
+            rails.setdefault(name, rail)
+            first = campaign.row_number(int(np.flatnonzero(at_rail)[0]))
+            notes.append(
+                f"Clipped: column {name} stops at {rail:g} {campaign.unit_of(name)} in {int(at_rail.sum())} readings "
+                f"(first in row {first}); it is left out of {', '.join(cell.name for cell in cells)}. Widen the "
+                "channel's range."
+            )
     if not rails or not np.isfinite(readings).any():
         return campaign, {}, []
     return replace(campaign, readings=readings), rails, notes
 
 
-def rail_of(campaign: Campaign, gauge: int) -> float | None:
-    """Return the reading at which a gauge stops, or None; a gauge that never moves is stuck, not clipped."""
+def rails_of(campaign: Campaign, gauge: int) -> list[float]:
+    """Return the readings at which a gauge stops, the upper end first; none of one that never moves: that is stuck."""
     values = campaign.readings[:, gauge]
     levels, counts = np.unique(values[np.isfinite(values)], return_counts=True)
     if len(levels) < 2:
-        return None
-    for end, inner in ((-1, -2), (0, 1)):
-        rail = float(levels[end])
-        repeated = counts[end] >= FEWEST and counts[end] > 2 * counts[inner]
-        if repeated and _is_fine(campaign, gauge, levels, rail):
-            return rail
-    return None
+        return []
+    ends = [(float(levels[end]), counts[end], counts[inner]) for end, inner in ((-1, -2), (0, 1))]
+    rails = [rail for rail, count, next_to_it in ends if count >= FEWEST and count > 2 * next_to_it]
+    return [rail for rail in rails if _is_fine(campaign, gauge, levels, rails)]
 
 
-def _is_fine(campaign: Campaign, gauge: int, levels: NDArray[np.float64], rail: float) -> bool:
-    """Return whether the resolution is finer than the noise away from the rail: coarse steps repeat any reading."""
+def _is_fine(campaign: Campaign, gauge: int, levels: NDArray[np.float64], rails: list[float]) -> bool:
+    """Return whether the resolution is finer than the noise away from the rails: coarse steps repeat any reading."""
     spreads = []
     for cell in campaign.cells:
         values = campaign.readings[cell.rows, gauge]
         values = values[np.isfinite(values)]
-        if len(values) >= 3 and not (values == rail).any():
+        if len(values) >= 3 and not np.isin(values, rails).any():
             spreads.append(float(values.std(ddof=1)))
     return bool(spreads) and float(np.diff(levels).min()) < float(np.median(spreads))

@@ -22,7 +22,7 @@ def noise_of(
         noise,
         stuck=(*checks.stuck, *quiet),
         clipped=checks.clipped,
-        jumps=checks.jumps,
+        jumps=tuple(jump for jump in checks.jumps if jump.gauge in noise.gauges),  # the others have no reading left
         outliers=checks.outliers,
         findings=tuple(dict.fromkeys((*noise.findings, *checks.findings))),
     )

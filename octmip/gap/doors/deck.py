@@ -88,9 +88,10 @@ def _card_and_solver(path: Path) -> tuple[Card, Solver]:
         solver = Solver(tuple(own["command"]), str(own.get("output", "")), find)
         known = card_of(**content)
     except (ValueError, KeyError, TypeError, AttributeError, re.error) as error:
+        wrong = f"the key {error} is missing" if isinstance(error, KeyError) else str(error)
         raise DataError(
-            f"card {path} of a deck: {type(error).__name__} {error}; expected a card with the key 'deck', an object of "
-            "'command', 'output' and 'find'"
+            f"card {path} of a deck: {wrong}; expected a card with the key 'deck', an object of 'command', 'output' "
+            "and 'find'; correct it"
         ) from error
     missing = [name for name in known.readings if name not in find]
     if missing:

@@ -78,7 +78,8 @@ def run_program(
         )
     except OSError as error:
         raise TwinError(
-            f"{called} cannot be run by {words[0]!r} ({error.strerror}); install it or correct it"
+            f"{called} cannot be run by {words[0]!r} ({error.strerror}); expected a program that may be run; install "
+            "it, correct its name, or allow it (chmod +x)"
         ) from error
     except subprocess.TimeoutExpired as error:
         raise TwinError(f"{called} did not end within {seconds:g} s; expected an answer; allow more") from error

@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 from scipy.interpolate import LinearNDInterpolator, RegularGridInterpolator
+from scipy.spatial import QhullError
 
 from octmip.errors import DataError, TwinError, needed_by
 from octmip.gap.doors.card import Card, card_beside
@@ -80,6 +81,7 @@ def _numbers(frame: pd.DataFrame, path: str | Path, names: list[str]) -> Floats:
 
 def _interpolated(points: Floats, values: Floats, names: list[str], path: str) -> Function:
     """Return the function that interpolates rows of points (n, n_inputs) and values (n, n_readings)."""
+    _refuse_equal_rows(points, names, path)
     varied = [k for k in range(points.shape[1]) if np.ptp(points[:, k]) > 0.0]
     low, high = points.min(axis=0), points.max(axis=0)
     inside = _of_points(points[:, varied], values, [names[k] for k in varied], path)
@@ -116,14 +118,32 @@ def _of_points(points: Floats, values: Floats, names: list[str], path: str) -> A
         if np.isfinite(grid).all():
             regular = RegularGridInterpolator(axes, grid, method="linear")
             return lambda at: regular(at)[0]
-    if len(names) == 1:
-        raise DataError(f"table {path} holds a value of {names[0]} twice; expected one row for each; drop one")
     return _of_scattered(points, values, names, path)
+
+
+def _refuse_equal_rows(points: Floats, names: list[str], path: str) -> None:
+    """Refuse two rows (n, n_inputs) of the same inputs: which of their readings holds is not known."""
+    _, row_of, count = np.unique(points, axis=0, return_inverse=True, return_counts=True)
+    if (count > 1).any():
+        same = np.flatnonzero(row_of.ravel() == int(np.argmax(count > 1)))[:2]
+        at = (
+            ", ".join(f"{name} {value:g}" for name, value in zip(names, points[same[0]], strict=True)) or "inputs, none"
+        )
+        raise DataError(
+            f"table {path}, rows {same[0] + 2} and {same[1] + 2} hold the same {at}; expected one row for each; drop "
+            "one, or average them"
+        )
 
 
 def _of_scattered(points: Floats, values: Floats, names: list[str], path: str) -> Any:
     width = np.ptp(points, axis=0)
-    scattered = LinearNDInterpolator(points / width, values)
+    try:
+        scattered = LinearNDInterpolator(points / width, values)
+    except QhullError as error:
+        raise DataError(
+            f"table {path} has {len(points)} rows that span no area in {', '.join(names)}, so nothing lies between "
+            "them; expected rows that do, a grid for instance; add rows, or leave one of these columns constant"
+        ) from error
 
     def inside(at: Floats) -> Floats:
         found = np.asarray(scattered(at / width), dtype=np.float64).reshape(-1)

@@ -1,0 +1,70 @@
+"""What the doors refuse, each in one sentence with its cure."""
+
+import pytest
+
+from octmip.cli.diagnose import load_twin
+from octmip.errors import DataError, TwinError
+from octmip.gap.doors import open_twin, read_card, table_twin
+from tests.test_octmip.test_gap_doors import beside
+
+
+@pytest.mark.parametrize(
+    ("rows", "told"),
+    [
+        (["1,0,2", "1,0,3"], "rows 2 and 3 hold the same a 1, b 0; expected one row for each"),
+        (["1,0,2", "1,1,3", "1,0,4"], "rows 2 and 4 hold the same a 1, b 0; expected one row for each"),
+        (["0,0,1", "1,1,2", "2,2,3"], "3 rows that span no area in a, b"),
+    ],
+)
+def test_rows_that_cannot_be_interpolated_are_refused(tmp_path, rows, told):
+    path = tmp_path / "plane.csv"
+    path.write_text("\n".join(["a,b,u", *rows]))
+    beside(path, {"readings": {"u": "mm"}, "loads": ["a", "b"]})
+    with pytest.raises(DataError, match=told):
+        table_twin(path)
+
+
+def test_a_wrong_door_deck_or_program_is_one_sentence_with_its_cure(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(
+        DataError, match=r"'nodoor' cannot be imported .*expected MODULE:NAME, or a door such as table:"
+    ):
+        load_twin("nodoor:beam")
+    beside(tmp_path / "beam.inp")
+    (tmp_path / "beam.inp").write_text("*STEP")
+    with pytest.raises(DataError, match=r"card beam.inp.json of a deck: the key 'deck' is missing; expected"):
+        open_twin("deck:beam.inp")
+    with pytest.raises(TwinError, match=r"Permission denied\); expected a program that may be run; .*chmod"):
+        open_twin("script:beam.inp").predict({}, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [
+        ("table:beam.csv", r"^table beam.csv is not there; expected a CSV or Parquet file"),
+        ("script:beam.py", r"^script beam.py is not there"),
+        ("deck:beam.inp", r"^beam.inp cannot be read"),
+        ("table:here.csv", r"^card here.csv.json is not there: .*--card"),
+        ("script:here.csv", r"^card here.csv.json is not there: .*--card"),
+        ("deck:here.csv", r"^card here.csv.json is not there: .*--card"),
+    ],
+)
+def test_what_is_not_there_is_named_the_model_before_its_card(tmp_path, monkeypatch, name, told):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "here.csv").write_text("force,tip\n1,2\n")
+    with pytest.raises(DataError, match=told):
+        open_twin(name)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("{", "is no JSON"),
+        ("[]", "no object 'readings'"),
+        ('{"readings": {"u": "mm"}, "load": []}', "has the key 'load'"),
+    ],
+)
+def test_a_card_file_that_is_none_is_refused(tmp_path, text, told):
+    (tmp_path / "card.json").write_text(text)
+    with pytest.raises(DataError, match=told):
+        read_card(tmp_path / "card.json")
