@@ -93,9 +93,9 @@ def wrong_run(
     other = _with_own_walk(before, today.inputs, kernels)
     none = _levels([campaign, other], kernels)
     scale = today.inputs.discrepancy.scale
-    strange = _log_prior(odds.unknown[:1], odds) + _with_field(campaign, [campaign, other], kernels, scale)
+    outside = _log_prior(odds.unknown[:1], odds) + _with_field(campaign, [campaign, other], kernels, scale)
     gain = _log_gain(posterior, campaign, [campaign, other], kernels, today.inputs)
-    right = float(np.logaddexp(_log(none) + gain, _log(none + strange)))
+    right = float(np.logaddexp(_log(none) + gain, _log(none + outside)))
     single = _with_single(other, [campaign, other], kernels, before.inputs)
     weights = {
         "state": np.log(OF_STATE) + _log(none + _with_state(other, [campaign, other], kernels)),
