@@ -85,8 +85,8 @@ def more_of_the_damage(gauge, share):
     return change
 
 
-def test_a_gauge_at_which_damage_acts_by_half_as_much_again_is_not_accused():
-    campaign = measured(11, more_of_the_damage(4, 0.4), states=((0.3, 0.2),), known=False)
+def test_a_gauge_at_which_damage_acts_by_a_third_more_is_not_accused():
+    campaign = measured(13, more_of_the_damage(4, 0.3), states=((0.3, 0.2),), known=False)
     diagnosis = diagnose(campaign, TWIN, commissioning=RUN)
     assert diagnosis.is_sound
     assert max(diagnosis.inclusion[name] for name in ("gauge_gain", "gauge_bias", "crosstalk")) < 0.4

@@ -44,9 +44,9 @@ FLOOR = 0.003
 """Sd of the part of each gauge over the rms of its unit's readings: gauges of little strain differ by more."""
 DAMAGE = 0.04
 """Relative sd of the change that damage makes: on meshes of 30k degrees of freedom it is known to some per cent."""
-WIDE_DAMAGE = 0.25
-"""The same at a wide gauge, where two models' fields have unlike slopes: a tail of its own, whatever the level.
-Three pairs of models of one wing differ there by .13, .5 and .5."""
+WIDE_DAMAGE = 0.16
+"""The same at a wide gauge, where two models' fields have unlike slopes: four times as much. Two pairs of models of one
+wing that differ by .03 and .12 elsewhere differ there by .13 and .5."""
 WIDE_OWN = 0.03
 """Relative sd of healthy readings at such a gauge."""
 WIDE_SHARE = 0.05
@@ -125,7 +125,7 @@ class Discrepancy:
 
     def damage_tails(self, gauge: NDArray[np.int64]) -> Floats:
         """Return the relative sd (n,) that what damage changes at some gauges has beyond `damage`: 0 where not wide."""
-        return np.asarray(np.where(np.isin(gauge, self.wide), WIDE_DAMAGE, 0.0))
+        return np.asarray(np.where(np.isin(gauge, self.wide), WIDE_DAMAGE * self.level, 0.0))
 
     def share(self, healthy: Floats, reference: Floats) -> float:
         """Return phi: the signed size of a healthy prediction relative to the one at the reference load."""

@@ -243,7 +243,7 @@ def tail_of(model: LinearModel, gauge: int) -> Floats:
     """Return a whitened root (n, r) of what the covariance gains where a gauge is wide, or nearly so: one state's."""
     known = model.inputs.discrepancy
     here = model.gauge == gauge
-    columns = [np.where(here, WIDE_DAMAGE * model.change, 0.0)]
+    columns = [np.where(here, WIDE_DAMAGE * known.level * model.change, 0.0)]
     if not known.is_calibrated:
         columns.append(np.where(here, WIDE_OWN * known.healthy[gauge] * model.share, 0.0))
     return model.whiten(np.column_stack(columns))
