@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 from octmip.certificate import Certificate, certify
 from octmip.errors import OctmipError
+from octmip.near_sets import near_optimal, sensor_roles
 from octmip.problem import Problem
 from octmip.solution import Limits, Progress, Solution, Stop
 from octmip.solver import solve
@@ -40,6 +41,8 @@ __all__ = [
     "Split",
     "Stop",
     "certify",
+    "near_optimal",
     "predict",
+    "sensor_roles",
     "solve",
 ]
