@@ -236,7 +236,7 @@ class _Count:
         masks: Counter[int] = Counter()
         for place in self.places:
             masks[place.entry[1]] += place.entry[2]
-        is_told_apart = any(masks) or not self.cuts
+        is_told_apart = any(masks) or (self.is_complete and not self.cuts)
         if not is_told_apart:
             return None
         named = {
