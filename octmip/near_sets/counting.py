@@ -79,7 +79,8 @@ def near_optimal(
     margin = _Margin(Fraction(within) if within is not None else None, _decimal(relative))
     whole = whole_problem(problem, first.tree, by_sets)
     known = exact_objective(problem, first.tree)
-    seconds = max(0.0, limits.seconds - (time.perf_counter() - started))
+    is_interrupted = first.stop is Stop.INTERRUPTED
+    seconds = 0.0 if is_interrupted else max(0.0, limits.seconds - (time.perf_counter() - started))
     row = whole.native.count(
         whole.units(margin.above(known)), (seconds, 0.0, limits.nodes, limits.memory), n_jobs, None
     )
@@ -151,7 +152,8 @@ class _Count:
         leaves, cuts, self.open_features, stop, self.n_nodes = row
         self.n_nodes += first.n_nodes
         self.is_complete = not self.open_features and all(cut[4] is not None for cut in cuts)
-        self.stop = Stop.FINISHED if self.is_complete else Stop(stop)
+        interrupted = first.stop is Stop.INTERRUPTED
+        self.stop = Stop.FINISHED if self.is_complete else Stop.INTERRUPTED if interrupted else Stop(stop)
         counted = [entry for entries in (leaves, *(cut[4] or [] for cut in cuts)) for entry in entries]
         self.optimum = self._optimum(counted, known, first)
         # Without a proven optimum, what is within the amount above its bound is in the set for certain.

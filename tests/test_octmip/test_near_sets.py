@@ -2,15 +2,16 @@
 
 import math
 from collections import Counter
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
 import pytest
 
 from benchmarks.oracles.strategies import random_problem
-from octmip import near_optimal
+from octmip import near_optimal, solve
 from octmip.errors import CertificateError, ProblemError
-from octmip.near_sets import NearOptimalSet, NearTree
+from octmip.near_sets import NearOptimalSet, NearTree, counting
 from octmip.problem import Problem
 from octmip.set_certificate import certify_set, recount
 from octmip.solution import Limits, Stop
@@ -106,6 +107,15 @@ def test_a_count_that_is_stopped_claims_no_more_than_it_has_counted() -> None:
     assert stopped.predictions is None
     with pytest.raises(ProblemError, match="not counted to its end"):
         stopped.sample(1)
+
+
+def test_an_interrupt_during_the_search_for_the_optimum_ends_the_count(monkeypatch: pytest.MonkeyPatch) -> None:
+    rng = np.random.default_rng(0)
+    problem = Problem(rng.normal(size=(60, 4)), rng.integers(0, 3, 60), depth=3)
+    cut_short = replace(solve(problem, "cart"), stop=Stop.INTERRUPTED)
+    monkeypatch.setattr(counting, "solve", lambda *_args, **_options: cut_short)
+    found = near_optimal(problem, within=1)
+    assert (found.stop, found.trees, found.optimum) == (Stop.INTERRUPTED, None, None)
 
 
 def test_threads_do_not_change_the_set() -> None:
