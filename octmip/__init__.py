@@ -11,15 +11,20 @@ from octmip.tree import HyperplaneSplit, Leaf, Split, predict
 
 if TYPE_CHECKING:
     from octmip.estimator import OptimalTreeClassifier
+    from octmip.near_sets import near_optimal, sensor_roles
 else:  # a checker of types sees no name that is not there
 
     def __getattr__(name: str) -> Any:
-        """Import the estimator, and scikit-learn with it, when it is first asked for."""
-        if name != "OptimalTreeClassifier":
-            raise AttributeError(f"module 'octmip' has no attribute {name!r}")
-        from octmip.estimator import OptimalTreeClassifier
+        """Import what needs scikit-learn or the native core when it is first asked for."""
+        if name == "OptimalTreeClassifier":
+            from octmip.estimator import OptimalTreeClassifier
 
-        return OptimalTreeClassifier
+            return OptimalTreeClassifier
+        if name in ("near_optimal", "sensor_roles"):
+            from octmip import near_sets
+
+            return getattr(near_sets, name)
+        raise AttributeError(f"module 'octmip' has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:
@@ -40,6 +45,8 @@ __all__ = [
     "Split",
     "Stop",
     "certify",
+    "near_optimal",
     "predict",
+    "sensor_roles",
     "solve",
 ]

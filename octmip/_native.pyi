@@ -74,6 +74,41 @@ class Question:
     def check(self, log: str, n_threads: int) -> tuple[tuple[float, int, int] | None, tuple[int, str] | None]:
         """Return the bound that a log proves, its number of lines, the line of its claim; or where and why it fails."""
 
+class NearProblem:
+    """A problem whose trees are counted, its costs whole numbers."""
+
+    def __new__(
+        cls,
+        problem: Problem,
+        costs: tuple[list[int], list[int], list[int], int, int, int],
+        is_narrow: bool,
+        by_sets: bool,
+    ) -> NearProblem:
+        """Take the problem.
+
+        `costs`: class and weight of each sample, cost of each label for each class, number of labels, penalty, and by
+        how many binary digits a unit of `problem` is larger.
+        """
+
+    def count(
+        self, limit: int, limit_values: LimitValues, n_threads: int, progress: NativeProgress | None
+    ) -> tuple[list[NearEntry], list[NearCut], list[int], str, int]:
+        """Return leaves, cuts of the root, features whose cuts are not all known, stop and evaluated cuts."""
+
+    def trees(self, wanted: list[tuple[NearCut | None, int, int, int]]) -> list[list[NodeRow]] | None:
+        """Return the trees of a cut (None: leaves), a cost, sensors, and a number each."""
+
+    def readers(
+        self, known: list[int], limit_values: LimitValues, n_threads: int
+    ) -> tuple[list[int | None], str | None, int]:
+        """Return the least cost of a tree that reads each sensor if below `known`, stop if early, evaluated cuts."""
+
+    def predictions(self, limit: int, most: int, seconds: float) -> int | None:
+        """Return the number of distinct predictions, None if some node has more than `most` or time is out."""
+
+NearEntry = tuple[int, int, int]  # cost, sensors as bits, number of trees
+# Feature, largest rank that goes left, samples left of it, bounds of both sides, trees.
+NearCut = tuple[int, int, int, tuple[int, int], list[NearEntry] | None]
 LimitValues = tuple[float, float, float, float]  # seconds, gap, nodes, memory
 NativeProgress = Callable[[float, int, int, int], None]  # seconds, objective, bound, nodes
 NodeRow = tuple[int, int, int, int, int, int, list[tuple[int, float]], float]

@@ -21,12 +21,16 @@ COMMANDS = {
     "certify": "recompute what a tree file claims, from tree and data alone",
     "predict": "apply a tree file to a table",
     "compare": "run every method on a table and show their gaps side by side",
+    "near-optimal": "count all trees near the optimum, list the best, draw samples",
+    "sensors": "show what each sensor is worth: the optimum without it, and where it must be read",
     "frontier": "show the least cost against depth, sensor budget or leaf penalty",
     "diagnose": "explain why an asset does not behave like its twin, and what to test next",
     "report": "show a tree file in words, or as a page, Markdown, DOT or a drawing",
     "doctor": "check this installation: versions, native core, extras, memory",
     "completion": "print the script that lets a shell complete octmip's words",
 }
+MODULES = {"near-optimal": "sets.near_optimal", "sensors": "sets.sensors"}
+"""Modules of the commands that do not bear their name."""
 MOST_MESSAGE = 10_000  # characters of an error on standard error
 
 
@@ -75,7 +79,7 @@ def _run(words: list[str]) -> int:
         near = difflib.get_close_matches(words[0], COMMANDS, n=1)
         hint = f"; did you mean {near[0]}?" if near else f"; expected one of {', '.join(COMMANDS)}"
         raise DataError(f"there is no command {words[0]!r}{hint}")
-    command = importlib.import_module(f"octmip.cli.{words[0]}")
+    command = importlib.import_module(f"octmip.cli.{MODULES.get(words[0], words[0])}")
     parser = Parser(f"octmip {words[0]}", command.__doc__, getattr(command, "EXAMPLES", ""))
     command.add_arguments(parser)
     code: int = command.run(parser.finish().parse_args(words[1:]))
@@ -84,7 +88,7 @@ def _run(words: list[str]) -> int:
 
 
 def _overview() -> str:
-    lines = [f"  octmip {name:<10}  {summary}" for name, summary in COMMANDS.items()]
+    lines = [f"  octmip {name:<12}  {summary}" for name, summary in COMMANDS.items()]
     return "\n".join(
         [
             "octmip finds classification trees that are optimal, proves it, and says what a heuristic loses.",

@@ -24,12 +24,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print the script."""
-    from octmip.cli import COMMANDS  # which imports this module by name when it is called
+    from octmip.cli import COMMANDS, MODULES  # which imports this module by name when it is called
 
     whole = argparse.ArgumentParser(prog="octmip", description="optimal classification trees, with their proofs")
     commands = whole.add_subparsers(parser_class=_CommandParser)
     for name, summary in COMMANDS.items():
-        command = importlib.import_module(f"octmip.cli.{name}")
+        command = importlib.import_module(f"octmip.cli.{MODULES.get(name, name)}")
         parser = commands.add_parser(name, help=summary)
         command.add_arguments(parser)
         _complete_files(parser.finish())

@@ -11,6 +11,7 @@ with needed_by("a picture"):
     from octmip.plot.curves import choice_figure, frontier_figure, progress_figure, reliability_figure
     from octmip.plot.drawing import counted_tree_figure, split_text, tree_figure
     from octmip.plot.plane import partition_figure
+    from octmip.plot.sensors import sensors_figure
     from octmip.plot.style import class_colours
 
 __all__ = [
@@ -21,6 +22,7 @@ __all__ = [
     "partition_figure",
     "progress_figure",
     "reliability_figure",
+    "sensors_figure",
     "split_text",
     "tree_figure",
 ]

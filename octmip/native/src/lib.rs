@@ -9,6 +9,7 @@ pub mod control;
 mod costs;
 pub mod exact;
 mod log;
+pub mod near_optimal;
 pub mod ranks;
 pub mod search;
 pub mod sequential;

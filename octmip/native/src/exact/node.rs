@@ -6,3 +6,4 @@ pub(crate) mod log;
 pub(crate) mod plan;
 pub(crate) mod result;
 pub(crate) mod search;
+mod within;

@@ -1,0 +1,1 @@
+"""Cases about sets of near-optimal trees."""

@@ -1,0 +1,6 @@
+"""Commands about all near-optimal trees.
+
+amount        what "within" means on a command line
+near_optimal  octmip near-optimal: the set itself
+sensors       octmip sensors: what each sensor is worth
+"""

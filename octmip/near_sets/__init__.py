@@ -1,0 +1,23 @@
+"""Sets of near-optimal trees, and what they say of the sensors.
+
+counting        all trees within some amount of the optimum, counted
+near_set        the set: counts, intervals of cuts, best trees, uniform samples
+roles           the optimum without each sensor, and of the trees that read it
+whole_numbers   the problem in whole numbers, none of them rounded
+"""
+
+from octmip.near_sets.counting import near_optimal
+from octmip.near_sets.near_set import NearOptimalSet, NearTree, RootInterval
+from octmip.near_sets.roles import Loss, Role, SensorRole, SensorRoles, sensor_roles
+
+__all__ = [
+    "Loss",
+    "NearOptimalSet",
+    "NearTree",
+    "Role",
+    "RootInterval",
+    "SensorRole",
+    "SensorRoles",
+    "near_optimal",
+    "sensor_roles",
+]

@@ -1,0 +1,353 @@
+"""What each sensor is worth: the optimum without it, and the optimum of the trees that read it.
+
+without   the optimum of the problem without the sensor's features: what the best tree costs if the sensor is missing.
+          Where the best tree known does not read it, nothing is lost, and nothing is searched
+forced    the least objective of the trees that read it. A split between two leaves of one label reads nothing
+role      needed       without > limit: every tree of the near-optimal set reads it
+          useless      forced > limit: no tree of the set reads it
+          replaceable  some trees of the set read it and others do not
+"""
+
+import enum
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.errors import ProblemError
+from octmip.near_sets.counting import near_optimal
+from octmip.near_sets.whole_numbers import exact_objective, whole_problem
+from octmip.problem import Problem
+from octmip.solution import Limits, ProgressCallback, Solution, Stop
+from octmip.solver import solve
+from octmip.tree import Leaf, Node, Split, midpoint
+
+NO_TREE = math.inf
+
+
+class Role(enum.StrEnum):
+    """What a sensor is to the near-optimal trees."""
+
+    NEEDED = "needed"
+    REPLACEABLE = "replaceable"
+    USELESS = "useless"
+    UNKNOWN = "unknown"
+
+
+@dataclass(frozen=True, slots=True)
+class Loss:
+    """The optimum without some sensors.
+
+    Attributes
+    ----------
+    sensors
+        that are left out.
+    objective
+        of the best tree found without them.
+    bound
+        proven for every tree without them; equal to the objective where that is proven.
+    tree
+        the best tree found.
+    read
+        sensors that it reads.
+    """
+
+    sensors: tuple[str, ...]
+    objective: float
+    bound: float
+    tree: Node
+    read: tuple[str, ...]
+
+    @property
+    def is_proven(self) -> bool:
+        """Whether no tree without them is better."""
+        return self.bound >= self.objective
+
+
+@dataclass(frozen=True, slots=True)
+class SensorRole:
+    """What one sensor is worth.
+
+    Attributes
+    ----------
+    sensor
+        its name.
+    without
+        the optimum without it.
+    forced
+        the least objective of a tree that reads it; +inf where no tree can.
+    forced_is_proven
+        whether no tree that reads it is better.
+    role
+        what it is to the near-optimal trees.
+    instead
+        sensors that the best tree without it reads and the best tree of all does not.
+    """
+
+    sensor: str
+    without: Loss
+    forced: float
+    forced_is_proven: bool
+    role: Role
+    instead: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SensorRoles:
+    """The sensors of a problem, in its order.
+
+    Attributes
+    ----------
+    problem
+        whose sensors these are.
+    solution
+        the best tree with all sensors.
+    limit
+        the most that a near-optimal tree costs.
+    roles
+        of every sensor.
+    pairs
+        the optimum without each two of them, where asked for.
+    stop
+        FINISHED where everything is proven, else why not.
+    seconds
+        spent.
+    """
+
+    problem: Problem
+    solution: Solution
+    limit: float
+    roles: tuple[SensorRole, ...]
+    pairs: tuple[Loss, ...]
+    stop: Stop
+    seconds: float
+
+    @property
+    def is_proven(self) -> bool:
+        """Whether every claim is proven."""
+        losses = [*(role.without for role in self.roles), *self.pairs]
+        return (
+            self.solution.is_optimal
+            and all(loss.is_proven for loss in losses)
+            and all(role.forced_is_proven for role in self.roles)
+        )
+
+
+def sensor_roles(
+    problem: Problem,
+    within: float = 0.0,
+    limits: Limits = Limits(),  # noqa: B008 - frozen
+    *,
+    pairs: bool = False,
+    seed: int = 0,
+    n_jobs: int = 1,
+    progress: ProgressCallback | None = None,
+) -> SensorRoles:
+    """Return what each sensor is worth, one proof for each claim.
+
+    Parameters
+    ----------
+    problem
+        with ``split="axis"``.
+    within
+        trees up to so much above the optimum count as near-optimal.
+    limits
+        seconds and nodes of the whole.
+    pairs
+        also the optimum without each two sensors.
+    seed, n_jobs, progress
+        of every search.
+
+    Raises
+    ------
+    ProblemError
+        the splits are hyperplanes, `within` is no number of 0 or more, or costs span too many digits.
+    """
+    if problem.split != "axis":
+        raise ProblemError("sensors are weighed with splits over one feature but split is 'hyperplane'; use 'axis'")
+    if not 0 <= within < math.inf:
+        raise ProblemError(f"within is {within}; expected a number of 0 or more")
+    started = time.perf_counter()
+    calls = _Calls(problem, limits, seed, n_jobs, progress, started)
+    solution = calls.solve(problem, None)
+    calls.known.append(_loss(problem, (), solution))
+    forced, proven = _forced(problem, solution, calls)
+    limit = math.nextafter(solution.objective + within, math.inf) if within else solution.objective
+    roles = tuple(
+        _role(calls.without((sensor,)), calls.known[0], limit, forced[s], proven)
+        for s, sensor in enumerate(problem.sensors)
+    )
+    both = tuple(calls.without(pair) for pair in combinations(problem.sensors, 2)) if pairs else ()
+    found = SensorRoles(problem, solution, limit, roles, both, Stop.FINISHED, time.perf_counter() - started)
+    return found if found.is_proven else replace(found, stop=calls.stop)
+
+
+def _loss(problem: Problem, sensors: tuple[str, ...], solution: Solution) -> Loss:
+    assert solution.tree is not None
+    bound = solution.objective if solution.is_optimal else solution.bound
+    return Loss(sensors, solution.objective, bound, solution.tree, problem.sensors_used(solution.tree))
+
+
+class _Calls:
+    """Searches of one problem without some sensors; what one has proven others need not."""
+
+    def __init__(
+        self,
+        problem: Problem,
+        limits: Limits,
+        seed: int,
+        n_jobs: int,
+        progress: ProgressCallback | None,
+        started: float,
+    ) -> None:
+        self.problem, self.limits, self.seed, self.n_jobs = problem, limits, seed, n_jobs
+        self.progress, self.started = progress, started
+        self.known: list[Loss] = []
+        self.stop = Stop.NUMERICS
+
+    @property
+    def remaining(self) -> Limits:
+        spent = time.perf_counter() - self.started
+        return replace(self.limits, seconds=max(0.0, self.limits.seconds - spent))
+
+    def solve(self, problem: Problem, incumbent: Node | None) -> Solution:
+        found = solve(problem, "exact", self.remaining, incumbent, self.seed, self.n_jobs, self.progress)
+        if not found.is_optimal:
+            self.stop = found.stop
+        return found
+
+    def without(self, sensors: tuple[str, ...]) -> Loss:
+        """Return the optimum without some sensors: known where the best tree without fewer of them reads none."""
+        for known in self.known:
+            if set(known.sensors) <= set(sensors) and not set(known.read) & set(sensors):
+                return replace(known, sensors=sensors)
+        left = [f for f, name in enumerate(self.problem.sensor_of_feature or ()) if name not in sensors]
+        left = [f for f in left if self.problem.is_allowed((f,))]
+        if left:
+            narrower = replace(self.problem, allowed_splits=[[f] for f in left])
+        else:
+            narrower = replace(self.problem, leaf_size=self.problem.n_samples)  # no split is left: a leaf
+        found = _loss(self.problem, sensors, self.solve(narrower, None))
+        # No tree of a narrower problem is better than one of a wider: bounds go on.
+        wider = [known.bound for known in self.known if set(known.sensors) <= set(sensors)]
+        found = replace(found, bound=min(found.objective, max(found.bound, *wider)))
+        self.known.append(found)
+        return found
+
+
+def _role(without: Loss, best: Loss, limit: float, forced: float, forced_is_proven: bool) -> SensorRole:
+    if without.bound > limit:
+        role = Role.NEEDED
+    elif without.objective > limit or (forced > limit and not forced_is_proven):
+        role = Role.UNKNOWN
+    else:
+        role = Role.USELESS if forced > limit else Role.REPLACEABLE
+    instead = tuple(name for name in without.read if name not in best.read)
+    return SensorRole(without.sensors[0], without, forced, forced_is_proven, role, instead)
+
+
+def _forced(problem: Problem, solution: Solution, calls: _Calls) -> tuple[list[float], bool]:
+    """Return the least objective of the trees that read each sensor, and whether all are proven."""
+    if sum(problem.sensor_costs) > problem.sensor_limit:
+        return _forced_by_sets(problem, solution, calls)
+    assert solution.tree is not None
+    tree = solution.tree
+    whole = whole_problem(problem, tree, by_sets=False)
+    every = np.arange(problem.n_samples)
+    trees = [_reading(problem, tree, sensor, every, problem.depth) for sensor in range(len(problem.sensors))]
+    known = [whole.most + 1 if t is None else whole.units(exact_objective(problem, t)) for t in trees]
+    # A sensor that no tree is known to read asks for all trees: first those of the others, then it.
+    first = [min(cost, max([c for c in known if c <= whole.most], default=cost)) for cost in known]
+    found, stop = _least(whole.native.readers, [cost + 1 for cost in first], calls)
+    open_ones = [s for s, cost in enumerate(known) if cost > whole.most and found[s] is None]
+    if open_ones and stop is None:
+        wanted = [whole.most + 1 if s in open_ones else 0 for s in range(len(known))]
+        more, stop = _least(whole.native.readers, wanted, calls)
+        found = [more[s] if s in open_ones else found[s] for s in range(len(known))]
+    costs = [cost if units is None else units for units, cost in zip(found, known, strict=True)]
+    return [NO_TREE if cost > whole.most else float(whole.cost(cost)) for cost in costs], stop is None
+
+
+def _least(
+    readers: Callable[..., tuple[list[int | None], str | None, int]], known: list[int], calls: _Calls
+) -> tuple[list[int | None], str | None]:
+    limits = calls.remaining
+    found, stop, _ = readers(known, (limits.seconds, 0.0, limits.nodes, limits.memory), calls.n_jobs)
+    if stop is not None:
+        calls.stop = Stop(stop)
+    return found, stop
+
+
+def _forced_by_sets(problem: Problem, solution: Solution, calls: _Calls) -> tuple[list[float], bool]:
+    """Return the same under a budget of sensors: sets of trees, each twice as wide, until every sensor is read."""
+    least = dict.fromkeys(problem.sensors, NO_TREE)
+    most = float(problem.weights.sum() * problem.costs.max()) + problem.leaf_penalty * 2**problem.depth
+    margin = max(problem.least_saving if math.isfinite(problem.least_saving) else most, most / 256)
+    while True:
+        counted = near_optimal(
+            problem,
+            within=margin,
+            limits=calls.remaining,
+            by_sets=True,
+            most_predictions=0,
+            incumbent=solution,
+            n_jobs=calls.n_jobs,
+        )
+        least |= counted.least_reading
+        if not counted.is_complete:
+            calls.stop = counted.stop
+            return [least[name] for name in problem.sensors], False
+        if all(math.isfinite(cost) for cost in least.values()) or margin > most:
+            return [least[name] for name in problem.sensors], True
+        margin *= 2
+
+
+def _reading(problem: Problem, node: Node, sensor: int, rows: NDArray[np.int64], depth: int) -> Node | None:
+    """Return a good tree that reads a sensor: the given one, or one with its best cut in place of one lowest split."""
+    if isinstance(node, Split) and problem.sensor_index[node.feature] == sensor:
+        return node
+    candidates = []
+    if depth >= 1 and (isinstance(node, Leaf) or depth == 1):
+        candidates.append(_best_stump(problem, sensor, rows))
+    if isinstance(node, Split):
+        is_left = problem.features[rows, node.feature] <= node.threshold
+        left = _reading(problem, node.left, sensor, rows[is_left], depth - 1)
+        right = _reading(problem, node.right, sensor, rows[~is_left], depth - 1)
+        candidates += [None if left is None else replace(node, left=left)]
+        candidates += [None if right is None else replace(node, right=right)]
+    found = [tree for tree in candidates if tree is not None]
+    return min(found, key=lambda tree: _cost(problem, tree, rows), default=None)
+
+
+def _cost(problem: Problem, node: Node, rows: NDArray[np.int64]) -> float:
+    if isinstance(node, Leaf):
+        return float(problem.class_costs(rows)[node.label])
+    assert isinstance(node, Split)
+    is_left = problem.features[rows, node.feature] <= node.threshold
+    sides = _cost(problem, node.left, rows[is_left]) + _cost(problem, node.right, rows[~is_left])
+    return sides + problem.leaf_penalty
+
+
+def _best_stump(problem: Problem, sensor: int, rows: NDArray[np.int64]) -> Node | None:
+    """Return the best split of some samples by a sensor's features into leaves of different labels."""
+    best: tuple[float, Node] | None = None
+    each = problem.weights[rows, None] * problem.costs[problem.codes[rows]]
+    for feature in np.flatnonzero(problem.sensor_index == sensor).tolist():
+        order = np.argsort(problem.features[rows, feature], kind="stable")
+        values = problem.features[rows[order], feature]
+        k = np.flatnonzero(np.diff(values) > 0) + 1
+        k = k[(k >= problem.leaf_size) & (len(rows) - k >= problem.leaf_size)]
+        if len(k) == 0 or not problem.is_allowed((feature,)):
+            continue
+        sums = each[order].cumsum(axis=0)
+        left, right = sums[k - 1], sums[-1] - sums[k - 1]
+        pairs = left[:, :, None] + right[:, None, :] + np.where(np.eye(problem.n_classes) == 1, np.inf, 0.0)
+        at, a, b = (int(i) for i in np.unravel_index(pairs.argmin(), pairs.shape))
+        if best is None or pairs[at, a, b] < best[0]:
+            threshold = midpoint(float(values[k[at] - 1]), float(values[k[at]]))
+            best = float(pairs[at, a, b]), Split(feature, threshold, Leaf(a), Leaf(b))
+    return None if best is None else best[1]

@@ -1,0 +1,112 @@
+"""What each sensor is worth, against enumeration: the optimum without it, and of the trees that read it."""
+
+import math
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from benchmarks.oracles.enumeration import optimum
+from benchmarks.oracles.strategies import random_problem
+from octmip import sensor_roles
+from octmip.certificate import checked_leaf_index
+from octmip.errors import ProblemError
+from octmip.near_sets import Role, SensorRole
+from octmip.problem import Problem
+from octmip.set_certificate import recount
+from octmip.solution import Limits, Stop
+
+CLOSE = Fraction(1, 10**9)
+
+
+def optimum_without(problem: Problem, sensors: tuple[str, ...]) -> float:
+    names = enumerate(problem.sensor_of_feature or ())
+    kept = [[f] for f, name in names if name not in sensors and problem.is_allowed((f,))]
+    return optimum(replace(problem, allowed_splits=kept)).objective if kept else problem.baseline
+
+
+def check_forced(problem: Problem, role: SensorRole, best: float) -> None:
+    """Some tree within a hair of the objective reads the sensor, and none within a hair less."""
+    most = Fraction(float(problem.weights.sum() * problem.costs.max()) + 7 * problem.leaf_penalty)
+    limit = Fraction(role.forced) if math.isfinite(role.forced) else most
+    readers = recount(problem, limit * (1 + CLOSE)).by_sensors
+    assert any(role.sensor in read for read in readers) == math.isfinite(role.forced)
+    if limit * (1 - CLOSE) > best and math.isfinite(role.forced):
+        assert not any(role.sensor in read for read in recount(problem, limit * (1 - CLOSE)).by_sensors)
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_objectives_without_and_forced_are_those_of_enumeration(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    problem = random_problem(rng, max_samples=int(rng.integers(4, 9)))
+    found = sensor_roles(problem, pairs=True)
+    assert found.is_proven
+    assert found.stop is Stop.FINISHED
+    best = optimum(problem).objective
+    assert math.isclose(found.solution.objective, best)
+    for loss in (*(role.without for role in found.roles), *found.pairs):
+        assert math.isclose(loss.objective, optimum_without(problem, loss.sensors), abs_tol=1e-12)
+        checked_leaf_index(problem, loss.tree)
+        assert not set(loss.sensors) & set(loss.read)
+    for role in found.roles:
+        check_forced(problem, role, best)
+
+
+def stairs(n: int = 12) -> Problem:
+    """Return samples that the first feature parts, the second all but one, the third not at all."""
+    rng = np.random.default_rng(0)
+    labels = np.arange(n) % 2
+    almost = labels.copy()
+    almost[0] = 1
+    return Problem(
+        np.column_stack([labels, almost, rng.permutation(n)]).astype(float),
+        labels,
+        depth=1,
+        feature_names=("exact", "almost", "noise"),
+    )
+
+
+def test_roles_follow_from_the_objectives() -> None:
+    found = sensor_roles(stairs())
+    exact, almost, noise = found.roles
+    assert [role.role for role in found.roles] == [Role.NEEDED, Role.USELESS, Role.USELESS]
+    assert (exact.without.objective, exact.forced, exact.instead) == (1.0, 0.0, ("almost",))
+    assert (almost.without.objective, almost.forced) == (0.0, 1.0)
+    assert noise.forced > 1
+    wider = sensor_roles(stairs(), within=1.0)
+    assert [role.role for role in wider.roles] == [Role.REPLACEABLE, Role.REPLACEABLE, Role.USELESS]
+
+
+def test_two_equal_sensors_replace_each_other_and_fail_together() -> None:
+    problem = stairs()
+    twice = Problem(problem.features[:, [0, 0, 1]], problem.labels, depth=1, feature_names=("a", "b", "c"))
+    found = sensor_roles(twice, pairs=True)
+    assert [role.role for role in found.roles[:2]] == [Role.REPLACEABLE, Role.REPLACEABLE]
+    losses = {loss.sensors: loss.objective for loss in found.pairs}
+    assert losses == {("a", "b"): 1.0, ("a", "c"): 0.0, ("b", "c"): 0.0}
+
+
+def test_a_sensor_that_no_tree_can_read_is_useless() -> None:
+    features = np.column_stack([np.arange(6.0), np.ones(6)])
+    found = sensor_roles(Problem(features, np.arange(6) // 3, depth=2))
+    assert found.roles[1].forced == math.inf
+    assert found.roles[1].role is Role.USELESS
+    assert found.is_proven
+
+
+def test_without_time_nothing_is_claimed_that_is_not_proven() -> None:
+    rng = np.random.default_rng(5)
+    problem = Problem(rng.normal(size=(80, 5)), rng.integers(0, 3, 80), depth=3)
+    found = sensor_roles(problem, limits=Limits(seconds=0.0))
+    assert not found.is_proven
+    assert found.stop is Stop.TIME
+    for role in found.roles:
+        assert role.without.bound <= role.without.objective
+
+
+def test_what_is_asked_must_make_sense() -> None:
+    with pytest.raises(ProblemError, match="within is -1"):
+        sensor_roles(stairs(), within=-1)
+    with pytest.raises(ProblemError, match="split is 'hyperplane'"):
+        sensor_roles(replace(stairs(), split="hyperplane"))
