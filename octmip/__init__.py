@@ -1,25 +1,26 @@
-"""octmip: classification trees that are optimal, with the proof."""
+"""octmip: classification and regression trees that are optimal, with the proof."""
 
 from typing import TYPE_CHECKING, Any
 
 from octmip.certificate import Certificate, certify
 from octmip.errors import OctmipError
 from octmip.problem import Problem
+from octmip.regression.problem import RegressionProblem
 from octmip.solution import Limits, Progress, Solution, Stop
 from octmip.solver import solve
-from octmip.tree import HyperplaneSplit, Leaf, Split, predict
+from octmip.tree import HyperplaneSplit, Leaf, Split, ValueLeaf, predict, predict_values
 
 if TYPE_CHECKING:
-    from octmip.estimator import OptimalTreeClassifier
+    from octmip.estimator import OptimalTreeClassifier, OptimalTreeRegressor
 else:  # a checker of types sees no name that is not there
 
     def __getattr__(name: str) -> Any:
-        """Import the estimator, and scikit-learn with it, when it is first asked for."""
-        if name != "OptimalTreeClassifier":
+        """Import the estimators, and scikit-learn with them, when one is first asked for."""
+        if name not in ("OptimalTreeClassifier", "OptimalTreeRegressor"):
             raise AttributeError(f"module 'octmip' has no attribute {name!r}")
-        from octmip.estimator import OptimalTreeClassifier
+        from octmip import estimator
 
-        return OptimalTreeClassifier
+        return getattr(estimator, name)
 
 
 def __dir__() -> list[str]:
@@ -34,12 +35,16 @@ __all__ = [
     "Limits",
     "OctmipError",
     "OptimalTreeClassifier",
+    "OptimalTreeRegressor",
     "Problem",
     "Progress",
+    "RegressionProblem",
     "Solution",
     "Split",
     "Stop",
+    "ValueLeaf",
     "certify",
     "predict",
+    "predict_values",
     "solve",
 ]

@@ -10,6 +10,7 @@ mod costs;
 pub mod exact;
 mod log;
 pub mod ranks;
+pub mod regression;
 pub mod search;
 pub mod sequential;
 pub mod supervise;
