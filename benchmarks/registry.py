@@ -14,6 +14,8 @@ FAMILIES = {
     "exact_call": "benchmarks.cases.exact.call",
     "exact_growth": "benchmarks.cases.exact.growth",
     "exact_proofs": "benchmarks.cases.exact.proofs",
+    "fuzz_regression": "benchmarks.cases.regression.agreement",
+    "regression_speed": "benchmarks.cases.regression.speed",
     "search_hits": "benchmarks.cases.search.hits",
     "search_planes": "benchmarks.cases.search.planes",
     "search_lines": "benchmarks.cases.search.lines",

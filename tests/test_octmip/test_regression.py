@@ -59,6 +59,21 @@ def test_a_sample_of_weight_two_is_two_samples_and_order_does_not_matter(loss):
     assert solve(often).objective == pytest.approx(solve(once).objective, rel=1e-12)
 
 
+@pytest.mark.parametrize("n", [60, 400])
+def test_buckets_find_what_scans_of_all_samples_find(n):
+    features, targets = smooth(n)
+    features = np.round(features, 1)
+    for own in (targets, np.round(targets)):
+        bucketed = solve(RegressionProblem(features, own, depth=2))
+        # A sample without weight changes no error, and buckets serve no such samples.
+        weights = np.append(np.ones(n), 0.0)
+        scanned = solve(
+            RegressionProblem(np.vstack([features, features[:1]]), np.append(own, own[0]), weights=weights, depth=2)
+        )
+        assert scanned.objective == bucketed.objective
+        assert scanned.is_optimal
+
+
 @pytest.mark.parametrize("loss", LOSSES)
 def test_a_limit_gives_the_best_tree_so_far_and_a_bound_that_holds(loss):
     features, targets = smooth(200, 5)

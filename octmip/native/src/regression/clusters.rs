@@ -91,20 +91,13 @@ impl Bins {
         if c >= n_bins {
             return 0.0;
         }
-        // best[j]: least cost of the bins before j by so many clusters; a bin of several values may be left out
-        // between.
+        // best[j]: least cost of the bins before j by so many clusters; a bin of several values may be left out.
         let mut best = [f64::INFINITY; N_BINS + 1];
         best[0] = 0.0;
-        for _ in 0..c {
+        for round in 1..c {
             let mut next = best;
-            for from in 0..n_bins {
-                let mut start = best[from];
-                if from > 0 && self.ends[from - 1].0 < self.ends[from - 1].1 {
-                    start = start.min(best[from - 1]);
-                }
-                if start.is_infinite() {
-                    continue;
-                }
+            for from in 0..if round == 1 { 1 } else { n_bins } {
+                let start = self.start(&best, from);
                 let mut sums = Sums::default();
                 for to in from..n_bins {
                     sums += histogram[to];
@@ -114,7 +107,22 @@ impl Bins {
             }
             best = next;
         }
-        best[n_bins]
+        // The last cluster ends with the last bin.
+        let mut least = best[n_bins];
+        let mut sums = Sums::default();
+        for from in (0..n_bins).rev() {
+            sums += histogram[from];
+            let cost = if is_absolute { self.absolute(histogram, from, n_bins - 1) } else { sums.squared_error() };
+            least = least.min(self.start(&best, from) + cost);
+        }
+        least
+    }
+
+    /// Least cost of what lies before a cluster whose first whole bin is `from`.
+    #[inline(always)]
+    fn start(&self, best: &[f64; N_BINS + 1], from: usize) -> f64 {
+        let is_parted = from > 0 && self.ends[from - 1].0 < self.ends[from - 1].1;
+        if is_parted { best[from].min(best[from - 1]) } else { best[from] }
     }
 
     /// Lower bound of the absolute error of one constant for the bins `from..=to`.

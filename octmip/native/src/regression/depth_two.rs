@@ -5,6 +5,7 @@
 //! between two others.
 
 use crate::regression::axis::{Axis, Interval, Pair};
+use crate::regression::histograms::Histograms;
 use crate::regression::medians::Medians;
 use crate::regression::result::{Effort, NodeResult};
 use crate::regression::samples::Samples;
@@ -22,6 +23,8 @@ pub(crate) struct TwoLevels<'a> {
     pub(crate) incumbents: Vec<f64>,
     sides: Sides,
     scanner: Scanner,
+    /// Of squared errors where no leaf size binds.
+    histograms: Option<Histograms>,
     medians: Medians,
     axis: Axis,
     /// Lower bounds of each feature's least relaxed error on both sides, evaluation after evaluation.
@@ -40,6 +43,7 @@ impl<'a> TwoLevels<'a> {
             incumbents: Vec::new(),
             sides: Sides::new(samples.n),
             scanner: Scanner::default(),
+            histograms: Histograms::serve(samples).then(Histograms::default),
             medians: Medians::default(),
             axis: Axis::default(),
             kept: Vec::new(),
@@ -79,12 +83,18 @@ impl TwoLevels<'_> {
         let samples = self.samples;
         let penalty = samples.penalty;
         let leaf = view.leaf(samples);
-        let Self { sides, scanner, .. } = self;
+        let Self { sides, scanner, histograms, .. } = self;
         sides.load(samples, view);
+        if let Some(histograms) = histograms {
+            histograms.load(samples, view);
+        }
         let mut stump = Stump { cost: leaf, cut: None };
         let mut whole = Vec::with_capacity(samples.p);
         for g in 0..samples.p {
-            let [_, found] = scanner.scan(samples, view, g, sides, [false, true]);
+            let [_, found] = match histograms {
+                Some(histograms) => histograms.scan(samples, view, g, sides, [f64::INFINITY; 2]),
+                None => scanner.scan(samples, view, g, sides, [false, true]),
+            };
             stump.see(g, &found, penalty);
             whole.push(found.relaxed);
         }
@@ -143,8 +153,11 @@ impl TwoLevels<'_> {
     }
 
     fn begin_feature(&mut self, view: &View, f: usize, axis: &mut Axis, whole: &[f64]) {
-        let Self { sides, medians, kept, .. } = self;
+        let Self { sides, medians, kept, histograms, .. } = self;
         sides.rewind(self.samples, view);
+        if let Some(histograms) = histograms {
+            histograms.rewind();
+        }
         axis.lay_leaves(self.samples, view, f, sides, medians);
         kept.clear();
         kept.extend(whole.iter().map(|&right| Pair { left: 0.0, right }));
@@ -163,9 +176,13 @@ impl TwoLevels<'_> {
     ) -> [Stump; 2] {
         let (samples, penalty) = (self.samples, self.samples.penalty);
         let p = samples.p;
-        let Self { sides, scanner, kept, now, orders, is_scanned, .. } = self;
+        let Self { sides, scanner, histograms, kept, now, orders, is_scanned, .. } = self;
         self.effort.count();
-        sides.move_to(samples, view, f, axis.positions[k] as usize);
+        sides.move_to(samples, view, f, axis.positions[k] as usize, |i, own, to| {
+            if let Some(histograms) = histograms {
+                histograms.pass(i, own, to);
+            }
+        });
         let of = |cut: usize| axis.evaluation[cut] as usize * p;
         let neighbours = (&kept[of(interval.a)..][..p], &kept[of(interval.b)..][..p]);
         axis.inherit(samples, interval, k, neighbours, now);
@@ -195,7 +212,13 @@ impl TwoLevels<'_> {
                 break lower;
             }
             let needs = [0, 1].map(|side| now[g].of(side) + penalty < stumps[side].cost);
-            let found = scanner.scan(samples, view, g, sides, needs);
+            let found = match histograms {
+                Some(histograms) => {
+                    let beat = [0, 1].map(|side| if needs[side] { stumps[side].cost - penalty } else { -1.0 });
+                    histograms.scan(samples, view, g, sides, beat)
+                }
+                None => scanner.scan(samples, view, g, sides, needs),
+            };
             is_scanned[g] = true;
             for side in [0, 1] {
                 if needs[side] {

@@ -60,14 +60,20 @@ impl Sides {
         }
     }
 
-    /// Bring the cut of feature `f` to so many samples on the left.
-    pub(crate) fn move_to(&mut self, samples: &Samples, view: &View, f: usize, k: usize) {
+    /// Bring the cut of feature `f` to so many samples on the left; `passed` is called for each that changes sides.
+    pub(crate) fn move_to(
+        &mut self,
+        samples: &Samples,
+        view: &View,
+        f: usize,
+        k: usize,
+        mut passed: impl FnMut(u32, &Sums, usize),
+    ) {
         let list = view.list(f);
-        while self.counts[0] < k {
-            self.pass(samples, list[self.counts[0]], 0);
-        }
-        while self.counts[0] > k {
-            self.pass(samples, list[self.counts[0] - 1], 1);
+        while self.counts[0] != k {
+            let (place, to) = if self.counts[0] < k { (self.counts[0], 0) } else { (self.counts[0] - 1, 1) };
+            self.pass(samples, list[place], to);
+            passed(list[place], &samples.sums[list[place] as usize], to);
         }
         if k == 0 {
             (self.sums[1], self.sums[0]) = (view.sums(samples), Sums::default());
