@@ -16,6 +16,8 @@ FAMILIES = {
     "exact_proofs": "benchmarks.cases.exact.proofs",
     "near_agreement": "benchmarks.cases.near.agreement",
     "near_strains": "benchmarks.cases.near.strains",
+    "fuzz_regression": "benchmarks.cases.regression.agreement",
+    "regression_speed": "benchmarks.cases.regression.speed",
     "search_hits": "benchmarks.cases.search.hits",
     "search_planes": "benchmarks.cases.search.planes",
     "search_lines": "benchmarks.cases.search.lines",

@@ -1,25 +1,26 @@
-"""octmip: classification trees that are optimal, with the proof."""
+"""octmip: classification and regression trees that are optimal, with the proof."""
 
 from typing import TYPE_CHECKING, Any
 
 from octmip.certificate import Certificate, certify
 from octmip.errors import OctmipError
 from octmip.problem import Problem
+from octmip.regression.problem import RegressionProblem
 from octmip.solution import Limits, Progress, Solution, Stop
 from octmip.solver import solve
-from octmip.tree import HyperplaneSplit, Leaf, Split, predict
+from octmip.tree import HyperplaneSplit, Leaf, Split, ValueLeaf, predict, predict_values
 
 if TYPE_CHECKING:
-    from octmip.estimator import OptimalTreeClassifier
+    from octmip.estimator import OptimalTreeClassifier, OptimalTreeRegressor
     from octmip.near_sets import near_optimal, sensor_roles
 else:  # a checker of types sees no name that is not there
 
     def __getattr__(name: str) -> Any:
         """Import what needs scikit-learn or the native core when it is first asked for."""
-        if name == "OptimalTreeClassifier":
-            from octmip.estimator import OptimalTreeClassifier
+        if name in ("OptimalTreeClassifier", "OptimalTreeRegressor"):
+            from octmip import estimator
 
-            return OptimalTreeClassifier
+            return getattr(estimator, name)
         if name in ("near_optimal", "sensor_roles"):
             from octmip import near_sets
 
@@ -39,14 +40,18 @@ __all__ = [
     "Limits",
     "OctmipError",
     "OptimalTreeClassifier",
+    "OptimalTreeRegressor",
     "Problem",
     "Progress",
+    "RegressionProblem",
     "Solution",
     "Split",
     "Stop",
+    "ValueLeaf",
     "certify",
     "near_optimal",
     "predict",
+    "predict_values",
     "sensor_roles",
     "solve",
 ]

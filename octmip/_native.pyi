@@ -178,3 +178,18 @@ def sequential(
     problem: SequentialProblem, room: float, limit_values: LimitValues
 ) -> tuple[list[NodeRow] | None, float, str, int]:
     """Return the node table of the best tree below the room (None: there is none), bound, stop and evaluated cuts."""
+
+def regression(
+    ranks: NDArray[np.uint32],
+    n_ranks: list[int],
+    targets: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], float],
+    shape: tuple[bool, float, int, int, list[bool]],
+    room: float | None,
+    limit_values: LimitValues,
+    progress: NativeProgress | None = None,
+) -> tuple[list[NodeRow] | None, float, str, int]:
+    """Return the node table of the best regression tree below the room (None: there is none), bound, stop and cuts.
+
+    `targets`: targets, weights, rounded squares, the grid of the squares. `shape`: whether the error is absolute, price
+    of a split, depth, leaf size, which features may be used.
+    """

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +10,8 @@ from numpy.typing import NDArray
 from octmip.errors import CertificateError
 from octmip.formats.messages import several
 from octmip.problem import Problem
+from octmip.regression.certificate import RegressionCertificate, certify_regression
+from octmip.regression.problem import RegressionProblem
 from octmip.solution import Solution, Stop
 from octmip.tree import Leaf, Node, depth, leaf_index, leaves, n_splits
 
@@ -46,14 +49,24 @@ class Certificate:
     gap: float
 
 
-def certify(problem: Problem, solution: Solution) -> Certificate:
-    """Recompute what a solution claims and return it as a Certificate.
+@overload
+def certify(problem: Problem, solution: Solution) -> Certificate: ...
+
+
+@overload
+def certify(problem: RegressionProblem, solution: Solution) -> RegressionCertificate: ...
+
+
+def certify(problem: Problem | RegressionProblem, solution: Solution) -> Certificate | RegressionCertificate:
+    """Recompute what a solution claims and return it as a Certificate, of a regression tree a RegressionCertificate.
 
     Raises
     ------
     CertificateError
         the tree breaks a limit of the problem, or objective, bound or stop are not what they say.
     """
+    if isinstance(problem, RegressionProblem):
+        return certify_regression(problem, solution)
     tree = solution.tree
     if tree is None:
         raise CertificateError(f"{solution.solver} found no tree (stop: {solution.stop}); there is nothing to certify")

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 from octmip.errors import ProblemError, SolverError
-from octmip.tree import Node, condition, depth, n_splits, tree_lines
+from octmip.tree import Node, condition, depth, n_splits, prediction, tree_lines
 
 
 class Stop(enum.StrEnum):
@@ -134,7 +134,7 @@ class Solution:
         lines = tree_lines(
             self.tree,
             lambda split: condition(split, lambda feature: f"x{feature}"),
-            lambda leaf: f"class {leaf.label}",
+            lambda leaf: prediction(leaf, lambda feature: f"x{feature}"),
         )
         splits = f"{n_splits(self.tree)} split" + ("" if n_splits(self.tree) == 1 else "s")
         head = f"objective {self.objective:.6g}, bound {self.bound:.6g}: {proof}"

@@ -29,6 +29,9 @@ from typing import Any, Protocol, cast
 from octmip.certificate import certify, checked_leaf_index
 from octmip.errors import CertificateError, ProblemError, SolverError
 from octmip.problem import Problem
+from octmip.regression.exact import exact_regression, proves
+from octmip.regression.problem import RegressionProblem
+from octmip.regression.search import search_regression
 from octmip.run import NO_OPTIONS, Run
 from octmip.run import Method as Method
 from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop
@@ -97,12 +100,14 @@ REGISTRY = {
     "benders": Registration("octmip.mip.benders.solver", "solve_benders", proves=True),
 }
 METHODS = ("auto", *REGISTRY)
+REGRESSION = {"exact": exact_regression, "search": search_regression}
+"""Solvers of regression problems; "auto" is "exact" where that proves."""
 # What "exact" means for splits over one or two features.
 TWO_FEATURE = Registration("octmip.methods.two_feature", "two_feature_branch_and_bound", proves=True)
 
 
 def solve(
-    problem: Problem,
+    problem: Problem | RegressionProblem,
     method: Method = "auto",
     limits: Limits = Limits(),  # noqa: B008 (frozen)
     incumbent: Node | Solution | None = None,
@@ -120,7 +125,7 @@ def solve(
     Parameters
     ----------
     problem
-        the problem.
+        the problem; a `RegressionProblem` takes the methods "auto", "exact" and "search".
     method
         see the table of the module. "auto" is "exact" for axis-aligned trees and "search" for hyperplanes.
     limits
@@ -146,7 +151,35 @@ def solve(
     SolverError
         the solver failed, or its solution fails its certificate.
     """
-    return solve_run(problem, Run(method, limits, seed, n_jobs, options or NO_OPTIONS, progress), incumbent)
+    run = Run(method, limits, seed, n_jobs, options or NO_OPTIONS, progress)
+    if isinstance(problem, RegressionProblem):
+        return _solve_regression(problem, run, incumbent)
+    return solve_run(problem, run, incumbent)
+
+
+def _solve_regression(problem: RegressionProblem, run: Run, incumbent: Node | Solution | None) -> Solution:
+    """Return a regression tree: by the exact core where it has a proof for what is asked, else by search."""
+    known = {"auto": exact_regression if proves(problem) else search_regression} | REGRESSION
+    if run.method not in known:
+        raise ProblemError(f"method is {run.method!r}; a regression problem takes one of {', '.join(known)}")
+    solver: Callable[..., Solution] = known[run.method]
+    unknown = set(run.options) - set(inspect.signature(solver).parameters)
+    if unknown:
+        raise ProblemError(f"regression by {run.method!r} takes no option {min(unknown)!r}")
+    solution = solver(
+        problem,
+        limits=run.limits,
+        incumbent=incumbent,
+        seed=run.seed,
+        n_jobs=run.n_jobs,
+        progress=run.progress,
+        **run.options,
+    )
+    try:
+        certify(problem, solution)
+    except CertificateError as error:
+        raise SolverError(f"{solution.solver} returned a solution that its certificate refutes: {error}") from error
+    return solution
 
 
 def solve_run(problem: Problem, run: Run, incumbent: Node | Solution | None = None) -> Solution:

@@ -10,7 +10,7 @@ from the first feature to the last. Otherwise it goes right. Five values of one 
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,29 @@ class Leaf:
     def __post_init__(self) -> None:
         if self.label < 0:
             raise TreeError(f"leaf label is {self.label}; expected the index of a class, 0 or more")
+
+
+@dataclass(frozen=True, slots=True)
+class ValueLeaf(Leaf):
+    """A predicted number, of a regression tree: `value`, plus ``coefficients @ x[features]`` in a linear leaf."""
+
+    label: int = field(default=0, init=False, repr=False)
+    value: float
+    features: tuple[int, ...] = ()
+    coefficients: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        numbers = (self.value, *self.coefficients)
+        if not all(np.isfinite(numbers)):
+            raise TreeError(
+                f"a leaf predicts {self.value} with coefficients {self.coefficients}; expected finite numbers"
+            )
+        is_ascending = all(a < b for a, b in zip(self.features, self.features[1:], strict=False))
+        if len(self.features) != len(self.coefficients) or not is_ascending or min(self.features, default=0) < 0:
+            raise TreeError(
+                f"a linear leaf has features {self.features} and {len(self.coefficients)} coefficients; expected one "
+                "coefficient for each feature, ascending indices, none twice"
+            )
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,6 +146,27 @@ def predict(tree: Node, features: NDArray[np.float64]) -> NDArray[np.int64]:
     return labels[leaf_index(tree, features)]
 
 
+def predict_values(tree: Node, features: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the number that a regression tree predicts for every row of `features`, shape (n_samples,).
+
+    The products of a linear leaf are rounded to float64 and added from the first feature to the last.
+
+    Raises
+    ------
+    TreeError
+        a leaf predicts a class, not a number.
+    """
+    reached, values = leaf_index(tree, features), np.zeros(len(features))
+    for k, leaf in enumerate(leaves(tree)):
+        if not isinstance(leaf, ValueLeaf):
+            raise TreeError(f"leaf {k} (from the left) predicts a class; expected a regression tree, with numbers")
+        rows = np.flatnonzero(reached == k)
+        values[rows] = leaf.value
+        for feature, coefficient in zip(leaf.features, leaf.coefficients, strict=True):
+            values[rows] += coefficient * features[rows, feature]
+    return values
+
+
 def nodes(tree: Node) -> Iterator[Node]:
     """Yield every node in preorder: a node, its left subtree, its right subtree."""
     stack = [tree]
@@ -162,8 +206,9 @@ def complexity(tree: Node) -> int:
 
 
 def features_used(tree: Node) -> tuple[int, ...]:
-    """Return the features that some split reads, ascending."""
-    return tuple(sorted({feature for split in splits(tree) for feature in split.features}))
+    """Return the features that some split, or some linear leaf, reads, ascending."""
+    read = {feature for split in splits(tree) for feature in split.features}
+    return tuple(sorted(read.union(*(leaf.features for leaf in leaves(tree) if isinstance(leaf, ValueLeaf)))))
 
 
 def without_empty_sides(tree: Node, features: NDArray[np.float64]) -> Node:
@@ -205,6 +250,16 @@ def simplify(tree: Node) -> Node:
     if isinstance(left, Leaf) and left == right:
         return left
     return replace(tree, left=left, right=right)
+
+
+def prediction(leaf: Leaf, name: Callable[[int], str]) -> str:
+    """Return what a leaf predicts on one line, numbers to six digits, features by their `name`."""
+    if not isinstance(leaf, ValueLeaf):
+        return f"class {leaf.label}"
+    terms = [f"{leaf.value:.6g}"]
+    for feature, coefficient in zip(leaf.features, leaf.coefficients, strict=True):
+        terms.append(f"{'-' if coefficient < 0 else '+'} {abs(coefficient):.6g} {name(feature)}")
+    return " ".join(terms)
 
 
 def condition(split: Split | HyperplaneSplit, name: Callable[[int], str]) -> str:

@@ -12,8 +12,9 @@ matplotlib.use("Agg")  # no display is needed, nor looked for
 from benchmarks.uav.complexity.cells import bayes_limits, study_cells
 from benchmarks.uav.complexity.lines import run
 from benchmarks.uav.complexity.report import write_complexity
+from benchmarks.uav.numbers import markdown, rows_of
 from benchmarks.uav.report import write_results
-from benchmarks.uav.study import StudyLimits, run_study
+from benchmarks.uav.study import DEPTHS, StudyLimits, run_study
 from femlib.dataset import Recipe, build_dataset, published_strains, simulated_strains
 from femlib.wing import uav_wing
 
@@ -36,7 +37,9 @@ def main() -> None:
     folder = Path(options.out)
     write_results(folder, wing, simulated, reference, data, outcomes, time.perf_counter() - start)
     write_complexity(folder, lines, bayes_limits(means), ["errors"])
+    (folder / "numbers.md").write_text(markdown(list(rows_of(data, DEPTHS, options.seconds))))
     print((folder / "table.md").read_text())
+    print((folder / "numbers.md").read_text())
     print((folder / "complexity.md").read_text())
     print(f"{time.perf_counter() - start:.0f} s; table, pictures and run.json lie in {folder.resolve()}")
 

@@ -42,7 +42,7 @@ def bayes_limit(
     values, class_of_state = np.unique(levels, return_inverse=True)
     states = np.repeat(np.arange(len(means)), n_draws)
     readings = means[states] + rng.normal(0.0, noise_sd, (len(states), means.shape[1]))
-    posterior = _class_posterior(readings, means, noise_sd, class_of_state, len(values))
+    posterior = class_posterior(readings, means, noise_sd, class_of_state, len(values))
     truth = levels[states]
     is_wrong = values[posterior.argmax(axis=1)] != truth
     median = values[(np.cumsum(posterior, axis=1) >= 0.5).argmax(axis=1)]
@@ -56,7 +56,7 @@ def bayes_limit(
     )
 
 
-def _class_posterior(
+def class_posterior(
     readings: NDArray[np.float64],
     means: NDArray[np.float64],
     noise_sd: float,

@@ -15,7 +15,7 @@ from octmip.certificate import certify
 from octmip.errors import SolverError, TreeError
 from octmip.estimator.decision_tree import sklearn_tree
 from octmip.estimator.fitted import FittedTree
-from octmip.estimator.proof import warn_unproven
+from octmip.estimator.proof import method_proves, warn_unproven
 from octmip.estimator.samples import label_name, learn_samples, read_samples
 from octmip.estimator.settings import (
     ClassWeight,
@@ -173,7 +173,7 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
         self._keep(problem, solve(problem, self.method, Limits(seconds=self.seconds), seed=seed, n_jobs=threads))
         if self.solution_.stop is Stop.INTERRUPTED:
             raise KeyboardInterrupt("the best tree so far is fitted")
-        warn_unproven(problem, self.solution_, self.method, self.seconds)
+        warn_unproven(self.solution_, method_proves(problem, self.method), self.seconds)
         return self
 
     def _keep(self, problem: Problem, solution: Solution) -> None:

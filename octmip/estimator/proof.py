@@ -23,12 +23,14 @@ CURE = {
 }
 
 
-def warn_unproven(problem: Problem, solution: Solution, method: str, seconds: float) -> None:
-    """Warn where a method that proves did not: a better tree may exist, and the gap says how much better.
+def method_proves(problem: Problem, method: str) -> bool:
+    """Whether a method promises a proof: "search", "cart", and "auto" for hyperplanes do not."""
+    return REGISTRY[chosen_method(problem, method)].proves
 
-    Methods that only search ("search", "cart", and "auto" for hyperplanes) promise no proof, and there is no warning.
-    """
-    if solution.is_optimal or not REGISTRY[chosen_method(problem, method)].proves:
+
+def warn_unproven(solution: Solution, proves: bool, seconds: float) -> None:
+    """Warn where a method that proves did not: a better tree may exist, and the gap says how much better."""
+    if solution.is_optimal or not proves:
         return
     ended = ENDED.get(solution.stop, "early").format(seconds=seconds)
     cure = CURE.get(solution.stop, "give more seconds")

@@ -11,6 +11,7 @@ pub mod exact;
 mod log;
 pub mod near_optimal;
 pub mod ranks;
+pub mod regression;
 pub mod search;
 pub mod sequential;
 pub mod supervise;

@@ -5,6 +5,7 @@ mod exact;
 mod near_optimal;
 mod problem;
 mod ranks;
+mod regression;
 mod rows;
 mod run;
 mod search;
@@ -23,6 +24,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(ranks::dense_ranks, module)?)?;
     module.add_function(wrap_pyfunction!(search::py_search, module)?)?;
     module.add_function(wrap_pyfunction!(sequential::sequential, module)?)?;
+    module.add_function(wrap_pyfunction!(regression::regression, module)?)?;
     two_feature::register(module)?;
     exact::register(module)
 }

@@ -1,0 +1,1 @@
+"""Regression trees: agreement with enumeration, and how long proofs take."""

@@ -1,0 +1,58 @@
+"""Regression trees against exhaustive enumeration on random problems: ties, weights, leaf sizes, penalties, budgets.
+
+`python -m benchmarks.run fuzz_regression --limit 300 --threads 2`: 10,000 problems of each loss at least.
+"""
+
+import time
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from fractions import Fraction
+
+import numpy as np
+
+from benchmarks.regression.enumeration import least_objective, random_problem
+from benchmarks.tables import Line
+from octmip.certificate import certify
+from octmip.errors import OctmipError
+from octmip.regression.problem import LOSSES
+from octmip.solver import solve
+
+CHUNK = 250
+FEWEST = 10_000
+STREAM = 27  # of seeds: problem i of a loss is random_problem(default_rng([STREAM, i]), loss)
+
+
+def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
+    """Yield a line for each chunk until the time is up, but for `FEWEST` problems of each loss at least."""
+    start = time.perf_counter()
+    with ProcessPoolExecutor(max(threads)) as pool:
+        first = 0
+        while first < FEWEST or time.perf_counter() - start < limit:
+            firsts = range(first, first + CHUNK * max(threads), CHUNK)
+            yield from pool.map(_chunk, [f for f in firsts for _ in LOSSES], [loss for _ in firsts for loss in LOSSES])
+            first = firsts.stop
+
+
+def _chunk(first: int, loss: str) -> Line:
+    seeds = range(first, first + CHUNK)
+    wrong = {seed: reason for seed in seeds if (reason := complaint(seed, loss))}
+    size = f"{loss} error, seeds {first} to {seeds.stop - 1}"
+    return {"size": size, "seed": STREAM, "n_problems": CHUNK, "mismatches": wrong}
+
+
+def complaint(seed: int, loss: str) -> str | None:
+    """Return what is wrong with the answer to a random problem, None when nothing is."""
+    problem = random_problem(np.random.default_rng([STREAM, seed]), loss)
+    least = least_objective(problem)
+    try:
+        solution = solve(problem)
+        certify(problem, solution)
+    except OctmipError as error:
+        return f"{type(error).__name__}: {error}"
+    assert solution.tree is not None
+    if Fraction(solution.bound) > least:
+        return f"bound {solution.bound} above {float(least)}"
+    excess = float(problem.exact_objective(solution.tree) - least)
+    if excess > 1e-12 * problem.baseline:
+        return f"objective {solution.objective}, enumeration finds {float(least)}"
+    return None if solution.is_optimal else f"stopped {solution.stop} with bound {solution.bound}"

@@ -1,0 +1,1 @@
+"""Regression trees: enumeration and random problems, speed beside others, agreement."""

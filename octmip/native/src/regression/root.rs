@@ -1,0 +1,178 @@
+//! The whole search: the cuts of all features at the root, those with the least bound first.
+
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+use std::sync::Mutex;
+use std::sync::atomic::Ordering::Relaxed;
+
+use crate::control::{KeepGoing, Limits, Progress, Stop};
+use crate::regression::axis::{Axis, Interval};
+use crate::regression::node::{Search, next_cut};
+use crate::regression::result::{Effort, NodeResult};
+use crate::regression::samples::{Question, Samples};
+use crate::regression::view::View;
+use crate::supervise::Supervision;
+use crate::tree::Tree;
+
+/// Progress is reported in so many parts of the cost of the best leaf.
+const PARTS: f64 = (1u64 << 50) as f64;
+
+/// What a search ends with.
+#[derive(Debug, Clone)]
+pub struct Found {
+    /// The best tree below the cost that was known, None without any.
+    pub tree: Option<Tree>,
+    /// No tree costs less.
+    pub bound: f64,
+    /// Why it stopped.
+    pub stop: Stop,
+    /// Evaluated cuts.
+    pub n_cuts: u64,
+}
+
+/// Open cuts of a feature, ordered by the bound of their trees.
+#[derive(Debug, Clone, Copy)]
+struct Open {
+    bound: f64,
+    feature: usize,
+    interval: Interval,
+}
+
+impl PartialEq for Open {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Open {}
+
+impl PartialOrd for Open {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Open {
+    /// The least bound is the greatest, as heaps give the greatest first; then the first feature and cut.
+    fn cmp(&self, other: &Self) -> Ordering {
+        let by_bound = other.bound.total_cmp(&self.bound);
+        by_bound.then(other.feature.cmp(&self.feature)).then(other.interval.low.cmp(&self.interval.low))
+    }
+}
+
+/// Best cost and bound so far, for those who ask meanwhile.
+#[derive(Debug, Clone, Copy)]
+struct State {
+    cost: f64,
+    bound: f64,
+}
+
+/// The best tree of a question that costs less than `upper` (None: any), and a bound of all trees.
+pub fn solve(question: &Question, upper: Option<f64>, limits: Limits, keep_going: KeepGoing<'_>) -> Found {
+    let samples = Samples::new(question);
+    let supervision = Supervision::new(limits);
+    let effort = Effort { stop: supervision.flag().clone(), ..Effort::default() };
+    let view = View::root(&samples);
+    let leaf = view.leaf(&samples);
+    let upper = upper.unwrap_or(f64::INFINITY);
+    let clusters = view.cluster_bound(&samples, 1 << question.depth.min(20));
+    let state = Mutex::new(State { cost: upper, bound: clusters });
+    let unit = if leaf > 0.0 { leaf / PARTS } else { 1.0 };
+    let poll = || {
+        let n_cuts = effort.n_cuts.load(Relaxed);
+        if let Some(stop) = supervision.spent(n_cuts, 0.0) {
+            supervision.stop(stop);
+        }
+        let State { cost, bound } = *state.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let objective = if cost.is_finite() { (cost / unit) as i64 } else { i64::MAX };
+        let now = Progress { seconds: 0.0, objective, bound: (bound / unit) as i64, n_nodes: n_cuts };
+        supervision.poll(&mut *keep_going, now);
+    };
+    let mut root =
+        Root { search: Search::new(&samples, &effort, question.depth), supervision: &supervision, state: &state };
+    let result = supervision.run(|| root.solve(&view, question.depth, upper, clusters), poll);
+    let stop = supervision.reason().unwrap_or(Stop::Optimal);
+    let tree = result.best.map(|(_, tree)| tree);
+    Found { tree, bound: result.lower, stop, n_cuts: effort.n_cuts.load(Relaxed) }
+}
+
+struct Root<'a> {
+    search: Search<'a>,
+    supervision: &'a Supervision,
+    state: &'a Mutex<State>,
+}
+
+impl Root<'_> {
+    fn solve(&mut self, view: &View, depth: usize, upper: f64, clusters: f64) -> NodeResult {
+        if depth <= 2 {
+            let mut result = self.search.solve(view, depth, upper, clusters);
+            if self.search.is_stopped() {
+                result.lower = clusters;
+            }
+            return result;
+        }
+        let leaf = view.leaf(self.search.samples);
+        let mut best = NodeResult::cheapest(leaf, Tree::leaf(0), upper);
+        let shallower = self.search.solve(view, depth - 1, leaf, clusters);
+        let whole = (shallower.lower, shallower.relaxed);
+        if shallower.cost(f64::INFINITY) < best.cost(upper) {
+            best.best = shallower.best;
+        }
+        best.lower = clusters;
+        if !self.search.is_stopped() {
+            self.search_cuts(view, depth, whole, upper, &mut best);
+        }
+        best
+    }
+
+    /// Solve cuts of all features, the least bound first, until no open one may hold a better tree.
+    fn search_cuts(&mut self, view: &View, depth: usize, whole: (f64, f64), upper: f64, best: &mut NodeResult) {
+        let samples = self.search.samples;
+        let mut axes: Vec<Axis> = (0..samples.p).map(|_| Axis::default()).collect();
+        let order = self.search.features_by_incumbent();
+        let mut open = BinaryHeap::new();
+        for (place, &f) in order.iter().enumerate() {
+            axes[place].lay(samples, view, f, 1 << (depth - 1).min(20), whole);
+            let bound = best.lower;
+            open.extend(axes[place].whole().map(|interval| Open { bound, feature: place, interval }));
+        }
+        let mut sides = [View::default(), View::default()];
+        while let Some(Open { bound, feature, interval }) = open.pop() {
+            let current = best.cost(upper);
+            best.lower = bound.min(current);
+            self.report(current, best.lower);
+            if bound >= current || self.supervision.is_stopped() {
+                break;
+            }
+            let target = current - samples.penalty;
+            let axis = &mut axes[feature];
+            let Some((interval, (k, cut))) = next_cut(samples, axis, interval, target, order[feature]) else {
+                continue;
+            };
+            let children = self.search.children(view, depth, &cut, &mut sides);
+            if self.supervision.is_stopped() {
+                return;
+            }
+            (axis.solved[k], axis.relaxed[k]) = (children.bounds, children.relaxed);
+            if let Some((cost, tree)) = children.tree.filter(|(cost, _)| *cost < current) {
+                best.best = Some((cost, tree));
+            }
+            for half in interval.halves(k).into_iter().flatten() {
+                let bound = bound.max(axis.least(samples, &half) + samples.penalty);
+                open.push(Open { bound, feature, interval: half });
+            }
+        }
+        if !self.supervision.is_stopped() && open.is_empty() {
+            best.lower = best.cost(upper);
+        }
+    }
+
+    fn report(&self, cost: f64, bound: f64) {
+        *self.state.lock().unwrap_or_else(std::sync::PoisonError::into_inner) = State { cost, bound };
+        if cost.is_finite()
+            && let Some(gap) = self.supervision.gap_reached(cost - bound, cost)
+        {
+            self.supervision.stop(gap);
+        }
+    }
+}

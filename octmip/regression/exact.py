@@ -1,0 +1,212 @@
+"""Branch and bound over thresholds for regression trees: a thin wrapper of the native core.
+
+The core counts ranks and scaled targets (see `octmip.regression.grid`); the algorithm, its bounds and their proofs are
+in docs/theory/regression.md. With a sensor budget the trees are parted by the sensors that they may read: a set of
+trees is solved without the budget, and parted by a sensor of its best tree where that costs too much.
+"""
+
+import heapq
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from itertools import count
+
+import numpy as np
+
+from octmip import _native
+from octmip.encoding import Ranks, tree_from_rows
+from octmip.encoding.numbers import rounded_down
+from octmip.errors import ProblemError
+from octmip.regression.certificate import checked_incumbent
+from octmip.regression.grid import Grid
+from octmip.regression.problem import RegressionProblem
+from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop, relative_gap
+from octmip.tree import Node, centred
+
+SOLVER = "exact"
+PARTS = 2.0**50
+"""The core reports progress in so many parts of the cost of the best leaf."""
+
+
+def exact_regression(
+    problem: RegressionProblem,
+    *,
+    limits: Limits = Limits(),  # noqa: B008 - frozen
+    incumbent: Node | Solution | None = None,
+    seed: int = 0,
+    n_jobs: int = 1,
+    progress: ProgressCallback | None = None,
+) -> Solution:
+    """Return the best axis-aligned regression tree of a problem and the proof's bound.
+
+    Parameters
+    ----------
+    problem
+        with one feature in a split and ``leaf_model="constant"``.
+    limits
+        seconds, relative gap, nodes (evaluated cuts).
+    incumbent
+        a tree of the problem to start from.
+    seed
+        without effect: nothing is random.
+    n_jobs
+        without effect: the search takes one thread.
+    progress
+        called with a `Progress` about every 50 ms.
+
+    Raises
+    ------
+    ProblemError
+        the problem asks for hyperplanes or linear leaves, or the incumbent is not one of its trees.
+    """
+    if not proves(problem):
+        raise ProblemError(
+            f"the exact core finds axis-aligned regression trees with constant leaves but split is {problem.split!r} "
+            f"and leaf_model {problem.leaf_model!r}; use method 'search'"
+        )
+    if n_jobs < 1:
+        raise ProblemError(f"n_jobs is {n_jobs}; expected 1 or more")
+    search = _Search(problem, limits, progress)
+    search.keep(checked_incumbent(problem, incumbent))
+    search.search()
+    assert search.tree is not None
+    return search.solution(seed)
+
+
+def proves(problem: RegressionProblem) -> bool:
+    """Whether the exact core has a proof for the trees of a problem: one feature in a split, one number in a leaf."""
+    return problem.max_split_size == 1 and problem.leaf_model == "constant"
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class _Part:
+    """Trees that may read the sensors not banned, as far as the budget allows beside those held."""
+
+    bound: float
+    number: int
+    held: frozenset[int] = field(compare=False)
+    banned: frozenset[int] = field(compare=False)
+
+
+@dataclass(slots=True)
+class _Search:
+    """A search: the best tree, the bound, and what is left of the limits."""
+
+    problem: RegressionProblem
+    limits: Limits
+    progress: ProgressCallback | None
+    started: float = field(default_factory=time.perf_counter)
+    tree: Node | None = None
+    objective: float = math.inf
+    room: float = math.inf  # what the best tree costs on the grid
+    bound: float = 0.0
+    n_cuts: int = 0
+    stop: Stop = Stop.OPTIMAL
+    ranks: Ranks = field(init=False)
+    grid: Grid = field(init=False)
+    leaf: float = field(init=False)
+
+    def __post_init__(self) -> None:
+        ranks, values = _native.dense_ranks(self.problem.features)
+        self.ranks = Ranks(ranks, tuple(values))
+        self.grid = Grid.of(self.problem)
+        self.leaf = self.problem.baseline
+
+    def keep(self, tree: Node | None) -> None:
+        """Take up a tree that is better than the best so far."""
+        if tree is None:
+            return
+        exact = self.problem.exact_objective(tree)
+        if float(exact) < self.objective:
+            self.tree, self.objective, self.room = tree, float(exact), self.grid.room(exact)
+
+    def search(self) -> None:
+        """Search the parts of the trees, the least bound first, until no open one may hold a better tree."""
+        numbers = count()
+        open_parts = [_Part(0.0, next(numbers), frozenset(), frozenset())]
+        closed = self.room  # least bound of the parts that are done with
+        while open_parts and open_parts[0].bound < self.room:
+            part = heapq.heappop(open_parts)
+            tree, bound = self._solve_part(part)
+            extra = None if tree is None else self._sensor_beyond(tree, part)
+            if extra is None:
+                self.keep(tree)
+            if extra is None or self.stop is not Stop.OPTIMAL:
+                closed = min(closed, max(bound, part.bound))
+            if self.stop is not Stop.OPTIMAL:
+                break
+            if extra is not None:
+                for held, banned in (({extra}, set()), (set(), {extra})):
+                    open_parts.append(_Part(bound, next(numbers), part.held | held, part.banned | banned))
+                heapq.heapify(open_parts)
+        self.bound = min([closed, *(part.bound for part in open_parts)])
+        if self.tree is None:
+            self.keep(self.problem.best_leaf(np.arange(self.problem.n_samples)))
+
+    def _sensor_beyond(self, tree: Node, part: _Part) -> int | None:
+        """Return a sensor that the tree reads and the part does not hold, if the tree is over the budget."""
+        problem = self.problem
+        if problem.sensor_cost_of(tree) <= problem.sensor_limit:
+            return None
+        used = {problem.sensors.index(name) for name in problem.sensors_used(tree)} - part.held
+        return max(used, key=lambda sensor: (problem.sensor_costs[sensor], -sensor))
+
+    def _solve_part(self, part: _Part) -> tuple[Node | None, float]:
+        """Return the best tree of a part that costs less than the best so far, if there is one, and the bound."""
+        spent = time.perf_counter() - self.started
+        left = self.limits.seconds - spent, self.limits.gap, self.limits.nodes - self.n_cuts, self.limits.memory
+        grid, problem = self.grid, self.problem
+        rows, bound, stop, n_cuts = _native.regression(
+            self.ranks.ranks,
+            [len(values) for values in self.ranks.values],
+            (grid.targets, grid.weights, grid.squares, grid.grain),
+            (problem.loss == "absolute", grid.penalty, problem.depth, problem.leaf_size, self._allowed(part)),
+            None if math.isinf(self.room) else self.room,
+            left,
+            self._native_progress(spent),
+        )
+        self.n_cuts += n_cuts
+        self.stop = Stop(stop)
+        if rows is None:
+            return None, bound
+        return problem.with_best_leaves(centred(tree_from_rows(rows, self.ranks), problem.features)), bound
+
+    def _allowed(self, part: _Part) -> list[bool]:
+        problem = self.problem
+        costs = problem.sensor_costs
+        left = problem.sensor_limit - math.fsum(costs[sensor] for sensor in part.held)
+        is_free = [s in part.held or (s not in part.banned and costs[s] <= left) for s in range(len(costs))]
+        return [is_free[sensor] for sensor in problem.sensor_index]
+
+    def _native_progress(self, spent: float) -> Callable[[float, int, int, int], None] | None:
+        progress = self.progress
+        if progress is None:
+            return None
+
+        def report(seconds: float, objective: int, bound: int, n_nodes: int) -> None:
+            found = math.inf if objective >= 2**62 else objective / PARTS * self.leaf
+            known = Progress(
+                spent + seconds, min(found, self.objective), bound / PARTS * self.leaf, n_nodes + self.n_cuts
+            )
+            progress(known)
+
+        return report
+
+    def solution(self, seed: int) -> Solution:
+        """Return the tree with its bound; what rounding alone keeps them apart by is the tolerance."""
+        assert self.tree is not None
+        bound = min(self.grid.lower(self.bound), rounded_down(self.problem.exact_objective(self.tree)))
+        tolerance, stop = 0.0, self.stop
+        if stop is Stop.OPTIMAL and bound < self.objective:
+            tolerance = self.objective - bound
+            while self.objective - tolerance > bound:
+                tolerance = math.nextafter(tolerance, math.inf)
+            if tolerance >= self.problem.resolution:
+                tolerance, stop = 0.0, Stop.NUMERICS
+        elif stop is Stop.GAP and relative_gap(self.objective, bound) > self.limits.gap:
+            stop = Stop.NUMERICS
+        seconds = time.perf_counter() - self.started
+        return Solution(
+            self.tree, self.objective, bound, stop, seconds, self.n_cuts, SOLVER, _native.__version__, seed, tolerance
+        )

@@ -1,0 +1,29 @@
+"""The regression families: no problem of the first chunk disagrees, and the study's row of numbers has every rule."""
+
+import numpy as np
+
+from benchmarks.cases.regression.agreement import complaint
+from benchmarks.cases.regression.speed import made_up
+from benchmarks.uav.numbers import markdown, rows_of
+from femlib.dataset import Recipe, build_dataset, simulated_strains
+from femlib.wing import uav_wing
+
+
+def test_random_problems_agree_with_enumeration():
+    assert [reason for seed in range(20) for loss in ("squared", "absolute") if (reason := complaint(seed, loss))] == []
+
+
+def test_made_up_samples_are_the_same_every_time():
+    features, targets = made_up(50)
+    assert features.shape == (50, 10)
+    assert np.array_equal(made_up(50)[1], targets)
+
+
+def test_numbers_of_the_study_are_judged_by_every_rule():
+    data = build_dataset(simulated_strains(uav_wing()), Recipe(samples_per_state=4), seed=0)
+    rows = list(rows_of(data, (1,), 5.0))
+    assert len(rows) == 14
+    squared = next(row for row in rows if row["rule"] == "regression tree, squared error")
+    greedy = next(row for row in rows if row["rule"] == "scikit-learn DecisionTreeRegressor")
+    assert squared["rmse_train"] <= greedy["rmse_train"] + 1e-9
+    assert markdown(rows).count("\n|") == 16

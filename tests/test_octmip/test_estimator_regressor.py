@@ -1,0 +1,75 @@
+"""OptimalTreeRegressor behind scikit-learn's contract."""
+
+import json
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pandas as pd
+import pytest
+from sklearn.exceptions import ConvergenceWarning
+from sklearn.model_selection import cross_val_score
+
+from octmip import OptimalTreeRegressor, certify
+from octmip.errors import DataError
+
+CHECKS = """
+import json, warnings
+warnings.simplefilter("ignore")
+from sklearn.utils.estimator_checks import check_estimator
+from octmip import OptimalTreeRegressor
+estimators = (
+    OptimalTreeRegressor(max_depth=2),
+    OptimalTreeRegressor(max_depth=2, loss="absolute"),
+)
+results = [check_estimator(estimator, on_skip=None, on_fail=None) for estimator in estimators]
+print(json.dumps([[(found["check_name"], found["status"], repr(found["exception"])) for found in r] for r in results]))
+"""
+
+
+def samples(n=80):
+    rng = np.random.default_rng(0)
+    X = rng.normal(size=(n, 3))
+    return X, np.where(X[:, 0] > 0, 3.0, X[:, 1] > 0.5) + rng.normal(size=n) / 10
+
+
+def test_it_passes_all_of_scikit_learns_own_checks():
+    environment = os.environ | {"SCIPY_ARRAY_API": "1", "PYTHONPATH": os.pathsep.join(sys.path)}
+    done = subprocess.run([sys.executable, "-c", CHECKS], env=environment, capture_output=True, text=True, check=True)
+    for results in json.loads(done.stdout):
+        assert len(results) > 45
+        assert not [found for found in results if found[1] != "passed"]
+
+
+def test_it_predicts_by_its_tree_and_says_what_is_proven():
+    X, y = samples()
+    fitted = OptimalTreeRegressor(max_depth=2).fit(X, y)
+    assert fitted.is_optimal_
+    assert fitted.gap_ == 0
+    assert fitted.bound_ <= fitted.objective_ == certify(fitted.problem_, fitted.solution_).objective
+    assert ((fitted.predict(X) - y) ** 2).sum() == pytest.approx(fitted.objective_)
+    assert fitted.get_n_leaves() == len(np.unique(fitted.apply(X))) == 4
+    assert fitted.get_depth() == 2
+    assert fitted.decision_path(X).shape == (80, 7)
+    assert fitted.export_text().startswith("if x0 <= ")
+    assert cross_val_score(OptimalTreeRegressor(max_depth=2), X, y, cv=3).min() > 0.8
+
+
+def test_text_and_gaps_are_encoded_and_samples_without_weight_left_out():
+    X, y = samples()
+    frame = pd.DataFrame({"a": X[:, 0], "b": np.where(X[:, 1] > 0.5, "high", "low")})
+    frame.loc[3, "a"] = np.nan
+    fitted = OptimalTreeRegressor(max_depth=2).fit(frame, y)
+    assert np.abs(fitted.predict(frame) - y).mean() < 0.3
+    weights = np.where(np.arange(80) < 40, 1.0, 0.0)
+    half = OptimalTreeRegressor(max_depth=2).fit(X, y, weights)
+    assert half.objective_ == OptimalTreeRegressor(max_depth=2).fit(X[:40], y[:40]).objective_
+
+
+def test_a_proof_that_ends_early_warns_and_words_are_refused():
+    X, y = samples()
+    with pytest.warns(ConvergenceWarning, match="the proof ended"):
+        OptimalTreeRegressor(max_depth=3, seconds=0).fit(X, y)
+    with pytest.raises(DataError, match="predicts numbers"):
+        OptimalTreeRegressor().fit(X, np.where(y > 1, "a", "b"))

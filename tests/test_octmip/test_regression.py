@@ -1,0 +1,217 @@
+"""Regression trees: the optimum by enumeration, bounds that hold, limits, numerics, what is refused."""
+
+import math
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from benchmarks.regression.enumeration import least_objective, random_problem
+from octmip import Leaf, Limits, RegressionProblem, Split, Stop, ValueLeaf, certify, predict_values, solve
+from octmip.errors import CertificateError, ProblemError, TreeError
+from octmip.regression.exact_sums import best_constant, sum_of_errors
+
+LOSSES = ("squared", "absolute")
+
+
+def smooth(n=120, p=4, seed=0):
+    rng = np.random.default_rng(seed)
+    features = rng.normal(size=(n, p))
+    targets = np.where(features[:, 0] > 0.3, 2 * (features[:, 1] > 0), features[:, 2] > -0.5) + rng.normal(size=n) / 2
+    return features, targets
+
+
+@pytest.mark.parametrize("loss", LOSSES)
+def test_the_optimum_is_that_of_enumeration_and_no_bound_lies_above_it(loss):
+    for seed in range(120):
+        problem = random_problem(np.random.default_rng(seed), loss)
+        solution = solve(problem)
+        certificate = certify(problem, solution)
+        least = least_objective(problem)
+        assert solution.stop is Stop.OPTIMAL, seed
+        assert Fraction(solution.bound) <= least, seed
+        found = problem.exact_objective(solution.tree)
+        assert found == least or float(found - least) <= 1e-12 * problem.baseline, seed
+        assert certificate.objective == solution.objective, seed
+
+
+@pytest.mark.parametrize("loss", LOSSES)
+def test_whole_numbers_are_proven_without_a_tolerance_and_depth_never_harms(loss):
+    features, targets = smooth()
+    costs = []
+    for depth in (1, 2, 3):
+        problem = RegressionProblem(features, np.round(targets * 4), depth=depth, loss=loss)
+        solution = solve(problem)
+        assert solution.is_optimal
+        assert loss == "squared" or (solution.tolerance == 0 and solution.bound == solution.objective)
+        costs.append(solution.objective)
+    assert costs == sorted(costs, reverse=True)
+
+
+@pytest.mark.parametrize("loss", LOSSES)
+def test_a_sample_of_weight_two_is_two_samples_and_order_does_not_matter(loss):
+    features, targets = smooth(40)
+    weights = np.random.default_rng(1).integers(1, 4, 40)
+    once = RegressionProblem(features, targets, weights=weights.astype(float), depth=2, loss=loss)
+    rows = np.random.default_rng(2).permutation(np.repeat(np.arange(40), weights))
+    often = RegressionProblem(features[rows], targets[rows], depth=2, loss=loss)
+    assert solve(often).objective == pytest.approx(solve(once).objective, rel=1e-12)
+
+
+@pytest.mark.parametrize("n", [60, 400])
+def test_buckets_find_what_scans_of_all_samples_find(n):
+    features, targets = smooth(n)
+    features = np.round(features, 1)
+    for own in (targets, np.round(targets)):
+        bucketed = solve(RegressionProblem(features, own, depth=2))
+        # A sample without weight changes no error, and buckets serve no such samples.
+        weights = np.append(np.ones(n), 0.0)
+        scanned = solve(
+            RegressionProblem(np.vstack([features, features[:1]]), np.append(own, own[0]), weights=weights, depth=2)
+        )
+        assert scanned.objective == bucketed.objective
+        assert scanned.is_optimal
+
+
+@pytest.mark.parametrize("loss", LOSSES)
+def test_a_limit_gives_the_best_tree_so_far_and_a_bound_that_holds(loss):
+    features, targets = smooth(200, 5)
+    problem = RegressionProblem(features, targets, depth=3, loss=loss)
+    best = solve(problem)
+    for nodes in (1, 30, 200):
+        early = solve(problem, limits=Limits(nodes=nodes))
+        certify(problem, early)
+        assert early.bound <= best.objective <= early.objective
+    gap = solve(problem, limits=Limits(gap=0.5))
+    assert gap.stop in (Stop.GAP, Stop.OPTIMAL)
+    assert gap.gap <= 0.5
+    assert solve(problem, limits=Limits(seconds=0)).stop is Stop.TIME
+
+
+def test_depth_four_is_anytime():
+    features, targets = smooth(150, 4)
+    shallow = solve(RegressionProblem(features, targets, depth=3))
+    problem = RegressionProblem(features, targets, depth=4)
+    deep = solve(problem, limits=Limits(nodes=2000))
+    assert 0 <= deep.bound <= deep.objective <= shallow.objective
+
+
+@pytest.mark.parametrize("loss", LOSSES)
+def test_numbers_of_any_size_are_proven_or_said_not_to_be(loss):
+    features, targets = smooth(30, 3)
+    for scale, offset in ((1e-90, 0.0), (1e90, 0.0), (1.0, 1e9), (1e-3, -7.3), (1 / 3, 1 / 3)):
+        problem = RegressionProblem(features, targets * scale + offset, depth=2, loss=loss)
+        solution = solve(problem)
+        certify(problem, solution)
+        assert solution.stop in (Stop.OPTIMAL, Stop.NUMERICS)
+        assert solution.gap < 1e-6
+    wild = RegressionProblem(features, targets, weights=10.0 ** np.linspace(-20, 20, 30), depth=2, loss=loss)
+    certify(wild, solve(wild))
+
+
+@pytest.mark.parametrize("loss", LOSSES)
+def test_an_incumbent_is_never_made_worse_and_a_foreign_one_is_refused(loss):
+    features, targets = smooth(60)
+    problem = RegressionProblem(features, targets, depth=2, loss=loss)
+    best = solve(problem)
+    again = solve(problem, incumbent=best)
+    assert again.objective == best.objective
+    assert again.is_optimal
+    with pytest.raises(ProblemError, match="predicts class 0"):
+        solve(problem, incumbent=Split(0, 0.0, Leaf(0), Leaf(1)))
+
+
+@pytest.mark.parametrize("loss", LOSSES)
+@pytest.mark.parametrize(
+    "options",
+    [{}, {"split": "hyperplane", "split_size": 2}, {"leaf_model": "linear"}, {"sensor_budget": 2}, {"leaf_size": 9}],
+)
+def test_search_finds_trees_of_the_problem_and_none_beats_the_proof(loss, options):
+    features, targets = smooth(90)
+    problem = RegressionProblem(features, targets, depth=2, loss=loss, **options)
+    found = solve(problem, "search", options={"restarts": 3})
+    assert certify(problem, found).scope == "no bound is claimed"
+    assert found.objective < problem.baseline
+    if "leaf_model" not in options and "split" not in options:
+        assert found.objective >= solve(problem).objective
+    assert solve(problem, "search", options={"restarts": 3}).tree == found.tree
+
+
+def test_linear_leaves_and_planes_find_what_made_the_data():
+    rng = np.random.default_rng(3)
+    features = rng.normal(size=(200, 3))
+    targets = np.where(features[:, 0] + features[:, 1] > 0, 3 * features[:, 2] + 1, -features[:, 2])
+    problem = RegressionProblem(features, targets, depth=1, split="hyperplane", leaf_model="linear", ridge=1e-9)
+    found = solve(problem)
+    assert found.bound == -math.inf
+    assert found.objective < 0.2 * solve(RegressionProblem(features, targets, depth=1)).objective
+
+
+def test_the_certificate_refutes_what_is_not_so():
+    features, targets = smooth(60)
+    problem = RegressionProblem(features, targets, depth=2)
+    good = solve(problem)
+    other = RegressionProblem(features, targets[::-1], depth=2)
+    shallow = RegressionProblem(features, targets, depth=1)
+    for wrong, at, words in (
+        (replace(good, objective=good.objective * 0.99), problem, "recounted"),
+        (good, other, "recounted"),
+        (good, shallow, "depth 2"),
+        (replace(good, bound=good.objective * 1.01), problem, "no tree is below"),
+        (replace(good, bound=good.objective / 2, tolerance=0.0), problem, "does not meet"),
+        (replace(good, bound=good.objective / 2, tolerance=good.objective), problem, "too wide"),
+    ):
+        with pytest.raises(CertificateError, match=words):
+            certify(at, wrong)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"loss": "huber"}, "loss is 'huber'"),
+        ({"depth": 0}, "depth"),
+        ({"targets": np.array([1.0, np.nan])}, "targets"),
+        ({"targets": np.ones(3)}, "3 entries"),
+        ({"weights": np.array([1.0, -1.0])}, "weights"),
+        ({"targets": np.array([0.0, 1e200])}, "scale them"),
+        ({"leaf_penalty": -1}, "leaf_penalty"),
+        ({"sensor_of_feature": ["a", "b"]}, "sensor_of_feature"),
+    ],
+)
+def test_a_problem_that_no_tree_answers_is_refused(options, words):
+    given = {"targets": np.array([0.0, 1.0]), "depth": 1} | options
+    with pytest.raises(ProblemError, match=words):
+        RegressionProblem(np.zeros((2, 1)), **given)
+
+
+def test_methods_that_know_no_regression_are_refused():
+    problem = RegressionProblem(
+        np.arange(4.0)[:, None], np.arange(4.0), depth=1, split="hyperplane", leaf_model="linear"
+    )
+    for method, words in (("oct", "method is 'oct'"), ("exact", "constant leaves")):
+        with pytest.raises(ProblemError, match=words):
+            solve(problem, method)
+    with pytest.raises(ProblemError, match="no option 'proof'"):
+        solve(problem, options={"proof": "log"})
+
+
+def test_sums_are_exact():
+    weights, targets = np.array([0.1, 3.0, 1e-300]), np.array([1e300, -1e-300, 0.7])
+    exact = [Fraction(w) * abs(Fraction(y)) for w, y in zip(weights.tolist(), targets.tolist(), strict=True)]
+    assert sum_of_errors(weights, targets, np.zeros(3), "absolute") == sum(exact)
+    squares = [Fraction(w) * Fraction(y) ** 2 for w, y in zip(weights.tolist(), targets.tolist(), strict=True)]
+    assert sum_of_errors(weights, targets, np.zeros(3), "squared") == sum(squares)
+    assert best_constant(np.array([1.0, 1.0, 3.0]), np.array([5.0, 1.0, 2.0]), "absolute") == 2.0
+    assert best_constant(np.array([1.0, 3.0]), np.array([0.1, 0.3]), "squared") == pytest.approx(0.25)
+    assert best_constant(np.zeros(2), np.array([1.0, 2.0]), "squared") == 1.5
+
+
+def test_a_linear_leaf_predicts_by_its_features_and_a_malformed_one_is_refused():
+    leaf = ValueLeaf(1.0, (0, 2), (2.0, -1.0))
+    assert predict_values(leaf, np.array([[1.0, 9.0, 0.5], [0.0, 0.0, 1.0]])).tolist() == [2.5, 0.0]
+    for wrong in (((0,), ()), ((2, 0), (1.0, 1.0)), ((0,), (math.nan,))):
+        with pytest.raises(TreeError):
+            ValueLeaf(0.0, *wrong)
+    with pytest.raises(TreeError, match="predicts a class"):
+        predict_values(Leaf(0), np.zeros((1, 1)))
