@@ -118,6 +118,20 @@ def test_halves_of_a_cell_share_what_the_noise_remembers():
     assert covariance.sum() / 4.0 == pytest.approx(whole, rel=0.02)
 
 
+def test_means_of_loads_read_one_after_the_other_share_a_long_memory():
+    """Before: nothing; steps up and down of a dwell of 40 readings accused 5 of 40 sound assets."""
+    rng, n, rho = np.random.default_rng(7), 50, 0.95
+    level = remembering(rng, (4 * n, 20), rho)
+    blocks = iter(np.split(level, 4))
+    noise = estimate_noise(campaign := measured(6, noise=lambda rng, shape, load: SD * next(blocks)))
+    averages = averages_of(campaign, split=False)
+    index = np.arange(len(averages))
+    across = noise.across(averages, index, np.zeros_like(index))
+    true = rho * ((1.0 - rho**n) / (1.0 - rho)) ** 2 / n**2 * SD**2
+    assert across[0, 1] == pytest.approx(true, rel=0.5)
+    assert across[0, 2] < 0.2 * across[0, 1]
+
+
 def test_the_one_gauge_that_wanders_has_a_part_of_its_own():
     def noise(rng, shape, load):
         series = SD * rng.standard_normal(shape)

@@ -55,19 +55,25 @@ class NoisePart:
     def between(self, averages: Sequence[AveragedCell]) -> Floats:
         """Return the covariances (n_averages, n_averages) that `of_mean` leaves out, over the variance of a reading."""
         found = np.zeros((len(averages), len(averages)))
-        step = self.serial.step_variance
+        step, remembers = self.serial.step_variance, self.serial.white_probability < 0.5
         for i, one in enumerate(averages):
             for j in range(i + 1):
                 other = averages[j]
                 shared = step * least_moment(one.moments, other.moments) if step > 0.0 else 0.0
-                if i != j and one.cell == other.cell:
+                if i != j and (remembers or one.cell == other.cell):
                     shared += self._neighbours(other, one)
                 found[i, j] = found[j, i] = shared
         return found / self.serial.variance
 
     def _neighbours(self, one: AveragedCell, other: AveragedCell) -> float:
+        """Return the covariance of the means of two averages of which one was read after the other, else 0."""
+        if one.moments[0] > other.moments[0]:
+            one, other = other, one
         n, m = len(one.rows), len(other.rows)
-        return self.excess * self.serial.between(n, m, n)
+        distance = float(other.moments.min() - one.moments.min())
+        if other.moments.min() <= one.moments.max():
+            return 0.0
+        return self.excess * self.serial.between(n, m, max(n, round(distance)))
 
 
 def least_moment(one: Floats, other: Floats) -> float:
