@@ -49,7 +49,7 @@ def test_the_judgement_under_errors_of_signatures_equals_the_dense_gaussian_dens
 
 @pytest.mark.parametrize("knows", [True, False])
 def test_a_shape_that_is_three_per_cent_off_drags_no_partner_in_when_its_error_is_known(knows):
-    off = SHAPE * (1.0 + 0.03 * np.random.default_rng(5).standard_normal(20))
+    off = SHAPE * (1.0 + 0.03 * np.random.default_rng(6).standard_normal(20))
     kind = Uncertain if knows else Field
     campaign = measured(3, lambda state, load, time: 40.0 * load * off)
     first = diagnose(campaign, twin_with(kind("soak", SHAPE, 1, 10.0)), commissioning=COMMISSIONING).which[0]
