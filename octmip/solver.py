@@ -29,9 +29,7 @@ from typing import Any, Protocol, cast
 from octmip.certificate import certify, checked_leaf_index
 from octmip.errors import CertificateError, ProblemError, SolverError
 from octmip.problem import Problem
-from octmip.regression.exact import exact_regression, proves
 from octmip.regression.problem import RegressionProblem
-from octmip.regression.search import search_regression
 from octmip.run import NO_OPTIONS, Run
 from octmip.run import Method as Method
 from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop
@@ -100,7 +98,10 @@ REGISTRY = {
     "benders": Registration("octmip.mip.benders.solver", "solve_benders", proves=True),
 }
 METHODS = ("auto", *REGISTRY)
-REGRESSION = {"exact": exact_regression, "search": search_regression}
+REGRESSION = {
+    "exact": Registration("octmip.regression.exact", "exact_regression", proves=True),
+    "search": Registration("octmip.regression.search", "search_regression", proves=False),
+}
 """Solvers of regression problems; "auto" is "exact" where that proves."""
 # What "exact" means for splits over one or two features.
 TWO_FEATURE = Registration("octmip.methods.two_feature", "two_feature_branch_and_bound", proves=True)
@@ -159,10 +160,10 @@ def solve(
 
 def _solve_regression(problem: RegressionProblem, run: Run, incumbent: Node | Solution | None) -> Solution:
     """Return a regression tree: by the exact core where it has a proof for what is asked, else by search."""
-    known = {"auto": exact_regression if proves(problem) else search_regression} | REGRESSION
+    known = {"auto": REGRESSION["exact" if problem.is_provable else "search"]} | REGRESSION
     if run.method not in known:
         raise ProblemError(f"method is {run.method!r}; a regression problem takes one of {', '.join(known)}")
-    solver: Callable[..., Solution] = known[run.method]
+    solver = cast(Callable[..., Solution], known[run.method].load())
     unknown = set(run.options) - set(inspect.signature(solver).parameters)
     if unknown:
         raise ProblemError(f"regression by {run.method!r} takes no option {min(unknown)!r}")

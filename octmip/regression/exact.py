@@ -60,7 +60,7 @@ def exact_regression(
     ProblemError
         the problem asks for hyperplanes or linear leaves, or the incumbent is not one of its trees.
     """
-    if not proves(problem):
+    if not problem.is_provable:
         raise ProblemError(
             f"the exact core finds axis-aligned regression trees with constant leaves but split is {problem.split!r} "
             f"and leaf_model {problem.leaf_model!r}; use method 'search'"
@@ -72,11 +72,6 @@ def exact_regression(
     search.search()
     assert search.tree is not None
     return search.solution(seed)
-
-
-def proves(problem: RegressionProblem) -> bool:
-    """Whether the exact core has a proof for the trees of a problem: one feature in a split, one number in a leaf."""
-    return problem.max_split_size == 1 and problem.leaf_model == "constant"
 
 
 @dataclass(frozen=True, slots=True, order=True)

@@ -176,6 +176,11 @@ class RegressionProblem:
         return f"RegressionProblem({', '.join(words)})"
 
     @property
+    def is_provable(self) -> bool:
+        """Whether the exact core has a proof for these trees: one feature in a split, one number in a leaf."""
+        return self.max_split_size == 1 and self.leaf_model == "constant"
+
+    @property
     def n_samples(self) -> int:
         """Number of samples."""
         return int(self.features.shape[0])

@@ -37,7 +37,7 @@ CASE_MAKER = tuple(
     str(path.relative_to(ROOT).with_suffix(""))
     for path in [
         *ROOT.glob("assets/**/*.py"),
-        *(ROOT / f"{name}.py" for name in ("truths", "cases", "sealing", "noises")),
+        *(ROOT / f"{name}.py" for name in ("truths", "cases", "sealing", "noises", "limit/candidates")),
     ]
     if path.name != "__init__.py"
 )
