@@ -28,8 +28,8 @@ LEAST = 1e-6
 WALKS = 0.05
 """Probability that readings wander, before any.
 
-At .15 a faint pattern that no library holds was taken for a walk (docs/gap/noise.md); at .05 one of five sound wings with
-a mild walk beside a calm run was accused."""
+At .15 a faint pattern that no library holds was taken for a walk (docs/gap/noise.md); at .05 one of five sound wings
+with a mild walk beside a calm run was accused."""
 ALIKE = 0.8
 """Probability that campaign and commissioning run wander alike; else each as far as it does."""
 RANDOM_WALK = "random_walk"
