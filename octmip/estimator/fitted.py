@@ -1,4 +1,4 @@
-"""FittedTree: everything that a fitted estimator says about its tree, apart from predictions."""
+"""SolvedTree and FittedTree: everything that a fitted estimator says about its tree, apart from predictions."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +17,7 @@ from octmip.formats.files import PathLike
 from octmip.formats.table.preparation import Preparation
 from octmip.formats.tree_file import record_tree
 from octmip.problem import Problem
+from octmip.regression.certificate import RegressionCertificate
 from octmip.solution import Solution
 from octmip.tree import Node, depth, leaves
 
@@ -24,14 +25,11 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-class FittedTree:
-    """What an estimator with a problem, a solution and a certificate says about its tree."""
+class SolvedTree:
+    """What every estimator with a solution and a certificate says about its tree."""
 
-    problem_: Problem
     solution_: Solution
-    certificate_: Certificate
-    columns_: Columns
-    _label_name: str | None
+    certificate_: Certificate | RegressionCertificate
 
     @property
     def tree_(self) -> Node:
@@ -43,7 +41,7 @@ class FittedTree:
 
     @property
     def objective_(self) -> float:
-        """Cost of the training samples, in units of weight times cost, and the price of the splits."""
+        """Cost of the training samples, in units of weight times cost or error, and the price of the splits."""
         check_is_fitted(self, "solution_")
         return self.solution_.objective
 
@@ -71,18 +69,6 @@ class FittedTree:
         check_is_fitted(self, "solution_")
         return self.certificate_.sensors
 
-    @property
-    def feature_importances_(self) -> NDArray[np.float64]:
-        """Share of each column of X in what the splits save of the training cost, shape (n_features_in_,).
-
-        A split saves the cost of the best label of its samples minus those of its two sides; the shares add up to 1,
-        or are all 0 where no split saves anything. See `octmip.estimator.importance`.
-        """
-        saved = feature_savings(self.problem_, self.tree_)
-        of_column = np.repeat(np.arange(len(self.columns_.columns)), [len(c.features) for c in self.columns_.columns])
-        shares = np.bincount(of_column, saved, len(self.columns_.columns))
-        return np.asarray(shares / shares.sum() if shares.sum() > 0 else shares)
-
     def get_depth(self) -> int:
         """Return the number of splits on the longest path from the root to a leaf."""
         return depth(self.tree_)
@@ -103,6 +89,26 @@ class FittedTree:
         """Return which nodes each row of X passes, a sparse matrix (n_samples, n_nodes); nodes as in `apply`."""
         check_is_fitted(self, "solution_")
         return node_indicator(self.tree_, read_samples(self, X))
+
+
+class FittedTree(SolvedTree):
+    """What a classifier says about its tree beside that: what it costs, as words, a picture and a page."""
+
+    problem_: Problem
+    columns_: Columns
+    _label_name: str | None
+
+    @property
+    def feature_importances_(self) -> NDArray[np.float64]:
+        """Share of each column of X in what the splits save of the training cost, shape (n_features_in_,).
+
+        A split saves the cost of the best label of its samples minus those of its two sides; the shares add up to 1,
+        or are all 0 where no split saves anything. See `octmip.estimator.importance`.
+        """
+        saved = feature_savings(self.problem_, self.tree_)
+        of_column = np.repeat(np.arange(len(self.columns_.columns)), [len(c.features) for c in self.columns_.columns])
+        shares = np.bincount(of_column, saved, len(self.columns_.columns))
+        return np.asarray(shares / shares.sum() if shares.sum() > 0 else shares)
 
     def export_text(self) -> str:
         """Return the tree as indented lines, with the training samples of each leaf and how many of them are wrong."""

@@ -5,14 +5,13 @@ from typing import Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.sparse import csr_matrix
 from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.utils import Tags
 from sklearn.utils.validation import _check_sample_weight, check_is_fitted
 
 from octmip.certificate import certify
 from octmip.errors import DataError, SolverError
-from octmip.estimator.paths import leaf_nodes, node_indicator
+from octmip.estimator.fitted import SolvedTree
 from octmip.estimator.proof import warn_unproven
 from octmip.estimator.samples import learn_samples, read_samples
 from octmip.estimator.settings import RandomState, leaf_size_of, seed_of, sensors_of, threads_of
@@ -20,10 +19,10 @@ from octmip.problem_values import whole_of
 from octmip.regression.problem import MAX_DEPTH, Loss, RegressionProblem
 from octmip.solution import Limits, Stop
 from octmip.solver import solve
-from octmip.tree import Node, condition, depth, leaves, predict_values, prediction, tree_lines
+from octmip.tree import condition, predict_values, prediction, tree_lines
 
 
-class OptimalTreeRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
+class OptimalTreeRegressor(SolvedTree, RegressorMixin, BaseEstimator):  # type: ignore[misc]
     """A regression tree of least training error, with the bound that says how far from it a better one can be.
 
     Parameters
@@ -161,64 +160,15 @@ class OptimalTreeRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
             feature_names=self.columns_.feature_names,
         )
 
-    @property
-    def tree_(self) -> Node:
-        """The tree, over the features of `problem_`."""
-        check_is_fitted(self, "solution_")
-        tree = self.solution_.tree
-        assert tree is not None  # fit has seen to it
-        return tree
-
-    @property
-    def objective_(self) -> float:
-        """Error of the training samples times their weights, and the price of the splits."""
-        check_is_fitted(self, "solution_")
-        return self.solution_.objective
-
-    @property
-    def bound_(self) -> float:
-        """No tree of the problem has a training objective below it; -inf without a proof."""
-        check_is_fitted(self, "solution_")
-        return self.solution_.bound
-
-    @property
-    def gap_(self) -> float:
-        """Relative gap between training objective and bound: 0 when proven optimal, +inf without a proof."""
-        check_is_fitted(self, "solution_")
-        return self.solution_.gap
-
-    @property
-    def is_optimal_(self) -> bool:
-        """Whether it is proven that no tree of the problem has a smaller training objective."""
-        check_is_fitted(self, "solution_")
-        return self.solution_.is_optimal
-
     def predict(self, X: ArrayLike) -> NDArray[np.float64]:
         """Return the number predicted for each row of X (n_samples, n_features), shape (n_samples,)."""
         check_is_fitted(self, "solution_")
         return predict_values(self.tree_, read_samples(self, X))
 
-    def apply(self, X: ArrayLike) -> NDArray[np.int64]:
-        """Return the number of the leaf that each row of X reaches, nodes numbered in preorder, shape (n_samples,)."""
-        check_is_fitted(self, "solution_")
-        return leaf_nodes(self.tree_, read_samples(self, X))
-
-    def decision_path(self, X: ArrayLike) -> csr_matrix:
-        """Return which nodes each row of X passes, a sparse matrix (n_samples, n_nodes); nodes as in `apply`."""
-        check_is_fitted(self, "solution_")
-        return node_indicator(self.tree_, read_samples(self, X))
-
-    def get_depth(self) -> int:
-        """Return the number of splits on the longest path from the root to a leaf."""
-        return depth(self.tree_)
-
-    def get_n_leaves(self) -> int:
-        """Return the number of leaves."""
-        return len(leaves(self.tree_))
-
     def export_text(self) -> str:
         """Return the tree as indented lines."""
-        names = self.problem_.feature_names if hasattr(self, "problem_") else ()
+        check_is_fitted(self, "solution_")
+        names = self.problem_.feature_names
         lines = tree_lines(
             self.tree_,
             lambda split: condition(split, lambda feature: names[feature]),
