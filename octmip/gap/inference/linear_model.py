@@ -112,6 +112,8 @@ class LinearModel:
         (n,) twin and discrepancy [microstrain].
     residual
         (n,) readings less `predicted` [microstrain].
+    noise
+        (n, n) covariance of the noise alone, whatever the state.
     covariance
         (n, n) C0 [microstrain^2].
     factor
@@ -134,6 +136,7 @@ class LinearModel:
     gauge: NDArray[np.int64]
     predicted: Floats
     residual: Floats
+    noise: Floats
     covariance: Floats
     factor: Floats
     signatures: Floats
@@ -198,7 +201,8 @@ def linearise(inputs: Inputs, states: Floats) -> LinearModel:
     residual = np.array([part.mean for part in inputs.averages]).ravel()[flat] - predicted
     tangents = _tangents(inputs, states, flat)
     rows, change = (average, gauge), (strain - healthy).ravel()[flat]
-    covariance = _covariance(inputs, states, rows, share[average], change, tangents)
+    noise = inputs.noise.of_averages(inputs.averages, inputs.loads, average, gauge)
+    covariance = _covariance(inputs, states, rows, share[average], change, tangents, noise)
     factor = np.asarray(np.linalg.cholesky(covariance), dtype=np.float64)
     signatures = signatures_of(inputs, states, expected)[:, flat].T
     whitened, open_ = _whitened(factor, signatures, residual, tangents)
@@ -209,6 +213,7 @@ def linearise(inputs: Inputs, states: Floats) -> LinearModel:
         gauge=gauge,
         predicted=predicted,
         residual=residual,
+        noise=noise,
         covariance=covariance,
         factor=factor,
         signatures=signatures,
@@ -224,7 +229,7 @@ def at_level(model: LinearModel, level: float, wide: tuple[int, ...] = ()) -> Li
     """Return the model at another level of differences between models, some gauges wide: another covariance."""
     inputs = replace(model.inputs, discrepancy=model.inputs.discrepancy.at(level, wide))
     rows = (model.average, model.gauge)
-    covariance = _covariance(inputs, model.states, rows, model.share, model.change, model.tangents)
+    covariance = _covariance(inputs, model.states, rows, model.share, model.change, model.tangents, model.noise)
     if np.array_equal(covariance, model.covariance):
         return replace(model, inputs=inputs)
     factor = np.asarray(np.linalg.cholesky(covariance), dtype=np.float64)
@@ -303,11 +308,11 @@ def _covariance(
     share: Floats,
     change: Floats,
     tangents: Floats,
+    noise: Floats,
 ) -> Floats:
-    """Return C0 (n, n); `rows` are averaged cell and gauge, `share` and `change` (n,) as in the model."""
+    """Return C0 (n, n); `rows` are averaged cell and gauge, the others as in the model."""
     average, gauge = rows
-    covariance = inputs.noise.of_averages(inputs.averages, inputs.loads, average, gauge)
-    covariance += np.outer(share, share) * inputs.discrepancy.covariance[np.ix_(gauge, gauge)]
+    covariance = noise + np.outer(share, share) * inputs.discrepancy.covariance[np.ix_(gauge, gauge)]
     cell = np.array([part.cell for part in inputs.averages])[average]
     tails = inputs.discrepancy.damage_tails(gauge)
     covariance += _damage_nugget(inputs.discrepancy.damage * change, tails * change, gauge, states, cell)
