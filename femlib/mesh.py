@@ -24,24 +24,20 @@ class QualityLimits:
     Attributes
     ----------
     warp : float
-        Distance of a corner from the mean plane over the longest edge: a limit of geometry.
-    warp_loss : float
-        The quadrilateral stands on its mean plane, so turning a warped one rigidly strains it. Refused by `Shells`, who
-        knows the thickness: the share by which the stiffness of a cantilever as large as the mesh may grow. A closed
-        section loses 1e-5 of that: there set it to infinity, and let `solution_quality` judge each solution.
+        Distance of a corner from the mean plane over the longest edge. Warped elements carry any load; beyond this
+        the surface through four corners is no longer what was meant.
     aspect : float
         Longest over shortest edge.
     distortion : float
         Least over largest corner area of a quadrilateral must exceed this (0 = a corner of 180 degrees).
     """
 
-    warp: float = 0.02
-    warp_loss: float = 0.05
+    warp: float = 0.1
     aspect: float = 40.0
     distortion: float = 0.02
 
     def __post_init__(self) -> None:
-        for name in ("warp", "warp_loss", "aspect", "distortion"):
+        for name in ("warp", "aspect", "distortion"):
             value: object = getattr(self, name)
             if not isinstance(value, Real) or isinstance(value, bool) or not float(value) >= 0.0:
                 raise MeshError(f"quality limit {name} is {value!r}; expected a number of 0 or more; correct it")

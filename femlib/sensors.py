@@ -15,6 +15,7 @@ import scipy.sparse as sparse
 
 from femlib.arrays import FloatArray, IntArray
 from femlib.elements import quad4, tria3
+from femlib.elements.surface import shape
 from femlib.errors import InputError, frozen_floats, is_number
 from femlib.mesh import Mesh, dofs_of_nodes
 
@@ -152,7 +153,7 @@ def _check_distance(mesh: Mesh, gauge: StrainGauge, spot: Spot) -> None:
     """Refuse a gauge that lies off the surface."""
     points = mesh.nodes[mesh.corners_of(spot.element)]
     is_quad = spot.element < len(mesh.quads)
-    shares = quad4.shape(spot.xi, spot.eta) if is_quad else np.array([1.0 - spot.xi - spot.eta, spot.xi, spot.eta])
+    shares = shape(spot.xi, spot.eta) if is_quad else np.array([1.0 - spot.xi - spot.eta, spot.xi, spot.eta])
     away = float(np.linalg.norm(gauge.position - shares @ points))
     longest = float(np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1).max())
     if away > FARTHEST * longest:
@@ -204,7 +205,7 @@ def _weights(mesh: Mesh, spot: Spot, adjoining: list[IntArray], areas: FloatArra
         return {spot.element: 1.0}
     patch = mesh.patch_of_element[spot.element]
     weights: dict[int, float] = {}
-    for corner, share in zip(mesh.quads[spot.element], quad4.shape(spot.xi, spot.eta), strict=True):
+    for corner, share in zip(mesh.quads[spot.element], shape(spot.xi, spot.eta), strict=True):
         around = [int(e) for e in adjoining[corner] if mesh.patch_of_element[e] == patch]
         inverse = np.array([1.0 / areas[e] for e in around])
         for element, part in zip(around, share * inverse / inverse.sum(), strict=True):

@@ -3,15 +3,18 @@
 Sources: R. H. MacNeal, R. L. Harder, Finite Elements in Analysis and Design 1 (1985) 3-20 (beams, Scordelis-Lo roof,
 pinched hemisphere); T. Belytschko et al., Comput. Methods Appl. Mech. Engng 51 (1985) 221-258 (pinched cylinder); L.
 S. D. Morley, Skew Plates and Structures (1963); R. D. Cook, J. Struct. Div. ASCE 100 (1974) 1851-1863, limit 23.96; S.
-Timoshenko, S. Woinowsky-Krieger, Theory of Plates and Shells (1959), tables 8 and 35.
+Timoshenko, S. Woinowsky-Krieger, Theory of Plates and Shells (1959), tables 8 and 35; N. F. Knight, AIAA Journal 35
+(1997) 1048-1052 (Raasch's hook; 5.02 is what solid elements give).
 """
 
 from collections.abc import Callable
+from itertools import product
 
 import numpy as np
 
 from femlib.arrays import FloatArray, IntArray
-from femlib.assembly import Shells, Supports, factorise, line_load, surface_load
+from femlib.assembly import Quality, Shells, Supports, factorise, line_load, solution_quality, surface_load
+from femlib.errors import MeshError, SolveError
 from femlib.material import Laminate, isotropic_plate
 from femlib.mesh import DOFS_PER_NODE, Mesh, QualityLimits
 
@@ -54,11 +57,14 @@ def force(shells: Shells, node: int, direction: str, size: float) -> FloatArray:
     return load
 
 
-def scordelis_lo_roof(n: int) -> float:
-    """Quarter of a roof under its weight: deflection of the free edge's middle over 0.3024."""
+def scordelis_lo_roof(n: int, slant: float = 0.0) -> float:
+    """Quarter of a roof under its weight: deflection of the free edge's middle over 0.3024.
+
+    Mesh lines lean across it by `slant` of its width in its middle, so that its elements are warped.
+    """
 
     def place(u: FloatArray, v: FloatArray) -> FloatArray:
-        angle = np.radians(40.0) * u
+        angle = np.radians(40.0) * (u + slant * np.sin(np.pi * u) * (v - 0.5))
         return np.stack([25.0 * np.sin(angle), 25.0 * v, 25.0 * np.cos(angle)], axis=-1)
 
     shells, node = mapped(place, n, n, isotropic_plate(4.32e8, 0.0, 0.25))
@@ -181,8 +187,104 @@ def curved_beam(direction: str, n: int = 6, n_across: int = 1) -> float:
     return float(moved[node[-1], "uvw".index(direction)].mean() / exact)
 
 
+def twisted_beam(thickness: float, direction: str, n: int = 12, n_across: int = 2) -> float:
+    """Strip 12 x 1.1 twisted by 90 degrees under a unit tip force: "v" or "w" over the published deflection."""
+
+    def place(u: FloatArray, v: FloatArray) -> FloatArray:
+        angle, across = 0.5 * np.pi * u, 1.1 * (v - 0.5)
+        return np.stack([12.0 * u, across * np.cos(angle), across * np.sin(angle)], axis=-1)
+
+    shells, node = mapped(place, n, n_across, isotropic_plate(29e6, 0.22, thickness))
+    exact = {(0.32, "v"): 1.754e-3, (0.32, "w"): 5.424e-3, (0.0032, "v"): 1296.0, (0.0032, "w"): 5256.0}
+    return _tip(shells, node, direction) / exact[thickness, direction]
+
+
+def raasch_hook(n: int = 36, n_across: int = 5) -> float:
+    """Strip of two arcs, radii 14 and 46, 20 wide, under a unit shear force across its end: over 5.02."""
+
+    def place(u: FloatArray, v: FloatArray) -> FloatArray:
+        first, second = 14.0 * np.pi / 3.0, 46.0 * np.radians(150.0)
+        along = u * (first + second)
+        one, other = along / 14.0, np.pi / 3.0 + np.pi - (along - first) / 46.0
+        middle = 60.0 * np.array([np.sin(np.pi / 3.0), np.cos(np.pi / 3.0)])
+        x = np.where(along < first, 14.0 * np.sin(one), middle[0] + 46.0 * np.sin(other))
+        y = np.where(along < first, 14.0 * np.cos(one), middle[1] + 46.0 * np.cos(other))
+        return np.stack([x, y, 20.0 * v], axis=-1)
+
+    shells, node = mapped(place, n, n_across, isotropic_plate(3300.0, 0.35, 2.0))
+    return _tip(shells, node, "w") / 5.02
+
+
+RandomShape = Callable[[int, np.random.Generator | None], tuple[float, Quality]]
+
+
+def random_shape(rng: np.random.Generator) -> RandomShape:
+    """Return a curved panel clamped at one end under a tip force or its weight: its work on n x n, and the estimate.
+
+    It is arched and twisted, rises like a saddle, tapers and is swept, is from 1 to 6 times as long as wide and from 20
+    to 500 times as thick. With a generator its inner nodes are moved along the surface by up to a fifth of an element.
+    """
+    length, arch, twist, rise = rng.uniform([1.0, 0.0, 0.0, 0.0], [6.0, 0.3, 0.7, 0.2])
+    sweep, taper, thickness = rng.uniform(0.0, 0.7), rng.uniform(0.4, 1.0), 1.0 / rng.uniform(20.0, 500.0)
+    by_weight = bool(rng.integers(2))
+
+    def place(u: FloatArray, v: FloatArray) -> FloatArray:
+        width, angle = 1.0 - (1.0 - taper) * u, twist * u
+        across, up = width * (v - 0.5), arch * (1.0 - 4.0 * (v - 0.5) ** 2) + rise * u * (v - 0.5)
+        y, z = across * np.cos(angle) - up * np.sin(angle), across * np.sin(angle) + up * np.cos(angle)
+        return np.stack([length * u + sweep * across, y, z], axis=-1)
+
+    def work(n: int, moved: np.random.Generator | None) -> tuple[float, Quality]:
+        shift = np.zeros((2, n + 1, n + 1))
+        if moved is not None:
+            shift[:, 1:-1, 1:-1] = moved.uniform(-0.2 / n, 0.2 / n, (2, n - 1, n - 1))
+        shells, node = mapped(
+            lambda u, v: place(u + shift[0], v + shift[1]), n, n, isotropic_plate(7e10, 0.3, thickness)
+        )
+        if by_weight:
+            load = surface_load(shells.mesh, np.tile([0.0, 0.0, -100.0], (shells.mesh.n_elements, 1)))
+        else:
+            load = line_load(shells.mesh, node[-1], np.array([0.0, 0.0, 1.0]))
+        found = solved(shells, [hold(node[0], "uvwxyz")], load).ravel()
+        return float(load @ found), solution_quality(shells, found)
+
+    return work
+
+
+def random_shapes(count: int, seed: int = 7) -> None:
+    """Print how many of so many random panels on 16 x 16 moved elements are right, wrong or refused."""
+    rng = np.random.default_rng(seed)
+    errors = []
+    n_refused = 0
+    for _ in range(count):
+        shape = random_shape(rng)
+        try:
+            coarse, quality = shape(16, rng)
+            quality.refuse()
+        except (MeshError, SolveError):
+            n_refused += 1
+            continue
+        errors.append(abs(coarse / shape(40, None)[0] - 1.0))
+    wrong = sum(error > 0.05 for error in errors)
+    print(
+        f"{count} random panels: {n_refused} refused; of {len(errors)} accepted {wrong} more than 5 % off, "
+        f"median {100 * np.median(errors):.2f} %, most {100 * max(errors):.2f} %"
+    )
+
+
+def _tip(shells: Shells, node: IntArray, direction: str) -> float:
+    """Return the mean deflection of the last row of nodes under a unit force spread over it, the first row clamped."""
+    shares = np.ones(node.shape[1])
+    shares[[0, -1]] = 0.5
+    shares /= shares.sum()
+    load = np.sum([f * force(shells, int(k), direction, 1.0) for k, f in zip(node[-1], shares, strict=True)], axis=0)
+    moved = solved(shells, [hold(node[0], "uvwxyz")], load)
+    return float(shares @ moved[node[-1], "uvw".index(direction)])
+
+
 CONVERGING: dict[str, Callable[[int], float]] = {
     "Scordelis-Lo roof": scordelis_lo_roof,
+    "the same on a slanted mesh": lambda n: scordelis_lo_roof(n, 0.3),
     "pinched cylinder": pinched_cylinder,
     "pinched hemisphere": pinched_hemisphere,
     "Morley skew plate": morley_skew_plate,
@@ -199,7 +301,17 @@ def main() -> None:
         print(f"| {name} | " + " | ".join(f"{problem(n):.4f}" for n in sizes) + " |")
     for shape in BEAM_SHAPES:
         print(f"| straight beam, {shape} | " + " | ".join(f"{straight_beam(shape, d):.3f}" for d in "uvwx") + " |")
-    print("| curved beam | " + " | ".join(f"{curved_beam(d):.3f}" for d in "uw") + " |")
+    for d in "uw":
+        print(
+            f"| curved beam, {d} | "
+            + " | ".join(f"{curved_beam(d, *m):.3f}" for m in ((6, 1), (24, 1), (48, 4)))
+            + " |"
+        )
+    for t, d in product((0.32, 0.0032), "vw"):
+        row = [f"{twisted_beam(t, d, *m):.4f}" for m in ((12, 2), (24, 4), (48, 8))]
+        print(f"| twisted beam, t {t}, {d} | " + " | ".join(row) + " |")
+    print("| Raasch hook | " + " | ".join(f"{raasch_hook(9 * k, k):.4f}" for k in (1, 2, 4, 8, 16)) + " |")
+    random_shapes(200)
 
 
 if __name__ == "__main__":

@@ -17,6 +17,7 @@ from femlib.arrays import FloatArray, IntArray
 from femlib.assembly.shells import Shells
 from femlib.elements import quad4, tria3
 from femlib.elements.frame import StrainOperator, resultant_turn
+from femlib.elements.surface import shape
 from femlib.errors import InputError, frozen_floats, frozen_ints
 from femlib.mesh import DOFS_PER_NODE, Mesh, dofs_of_nodes
 
@@ -105,9 +106,11 @@ def _of_quads(shells: Shells) -> FloatArray:
     """Return the thermal forces (n_quads, 2, 24) of a unit warming and of a unit gradient."""
     points = shells.mesh.nodes[shells.mesh.quads]
     places = (GAUSS * CORNERS).tolist()
-    operator = quad4.strain_operators(points, [(r, s) for r, s in places])
+    elements = np.arange(len(points))
+    sections = shells.laminates, shells.section[elements]
+    operator = quad4.strain_operators(points, [(r, s) for r, s in places], shells.axis, sections)
     area = np.array([_gauss_area(points, r, s)[1] for r, s in places]).T
-    return _integrated(shells, operator, area, np.arange(len(points)))
+    return _integrated(shells, operator, area, elements, np.eye(3)[None])
 
 
 def _of_trias(shells: Shells) -> FloatArray:
@@ -122,12 +125,18 @@ def _of_trias(shells: Shells) -> FloatArray:
         np.array([o.axes for o in operators]),
     )
     area = np.linalg.norm(shells.mesh.area_vectors()[first:], axis=1)[:, None]
-    return _integrated(shells, joined, area, first + np.arange(len(points)))
+    turn = resultant_turn(joined.axes, shells.axis)
+    return _integrated(shells, joined, area, first + np.arange(len(points)), turn)
 
 
-def _integrated(shells: Shells, operator: StrainOperator, area: FloatArray, elements: IntArray) -> FloatArray:
-    """Return the forces (n, 2, n_dofs) of `elements` (n,) with strain rows and areas (n, n_places) of a quadrature."""
-    turn = resultant_turn(operator.axes, shells.axis)
+def _integrated(
+    shells: Shells, operator: StrainOperator, area: FloatArray, elements: IntArray, turn: FloatArray
+) -> FloatArray:
+    """Return the forces (n, 2, n_dofs) of `elements` (n,) with strain rows and areas (n, n_places) of a quadrature.
+
+    `turn` (n or 1, 3, 3) leads resultants from the laminates' axes to those of the rows.
+    """
+    turn = np.broadcast_to(turn, (len(elements), 3, 3))
     membrane = np.einsum("np,npci->nci", area, operator.membrane)
     curvature = np.einsum("np,npci->nci", area, operator.curvature)
     kind, unit = shells.section[elements], []
@@ -144,4 +153,4 @@ def _gauss_area(points: FloatArray, r: float, s: float) -> tuple[FloatArray, Flo
     """Return the shape functions (4,) and the area (n,) [m^2] of a point of the 2 x 2 rule."""
     along_r = 0.25 * np.array([s - 1, 1 - s, 1 + s, -1 - s]) @ points
     along_s = 0.25 * np.array([r - 1, -1 - r, 1 + r, 1 - r]) @ points
-    return quad4.shape(r, s), np.linalg.norm(np.cross(along_r, along_s), axis=1)
+    return shape(r, s), np.linalg.norm(np.cross(along_r, along_s), axis=1)

@@ -7,15 +7,11 @@ import scipy.sparse as sparse
 
 from femlib.arrays import BoolArray, FloatArray, IntArray
 from femlib.elements import quad4, tria3
-from femlib.errors import InputError, MeshError, frozen_floats, frozen_ints
+from femlib.errors import InputError, frozen_floats, frozen_ints
 from femlib.kept import Kept
 from femlib.material import Laminate
-from femlib.mesh import Mesh, dofs_of_nodes, warp_heights
+from femlib.mesh import Mesh, dofs_of_nodes
 
-WARP_LOSS = 7.0
-"""What warp h costs a cantilever of length L and thickness t in elements of shortest edge l, over (h L / (t l))^2:
-turning an element by kappa L strains its middle by h kappa L / l, bending it by t kappa / 2. 2.6 to 7.3 on twisted
-strips of 24 to 96 elements, 5 to 90 degrees of twist, thickness 1/38 to 1/3750 of the length."""
 THICKEST, THINNEST = 0.5, 1e-8
 """Thickness over the mesh's size, beyond which lengths are in two units."""
 LEAST_IN_PLANE = 1e-6
@@ -38,8 +34,6 @@ class Shells:
         Factor on each element's stiffness (n_elements,), for moduli that vary over the structure.
     axis : FloatArray
         Global direction (3,) whose projection on an element is its laminate's axis.
-    warp_loss : float
-        Largest share of a cantilever's displacement that an element's warp may cost, as `QualityLimits.warp_loss`.
     unit_thermal : Kept
         Of `femlib.assembly.loads`: the elements' thermal forces per unit by the elements' name, once asked for.
     """
@@ -50,7 +44,6 @@ class Shells:
     scale: FloatArray
     axis: FloatArray
     unit_thermal: Kept[str, FloatArray] = field(init=False, repr=False, default_factory=Kept)
-    warp_loss: float = field(init=False, repr=False)
     _matrices: tuple[FloatArray, FloatArray] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -64,7 +57,6 @@ class Shells:
         _check_sections(self.laminates, self.section)
         _check_thickness(self.mesh, self.laminates)
         _check_axis(self.mesh, self.laminates, self.section, self.axis)
-        object.__setattr__(self, "warp_loss", _checked_warp(self.mesh, self.laminates, self.section))
         k = len(self.mesh.quads)
         quads = quad4.stiffness(self.mesh.nodes[self.mesh.quads], self.laminates, self.section[:k], self.axis)
         trias = tria3.stiffness(self.mesh.nodes[self.mesh.trias], self.laminates, self.section[k:], self.axis)
@@ -121,27 +113,6 @@ def _check_axis(mesh: Mesh, laminates: tuple[Laminate, ...], section: IntArray, 
             f"axis {axis.tolist()} is zero or normal to element {bad[0]}, whose laminate's stiffness depends on the "
             "direction; expected one with a part in the surface; choose another axis"
         )
-
-
-def _checked_warp(mesh: Mesh, laminates: tuple[Laminate, ...], section: IntArray) -> float:
-    """Return the loss that the most warped element for its thickness may cause, or refuse it."""
-    n = len(mesh.quads)
-    if not n:
-        return 0.0
-    points = mesh.nodes[mesh.quads]
-    shortest = np.linalg.norm(np.roll(points, -1, axis=1) - points, axis=2).min(axis=1)
-    height = warp_heights(points)
-    thickness = np.array([laminate.bending_thickness for laminate in laminates])[section[:n]]
-    loss = WARP_LOSS * (height * mesh.size / (thickness * shortest)) ** 2
-    worst = int(loss.argmax())
-    if loss[worst] > mesh.limits.warp_loss:
-        raise MeshError(
-            f"element {worst} has a corner {height[worst]:.3g} m off its mean plane at a thickness of "
-            f"{thickness[worst]:.3g} m: in a plate of {mesh.size:.3g} m its displacements may be too small by "
-            f"{100.0 * loss[worst] / (1.0 + loss[worst]):.3g} %; expected at most {100.0 * mesh.limits.warp_loss:g} %; "
-            "refine, take triangles, or lift QualityLimits.warp_loss and let solution_quality judge each solution"
-        )
-    return float(loss[worst])
 
 
 def assemble(mesh: Mesh, quads: FloatArray, trias: FloatArray, elements: BoolArray | None = None) -> sparse.csc_array:

@@ -158,7 +158,6 @@ def port_flexibility(
     factors = eliminated.factors
     # column 0: the state; then each output's dual
     motions = factors.solve(np.concatenate([force[:, None], free_rows.toarray().T], axis=1))
-    structure.judge(motions[:, 0])
     roots = [_root(condensed) for condensed in structure.condensed]
     first = np.concatenate([[0], np.cumsum([root.shape[1] for root in roots])]).astype(np.int64)
     if first[-1] > MOST_MEASURES:

@@ -7,12 +7,11 @@ import numpy as np
 import scipy.sparse as sparse
 
 from femlib.arrays import FloatArray, IntArray
-from femlib.assembly import Factors, Shells, Supports, factorise, solution_quality
+from femlib.assembly import Factors, Shells, Supports, factorise
 from femlib.components.output_map import OutputMap
 from femlib.components.ports import Ports
 from femlib.components.regions import Component, Condensed, checked_damage, condense, refuse_overlap
 from femlib.errors import InputError, frozen_floats
-from femlib.mesh import QualityLimits
 
 MOST_PORTS = 1500
 """Beyond so many ports a factorisation a state is cheaper: 4,242 ports took 80 s to eliminate last."""
@@ -175,7 +174,6 @@ class DamagedStructure:
             return np.stack([self._solve_directly(mu, force) for mu in damage])
         eliminated = self.eliminated(active)
         pristine = eliminated.factors.solve(force)
-        self.judge(pristine)
         extra = np.zeros((len(force), len(damage)))
         load_at_ports = eliminated.condensed_load(pristine)
         extra[eliminated.factors.ports] = eliminated.ports.forces(damage[:, list(active)], load_at_ports).T
@@ -204,7 +202,6 @@ class DamagedStructure:
             return self._solve_directly(row[0], force)
         eliminated = self.eliminated(active)
         moved = eliminated.factors.solve(force) if pristine is None else pristine[self.supports.free]
-        self.judge(moved)
         if row.any():
             extra = np.zeros_like(force)
             load_at_ports = eliminated.condensed_load(moved)
@@ -239,7 +236,6 @@ class DamagedStructure:
         eliminated = self.eliminated(active)
         ports = eliminated.factors.ports
         pristine = eliminated.factors.solve(force)
-        self.judge(pristine)
         adjoint = self.adjoint(rows, active)
         interior = [self._condensed[k].interior_load(force) @ adjoint for k in active]
         return OutputMap(
@@ -252,17 +248,6 @@ class DamagedStructure:
             np.array(interior).reshape(len(active), adjoint.shape[1]),
         )
 
-    def judge(self, moved: FloatArray) -> None:
-        """Refuse a solution (n_free, ...) whose elements are so warped that `Shells` would have refused them.
-
-        Of plane elements nothing is asked: the estimate costs a third of a wing's factorisation.
-        """
-        if self.shells.warp_loss <= QualityLimits().warp_loss:
-            return
-        for column in self.supports.expand(moved).reshape(self.supports.n_dofs, -1).T:
-            if column.any():
-                solution_quality(self.shells, column).refuse()
-
     def adjoint(self, rows: sparse.csr_array, active: tuple[int, ...]) -> FloatArray:
         """Return K_0^-1 rows' (n_free, n_outputs): one solve per output, kept while the same rows are asked for."""
         return self._kept.motion(rows, active, lambda: self._solve_adjoint(rows, active))
@@ -274,7 +259,6 @@ class DamagedStructure:
     def _solve_directly(self, mu: FloatArray, force: FloatArray) -> FloatArray:
         """Return the displacements (n_dofs,) of one state from a factorisation of its own."""
         moved = factorise(self.stiffness(mu), self.supports.groups).solve(force)
-        self.judge(moved)
         return self.supports.expand(moved)
 
 

@@ -1,25 +1,30 @@
-"""Four-node laminated shell: Allman membrane with drilling rotations, bilinear bending, tied transverse shear.
+"""Four-node laminated shell for flat and warped surfaces.
 
-Source: A. Ibrahimbegovic, R. L. Taylor, E. L. Wilson, Int. J. Numer. Meth. Engng 30 (1990) 445-457 (membrane and
-drilling) and bilinear bending, both as in pyfe3d; the transverse shear is femlib's (mitc4.py).
+Rows of strain as in `quad4_rows`, integrated at 2 x 2 points; two enhanced membrane strains (rr by r, ss by s) that no
+displacement has, eliminated in the element, let a side that bends contract across.
+
+    K = sum over points of area (B' C B + DRILLING A_66 d' d),   C = [[A, B], [B, D]] and the transverse shear
+
+Source of the enhanced strains: J. C. Simo, M. S. Rifai, Int. J. Numer. Meth. Engng 29 (1990) 1595-1638. DRILLING only
+has to be more than 0: from .01 to 1 no figure of docs/wing.md moves by more than .02, but for the Raasch hook, which is
+4 % off with .01.
 """
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from femlib.arrays import FloatArray, IntArray
-from femlib.elements.frame import StrainOperator, align, element_axes, element_library, shell_property, to_global
-from femlib.elements.mitc4 import shear_stiffness
+from femlib.elements.frame import StrainOperator
+from femlib.elements.quad4_rows import N_DOFS, Elements
+from femlib.elements.surface import GAUSS, frame, shape
 from femlib.material import Laminate
 
-if TYPE_CHECKING:
-    from pyfe3d import Quad4
-
 N_NODES = 4
-N_DOFS = 24
-N_MASS_ENTRIES = 480
+DRILLING = 0.1
+"""Stiffness of the rotation about the normal against the surface's, over the membrane's shear stiffness."""
+AT_ONCE = 4096
+"""Elements whose rows are held in memory together: 40 MB."""
 
 
 def stiffness(points: FloatArray, laminates: Sequence[Laminate], section: IntArray, axis: FloatArray) -> FloatArray:
@@ -36,90 +41,120 @@ def stiffness(points: FloatArray, laminates: Sequence[Laminate], section: IntArr
     axis : FloatArray
         Direction (3,) whose projection is the laminates' axis.
     """
-    properties = [shell_property(laminate, with_shear=False) for laminate in laminates]
-    values = np.zeros((len(points), N_DOFS * N_DOFS))
-    unused = np.zeros(1, dtype=element_library().INT)
-    frames, turns = np.empty((len(points), 3, 3)), np.empty((len(points), 2, 2))
-    for corners, kind, row, frame, turn in zip(points, section, values, frames, turns, strict=True):
-        element = _placed(corners, axis)
-        element.update_KC0(unused, unused, row, properties[kind], 1)
-        frame[:] = element_axes(element)
-        turn[:] = [[element.m11, element.m12], [element.m21, element.m22]]
-    return values.reshape(-1, N_DOFS, N_DOFS) + _shear(points, laminates, section, frames, turns)
-
-
-def mass(points: FloatArray, laminates: Sequence[Laminate], section: IntArray) -> FloatArray:
-    """Return the consistent mass matrices (n, 24, 24) in global axes, arguments as `stiffness`."""
-    properties = [shell_property(laminate) for laminate in laminates]
-    matrices = np.zeros((len(points), N_DOFS, N_DOFS))
-    rows, columns = (
-        np.zeros(N_MASS_ENTRIES, dtype=element_library().INT),
-        np.zeros(N_MASS_ENTRIES, dtype=element_library().INT),
-    )
-    for corners, kind, matrix in zip(points, section, matrices, strict=True):
-        values = np.zeros(N_MASS_ENTRIES)
-        _placed(corners, np.zeros(3)).update_M(rows, columns, values, properties[kind], 0)
-        np.add.at(matrix, (rows, columns), values)
+    matrices = np.empty((len(points), N_DOFS, N_DOFS))
+    held, shear = _moduli(laminates)
+    for part in _parts(len(points)):
+        matrices[part] = _stiffness(Elements.of(points[part]), held[section[part]], shear[section[part]], axis)
     return matrices
 
 
+def mass(points: FloatArray, laminates: Sequence[Laminate], section: IntArray) -> FloatArray:
+    """Return the consistent mass matrices (n, 24, 24) in global axes, arguments as `stiffness`.
+
+    The rotary inertia about the normal is that about the other axes, so that no rotation is without mass.
+    """
+    matrices = np.zeros((len(points), 4, 6, 4, 6))
+    of_sections = np.array([[own.mass, own.mass_moment, own.rotary_inertia] for own in laminates])[section]
+    for part in _parts(len(points)):
+        normals = Elements.of(points[part]).normals
+        for r, s in GAUSS.tolist():
+            area = frame(points[part], r, s, np.zeros(3)).area
+            both = np.outer(shape(r, s), shape(r, s))
+            whole, moment, rotary = (area[:, None, None] * of_sections[part].T[:, :, None, None]) * both
+            for i in range(3):
+                matrices[part, :, i, :, i] += whole
+                matrices[part, :, 3 + i, :, 3 + i] += rotary
+            arm = np.cross(np.eye(3)[None, None], normals[:, :, None])  # d(theta x V) / d(theta_j): (n, 4, j, i)
+            pull = np.einsum("nkl,nlji->nkilj", moment, arm)
+            matrices[part, :, :3, :, 3:] += pull
+            matrices[part, :, 3:, :, :3] += pull.transpose(0, 3, 4, 1, 2)
+    return matrices.reshape(-1, N_DOFS, N_DOFS)
+
+
 def strain_operator(points: FloatArray, xi: float = 0.0, eta: float = 0.0) -> StrainOperator:
-    """Return the strain rows at natural coordinates `xi`, `eta` in [-1, 1] of one element with corners (4, 3) [m]."""
-    element = _placed(points, np.zeros(3))
-    probe = element.probe
-    probe.update_BL(xi, eta)
-    axes = element_axes(element)
-    membrane = np.array([probe.BLexx, probe.BLeyy, probe.BLgxy])
-    curvature = np.array([probe.BLkxx, probe.BLkyy, probe.BLkxy])
-    return StrainOperator(to_global(membrane, axes), to_global(curvature, axes), axes)
+    """Return the strain rows at natural coordinates `xi`, `eta` in [-1, 1] of one element with corners (4, 3) [m].
+
+    At the middle these are its strains; elsewhere the enhanced ones, zero in the middle, are left out.
+    """
+    many = strain_operators(points[None], [(xi, eta)])
+    return StrainOperator(many.membrane[0, 0], many.curvature[0, 0], many.axes[0, 0])
 
 
-def strain_operators(points: FloatArray, places: Sequence[tuple[float, float]]) -> StrainOperator:
+def strain_operators(
+    points: FloatArray,
+    places: Sequence[tuple[float, float]],
+    axis: FloatArray | None = None,
+    sections: tuple[Sequence[Laminate], IntArray] | None = None,
+) -> StrainOperator:
     """Return the strain rows of many elements with corners (n, 4, 3) [m] at natural coordinates `places`.
 
-    The operator's arrays have leading axes: rows (n, n_places, 3, 24), axes (n, 3, 3).
+    The operator's arrays have leading axes: rows (n, n_places, 3, 24), axes (n, n_places, 3, 3), whose first is the
+    projection of `axis`. With `sections`, laminates and the elements' index, the enhanced strains are in the rows.
     """
-    rows = np.empty((len(points), len(places), 2, 3, N_DOFS))
-    axes = np.empty((len(points), 3, 3))
-    for corners, own, frame in zip(points, rows, axes, strict=True):
-        element = _placed(corners, np.zeros(3))
-        probe, frame[:] = element.probe, element_axes(element)
-        for place, (membrane, curvature) in zip(places, own, strict=True):
-            probe.update_BL(*place)
-            membrane[0], membrane[1], membrane[2] = probe.BLexx, probe.BLeyy, probe.BLgxy
-            curvature[0], curvature[1], curvature[2] = probe.BLkxx, probe.BLkyy, probe.BLkxy
-    blocks = rows.reshape(len(points), len(places) * 2 * 3 * 2 * N_NODES, 3)  # of three dofs each
-    turned = (blocks @ axes.transpose(0, 2, 1)).reshape(rows.shape)
-    return StrainOperator(turned[:, :, 0], turned[:, :, 1], axes)
+    direction = np.zeros(3) if axis is None else axis
+    rows, axes = np.empty((len(points), len(places), 6, N_DOFS)), np.empty((len(points), len(places), 3, 3))
+    for part in _parts(len(points)):
+        elements = Elements.of(points[part])
+        for k, (r, s) in enumerate(places):
+            local = frame(elements.points, r, s, direction)
+            rows[part, k] = _strain_rows(elements, r, s, local.strains)
+            axes[part, k] = local.axes
+        if sections is not None:
+            held = _moduli(sections[0])[0][sections[1][part]]
+            modes, work = _enhanced(elements, held, direction)[1:]
+            own = np.linalg.solve(modes, work)  # minus the amplitudes
+            for k, (r, s) in enumerate(places):
+                rows[part, k] -= _mode_rows(elements, r, s, direction) @ own
+    return StrainOperator(rows[:, :, :3], rows[:, :, 3:], axes)
 
 
-def shape(xi: float, eta: float) -> FloatArray:
-    """Return the bilinear shape functions (4,) at natural coordinates."""
-    return 0.25 * np.array([(1 - xi) * (1 - eta), (1 + xi) * (1 - eta), (1 + xi) * (1 + eta), (1 - xi) * (1 + eta)])
+def _parts(n: int) -> Iterator[slice]:
+    return (slice(first, min(first + AT_ONCE, n)) for first in range(0, n, AT_ONCE))
 
 
-def _shear(
-    points: FloatArray, laminates: Sequence[Laminate], section: IntArray, frames: FloatArray, turns: FloatArray
-) -> FloatArray:
-    """Return the transverse shear stiffness (n, 24, 24) in global axes.
-
-    `frames` (n, 3, 3) has the elements' axes as columns, `turns` (n, 2, 2) leads from the laminates' axes to them.
-    """
-    local = ((points - points[:, :1]) @ frames)[:, :, :2]
-    of_laminates = np.array([laminate.shear[::-1, ::-1] for laminate in laminates])  # (yz, xz) to (xz, yz)
-    moduli = turns @ of_laminates[section] @ turns.transpose(0, 2, 1)
-    matrices = shear_stiffness(local, moduli).reshape(-1, 8, 3, 8, 3)
-    turned = np.einsum("eik,eakbl,ejl->eaibj", frames, matrices, frames, optimize=True)
-    return np.asarray(turned.reshape(-1, N_DOFS, N_DOFS))
+def _moduli(laminates: Sequence[Laminate]) -> tuple[FloatArray, FloatArray]:
+    """Return [[A, B], [B, D]] (m, 6, 6) and the shear stiffness (m, 2, 2) of (xz, yz)."""
+    held = [np.block([[own.membrane, own.coupling], [own.coupling, own.bending]]) for own in laminates]
+    return np.array(held).reshape(-1, 6, 6), np.array([own.shear[::-1, ::-1] for own in laminates]).reshape(-1, 2, 2)
 
 
-def _placed(corners: FloatArray, axis: FloatArray) -> "Quad4":
-    """Return an element that sees only its own twelve coordinates."""
-    library = element_library()
-    element: Quad4 = library.Quad4(library.Quad4Probe())
-    element.c1, element.c2, element.c3, element.c4 = 0, 6, 12, 18
-    flat = np.ascontiguousarray(corners, dtype=np.float64).ravel()
-    element.update_rotation_matrix(flat)
-    align(element, axis)
-    element.update_probe_xe(flat)
-    return element
+def _strain_rows(elements: Elements, r: float, s: float, turn: FloatArray) -> FloatArray:
+    """Return membrane strains and curvatures (n, 6, 24) in the axes that `turn` (n, 3, 3) leads to."""
+    return np.concatenate([turn @ elements.membrane(r, s), turn @ elements.curvature(r, s)], axis=1)
+
+
+def _stiffness(elements: Elements, held: FloatArray, shear: FloatArray, axis: FloatArray) -> FloatArray:
+    """Return the matrices (n, 24, 24)."""
+    matrices, modes, work = _enhanced(elements, held, axis)
+    matrices -= work.swapaxes(1, 2) @ np.linalg.solve(modes, work)
+    for r, s in GAUSS.tolist():
+        local = frame(elements.points, r, s, axis)
+        rows = local.along @ elements.shear(r, s)
+        matrices += rows.swapaxes(1, 2) @ (local.area[:, None, None] * shear) @ rows
+        drill = elements.drilling(r, s, local)
+        matrices += (DRILLING * held[:, 2, 2] * local.area)[:, None, None] * drill[:, :, None] * drill[:, None]
+    return matrices
+
+
+def _enhanced(elements: Elements, held: FloatArray, axis: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return B' C B (n, 24, 24), M' C M (n, 2, 2) and M' C B (n, 2, 24), summed: B of displacements, M of modes."""
+    n = len(elements.points)
+    matrices, modes, work = np.zeros((n, N_DOFS, N_DOFS)), np.zeros((n, 2, 2)), np.zeros((n, 2, N_DOFS))
+    for r, s in GAUSS.tolist():
+        local = frame(elements.points, r, s, axis)
+        rows = _strain_rows(elements, r, s, local.strains)
+        own = _mode_rows(elements, r, s, axis)
+        forces = local.area[:, None, None] * (held @ rows)
+        matrices += rows.swapaxes(1, 2) @ forces
+        work += own.swapaxes(1, 2) @ forces
+        modes += own.swapaxes(1, 2) @ (local.area[:, None, None] * (held @ own))
+    return matrices, modes, work
+
+
+def _mode_rows(elements: Elements, r: float, s: float, axis: FloatArray) -> FloatArray:
+    """Return the enhanced strains (n, 6, 2); their integrals over the area are zero, as constant strain asks."""
+    middle = frame(elements.points, 0.0, 0.0, axis)
+    area = frame(elements.points, r, s, axis).area
+    rows = np.zeros((len(elements.points), 6, 2))
+    rows[:, :3] = (middle.area / area)[:, None, None] * middle.strains[:, :, :2] * np.array([r, s])
+    return rows

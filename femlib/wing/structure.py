@@ -80,7 +80,7 @@ class WingMaterials:
     wood_young: float = 3.25e9
     wood_poisson: float = 0.30
     wood_thickness: float = 3.0e-3
-    modulus_scale: float = 1.00985
+    modulus_scale: float = 1.01309
     skin_density: float = 367.0
     wood_density: float = 600.0
     skin_expansion: float = 2.0e-6

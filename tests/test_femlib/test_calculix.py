@@ -122,4 +122,4 @@ def test_calculix_reads_the_same_gauges(tmp_path: Path) -> None:
     ratio = wing.strain_microstrain({}, 3.0) / read_gauges(wing, tmp_path / "wing.dat") - 1.0
     usable = wing.gauges.is_usable
     assert np.sqrt(np.mean(ratio[usable] ** 2)) < 0.02
-    assert np.abs(ratio[usable]).max() < 0.05
+    assert np.abs(ratio[usable]).max() < 0.07

@@ -99,3 +99,19 @@ def test_the_mass_matrix_carries_the_mass_of_the_plate(shape: str) -> None:
 def test_stiffness_is_symmetric(shape: str) -> None:
     matrix = patch(CROSSED, shape, rotation(7)).stiffness().toarray()
     assert np.abs(matrix - matrix.T).max() < 1e-12 * np.abs(matrix).max()
+
+
+def test_a_rigid_motion_of_a_warped_element_has_no_force_and_no_strain() -> None:
+    rng = np.random.default_rng(8)
+    corners = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]) + rng.uniform(-0.3, 0.3, (20, 4, 3))
+    spin = np.array([0.3, -0.2, 0.5])
+    moved = np.concatenate([np.array([1.0, 2.0, 3.0]) + np.cross(spin, corners), np.tile(spin, (20, 4, 1))], axis=2)
+    flat = moved.reshape(20, 24)
+    matrices = quad4.stiffness(corners, (CROSSED,), np.zeros(20, dtype=np.int64), np.array([1.0, 0.2, 0.0]))
+    assert np.abs(np.einsum("eij,ej->ei", matrices, flat)).max() < 1e-12 * np.abs(matrices).max()
+    operator = quad4.strain_operators(corners, [(0.0, 0.0), (0.5, -0.7)])
+    assert np.abs(np.einsum("epci,ei->epc", operator.membrane, flat)).max() < 1e-12
+    assert np.abs(np.einsum("epci,ei->epc", operator.curvature, flat)).max() < 1e-11
+    values = np.linalg.eigvalsh(matrices)
+    assert (np.abs(values[:, :6]).max(axis=1) < 1e-10 * values[:, -1]).all()
+    assert (values[:, 6] > 1e-8 * values[:, -1]).all()

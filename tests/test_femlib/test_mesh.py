@@ -25,7 +25,7 @@ def one_quad(corners: list[list[float]]) -> Mesh:
 @pytest.mark.parametrize(
     ("corners", "sentence"),
     [
-        ([[0, 0, 0], [1, 0, 0], [1, 1, 0.1], [0, 1, 0]], "element 1 has a warp of"),
+        ([[0, 0, 0], [1, 0, 0], [1, 1, 0.6], [0, 1, 0]], "element 1 has a warp of"),
         ([[0, 0, 0], [50, 0, 0], [50, 1, 0], [0, 1, 0]], "element 1 has an aspect ratio of 50; expected <= 40"),
         ([[0, 0, 0], [1, 0, 0], [0.2, 0.2, 0], [0, 1, 0]], "element 1 has a corner ratio of"),
         ([[0, 0, 0], [0, 0, 0], [1, 1, 0], [0, 1, 0]], "element 1 has a shortest edge of 0 m"),

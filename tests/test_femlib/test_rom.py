@@ -58,7 +58,7 @@ def test_the_bound_is_never_below_the_true_error(coarser: Wing, reduced: Reduced
     states = np.concatenate([random_states(150), random_states(50, n_damaged=1)])
     error = np.abs(reduced.strains_microstrain(states, -2.0) - coarser.strains_microstrain(states, -2.0))
     assert (error <= reduced.error_bound_microstrain(states, -2.0)).all()
-    assert error.max() < 0.01
+    assert error.max() < 0.02
 
 
 @pytest.mark.parametrize(("n_damaged", "aim"), [(1, 0.1), (3, 0.1), (8, 1.0), (28, 1.0)])

@@ -109,7 +109,7 @@ WRONG: list[tuple[Callable[[], object], str]] = [
     (lambda: mesh(quads=np.concatenate([MESH.quads, MESH.quads[2:3]])), "element 16 has the same corners as element 2"),
     (lambda: Mesh(MESH.nodes, MESH.quads, NO_TRIAS, ("p",), np.zeros(16), None), "mesh limits are None; expected"),
     (lambda: QualityLimits(warp=-1.0), "quality limit warp is -1.0; expected a number of 0 or more"),
-    (lambda: QualityLimits(warp_loss=NAN), "quality limit warp_loss is nan; expected a number of 0 or more"),
+    (lambda: QualityLimits(aspect=NAN), "quality limit aspect is nan; expected a number of 0 or more"),
     (lambda: strain_rows(MESH, np.full(16, 0.01), [gauge((0.3, 0.3, 0.3))]), r"lies 0.3 m off element 5 of .'plate'"),
     (lambda: strain_rows(MESH, np.full(16, 0.01), [gauge(direction=(0, 0, 1))]), "measures along the shell's normal"),
     (lambda: strain_rows(MESH, np.full(16, -0.01), [gauge()]), "thickness of element 0 is -0.01 m; expected more"),
