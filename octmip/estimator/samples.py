@@ -58,7 +58,7 @@ def read_samples(estimator: BaseEstimator, X: ArrayLike) -> Floats:
     checked = validate_data(estimator, _objects(X), dtype=None, ensure_all_finite=False, reset=False)
     columns: Columns = estimator.columns_
     numbers = _numbers(estimator, checked)
-    if numbers is not None and columns.is_plain and not np.isnan(numbers).any():
+    if numbers is not None and columns.is_plain and (columns.lack_numbers or not np.isnan(numbers).any()):
         return numbers
     return columns.encode(_frame(X, checked, columns.names))
 

@@ -113,7 +113,7 @@ def ask(arguments: argparse.Namespace) -> Question:
         chosen.label,
         chosen.weights,
         preparation,
-        _notes(len(whole.frame) - len(table.frame), columns, whole),
+        (*_notes(len(whole.frame) - len(table.frame), columns, whole), *_gaps(problem)),
         held_out,
         share,
         arguments.seed,
@@ -205,6 +205,7 @@ def _problem(
         leaf_penalty=arguments.leaf_penalty,
         sensor_budget=arguments.budget,
         integer_normals=arguments.integer_normals,
+        gaps=columns.lack_numbers,
         feature_names=columns.feature_names,
         **settings,
     )
@@ -251,6 +252,12 @@ def _notes(n_dropped: int, columns: Columns, table: Table) -> tuple[str, ...]:
         if _counts_rows(table.frame[name])
     )
     return (*left_out, *counts, *columns.changes())
+
+
+def _gaps(problem: Problem) -> tuple[str, ...]:
+    """Return a sentence about the training readings that are missing; none where none is."""
+    count, total = problem.n_missing, problem.features.size
+    return (f"{count} of {total} training readings {'are' if count > 1 else 'is'} missing",) if count else ()
 
 
 def _counts_rows(column: "pd.Series[Any]") -> bool:
