@@ -71,8 +71,8 @@ class Problem:
     integer_normals
         the coefficients of a hyperplane are integers of at most this size; None: real.
     gaps
-        whether readings may be missing: every split then says where they go. None: whether some of `features`
-        are; never False where some are.
+        whether readings may be missing, so that every split says where they go; True wherever some of
+        `features` are.
     feature_names
         (n_features,); None: the names of the data frame's columns, of an array x0, x1, ...
     class_names
@@ -98,7 +98,7 @@ class Problem:
     sensor_budget: float | None = field(kw_only=True, default=None)
     allowed_splits: Sequence[Sequence[str | int]] | None = field(kw_only=True, default=None)
     integer_normals: int | None = field(kw_only=True, default=None)
-    gaps: bool = field(kw_only=True, default=_DERIVED)
+    gaps: bool = field(kw_only=True, default=False)
     feature_names: tuple[str, ...] = field(kw_only=True, default=_DERIVED)
     class_names: tuple[Any, ...] = field(kw_only=True, default=_DERIVED)
     codes: NDArray[np.int64] = field(init=False, repr=False)
@@ -126,7 +126,7 @@ class Problem:
         if min(features.shape) == 0:
             raise ProblemError(f"features has shape {features.shape}; expected at least one sample and one feature")
         self._set("features", features)
-        self._set_gaps()
+        self._set("gaps", bool(self.gaps) or self.n_missing > 0)
         names = tuple(str(name) for name in ([f"x{j}" for j in range(features.shape[1])] if given is None else given))
         if len(names) != features.shape[1] or len(set(names)) != len(names):
             raise ProblemError(
@@ -134,15 +134,6 @@ class Problem:
                 f"{features.shape[1]} columns; give one name for each column, none twice"
             )
         self._set("feature_names", names)
-
-    def _set_gaps(self) -> None:
-        count = self.n_missing
-        if self.gaps is False and count:
-            raise ProblemError(
-                f"gaps is False but {count} readings of features are missing (NaN); expected numbers only; fill them "
-                "in, or leave gaps out: splits then send missing readings to the better side"
-            )
-        self._set("gaps", bool(self.gaps) or count > 0)
 
     def _set_classes(self) -> None:
         labels = labels_of(self.labels)

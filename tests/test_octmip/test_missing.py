@@ -1,6 +1,14 @@
 """Missing readings: where each split sends them, chosen in the optimum, and the same by all that reads a tree."""
 
 import itertools
+import json
+import shutil
+import sqlite3
+import subprocess
+from contextlib import closing
+from ctypes import CDLL, POINTER, c_double
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,12 +16,17 @@ import pytest
 from benchmarks.cases.fuzz.gaps import problem_with_gaps
 from benchmarks.exact_answers import complaint
 from benchmarks.oracles.enumeration import optimum
-from octmip import HyperplaneSplit, Leaf, Problem, Split, predict, solve
+from benchmarks.oracles.export_runs import C_FLAGS
+from octmip import HyperplaneSplit, Leaf, OptimalTreeClassifier, Problem, Split, predict, solve
 from octmip.certificate import certify
 from octmip.encoding import rank_features, rows_from_tree, tree_from_rows
 from octmip.errors import CertificateError, ProblemError, TreeError
+from octmip.formats.problem_file import data_digest, encode, question_digest
+from octmip.methods.exact import branch_and_bound
 from octmip.monitor.compiled import CompiledTree
+from octmip.monitor.export import c_source, onnx_model, sql, sql_expression
 from octmip.near_sets import near_optimal, sensor_roles
+from octmip.proof import check_proof, checker_question
 from octmip.sensing.failure.surrogates import with_surrogates
 from octmip.solution import Solution, Stop
 from octmip.tree import Node, centred, condition, goes_left, splits, with_sides_for_gaps, without_empty_sides
@@ -172,6 +185,43 @@ def test_a_tree_without_a_side_where_some_are_missing_has_no_certificate():
         certify(problem, claim)
 
 
+# Proof logs
+
+
+@pytest.mark.parametrize("first", range(0, 60, 20))
+def test_every_log_of_a_problem_with_gaps_proves_its_bound(first, tmp_path):
+    for seed in range(first, first + 20):
+        problem, log = problem_with_gaps(seed), tmp_path / "proof.log"
+        solution = branch_and_bound(problem, proof=log)
+        report = check_proof(problem, log, bound=solution.bound)
+        assert report.bound <= optimum(problem).objective * (1 + 1e-12), f"seed {seed}"
+        assert report.bound >= solution.objective - solution.tolerance, f"seed {seed}"
+        assert log.read_text().splitlines()[0] == "octmip-proof 3" + (" gaps" if problem.n_missing else "")
+
+
+def test_a_log_belongs_to_its_gaps(tmp_path):
+    problem, log = Problem([[NAN], [1.0], [2.0]], [0, 0, 1], depth=1), tmp_path / "proof.log"
+    branch_and_bound(problem, proof=log)
+    with pytest.raises(CertificateError, match=r"line 1: got .octmip-proof 3 gaps., expected .octmip-proof 3."):
+        check_proof(replace(problem, features=np.nan_to_num(problem.features)), log)
+    moved = replace(problem, features=np.array([[1.0], [NAN], [2.0]]))
+    with pytest.raises(CertificateError, match="line 2: got"):
+        check_proof(moved, log)
+    # The same data, but its first line says that none is missing.
+    log.write_text(log.read_text().replace(" gaps", "", 1))
+    with pytest.raises(CertificateError, match="line 1"):
+        check_proof(problem, log)
+
+
+def test_a_problem_file_holds_null_for_what_is_missing_and_the_checker_knows_its_digests():
+    problem = Problem([[NAN, 1.0], [0.0, 2.0]], [0, 1], depth=1)
+    file = json.loads(json.dumps(encode(problem), allow_nan=False))
+    assert file["features"] == [[None, 1.0], [0.0, 2.0]]
+    assert file["version"] == 2
+    assert encode(Problem([[1.0], [0.0]], [0, 1], depth=1, gaps=True))["version"] == 1
+    assert checker_question(problem).digests() == (data_digest(problem), question_digest(problem))
+
+
 # The compiled tree
 
 TREES: list[Node] = [
@@ -205,3 +255,75 @@ def test_a_compiled_tree_goes_the_same_ways(tree):
     for row, label in zip(READINGS, expected, strict=True):
         if label >= 0:
             assert compiled.label(row) == compiled.label(row.tolist()) == label
+
+
+# The exports
+
+
+def run_c(tree: Node, folder: Path) -> list[int]:
+    source, library = folder / "tree.c", folder / "tree.so"
+    source.write_text(c_source(tree, "abc", range(4)))
+    subprocess.run(["cc", *C_FLAGS, "-shared", "-fPIC", "-o", library, source], check=True, capture_output=True)
+    function = CDLL(str(library)).octmip_label
+    function.argtypes = [POINTER(c_double)]
+    return [function((c_double * 3)(*row)) for row in READINGS.tolist()]
+
+
+def run_sqlite(tree: Node, folder: Path) -> list[int]:
+    with closing(sqlite3.connect(folder / "base")) as base:
+        base.execute("CREATE TABLE readings (n INTEGER, a DOUBLE PRECISION, b DOUBLE PRECISION, c DOUBLE PRECISION)")
+        rows = [(k, *row) for k, row in enumerate(READINGS.tolist())]
+        base.executemany("INSERT INTO readings VALUES (?, ?, ?, ?)", rows)
+        found = base.execute(f"SELECT {sql_expression(tree, 'abc')} FROM readings ORDER BY n").fetchall()
+    return [label for (label,) in found]
+
+
+def run_flat_sql(tree: Node, folder: Path) -> list[int]:
+    """Run the flat form, which only trees of more than ten levels get."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sql, "DEEPEST_NEST", 0)
+        return run_sqlite(tree, folder)
+
+
+def run_onnx(tree: Node, folder: Path) -> list[int]:
+    runtime = pytest.importorskip("onnxruntime")
+    session = runtime.InferenceSession(onnx_model(tree, list("abc"), range(4)).SerializeToString())
+    return session.run(["label"], {"readings": READINGS})[0].tolist()
+
+
+@pytest.mark.parametrize("tree", TREES)
+@pytest.mark.parametrize("run", [run_c, run_sqlite, run_flat_sql, run_onnx])
+def test_every_export_goes_the_same_ways(run, tree, tmp_path):
+    if run is run_c and shutil.which("cc") is None:
+        pytest.skip("no C compiler")
+    assert run(tree, tmp_path) == answered(tree)
+
+
+# The estimator
+
+
+def gapped(n: int = 60) -> tuple[np.ndarray, np.ndarray]:
+    rng = np.random.default_rng(8)
+    features = rng.normal(size=(n, 3)).round(1)
+    features[rng.random((n, 3)) < 0.3] = NAN
+    return features, (np.nan_to_num(features[:, 0], nan=1.0) > 0.2).astype(int)
+
+
+def test_the_estimator_takes_missing_readings_in_fit_and_in_predict():
+    features, labels = gapped()
+    features[:, 2] = 0.5  # complete in training, missing later
+    model = OptimalTreeClassifier(max_depth=2).fit(features, labels)
+    assert model.score(features, labels) == 1.0
+    assert model.n_features_in_ == 3
+    assert model.problem_.feature_names == ("x0", "x1", "x2")
+    assert model.predict(np.full((1, 3), NAN)).tolist() == [1]
+
+
+def test_a_tree_with_sides_is_the_same_as_a_tree_of_scikit_learn():
+    features, labels = gapped()
+    features = np.where(np.isnan(features), NAN, features.astype(np.float32))
+    for depth in (1, 2, 3):
+        model = OptimalTreeClassifier(max_depth=depth).fit(features, labels)
+        np.testing.assert_array_equal(model.to_sklearn().predict(features), model.predict(features))
+    asks = OptimalTreeClassifier(max_depth=1).fit([[NAN], [1.0], [2.0]], [1, 0, 0])
+    assert asks.to_sklearn().predict([[NAN], [1.5]]).tolist() == [1, 0]

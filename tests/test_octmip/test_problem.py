@@ -96,7 +96,6 @@ WRONG = {
     "features of one dimension": ({"features": [1, 2, 3, 4]}, "features has 1 dimensions; expected 2"),
     "no features": ({"features": np.empty((4, 0))}, r"features has shape \(4, 0\)"),
     "no samples": ({"features": np.empty((0, 3)), "labels": []}, r"features has shape \(0, 3\)"),
-    "no gaps and NaN": ({"features": [[0, np.nan], *[[0, 0]] * 3], "gaps": False}, "gaps is False but 1 reading"),
     "infinity": ({"features": [[np.nan, 1], [0, 0], [0, np.inf], [0, 0]]}, r"features\[2, 1\] is infinite \(1 in"),
     "too few labels": ({"labels": ["a", "b"]}, r"labels has shape \(2,\) but features has 4 rows"),
     "NaN label": ({"labels": [0.0, 1.0, np.nan, 1.0]}, r"labels\[2\] is nan"),
@@ -212,6 +211,7 @@ def test_a_problem_of_some_samples_keeps_that_readings_may_be_missing():
     found = Problem([[1.0], [np.nan], [2.0]], [0, 1, 1], depth=1)
     assert replace(found, features=found.features[[0, 2]], labels=[0, 1], weights=None).gaps
     assert not problem().gaps
+    assert replace(problem(), features=np.full((4, 3), np.nan)).gaps
 
 
 def test_missing_readings_have_one_digest_whatever_their_bits():

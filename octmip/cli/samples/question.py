@@ -256,8 +256,8 @@ def _notes(n_dropped: int, columns: Columns, table: Table) -> tuple[str, ...]:
 
 def _gaps(problem: Problem) -> tuple[str, ...]:
     """Return a sentence about the training readings that are missing; none where none is."""
-    count, total = problem.n_missing, problem.features.size
-    return (f"{count} of {total} training readings {'are' if count > 1 else 'is'} missing",) if count else ()
+    count = problem.n_missing
+    return (f"{count} training reading{'s are' if count > 1 else ' is'} missing",) if count else ()
 
 
 def _counts_rows(column: "pd.Series[Any]") -> bool:
