@@ -34,7 +34,8 @@ def tree_from_rows(rows: Sequence[NodeRow], ranks: Ranks) -> Node:
 
 def cut_as_split(ranks: Ranks, column: int, cut: int, left: Node, right: Node) -> Split:
     """Return the split that a cut of a column stands for, its threshold a guarded midpoint."""
-    low, high = (float(value) for value in ranks.values[column][cut : cut + 2])
+    values = ranks.values[column]
+    low, high = float(values[cut]), float(values[cut + 1])
     threshold = None if low == -np.inf or high == np.inf else midpoint(low, high)
     return Split(ranks.feature(column), threshold, left, right, missing=ranks.side(column))
 

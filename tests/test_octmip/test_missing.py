@@ -17,7 +17,7 @@ from benchmarks.cases.fuzz.gaps import problem_with_gaps
 from benchmarks.exact_answers import complaint
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.export_runs import C_FLAGS
-from octmip import HyperplaneSplit, Leaf, OptimalTreeClassifier, Problem, Split, predict, solve
+from octmip import HyperplaneSplit, Leaf, OptimalTreeClassifier, OptimalTreeRegressor, Problem, Split, predict, solve
 from octmip.certificate import certify
 from octmip.encoding import rank_features, rows_from_tree, tree_from_rows
 from octmip.errors import CertificateError, ProblemError, TreeError
@@ -327,3 +327,10 @@ def test_a_tree_with_sides_is_the_same_as_a_tree_of_scikit_learn():
         np.testing.assert_array_equal(model.to_sklearn().predict(features), model.predict(features))
     asks = OptimalTreeClassifier(max_depth=1).fit([[NAN], [1.0], [2.0]], [1, 0, 0])
     assert asks.to_sklearn().predict([[NAN], [1.5]]).tolist() == [1, 0]
+
+
+def test_the_regressor_takes_missing_readings_too():
+    features = np.array([[1.0, 2.0], [2.0, NAN], [3.0, 1.0], [4.0, NAN]])
+    model = OptimalTreeRegressor(max_depth=2).fit(features, [1.0, 5.0, 3.0, 5.0])
+    assert model.predict(features).tolist() == [1.0, 5.0, 3.0, 5.0]
+    assert model.predict([[9.0, NAN]]).tolist() == [5.0]

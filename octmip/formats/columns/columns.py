@@ -52,7 +52,14 @@ class Columns:
     columns: tuple[Column, ...]
 
     @classmethod
-    def learn(cls, frame: pd.DataFrame, *, categories: Categories = "yes-no", missing: Missing = "either-side") -> Self:
+    def learn(
+        cls,
+        frame: pd.DataFrame,
+        *,
+        categories: Categories = "yes-no",
+        missing: Missing = "either-side",
+        doubled: bool = False,
+    ) -> Self:
         """Return how the columns of a table become features.
 
         Parameters
@@ -64,6 +71,9 @@ class Columns:
             ("order"), or is refused ("refuse"). An ordered category becomes its rank in the first case too.
         missing
             missing cells go to whichever side of a split is better ("either-side"), or are refused ("refuse").
+        doubled
+            a number or rank with missing cells becomes two complete features, for trees whose splits have no side for
+            missing readings.
 
         Raises
         ------
@@ -76,7 +86,7 @@ class Columns:
             try:
                 cells = read_cells(series)
                 _refuse(cells, len(frame), categories, missing)
-                found.append(_column_of(name, cells, categories))
+                found.append(_column_of(name, cells, categories, doubled))
             except DataError as error:
                 reasons[name] = str(error)
         if reasons:
@@ -258,12 +268,17 @@ def _gaps(cells: Cells) -> str:
     return f"{cells.n_missing} missing cell{'s' * (cells.n_missing != 1)}"
 
 
-def _column_of(name: str, cells: Cells, categories: Categories) -> Column:
+def _column_of(name: str, cells: Cells, categories: Categories, doubled: bool) -> Column:
     has_missing = cells.n_missing > 0
+    is_doubled = doubled and has_missing
     if cells.is_text:
         kind: Literal["order", "values"] = "order" if cells.is_ordered or categories == "order" else "values"
-        return Column(name, kind, has_missing, values=cells.values)
-    return Column(name, "number", has_missing, float(np.nanmin(cells.numbers)), float(np.nanmax(cells.numbers)))
+        return Column(name, kind, has_missing, values=cells.values, is_doubled=is_doubled and kind == "order")
+    least, most = float(np.nanmin(cells.numbers)), float(np.nanmax(cells.numbers))
+    column = Column(name, "number", has_missing, least, most, is_doubled=is_doubled)
+    if is_doubled:
+        _ = column.beyond  # raises where float64 has no room
+    return column
 
 
 def _encoded(column: Column, cells: Cells, takes_gaps: bool) -> NDArray[np.float64]:
