@@ -2,9 +2,9 @@
 
 A number is one feature, NaN where a cell is missing: every split of a tree says where such a cell goes, and nothing is
 imputed (docs/theory/missing.md). For trees whose splits have no sides, which regression trees are and all were up to
-version 2 of the tree file, a number with missing cells is two complete features (`is_doubled`). The first places missing
-cells below every number, the second above, so a cut `x <= t` of the first sends missing cells left and of the second
-right; a cut below the least number asks whether the cell is missing.
+version 2 of the tree file, a number with missing cells is two complete features (`is_doubled`). The first places
+missing cells below every number, the second above, so a cut `x <= t` of the first sends missing cells left and of the
+second right; a cut below the least number asks whether the cell is missing.
 
 A text is one yes/no feature (1: yes) for each of its values, or, where it has an order, its rank.
 

@@ -228,3 +228,12 @@ def test_a_sum_of_features_takes_no_missing_cell(survey, run, words):
     assert (code, out) == (2, "")
     assert "cells are missing in 'age'" in err
     assert "--missing drop-rows" in err
+
+
+def test_sets_and_sensors_count_a_column_with_gaps_as_two_features(survey, run):
+    code, out, err = run("near-optimal", survey, *SOLVE[:3], 1, *SOLVE[4:], "--within", 2)
+    assert code == 0, err
+    assert "age" in out
+    code, out, err = run("sensors", survey, *SOLVE)
+    assert code == 0, err
+    assert "colour" in out
