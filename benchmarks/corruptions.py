@@ -70,12 +70,13 @@ def number(rng: np.random.Generator, lines: list[str]) -> None:
 
 
 def changed_data(rng: np.random.Generator, problem: Problem) -> Problem:
-    """Return the problem with one feature value, label or weight changed."""
+    """Return the problem with one feature value (or its being there), label or weight changed."""
     features, codes, weights = problem.features.copy(), problem.codes.copy(), problem.weights.copy()
     row = int(rng.integers(problem.n_samples))
     name = str(rng.choice(["features", "codes", "weights"]))
     if name == "features":
-        features[row, int(rng.integers(problem.n_features))] = rng.normal()
+        is_lost = problem.split == "axis" and rng.random() < 0.3
+        features[row, int(rng.integers(problem.n_features))] = np.nan if is_lost else rng.normal()
     elif name == "codes":
         codes[row] = (codes[row] + 1) % problem.n_classes
         codes = problem.codes if len(set(codes.tolist())) < 2 else codes

@@ -24,6 +24,8 @@ FAMILIES = {
     "search_growth": "benchmarks.cases.search.growth",
     "fuzz_everything": "benchmarks.cases.fuzz.everything",
     "fuzz_exact": "benchmarks.cases.fuzz.exact",
+    "fuzz_gaps": "benchmarks.cases.fuzz.gaps",
+    "gaps_strains": "benchmarks.cases.gaps.strains",
     "fuzz_proofs": "benchmarks.cases.fuzz.exact_proofs",
     "fuzz_files": "benchmarks.cases.fuzz.files",
     "mio_forms": "benchmarks.cases.mio.forms",

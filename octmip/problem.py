@@ -2,7 +2,8 @@
 
 minimise   sum_i weights_i * costs[label_i, predicted_i] + leaf_penalty * complexity(tree)
 over       trees of at most `depth` levels of splits, every leaf with at least `leaf_size` samples,
-           at most `split_size` features per split, total sensor cost at most `sensor_budget`
+           at most `split_size` features per split, total sensor cost at most `sensor_budget`;
+           where readings are missing, each split sends them to one side, of its own choice
 """
 
 import hashlib
@@ -25,7 +26,7 @@ from octmip.problem_values import (
     sensor_costs_of,
     whole_of,
 )
-from octmip.tree import HyperplaneSplit, Node, complexity, features_used, predict, splits
+from octmip.tree import HyperplaneSplit, Node, complexity, features_used, predict, splits, with_sides_for_gaps
 
 _DERIVED: Any = None  # a field that is filled in when it is left out
 LEAST_COST, MOST_COST = 1e-280, 1e303  # of the worst tree
@@ -39,7 +40,8 @@ class Problem:
     Attributes
     ----------
     features
-        (n_samples, n_features) float64, finite; a data frame gives its names too.
+        (n_samples, n_features) float64, NaN where a reading is missing, never infinite; a data frame gives
+        its names too.
     labels
         (n_samples,) class of each sample, as values of `class_names`; an array or a series.
     depth
@@ -68,6 +70,9 @@ class Problem:
         no group is not used at all.
     integer_normals
         the coefficients of a hyperplane are integers of at most this size; None: real.
+    gaps
+        whether readings may be missing, so that every split says where they go; True wherever some of
+        `features` are.
     feature_names
         (n_features,); None: the names of the data frame's columns, of an array x0, x1, ...
     class_names
@@ -93,6 +98,7 @@ class Problem:
     sensor_budget: float | None = field(kw_only=True, default=None)
     allowed_splits: Sequence[Sequence[str | int]] | None = field(kw_only=True, default=None)
     integer_normals: int | None = field(kw_only=True, default=None)
+    gaps: bool = field(kw_only=True, default=False)
     feature_names: tuple[str, ...] = field(kw_only=True, default=_DERIVED)
     class_names: tuple[Any, ...] = field(kw_only=True, default=_DERIVED)
     codes: NDArray[np.int64] = field(init=False, repr=False)
@@ -116,10 +122,11 @@ class Problem:
 
     def _set_samples(self) -> None:
         given = self.feature_names if self.feature_names is not None else names_of_columns(self.features)
-        features = features_of(self.features)
+        features = features_of(self.features, gaps=True)
         if min(features.shape) == 0:
             raise ProblemError(f"features has shape {features.shape}; expected at least one sample and one feature")
         self._set("features", features)
+        self._set("gaps", bool(self.gaps) or self.n_missing > 0)
         names = tuple(str(name) for name in ([f"x{j}" for j in range(features.shape[1])] if given is None else given))
         if len(names) != features.shape[1] or len(set(names)) != len(names):
             raise ProblemError(
@@ -239,6 +246,8 @@ class Problem:
         for name, usual in (("split_size", None), ("leaf_size", 1), ("leaf_penalty", 0.0), ("sensor_budget", None)):
             value = getattr(self, name)
             words += [] if value == usual else [f"{name}={value:g}"]
+        if self.gaps:
+            words.append(f"{self.n_missing} readings missing")
         words += [] if (self.weights == 1).all() else ["weighted"]
         words += [] if (self.costs == 1 - np.eye(self.n_classes)).all() else ["with costs"]
         return f"Problem({', '.join(words)})"
@@ -252,6 +261,16 @@ class Problem:
     def n_features(self) -> int:
         """Number of features."""
         return int(self.features.shape[1])
+
+    @property
+    def n_missing(self) -> int:
+        """Number of readings that are missing."""
+        return int(np.isnan(self.features).sum())
+
+    @property
+    def features_with_gaps(self) -> tuple[int, ...]:
+        """The features of which some reading is missing, ascending."""
+        return tuple(np.flatnonzero(np.isnan(self.features).any(axis=0)).tolist())
 
     @property
     def n_classes(self) -> int:
@@ -314,6 +333,10 @@ class Problem:
         """The budget with room for the rounding of decimal costs (0.1 + 0.2 is within 0.3); +inf without a budget."""
         return math.inf if self.sensor_budget is None else self.sensor_budget + 1e-9 * max(1.0, self.sensor_budget)
 
+    def with_sides(self, tree: Node) -> Node:
+        """Return a tree with a side for missing readings at every split, where this problem may lack some."""
+        return with_sides_for_gaps(tree, self.features, self.weights) if self.gaps else tree
+
     def objective(self, tree: Node) -> float:
         """Return the objective of a tree, every sample routed."""
         return self.objective_of(tree, predict(tree, self.features))
@@ -333,6 +356,7 @@ class Problem:
 
     def first_forbidden_split(self, tree: Node) -> str | None:
         """Return a sentence about the first split that this problem does not allow, None when there is none."""
+        with_gaps = set(self.features_with_gaps) if self.gaps else set()
         for split in splits(tree):
             if max(split.features) >= self.n_features:
                 return f"a split reads feature {max(split.features)} but the problem has {self.n_features} features"
@@ -341,6 +365,8 @@ class Problem:
                 return f"a split over {names} is not allowed (split_size {self.max_split_size}, allowed_splits)"
             if isinstance(split, HyperplaneSplit) and not self._is_integral(split):
                 return f"a split over {names} has coefficients {split.coefficients}, not integers within limits"
+            if split.missing is None and with_gaps.intersection(split.features):
+                return f"a split over {names} has no side for missing readings, of which this problem has some"
         return None
 
     def _is_integral(self, split: HyperplaneSplit) -> bool:

@@ -17,33 +17,60 @@ def names_of_columns(features: object) -> tuple[str, ...] | None:
     return tuple(str(name) for name in columns)
 
 
-def features_of(values: ArrayLike) -> NDArray[np.float64]:
+def features_of(values: ArrayLike, *, gaps: bool = False) -> NDArray[np.float64]:
     """Return the features (n_samples, n_features) of an array or a data frame as a float64 copy.
+
+    With `gaps` a reading may be missing (NaN, of a data frame also NA or None), and is NaN of one bit pattern.
 
     Raises
     ------
     ProblemError
-        some value is no finite number; of a data frame, the columns that hold such values are named.
+        some value is no number, infinite, or (without `gaps`) missing; of a data frame, its columns are named.
     """
     names = names_of_columns(values)
     if names is None:
-        return numbers_of(values, "features", 2)
-    wrong = [name for j, name in enumerate(names) if not _is_finite_column(values, j)]
+        return numbers_of(values, "features", 2, gaps=gaps)
+    columns = [_numbers_of_column(values, j) for j in range(len(names))]
+    wrong = [name for name, column in zip(names, columns, strict=True) if not _are_usable(column, gaps)]
     if wrong:
         shown = ", ".join(map(repr, wrong[:5])) + (f" and {len(wrong) - 5} more" if len(wrong) > 5 else "")
+        what = (
+            ("text or infinite values", "numbers") if gaps else ("text, missing or infinite values", "finite numbers")
+        )
         raise ProblemError(
-            f"features holds text, missing or infinite values in {shown}; expected finite numbers; drop or encode "
+            f"features holds {what[0]} in {shown}; expected {what[1]}; drop or encode "
             "these columns (octmip.OptimalTreeClassifier and octmip.formats.columns do so)"
         )
-    return numbers_of(values, "features", 2)
+    found = [column for column in columns if column is not None]
+    return numbers_of(np.column_stack(found) if found else np.zeros((0, 0)), "features", 2, gaps=gaps)
 
 
-def _is_finite_column(frame: Any, position: int) -> bool:
+def _numbers_of_column(frame: Any, position: int) -> NDArray[np.float64] | None:
+    """Return a column of a data frame as numbers, NaN where missing; None where it holds something else."""
+    column = frame.iloc[:, position]
     try:
-        column = np.asarray(frame.iloc[:, position], dtype=np.float64)
+        if column.dtype.kind == "O" or not isinstance(column.dtype, np.dtype):
+            return np.asarray(column.to_numpy(dtype=np.float64, na_value=np.nan))
+        return np.asarray(column, dtype=np.float64)
     except (TypeError, ValueError):
-        return False
-    return bool(np.isfinite(column).all())
+        return None
+
+
+def _are_usable(numbers: NDArray[np.float64] | None, gaps: bool) -> bool:
+    return numbers is not None and not (np.isinf(numbers) if gaps else ~np.isfinite(numbers)).any()
+
+
+def refuse_gaps(n_missing: int, why: str, cure: str) -> None:
+    """Raise if readings are missing where all are needed.
+
+    Raises
+    ------
+    ProblemError
+        some are; the sentence says `why` that cannot be and ends with the `cure`.
+    """
+    if n_missing:
+        what = f"{n_missing} readings are" if n_missing > 1 else "1 reading is"
+        raise ProblemError(f"{what} missing (NaN), and {why}; expected every reading; {cure}")
 
 
 def labels_of(values: ArrayLike) -> NDArray[Any]:
@@ -88,13 +115,13 @@ def distinct_labels(labels: NDArray[Any]) -> tuple[list[Any], NDArray[np.int64]]
     return present, np.array([position[value] for value in values], dtype=np.int64)
 
 
-def numbers_of(values: ArrayLike, name: str, n_dimensions: int) -> NDArray[np.float64]:
-    """Return a float64 copy of finite numbers.
+def numbers_of(values: ArrayLike, name: str, n_dimensions: int, *, gaps: bool = False) -> NDArray[np.float64]:
+    """Return a float64 copy of finite numbers; with `gaps` some may be missing, NaN of one bit pattern.
 
     Raises
     ------
     ProblemError
-        some value is no finite number, or the number of dimensions is another.
+        some value is no finite number (nor, with `gaps`, missing), or the number of dimensions is another.
     """
     try:
         array = np.array(values, dtype=np.float64)
@@ -102,12 +129,20 @@ def numbers_of(values: ArrayLike, name: str, n_dimensions: int) -> NDArray[np.fl
         raise ProblemError(f"{name} cannot be read as numbers ({error}); encode text as numbers first") from error
     if array.ndim != n_dimensions:
         raise ProblemError(f"{name} has {array.ndim} dimensions; expected {n_dimensions}")
-    if not np.isfinite(array).all():
-        place = ", ".join(str(int(i)) for i in np.argwhere(~np.isfinite(array))[0])
-        count = int((~np.isfinite(array)).sum())
-        raise ProblemError(
-            f"{name}[{place}] is not finite ({count} in all); expected finite numbers; drop or fill them"
+    is_missing = np.isnan(array)
+    is_wrong = np.isinf(array) if gaps else ~np.isfinite(array)
+    if is_wrong.any():
+        place = ", ".join(str(int(i)) for i in np.argwhere(is_wrong)[0])
+        what = (
+            ("infinite", "finite numbers, or NaN where a reading is missing")
+            if gaps
+            else ("not finite", "finite numbers")
         )
+        raise ProblemError(
+            f"{name}[{place}] is {what[0]} ({int(is_wrong.sum())} in all); expected {what[1]}; drop or fill them"
+        )
+    if is_missing.any():
+        array[is_missing] = np.nan
     return array
 
 

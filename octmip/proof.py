@@ -5,7 +5,8 @@ is one of the problem: weights and costs times powers of two, rounded down, or n
 ones one by one. Header and body are checked by the crate octmip-check; cargo enforces that it depends on no
 solver, nor on any other crate. The solvers depend on it: the two-feature solver writes its logs with the checker's own
 regions, coordinates and dichotomies. Here the checker gets the problem as it was given. Format and proofs:
-docs/theory/proof.md; for splits over two features, docs/theory/two-feature.md.
+docs/theory/proof.md; for splits over two features, docs/theory/two-feature.md. Where readings are missing the log
+counts in columns (docs/theory/missing.md), which the checker makes by itself from the readings.
 """
 
 import math
@@ -21,9 +22,10 @@ from octmip.errors import CertificateError, ProblemError
 from octmip.formats.files import read_bytes
 from octmip.formats.problem_file import data_digest, question_digest
 from octmip.problem import Problem
+from octmip.problem_values import refuse_gaps
 
-# First line of a log, by `Problem.split`.
 FORMATS = {"axis": "octmip-proof 3", "hyperplane": "octmip-proof 3 two-feature"}
+"""First line of a log, by `Problem.split`; where readings are missing " gaps" stands behind it."""
 MOST_DEPTH, MOST_FEATURES = 2, 2  # of trees of two-feature splits that have logs
 
 
@@ -68,7 +70,8 @@ def proof_header(problem: Problem, exponents: tuple[int, int], claim: int) -> st
 
 
 def _identity(problem: Problem) -> list[str]:
-    return [FORMATS[problem.split], f"data {data_digest(problem)}", f"question {question_digest(problem)}"]
+    gaps = " gaps" if problem.n_missing else ""
+    return [f"{FORMATS[problem.split]}{gaps}", f"data {data_digest(problem)}", f"question {question_digest(problem)}"]
 
 
 def check_proof(problem: Problem, path: str | Path, *, bound: float = -math.inf, n_jobs: int = 1) -> ProofReport:
@@ -100,6 +103,8 @@ def check_proof(problem: Problem, path: str | Path, *, bound: float = -math.inf,
 
 def check_provable(problem: Problem) -> None:
     """Raise a `ProblemError` if the trees of a problem have no proof logs."""
+    if problem.split == "hyperplane":
+        refuse_gaps(problem.n_missing, "hyperplanes add readings", "use split='axis', or fill them in")
     if problem.split == "hyperplane" and (problem.depth > MOST_DEPTH or problem.max_split_size > MOST_FEATURES):
         raise ProblemError(
             f"depth {problem.depth} with {problem.max_split_size} features per split has no proof log; expected depth "

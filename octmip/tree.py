@@ -7,15 +7,29 @@ from the first feature to the last. Otherwise it goes right. Five values of one 
     x          0.5  1.5  2.5  3.5  4.5
     threshold            2.5
     goes to    L    L    L    R    R
+
+Missing readings (NaN) go to the side that the split names, `missing`: "left", "right", or None where training knew of
+none; there they are refused. A sample lacks a hyperplane's reading when it lacks any of its features. A `Split`
+without a threshold asks "is it missing?" alone: every reading goes to the other side.
+
+    x          0.5  NaN  2.5  3.5  NaN
+    missing            left
+    2.5 goes   L    L    L    R    L
+    None goes  R    L    R    R    L
 """
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import TreeError
+
+Side = Literal["left", "right"]
+"""Where a split sends a missing reading."""
+SIDES: tuple[Side, Side] = ("left", "right")
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,18 +68,25 @@ class ValueLeaf(Leaf):
 
 @dataclass(frozen=True, slots=True)
 class Split:
-    """A threshold on one feature: left when ``x[feature] <= threshold``."""
+    """A threshold on one feature: left when ``x[feature] <= threshold``; without one, "is the reading missing?"."""
 
     feature: int
-    threshold: float
+    threshold: float | None
     left: "Node"
     right: "Node"
+    missing: Side | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         if self.feature < 0:
             raise TreeError(f"split feature is {self.feature}; expected the index of a feature, 0 or more")
-        if not np.isfinite(self.threshold):
+        if self.threshold is not None and not np.isfinite(self.threshold):
             raise TreeError(f"threshold on feature {self.feature} is {self.threshold}; expected a finite number")
+        _check_side(self.missing, f"feature {self.feature}")
+        if self.threshold is None and self.missing is None:
+            raise TreeError(
+                f"the split on feature {self.feature} has neither a threshold nor a side for missing readings; "
+                "expected one at least; give a threshold, or missing='left' or 'right'"
+            )
 
     @property
     def features(self) -> tuple[int, ...]:
@@ -82,8 +103,10 @@ class HyperplaneSplit:
     offset: float
     left: "Node"
     right: "Node"
+    missing: Side | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
+        _check_side(self.missing, f"features {self.features}")
         if not self.features or len(self.features) != len(self.coefficients):
             raise TreeError(
                 f"hyperplane has {len(self.features)} features and {len(self.coefficients)} coefficients; "
@@ -101,6 +124,11 @@ class HyperplaneSplit:
 Node = Leaf | Split | HyperplaneSplit
 
 
+def _check_side(side: object, where: str) -> None:
+    if side not in (None, *SIDES):
+        raise TreeError(f"missing readings of {where} go to {side!r}; expected 'left', 'right' or None")
+
+
 def midpoint(low: float, high: float) -> float:
     """Return a threshold with ``low <= threshold < high``: the mean of two neighbours, guarded against rounding.
 
@@ -113,15 +141,59 @@ def midpoint(low: float, high: float) -> float:
 def goes_left(
     split: Split | HyperplaneSplit, features: NDArray[np.float64], rows: NDArray[np.int64] | slice = slice(None)
 ) -> NDArray[np.bool_]:
-    """Return which of the `rows` of `features` (n_samples, n_features) go left at `split`, shape (n_rows,)."""
+    """Return which of the `rows` of `features` (n_samples, n_features) go left at `split`, shape (n_rows,).
+
+    Raises
+    ------
+    TreeError
+        a reading that the split asks for is missing (NaN), and it has no side for it.
+    """
+    left, is_missing = _sides_of_readings(split, features, rows)
+    if is_missing.any():
+        if split.missing is None:
+            raise _refused_gap(split, is_missing, rows)
+        left[is_missing] = split.missing == "left"
+    return left
+
+
+def lacks_reading(
+    split: Split | HyperplaneSplit, features: NDArray[np.float64], rows: NDArray[np.int64] | slice = slice(None)
+) -> NDArray[np.bool_]:
+    """Return which of the `rows` of `features` lack a reading that `split` asks for, shape (n_rows,)."""
+    return np.asarray(np.isnan(np.stack([features[rows, feature] for feature in split.features])).any(axis=0))
+
+
+def _sides_of_readings(
+    split: Split | HyperplaneSplit, features: NDArray[np.float64], rows: NDArray[np.int64] | slice
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Return which rows go left by their readings, and which lack one."""
     # Only the columns that are asked for: gathering whole rows costs more than all else where features are many.
     if isinstance(split, Split):
-        return features[rows, split.feature] <= split.threshold
+        values = features[rows, split.feature]
+        if split.threshold is None:
+            return np.full(len(values), split.missing == "right"), np.isnan(values)
+        return np.less_equal(values, split.threshold), np.isnan(values)
     total = np.zeros_like(features[rows, split.features[0]])
     with np.errstate(over="ignore", invalid="ignore"):  # beyond float64 is inf; inf - inf is no number and goes right
         for feature, coefficient in zip(split.features, split.coefficients, strict=True):
             total += coefficient * features[rows, feature]
-    return total <= split.offset
+    is_number = np.isfinite(total).all()
+    return total <= split.offset, np.zeros(len(total), dtype=bool) if is_number else lacks_reading(
+        split, features, rows
+    )
+
+
+def _refused_gap(
+    split: Split | HyperplaneSplit, is_missing: NDArray[np.bool_], rows: NDArray[np.int64] | slice
+) -> TreeError:
+    first = int(is_missing.argmax())
+    row = first if isinstance(rows, slice) else int(rows[first])
+    feature = f"feature {split.features[0]}" if len(split.features) == 1 else f"one of the features {split.features}"
+    return TreeError(
+        f"row {row} lacks its reading of {feature} (NaN; {int(is_missing.sum())} such rows at this split), and the "
+        "tree has no side for missing readings; expected a number; fill it in, or train with missing readings "
+        "(Problem(..., gaps=True))"
+    )
 
 
 def leaf_index(tree: Node, features: NDArray[np.float64]) -> NDArray[np.int64]:
@@ -239,7 +311,32 @@ def centred(tree: Node, features: NDArray[np.float64]) -> Node:
     if isinstance(tree, HyperplaneSplit):
         return replace(tree, left=left, right=right)
     values = features[:, tree.feature]
-    return Split(tree.feature, midpoint(float(values[goes].max()), float(values[~goes].min())), left, right)
+    below, above = (side[~np.isnan(side)] for side in (values[goes], values[~goes]))
+    if not len(below) or not len(above):  # what parts these rows is that some lack the reading
+        return Split(tree.feature, None, left, right, missing="left" if len(above) else "right")
+    return replace(tree, threshold=midpoint(float(below.max()), float(above.min())), left=left, right=right)
+
+
+def with_sides_for_gaps(tree: Node, features: NDArray[np.float64], weights: NDArray[np.float64]) -> Node:
+    """Return the tree with a side for missing readings at every split.
+
+    Where rows of `features` (n_samples, n_features) lack the reading at its split, the side is the split's own.
+    Elsewhere nothing was learnt of it, and it is the side with more of the `weights` (n_samples,), left of equals;
+    so too where the split has none.
+    """
+    if isinstance(tree, Leaf):
+        return tree
+    left, is_missing = _sides_of_readings(tree, features, slice(None))
+    missing = tree.missing
+    if missing is None or not is_missing.any():
+        missing = "left" if weights[left & ~is_missing].sum() >= weights[~left & ~is_missing].sum() else "right"
+    left[is_missing] = missing == "left"
+    return replace(
+        tree,
+        left=with_sides_for_gaps(tree.left, features[left], weights[left]),
+        right=with_sides_for_gaps(tree.right, features[~left], weights[~left]),
+        missing=missing,
+    )
 
 
 def simplify(tree: Node) -> Node:
@@ -264,14 +361,17 @@ def prediction(leaf: Leaf, name: Callable[[int], str]) -> str:
 
 def condition(split: Split | HyperplaneSplit, name: Callable[[int], str]) -> str:
     """Return the condition for going left on one line, numbers to six digits, features by their `name`."""
+    or_missing = " or missing" if split.missing == "left" else ""
     if isinstance(split, Split):
-        return f"{name(split.feature)} <= {split.threshold:.6g}"
+        if split.threshold is None:
+            return f"{name(split.feature)} is {'' if or_missing else 'not '}missing"
+        return f"{name(split.feature)} <= {split.threshold:.6g}{or_missing}"
     terms = ""
     for feature, coefficient in zip(split.features, split.coefficients, strict=True):
         sign = (" - " if coefficient < 0 else " + ") if terms else ("-" if coefficient < 0 else "")
         size = "" if abs(coefficient) == 1 else f"{abs(coefficient):.6g} "
         terms += f"{sign}{size}{name(feature)}"
-    return f"{terms} <= {split.offset:.6g}"
+    return f"{terms} <= {split.offset:.6g}{or_missing}"
 
 
 def tree_lines(

@@ -1,7 +1,8 @@
 """The optimum by exhaustive enumeration: every affordable set of sensors, every cut of every feature, every depth.
 
 Slow, short and exact: objectives are rational numbers made whole by one common denominator, so nothing is rounded and
-ties are ties. A set of samples is a bit mask. Imports nothing of octmip but the problem and the tree.
+ties are ties. A set of samples is a bit mask. A cut of a feature that lacks readings is tried with the missing ones
+left and right of it, and "is it missing?" is one cut more. Imports nothing of octmip but the problem and the tree.
 """
 
 import math
@@ -14,9 +15,9 @@ from itertools import combinations, pairwise
 import numpy as np
 
 from octmip.problem import Problem
-from octmip.tree import Leaf, Node, Split, midpoint
+from octmip.tree import Leaf, Node, Side, Split, midpoint
 
-Cut = tuple[int, float, int]  # feature, threshold, mask of the samples that go left
+Cut = tuple[int, float | None, Side | None, int]  # feature, threshold, side of gaps, mask of samples that go left
 Best = tuple[int, int, Node]  # whole-numbered cost, splits, tree
 
 
@@ -56,9 +57,15 @@ def _cuts(problem: Problem, sensors: tuple[int, ...]) -> Iterator[Cut]:
     for feature in range(problem.n_features):
         if problem.sensor_index[feature] in sensors and problem.is_allowed((feature,)):
             column = problem.features[:, feature]
-            values = np.unique(column).tolist()
+            values = np.unique(column[~np.isnan(column)]).tolist()
+            missing = sum(1 << int(i) for i in np.flatnonzero(np.isnan(column)))
+            if missing:
+                yield feature, None, "left", missing
             for low, high in pairwise(values):
-                yield feature, midpoint(low, high), sum(1 << int(i) for i in np.flatnonzero(column <= low))
+                below = sum(1 << int(i) for i in np.flatnonzero(column <= low))
+                yield feature, midpoint(low, high), "right" if missing else None, below
+                if missing:
+                    yield feature, midpoint(low, high), "left", below | missing
 
 
 def _best_tree(problem: Problem, prices: list[list[int]], cuts: list[Cut]) -> Best:
@@ -67,13 +74,13 @@ def _best_tree(problem: Problem, prices: list[list[int]], cuts: list[Cut]) -> Be
         costs = zip(*(row for i, row in enumerate(prices[:-1]) if samples >> i & 1), strict=True)
         cost, label = min((sum(column), k) for k, column in enumerate(costs))
         found: Best = (cost, 0, Leaf(label))
-        for feature, threshold, mask in cuts if depth else ():
+        for feature, threshold, missing, mask in cuts if depth else ():
             sides = samples & mask, samples & ~mask
             if min(side.bit_count() for side in sides) >= problem.leaf_size:
                 left, right = (best(side, depth - 1) for side in sides)
                 cost, n_splits = left[0] + right[0] + prices[-1][0], left[1] + right[1] + 1
                 if (cost, n_splits) < found[:2]:
-                    found = (cost, n_splits, Split(feature, threshold, left[2], right[2]))
+                    found = (cost, n_splits, Split(feature, threshold, left[2], right[2], missing=missing))
         return found
 
     return best((1 << problem.n_samples) - 1, problem.depth)

@@ -5,6 +5,7 @@ import functools
 import importlib
 import json
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Protocol
 
@@ -26,7 +27,7 @@ from octmip.methods.search import local_search
 from octmip.methods.two_feature import two_feature_branch_and_bound
 from octmip.problem import Problem
 from octmip.proof import check_proof
-from octmip.tree import predict
+from octmip.tree import predict, splits
 
 # Trees.
 
@@ -56,6 +57,9 @@ def problem_of(number: int) -> Problem:
 def make_tree(number: int, folder: Path) -> None:
     """Write a tree file and the table that it was trained on."""
     problem = problem_of(number)
+    if number % 4 == 0:
+        is_lost = np.random.default_rng([91, number]).random(problem.features.shape) < 0.3
+        problem = replace(problem, features=np.where(is_lost, np.nan, problem.features))
     solution = branch_and_bound(problem) if problem.split == "axis" else local_search(problem)
     weights = None if number % 2 == 0 else "w"
     write_tree_file(folder / "tree.json", record_tree(problem, solution, "y", weights))
@@ -77,6 +81,8 @@ def read_tree(rng: Generator, folder: Path) -> None:
     agree_with_schema(folder / "tree.json")
     file = read_tree_file(folder / "tree.json")
     samples = np.resize(HOSTILE_SAMPLES, (4, len(file.feature_names)))
+    if all(split.missing is not None for split in splits(file.tree)):
+        samples[0] = np.nan
     assert predict(file.tree, samples).max() < len(file.class_names)
     with contextlib.suppress(OctmipError):
         table = read_table(folder / "table.csv")

@@ -49,6 +49,7 @@ def describe(problem: Problem, solution: Solution, certificate: Certificate) -> 
         "objective": solution.objective,
         "errors": certificate.errors,
         "n_samples": problem.n_samples,
+        "n_missing": problem.n_missing,
         "bound": finite_or_none(solution.bound),
         "gap": finite_or_none(solution.gap),
         "is_optimal": solution.is_optimal,

@@ -1,8 +1,9 @@
 """Apply a tree file to a table: one prediction for each row, as CSV on standard output or in a file.
 
-The columns that the tree reads must be in the table, and are encoded as in its training. The column that named the
-rows in training (solve --index) is written before the predictions. With --label the predictions are also compared with
-the true classes, in the rows that have one.
+The columns that the tree reads must be in the table, and are encoded as in its training. A tree that was trained where
+readings were missing has a side for missing ones at every split, and takes them in any column of numbers. The column
+that named the rows in training (solve --index) is written before the predictions. With --label the predictions are also
+compared with the true classes, in the rows that have one.
 
 Class names are written as they are, so that a program reads back what was trained on; on a terminal, control
 characters are shown as escapes. A spreadsheet takes a cell that begins with one of = + - @ for a formula: import such
@@ -25,6 +26,7 @@ from octmip.cli.samples.names import one_name
 from octmip.cli.samples.options import TABLE_HELP, add_format_argument
 from octmip.errors import DataError
 from octmip.formats.columns import Columns, ColumnsError
+from octmip.formats.columns.column import Column
 from octmip.formats.files import check_writable, write_bytes
 from octmip.formats.names import visible, visible_lines
 from octmip.formats.table import Table, read_table
@@ -65,7 +67,8 @@ def run(arguments: argparse.Namespace) -> int:
     file = read_tree_file(arguments.tree)
     trained = None if file.preparation is None else file.preparation.index
     table = read_table(arguments.data, arguments.format, as_text=arguments.index or trained)
-    reached = leaf_index(file.tree, _features(file, table))
+    features = _features(file, table)
+    reached = leaf_index(file.tree, features)
     labels = [file.class_names[leaf.label] for leaf in leaves(file.tree)]
     predictions = [labels[leaf] for leaf in reached.tolist()]
     shares = _shares(file)[reached].tolist() if arguments.probabilities else None
@@ -78,13 +81,14 @@ def run(arguments: argparse.Namespace) -> int:
         probabilities = {} if shares is None else {"class_names": list(file.class_names), "probabilities": shares}
         names = {} if index is None else {"index": index[1]}
         print_json(
-            {"n_samples": len(predictions), **(counted or {}), **names, "predictions": predictions, **probabilities}
+            {"n_samples": len(predictions), "n_missing": int(np.isnan(features).sum())}
+            | {**(counted or {}), **names, "predictions": predictions, **probabilities}
         )
         return 0
     if not arguments.out:
         _utf8(content)  # its sentence about names that no file can hold
         print(visible_lines(content) if sys.stdout.isatty() else content, end="")
-    for note in _unseen(file, table):
+    for note in (*_unseen(file, table), *_gaps(features)):
         print(f"note: {visible(note)}", file=sys.stderr)
     if counted is not None:
         print(_errors_text(counted, len(predictions)), file=sys.stderr)
@@ -93,11 +97,12 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _read_columns(file: TreeFile) -> Columns | None:
     """Return how the columns that the tree reads become features; None where every feature is its column."""
-    if file.preparation is None:
-        return None
     read = set(columns_read(file))
+    if file.preparation is None:
+        names = [name for name in file.feature_names if name in read]
+        return Columns(tuple(Column(name, "number", True) for name in names)) if file.settings["gaps"] else None
     columns = file.preparation.columns
-    names = {feature.column for feature in columns.features if feature.name in read}
+    names = [feature.column for feature in columns.features if feature.name in read]
     return Columns(tuple(column for column in columns.columns if column.name in names))
 
 
@@ -111,10 +116,22 @@ def _features(file: TreeFile, table: Table) -> NDArray[np.float64]:
     elif columns.columns:
         places = [file.feature_names.index(name) for name in columns.feature_names]
         try:
-            features[:, places] = columns.encode(table.frame)
+            features[:, places] = columns.encode(table.frame, gaps=file.settings["gaps"])
         except ColumnsError as error:
             raise DataError(f"{table.name}: {error}") from error
     return features
+
+
+def _gaps(features: NDArray[np.float64]) -> tuple[str, ...]:
+    """Return a sentence about readings that are missing; none where none is."""
+    is_missing = np.isnan(features)
+    if not is_missing.any():
+        return ()
+    count, rows = int(is_missing.sum()), int(is_missing.any(axis=1).sum())
+    return (
+        f"{count} of the readings that the tree may ask for {'are' if count > 1 else 'is'} missing, in {rows} of "
+        f"{len(features)} rows; each split sends them to the side that training chose",
+    )
 
 
 def _unseen(file: TreeFile, table: Table) -> Sequence[str]:

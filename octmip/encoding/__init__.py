@@ -10,7 +10,7 @@ grid      the same where they are not whole
 from octmip.encoding.costs import CAPACITY, IntegerCosts, closing_tolerance
 from octmip.encoding.grid import integer_costs
 from octmip.encoding.ranks import Ranks, native_problem, rank_features
-from octmip.encoding.rows import NodeRow, rows_from_tree, tree_from_rows
+from octmip.encoding.rows import NodeRow, cut_as_split, rows_from_tree, split_as_cut, tree_from_rows
 
 __all__ = [
     "CAPACITY",
@@ -18,9 +18,11 @@ __all__ = [
     "NodeRow",
     "Ranks",
     "closing_tolerance",
+    "cut_as_split",
     "integer_costs",
     "native_problem",
     "rank_features",
     "rows_from_tree",
+    "split_as_cut",
     "tree_from_rows",
 ]

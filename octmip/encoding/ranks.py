@@ -6,6 +6,16 @@ as the guarded midpoint of the k-th and (k+1)-th distinct value, so no float64 v
     values       0.5  0.5  1.5  4.0  4.0
     ranks          0    0    1    2    2
     cut 1 means   rank <= 1, threshold midpoint(1.5, 4.0) = 2.75
+
+A feature that lacks readings is two columns of ranks, one after the other. In the first a missing reading ranks below
+every other, so it goes left at every cut, and the lowest cut asks "is it missing?"; in the second it ranks above:
+
+    values       0.5  NaN  1.5  4.0  NaN
+    below          1    0    2    3    0        cut 1: 0.5 and missing left     cut 0: missing left
+    above          0    3    1    2    3        cut 0: 0.5 left                 cut 2: missing right
+
+A tree over the columns is a tree in which each split has a side for missing readings, and the other way round:
+docs/theory/missing.md. All that searches, counts and proves does so over columns; `octmip.encoding.rows` translates.
 """
 
 from dataclasses import dataclass
@@ -16,33 +26,79 @@ from numpy.typing import NDArray
 from octmip import _native
 from octmip.encoding.costs import IntegerCosts
 from octmip.problem import Problem
+from octmip.problem_values import refuse_gaps
+from octmip.tree import SIDES, Side
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ranks:
-    """Dense ranks of each feature, and the distinct values behind them.
+    """Dense ranks of each column, and the distinct values behind them.
 
     Attributes
     ----------
     ranks
-        (n_features, n_samples) uint32, C-contiguous.
+        (n_columns, n_samples) uint32, C-contiguous.
     values
-        for each feature its distinct values, ascending: ``features[i, j] == values[j][ranks[j, i]]``.
+        for each column its distinct values, ascending: ``features[i, j] == values[j][ranks[j, i]]``; what stands for
+        missing readings is -inf in a column that ranks them below, inf in one that ranks them above.
+    feature_of
+        (n_columns,) the feature that each column reads; None: column j is feature j.
+    missing
+        (n_columns,) the side to which every cut of a column sends missing readings, None where none is missing.
     """
 
     ranks: NDArray[np.uint32]
     values: tuple[NDArray[np.float64], ...]
+    feature_of: tuple[int, ...] | None = None
+    missing: tuple[Side | None, ...] | None = None
+
+    @property
+    def n_columns(self) -> int:
+        """Number of columns."""
+        return len(self.values)
+
+    def feature(self, column: int) -> int:
+        """Return the feature that a column reads."""
+        return column if self.feature_of is None else self.feature_of[column]
+
+    def side(self, column: int) -> Side | None:
+        """Return where the cuts of a column send missing readings; None where its feature lacks none."""
+        return None if self.missing is None else self.missing[column]
+
+    def columns_of(self, feature: int) -> tuple[int, ...]:
+        """Return the columns that read a feature: itself, or one that ranks missing readings below and one above."""
+        if self.feature_of is None:
+            return (feature,)
+        return tuple(column for column, read in enumerate(self.feature_of) if read == feature)
 
 
 def rank_features(problem: Problem) -> Ranks:
-    """Return the dense ranks of every feature of a problem."""
-    ranks, values = _native.dense_ranks(problem.features)
-    return Ranks(ranks, tuple(values))
+    """Return the dense ranks of every feature of a problem, two columns for each that lacks readings."""
+    with_gaps = problem.features_with_gaps if problem.gaps else ()
+    if not with_gaps:
+        ranks, values = _native.dense_ranks(problem.features)
+        return Ranks(ranks, tuple(values))
+    n_columns = [2 if feature in with_gaps else 1 for feature in range(problem.n_features)]
+    feature_of = tuple(np.repeat(np.arange(problem.n_features), n_columns).tolist())
+    missing = tuple(side for count in n_columns for side in (SIDES if count == 2 else (None,)))
+    columns = problem.features[:, feature_of]
+    for column, side in enumerate(missing):
+        if side is not None:
+            columns[np.isnan(columns[:, column]), column] = -np.inf if side == "left" else np.inf
+    ranks, values = _native.dense_ranks(np.ascontiguousarray(columns))
+    return Ranks(ranks, tuple(values), feature_of, missing)
 
 
 def native_problem(problem: Problem, ranks: Ranks, costs: IntegerCosts) -> _native.Problem:
-    """Return the problem as the native core holds it."""
-    allowed = [problem.is_allowed((feature,)) for feature in range(problem.n_features)]
+    """Return the problem as the native core holds it, its features the columns of the ranks.
+
+    Raises
+    ------
+    ProblemError
+        splits are hyperplanes and readings are missing, of which the core knows nothing.
+    """
+    feature_of = [ranks.feature(column) for column in range(ranks.n_columns)]
+    allowed = [problem.is_allowed((feature,)) for feature in feature_of]
     return _native.Problem(
         ranks.ranks,
         [len(values) for values in ranks.values],
@@ -52,7 +108,7 @@ def native_problem(problem: Problem, ranks: Ranks, costs: IntegerCosts) -> _nati
         costs.penalty,
         problem.depth,
         problem.leaf_size,
-        problem.sensor_index.tolist(),
+        problem.sensor_index[feature_of].tolist(),
         problem.sensor_costs.tolist(),
         problem.sensor_limit,
         allowed,
@@ -66,6 +122,7 @@ def _planes(
     """Return data of hyperplane splits beside the ranks: values (n_samples, n_features) and the limits of a split."""
     if problem.max_split_size == 1:
         return None
+    refuse_gaps(problem.n_missing, "hyperplanes add readings", "use split='axis', or fill them in")
     groups = problem.allowed_splits
     members = None if groups is None else [[int(feature) for feature in group] for group in groups]
     return np.ascontiguousarray(problem.features), problem.max_split_size, members, problem.integer_normals

@@ -1,4 +1,8 @@
-"""A tree as the native core's table of nodes, and back."""
+"""A tree as the native core's table of nodes, and back: the one place that knows columns and sides for gaps.
+
+A cut of a column that ranks missing readings below the others (or above) is a split that sends them left (right); the
+cut between missing readings and the others is the split that asks for nothing else.
+"""
 
 from collections.abc import Sequence
 
@@ -20,13 +24,36 @@ def tree_from_rows(rows: Sequence[NodeRow], ranks: Ranks) -> Node:
         if kind == 0:
             return Leaf(label)
         if kind == 1:
-            values = ranks.values[feature]
-            return Split(feature, midpoint(float(values[cut]), float(values[cut + 1])), build(left), build(right))
+            return cut_as_split(ranks, feature, cut, build(left), build(right))
         ordered = sorted(terms)
         features, coefficients = tuple(f for f, _ in ordered), tuple(c for _, c in ordered)
         return HyperplaneSplit(features, coefficients, offset, build(left), build(right))
 
     return build(0)
+
+
+def cut_as_split(ranks: Ranks, column: int, cut: int, left: Node, right: Node) -> Split:
+    """Return the split that a cut of a column stands for, its threshold a guarded midpoint."""
+    values = ranks.values[column]
+    low, high = float(values[cut]), float(values[cut + 1])
+    threshold = None if low == -np.inf or high == np.inf else midpoint(low, high)
+    return Split(ranks.feature(column), threshold, left, right, missing=ranks.side(column))
+
+
+def split_as_cut(ranks: Ranks, split: Split) -> tuple[int, int]:
+    """Return the column and the cut of a split: the rank of the largest value on its left.
+
+    A threshold outside the data's range is the nearest cut, or none: -1, or the last rank.
+    """
+    columns = ranks.columns_of(split.feature)
+    column = next((column for column in columns if ranks.side(column) == split.missing), columns[0])
+    values = ranks.values[column]
+    if split.threshold is None:
+        last = len(values) - 1
+        # Where no reading is missing, or every one is, such a split parts nothing.
+        has_gap = split.missing == ranks.side(column)
+        return column, (0 if has_gap else -1) if split.missing == "left" else (last - 1 if has_gap else last)
+    return column, int(np.searchsorted(values, split.threshold, side="right")) - 1
 
 
 def rows_from_tree(tree: Node, ranks: Ranks) -> list[NodeRow]:
@@ -42,8 +69,7 @@ def rows_from_tree(tree: Node, ranks: Ranks) -> list[NodeRow]:
         left, right = add(node.left), add(node.right)
         if isinstance(node, Split):
             # Trees whose sides all hold samples (see `tree.without_empty_sides`) have 0 <= cut < number of values - 1.
-            cut = int(np.searchsorted(ranks.values[node.feature], node.threshold, side="right")) - 1
-            rows[index] = (1, node.feature, cut, left, right, 0, [], 0.0)
+            rows[index] = (1, *split_as_cut(ranks, node), left, right, 0, [], 0.0)
         else:
             terms = list(zip(node.features, node.coefficients, strict=True))
             rows[index] = (2, 0, 0, left, right, 0, terms, node.offset)

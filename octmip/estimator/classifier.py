@@ -67,7 +67,7 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
         ("refuse"); an ordered pandas category becomes its rank.
     missing
         missing values go to whichever side of a split is better ("either-side"), or are refused ("refuse").
-        Hyperplanes take none.
+        Hyperplanes take none. Where some are missing in fit, predict takes them too, in any column.
     smoothing
         of the probabilities in each leaf: so much training weight is added, in equal parts to every class.
     method
@@ -198,6 +198,7 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
             sensor_cost=self.sensor_cost,
             sensor_budget=self.sensor_budget,
             class_names=tuple(self.classes_.tolist()),
+            gaps=self.columns_.lack_numbers,
             feature_names=self.columns_.feature_names,
         )
 

@@ -49,7 +49,7 @@ def _refuse_rounding(problem: Problem, tree: Node) -> None:
     with np.errstate(over="ignore"):
         rounded = problem.features.astype(np.float32).astype(np.float64)
     moved = np.flatnonzero(leaf_index(tree, problem.features) != leaf_index(tree, rounded))
-    if not len(moved) and np.isfinite(rounded).all():
+    if not len(moved) and not np.isinf(rounded).any():
         return
     for split in splits(tree):
         assert isinstance(split, Split)
@@ -84,7 +84,8 @@ def _cython_tree(problem: Problem, distribution: LeafDistribution) -> Tree:
     rows["left_child"] = np.where(table.left < 0, TREE_LEAF, table.left)
     rows["right_child"] = np.where(table.right < 0, TREE_LEAF, table.right)
     rows["feature"] = [node.feature if isinstance(node, Split) else TREE_UNDEFINED for node in table.nodes]
-    rows["threshold"] = [node.threshold if isinstance(node, Split) else TREE_UNDEFINED for node in table.nodes]
+    rows["threshold"] = [_threshold(node) for node in table.nodes]
+    rows["missing_go_to_left"] = [not isinstance(node, Leaf) and node.missing == "left" for node in table.nodes]
     rows["n_node_samples"], rows["weighted_n_node_samples"] = samples, totals
     shares = weights / np.where(totals > 0, totals, 1.0)[:, None]
     rows["impurity"] = 1 - (shares**2).sum(axis=1)
@@ -93,6 +94,15 @@ def _cython_tree(problem: Problem, distribution: LeafDistribution) -> Tree:
     state = {"max_depth": depth(distribution.tree), "node_count": len(rows), "nodes": rows, "values": shares[:, None]}
     tree.__setstate__(state)
     return tree
+
+
+def _threshold(node: Node) -> float:
+    """Return a threshold as scikit-learn has it: infinite where a split asks for missing readings alone."""
+    if not isinstance(node, Split):
+        return float(TREE_UNDEFINED)
+    if node.threshold is None:
+        return -np.inf if node.missing == "left" else np.inf
+    return node.threshold
 
 
 def _node_totals(

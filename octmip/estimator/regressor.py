@@ -120,7 +120,7 @@ class OptimalTreeRegressor(SolvedTree, RegressorMixin, BaseEstimator):  # type: 
         DataError
             columns of X cannot become features, or y is no column of numbers (also a ValueError).
         """
-        features, given, self.columns_ = learn_samples(self, X, y)
+        features, given, self.columns_ = learn_samples(self, X, y, doubled=True)
         try:
             targets = np.asarray(given, dtype=np.float64)
         except (TypeError, ValueError) as error:

@@ -20,8 +20,12 @@ from octmip.tradeoff.held_out import Samples
 Floats = NDArray[np.float64]
 
 
-def learn_samples(estimator: BaseEstimator, X: ArrayLike, y: ArrayLike) -> tuple[Floats, NDArray[Any], Columns]:
+def learn_samples(
+    estimator: BaseEstimator, X: ArrayLike, y: ArrayLike, *, doubled: bool = False
+) -> tuple[Floats, NDArray[Any], Columns]:
     """Return the features (n_samples, n_features), the labels (n_samples,) and how X became these features.
+
+    `doubled` makes two complete features of numbers with missing values, as `Columns.learn` has it.
 
     Raises
     ------
@@ -39,6 +43,7 @@ def learn_samples(estimator: BaseEstimator, X: ArrayLike, y: ArrayLike) -> tuple
         _frame(X, checked, names),
         categories=estimator.categories,
         missing=estimator.missing,
+        doubled=doubled,
     )
     if estimator.split == "hyperplane":
         columns.refuse_gaps_in_sums("use split='axis', or fill them (NaN) before")
@@ -58,7 +63,7 @@ def read_samples(estimator: BaseEstimator, X: ArrayLike) -> Floats:
     checked = validate_data(estimator, _objects(X), dtype=None, ensure_all_finite=False, reset=False)
     columns: Columns = estimator.columns_
     numbers = _numbers(estimator, checked)
-    if numbers is not None and columns.is_plain and not np.isnan(numbers).any():
+    if numbers is not None and columns.is_plain and (columns.lack_numbers or not np.isnan(numbers).any()):
         return numbers
     return columns.encode(_frame(X, checked, columns.names))
 

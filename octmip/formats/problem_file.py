@@ -1,12 +1,13 @@
 """Problem files: a problem with its samples as JSON, for programs that know nothing of Python, such as `octmip-check`.
 
-    {"format": "octmip-problem", "version": 1, "feature_names": [...], "class_names": [...],
+    {"format": "octmip-problem", "version": 2, "feature_names": [...], "class_names": [...],
      "features": [[...], ...], "labels": [...], "weights": [...], "costs": [[...], ...],
      "depth": 3, "split": "axis", "split_size": 1, "leaf_size": 1, "leaf_penalty": 0.0,
      "sensor_of_feature": [0, ...], "sensor_cost": [1.0, ...], "sensor_limit": null, "allowed_splits": null}
 
 Labels, sensors and features of groups are indices from 0. Floats are written with as many digits as float64 needs to
-come back the same. `sensor_limit` is the budget with its room for rounding, null without a budget.
+come back the same; a missing reading is null, and a file without one is of version 1. `sensor_limit` is the budget with
+its room for rounding, null without a budget.
 """
 
 import hashlib
@@ -21,7 +22,7 @@ from numpy.typing import NDArray
 from octmip.formats.files import PathLike, write_bytes
 from octmip.problem import Problem
 
-FORMAT, VERSION = "octmip-problem", 1
+FORMAT, VERSION = "octmip-problem", 2
 
 
 def write_problem_file(path: PathLike, problem: Problem) -> None:
@@ -40,10 +41,10 @@ def encode(problem: Problem) -> dict[str, Any]:
     limit = problem.sensor_limit
     return {
         "format": FORMAT,
-        "version": VERSION,
+        "version": VERSION if problem.n_missing else 1,  # which programs that know of no gaps read
         "feature_names": list(problem.feature_names),
         "class_names": [str(name) for name in problem.class_names],
-        "features": problem.features.tolist(),
+        "features": [[None if math.isnan(value) else value for value in row] for row in problem.features.tolist()],
         "labels": problem.codes.tolist(),
         "weights": problem.weights.tolist(),
         "costs": problem.costs.tolist(),

@@ -1,6 +1,6 @@
 """Tree files: a tree with all that is needed to use and to check it, as JSON.
 
-    {"format": "octmip-tree", "version": 2,
+    {"format": "octmip-tree", "version": 3,
      "tree": {"feature": "g01", "threshold": 2.5, "left": {"label": 0}, "right": {"label": 20}},
      "feature_names": [...], "class_names": [...],
      "problem": {"depth": 3, "split": "axis", ...},             everything of the Problem but its samples
@@ -9,8 +9,12 @@
      "table": {"columns": {...}, "index": null, "rows": "all"},  how columns became features, or null
      "held_out": {"share": 0.25, "seed": 0, "n_samples": 37, "errors": 2, "cost": 2.0}}           null: none held out
 
-Left is `x[feature] <= threshold`, or `coefficients . x[features] <= offset` (see octmip.tree). Floats are written with
-as many digits as float64 needs to come back the same. Version 1 had no "table" and no "held_out", and is still read.
+Left is `x[feature] <= threshold`, or `coefficients . x[features] <= offset` (see octmip.tree). A split with the entry
+"missing": "left" (or "right") sends missing readings there; its threshold is null where it asks for nothing else. One
+without the entry refuses them. Floats are written with as many digits as float64 needs to come back the same.
+
+Older versions are still read. Version 2 had no "missing", no "gaps" among the settings, and a column of numbers with
+missing cells was two features ("is_doubled"); version 1 had no "table" and no "held_out" either.
 """
 
 import dataclasses
@@ -233,11 +237,30 @@ def read_tree_file(path: PathLike) -> TreeFile:
         raise TreeError(f"{path} has version {shown(version)}; expected {VERSION}; write it again with octmip solve")
     if version == 1:
         content |= {"table": None, "held_out": None}
+    if version < 3:
+        content = _of_version_three(content)
     try:
         return _decode(CONTENT.take(content))
     except OctmipError as error:
         cure = "write the file again with octmip solve --out, or correct that entry"
         raise TreeError(f"{path} holds no valid tree: {error}; {cure}") from error
+
+
+def _of_version_three(content: dict[str, Any]) -> dict[str, Any]:
+    """Return an older file as version 3 has it; what is no valid file stays so."""
+    settings, table = content.get("problem"), content.get("table")
+    if type(settings) is dict:
+        content |= {"problem": settings | {"gaps": False}}
+    columns = table.get("columns") if type(table) is dict else None
+    listed = columns.get("columns") if type(columns) is dict else None
+    if type(table) is not dict or type(columns) is not dict or type(listed) is not list:
+        return content
+    listed = [_doubled(column) if type(column) is dict else column for column in listed]
+    return content | {"table": table | {"columns": columns | {"columns": listed}}}
+
+
+def _doubled(column: dict[str, Any]) -> dict[str, Any]:
+    return column | {"is_doubled": column.get("has_missing") is True and column.get("kind") != "values"}
 
 
 def _decode(content: dict[str, Any]) -> TreeFile:

@@ -13,10 +13,11 @@ def encode_tree(tree: Node, feature_names: tuple[str, ...], class_names: tuple[A
     """Return a tree as nested JSON objects, features and classes by name."""
     if isinstance(tree, Leaf):
         return {"label": class_names[tree.label]}
-    sides = {
+    sides: dict[str, Any] = {
         "left": encode_tree(tree.left, feature_names, class_names),
         "right": encode_tree(tree.right, feature_names, class_names),
     }
+    sides = ({} if tree.missing is None else {"missing": tree.missing}) | sides
     if isinstance(tree, Split):
         return {"feature": feature_names[tree.feature], "threshold": tree.threshold, **sides}
     names = [feature_names[feature] for feature in tree.features]
@@ -53,13 +54,15 @@ def _node(node: dict[str, Any], features: dict[str, int], classes: dict[Any, int
     if "label" in node:
         return Leaf(_index(node["label"], classes, "class"))
     left, right = _node(node["left"], features, classes), _node(node["right"], features, classes)
+    missing = node.get("missing")
     if "feature" in node:
-        return Split(_index(node["feature"], features, "feature"), node["threshold"], left, right)
+        return Split(_index(node["feature"], features, "feature"), node["threshold"], left, right, missing=missing)
     read, coefficients = [_index(name, features, "feature") for name in node["features"]], node["coefficients"]
     if len(read) != len(coefficients):
         raise TreeError(f"a node has {len(read)} features and {len(coefficients)} coefficients; expected one for each")
     terms = sorted(zip(read, coefficients, strict=True))
-    return HyperplaneSplit(tuple(j for j, _ in terms), tuple(c for _, c in terms), node["offset"], left, right)
+    indices, factors = tuple(j for j, _ in terms), tuple(c for _, c in terms)
+    return HyperplaneSplit(indices, factors, node["offset"], left, right, missing=missing)
 
 
 def _index(name: Any, positions: dict[Any, int], kind: str) -> int:

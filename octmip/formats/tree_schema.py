@@ -27,8 +27,9 @@ from octmip.formats.columns.columns import COLUMNS
 from octmip.formats.messages import shown
 from octmip.problem import MAX_DEPTH
 from octmip.solution import Stop
+from octmip.tree import SIDES
 
-FORMAT, VERSION = "octmip-tree", 2
+FORMAT, VERSION = "octmip-tree", 3
 COST, COUNT = Number(low=0.0), Whole(1, 2**53)
 NAME, CLASS = Text(), AsItIs(Either((Text(), Truth(), Number())))
 
@@ -41,7 +42,8 @@ class NodeKind:
 
     def take(self, value: Any) -> dict[str, Any]:
         """Return the node and all below it."""
-        kind = next((kind for mark, kind in _NODES.items() if type(value) is dict and mark in value), None)
+        marks = [mark for mark in _NODES if type(value) is dict and mark.split()[0] in value]
+        kind = next((_NODES[mark] for mark in marks if mark.endswith(" missing") == ("missing" in value)), None)
         if kind is None:
             raise MisfitError(f"is {shown(value)} and lacks the entry 'label' or 'left'; expected {self.words}")
         return kind.take(value)
@@ -53,13 +55,16 @@ class NodeKind:
 
 NODE = NodeKind()
 _SIDES: dict[str, Kind] = {"left": NODE, "right": NODE}
+_PLANE: dict[str, Kind] = {"features": ListOf(NAME, 1), "coefficients": ListOf(Number(), 1), "offset": Number()}
+_MISSING: dict[str, Kind] = {"missing": Choice(SIDES)}
 _NODES = {
     "label": Record({"label": CLASS}, closed=True),
     "feature": Record({"feature": NAME, "threshold": Number(), **_SIDES}, closed=True),
-    "left": Record(
-        {"features": ListOf(NAME, 1), "coefficients": ListOf(Number(), 1), "offset": Number(), **_SIDES}, closed=True
-    ),
+    "feature missing": Record({"feature": NAME, "threshold": maybe(Number()), **_MISSING, **_SIDES}, closed=True),
+    "left": Record({**_PLANE, **_SIDES}, closed=True),
+    "left missing": Record({**_PLANE, **_MISSING, **_SIDES}, closed=True),
 }
+"""Nodes by the entry that marks them; "missing" besides where the split has a side for missing readings."""
 SETTINGS: dict[str, Kind] = {
     "depth": Whole(1, MAX_DEPTH),
     "split": Choice(("axis", "hyperplane")),
@@ -72,6 +77,7 @@ SETTINGS: dict[str, Kind] = {
     "sensor_budget": maybe(COST),
     "allowed_splits": maybe(ListOf(ListOf(Either((NAME, Whole(0, 2**31))), 1))),
     "integer_normals": maybe(COUNT),
+    "gaps": Truth(),
 }
 CLAIMS: dict[str, Kind] = {
     "objective": Number(),

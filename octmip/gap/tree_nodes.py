@@ -99,6 +99,8 @@ def _reaching(tree: Node, path: str, rows: Floats) -> Floats:
 
 def _words(split: Split | HyperplaneSplit, names: Sequence[str]) -> str:
     if isinstance(split, Split):
+        if split.threshold is None:
+            return f"{names[split.feature]} is {'' if split.missing == 'left' else 'not '}missing"
         return f"{names[split.feature]} <= {split.threshold:.4g}"
     terms = " + ".join(f"{c:.3g} {names[f]}" for f, c in zip(split.features, split.coefficients, strict=True))
     return f"{terms} <= {split.offset:.4g}"

@@ -7,11 +7,13 @@ cost and splits that do not pay their penalty are cut away from the bottom up.
 scikit-learn compares in float32. It is therefore trained on dense ranks, which float32 holds exactly up to 2^24
 distinct values; thresholds come back as midpoints of the float64 values on both sides of the cut, as it would set them
 itself. A separable column 900 + 1e-6 i is separated.
+
+Missing readings stay missing: scikit-learn sends them to the side of its choice at each split.
 """
 
 import math
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import sklearn
@@ -21,7 +23,7 @@ from sklearn.tree import DecisionTreeClassifier
 from octmip.encoding import Ranks, rank_features
 from octmip.problem import Problem
 from octmip.solution import Limits, ProgressCallback, Solution, Stop
-from octmip.tree import Leaf, Node, Split, complexity, midpoint
+from octmip.tree import SIDES, Leaf, Node, Split, complexity, midpoint
 
 
 def greedy_tree(
@@ -50,6 +52,7 @@ def greedy_tree(
     tree, stop = builder.build(builder.usable_features()), Stop.FINISHED
     if problem.sensor_cost_of(tree) > problem.sensor_limit:
         tree, stop = _within_budget(builder, start + limits.seconds)
+    tree = problem.with_sides(tree)
     return Solution(
         tree=tree,
         objective=problem.objective(tree),
@@ -74,9 +77,19 @@ class _GreedyBuilder:
     def usable_features(self) -> NDArray[np.int64]:
         """Return the features that may be split on at all: allowed, and not constant."""
         usable = [
-            j for j in range(self.problem.n_features) if self.problem.is_allowed((j,)) and len(self.ranks.values[j]) > 1
+            j
+            for j in range(self.problem.n_features)
+            if self.problem.is_allowed((j,)) and len(self.ranks.values[self.column(j)]) > 1
         ]
         return np.array(usable, dtype=np.int64)
+
+    def column(self, feature: int) -> int:
+        """Return the column of ranks that reads a feature, missing readings ranked above all others."""
+        return self.ranks.columns_of(feature)[-1]
+
+    def lacks(self, feature: int, rows: NDArray[np.int64] | slice = slice(None)) -> NDArray[np.bool_]:
+        """Return which of the rows lack the reading of a feature."""
+        return np.isnan(self.problem.features[rows, feature])
 
     def build(self, features: NDArray[np.int64]) -> Node:
         """Return CART on these features, its leaves and splits judged by the objective of the problem."""
@@ -86,7 +99,8 @@ class _GreedyBuilder:
         classifier = DecisionTreeClassifier(
             max_depth=problem.depth, min_samples_leaf=problem.leaf_size, random_state=self.seed
         )
-        columns = self.ranks.ranks[features].T.astype(np.float32)
+        columns = self.ranks.ranks[[self.column(j) for j in features.tolist()]].T.astype(np.float32)
+        columns[np.isnan(self.problem.features[:, features])] = np.nan
         classifier.fit(columns, problem.codes, sample_weight=problem.weights)
         return self._pruned(classifier.tree_, 0, features, np.arange(problem.n_samples))[0]
 
@@ -99,16 +113,33 @@ class _GreedyBuilder:
         if grown.children_left[node] < 0:
             return leaf, float(costs[leaf.label])
         feature = int(features[grown.feature[node]])
-        ranks = self.ranks.ranks[feature, rows]
-        left = ranks <= grown.threshold[node]
-        values = self.ranks.values[feature]
-        threshold = midpoint(float(values[ranks[left].max()]), float(values[ranks[~left].min()]))
+        split, left = self._split(grown, node, feature, rows)
+        if split is None:
+            return leaf, float(costs[leaf.label])
         left_tree, left_cost = self._pruned(grown, grown.children_left[node], features, rows[left])
         right_tree, right_cost = self._pruned(grown, grown.children_right[node], features, rows[~left])
         cost = left_cost + right_cost + self.problem.leaf_penalty
         if cost >= costs[leaf.label]:
             return leaf, float(costs[leaf.label])
-        return Split(feature, threshold, left_tree, right_tree), cost
+        return replace(split, left=left_tree, right=right_tree), cost
+
+    def _split(
+        self, grown: sklearn.tree._tree.Tree, node: int, feature: int, rows: NDArray[np.int64]
+    ) -> tuple[Split | None, NDArray[np.bool_]]:
+        """Return scikit-learn's split of some rows with leaves below, and which go left; None where a side is small."""
+        ranks, values = self.ranks.ranks[self.column(feature), rows], self.ranks.values[self.column(feature)]
+        is_missing, missing = self.lacks(feature, rows), None
+        left = ranks <= grown.threshold[node]
+        if is_missing.any():
+            missing = SIDES[0] if grown.missing_go_to_left[node] else SIDES[1]
+            left[is_missing] = missing == "left"
+        if min(int(left.sum()), int((~left).sum())) < self.problem.leaf_size:
+            return None, left
+        below, above = ranks[left & ~is_missing], ranks[~left & ~is_missing]
+        if not len(below) or not len(above):
+            return Split(feature, None, Leaf(0), Leaf(0), missing=missing), left
+        threshold = midpoint(float(values[below.max()]), float(values[above.min()]))
+        return Split(feature, threshold, Leaf(0), Leaf(0), missing=missing), left
 
 
 def _within_budget(builder: _GreedyBuilder, deadline: float) -> tuple[Node, Stop]:

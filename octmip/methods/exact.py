@@ -108,7 +108,7 @@ def branch_and_bound(
         search.bound = search.write_proof(Path(proof))
     assert search.tree is not None
     return Solution(
-        tree=search.tree,
+        tree=problem.with_sides(search.tree),
         objective=search.objective,
         bound=search.bound,
         stop=search.stop,

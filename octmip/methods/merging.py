@@ -41,13 +41,13 @@ def merged(problem: Problem) -> tuple[Problem, Ranks]:
         rows, weights = first, np.zeros(problem.n_samples)
         weights[first] = np.bincount(group, problem.weights)
     # Every distinct value is still there, so the ranks stay.
-    return _taken(problem, rows, weights), Ranks(np.ascontiguousarray(ranks.ranks[:, rows]), ranks.values)
+    return _taken(problem, rows, weights), replace(ranks, ranks=np.ascontiguousarray(ranks.ranks[:, rows]))
 
 
 def _weighted(problem: Problem) -> NDArray[np.intp]:
     """Return the rows that weigh anything; all rows where the others cannot be left out."""
     rows = np.flatnonzero(problem.weights)
-    sizes = np.abs(problem.features)
+    sizes = np.nan_to_num(np.abs(problem.features))  # a missing reading lies nowhere
     is_far = (sizes.max(axis=0) / FAR > sizes[rows].max(axis=0)).any()
     has_one_class = len(set(problem.codes[rows].tolist())) == 1
     return np.arange(problem.n_samples) if is_far or has_one_class else rows

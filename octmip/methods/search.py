@@ -92,7 +92,7 @@ def local_search(
     )
     latest = start + limits.seconds + GRACE
     tree = _finished(searched, tree_from_rows(rows, ranks), lambda: time.perf_counter() < latest)
-    tree, objective = better(problem, tree, known)
+    tree, objective = better(problem, problem.with_sides(tree), known)
     return Solution(
         tree=tree,
         objective=objective,

@@ -43,6 +43,7 @@ from octmip.mip.blocks.groups import Groups, group_samples
 from octmip.mip.blocks.heap import Heap, Placed, place
 from octmip.mip.blocks.hyperplanes import Hyperplanes, add_hyperplanes, all_samples_band, choose_mu, space_of
 from octmip.mip.blocks.thresholds import Cuts, Thresholds, add_thresholds
+from octmip.mip.columns import over_columns
 from octmip.mip.engine import Request, solve_formulation
 from octmip.mip.prices import Prices, own_prices
 from octmip.mip.result import Known
@@ -253,6 +254,7 @@ def _add_class_counts(
             rows.add("class_count", -np.inf, unsplit, earned, (columns, -numbers), (splits.first(m), unsplit))
 
 
+@over_columns
 def solve_flow(
     problem: Problem,
     *,

@@ -51,6 +51,7 @@ from octmip.mip import flow
 from octmip.mip.blocks import axis, sensor_rows
 from octmip.mip.blocks.heap import Heap, Placed
 from octmip.mip.blocks.leaves import Leaves, add_leaves
+from octmip.mip.columns import over_columns
 from octmip.mip.engine import Request, solve_formulation
 from octmip.mip.prices import Prices, own_prices
 from octmip.mip.result import Known
@@ -162,6 +163,7 @@ def scaled_features(ranks: Ranks) -> tuple[NDArray[np.float64], NDArray[np.float
     return ranks.ranks.T / steps, 1 / steps
 
 
+@over_columns
 def solve_oct(
     problem: Problem,
     *,

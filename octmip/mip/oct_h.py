@@ -46,6 +46,7 @@ from octmip.mip.blocks.hyperplanes import (
     space_of,
 )
 from octmip.mip.blocks.leaves import Leaves, add_leaves
+from octmip.mip.columns import over_columns
 from octmip.mip.engine import Request, solve_formulation
 from octmip.mip.prices import Prices, own_prices
 from octmip.mip.result import Known
@@ -138,6 +139,7 @@ def encode(
     return OctH(problem, heap, rows, hyperplanes, leaves, prices)
 
 
+@over_columns
 def solve_oct_h(
     problem: Problem,
     *,

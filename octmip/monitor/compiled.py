@@ -1,7 +1,8 @@
 """A tree compiled to flat tables, for streams: microseconds per reading, a fraction of one in batches.
 
-Same left rule as octmip.tree to the last bit, and one rule more: a reading that has no number (NaN) where a split on
-its way asks for one has no result. `label` refuses it with a sentence; a batch, and every export, returns `REFUSED`.
+Same left rule as octmip.tree to the last bit, and the same sides for missing readings (NaN). Where a split on its way
+has no side for one, a reading has no result: `label` refuses it with a sentence; a batch, and every export, returns
+`REFUSED`.
 """
 
 from collections.abc import Sequence
@@ -18,7 +19,9 @@ REFUSED = -1
 BLOCK = 4096
 """Readings routed together: their node numbers stay in the cache."""
 
-Step = tuple[tuple[int, ...], tuple[float, ...], float, int, int]
+Step = tuple[tuple[int, ...], tuple[float, ...], float, int, int, int]
+"""Features, coefficients, threshold, the steps left and right, and the one for missing readings (`REFUSED`: none). The
+threshold is NaN where a split asks for missing readings alone: every number then takes the step that these do not."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -41,6 +44,8 @@ class CompiledTree:
     _coefficients: NDArray[np.float64] = field(init=False, repr=False)
     _thresholds: NDArray[np.float64] = field(init=False, repr=False)
     _next: NDArray[np.intp] = field(init=False, repr=False)
+    _missing: NDArray[np.intp] = field(init=False, repr=False)
+    _n_terms: NDArray[np.intp] = field(init=False, repr=False)
     _depth: int = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -61,13 +66,15 @@ class CompiledTree:
         labels: list[int] = []
         for k, node in enumerate(nodes(self.tree)):
             if isinstance(node, Leaf):
-                steps.append(((), (), 0.0, k, k))
+                steps.append(((), (), 0.0, k, k, k))
                 labels.append(node.label)
                 continue
             left, right = number[id(node.left)], number[id(node.right)]
             coefficients = node.coefficients if isinstance(node, HyperplaneSplit) else (1.0,)
-            threshold = node.threshold if isinstance(node, Split) else node.offset
-            steps.append((node.features, coefficients, threshold, left, right))
+            given = node.threshold if isinstance(node, Split) else node.offset
+            threshold = np.nan if given is None else given
+            missing = {"left": left, "right": right, None: REFUSED}[node.missing]
+            steps.append((node.features, coefficients, threshold, left, right, missing))
             labels.append(REFUSED)
         object.__setattr__(self, "_steps", tuple(steps))
         object.__setattr__(self, "_labels", tuple(labels))
@@ -78,17 +85,28 @@ class CompiledTree:
         features = np.zeros((n_terms, n + 1), dtype=np.intp)
         coefficients = np.zeros((n_terms, n + 1))
         thresholds = np.zeros(n + 1)
-        goes = np.full((n + 1, 3), n, dtype=np.intp)  # columns: no result, left, right
-        for k, (terms, weights, threshold, left, right) in enumerate(self._steps):
+        goes = np.full((n + 1, 3), n, dtype=np.intp)  # columns: neither, left, right
+        missing = np.full(n + 1, n, dtype=np.intp)
+        for k, (terms, weights, threshold, left, right, lost) in enumerate(self._steps):
             if not terms:
                 goes[k] = k
                 continue
             features[: len(terms), k], coefficients[: len(terms), k] = terms, weights
             thresholds[k] = threshold
             goes[k, 1:] = left, right
+            missing[k] = n if lost == REFUSED else lost
+            if np.isnan(threshold):
+                goes[k, 0] = left + right - lost
         is_axis = n_terms == 1 and all(weights in ((), (1.0,)) for _, weights, *_ in self._steps)
         depth = _levels(self._steps)
-        tables = {"_features": features, "_thresholds": thresholds, "_next": goes.ravel(), "_depth": depth}
+        tables = {
+            "_features": features,
+            "_thresholds": thresholds,
+            "_next": goes.ravel(),
+            "_missing": missing,
+            "_depth": depth,
+        }
+        tables["_n_terms"] = np.array([*(len(terms) for terms, *_ in self._steps), 0], dtype=np.intp)
         tables["_coefficients"] = np.zeros((0, 0)) if is_axis else coefficients
         for name, table in tables.items():
             object.__setattr__(self, name, table)
@@ -110,7 +128,7 @@ class CompiledTree:
             reading = reading.tolist()  # sums of Python's floats take half the time of numpy's
         steps, k = self._steps, 0
         while True:
-            terms, weights, threshold, left, right = steps[k]
+            terms, weights, threshold, left, right, _ = steps[k]
             if not terms:
                 return k
             if len(terms) == 1 and weights[0] == 1.0:
@@ -124,7 +142,17 @@ class CompiledTree:
             elif total > threshold:
                 k = right
             else:
-                raise DataError(self._complaint(terms, reading))
+                k = self._step_without_number(k, reading)
+
+    def _step_without_number(self, k: int, reading: Sequence[float] | NDArray[np.float64]) -> int:
+        """Return the step after step k for a reading that is on neither side of its threshold."""
+        terms, _, threshold, left, right, missing = self._steps[k]
+        is_missing = any(np.isnan(reading[j]) for j in terms)
+        if is_missing and missing != REFUSED:
+            return missing
+        if np.isnan(threshold):
+            return left + right - missing
+        raise DataError(self._complaint(terms, reading))
 
     def label(self, reading: Sequence[float] | NDArray[np.float64]) -> int:
         """Return the class index of one reading (n_features,).
@@ -140,7 +168,7 @@ class CompiledTree:
         """Return the preorder numbers on the way from the root to a node, both included."""
         path = [0]
         while path[-1] != node:
-            _, _, _, left, right = self._steps[path[-1]]
+            _, _, _, left, right, _ = self._steps[path[-1]]
             path.append(right if node >= right else left)  # preorder: the right subtree comes after all of the left
         return path
 
@@ -189,8 +217,22 @@ class CompiledTree:
             threshold = self._thresholds.take(node)
             # 1 left, 2 right, 0 neither: NaN is on no side
             side = (total <= threshold).view(np.int8) + 2 * (total > threshold).view(np.int8)
-            node = self._next.take(3 * node + side)
+            after = self._next.take(3 * node + side)
+            if (side == 0).any():
+                rows = np.flatnonzero((side == 0) & (self._n_terms.take(node) > 0))
+                after[rows] = self._without_number(block, rows, node[rows], after[rows])
+            node = after
         return node
+
+    def _without_number(
+        self, block: NDArray[np.float64], rows: NDArray[np.intp], node: NDArray[np.intp], after: NDArray[np.intp]
+    ) -> NDArray[np.intp]:
+        """Return the nodes after `node` for rows on neither side of a threshold: `after` unless they lack a reading."""
+        n_terms = self._n_terms.take(node)
+        lacks = np.zeros(len(rows), dtype=bool)
+        for k, features in enumerate(self._features):
+            lacks |= (k < n_terms) & np.isnan(block[rows, features.take(node)])
+        return np.where(lacks, self._missing.take(node), after)
 
     def _totals(
         self, flat: NDArray[np.float64], first: NDArray[np.intp], node: NDArray[np.intp]
@@ -209,7 +251,7 @@ class CompiledTree:
 def _levels(steps: Sequence[Step]) -> int:
     """Return the number of splits on the longest way."""
     level = [0] * len(steps)
-    for k, (terms, _, _, left, right) in enumerate(steps):  # preorder: a node stands before its children
+    for k, (terms, _, _, left, right, _) in enumerate(steps):  # preorder: a node stands before its children
         if terms:
             level[left] = level[right] = level[k] + 1
     return max(level)

@@ -130,6 +130,10 @@ def _open_leaves(tree: Node, features: Floats) -> NDArray[np.bool_]:
             for coefficient, feature in zip(node.coefficients, node.features, strict=True):
                 with np.errstate(over="ignore", invalid="ignore"):  # beyond float64 is inf, as in CompiledTree
                     total = total + coefficient * features[:, feature]
+        elif node.threshold is None:  # it asks what a complete reading answers always alike
+            visit(node.left, is_here & (node.missing == "right"))
+            visit(node.right, is_here & (node.missing == "left"))
+            return
         else:
             total, limit = features[:, node.feature], node.threshold
         # NaN is neither greater nor not: it may be on either side

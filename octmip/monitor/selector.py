@@ -27,7 +27,7 @@ from octmip.formats.tree_schema import NODE
 from octmip.monitor.compiled import CompiledTree
 from octmip.monitor.leaf_likelihood import LeafLikelihood
 from octmip.monitor.library import Library
-from octmip.tree import HyperplaneSplit, Leaf, Node, Split, features_used, leaves
+from octmip.tree import HyperplaneSplit, Leaf, Node, features_used, leaves
 from octmip.uncertainty import posterior
 
 Floats = NDArray[np.float64]
@@ -276,10 +276,13 @@ def _reachable(node: Node, above: dict[int, float], at_most: dict[int, float]) -
         left, right = _reachable(node.left, above, at_most), _reachable(node.right, above, at_most)
         return replace(node, left=left, right=right)
     feature, threshold = node.feature, node.threshold
-    if threshold <= above.get(feature, -np.inf):  # x > above >= threshold: never left
+    if threshold is None:
+        return replace(node, left=_reachable(node.left, above, at_most), right=_reachable(node.right, above, at_most))
+    # A side that only missing readings reach is an end that some reading reaches.
+    if threshold <= above.get(feature, -np.inf) and node.missing != "left":  # x > above >= threshold: never left
         return _reachable(node.right, above, at_most)
-    if threshold >= at_most.get(feature, np.inf):  # x <= at_most <= threshold: never right
+    if threshold >= at_most.get(feature, np.inf) and node.missing != "right":  # x <= at_most <= threshold: never right
         return _reachable(node.left, above, at_most)
     left = _reachable(node.left, above, {**at_most, feature: threshold})
     right = _reachable(node.right, {**above, feature: threshold}, at_most)
-    return Split(feature, threshold, left, right)
+    return replace(node, left=left, right=right)

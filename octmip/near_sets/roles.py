@@ -22,6 +22,7 @@ from octmip.errors import ProblemError
 from octmip.near_sets.counting import near_optimal
 from octmip.near_sets.whole_numbers import exact_objective, whole_problem
 from octmip.problem import Problem
+from octmip.problem_values import refuse_gaps
 from octmip.solution import Limits, ProgressCallback, Solution, Stop
 from octmip.solver import solve
 from octmip.tree import Leaf, Node, Split, midpoint
@@ -167,6 +168,7 @@ def sensor_roles(
     ProblemError
         the splits are hyperplanes, `within` is no number of 0 or more, or costs span too many digits.
     """
+    refuse_gaps(problem.n_missing, "trees that differ in their sides for them alone are not counted", "fill them in")
     if problem.split != "axis":
         raise ProblemError("sensors are weighed with splits over one feature but split is 'hyperplane'; use 'axis'")
     if not 0 <= within < math.inf:

@@ -14,6 +14,7 @@ from octmip.encoding import Ranks, integer_costs, native_problem, rank_features
 from octmip.encoding.numbers import power_of_two, whole_exponent
 from octmip.errors import ProblemError
 from octmip.problem import Problem
+from octmip.problem_values import refuse_gaps
 from octmip.tree import Node, complexity, predict
 
 NARROW, WIDE = 2**61, 2**125
@@ -57,6 +58,7 @@ def whole_problem(problem: Problem, tree: Node, by_sets: bool) -> WholeProblem:
     ProblemError
         its costs span more than 125 binary digits, or there are more sensors than sets of them can be told apart by.
     """
+    refuse_gaps(problem.n_missing, "trees that differ in their sides for them alone are not counted", "fill them in")
     grid = integer_costs(problem, tree)
     weight_digits = whole_exponent(problem.weights)
     digits = [weight_digits + whole_exponent(problem.costs), whole_exponent(np.array([problem.leaf_penalty]))]

@@ -28,16 +28,20 @@ def split_text(split: Split | HyperplaneSplit, feature_names: Sequence[str], col
     With `columns` it is said of those that the features were made from: "colour is not red".
     """
     if isinstance(split, Split) and columns is not None:
-        words = drawn(columns.left_words(split.feature, split.threshold, "{:.5g}".format)).replace("<=", "≤")
+        words = drawn(columns.left_words(split, "{:.5g}".format)).replace("<=", "≤")
         return f"{words.removesuffix(' or missing')}\nor missing" if words.endswith(" or missing") else words
+    or_missing = "\nor missing" if split.missing == "left" else ""
     if isinstance(split, Split):
-        return f"{drawn(feature_names[split.feature])} ≤ {split.threshold:.5g}"
+        name = drawn(feature_names[split.feature])
+        if split.threshold is None:
+            return f"{name} is {'' if or_missing else 'not '}missing"
+        return f"{name} ≤ {split.threshold:.5g}{or_missing}"
     terms = ""
     for feature, coefficient in zip(split.features, split.coefficients, strict=True):
         sign = MINUS if coefficient < 0 else "+" if terms else ""
         size = "" if abs(coefficient) == 1 else f"{abs(coefficient):.3g} "
         terms += f"{sign} {size}{drawn(feature_names[feature])}\n"
-    return f"{terms.strip()}\n≤ {split.offset:.4g}"
+    return f"{terms.strip()}\n≤ {split.offset:.4g}{or_missing}"
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -21,6 +21,8 @@ def partition_figure(
 ) -> Figure:
     """Return the plane of two features: samples coloured by class, cells tinted by prediction, split lines.
 
+    Samples that lack a reading of the two have no place in it.
+
     Each split line ends where its own cell ends; the root's is the thickest. `features` are the two of the plane; left
     out, they are the problem's when it has two, else those that the tree reads.
 
@@ -32,6 +34,12 @@ def partition_figure(
     check_names(problem, tree)
     pair = _plane(problem, tree, features)
     points = problem.features[:, pair]
+    points, codes = points[~np.isnan(points).any(axis=1)], problem.codes[~np.isnan(points).any(axis=1)]
+    if len(points) == 0:
+        raise ProblemError(
+            f"no sample has both readings of {shown(problem.feature_names[pair[0]])} and "
+            f"{shown(problem.feature_names[pair[1]])}; expected one at least to draw; name other features"
+        )
     low, high = points.min(axis=0), points.max(axis=0)
     margin = 0.04 * np.where(high > low, high - low, 1.0)
     low, high = low - margin, high + margin
@@ -40,9 +48,9 @@ def partition_figure(
     colours = class_colours(problem.class_names)
     corners = np.array([low, (high[0], low[1]), high, (low[0], high[1])])
     _draw_cell(axes, tree, corners, pair, colours, line_width=2.2)
-    order = np.random.default_rng(0).permutation(problem.n_samples)  # no class lies wholly on top of another
+    order = np.random.default_rng(0).permutation(len(points))  # no class lies wholly on top of another
     x, y = points[order].T
-    axes.scatter(x, y, c=np.array(colours)[problem.codes[order]], s=9, linewidths=0.25, edgecolors=PAPER, zorder=2)
+    axes.scatter(x, y, c=np.array(colours)[codes[order]], s=9, linewidths=0.25, edgecolors=PAPER, zorder=2)
     for colour in colours:
         axes.scatter([], [], color=colour, s=22, label="class")
     legend = axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False, fontsize=8, handletextpad=0.2)
@@ -90,6 +98,8 @@ def _draw_cell(
 def _height(split: Split | HyperplaneSplit, corners: NDArray[np.float64], pair: list[int]) -> NDArray[np.float64]:
     """Return how far each corner lies on the right side of a split (0 on its line), shape (n_corners,)."""
     if isinstance(split, Split):
+        if split.threshold is None:  # the plane holds samples that have both readings
+            return np.full(len(corners), -1.0 if split.missing == "right" else 1.0)
         return corners[:, pair.index(split.feature)] - split.threshold
     normal = np.zeros(2)
     normal[[pair.index(feature) for feature in split.features]] = split.coefficients

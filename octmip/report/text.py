@@ -23,7 +23,7 @@ def condition(split: Split | HyperplaneSplit, feature_names: Sequence[str], colu
     if columns is None:
         return named_condition(split, lambda feature: shown(feature_names[feature]))
     if isinstance(split, Split):
-        return visible(columns.left_words(split.feature, split.threshold))
+        return visible(columns.left_words(split))
     return named_condition(split, lambda feature: f"[{shown(feature_names[feature])}]")
 
 

@@ -2,6 +2,7 @@
 
 import itertools
 import json
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -10,6 +11,7 @@ import pytest
 from octmip import Limits, Problem, solve
 from octmip.errors import DataError
 from octmip.formats.columns import Columns, ColumnsError
+from octmip.tree import Leaf, Split
 
 
 def frame() -> pd.DataFrame:
@@ -25,11 +27,10 @@ def frame() -> pd.DataFrame:
     )
 
 
-def test_text_becomes_questions_and_a_column_with_gaps_two_numbers():
+def test_text_becomes_questions_and_a_column_with_gaps_stays_one_feature():
     columns = Columns.learn(frame())
     assert columns.feature_names == (
-        "age (missing below)",
-        "age (missing above)",
+        "age",
         "colour is blue",
         "colour is green",
         "colour is red",
@@ -41,11 +42,11 @@ def test_text_becomes_questions_and_a_column_with_gaps_two_numbers():
         "hot",
     )
     encoded = columns.encode(frame())
-    assert encoded[:, 0].tolist() == [40, 31 - 29, 31, 60]
-    assert encoded[:, 1].tolist() == [40, 60 + 29, 31, 60]
-    assert encoded[:, 4].tolist() == [1, 0, 1, 0]
-    assert encoded[:, 9].tolist() == [0, 1, 0, 0]
-    assert columns.column_of_feature[:3] == ("age", "age", "colour")
+    np.testing.assert_array_equal(encoded[:, 0], [40, np.nan, 31, 60])
+    assert encoded[:, 3].tolist() == [1, 0, 1, 0]
+    assert encoded[:, 8].tolist() == [0, 1, 0, 0]
+    assert columns.column_of_feature[:2] == ("age", "colour")
+    assert columns.lack_numbers
     assert not columns.is_plain
     assert len(columns.changes()) == 2
 
@@ -58,20 +59,40 @@ def test_numbers_stay_as_they_are():
 
 
 @pytest.mark.parametrize(
+    ("feature", "threshold", "missing", "words"),
+    [
+        (0, 35.5, "left", "age <= 35.5 or missing"),
+        (0, None, "left", "age is missing"),
+        (0, 35.5, "right", "age <= 35.5"),
+        (0, None, "right", "age is not missing"),
+        (1, 0.5, "left", "colour is not blue"),
+        (4, 0.5, "right", "sex is f"),
+        (5, 2.5, "left", "load <= 2.5 or missing"),
+        (5, 2.5, "right", "load <= 2.5"),
+        (8, 0.5, "left", "town is not missing"),
+    ],
+)
+def test_a_cut_is_said_in_words_that_hold_for_the_rows_it_sends_left(feature, threshold, missing, words):
+    split = Split(feature, threshold, Leaf(0), Leaf(1), missing=missing)
+    assert Columns.learn(frame()).left_words(split) == words
+
+
+@pytest.mark.parametrize(
     ("feature", "threshold", "words"),
     [
         (0, 35.5, "age <= 35.5 or missing"),
         (0, 20.0, "age is missing"),
         (1, 35.5, "age <= 35.5"),
         (1, 70.0, "age is not missing"),
-        (2, 0.5, "colour is not blue"),
-        (5, 0.5, "sex is f"),
-        (6, 2.5, "load <= 2.5"),
-        (9, 0.5, "town is not missing"),
     ],
 )
-def test_a_cut_is_said_in_words_that_hold_for_the_rows_it_sends_left(feature, threshold, words):
-    assert Columns.learn(frame()).left_words(feature, threshold) == words
+def test_the_two_features_of_older_files_are_said_in_the_same_words(feature, threshold, words):
+    assert doubled().left_words(Split(feature, threshold, Leaf(0), Leaf(1))) == words
+
+
+def doubled() -> Columns:
+    """Return a column of numbers with gaps as tree files up to version 2 have it."""
+    return Columns(tuple(replace(column, is_doubled=True) for column in Columns.learn(frame()[["age"]]).columns))
 
 
 def best_with_gaps(numbers: np.ndarray, labels: np.ndarray) -> int:
@@ -97,12 +118,19 @@ def test_the_optimum_over_the_features_sends_every_missing_cell_to_the_better_si
         assert solve(problem, "exact", Limits(seconds=10)).objective == best_with_gaps(numbers, labels)
 
 
-def test_a_number_beyond_the_range_of_training_stays_on_its_side_of_every_cut():
-    train = pd.DataFrame({"x": [1.0, 2.0, None, 4.0]})
-    columns = Columns.learn(train)
-    later = columns.encode(pd.DataFrame({"x": [-100.0, 100.0, None, 3.0]}))
-    below, above = columns.columns[0].beyond
-    assert later.tolist() == [[1, -100], [100, 4], [below, above], [3, 3]]
+def test_a_number_beyond_the_range_of_training_stays_on_its_side_of_every_cut_of_older_files():
+    columns = doubled()
+    later = columns.encode(pd.DataFrame({"age": [-100.0, 100.0, None, 33.0]}))
+    assert columns.feature_names == ("age (missing below)", "age (missing above)")
+    assert columns.columns[0].beyond == (31 - 29, 60 + 29)
+    assert later.tolist() == [[31, -100], [100, 60], [2, 89], [33, 33]]
+
+
+def test_numbers_may_be_missing_in_any_column_once_some_were_in_training():
+    columns = Columns.learn(frame()[["age", "load"]])
+    np.testing.assert_array_equal(columns.encode(pd.DataFrame({"age": [1], "load": [None]})), [[1, np.nan]])
+    with pytest.raises(ColumnsError, match="had none in training"):
+        Columns.learn(frame()[["load"]]).encode(pd.DataFrame({"load": [None, 2]}))
 
 
 def test_texts_that_training_had_not_answer_no_and_are_named():
@@ -122,7 +150,7 @@ def test_words_for_missing_among_numbers_are_missing():
     columns = Columns.learn(pd.DataFrame({"x": ["1.5", "?", "NA", "0.1"]}))
     assert columns.columns[0].has_missing
     assert columns.columns[0].least == 0.1
-    assert np.isfinite(columns.encode(pd.DataFrame({"x": ["1.5", "?"]}))).all()
+    np.testing.assert_array_equal(columns.encode(pd.DataFrame({"x": ["1.5", "?"]})), [[1.5], [np.nan]])
 
 
 def test_a_question_mark_among_texts_is_missing():
@@ -134,8 +162,9 @@ def test_an_ordered_category_becomes_its_rank():
     kind = pd.CategoricalDtype(["low", "middle", "high"], ordered=True)
     table = pd.DataFrame({"size": pd.Series(["high", "low", "middle", None], dtype=kind)})
     columns = Columns.learn(table)
-    assert columns.encode(table).tolist() == [[2, 2], [0, 0], [1, 1], [-2, 4]]
-    assert columns.left_words(0, 1.5) == "size is low or middle or missing"
+    np.testing.assert_array_equal(columns.encode(table), [[2], [0], [1], [np.nan]])
+    split = Split(0, 1.5, Leaf(0), Leaf(1), missing="left")
+    assert columns.left_words(split) == "size is low or middle or missing"
     with pytest.raises(DataError, match="no place in the order"):
         columns.encode(pd.DataFrame({"size": ["tiny"]}))
 

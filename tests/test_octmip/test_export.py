@@ -232,8 +232,7 @@ def test_the_inputs_of_an_encoded_table_are_said_in_words():
     columns = Columns.learn(frame)
     said = json.loads(names_json(columns.feature_names, ["no", "yes"], columns))
     assert said["inputs"] == [
-        "age, at least 20.0; -20.0 where it is missing",
-        "age, at most 60.0; 100.0 where it is missing",
+        "age, NaN or NULL where it is missing",
         "1 where colour is blue, else 0",
         "1 where colour is red, else 0",
         "1 where colour is missing, else 0",
@@ -241,7 +240,7 @@ def test_the_inputs_of_an_encoded_table_are_said_in_words():
     ]
     ranked = Columns.learn(frame[["colour"]], categories="order")
     assert json.loads(names_json(ranked.feature_names, [0, 1], ranked))["inputs"][0] == (
-        "the rank of colour (0: blue, 1: red), at least 0.0; -1.0 where it is missing"
+        "the rank of colour (0: blue, 1: red), NaN or NULL where it is missing"
     )
     encoded = columns.encode(frame)
-    assert encoded[1, :2].tolist() == [-20.0, 100.0]
+    np.testing.assert_array_equal(encoded[1, :2], [np.nan, 0.0])

@@ -1,6 +1,7 @@
 """Problems: what is asked is checked once, here, and every wrong question is refused with a cure."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -95,8 +96,7 @@ WRONG = {
     "features of one dimension": ({"features": [1, 2, 3, 4]}, "features has 1 dimensions; expected 2"),
     "no features": ({"features": np.empty((4, 0))}, r"features has shape \(4, 0\)"),
     "no samples": ({"features": np.empty((0, 3)), "labels": []}, r"features has shape \(0, 3\)"),
-    "NaN": ({"features": [[0, np.nan], [0, 0], [0, 0], [0, 0]]}, r"features\[0, 1\] is not finite \(1 in all\)"),
-    "infinity": ({"features": [[0, 1], [0, 0], [0, np.inf], [0, 0]]}, r"features\[2, 1\] is not finite"),
+    "infinity": ({"features": [[np.nan, 1], [0, 0], [0, np.inf], [0, 0]]}, r"features\[2, 1\] is infinite \(1 in"),
     "too few labels": ({"labels": ["a", "b"]}, r"labels has shape \(2,\) but features has 4 rows"),
     "NaN label": ({"labels": [0.0, 1.0, np.nan, 1.0]}, r"labels\[2\] is nan"),
     "one class": ({"labels": ["a"] * 4}, "one class only"),
@@ -191,10 +191,33 @@ def test_missing_labels_are_refused_with_their_number(labels):
         Problem(FRAME, labels, depth=1)
 
 
-@pytest.mark.parametrize("column", [["x", "y", "x", "y"], [1.0, None, 2.0, 3.0], [1.0, np.inf, 2.0, 3.0]])
+@pytest.mark.parametrize("column", [["x", "y", "x", "y"], [1.0, np.inf, None, 3.0], [1.0, np.inf, 2.0, 3.0]])
 def test_columns_of_a_data_frame_that_are_no_numbers_are_all_named(column):
     with pytest.raises(ProblemError, match="infinite values in 'kind', 'other';"):
         Problem(FRAME.assign(kind=column, other=column), [0, 1, 0, 1], depth=1)
+
+
+@pytest.mark.parametrize("column", [[1.0, None, 2.0, 3.0], pd.Series([1, None, 2, 3], dtype="Int64")])
+def test_readings_that_are_missing_from_a_data_frame_are_nan(column):
+    found = Problem(pd.DataFrame({"a": [1, 2, 3, 4], "b": column}), [0, 1, 0, 1], depth=1)
+    np.testing.assert_array_equal(found.features[:, 1], [1, np.nan, 2, 3])
+    assert found.gaps
+    assert found.n_missing == 1
+    assert found.features_with_gaps == (1,)
+    assert repr(found).endswith("split='axis', 1 readings missing)")
+
+
+def test_a_problem_of_some_samples_keeps_that_readings_may_be_missing():
+    found = Problem([[1.0], [np.nan], [2.0]], [0, 1, 1], depth=1)
+    assert replace(found, features=found.features[[0, 2]], labels=[0, 1], weights=None).gaps
+    assert not problem().gaps
+    assert replace(problem(), features=np.full((4, 3), np.nan)).gaps
+
+
+def test_missing_readings_have_one_digest_whatever_their_bits():
+    quiet, other = np.array([[1.0], [np.nan], [2.0]]), np.array([[1.0], [-np.nan], [2.0]])
+    assert quiet.tobytes() != other.tobytes()
+    assert Problem(quiet, [0, 1, 1], depth=1).digest() == Problem(other, [0, 1, 1], depth=1).digest()
 
 
 def test_a_problem_shows_its_size_and_settings_and_no_arrays():

@@ -1,19 +1,21 @@
 """Tree files of tables: how columns became features comes back, and files without it are read as before."""
 
 import json
+from dataclasses import replace
 
 import pandas as pd
 import pytest
 
-from octmip import Problem
+from octmip import Problem, solve
 from octmip.errors import TreeError
 from octmip.formats.columns import Columns
 from octmip.formats.table.preparation import Preparation
 from octmip.formats.tree_file import HeldOut, read_tree_file, record_tree, write_tree_file
 from octmip.methods.cart import greedy_tree
 from octmip.report.text import tree_text
+from octmip.tree import splits
 
-FRAME = pd.DataFrame({"colour": ["red", "blue", "red", "green"] * 3, "age": [1.0, None, 3.0, 4.0] * 3})
+FRAME = pd.DataFrame({"colour": ["red", "blue", "red", "green"] * 3, "age": [1.0, None, 3.0, 2.0] * 3})
 
 
 def written(tmp_path):
@@ -48,6 +50,43 @@ def test_a_file_of_version_1_is_read(tmp_path):
     assert file.preparation is None
     assert file.columns is None
     assert file.held_out is None
+
+
+def test_a_file_of_version_2_keeps_its_two_features_of_a_column_with_gaps(tmp_path):
+    path = tmp_path / "t.json"
+    found = Columns.learn(FRAME).columns
+    doubled = Columns(tuple(replace(column, is_doubled=column.name == "age") for column in found))
+    problem = Problem(doubled.encode(FRAME), [1, 0, 0, 1] * 3, depth=2, feature_names=doubled.feature_names)
+    solution = solve(problem, "exact")
+    write_tree_file(path, record_tree(problem, solution, "y", None, Preparation(doubled)))
+    content = json.loads(path.read_text())
+    del content["problem"]["gaps"]
+    for column in content["table"]["columns"]["columns"]:
+        del column["is_doubled"]
+    path.write_text(json.dumps(content | {"version": 2}))
+    file = read_tree_file(path)
+    assert file.preparation is not None
+    assert file.preparation.columns == doubled
+    assert file.tree == solution.tree
+    assert not file.settings["gaps"]
+
+
+def test_a_tree_with_sides_for_missing_readings_comes_back(tmp_path):
+    path = tmp_path / "t.json"
+    columns = Columns.learn(FRAME[["age"]])
+    problem = Problem(columns.encode(FRAME), [1, 0, 1, 0] * 3, depth=2, feature_names=("age",))
+    solution = solve(problem, "exact")
+    write_tree_file(path, record_tree(problem, solution, "y", None, Preparation(columns)))
+    file = read_tree_file(path)
+    assert file.tree == solution.tree
+    assert file.settings["gaps"]
+    assert all(split.missing is not None for split in splits(file.tree))
+    assert file.problem(problem.features, problem.labels, problem.weights).digest() == file.sha256
+    content = json.loads(path.read_text())
+    content["tree"]["missing"] = "up"
+    path.write_text(json.dumps(content))
+    with pytest.raises(TreeError, match=r"missing is 'up'; expected one of 'left', 'right'"):
+        read_tree_file(path)
 
 
 @pytest.mark.parametrize(

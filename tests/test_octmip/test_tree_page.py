@@ -86,11 +86,13 @@ def test_a_split_is_a_question_in_words_of_the_table():
     file, _, _ = mixed()
     asked = [question(split, Wording(file.feature_names, file.class_names, file.columns, {"age": "years"})) for split in
              (Split(file.feature_names.index("colour is red"), 0.5, Leaf(0), Leaf(1)),
-              Split(file.feature_names.index("age (missing below)"), 40.5, Leaf(0), Leaf(1)),
-              Split(file.feature_names.index("age (missing above)"), 40.5, Leaf(0), Leaf(1)))]  # fmt: skip
+              Split(file.feature_names.index("age"), 40.5, Leaf(0), Leaf(1), missing="left"),
+              Split(file.feature_names.index("age"), None, Leaf(0), Leaf(1), missing="left"),
+              Split(file.feature_names.index("age"), 40.5, Leaf(0), Leaf(1), missing="right"))]  # fmt: skip
     assert [(one.text, one.yes_is_left) for one in asked] == [
         ("colour is red", False),
         ("age \u2264 40.5 years or missing", True),
+        ("age is missing", True),
         ("age \u2264 40.5 years", True),
     ]
     weighted = HyperplaneSplit((0, 1), (-2.0, 1.0), 1 / 3, Leaf(0), Leaf(1))

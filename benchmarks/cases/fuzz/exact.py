@@ -3,35 +3,22 @@
 `python -m benchmarks.run fuzz_exact --limit 300 --threads 2`: so many seconds in so many processes, a line per chunk.
 """
 
-import time
-from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from benchmarks.oracles.enumeration import optimum
+from benchmarks.exact_answers import CHUNK, chunks, complaint, summary
 from benchmarks.oracles.strategies import random_problem
 from benchmarks.tables import Line
-from octmip.certificate import certify
-from octmip.errors import OctmipError
-from octmip.methods.exact import branch_and_bound
-from octmip.problem import Problem
-from octmip.tree import Leaf
 
-CHUNK = 250
-FEWEST = 10_000
+__all__ = ["complaint", "results", "summary"]
+
 STREAM = 20  # of seeds: problem i is random_problem(default_rng([STREAM, i]))
 
 
 def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
     """Yield a line for each chunk until the time is up, but for `FEWEST` problems at least."""
-    start = time.perf_counter()
-    with ProcessPoolExecutor(max(threads)) as pool:
-        first, n_workers = 0, max(threads)
-        while first < FEWEST or time.perf_counter() - start < limit:
-            firsts = range(first, first + CHUNK * n_workers, CHUNK)
-            yield from pool.map(_chunk, firsts)
-            first = firsts.stop
+    yield from chunks(_chunk, limit, max(threads))
 
 
 def _chunk(first: int) -> Line:
@@ -40,36 +27,3 @@ def _chunk(first: int) -> Line:
         seed: reason for seed in seeds if (reason := complaint(random_problem(np.random.default_rng([STREAM, seed]))))
     }
     return {"size": f"seeds {first} to {seeds.stop - 1}", "seed": STREAM, "n_problems": CHUNK, "mismatches": wrong}
-
-
-def complaint(problem: Problem) -> str | None:
-    """Return what is wrong with the exact solver's answer to a small problem, None when nothing is."""
-    best = optimum(problem)
-    try:
-        solution = branch_and_bound(problem)
-        certify(problem, solution)
-    except OctmipError as error:
-        return f"{type(error).__name__}: {error}"
-    if not solution.is_optimal:
-        return f"stopped {solution.stop} with bound {solution.bound} of {solution.objective}"
-    if abs(solution.objective - best.objective) > solution.tolerance + 1e-12 * max(1.0, best.objective):
-        return f"objective {solution.objective}, enumeration finds {best.objective}"
-    if not problem.has_integer_costs:
-        return None
-    tied = branch_and_bound(problem, break_ties=True)
-    fewest = certify(problem, tied)
-    if (fewest.objective, fewest.n_splits) != (best.objective, best.n_splits):
-        return f"tie: {fewest.n_splits} splits, enumeration finds {best.n_splits}"
-    n_sensors = len(problem.sensors_used(tied.tree or Leaf(0)))
-    ties = tied.details["ties_broken"]
-    assert isinstance(ties, Mapping)
-    if ties["sensors"] == "fewest, proven" and n_sensors != best.n_sensors:
-        return f"tie: {n_sensors} sensors, enumeration finds {best.n_sensors}"
-    return None
-
-
-def summary(lines: Sequence[Line]) -> str:
-    """Return how many problems were compared, and the mismatches."""
-    wrong = [f"seed {seed}: {reason}" for line in lines for seed, reason in line["mismatches"].items()]
-    n_problems = sum(line["n_problems"] for line in lines)
-    return "\n".join([f"{n_problems} problems compared with enumeration, {len(wrong)} mismatches.", *wrong[:20]])

@@ -1,8 +1,8 @@
 """Corrupted proof logs, trees and data: none may be accepted that changes what is claimed.
 
-Small random problems are solved with a log; then one thing is corrupted at random, and what the checker (or, for a
-tree, the certificate) still accepts is held against enumeration: a log may only be accepted while its claim is true of
-the problem that it is checked against.
+Small random problems, half of them with readings missing, are solved with a log; then one thing is corrupted at random,
+and what the checker (or, for a tree, the certificate) still accepts is held against enumeration: a log may only be
+accepted while its claim is true of the problem that it is checked against.
 """
 
 import dataclasses
@@ -11,7 +11,7 @@ from pathlib import Path
 
 from benchmarks.corruptions import HEADER, LINE_CHANGES, Generator, ProofFuzz, summary
 from benchmarks.oracles.enumeration import optimum
-from benchmarks.oracles.strategies import random_problem
+from benchmarks.oracles.strategies import random_problem, with_gaps
 from benchmarks.tables import Line
 from octmip.methods.exact import branch_and_bound
 from octmip.problem import Problem
@@ -32,7 +32,8 @@ def corrupted(seed: int) -> tuple[str, str]:
 
 
 def _drawn(rng: Generator) -> Problem:
-    return random_problem(rng, max_samples=9)
+    problem = random_problem(rng, max_samples=9)
+    return with_gaps(rng, problem) if rng.random() < 0.5 else problem
 
 
 def _solved(problem: Problem, path: Path) -> Solution:

@@ -78,8 +78,10 @@ class _Chosen:
         return self.features if self.weights is None else (*self.features, self.weights)
 
 
-def ask(arguments: argparse.Namespace) -> Question:
+def ask(arguments: argparse.Namespace, *, doubled: bool = False) -> Question:
     """Return the problem of a command line.
+
+    `doubled` makes two complete features of numbers with missing cells (`Columns.learn`), where a split is a cut alone.
 
     Raises
     ------
@@ -95,7 +97,7 @@ def ask(arguments: argparse.Namespace) -> Question:
     labels = table.labels(chosen.label)
     if not arguments.numbers_are_classes:
         refuse_quantity(table, chosen.label, labels)
-    columns = _learned(table, chosen, arguments)
+    columns = _learned(table, chosen, arguments, doubled)
     if _split_kind(arguments) == "hyperplane":
         columns.refuse_gaps_in_sums(
             "leave these rows out by --missing drop-rows, or split on one feature: --split axis"
@@ -113,7 +115,7 @@ def ask(arguments: argparse.Namespace) -> Question:
         chosen.label,
         chosen.weights,
         preparation,
-        _notes(len(whole.frame) - len(table.frame), columns, whole),
+        (*_notes(len(whole.frame) - len(table.frame), columns, whole), *_gaps(problem)),
         held_out,
         share,
         arguments.seed,
@@ -154,13 +156,13 @@ def _rows(arguments: argparse.Namespace) -> RowsKept:
     return "labelled" if arguments.drop_unlabelled else "all"
 
 
-def _learned(table: Table, chosen: _Chosen, arguments: argparse.Namespace) -> Columns:
+def _learned(table: Table, chosen: _Chosen, arguments: argparse.Namespace, doubled: bool) -> Columns:
     """Return how the columns become features; refuse all that cannot, in one sentence with the switches that help."""
     missing: Literal["either-side", "refuse"] = "either-side" if arguments.missing == "either-side" else "refuse"
     frame = table.frame[list(chosen.features)]
     reasons = {} if arguments.categories else mixed_columns(table, chosen.features)
     try:
-        columns = Columns.learn(frame, categories=arguments.categories or "yes-no", missing=missing)
+        columns = Columns.learn(frame, categories=arguments.categories or "yes-no", missing=missing, doubled=doubled)
     except ColumnsError as error:
         reasons = dict(error.reasons) | reasons
     if reasons:
@@ -205,6 +207,7 @@ def _problem(
         leaf_penalty=arguments.leaf_penalty,
         sensor_budget=arguments.budget,
         integer_normals=arguments.integer_normals,
+        gaps=columns.lack_numbers,
         feature_names=columns.feature_names,
         **settings,
     )
@@ -251,6 +254,12 @@ def _notes(n_dropped: int, columns: Columns, table: Table) -> tuple[str, ...]:
         if _counts_rows(table.frame[name])
     )
     return (*left_out, *counts, *columns.changes())
+
+
+def _gaps(problem: Problem) -> tuple[str, ...]:
+    """Return a sentence about the training readings that are missing; none where none is."""
+    count = problem.n_missing
+    return (f"{count} training reading{'s are' if count > 1 else ' is'} missing",) if count else ()
 
 
 def _counts_rows(column: "pd.Series[Any]") -> bool:

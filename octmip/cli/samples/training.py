@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import CertificateError, DataError
-from octmip.formats.columns import ColumnsError
+from octmip.formats.columns import Columns, ColumnsError
+from octmip.formats.columns.column import Column
 from octmip.formats.table import Table, read_table
 from octmip.formats.table.preparation import kept_rows
 from octmip.formats.tree_file import TreeFile
@@ -41,10 +42,12 @@ def features_of(file: TreeFile, table: Table) -> NDArray[np.float64]:
     DataError
         columns are missing or hold what they did not in training; all of them are named.
     """
-    if file.preparation is None:
+    if file.preparation is None and not file.settings["gaps"]:
         return table.numbers(file.feature_names)
+    plain = Columns(tuple(Column(name, "number", True) for name in file.feature_names))
+    columns = plain if file.preparation is None else file.preparation.columns
     try:
-        return file.preparation.columns.encode(table.frame)
+        return columns.encode(table.frame, gaps=file.settings["gaps"])
     except ColumnsError as error:
         raise DataError(f"{table.name}: {error}") from error
 

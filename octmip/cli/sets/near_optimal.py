@@ -46,7 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
     for name in ("best", "sample"):
         if not 0 <= getattr(arguments, name) <= MOST_TREES:
             raise DataError(f"--{name} is {getattr(arguments, name)}; expected 0 to {MOST_TREES} trees")
-    question = ask(arguments)
+    question = ask(arguments, doubled=True)
     with ProgressLine() as progress:
         found = near_optimal(
             question.problem,

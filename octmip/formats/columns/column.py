@@ -1,9 +1,10 @@
 """One column of a table, and the features that a tree reads from it.
 
-A number without missing cells is one feature. With missing cells it is two. The first places missing cells below every
-number, the second above, so a cut `x <= t` of the first sends missing cells left and of the second right; a cut
-below the least number asks whether the cell is missing. The best tree over such features is therefore the best tree
-in which every split sends missing cells to whichever side is better, and nothing is imputed.
+A number is one feature, NaN where a cell is missing: every split of a tree says where such a cell goes, and nothing is
+imputed (docs/theory/missing.md). For trees whose splits have no sides, which regression trees are and all were up to
+version 2 of the tree file, a number with missing cells is two complete features (`is_doubled`). The first places
+missing cells below every number, the second above, so a cut `x <= t` of the first sends missing cells left and of the
+second right; a cut below the least number asks whether the cell is missing.
 
 A text is one yes/no feature (1: yes) for each of its values, or, where it has an order, its rank.
 
@@ -23,6 +24,7 @@ from octmip.formats.cells import plain_number
 from octmip.formats.checked import Choice, ListOf, Number, Record, Text, Truth
 from octmip.formats.columns.cells import Cells
 from octmip.formats.messages import shown
+from octmip.tree import Split
 
 FeatureKind = Literal["number", "missing-left", "missing-right", "is", "is-missing", "order"]
 
@@ -34,6 +36,7 @@ CONTENT = Record(
         "least": Number(),
         "most": Number(),
         "values": ListOf(Text()),
+        "is_doubled": Truth(),
     },
     closed=True,
 )
@@ -66,6 +69,8 @@ class Column:
         the numbers' range in training; 0 and 0 for text.
     values
         the texts seen in training, in their order; none for numbers.
+    is_doubled
+        whether missing cells are numbers below and above all others, in two features.
     """
 
     name: str
@@ -74,6 +79,12 @@ class Column:
     least: float = 0.0
     most: float = 0.0
     values: tuple[str, ...] = ()
+    is_doubled: bool = False
+
+    @property
+    def lacks_numbers(self) -> bool:
+        """Whether its feature is NaN where a cell is missing."""
+        return self.has_missing and self.kind != "values" and not self.is_doubled
 
     @property
     def features(self) -> tuple[Feature, ...]:
@@ -81,7 +92,7 @@ class Column:
         if self.kind == "values":
             return self._questions()
         plain: FeatureKind = "number" if self.kind == "number" else "order"
-        if not self.has_missing:
+        if not self.is_doubled:
             return (Feature(self.name, self.name, plain),)
         return (
             Feature(f"{self.name} (missing below)", self.name, "missing-left"),
@@ -123,7 +134,7 @@ class Column:
             is_value = [words == (None if item.kind == "is-missing" else item.value) for item in self.features]
             return np.column_stack(is_value).astype(np.float64)
         numbers = cells.numbers if self.kind == "number" else self._ranks(self.words_of(cells))
-        if not self.has_missing:
+        if not self.is_doubled:
             return numbers[:, None]
         is_missing, (below, above), (least, most) = np.isnan(numbers), self.beyond, self._range
         # No cut lies between the ends of the range and what stands for missing but that which asks "is it missing?":
@@ -152,8 +163,11 @@ class Column:
             )
         return np.array([rank[word] for word in words], dtype=np.float64)
 
-    def left_words(self, feature: Feature, threshold: float, number: Callable[[float], str]) -> str:
-        """Return what holds for the cells that a cut `feature <= threshold` sends left."""
+    def left_words(self, feature: Feature, split: Split, number: Callable[[float], str]) -> str:
+        """Return what holds for the cells that a split of one of its features sends left."""
+        threshold = split.threshold
+        if threshold is None:
+            return f"{self.name} is {'' if split.missing == 'left' else 'not '}missing"
         if feature.kind == "is":
             if len(self.values) == 2 and not self.has_missing:
                 return f"{self.name} is {self.values[0]}"
@@ -166,7 +180,8 @@ class Column:
         if feature.kind == "missing-right" and threshold >= most:
             return f"{self.name} is not missing"
         cut = f"{self.name} <= {number(threshold)}" if self.kind == "number" else self._rank_words(threshold)
-        return f"{cut} or missing" if feature.kind == "missing-left" else cut
+        is_left = feature.kind == "missing-left" or (split.missing == "left" and not self.is_doubled)
+        return f"{cut} or missing" if is_left else cut
 
     def _rank_words(self, threshold: float) -> str:
         left = self.values[: max(0, math.floor(threshold) + 1)]
@@ -181,6 +196,7 @@ class Column:
             "least": self.least,
             "most": self.most,
             "values": list(self.values),
+            "is_doubled": self.is_doubled,
         }
 
     @classmethod
@@ -204,4 +220,5 @@ class Column:
             taken["least"],
             taken["most"],
             tuple(taken["values"]),
+            taken["is_doubled"],
         )

@@ -17,6 +17,7 @@ from octmip.formats.checked import ListOf, Record
 from octmip.formats.columns.cells import Cells, read_cells
 from octmip.formats.columns.column import CONTENT, Column, Feature
 from octmip.formats.messages import shown
+from octmip.tree import Split
 
 Categories = Literal["yes-no", "order", "refuse"]
 Missing = Literal["either-side", "refuse"]
@@ -51,7 +52,14 @@ class Columns:
     columns: tuple[Column, ...]
 
     @classmethod
-    def learn(cls, frame: pd.DataFrame, *, categories: Categories = "yes-no", missing: Missing = "either-side") -> Self:
+    def learn(
+        cls,
+        frame: pd.DataFrame,
+        *,
+        categories: Categories = "yes-no",
+        missing: Missing = "either-side",
+        doubled: bool = False,
+    ) -> Self:
         """Return how the columns of a table become features.
 
         Parameters
@@ -63,6 +71,9 @@ class Columns:
             ("order"), or is refused ("refuse"). An ordered category becomes its rank in the first case too.
         missing
             missing cells go to whichever side of a split is better ("either-side"), or are refused ("refuse").
+        doubled
+            a number or rank with missing cells becomes two complete features, for trees whose splits have no side for
+            missing readings.
 
         Raises
         ------
@@ -75,7 +86,7 @@ class Columns:
             try:
                 cells = read_cells(series)
                 _refuse(cells, len(frame), categories, missing)
-                found.append(_column_of(name, cells, categories))
+                found.append(_column_of(name, cells, categories, doubled))
             except DataError as error:
                 reasons[name] = str(error)
         if reasons:
@@ -111,15 +122,23 @@ class Columns:
         return tuple(column.name for column in self.columns)
 
     @property
+    def lack_numbers(self) -> bool:
+        """Whether some feature is NaN where a cell is missing: every split of a tree then has a side for such cells."""
+        return any(column.lacks_numbers for column in self.columns)
+
+    @property
     def is_plain(self) -> bool:
         """Whether every feature is its column as it stands."""
         return all(feature.kind == "number" for feature in self.features)
 
-    def encode(self, frame: pd.DataFrame) -> NDArray[np.float64]:
-        """Return the features of a table's rows, shape (n_rows, n_features), finite.
+    def encode(self, frame: pd.DataFrame, *, gaps: bool | None = None) -> NDArray[np.float64]:
+        """Return the features of a table's rows, shape (n_rows, n_features), NaN where a number is missing.
 
         Columns are found by name, others are left alone. A text that training had not gets the answer "no" to each
         question for its value; `unseen` names such texts.
+
+        A tree that has a side for missing readings at every split takes missing numbers in any column: `gaps`, by
+        default whether some column lacked numbers in training.
 
         Raises
         ------
@@ -127,13 +146,14 @@ class Columns:
             columns are missing or hold what they did not in training; all of them are named.
         """
         position = {name: k for k, name in enumerate(_names_of(frame))}
+        takes_gaps = self.lack_numbers if gaps is None else gaps
         blocks: list[NDArray[np.float64]] = []
         reasons: dict[str, str] = {}
         for column in self.columns:
             try:
                 if column.name not in position:
                     raise DataError("is not in the table; spell it as in training")
-                blocks.append(_encoded(column, read_cells(frame.iloc[:, position[column.name]])))
+                blocks.append(_encoded(column, read_cells(frame.iloc[:, position[column.name]]), takes_gaps))
             except DataError as error:
                 reasons[column.name] = str(error)
         if reasons:
@@ -186,11 +206,11 @@ class Columns:
             found.append(f"cells are missing in {_listed(gaps)}; a split sends them to whichever side is better")
         return tuple(found)
 
-    def left_words(self, feature: int, threshold: float, number: Callable[[float], str] = "{:.6g}".format) -> str:
-        """Return what holds for the rows that a cut sends left, such as "age <= 40.5 or missing"."""
-        item = self.features[feature]
+    def left_words(self, split: Split, number: Callable[[float], str] = "{:.6g}".format) -> str:
+        """Return what holds for the rows that a split sends left, such as "age <= 40.5 or missing"."""
+        item = self.features[split.feature]
         column = next(column for column in self.columns if column.name == item.column)
-        return column.left_words(item, threshold, number)
+        return column.left_words(item, split, number)
 
     def to_json(self) -> dict[str, Any]:
         """Return the columns as a JSON object."""
@@ -248,19 +268,21 @@ def _gaps(cells: Cells) -> str:
     return f"{cells.n_missing} missing cell{'s' * (cells.n_missing != 1)}"
 
 
-def _column_of(name: str, cells: Cells, categories: Categories) -> Column:
+def _column_of(name: str, cells: Cells, categories: Categories, doubled: bool) -> Column:
     has_missing = cells.n_missing > 0
+    is_doubled = doubled and has_missing
     if cells.is_text:
         kind: Literal["order", "values"] = "order" if cells.is_ordered or categories == "order" else "values"
-        return Column(name, kind, has_missing, values=cells.values)
-    column = Column(name, "number", has_missing, float(np.nanmin(cells.numbers)), float(np.nanmax(cells.numbers)))
-    if has_missing:
+        return Column(name, kind, has_missing, values=cells.values, is_doubled=is_doubled and kind == "order")
+    least, most = float(np.nanmin(cells.numbers)), float(np.nanmax(cells.numbers))
+    column = Column(name, "number", has_missing, least, most, is_doubled=is_doubled)
+    if is_doubled:
         _ = column.beyond  # raises where float64 has no room
     return column
 
 
-def _encoded(column: Column, cells: Cells) -> NDArray[np.float64]:
-    if cells.n_missing and not column.has_missing:
+def _encoded(column: Column, cells: Cells, takes_gaps: bool) -> NDArray[np.float64]:
+    if cells.n_missing and not (column.has_missing or (takes_gaps and column.kind != "values")):
         raise DataError(f"has {_gaps(cells)}, and had none in training; fill in, or train with some")
     if column.kind == "number" and cells.is_text and cells.n_missing < len(cells.words):
         raise DataError(f"holds text such as {shown(cells.values[0])}; expected numbers, as in training")

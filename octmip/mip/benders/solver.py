@@ -15,6 +15,7 @@ from octmip.mip.benders.node import NodeSearch, Tasks
 from octmip.mip.benders.planes.solver import solve_planes
 from octmip.mip.benders.question import Question
 from octmip.mip.benders.run import Runner
+from octmip.mip.columns import over_columns
 from octmip.mip.engine import Clock, LimitReachedError
 from octmip.mip.highs import process
 from octmip.mip.incumbent import canonicalise, starting_tree
@@ -28,6 +29,7 @@ from octmip.tree import Node
 METHOD = "benders"
 
 
+@over_columns
 def solve_benders(
     problem: Problem,
     *,

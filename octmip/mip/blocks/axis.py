@@ -37,6 +37,7 @@ def usable_features(problem: Problem, ranks: Ranks) -> list[int]:
 def cut_of(split: Split | HyperplaneSplit, ranks: Ranks) -> int:
     """Return the cut of an axis-aligned split: the rank of the largest value on its left."""
     assert isinstance(split, Split)
+    assert split.threshold is not None  # columns of ranks are complete
     return int(np.searchsorted(ranks.values[split.feature], split.threshold, side="right")) - 1
 
 

@@ -11,10 +11,12 @@ from octmip.mip.oct import scaled_features
 from octmip.mip.paper_models.leaves import add_leaves
 from octmip.mip.paper_models.limits import add_limits
 from octmip.problem import Problem
+from octmip.problem_values import refuse_gaps
 
 
 def paper_model(problem: Problem, *, closed: bool = True, max_splits: int | None = None) -> Any:
     """Return OCT as a Pyomo ConcreteModel that reads as on paper; the letters are those of `octmip.mip.oct`."""
+    refuse_gaps(problem.n_missing, "the paper's model has no side for them", "fill them in")
     ranks, heap = rank_features(problem), Heap(problem.depth)
     x, eps = scaled_features(ranks)
     usable = set(axis.usable_features(problem, ranks))

@@ -9,10 +9,12 @@ from octmip.mip.blocks.hyperplanes import space_of, usable_features
 from octmip.mip.paper_models.leaves import add_leaves
 from octmip.mip.paper_models.limits import add_limits
 from octmip.problem import Problem
+from octmip.problem_values import refuse_gaps
 
 
 def paper_model(problem: Problem, mu: float, *, max_splits: int | None = None) -> Any:
     """Return OCT-H as a Pyomo ConcreteModel that reads as on paper; the letters are those of `octmip.mip.oct_h`."""
+    refuse_gaps(problem.n_missing, "hyperplanes add readings", "fill them in")
     space, heap = space_of(problem, centred=False), Heap(problem.depth)
     usable, reach, largest = usable_features(problem), space.reach, space.coefficient
     T_B, T_L, samples, J = heap.branches, heap.leaves, range(problem.n_samples), range(problem.n_features)

@@ -1,11 +1,12 @@
 """A tree in the languages of other machines, each returning bit for bit the result of the tree here.
 
-Every export takes `(tree, feature_names, class_names)` and returns the index of the class, or -1 for a reading that has
-no number (NaN, NULL) where a split on its way asks for one. Thresholds go out with all the bits of float64.
+Every export takes `(tree, feature_names, class_names)` and returns the index of the class. A missing reading (NaN,
+NULL) goes to the side that the split names, as in the tree; where a split on its way names none, the result is -1.
+Thresholds go out with all the bits of float64.
 
 Names may be any text: none of them can act in the language of the export. C and SQL hold no name of a class, C none of
-a feature either; `names_json` says what places and codes stand for. A tree over columns that were encoded (text,
-missing cells) takes the encoded features: give `names_json` the `columns` of its tree file, and it says what each is.
+a feature either; `names_json` says what places and codes stand for. A tree over columns that were encoded (text)
+takes the encoded features: give `names_json` the `columns` of its tree file, and it says what each is.
 """
 
 from octmip.monitor.export.c import c_source

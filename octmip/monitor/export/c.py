@@ -13,7 +13,7 @@ from typing import Any
 
 from octmip.errors import TreeError
 from octmip.monitor.export.fit import check_fit
-from octmip.tree import HyperplaneSplit, Leaf, Node, Split, splits
+from octmip.tree import SIDES, HyperplaneSplit, Leaf, Node, Split, splits
 
 KEYWORDS = frozenset(
     [
@@ -101,21 +101,31 @@ def c_source(tree: Node, feature_names: Sequence[str], class_names: Sequence[Any
 def _statements(node: Node, indent: str) -> list[str]:
     if isinstance(node, Leaf):
         return [f"{indent}return {node.label};"]
-    asked, threshold, before = f"reading[{node.features[0]}]", "", []
-    if isinstance(node, Split):
-        threshold = float(node.threshold).hex()
-    else:
-        asked, threshold, before = "total", float(node.offset).hex(), _total(node, indent)
+    left, right = _conditions(node)
     return [
-        *before,
-        f"{indent}if ({asked} <= {threshold}) {{",
+        *(_total(node, indent) if isinstance(node, HyperplaneSplit) else []),
+        f"{indent}if ({left}) {{",
         *_statements(node.left, indent + "    "),
-        f"{indent}}} else if ({asked} > {threshold}) {{",
+        f"{indent}}} else if ({right}) {{",
         *_statements(node.right, indent + "    "),
         f"{indent}}} else {{",
         f"{indent}    return -1;",
         f"{indent}}}",
     ]
+
+
+def _conditions(split: Split | HyperplaneSplit) -> tuple[str, str]:
+    """Return when a reading goes left and when it goes right; what is missing differs from itself."""
+    missing = " || ".join(f"reading[{j}] != reading[{j}]" for j in split.features)
+    if isinstance(split, Split) and split.threshold is None:
+        present = missing.replace("!=", "==")
+        return (missing, present) if split.missing == "left" else (present, missing)
+    asked = f"reading[{split.feature}]" if isinstance(split, Split) else "total"
+    given = split.threshold if isinstance(split, Split) else split.offset
+    assert given is not None
+    threshold = float(given).hex()
+    lost = {side: f" || {missing}" if split.missing == side else "" for side in SIDES}
+    return f"{asked} <= {threshold}{lost['left']}", f"{asked} > {threshold}{lost['right']}"
 
 
 def _total(split: HyperplaneSplit, indent: str) -> list[str]:

@@ -26,7 +26,8 @@ def names_json(feature_names: Sequence[str], class_names: Sequence[Any], columns
 def input_words(columns: Columns) -> tuple[str, ...]:
     """Return for each feature that was made from a column what number stands there, in words.
 
-    "1 where colour is red, else 0"; "age, at least 20; -33 where it is missing".
+    "1 where colour is red, else 0"; "age, NaN or NULL where it is missing"; for the two features of older tree files
+    "age, at least 20; -33 where it is missing".
     """
     return tuple(_input_of(column, feature) for column in columns.columns for feature in column.features)
 
@@ -39,7 +40,7 @@ def _input_of(column: Column, feature: Feature) -> str:
     ranks = ", ".join(f"{k}: {value}" for k, value in enumerate(column.values))
     number = column.name if column.kind == "number" else f"the rank of {column.name} ({ranks})"
     if feature.kind in ("number", "order"):
-        return number
+        return f"{number}, NaN or NULL where it is missing" if column.has_missing else number
     (below, above), is_left = column.beyond, feature.kind == "missing-left"
     least, most = (column.least, column.most) if column.kind == "number" else (0.0, len(column.values) - 1.0)
     end = f"at least {least!r}; {below!r}" if is_left else f"at most {most!r}; {above!r}"

@@ -13,7 +13,7 @@ import numpy as np
 
 from octmip.errors import needed_by
 from octmip.monitor.export.fit import check_fit, class_values
-from octmip.tree import Leaf, Node, Split
+from octmip.tree import HyperplaneSplit, Leaf, Node, Split
 
 if TYPE_CHECKING:
     import onnx
@@ -73,16 +73,43 @@ class _Graph:
     def label(self, node: Node) -> str:
         if isinstance(node, Leaf):
             return self.constant(np.int64(node.label))
-        total = self.column(node.features[0]) if isinstance(node, Split) else ""
-        threshold = float(node.threshold if isinstance(node, Split) else node.offset)
-        if not isinstance(node, Split):
-            for coefficient, feature in zip(node.coefficients, node.features, strict=True):
-                product = self.add("Mul", self.constant(float(coefficient)), self.column(feature))
-                total = self.add("Add", total, product) if total else product
-        limit = self.constant(threshold)
-        left, right = self.add("LessOrEqual", total, limit), self.add("Greater", total, limit)
+        left, right = self.sides(node)
         other = self.add("Where", right, self.label(node.right), self.constant(np.int64(-1)))
         return self.add("Where", left, self.label(node.left), other)
+
+    def sides(self, split: Split | HyperplaneSplit) -> tuple[str, str]:
+        """Add whether a reading goes left and whether it goes right; neither for what is missing and has no side."""
+        if isinstance(split, Split) and split.threshold is None:
+            missing = self.missing(split)
+            sides = missing, self.add("Not", missing)
+            return sides if split.missing == "left" else sides[::-1]
+        given = split.threshold if isinstance(split, Split) else split.offset
+        assert given is not None
+        total, limit = self.total(split), self.constant(float(given))
+        left, right = self.add("LessOrEqual", total, limit), self.add("Greater", total, limit)
+        if split.missing == "left":
+            left = self.add("Or", left, self.missing(split))
+        elif split.missing == "right":
+            right = self.add("Or", right, self.missing(split))
+        return left, right
+
+    def total(self, split: Split | HyperplaneSplit) -> str:
+        if isinstance(split, Split):
+            return self.column(split.feature)
+        total = ""
+        for coefficient, feature in zip(split.coefficients, split.features, strict=True):
+            product = self.add("Mul", self.constant(float(coefficient)), self.column(feature))
+            total = self.add("Add", total, product) if total else product
+        return total
+
+    def missing(self, split: Split | HyperplaneSplit) -> str:
+        """Add whether some reading is missing: what is missing does not equal itself."""
+        found = ""
+        for feature in split.features:
+            column = self.column(feature)
+            one = self.add("Not", self.add("Equal", column, column))
+            found = self.add("Or", found, one) if found else one
+        return found
 
     def column(self, feature: int) -> str:
         return self.add("Gather", "readings", self.constant(np.int64(feature)), axis=1)

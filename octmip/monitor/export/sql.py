@@ -5,7 +5,8 @@ powers of two, all exact in float64, and so is their quotient.
 
 Missing readings. NULL is on no side of a split. SQLite stores NaN as NULL; PostgreSQL and DuckDB keep it and hold it
 for larger than every number, so the right side is asked as ``-x < -threshold``: true for what is larger than the
-threshold, false for NaN in either order.
+threshold, false for NaN in either order. Where a split has a side for missing readings, that side is also asked for
+what is neither 0 or less nor, in the same way, more.
 
 Names. The only names in the text are column names, always in double quotes with inner ones doubled: nothing that a
 name holds can end it. SQLite takes a quoted name that no column bears for a text, without an error; with `table` every
@@ -97,8 +98,27 @@ def _paths(node: Node, columns: Sequence[str], path: tuple[str, ...]) -> Iterato
 
 
 def _conditions(split: Split | HyperplaneSplit, columns: Sequence[str]) -> tuple[str, str]:
-    """Return when a reading goes left and when it goes right; neither holds where a number is missing."""
+    """Return when a reading goes left and when right; neither holds for what is missing and has no side."""
+    missing, present = (_ask_for_gaps([columns[j] for j in split.features], of_gaps) for of_gaps in (1, 0))
+    if isinstance(split, Split) and split.threshold is None:
+        return (missing, present) if split.missing == "left" else (present, missing)
+    left, right = _sides(split, columns)
+    if split.missing is None:
+        return left, right
+    return (f"({left} OR {missing})", right) if split.missing == "left" else (left, f"({right} OR {missing})")
+
+
+def _ask_for_gaps(columns: Sequence[str], of_gaps: int) -> str:
+    """Return the condition that some column lacks its number (1), or that none does (0)."""
+    zero = _exact(0.0)
+    present = " AND ".join(f"({column} <= {zero} OR -{column} < {zero})" for column in columns)
+    return f"CASE WHEN {present} THEN 0 ELSE 1 END = {of_gaps}"
+
+
+def _sides(split: Split | HyperplaneSplit, columns: Sequence[str]) -> tuple[str, str]:
+    """Return when a number lies left of a threshold and when right."""
     if isinstance(split, Split):
+        assert split.threshold is not None
         asked, threshold = columns[split.feature], float(split.threshold)
     else:  # added from the first to the last, as SQL adds without parentheses, and as `goes_left` does
         terms = zip(split.coefficients, split.features, strict=True)

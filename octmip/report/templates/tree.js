@@ -139,7 +139,7 @@
   function featureOf(asked, value) {
     if (asked.kind === "is") return value === asked.value ? 1 : 0;
     if (asked.kind === "is-missing") return value === null ? 1 : 0;
-    if (value === null) return asked.kind === "missing-left" ? -Infinity : Infinity;
+    if (value === null) return asked.kind === "missing-left" ? -Infinity : asked.kind === "missing-right" ? Infinity : NaN;
     const number = asked.isOrder ? asked.values.indexOf(value) : Number(value);
     if (asked.kind === "missing-left") return Math.max(number, asked.least);
     return asked.kind === "missing-right" ? Math.min(number, asked.most) : number;
@@ -148,7 +148,8 @@
   function goesLeft(node, values) {
     let result = 0;
     for (const asked of node.asks) result += asked.coefficient * featureOf(asked, values[asked.key]);
-    return result <= node.cut;
+    if (Number.isNaN(result)) return node.missing === "left";
+    return node.cut === null ? node.missing === "right" : result <= node.cut;
   }
 
   // Answers of yes and no bound a feature from both sides, and may decide a later split that reads it.
@@ -157,8 +158,12 @@
     for (const step of steps) {
       const before = nodes[step.node];
       if (before.asks.length > 1 || before.asks[0].feature !== node.asks[0].feature) continue;
-      if (step.isLeft && before.cut <= node.cut) return true;
-      if (!step.isLeft && before.cut >= node.cut) return false;
+      if (before.cut === null || node.cut === null) continue;
+      // What is missing may have come this way, too: it has to go on to the same side.
+      const comesMissing = before.missing && step.isLeft === (before.missing === "left");
+      const agrees = (isLeft) => !comesMissing || isLeft === (node.missing === "left");
+      if (step.isLeft && before.cut <= node.cut && agrees(true)) return true;
+      if (!step.isLeft && before.cut >= node.cut && agrees(false)) return false;
     }
     return undefined;
   }

@@ -129,15 +129,22 @@ def _sized(node: Node, wording: Wording, counts: NDArray[np.int64], total: int) 
 
 
 def _exactly(node: Split | HyperplaneSplit) -> str:
-    if isinstance(node, Split) and node.threshold != 0 and figure(node.threshold) != figure(node.threshold, 17):
-        return f"(exactly {figure(node.threshold, 17)}) "
-    return ""
+    if not isinstance(node, Split) or not node.threshold or figure(node.threshold) == figure(node.threshold, 17):
+        return ""
+    return f"(exactly {figure(node.threshold, 17)}) "
 
 
 def _missing(node: Split | HyperplaneSplit, wording: Wording) -> str:
     """Return where a missing value goes where the question does not say it."""
-    is_right = isinstance(node, Split) and wording.feature(node.feature).kind == "missing-right"
+    is_doubled = isinstance(node, Split) and wording.feature(node.feature).kind == "missing-right"
+    is_right = is_doubled or (node.missing == "right" and not _asks_for_gaps(node, wording))
     return "A missing value goes to no. " if is_right else ""
+
+
+def _asks_for_gaps(node: Split | HyperplaneSplit, wording: Wording) -> bool:
+    """Whether the question itself is whether a value is missing, or is one of text, which has an answer of its own."""
+    is_text = isinstance(node, Split) and wording.feature(node.feature).kind in ("is", "is-missing")
+    return is_text or (isinstance(node, Split) and node.threshold is None)
 
 
 def _sized_leaf(node: Leaf, wording: Wording, counts: NDArray[np.int64], total: int) -> _Sized:

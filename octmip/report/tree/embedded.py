@@ -40,13 +40,15 @@ def node_data(tree: Node, wording: Wording, counts: NDArray[np.int64]) -> list[d
 
 
 def _rule(node: Split | HyperplaneSplit, wording: Wording) -> dict[str, Any]:
+    """Return a split as the page's scripts ask it: `cut` None where it asks for missing values alone."""
+    side = {"missing": node.missing}
     if isinstance(node, Split):
-        return {"cut": node.threshold, "asks": [_asked(node.feature, 1.0, wording)]}
+        return {"cut": node.threshold, "asks": [_asked(node.feature, 1.0, wording, node)]} | side
     terms = zip(node.features, node.coefficients, strict=True)
-    return {"cut": node.offset, "asks": [_asked(feature, coefficient, wording) for feature, coefficient in terms]}
+    return {"cut": node.offset, "asks": [_asked(feature, weight, wording, node) for feature, weight in terms]} | side
 
 
-def _asked(index: int, coefficient: float, wording: Wording) -> dict[str, Any]:
+def _asked(index: int, coefficient: float, wording: Wording, node: Split | HyperplaneSplit) -> dict[str, Any]:
     """Return how a case's value of a column becomes the feature that a split reads."""
     item = wording.feature(index)
     asked: dict[str, Any] = {
@@ -57,6 +59,7 @@ def _asked(index: int, coefficient: float, wording: Wording) -> dict[str, Any]:
         "unit": wording.unit(item.column).strip(),
         "kind": item.kind,
         "value": item.value,
+        "hasMissing": node.missing is not None,
     }
     if wording.columns is None:
         return asked
@@ -64,7 +67,7 @@ def _asked(index: int, coefficient: float, wording: Wording) -> dict[str, Any]:
     asked |= {"values": list(column.values), "shown": [short_name(value) for value in column.values]}
     ends = (column.least, column.most) if column.kind == "number" else (0.0, len(column.values) - 1.0)
     return asked | {
-        "hasMissing": column.has_missing,
+        "hasMissing": column.has_missing or (node.missing is not None and column.kind != "values"),
         "least": ends[0],
         "most": ends[1],
         "isOrder": column.kind == "order",

@@ -122,14 +122,19 @@ def question(split: Split | HyperplaneSplit, wording: Wording) -> Question:
         return _weighted(split, wording)
     item = wording.feature(split.feature)
     if wording.columns is None or item.kind == "number":
-        name, cut = shown(item.column), f"≤ {figure(split.threshold)}{wording.unit(item.column)}"
+        name = shown(item.column)
+        if split.threshold is None:
+            words = f"is {'' if split.missing == 'left' else 'not '}missing"
+            return Question((name, f"{words}?"), f"{short_name(item.column)} {words}")
+        or_missing = " or missing" if split.missing == "left" else ""
+        cut = f"≤ {figure(split.threshold)}{wording.unit(item.column)}{or_missing}"
         return Question((name, f"{cut}?"), f"{short_name(item.column)} {cut}")
     if item.kind in ("is", "is-missing"):
         value = shown(item.value) if item.kind == "is" else "missing"
         return Question(
             (shown(item.column), f"is {value}?"), f"{short_name(item.column)} is {short_name(value)}", False
         )
-    words = wording.columns.left_words(split.feature, split.threshold, figure)
+    words = wording.columns.left_words(split, figure)
     rest = words.removeprefix(item.column).strip().replace("<=", "≤")
     if wording.unit(item.column) and "≤" in rest:
         cut, _, missing = rest.partition(" or missing")

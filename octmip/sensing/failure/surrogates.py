@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from octmip.errors import DataError
 from octmip.problem import Problem
+from octmip.problem_values import refuse_gaps
 from octmip.tree import HyperplaneSplit, Leaf, Node, Split, goes_left, midpoint
 
 Floats = NDArray[np.float64]
@@ -133,6 +134,8 @@ def with_surrogates(problem: Problem, tree: Node, n_surrogates: int = 5) -> Guar
     Every sensor of the problem may stand in, so also those that the tree does not read: their readings must be at hand
     in service.
     """
+    why = "surrogates stand in for readings of a tree that was trained on all of them"
+    refuse_gaps(problem.n_missing, why, "use the tree as it is: each split has a side for missing readings")
     return GuardedTree(_guarded(problem, tree, np.arange(problem.n_samples), n_surrogates), tree)
 
 

@@ -63,19 +63,25 @@ impl<'a> Entries<'a> {
         if *format != Json::Text("octmip-problem".into()) {
             return Err(format!("format is {}, expected \"octmip-problem\"", shown(format)));
         }
-        if self.whole("version")? != 1 {
-            return Err("version is not 1; a newer octmip wrote the file".into());
+        if !(1..=2).contains(&self.whole("version")?) {
+            return Err("version is neither 1 nor 2; a newer octmip wrote the file".into());
         }
         Ok(())
     }
 
-    /// Numbers of samples and of features, and the values, sample-major.
+    /// Numbers of samples and of features, and the values, sample-major; since version 2 `null` is a missing one.
     fn features(&self) -> Result<(usize, usize, Vec<f64>), String> {
         let rows = list(self.get("features")?, "features")?;
         let (n, p) = (rows.len(), list(rows.first().unwrap_or(&Json::Null), "features[0]")?.len());
+        let takes_gaps = self.whole("version")? > 1;
         let mut features = Vec::with_capacity(n * p);
         for (i, row) in rows.iter().enumerate() {
-            let row = numbers(row, &format!("features[{i}]"))?;
+            let name = format!("features[{i}]");
+            let value = |value: &Json| match value {
+                Json::Null if takes_gaps => Ok(f64::NAN),
+                value => number(value, &name),
+            };
+            let row: Vec<f64> = list(row, &name)?.iter().map(value).collect::<Result<_, _>>()?;
             if row.len() != p {
                 return Err(format!("features[{i}] has {} values, expected {p}", row.len()));
             }
@@ -153,6 +159,14 @@ mod tests {
         assert_eq!([question.is_allowed(0), question.is_allowed(1)], [false, true]);
     }
 
+    #[test]
+    fn a_value_may_be_missing_since_version_2() {
+        let file = FILE.replace("version\": 1", "version\": 2").replace("-2e300", "null");
+        let question = Question::from_json(&file).expect("the file is right");
+        assert!(question.has_gaps() && question.features[3].is_nan());
+        assert!(Question::from_json(&file.replace("\"axis\"", "\"hyperplane\"")).is_err());
+    }
+
     /// The digests that octmip.formats.problem_file writes of the same problem, its penalty, names and sensors
     /// included.
     #[test]
@@ -194,7 +208,8 @@ mod tests {
     fn each_wrong_entry_is_refused_by_name() {
         let changes = [
             ("octmip-problem", "octmip-tree", "format"),
-            ("version\": 1", "version\": 2", "version"),
+            ("version\": 1", "version\": 3", "version"),
+            ("[1.5, -2e300]", "[1.5, null]", "features[1]"),
             ("[1.5, -2e300]", "[1.5]", "features[1]"),
             ("\"labels\": [0, 1]", "\"labels\": [0, 2]", "labels"),
             ("\"labels\": [0, 1]", "\"labels\": [0]", "labels"),

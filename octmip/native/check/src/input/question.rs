@@ -12,7 +12,8 @@ pub struct Question {
     pub p: usize,
     /// Number of classes.
     pub n_classes: usize,
-    /// Feature values, sample-major: feature `f` of sample `i` is `features[i * p + f]`; finite.
+    /// Feature values, sample-major: feature `f` of sample `i` is `features[i * p + f]`; NaN where it is missing, never
+    /// infinite.
     pub features: Vec<f64>,
     /// Class of each sample.
     pub labels: Vec<u32>,
@@ -88,10 +89,17 @@ impl Question {
         if let Some((name, value)) = all.chain(limits).find(|&(name, value)| is_wrong(name, value)) {
             return Err(format!("{name} holds {value}, expected finite numbers of 0 or more"));
         }
-        match self.features.iter().find(|value| !value.is_finite()) {
-            Some(value) => Err(format!("features hold {value}, expected finite numbers")),
+        match self.features.iter().find(|value| value.is_infinite() || (self.is_hyperplane && value.is_nan())) {
+            Some(value) => {
+                Err(format!("features hold {value}, expected finite numbers, missing ones in axis splits only"))
+            }
             None => Ok(()),
         }
+    }
+
+    /// Whether some value is missing.
+    pub fn has_gaps(&self) -> bool {
+        self.features.iter().any(|value| value.is_nan())
     }
 
     fn check_indices(&self) -> Result<(), String> {

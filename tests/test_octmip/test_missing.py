@@ -1,0 +1,336 @@
+"""Missing readings: where each split sends them, chosen in the optimum, and the same by all that reads a tree."""
+
+import itertools
+import json
+import shutil
+import sqlite3
+import subprocess
+from contextlib import closing
+from ctypes import CDLL, POINTER, c_double
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from benchmarks.cases.fuzz.gaps import problem_with_gaps
+from benchmarks.exact_answers import complaint
+from benchmarks.oracles.enumeration import optimum
+from benchmarks.oracles.export_runs import C_FLAGS
+from octmip import HyperplaneSplit, Leaf, OptimalTreeClassifier, OptimalTreeRegressor, Problem, Split, predict, solve
+from octmip.certificate import certify
+from octmip.encoding import rank_features, rows_from_tree, tree_from_rows
+from octmip.errors import CertificateError, ProblemError, TreeError
+from octmip.formats.problem_file import data_digest, encode, question_digest
+from octmip.methods.exact import branch_and_bound
+from octmip.monitor.compiled import CompiledTree
+from octmip.monitor.export import c_source, onnx_model, sql, sql_expression
+from octmip.near_sets import near_optimal, sensor_roles
+from octmip.proof import check_proof, checker_question
+from octmip.sensing.failure.surrogates import with_surrogates
+from octmip.solution import Solution, Stop
+from octmip.tree import Node, centred, condition, goes_left, splits, with_sides_for_gaps, without_empty_sides
+
+N_PROBLEMS, BLOCK = 160, 16
+NAN = float("nan")
+
+
+@pytest.mark.parametrize("first", range(0, N_PROBLEMS, BLOCK))
+def test_the_optimum_is_that_of_enumeration_over_sides(first):
+    for seed in range(first, first + BLOCK):
+        reason = complaint(problem_with_gaps(seed))
+        assert reason is None, f"seed {seed}: {reason}"
+
+
+# The rule at one split
+
+
+def test_a_missing_reading_goes_to_the_side_that_the_split_names():
+    features = np.array([[0.5], [NAN], [2.5], [3.5], [NAN]])
+    assert goes_left(Split(0, 2.5, Leaf(0), Leaf(1), missing="left"), features).tolist() == [1, 1, 1, 0, 1]
+    assert goes_left(Split(0, 2.5, Leaf(0), Leaf(1), missing="right"), features).tolist() == [1, 0, 1, 0, 0]
+    assert goes_left(Split(0, None, Leaf(0), Leaf(1), missing="left"), features).tolist() == [0, 1, 0, 0, 1]
+    assert goes_left(Split(0, None, Leaf(0), Leaf(1), missing="right"), features).tolist() == [1, 0, 1, 1, 0]
+
+
+def test_a_hyperplane_that_lacks_one_of_its_readings_goes_to_its_side():
+    features = np.array([[1.0, NAN], [NAN, NAN], [1.0, 1.0], [1.0, -1.0], [1e308, 1e308]])
+    plane = HyperplaneSplit((0, 1), (1.0, 1.0), 1.0, Leaf(0), Leaf(1), missing="left")
+    assert goes_left(plane, features).tolist() == [1, 1, 0, 1, 0]
+
+
+def test_a_split_without_a_side_refuses_what_is_missing():
+    features = np.array([[0.5], [NAN], [2.5], [NAN]])
+    with pytest.raises(TreeError, match=r"row 1 lacks its reading of feature 0 \(NaN; 2 such rows.*gaps=True"):
+        predict(Split(0, 1.0, Leaf(0), Leaf(1)), features)
+    plane = HyperplaneSplit((0, 1), (1.0, 1.0), 1.0, Leaf(0), Leaf(1))
+    with pytest.raises(TreeError, match=r"row 3 lacks its reading of one of the features \(0, 1\)"):
+        predict(plane, np.hstack([np.nan_to_num(features, nan=1.0), features])[[0, 0, 0, 1]])
+
+
+@pytest.mark.parametrize(
+    ("threshold", "missing", "reason"), [(None, None, "neither a threshold nor a side"), (1.0, "up", "go to 'up'")]
+)
+def test_a_split_that_says_nothing_is_refused(threshold, missing, reason):
+    with pytest.raises(TreeError, match=reason):
+        Split(0, threshold, Leaf(0), Leaf(1), missing=missing)
+
+
+def test_a_split_is_said_with_its_side():
+    def words(**given):
+        return condition(Split(0, left=Leaf(0), right=Leaf(1), **given), "x{}".format)
+
+    assert words(threshold=1.5, missing="left") == "x0 <= 1.5 or missing"
+    assert words(threshold=1.5, missing="right") == words(threshold=1.5) == "x0 <= 1.5"
+    assert words(threshold=None, missing="left") == "x0 is missing"
+    assert words(threshold=None, missing="right") == "x0 is not missing"
+
+
+# Sides and thresholds of a solved tree
+
+
+def test_the_optimum_may_ask_for_what_is_missing_alone():
+    problem = Problem([[NAN], [1.0], [2.0], [NAN]], [1, 0, 0, 1], depth=1)
+    solution = solve(problem)
+    assert solution.objective == 0
+    (split,) = splits(solution.tree)
+    assert split.threshold is None
+
+
+def test_where_nothing_was_missing_the_heavier_side_takes_it():
+    tree = Split(0, 1.5, Leaf(0), Split(1, 0.5, Leaf(0), Leaf(1), missing="left"))
+    features = np.array([[1.0, 0.0], [2.0, 0.0], [3.0, 1.0], [4.0, NAN]])
+    sided = with_sides_for_gaps(tree, features, np.array([3.0, 1.0, 1.0, 1.0]))
+    assert [split.missing for split in splits(sided)] == ["left", "left"]
+    sided = with_sides_for_gaps(tree, features, np.array([2.0, 1.0, 1.0, 1.0]))
+    assert [split.missing for split in splits(sided)] == ["right", "left"]
+
+
+def test_complete_data_have_no_sides_unless_asked_for():
+    features, labels = [[1.0], [2.0], [3.0]], [0, 1, 1]
+    assert splits(solve(Problem(features, labels, depth=1)).tree)[0].missing is None
+    assert splits(solve(Problem(features, labels, depth=1, gaps=True)).tree)[0].missing == "right"
+
+
+def test_a_feature_that_is_missing_everywhere_has_no_cut():
+    problem = Problem([[NAN, 0.0], [NAN, 1.0]], [0, 1], depth=2)
+    assert solve(problem).tree == Split(1, 0.5, Leaf(0), Leaf(1), missing="left")
+    assert isinstance(solve(Problem([[NAN], [NAN]], [0, 1], depth=2)).tree, Leaf)
+
+
+def test_a_tree_goes_to_columns_and_back():
+    for seed in range(60):
+        problem = problem_with_gaps(seed)
+        ranks, tree = rank_features(problem), optimum(problem).tree
+        tree = without_empty_sides(tree, problem.features)
+        back = tree_from_rows(rows_from_tree(tree, ranks), ranks)
+        np.testing.assert_array_equal(predict(back, problem.features), predict(tree, problem.features))
+        again = centred(back, problem.features)
+        np.testing.assert_array_equal(predict(again, problem.features), predict(tree, problem.features))
+
+
+def test_extremes_of_float64_have_room_for_what_is_missing():
+    most = np.finfo(np.float64).max
+    problem = Problem([[-most], [most], [NAN], [0.0]], [0, 1, 2, 0], depth=2)
+    assert solve(problem).objective == 0
+
+
+# All methods
+
+
+@pytest.mark.parametrize("method", ["search", "cart", "oct", "flow", "benders"])
+def test_every_method_returns_a_tree_of_the_problem_no_better_than_the_optimum(method):
+    is_heuristic = method in ("search", "cart")
+    for seed in range(40 if is_heuristic else 4):
+        problem = problem_with_gaps(seed)
+        if method != "cart" and not is_heuristic and problem.depth > 2:
+            continue
+        solution, least = solve(problem, method), optimum(problem).objective
+        certify(problem, solution)
+        assert solution.objective >= least - 1e-9 * max(1.0, least)
+        if not is_heuristic:
+            assert abs(solution.objective - least) <= 1e-6 * max(1.0, least)
+
+
+def test_hyperplanes_over_missing_readings_are_refused():
+    problem = Problem([[NAN, 1.0], [0.0, 1.0], [1.0, 2.0]], [0, 1, 0], depth=1, split="hyperplane")
+    for method in ("search", "exact", "oct_h", "flow", "benders"):
+        with pytest.raises(ProblemError, match=r"1 reading is missing.*hyperplanes add readings.*split='axis'"):
+            solve(problem, method)
+
+
+def test_what_counts_on_every_reading_refuses_a_problem_that_lacks_some():
+    problem = Problem([[NAN, 1.0], [0.0, 1.0], [1.0, 2.0]], [0, 1, 0], depth=1)
+    for refused in (
+        lambda: near_optimal(problem, within=0.1),
+        lambda: sensor_roles(problem),
+        lambda: with_surrogates(problem, Leaf(0)),
+        lambda: solve(problem, "flow", options={"assist": ("search",)}),
+    ):
+        with pytest.raises(ProblemError, match=r"1 reading is missing \(NaN\), and .*; expected every reading; "):
+            refused()
+
+
+def test_an_incumbent_with_sides_is_taken():
+    problem = problem_with_gaps(3)
+    best = solve(problem)
+    for method in ("exact", "search"):
+        assert solve(problem, method, incumbent=best).objective == best.objective
+
+
+def test_a_tree_without_a_side_where_some_are_missing_has_no_certificate():
+    problem = Problem([[NAN], [1.0], [2.0]], [0, 0, 1], depth=1)
+    claim = Solution(Split(0, 1.5, Leaf(0), Leaf(1)), 0.0, 0.0, Stop.OPTIMAL, 0.0, 0, "hand", "1", 0)
+    with pytest.raises(CertificateError, match="no side for missing readings"):
+        certify(problem, claim)
+
+
+# Proof logs
+
+
+@pytest.mark.parametrize("first", range(0, 60, 20))
+def test_every_log_of_a_problem_with_gaps_proves_its_bound(first, tmp_path):
+    for seed in range(first, first + 20):
+        problem, log = problem_with_gaps(seed), tmp_path / "proof.log"
+        solution = branch_and_bound(problem, proof=log)
+        report = check_proof(problem, log, bound=solution.bound)
+        assert report.bound <= optimum(problem).objective * (1 + 1e-12), f"seed {seed}"
+        assert report.bound >= solution.objective - solution.tolerance, f"seed {seed}"
+        assert log.read_text().splitlines()[0] == "octmip-proof 3" + (" gaps" if problem.n_missing else "")
+
+
+def test_a_log_belongs_to_its_gaps(tmp_path):
+    problem, log = Problem([[NAN], [1.0], [2.0]], [0, 0, 1], depth=1), tmp_path / "proof.log"
+    branch_and_bound(problem, proof=log)
+    with pytest.raises(CertificateError, match=r"line 1: got .octmip-proof 3 gaps., expected .octmip-proof 3."):
+        check_proof(replace(problem, features=np.nan_to_num(problem.features)), log)
+    moved = replace(problem, features=np.array([[1.0], [NAN], [2.0]]))
+    with pytest.raises(CertificateError, match="line 2: got"):
+        check_proof(moved, log)
+    # The same data, but its first line says that none is missing.
+    log.write_text(log.read_text().replace(" gaps", "", 1))
+    with pytest.raises(CertificateError, match="line 1"):
+        check_proof(problem, log)
+
+
+def test_a_problem_file_holds_null_for_what_is_missing_and_the_checker_knows_its_digests():
+    problem = Problem([[NAN, 1.0], [0.0, 2.0]], [0, 1], depth=1)
+    file = json.loads(json.dumps(encode(problem), allow_nan=False))
+    assert file["features"] == [[None, 1.0], [0.0, 2.0]]
+    assert file["version"] == 2
+    assert encode(Problem([[1.0], [0.0]], [0, 1], depth=1, gaps=True))["version"] == 1
+    assert checker_question(problem).digests() == (data_digest(problem), question_digest(problem))
+
+
+# The compiled tree
+
+TREES: list[Node] = [
+    Split(0, 0.5, Leaf(0), Split(1, None, Leaf(1), Leaf(2), missing="left"), missing="right"),
+    Split(1, None, Split(0, 0.5, Leaf(0), Leaf(1), missing="left"), Split(2, -0.5, Leaf(2), Leaf(3)), missing="right"),
+    HyperplaneSplit(
+        (0, 2), (1.0, -2.0), 0.25, Leaf(0), Split(1, 0.0, Leaf(1), Leaf(2), missing="left"), missing="left"
+    ),
+    Split(2, 0.0, HyperplaneSplit((0, 1), (0.5, 2.0), 0.0, Leaf(0), Leaf(1), missing="right"), Leaf(2), missing="left"),
+]
+READINGS = np.array(list(itertools.product([-1.0, 0.5, 1.0, NAN], repeat=3)))
+
+
+def answered(tree: Node) -> list[int]:
+    """Return what a tree predicts for `READINGS`, -1 where it refuses."""
+
+    def one(row: np.ndarray) -> int:
+        try:
+            return int(predict(tree, row[None])[0])
+        except TreeError:
+            return -1
+
+    return [one(row) for row in READINGS]
+
+
+@pytest.mark.parametrize("tree", TREES)
+def test_a_compiled_tree_goes_the_same_ways(tree):
+    compiled = CompiledTree(tree, ("a", "b", "c"))
+    expected = answered(tree)
+    assert compiled.labels(READINGS).tolist() == expected
+    for row, label in zip(READINGS, expected, strict=True):
+        if label >= 0:
+            assert compiled.label(row) == compiled.label(row.tolist()) == label
+
+
+# The exports
+
+
+def run_c(tree: Node, folder: Path) -> list[int]:
+    source, library = folder / "tree.c", folder / "tree.so"
+    source.write_text(c_source(tree, "abc", range(4)))
+    subprocess.run(["cc", *C_FLAGS, "-shared", "-fPIC", "-o", library, source], check=True, capture_output=True)
+    function = CDLL(str(library)).octmip_label
+    function.argtypes = [POINTER(c_double)]
+    return [function((c_double * 3)(*row)) for row in READINGS.tolist()]
+
+
+def run_sqlite(tree: Node, folder: Path) -> list[int]:
+    with closing(sqlite3.connect(folder / "base")) as base:
+        base.execute("CREATE TABLE readings (n INTEGER, a DOUBLE PRECISION, b DOUBLE PRECISION, c DOUBLE PRECISION)")
+        rows = [(k, *row) for k, row in enumerate(READINGS.tolist())]
+        base.executemany("INSERT INTO readings VALUES (?, ?, ?, ?)", rows)
+        found = base.execute(f"SELECT {sql_expression(tree, 'abc')} FROM readings ORDER BY n").fetchall()
+    return [label for (label,) in found]
+
+
+def run_flat_sql(tree: Node, folder: Path) -> list[int]:
+    """Run the flat form, which only trees of more than ten levels get."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sql, "DEEPEST_NEST", 0)
+        return run_sqlite(tree, folder)
+
+
+def run_onnx(tree: Node, folder: Path) -> list[int]:
+    runtime = pytest.importorskip("onnxruntime")
+    session = runtime.InferenceSession(onnx_model(tree, list("abc"), range(4)).SerializeToString())
+    return session.run(["label"], {"readings": READINGS})[0].tolist()
+
+
+@pytest.mark.parametrize("tree", TREES)
+@pytest.mark.parametrize("run", [run_c, run_sqlite, run_flat_sql, run_onnx])
+def test_every_export_goes_the_same_ways(run, tree, tmp_path):
+    if run is run_c and shutil.which("cc") is None:
+        pytest.skip("no C compiler")
+    assert run(tree, tmp_path) == answered(tree)
+
+
+# The estimator
+
+
+def gapped(n: int = 60) -> tuple[np.ndarray, np.ndarray]:
+    rng = np.random.default_rng(8)
+    features = rng.normal(size=(n, 3)).round(1)
+    features[rng.random((n, 3)) < 0.3] = NAN
+    return features, (np.nan_to_num(features[:, 0], nan=1.0) > 0.2).astype(int)
+
+
+def test_the_estimator_takes_missing_readings_in_fit_and_in_predict():
+    features, labels = gapped()
+    features[:, 2] = 0.5  # complete in training, missing later
+    model = OptimalTreeClassifier(max_depth=2).fit(features, labels)
+    assert model.score(features, labels) == 1.0
+    assert model.n_features_in_ == 3
+    assert model.problem_.feature_names == ("x0", "x1", "x2")
+    assert model.predict(np.full((1, 3), NAN)).tolist() == [1]
+
+
+def test_a_tree_with_sides_is_the_same_as_a_tree_of_scikit_learn():
+    features, labels = gapped()
+    features = np.where(np.isnan(features), NAN, features.astype(np.float32))
+    for depth in (1, 2, 3):
+        model = OptimalTreeClassifier(max_depth=depth).fit(features, labels)
+        np.testing.assert_array_equal(model.to_sklearn().predict(features), model.predict(features))
+    asks = OptimalTreeClassifier(max_depth=1).fit([[NAN], [1.0], [2.0]], [1, 0, 0])
+    assert asks.to_sklearn().predict([[NAN], [1.5]]).tolist() == [1, 0]
+
+
+def test_the_regressor_takes_missing_readings_too():
+    features = np.array([[1.0, 2.0], [2.0, NAN], [3.0, 1.0], [4.0, NAN]])
+    model = OptimalTreeRegressor(max_depth=2).fit(features, [1.0, 5.0, 3.0, 5.0])
+    assert model.predict(features).tolist() == [1.0, 5.0, 3.0, 5.0]
+    assert model.predict([[9.0, NAN]]).tolist() == [5.0]
