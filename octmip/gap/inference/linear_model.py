@@ -149,7 +149,7 @@ class LinearModel:
     def __post_init__(self) -> None:
         own = (self.states, self.average, self.gauge, self.predicted, self.residual, self.covariance, self.factor)
         kept = (self.whitened.signatures, self.whitened.residual, self.whitened.lengths, self.whitened.projection)
-        for array in (*own, self.signatures, self.tangents, *kept):
+        for array in (*own, self.noise, self.signatures, self.tangents, *kept):
             array.flags.writeable = False
 
     @property
