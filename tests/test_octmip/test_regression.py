@@ -59,19 +59,23 @@ def test_a_sample_of_weight_two_is_two_samples_and_order_does_not_matter(loss):
     assert solve(often).objective == pytest.approx(solve(once).objective, rel=1e-12)
 
 
-@pytest.mark.parametrize("n", [60, 400])
-def test_buckets_find_what_scans_of_all_samples_find(n):
+@pytest.mark.parametrize("loss", LOSSES)
+@pytest.mark.parametrize("n", [60, 400, 1200])
+@pytest.mark.parametrize("n_values", [2, 5, 8, None])
+def test_buckets_find_what_scans_of_all_samples_find(n, n_values, loss):
     features, targets = smooth(n)
-    features = np.round(features, 1)
-    for own in (targets, np.round(targets)):
-        bucketed = solve(RegressionProblem(features, own, depth=2))
-        # A sample without weight changes no error, and buckets serve no such samples.
-        weights = np.append(np.ones(n), 0.0)
-        scanned = solve(
-            RegressionProblem(np.vstack([features, features[:1]]), np.append(own, own[0]), weights=weights, depth=2)
-        )
-        assert scanned.objective == bucketed.objective
-        assert scanned.is_optimal
+    features[:, 1:] = np.round(features[:, 1:], 1)
+    if n_values is not None:
+        edges = np.quantile(targets, np.arange(1, n_values) / n_values)
+        targets = np.cumsum([0, 3, 1, 7, 2, 2, 10, 4])[np.searchsorted(edges, targets)].astype(float)
+    bucketed = solve(RegressionProblem(features, targets, depth=2, loss=loss))
+    # A sample without weight changes no error, and buckets serve no such samples.
+    weights, twice = np.append(np.ones(n), 0.0), np.append(targets, targets[0])
+    problem = RegressionProblem(np.vstack([features, features[:1]]), twice, weights=weights, depth=2, loss=loss)
+    scanned = solve(problem)
+    assert scanned.objective == pytest.approx(bucketed.objective, rel=1e-14)
+    assert scanned.is_optimal
+    assert bucketed.is_optimal
 
 
 @pytest.mark.parametrize("loss", LOSSES)
