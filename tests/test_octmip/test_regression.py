@@ -7,6 +7,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from benchmarks.cases.regression.agreement import complaint
 from benchmarks.regression.enumeration import least_objective, random_problem
 from octmip import Leaf, Limits, RegressionProblem, Split, Stop, ValueLeaf, certify, predict_values, solve
 from octmip.errors import CertificateError, ProblemError, TreeError
@@ -34,6 +35,11 @@ def test_the_optimum_is_that_of_enumeration_and_no_bound_lies_above_it(loss):
         found = problem.exact_objective(solution.tree)
         assert found == least or float(found - least) <= 1e-12 * problem.baseline, seed
         assert certificate.objective == solution.objective, seed
+
+
+@pytest.mark.parametrize(("seed", "loss"), [(540, "squared"), (615, "absolute")])
+def test_a_cut_that_only_rounding_makes_cheaper_than_a_leaf_is_no_split(seed, loss):
+    assert complaint(seed, loss) is None
 
 
 @pytest.mark.parametrize("loss", LOSSES)

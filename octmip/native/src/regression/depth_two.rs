@@ -125,6 +125,9 @@ impl TwoLevels<'_> {
         let Some(g) = stump.feature else { return Tree::leaf(0) };
         let needs = [side == 0, side == 1];
         let found = self.scanner.scan(self.samples, view, g, &self.sides, needs)[side];
+        if found.error.is_infinite() {
+            return Tree::leaf(0); // rounding alone made it cheaper than the leaf
+        }
         Tree::join(self.samples.features[g], found.rank, &Tree::leaf(0), &Tree::leaf(0))
     }
 

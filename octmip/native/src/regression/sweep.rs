@@ -117,50 +117,52 @@ impl<S: Simd> Explained<S> {
 }
 
 impl Squared<'_> {
+    /// One side after the other: both at once need more numbers than there are registers.
     #[inline(always)]
     fn sweep<S: Simd, const INSIDE: bool>(&mut self, simd: S) -> Reached {
         let mut reached = Reached::NOTHING;
         for part in 0..LANES / S::F64_LANES {
-            let total = self.totals.map(|(w, s, _)| (simd.splat_f64s(w), simd.splat_f64s(s)));
-            let none = self.totals.map(|(w, s, _)| {
-                let below = if w > 0.0 { w } else { 1.0 };
-                Explained::<S> { above: simd.splat_f64s(s * s), below: simd.splat_f64s(below) }
-            });
-            let zero = simd.splat_f64s(0.0);
-            let (mut best, mut most, mut run) = (none, none, [(zero, zero); 2]);
-            for (bucket, cell) in self.lines.as_chunks::<SQUARED_ROWS>().0.iter().enumerate() {
-                let row = |row: usize| cell[row].part::<S>(part);
-                let left = (row(2), row(3));
-                let right = (simd.sub_f64s(row(0), left.0), simd.sub_f64s(row(1), left.1));
-                for (m, own) in [left, right].into_iter().enumerate() {
-                    if INSIDE {
-                        let (low, high, slope) = (row(4), row(5), row(6));
-                        // As much as can be of the greatest target first, or of the least first.
-                        let beyond = simd.mul_f64s(simd.sub_f64s(own.1, simd.mul_f64s(low, own.0)), slope);
-                        let greatest = simd.min_f64s(simd.max_f64s(beyond, zero), own.0);
-                        let rest = simd.sub_f64s(own.0, greatest);
-                        let least = simd.select_f64s(simd.greater_than_f64s(slope, zero), rest, zero);
-                        let mut cap = none[m];
-                        for (weight, target) in [(greatest, high), (least, low)] {
-                            let target = simd.add_f64s(run[m].1, simd.mul_f64s(target, weight));
-                            let corner = Explained::of(simd, simd.add_f64s(run[m].0, weight), target, total[m]);
-                            cap = cap.most(simd, corner);
-                        }
-                        most[m] = most[m].most(simd, cap);
-                        self.caps[CAPS * bucket + 2 * m].set::<S>(part, cap.above);
-                        self.caps[CAPS * bucket + 2 * m + 1].set::<S>(part, cap.below);
-                    }
-                    run[m] = (simd.add_f64s(run[m].0, own.0), simd.add_f64s(run[m].1, own.1));
-                    best[m] = best[m].most(simd, Explained::of(simd, run[m].0, run[m].1, total[m]));
-                }
-            }
             for m in [0, 1] {
-                let edge = best[m].error(simd, self.totals[m].2);
-                let lower = if INSIDE { simd.min_f64s(edge, most[m].error(simd, self.totals[m].2)) } else { edge };
-                reached.store::<S>(part, m, edge, lower);
+                self.side::<S, INSIDE>(simd, part, m, &mut reached);
             }
         }
         reached
+    }
+
+    #[inline(always)]
+    fn side<S: Simd, const INSIDE: bool>(&mut self, simd: S, part: usize, m: usize, reached: &mut Reached) {
+        let (w, s, square) = self.totals[m];
+        let (total, zero) = ((simd.splat_f64s(w), simd.splat_f64s(s)), simd.splat_f64s(0.0));
+        let below = simd.splat_f64s(if w > 0.0 { w } else { 1.0 });
+        let none = Explained::<S> { above: simd.splat_f64s(s * s), below };
+        let (mut best, mut most, mut run) = (none, none, (zero, zero));
+        let cells = self.lines.as_chunks::<SQUARED_ROWS>().0.iter().zip(self.caps.as_chunks_mut::<CAPS>().0);
+        for (cell, caps) in cells {
+            let row = |row: usize| cell[row].part::<S>(part);
+            let left = (row(2), row(3));
+            let own = if m == 0 { left } else { (simd.sub_f64s(row(0), left.0), simd.sub_f64s(row(1), left.1)) };
+            if INSIDE {
+                let (low, high, slope) = (row(4), row(5), row(6));
+                // As much as can be of the greatest target first, or of the least first.
+                let beyond = simd.mul_f64s(simd.sub_f64s(own.1, simd.mul_f64s(low, own.0)), slope);
+                let greatest = simd.min_f64s(simd.max_f64s(beyond, zero), own.0);
+                let rest = simd.sub_f64s(own.0, greatest);
+                let least = simd.select_f64s(simd.greater_than_f64s(slope, zero), rest, zero);
+                let mut cap = none;
+                for (weight, target) in [(greatest, high), (least, low)] {
+                    let target = simd.add_f64s(run.1, simd.mul_f64s(target, weight));
+                    cap = cap.most(simd, Explained::of(simd, simd.add_f64s(run.0, weight), target, total));
+                }
+                most = most.most(simd, cap);
+                caps[2 * m].set::<S>(part, cap.above);
+                caps[2 * m + 1].set::<S>(part, cap.below);
+            }
+            run = (simd.add_f64s(run.0, own.0), simd.add_f64s(run.1, own.1));
+            best = best.most(simd, Explained::of(simd, run.0, run.1, total));
+        }
+        let edge = best.error(simd, square);
+        let lower = if INSIDE { simd.min_f64s(edge, most.error(simd, square)) } else { edge };
+        reached.store::<S>(part, m, edge, lower);
     }
 }
 
@@ -202,17 +204,16 @@ impl WithSimd for Absolute<'_> {
     }
 }
 
-/// What stands left of the running cut on one side, for one gap.
+/// What stands left of the running cut, for one gap.
 #[derive(Clone, Copy)]
 struct Below<S: Simd> {
-    /// Weight below the gap, left.
+    /// Weight below the gap and above it, left of the cut.
     low: S::f64s,
-    /// Weight above the gap, left.
     high: S::f64s,
-    /// The same right of the running cut.
+    /// The same right of it.
     rest_low: S::f64s,
     rest_high: S::f64s,
-    /// Least weights of both sides together.
+    /// Least weights of both together.
     least: S::f64s,
 }
 
@@ -221,71 +222,81 @@ impl Absolute<'_> {
     fn sweep<S: Simd, const V: usize, const ROWS: usize, const INSIDE: bool>(&mut self, simd: S) -> Reached {
         let mut reached = Reached::NOTHING;
         for part in 0..LANES / S::F64_LANES {
-            let zero = simd.splat_f64s(0.0);
-            let mut state = self.totals.map(|totals| {
-                let mut below = 0.0;
-                let weight: f64 = totals.iter().sum();
-                std::array::from_fn::<_, V, _>(|j| {
-                    below += totals[j];
-                    let (low, high) = (simd.splat_f64s(below), simd.splat_f64s(weight - below));
-                    let least = simd.min_f64s(low, high);
-                    Below::<S> { low: zero, high: zero, rest_low: low, rest_high: high, least }
-                })
-            });
-            let gaps: [S::f64s; V] = std::array::from_fn(|j| simd.splat_f64s(self.gaps[j]));
-            let mut edge = state.map(|gaps_| Self::sum(simd, &gaps, &gaps_));
-            let mut lower = edge;
-            for (bucket, cell) in self.lines.as_chunks::<ROWS>().0.iter().enumerate() {
-                let all: [S::f64s; V] = std::array::from_fn(|v| cell[v].part::<S>(part));
-                let left: [S::f64s; V] = std::array::from_fn(|v| cell[V + v].part::<S>(part));
-                let right: [S::f64s; V] = std::array::from_fn(|v| simd.sub_f64s(all[v], left[v]));
-                let is_open = simd.greater_than_f64s(cell[2 * V].part::<S>(part), zero);
-                for (m, own) in [left, right].iter().enumerate() {
-                    let weight = own[1..].iter().fold(own[0], |sum, &w| simd.add_f64s(sum, w));
-                    let (mut low, mut cost, mut bound) = (zero, zero, zero);
-                    for j in 0..V - 1 {
-                        low = simd.add_f64s(low, own[j]);
-                        let (before, high) = (state[m][j], simd.sub_f64s(weight, low));
-                        let mut now = Below {
-                            low: simd.add_f64s(before.low, low),
-                            high: simd.add_f64s(before.high, high),
-                            rest_low: simd.sub_f64s(before.rest_low, low),
-                            rest_high: simd.sub_f64s(before.rest_high, high),
-                            least: zero,
-                        };
-                        let both = |low: S::f64s, high, rest_low, rest_high| {
-                            simd.add_f64s(simd.min_f64s(low, high), simd.min_f64s(rest_low, rest_high))
-                        };
-                        now.least = both(now.low, now.high, now.rest_low, now.rest_high);
-                        cost = simd.add_f64s(cost, simd.mul_f64s(gaps[j], now.least));
-                        if INSIDE {
-                            // Concave in what is passed below and above the gap: least at one of four corners.
-                            let first = both(now.low, before.high, now.rest_low, before.rest_high);
-                            let second = both(before.low, now.high, before.rest_low, now.rest_high);
-                            let ends = simd.min_f64s(before.least, now.least);
-                            let least = simd.min_f64s(ends, simd.min_f64s(first, second));
-                            bound = simd.add_f64s(bound, simd.mul_f64s(gaps[j], least));
-                        }
-                        state[m][j] = now;
-                    }
-                    edge[m] = simd.min_f64s(edge[m], cost);
-                    if INSIDE {
-                        let cap = simd.select_f64s(is_open, bound, simd.splat_f64s(f64::INFINITY));
-                        lower[m] = simd.min_f64s(lower[m], cap);
-                        self.caps[CAPS * bucket + m].set::<S>(part, cap);
-                    }
-                }
-            }
             for m in [0, 1] {
-                reached.store::<S>(part, m, edge[m], simd.min_f64s(edge[m], lower[m]));
+                self.side::<S, V, ROWS, INSIDE>(simd, part, m, &mut reached);
             }
         }
         reached
     }
 
+    /// The running cut at the beginning: everything is right of it.
     #[inline(always)]
-    fn sum<S: Simd, const V: usize>(simd: S, gaps: &[S::f64s; V], state: &[Below<S>; V]) -> S::f64s {
-        let terms = gaps.iter().zip(state).take(V - 1);
-        terms.fold(simd.splat_f64s(0.0), |sum, (&gap, below)| simd.add_f64s(sum, simd.mul_f64s(gap, below.least)))
+    fn start<S: Simd, const V: usize>(&self, simd: S, m: usize) -> [Below<S>; V] {
+        let (weight, zero, mut below): (f64, _, _) = (self.totals[m].iter().sum(), simd.splat_f64s(0.0), 0.0);
+        std::array::from_fn(|j| {
+            below += self.totals[m][j];
+            let (low, high) = (simd.splat_f64s(below), simd.splat_f64s(weight - below));
+            Below { low: zero, high: zero, rest_low: low, rest_high: high, least: simd.min_f64s(low, high) }
+        })
+    }
+
+    #[inline(always)]
+    fn side<S: Simd, const V: usize, const ROWS: usize, const INSIDE: bool>(
+        &mut self,
+        simd: S,
+        part: usize,
+        m: usize,
+        reached: &mut Reached,
+    ) {
+        let (zero, infinite) = (simd.splat_f64s(0.0), simd.splat_f64s(f64::INFINITY));
+        let mut state = self.start::<S, V>(simd, m);
+        let gaps: [S::f64s; V] = std::array::from_fn(|j| simd.splat_f64s(self.gaps[j]));
+        let mut edge = zero;
+        for j in 0..V - 1 {
+            edge = simd.add_f64s(edge, simd.mul_f64s(gaps[j], state[j].least));
+        }
+        let mut lower = edge;
+        let cells = self.lines.as_chunks::<ROWS>().0.iter().zip(self.caps.as_chunks_mut::<CAPS>().0);
+        for (cell, caps) in cells {
+            let own: [S::f64s; V] = std::array::from_fn(|v| {
+                let left = cell[V + v].part::<S>(part);
+                if m == 0 { left } else { simd.sub_f64s(cell[v].part::<S>(part), left) }
+            });
+            let weight = own[1..].iter().fold(own[0], |sum, &w| simd.add_f64s(sum, w));
+            let (mut low, mut cost, mut bound) = (zero, zero, zero);
+            for j in 0..V - 1 {
+                low = simd.add_f64s(low, own[j]);
+                let (before, high) = (state[j], simd.sub_f64s(weight, low));
+                let mut now = Below::<S> {
+                    low: simd.add_f64s(before.low, low),
+                    high: simd.add_f64s(before.high, high),
+                    rest_low: simd.sub_f64s(before.rest_low, low),
+                    rest_high: simd.sub_f64s(before.rest_high, high),
+                    least: zero,
+                };
+                let both = |low: S::f64s, high, rest_low, rest_high| {
+                    simd.add_f64s(simd.min_f64s(low, high), simd.min_f64s(rest_low, rest_high))
+                };
+                now.least = both(now.low, now.high, now.rest_low, now.rest_high);
+                cost = simd.add_f64s(cost, simd.mul_f64s(gaps[j], now.least));
+                if INSIDE {
+                    // Concave in what is passed below and above the gap: least at one of four corners.
+                    let first = both(now.low, before.high, now.rest_low, before.rest_high);
+                    let second = both(before.low, now.high, before.rest_low, now.rest_high);
+                    let ends = simd.min_f64s(before.least, now.least);
+                    let least = simd.min_f64s(ends, simd.min_f64s(first, second));
+                    bound = simd.add_f64s(bound, simd.mul_f64s(gaps[j], least));
+                }
+                state[j] = now;
+            }
+            edge = simd.min_f64s(edge, cost);
+            if INSIDE {
+                let is_open = simd.greater_than_f64s(cell[2 * V].part::<S>(part), zero);
+                let cap = simd.select_f64s(is_open, bound, infinite);
+                lower = simd.min_f64s(lower, cap);
+                caps[m].set::<S>(part, cap);
+            }
+        }
+        reached.store::<S>(part, m, edge, simd.min_f64s(edge, lower));
     }
 }
