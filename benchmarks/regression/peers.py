@@ -1,6 +1,6 @@
 """Squared error beside pystreed and scikit-learn, one run, one thread: `python -m benchmarks.regression.peers`.
 
-pystreed takes yes/no features: it is given quantile thresholds of every feature by its own option `n_thresholds`, and is
+pystreed takes yes/no features: it makes quantile thresholds of every feature by its own option `n_thresholds`, and is
 optimal among trees over these. It is no dependency of the project: the environment that this runs in must have it.
 """
 
@@ -12,12 +12,12 @@ from importlib.metadata import version
 
 import numpy as np
 import pandas as pd
-import pystreed  # type: ignore[import-not-found]
+import pystreed
 from numpy.typing import NDArray
 from sklearn.tree import DecisionTreeRegressor
 
-from benchmarks.cases.regression.speed import made_up
 from benchmarks.data import SHARED, published
+from benchmarks.regression.samples import made_up
 from octmip import Limits, RegressionProblem, solve
 
 Floats = NDArray[np.float64]

@@ -83,7 +83,7 @@ fn explained(left: Pile, total: Pile) -> f64 {
 }
 
 impl Inside {
-    /// Least squared error of cuts inside buckets that may err by less than `beat`, and a bound of those in all buckets.
+    /// Least squared error of cuts inside buckets that may err by less than `beat`, and a bound of those in all.
     pub(crate) fn squared(&mut self, samples: &Samples, sides: &Sides, piles: &Piles<'_>, beat: f64) -> (f64, f64) {
         let (side, lane) = (piles.side, piles.lane % LANES);
         let (total, square) = ((sides.sums[side].weight, sides.sums[side].target), sides.sums[side].square);
