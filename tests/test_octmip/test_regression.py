@@ -225,3 +225,11 @@ def test_a_linear_leaf_predicts_by_its_features_and_a_malformed_one_is_refused()
             ValueLeaf(0.0, *wrong)
     with pytest.raises(TreeError, match="predicts a class"):
         predict_values(Leaf(0), np.zeros((1, 1)))
+
+
+def test_a_tree_beyond_all_numbers_is_refused_in_a_sentence():
+    features, targets = smooth(30)
+    problem = RegressionProblem(features, targets, depth=1)
+    wild = replace(solve(problem), tree=Split(0, 0.0, ValueLeaf(1e308), ValueLeaf(-1e308)))
+    with pytest.raises(CertificateError, match="more than float64 holds"):
+        certify(problem, wild)
