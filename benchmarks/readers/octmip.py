@@ -16,6 +16,7 @@ from benchmarks.readers.file_reader import Reader, run
 from benchmarks.readers.mangled_arrays import mangled_parquet
 from benchmarks.readers.mangling import Generator, mangled_bytes, mangled_csv, mangled_json, mangled_tokens, pick
 from benchmarks.readers.monitoring import make_campaign, make_selector, read_gap, read_selector
+from benchmarks.readers.regression import make_regression, read_regression, regression_command
 from octmip.certificate import certify
 from octmip.errors import OctmipError
 from octmip.formats.files import read_json_object
@@ -298,4 +299,6 @@ OCTMIP = {
     "proof log": Reader(make_log, "proof.log", mangled_tokens, read_log),
     "selector": Reader(make_selector, "selector.json", mangled_json, read_selector),
     "campaign": Reader(make_campaign, "campaign.csv", mangled_csv, read_gap),
+    "regression tree": Reader(make_regression, "tree.json", mangled_json, read_regression),
+    "regression tree, commands": Reader(make_regression, "tree.json", mangled_json, regression_command),
 }

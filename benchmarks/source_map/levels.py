@@ -46,6 +46,7 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
         "methods.merging": 5,
         "methods.ties": 5,
         "formats.tree_file": 5,
+        "formats.regression_file": 5,
         "proof": 5,
         "set_certificate": 5,
         "mip": 7,

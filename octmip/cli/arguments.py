@@ -4,7 +4,7 @@ import argparse
 import math
 from typing import NoReturn
 
-from octmip.cli.samples.options import add_column_arguments, add_label_arguments
+from octmip.cli.samples.options import add_column_arguments, add_label_arguments, add_target_arguments
 from octmip.errors import DataError
 from octmip.formats.messages import shown
 from octmip.solution import Limits
@@ -40,10 +40,14 @@ class Parser(argparse.ArgumentParser):
         return self
 
 
-def add_everyday_arguments(parser: argparse.ArgumentParser, seconds: float = math.inf) -> argparse._ArgumentGroup:
-    """Add the table, the label, the depth and the time, and return their group."""
+def add_everyday_arguments(
+    parser: argparse.ArgumentParser, seconds: float = math.inf, has_target: bool = False
+) -> argparse._ArgumentGroup:
+    """Add the table, the label (or a target of numbers), the depth and the time, and return their group."""
     group = parser.add_argument_group("everyday")
-    add_label_arguments(group)
+    add_label_arguments(group, is_required=not has_target)
+    if has_target:
+        add_target_arguments(group)
     group.add_argument("--depth", metavar="D", type=int, required=True, help="levels of splits")
     shown = "no limit" if math.isinf(seconds) else f"{seconds:g}"
     group.add_argument(

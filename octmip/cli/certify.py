@@ -11,10 +11,12 @@ import dataclasses
 from octmip.certificate import Certificate, certify
 from octmip.cli.answer import ElapsedLine, print_json, printable, score_json, verdict
 from octmip.cli.arguments import MOST_THREADS, add_json_argument
+from octmip.cli.regression.files import certify_numbers
 from octmip.cli.samples.options import TABLE_HELP, add_format_argument
 from octmip.cli.samples.training import Training, read_test, read_training
 from octmip.errors import CertificateError, DataError
 from octmip.formats.messages import shown
+from octmip.formats.regression_file import is_regression_file
 from octmip.formats.tree_file import TreeFile, finite_or_none, read_tree_file
 from octmip.problem import Problem
 from octmip.proof import ProofReport, check_proof
@@ -46,6 +48,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Certify and show."""
+    if is_regression_file(arguments.tree):
+        return certify_numbers(arguments)
     file = read_tree_file(arguments.tree)
     with ElapsedLine("certifying"):
         training = read_training(

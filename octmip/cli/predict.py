@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from octmip.cli.answer import print_json
 from octmip.cli.arguments import add_json_argument
+from octmip.cli.regression.files import predict_numbers
 from octmip.cli.samples.names import one_name
 from octmip.cli.samples.options import TABLE_HELP, add_format_argument
 from octmip.errors import DataError
@@ -29,6 +30,7 @@ from octmip.formats.columns import Columns, ColumnsError
 from octmip.formats.columns.column import Column
 from octmip.formats.files import check_writable, write_bytes
 from octmip.formats.names import visible, visible_lines
+from octmip.formats.regression_file import is_regression_file
 from octmip.formats.table import Table, read_table
 from octmip.formats.tree_file import TreeFile, columns_read, read_tree_file
 from octmip.tree import leaf_index, leaves
@@ -62,6 +64,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Predict and show."""
+    if is_regression_file(arguments.tree):
+        return predict_numbers(arguments)
     if arguments.out:
         check_writable(arguments.out)
     file = read_tree_file(arguments.tree)

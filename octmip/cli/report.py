@@ -13,12 +13,14 @@ from typing import TYPE_CHECKING
 
 from octmip.cli.answer import ElapsedLine, printable
 from octmip.cli.arguments import MOST_THREADS
+from octmip.cli.regression.files import report_numbers
 from octmip.cli.samples.options import TABLE_HELP, add_format_argument, add_held_out_arguments
 from octmip.errors import DataError
 from octmip.formats.columns import Columns
 from octmip.formats.files import check_writable, write_bytes
 from octmip.formats.messages import shown
 from octmip.formats.names import visible
+from octmip.formats.regression_file import is_regression_file
 from octmip.formats.tree_file import TreeFile, read_tree_file
 from octmip.report.dot import tree_dot
 from octmip.report.markdown import code_block, markdown_table
@@ -66,6 +68,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the report."""
+    if is_regression_file(arguments.tree):
+        return report_numbers(arguments)
     kind = Path(arguments.out).suffix if arguments.out else ".txt"
     _check(arguments, kind)
     if arguments.out:

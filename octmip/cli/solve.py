@@ -19,6 +19,7 @@ from octmip.cli.answer import (
     verdict,
 )
 from octmip.cli.arguments import add_everyday_arguments, add_problem_arguments, add_run_arguments, limits_of
+from octmip.cli.regression.solving import solve_numbers
 from octmip.cli.samples.options import add_held_out_arguments
 from octmip.cli.samples.question import Question, ask
 from octmip.errors import DataError, SolverError
@@ -37,13 +38,14 @@ EXAMPLES = """\
   octmip solve iris.csv --label species --depth 3 --holdout 0.25 --out tree.json
   octmip solve survey.csv.gz --label answer --depth 3 --index person --drop remarks,"name, first"
   octmip solve machines.parquet --label state --depth 4 --seconds 60 --sensor-cost sensors.csv --budget 10
+  octmip solve houses.csv --target price --loss absolute --depth 3 --out tree.json
   zcat big.csv.gz | octmip solve - --label class --depth 2 --json
 """
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `octmip solve`."""
-    group = add_everyday_arguments(parser)
+    group = add_everyday_arguments(parser, has_target=True)
     add_held_out_arguments(group)
     group.add_argument("--out", metavar="TREE.json", help="write the tree to this file")
     add_problem_arguments(parser)
@@ -75,6 +77,8 @@ def run(arguments: argparse.Namespace) -> int:
     limits = limits_of(arguments)
     for path in filter(None, (arguments.out, arguments.write_problem)):
         check_writable(path)
+    if _is_regression(arguments):
+        return solve_numbers(arguments, limits)
     options = _options(arguments)
     question = ask(arguments)
     if arguments.checkpoint and (arguments.method not in ("auto", "exact") or question.problem.split != "axis"):
@@ -104,6 +108,23 @@ def run(arguments: argparse.Namespace) -> int:
     if unproven is not None:
         raise unproven  # said last: the tree is shown and written all the same
     return 0
+
+
+def _is_regression(arguments: argparse.Namespace) -> bool:
+    """Whether numbers are asked for, after a look at what does not go together."""
+    given = [f"--{name}" for name in ("label", "target") if getattr(arguments, name) is not None]
+    if len(given) != 1:
+        raise DataError(
+            f"the column to predict is named by {' and '.join(given) or 'no option'}; expected --label COL for classes "
+            "or --target COL for numbers; give one of the two"
+        )
+    if arguments.target is None and (arguments.loss or arguments.leaf_model):
+        option = "--loss" if arguments.loss else "--leaf-model"
+        raise DataError(
+            f"{option} is given with --label {arguments.label}, but is about regression trees; expected it with "
+            f"--target; leave it out, or name a column of numbers with --target"
+        )
+    return arguments.target is not None
 
 
 def _options(arguments: argparse.Namespace) -> dict[str, object]:

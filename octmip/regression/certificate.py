@@ -1,6 +1,7 @@
 """Certificates of regression trees: a solution's claims, recounted in exact rational arithmetic. Imports no solver."""
 
 import math
+import sys
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -71,6 +72,11 @@ def certify_regression(problem: RegressionProblem, solution: Solution) -> Regres
         raise CertificateError(f"{solution.solver} found no tree (stop: {solution.stop}); there is nothing to certify")
     check_tree(problem, tree)
     exact = problem.exact_error(tree) + Fraction(problem.leaf_penalty) * complexity(tree)
+    if exact > Fraction(sys.float_info.max):
+        raise CertificateError(
+            f"the tree of {solution.solver} errs on the {problem.n_samples} samples by more than float64 holds; "
+            "expected predictions near the targets; tree and data do not belong together or one was changed"
+        )
     baseline = problem.baseline
     _check_claims(problem, solution, exact, baseline)
     misses = np.abs(predict_values(tree, problem.features) - problem.targets)

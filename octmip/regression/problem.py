@@ -22,7 +22,7 @@ from octmip.regression.exact_sums import best_constant, sum_of_errors
 from octmip.tree import Leaf, Node, ValueLeaf, complexity, features_used, leaf_index, leaves, predict_values, splits
 
 Loss = Literal["squared", "absolute"]
-LOSSES = ("squared", "absolute")
+LOSSES: tuple[Loss, ...] = ("squared", "absolute")
 _DERIVED: Any = None  # a field that is filled in when it is left out
 MAX_DEPTH = 30
 LEAST_SIZE, MOST_SIZE = 1e-120, 1e120

@@ -7,6 +7,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from benchmarks.cases.regression.agreement import complaint
 from benchmarks.regression.enumeration import least_objective, random_problem
 from octmip import Leaf, Limits, RegressionProblem, Split, Stop, ValueLeaf, certify, predict_values, solve
 from octmip.errors import CertificateError, ProblemError, TreeError
@@ -36,6 +37,11 @@ def test_the_optimum_is_that_of_enumeration_and_no_bound_lies_above_it(loss):
         assert certificate.objective == solution.objective, seed
 
 
+@pytest.mark.parametrize(("seed", "loss"), [(540, "squared"), (615, "absolute")])
+def test_a_cut_that_only_rounding_makes_cheaper_than_a_leaf_is_no_split(seed, loss):
+    assert complaint(seed, loss) is None
+
+
 @pytest.mark.parametrize("loss", LOSSES)
 def test_whole_numbers_are_proven_without_a_tolerance_and_depth_never_harms(loss):
     features, targets = smooth()
@@ -59,19 +65,23 @@ def test_a_sample_of_weight_two_is_two_samples_and_order_does_not_matter(loss):
     assert solve(often).objective == pytest.approx(solve(once).objective, rel=1e-12)
 
 
-@pytest.mark.parametrize("n", [60, 400])
-def test_buckets_find_what_scans_of_all_samples_find(n):
+@pytest.mark.parametrize("loss", LOSSES)
+@pytest.mark.parametrize("n", [60, 400, 1200])
+@pytest.mark.parametrize("n_values", [2, 5, 8, None])
+def test_buckets_find_what_scans_of_all_samples_find(n, n_values, loss):
     features, targets = smooth(n)
-    features = np.round(features, 1)
-    for own in (targets, np.round(targets)):
-        bucketed = solve(RegressionProblem(features, own, depth=2))
-        # A sample without weight changes no error, and buckets serve no such samples.
-        weights = np.append(np.ones(n), 0.0)
-        scanned = solve(
-            RegressionProblem(np.vstack([features, features[:1]]), np.append(own, own[0]), weights=weights, depth=2)
-        )
-        assert scanned.objective == bucketed.objective
-        assert scanned.is_optimal
+    features[:, 1:] = np.round(features[:, 1:], 1)
+    if n_values is not None:
+        edges = np.quantile(targets, np.arange(1, n_values) / n_values)
+        targets = np.cumsum([0, 3, 1, 7, 2, 2, 10, 4])[np.searchsorted(edges, targets)].astype(float)
+    bucketed = solve(RegressionProblem(features, targets, depth=2, loss=loss))
+    # A sample without weight changes no error, and buckets serve no such samples.
+    weights, twice = np.append(np.ones(n), 0.0), np.append(targets, targets[0])
+    problem = RegressionProblem(np.vstack([features, features[:1]]), twice, weights=weights, depth=2, loss=loss)
+    scanned = solve(problem)
+    assert scanned.objective == pytest.approx(bucketed.objective, rel=1e-14)
+    assert scanned.is_optimal
+    assert bucketed.is_optimal
 
 
 @pytest.mark.parametrize("loss", LOSSES)
@@ -215,3 +225,11 @@ def test_a_linear_leaf_predicts_by_its_features_and_a_malformed_one_is_refused()
             ValueLeaf(0.0, *wrong)
     with pytest.raises(TreeError, match="predicts a class"):
         predict_values(Leaf(0), np.zeros((1, 1)))
+
+
+def test_a_tree_beyond_all_numbers_is_refused_in_a_sentence():
+    features, targets = smooth(30)
+    problem = RegressionProblem(features, targets, depth=1)
+    wild = replace(solve(problem), tree=Split(0, 0.0, ValueLeaf(1e308), ValueLeaf(-1e308)))
+    with pytest.raises(CertificateError, match="more than float64 holds"):
+        certify(problem, wild)

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from sklearn.tree import DecisionTreeRegressor
 
 from benchmarks.data import published
+from benchmarks.regression.samples import made_up
 from benchmarks.tables import Line
-from octmip.regression.problem import LOSSES, RegressionProblem
+from octmip.regression.problem import LOSSES, Loss, RegressionProblem
 from octmip.solution import Limits
 from octmip.solver import solve
 
@@ -31,18 +32,10 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
         yield _line(f"made up, {n} x 10", features, targets, 2, "squared", limit)
 
 
-def made_up(n: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return samples of a tree of depth 2 with a slope and noise."""
-    rng = np.random.default_rng(0)
-    features = rng.normal(size=(n, 10))
-    inner = np.where(features[:, 0] > 0.3, 2.0 * (features[:, 1] > 0), features[:, 2] > -0.5)
-    return features, inner + 0.3 * features[:, 3] + rng.normal(size=n)
-
-
 def _line(
-    name: str, features: NDArray[np.float64], targets: NDArray[np.float64], depth: int, loss: str, limit: float
+    name: str, features: NDArray[np.float64], targets: NDArray[np.float64], depth: int, loss: Loss, limit: float
 ) -> Line:
-    problem = RegressionProblem(features, targets, depth=depth, loss=loss)  # type: ignore[arg-type]
+    problem = RegressionProblem(features, targets, depth=depth, loss=loss)
     start = time.process_time()
     solution = solve(problem, limits=Limits(seconds=limit))
     seconds, start = time.process_time() - start, time.process_time()

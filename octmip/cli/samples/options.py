@@ -12,6 +12,19 @@ def add_label_arguments(group: argparse._ArgumentGroup, is_required: bool = True
     group.add_argument("--label", metavar="COL", required=is_required, help="column with the class of each row")
 
 
+def add_target_arguments(group: argparse._ArgumentGroup) -> None:
+    """Add the column of numbers to predict, and how trees for it are judged and made."""
+    group.add_argument("--target", metavar="COL", help="instead of --label: column with the number of each row")
+    group.add_argument(
+        "--loss", choices=("squared", "absolute"), help="with --target: error of a prediction (default squared)"
+    )
+    group.add_argument(
+        "--leaf-model",
+        choices=("constant", "linear"),
+        help="with --target: one number in a leaf, or a ridge regression, by search (default constant)",
+    )
+
+
 def add_format_argument(group: argparse._ActionsContainer) -> None:
     """Add --format."""
     group.add_argument(

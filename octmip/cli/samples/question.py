@@ -65,7 +65,7 @@ class Question:
 
 
 @dataclass(frozen=True, slots=True)
-class _Chosen:
+class Chosen:
     """The columns that the arguments choose."""
 
     label: str
@@ -75,6 +75,7 @@ class _Chosen:
 
     @property
     def needed(self) -> tuple[str, ...]:
+        """Features and weights."""
         return self.features if self.weights is None else (*self.features, self.weights)
 
 
@@ -91,14 +92,14 @@ def ask(arguments: argparse.Namespace, *, doubled: bool = False) -> Question:
         no tree can answer.
     """
     whole = read_table(arguments.data, arguments.format)
-    chosen = _chosen(whole, arguments)
-    rows = _rows(arguments)
+    chosen = chosen_columns(whole, arguments, arguments.label, "label")
+    rows = rows_kept(arguments)
     table = kept_rows(whole, rows, chosen.label, chosen.needed)
     labels = table.labels(chosen.label)
     if not arguments.numbers_are_classes:
         refuse_quantity(table, chosen.label, labels)
-    columns = _learned(table, chosen, arguments, doubled)
-    if _split_kind(arguments) == "hyperplane":
+    columns = learned_columns(table, chosen, arguments, doubled)
+    if kind_of_split(arguments) == "hyperplane":
         columns.refuse_gaps_in_sums(
             "leave these rows out by --missing drop-rows, or split on one feature: --split axis"
         )
@@ -115,21 +116,28 @@ def ask(arguments: argparse.Namespace, *, doubled: bool = False) -> Question:
         chosen.label,
         chosen.weights,
         preparation,
-        (*_notes(len(whole.frame) - len(table.frame), columns, whole), *_gaps(problem)),
+        (*notes_of(len(whole.frame) - len(table.frame), columns, whole), *_gaps(problem)),
         held_out,
         share,
         arguments.seed,
     )
 
 
-def _chosen(table: Table, arguments: argparse.Namespace) -> _Chosen:
-    label = one_name(table, arguments.label)
-    table.column(label, "label")
+def chosen_columns(table: Table, arguments: argparse.Namespace, label: str, purpose: str) -> Chosen:
+    """Return the columns that the arguments choose; `label` is to be predicted, a sentence calls it by its purpose.
+
+    Raises
+    ------
+    DataError
+        the table lacks one, or one is chosen for two purposes.
+    """
+    label = one_name(table, label)
+    table.column(label, purpose)
     weights, index = (value and one_name(table, value) for value in (arguments.weights, arguments.index))
-    for name, purpose in ((weights, "weights"), (index, "index")):
+    for name, use in ((weights, "weights"), (index, "index")):
         if name:
-            table.column(name, purpose)
-    taken = {label: "the label", weights: "the weights", index: "the index"}
+            table.column(name, use)
+    taken = {label: f"the {purpose}", weights: "the weights", index: "the index"}
     dropped = listed_names(table, "--drop", arguments.drop)
     if arguments.features is None:
         features = [name for name in table.columns if name not in taken and name not in dropped]
@@ -147,16 +155,17 @@ def _chosen(table: Table, arguments: argparse.Namespace) -> _Chosen:
     both = [name for name in dropped if name in features]
     if both:
         raise DataError(f"--features and --drop both name {several(both)}; expected one of the two; leave one out")
-    return _Chosen(label, weights, index, tuple(features))
+    return Chosen(label, weights, index, tuple(features))
 
 
-def _rows(arguments: argparse.Namespace) -> RowsKept:
+def rows_kept(arguments: argparse.Namespace) -> RowsKept:
+    """Return which rows the arguments keep."""
     if arguments.missing == "drop-rows":
         return "complete"
     return "labelled" if arguments.drop_unlabelled else "all"
 
 
-def _learned(table: Table, chosen: _Chosen, arguments: argparse.Namespace, doubled: bool) -> Columns:
+def learned_columns(table: Table, chosen: Chosen, arguments: argparse.Namespace, doubled: bool) -> Columns:
     """Return how the columns become features; refuse all that cannot, in one sentence with the switches that help."""
     missing: Literal["either-side", "refuse"] = "either-side" if arguments.missing == "either-side" else "refuse"
     frame = table.frame[list(chosen.features)]
@@ -185,12 +194,7 @@ def _problem(
     labels: NDArray[Any],
     weights: NDArray[np.float64],
 ) -> Problem:
-    settings: dict[str, Any] = {"sensor_of_feature": columns.column_of_feature}
-    if arguments.sensor_cost:
-        sensors = read_sensors(arguments.sensor_cost, columns.names)
-        of_column = dict(zip(columns.names, sensors.of_feature, strict=True))
-        settings["sensor_of_feature"] = [of_column[name] for name in columns.column_of_feature]
-        settings["sensor_cost"] = dict(sensors.cost)
+    settings = sensor_settings(arguments, columns)
     if arguments.allowed_splits:
         settings["allowed_splits"] = _groups(arguments.allowed_splits, columns)
     if arguments.costs:
@@ -201,7 +205,7 @@ def _problem(
         labels,
         weights=weights,
         depth=arguments.depth,
-        split=_split_kind(arguments),
+        split=kind_of_split(arguments),
         split_size=arguments.split_size,
         leaf_size=arguments.leaf_size,
         leaf_penalty=arguments.leaf_penalty,
@@ -211,6 +215,16 @@ def _problem(
         feature_names=columns.feature_names,
         **settings,
     )
+
+
+def sensor_settings(arguments: argparse.Namespace, columns: Columns) -> dict[str, Any]:
+    """Return sensors and their costs as a problem takes them: those of a file, or one for each column."""
+    if not arguments.sensor_cost:
+        return {"sensor_of_feature": columns.column_of_feature}
+    sensors = read_sensors(arguments.sensor_cost, columns.names)
+    of_column = dict(zip(columns.names, sensors.of_feature, strict=True))
+    of_feature = [of_column[name] for name in columns.column_of_feature]
+    return {"sensor_of_feature": of_feature, "sensor_cost": dict(sensors.cost)}
 
 
 def _groups(path: str, columns: Columns) -> list[list[str]]:
@@ -229,14 +243,15 @@ def _groups(path: str, columns: Columns) -> list[list[str]]:
     return groups
 
 
-def _split_kind(arguments: argparse.Namespace) -> Literal["axis", "hyperplane"]:
+def kind_of_split(arguments: argparse.Namespace) -> Literal["axis", "hyperplane"]:
+    """Return the kind of split that the arguments ask for."""
     if arguments.split:
         return "axis" if arguments.split == "axis" else "hyperplane"
     wants_hyperplanes = (arguments.split_size or 1) > 1 or arguments.integer_normals is not None
     return "hyperplane" if wants_hyperplanes else "axis"
 
 
-def _tested(path: str, problem: Problem, chosen: _Chosen, preparation: Preparation) -> Samples:
+def _tested(path: str, problem: Problem, chosen: Chosen, preparation: Preparation) -> Samples:
     table = kept_rows(read_table(path), preparation.rows, chosen.label, chosen.needed)
     labels = table.labels(chosen.label, problem.class_names)
     weights = table.numbers([chosen.weights], "weight")[:, 0] if chosen.weights else np.ones(len(labels))
@@ -246,7 +261,8 @@ def _tested(path: str, problem: Problem, chosen: _Chosen, preparation: Preparati
         raise DataError(f"{table.name}: {error}") from error
 
 
-def _notes(n_dropped: int, columns: Columns, table: Table) -> tuple[str, ...]:
+def notes_of(n_dropped: int, columns: Columns, table: Table) -> tuple[str, ...]:
+    """Return sentences for the user about what was encoded or left out."""
     left_out = (f"{n_dropped} row{'s' * (n_dropped != 1)} with missing cells left out",) if n_dropped else ()
     counts = tuple(
         f"the column {shown(name)} counts the rows; if it only names them, leave it out: --index or --drop"

@@ -4,7 +4,8 @@
 //! samples, view      the problem as it is counted, and the samples of one node
 //! clusters           the least error of few constants for many targets: what no tree of so many leaves avoids
 //! medians            absolute error of a set of targets from which one after the other is taken
-//! scan, histograms   the best cut of one feature left and right of a cut of another, by samples and by buckets
+//! scan               the best cut of one feature left and right of a cut of another, by samples
+//! buckets            the same of all features at once by buckets: vector passes in `sweep`, walks in `inside`
 //! sides, depth_two   the two sides of a moving cut, and the best tree of at most two levels
 //! axis, node         the cuts of a feature with their bounds, and the search of a node of any depth
 //! root               the whole search: the cuts of all features by their bounds, limits, progress
@@ -15,9 +16,10 @@
 //! `octmip/regression/grid.py`.
 
 pub(crate) mod axis;
+pub(crate) mod buckets;
 pub(crate) mod clusters;
 pub(crate) mod depth_two;
-pub(crate) mod histograms;
+pub(crate) mod inside;
 pub(crate) mod medians;
 pub(crate) mod node;
 pub(crate) mod result;
@@ -25,6 +27,7 @@ pub(crate) mod root;
 pub(crate) mod samples;
 pub(crate) mod scan;
 pub(crate) mod sides;
+pub(crate) mod sweep;
 pub(crate) mod view;
 
 pub use root::{Found, solve};

@@ -5,11 +5,11 @@
 //! between two others.
 
 use crate::regression::axis::{Axis, Interval, Pair};
-use crate::regression::histograms::Histograms;
+use crate::regression::buckets::Buckets;
 use crate::regression::medians::Medians;
 use crate::regression::result::{Effort, NodeResult};
 use crate::regression::samples::Samples;
-use crate::regression::scan::{BestCut, Scanner};
+use crate::regression::scan::Scanner;
 use crate::regression::sides::Sides;
 use crate::regression::view::View;
 use crate::tree::Tree;
@@ -23,15 +23,14 @@ pub(crate) struct TwoLevels<'a> {
     pub(crate) incumbents: Vec<f64>,
     sides: Sides,
     scanner: Scanner,
-    /// Of squared errors where no leaf size binds.
-    histograms: Option<Histograms>,
+    /// Where they serve; else every scan is one of samples.
+    buckets: Option<Buckets>,
     medians: Medians,
     axis: Axis,
     /// Lower bounds of each feature's least relaxed error on both sides, evaluation after evaluation.
     kept: Vec<Pair>,
     now: Vec<Pair>,
-    orders: [Vec<u32>; 2],
-    is_scanned: Vec<bool>,
+    is_known: Vec<[bool; 2]>,
 }
 
 impl<'a> TwoLevels<'a> {
@@ -43,36 +42,27 @@ impl<'a> TwoLevels<'a> {
             incumbents: Vec::new(),
             sides: Sides::new(samples.n),
             scanner: Scanner::default(),
-            histograms: Histograms::serve(samples).then(Histograms::default),
+            buckets: Buckets::new(samples),
             medians: Medians::default(),
             axis: Axis::default(),
             kept: Vec::new(),
             now: Vec::new(),
-            orders: [Vec::new(), Vec::new()],
-            is_scanned: Vec::new(),
+            is_known: Vec::new(),
         }
     }
 }
 
-/// The best stump found on one side, and how good one can be.
+/// The best stump found on one side: its cost and feature, None for a leaf.
 #[derive(Debug, Clone, Copy)]
 struct Stump {
     cost: f64,
-    /// Feature and largest rank left of the cut; None is a leaf.
-    cut: Option<(usize, u32)>,
+    feature: Option<usize>,
 }
 
 impl Stump {
-    fn see(&mut self, g: usize, found: &BestCut, penalty: f64) {
-        if found.error + penalty < self.cost {
-            (self.cost, self.cut) = (found.error + penalty, Some((g, found.rank)));
-        }
-    }
-
-    fn tree(&self, samples: &Samples) -> Tree {
-        match self.cut {
-            None => Tree::leaf(0),
-            Some((g, rank)) => Tree::join(samples.features[g], rank, &Tree::leaf(0), &Tree::leaf(0)),
+    fn see(&mut self, g: usize, error: f64, penalty: f64) {
+        if error + penalty < self.cost {
+            *self = Self { cost: error + penalty, feature: Some(g) };
         }
     }
 }
@@ -83,23 +73,10 @@ impl TwoLevels<'_> {
         let samples = self.samples;
         let penalty = samples.penalty;
         let leaf = view.leaf(samples);
-        let Self { sides, scanner, histograms, .. } = self;
-        sides.load(samples, view);
-        if let Some(histograms) = histograms {
-            histograms.load(samples, view);
-        }
-        let mut stump = Stump { cost: leaf, cut: None };
-        let mut whole = Vec::with_capacity(samples.p);
-        for g in 0..samples.p {
-            let [_, found] = match histograms {
-                Some(histograms) => histograms.scan(samples, view, g, sides, [f64::INFINITY; 2]),
-                None => scanner.scan(samples, view, g, sides, [false, true]),
-            };
-            stump.see(g, &found, penalty);
-            whole.push(found.relaxed);
-        }
+        self.sides.load(samples, view);
+        let (stump, whole) = self.whole(view, leaf);
         self.effort.count();
-        let mut best = NodeResult::cheapest(stump.cost, stump.tree(samples), upper);
+        let mut best = NodeResult::cheapest(stump.cost, self.stump_tree(view, 1, &stump), upper);
         if depth == 1 {
             return best;
         }
@@ -118,6 +95,81 @@ impl TwoLevels<'_> {
             }
         }
         best
+    }
+
+    /// The best stump of all samples, all on the right, and the least relaxed error of each feature.
+    fn whole(&mut self, view: &View, leaf: f64) -> (Stump, Vec<f64>) {
+        let samples = self.samples;
+        if let Some(buckets) = &mut self.buckets {
+            buckets.load(samples, view);
+        }
+        self.now.clear();
+        self.now.resize(samples.p, Pair::default());
+        self.is_known.clear();
+        self.is_known.resize(samples.p, [true, false]);
+        let mut stumps = [Stump { cost: 0.0, feature: None }, Stump { cost: leaf, feature: None }];
+        self.sweep(view, 0, &mut stumps);
+        while let Some(g) = (0..samples.p).find(|&g| !self.is_known[g][1]) {
+            self.look(view, g, &mut stumps, [false, true]);
+        }
+        let whole: Vec<f64> = self.now.iter().map(|pair| pair.right).collect();
+        if let Some(buckets) = &mut self.buckets {
+            buckets.reorder(&whole);
+            buckets.load(samples, view);
+        }
+        (stumps[1], whole)
+    }
+
+    /// A stump of one side of the cut as a tree.
+    fn stump_tree(&mut self, view: &View, side: usize, stump: &Stump) -> Tree {
+        let Some(g) = stump.feature else { return Tree::leaf(0) };
+        let needs = [side == 0, side == 1];
+        let found = self.scanner.scan(self.samples, view, g, &self.sides, needs)[side];
+        if found.error.is_infinite() {
+            return Tree::leaf(0); // rounding alone made it cheaper than the leaf
+        }
+        Tree::join(self.samples.features[g], found.rank, &Tree::leaf(0), &Tree::leaf(0))
+    }
+
+    /// Pass over the buckets of all features that may hold a better stump on either side.
+    fn sweep(&mut self, view: &View, f: usize, stumps: &mut [Stump; 2]) {
+        let (samples, penalty) = (self.samples, self.samples.penalty);
+        let Self { buckets, sides, now, .. } = self;
+        let Some(buckets) = buckets else { return };
+        for group in 0..buckets.n_groups() {
+            let features = buckets.group(group);
+            let may = |m: usize| features.iter().any(|&g| now[g].of(m) + penalty < stumps[m].cost);
+            if !may(0) && !may(1) {
+                continue;
+            }
+            let found = buckets.sweep(samples, sides, group, view.list(f));
+            for (lane, &g) in buckets.group(group).iter().enumerate() {
+                for m in [0, 1] {
+                    now[g].raise(m, found.lower[m][lane]);
+                    stumps[m].see(g, found.edge[m][lane], penalty);
+                }
+            }
+        }
+    }
+
+    /// Find the best cut of a feature on the sides that need it.
+    fn look(&mut self, view: &View, g: usize, stumps: &mut [Stump; 2], needs: [bool; 2]) {
+        let Self { samples, buckets, scanner, sides, now, is_known, .. } = self;
+        let penalty = samples.penalty;
+        let found = match buckets {
+            Some(buckets) => [0, 1].map(|m| match needs[m] {
+                true => buckets.look_inside(samples, view, g, sides, (m, stumps[m].cost - penalty)),
+                false => (f64::INFINITY, 0.0),
+            }),
+            None => scanner.scan(samples, view, g, sides, needs).map(|best| (best.error, best.relaxed)),
+        };
+        for m in [0, 1] {
+            if needs[m] {
+                stumps[m].see(g, found[m].0, penalty);
+                now[g].raise(m, found[m].1);
+                is_known[g][m] = true;
+            }
+        }
     }
 
     fn feature(&mut self, view: &View, f: usize, whole: &[f64], stump: (f64, f64), upper: f64) -> Option<(f64, Tree)> {
@@ -142,7 +194,7 @@ impl TwoLevels<'_> {
             let cost = stumps[0].cost + stumps[1].cost + samples.penalty;
             self.incumbents[f] = self.incumbents[f].min(cost);
             if cost < current {
-                let [left, right] = stumps.map(|stump| stump.tree(samples));
+                let [left, right] = [0, 1].map(|side| self.stump_tree(view, side, &stumps[side]));
                 let rank = view.rank_before(samples, f, axis.positions[k] as usize);
                 (best, current) = (Some((cost, Tree::join(samples.features[f], rank, &left, &right))), cost);
             }
@@ -153,12 +205,12 @@ impl TwoLevels<'_> {
     }
 
     fn begin_feature(&mut self, view: &View, f: usize, axis: &mut Axis, whole: &[f64]) {
-        let Self { sides, medians, kept, histograms, .. } = self;
+        let Self { sides, medians, kept, buckets, .. } = self;
         sides.rewind(self.samples, view);
-        if let Some(histograms) = histograms {
-            histograms.rewind();
+        match buckets {
+            Some(buckets) => buckets.rewind(self.samples, view),
+            None => axis.lay_leaves(self.samples, view, f, sides, medians),
         }
-        axis.lay_leaves(self.samples, view, f, sides, medians);
         kept.clear();
         kept.extend(whole.iter().map(|&right| Pair { left: 0.0, right }));
         kept.extend(whole.iter().map(|&left| Pair { left, right: 0.0 }));
@@ -176,67 +228,64 @@ impl TwoLevels<'_> {
     ) -> [Stump; 2] {
         let (samples, penalty) = (self.samples, self.samples.penalty);
         let p = samples.p;
-        let Self { sides, scanner, histograms, kept, now, orders, is_scanned, .. } = self;
         self.effort.count();
-        sides.move_to(samples, view, f, axis.positions[k] as usize, |i, own, to| {
-            if let Some(histograms) = histograms {
-                histograms.pass(i, own, to);
+        let Self { sides, buckets, kept, now, is_known, .. } = self;
+        sides.move_to(samples, view, f, axis.positions[k] as usize, |i, to| {
+            if let Some(buckets) = buckets {
+                buckets.pass(samples, i, to);
             }
         });
         let of = |cut: usize| axis.evaluation[cut] as usize * p;
         let neighbours = (&kept[of(interval.a)..][..p], &kept[of(interval.b)..][..p]);
         axis.inherit(samples, interval, k, neighbours, now);
-        for (side, order) in orders.iter_mut().enumerate() {
-            order.clear();
-            order.extend(0..p as u32);
-            order.sort_unstable_by(|&g, &h| now[g as usize].of(side).total_cmp(&now[h as usize].of(side)));
-        }
-        is_scanned.clear();
-        is_scanned.resize(p, false);
-        let mut stumps = [0, 1].map(|side| Stump { cost: axis.leaves[k].of(side), cut: None });
-        let mut next = [0; 2];
+        is_known.clear();
+        is_known.resize(p, [false; 2]);
+        let leaves = match buckets {
+            Some(buckets) => buckets.leaves(samples, sides),
+            None => [axis.leaves[k].left, axis.leaves[k].right],
+        };
+        let mut stumps = leaves.map(|cost| Stump { cost, feature: None });
+        let mut is_swept = false;
         let lower = loop {
-            let mut lower = [0.0; 2];
-            let mut wanted = [None; 2];
-            for side in [0, 1] {
-                while next[side] < p && is_scanned[orders[side][next[side]] as usize] {
-                    next[side] += 1;
-                }
-                let g = orders[side].get(next[side]).map(|&g| g as usize);
-                let least = g.map_or(f64::INFINITY, |g| now[g].of(side) + penalty);
-                lower[side] = least.min(stumps[side].cost);
-                wanted[side] = g.filter(|_| least < stumps[side].cost);
-            }
-            let Some(g) = wanted[0].or(wanted[1]) else { break lower };
+            let open = [0, 1].map(|side| self.first_open(side, stumps[side].cost));
+            let lower = [0, 1].map(|side| open[side].map_or(stumps[side].cost, |(least, _)| least));
+            let widest = usize::from(stumps[1].cost - lower[1] > stumps[0].cost - lower[0]);
+            let Some((_, g)) = open[widest] else { break lower };
             if lower[0] + lower[1] >= threshold {
                 break lower;
             }
-            let needs = [0, 1].map(|side| now[g].of(side) + penalty < stumps[side].cost);
-            let found = match histograms {
-                Some(histograms) => {
-                    let beat = [0, 1].map(|side| if needs[side] { stumps[side].cost - penalty } else { -1.0 });
-                    histograms.scan(samples, view, g, sides, beat)
-                }
-                None => scanner.scan(samples, view, g, sides, needs),
-            };
-            is_scanned[g] = true;
-            for side in [0, 1] {
-                if needs[side] {
-                    stumps[side].see(g, &found[side], penalty);
-                    now[g].raise(side, found[side].relaxed);
-                }
+            if !is_swept && self.buckets.is_some() {
+                is_swept = true;
+                self.sweep(view, f, &mut stumps);
+                continue;
             }
+            let is_open = |m: usize| self.now[g].of(m) + penalty < stumps[m].cost && !self.is_known[g][m];
+            let needs = [is_open(0), is_open(1)];
+            self.look(view, g, &mut stumps, needs);
         };
         let relaxed = |side: usize| {
             if samples.leaf_size == 1 {
                 return lower[side];
             }
-            now.iter().fold(axis.leaves[k].of(side), |least, pair| least.min(pair.of(side) + penalty))
+            self.now.iter().fold(leaves[side], |least, pair| least.min(pair.of(side) + penalty))
         };
         axis.relaxed[k] = Pair { left: relaxed(0), right: relaxed(1) };
         axis.solved[k] = Pair { left: lower[0], right: lower[1] };
-        axis.evaluation[k] = (kept.len() / p) as u32;
-        kept.extend_from_slice(now);
+        axis.evaluation[k] = (self.kept.len() / p) as u32;
+        self.kept.extend_from_slice(&self.now);
         stumps
+    }
+
+    /// The feature that may hold the best stump of a side, and what it costs at least; None where none is below `cost`.
+    fn first_open(&self, side: usize, cost: f64) -> Option<(f64, usize)> {
+        let mut best = None;
+        let mut least = cost;
+        for (g, (pair, is_known)) in self.now.iter().zip(&self.is_known).enumerate() {
+            let own = pair.of(side) + self.samples.penalty;
+            if own < least && !is_known[side] {
+                (least, best) = (own, Some((own, g)));
+            }
+        }
+        best
     }
 }

@@ -1,6 +1,7 @@
 //! The problem as the regression core counts it.
 
 use crate::regression::clusters::{Bins, Sums};
+use crate::regression::sweep::MOST_VALUES;
 
 /// What is asked: ranks, targets, weights and the tree that is wanted.
 #[derive(Debug, Clone)]
@@ -76,6 +77,9 @@ pub(crate) struct Samples {
     pub(crate) order: Vec<u32>,
     /// Targets (`n`).
     pub(crate) targets: Vec<f64>,
+    /// The distinct targets, ascending, and the distance of the first few from the next; 0 beyond the last.
+    pub(crate) values: Vec<f64>,
+    pub(crate) gaps: [f64; MOST_VALUES],
     /// Weight, weighted target and weighted square of each sample (`n`).
     pub(crate) sums: Vec<Sums>,
     /// What a square may lie above the true one.
@@ -114,6 +118,7 @@ impl Samples {
         let sums = (0..n).map(sum).collect();
         let range_grid = range_grid(question);
         let bins = Bins::of(&values, &target_ranks);
+        let gaps = std::array::from_fn(|v| values.get(v + 1).map_or(0.0, |next| next - values[v]));
         ranks.extend(target_ranks);
         Self {
             n,
@@ -122,6 +127,8 @@ impl Samples {
             ranks,
             order,
             targets: question.targets.clone(),
+            values,
+            gaps,
             sums,
             grain: question.grain,
             range_grid,

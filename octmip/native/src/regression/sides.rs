@@ -67,13 +67,13 @@ impl Sides {
         view: &View,
         f: usize,
         k: usize,
-        mut passed: impl FnMut(u32, &Sums, usize),
+        mut passed: impl FnMut(u32, usize),
     ) {
         let list = view.list(f);
         while self.counts[0] != k {
             let (place, to) = if self.counts[0] < k { (self.counts[0], 0) } else { (self.counts[0] - 1, 1) };
             self.pass(samples, list[place], to);
-            passed(list[place], &samples.sums[list[place] as usize], to);
+            passed(list[place], to);
         }
         if k == 0 {
             (self.sums[1], self.sums[0]) = (view.sums(samples), Sums::default());

@@ -1,0 +1,65 @@
+"""The reader of regression trees' files, and the commands that read them, as the fuzz of files tries them."""
+
+import contextlib
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from benchmarks.readers.file_reader import run
+from benchmarks.readers.mangling import Generator, pick
+from octmip.certificate import certify
+from octmip.cli.regression.question import read_numbers
+from octmip.errors import OctmipError
+from octmip.formats.regression_file import read_regression_file, record_regression, write_regression_file
+from octmip.regression.problem import RegressionProblem
+from octmip.solver import solve
+from octmip.tree import predict_values
+
+NAMES = ("a", "b", "c")
+BROAD = ("--split", "hyperplane", "--leaf-model", "linear", "--seconds", 1)
+
+
+def make_regression(number: int, folder: Path) -> None:
+    """Write a regression tree and the table that it was trained on; odd ones have planes, linear leaves and sensors."""
+    rng = np.random.default_rng([92, number])
+    features, targets = rng.normal(size=(24, 3)).round(3), rng.normal(size=24).round(2)
+    if number % 2:
+        problem = RegressionProblem(
+            features,
+            targets,
+            depth=2,
+            split="hyperplane",
+            leaf_model="linear",
+            sensor_cost=[1.5, 2, 0],
+            sensor_budget=4,
+            feature_names=NAMES,
+            target_name="y",
+        )
+    else:
+        problem = RegressionProblem(features, targets, depth=2, loss="absolute", feature_names=NAMES, target_name="y")
+    solution = solve(problem, options={"restarts": 2} if number % 2 else None)
+    write_regression_file(folder / "tree.json", record_regression(problem, solution, None, None))
+    frame = pd.DataFrame(features, columns=list(NAMES)).assign(y=targets)
+    frame.to_csv(folder / "table.csv", index=False)
+
+
+def read_regression(rng: Generator, folder: Path) -> None:
+    """Read a regression tree, predict by it, and certify it or say why not."""
+    file = read_regression_file(folder / "tree.json")
+    with np.errstate(over="ignore", invalid="ignore"):
+        predict_values(file.tree, rng.normal(size=(3, len(file.feature_names))))
+    with contextlib.suppress(OctmipError):
+        certify(read_numbers(file, str(folder / "table.csv"), None, "the file"), file.solution)
+
+
+def regression_command(rng: Generator, folder: Path) -> None:
+    """Give a regression tree to one of the commands that read one."""
+    tree, table = folder / "tree.json", folder / "table.csv"
+    commands = (
+        ("report", tree, table),
+        ("certify", tree, table, "--json"),
+        ("predict", tree, table, "--json"),
+        ("solve", table, "--target", "y", "--depth", 2, "--incumbent", tree, *BROAD),
+    )
+    run(*pick(rng, commands))

@@ -1,0 +1,83 @@
+"""`octmip solve --target`: the best regression tree for a table, and the bound."""
+
+import argparse
+
+from octmip.certificate import certify
+from octmip.cli.answer import ProgressLine, print_json, print_notes, printable
+from octmip.cli.regression.question import NumberQuestion, ask_numbers, tested
+from octmip.cli.regression.words import (
+    describe_numbers,
+    errors_json,
+    errors_text,
+    numbers_text,
+    numbers_tree_text,
+    numbers_verdict,
+)
+from octmip.errors import SolverError
+from octmip.formats.names import visible
+from octmip.formats.regression_file import (
+    decode_values,
+    encode_values,
+    read_regression_file,
+    record_regression,
+    write_regression_file,
+)
+from octmip.regression.certificate import RegressionCertificate
+from octmip.solution import Limits, Solution
+from octmip.solver import solve
+from octmip.tree import Node
+
+
+def solve_numbers(arguments: argparse.Namespace, limits: Limits) -> int:
+    """Solve, show, write."""
+    question = ask_numbers(arguments)
+    with ProgressLine() as progress:
+        solution = solve(
+            question.problem,
+            arguments.method,
+            limits,
+            _incumbent(arguments.incumbent, question),
+            seed=arguments.seed,
+            n_jobs=arguments.threads,
+            progress=progress,
+        )
+    if solution.tree is None:
+        raise SolverError(f"{solution.solver} found no tree (stop: {solution.stop}); give it more time")
+    certificate = certify(question.problem, solution)
+    assert isinstance(certificate, RegressionCertificate)
+    _show(arguments, question, solution, certificate)
+    return 0
+
+
+def _incumbent(path: str | None, question: NumberQuestion) -> Node | None:
+    """Return the tree of a file over the problem's features, which may stand in another order."""
+    if path is None:
+        return None
+    file = read_regression_file(path)
+    return decode_values(encode_values(file.tree, file.feature_names), question.problem.feature_names)
+
+
+def _show(
+    arguments: argparse.Namespace, question: NumberQuestion, solution: Solution, certificate: RegressionCertificate
+) -> None:
+    problem, columns = question.problem, question.preparation.columns
+    file = record_regression(problem, solution, question.weights_column, question.preparation)
+    test = tested(arguments.test, problem, question.preparation, file.tree) if arguments.test else None
+    if arguments.out:
+        write_regression_file(arguments.out, file)
+    if arguments.json:
+        more = {"threads": arguments.threads, "out": arguments.out, "notes": list(question.notes)}
+        held = {} if test is None else {"held_out": errors_json(test)}
+        print_json(describe_numbers(problem, solution, certificate) | more | held)
+        return
+    print_notes(question.notes)
+    print(printable(numbers_text(solution, certificate, problem.loss, problem.n_samples)))
+    print()
+    of_table = None if columns.is_plain else columns
+    print(printable(numbers_tree_text(file.tree, problem.feature_names, file.leaf_sizes, of_table)))
+    print()
+    if test is not None:
+        print(f"held out, {errors_text(test)}\n")
+    if arguments.out:
+        print(f"written to {visible(arguments.out)}")
+    print(numbers_verdict(problem, solution, certificate))

@@ -1,0 +1,176 @@
+//! The buckets of one feature on one side of a cut, one after the other: which may hold a better cut, and what they do.
+//!
+//! Squared errors: what a cut explains, `S_left^2 / W_left + S_right^2 / W_right`, is convex in the weight W and the
+//! weighted target S left of it. A cut inside a bucket has a part of the bucket's samples left of it, with targets
+//! between the bucket's least and greatest: its (W, S) lies in the parallelogram with the corners nothing, all, as much
+//! as can be of the greatest target only, and as much as can be of the least only. So it explains at most what the best
+//! corner does.
+//!
+//! Absolute errors: for each gap between targets the error is concave in the weights below and above the gap that are
+//! passed, so least at one of four corners: nothing, all, all that is below, all that is above.
+
+use crate::regression::samples::Samples;
+use crate::regression::sides::Sides;
+use crate::regression::sweep::{CAPS, LANES, Line, MOST_VALUES, SQUARED_ROWS};
+
+/// Weight and weighted target.
+type Pile = (f64, f64);
+/// Weight of each target.
+pub(crate) type Weights = [f64; MOST_VALUES];
+
+/// Buckets of one feature and side.
+#[derive(Debug)]
+pub(crate) struct Piles<'a> {
+    /// Cells of the feature's group.
+    pub(crate) lines: &'a [Line],
+    /// Bounds of their insides.
+    pub(crate) caps: &'a [Line],
+    /// First sample of each bucket in the list, and the end.
+    pub(crate) starts: &'a [u32],
+    /// Of the feature in its group.
+    pub(crate) lane: usize,
+    /// The node's samples in the order of the feature.
+    pub(crate) list: &'a [u32],
+    /// Ranks of the feature.
+    pub(crate) ranks: &'a [u32],
+    /// Which side, 0 is left.
+    pub(crate) side: usize,
+    /// Lines of a cell.
+    pub(crate) rows: usize,
+}
+
+impl Piles<'_> {
+    /// The cuts inside a bucket: `cut` is called at each with what the samples before it have been added to.
+    fn walk<T: Copy>(
+        &self,
+        bucket: usize,
+        sides: &Sides,
+        start: T,
+        add: impl Fn(&mut T, usize),
+        mut cut: impl FnMut(&T),
+    ) {
+        let (mut left, mut before) = (start, None);
+        for &i in &self.list[self.starts[bucket] as usize..self.starts[bucket + 1] as usize] {
+            let i = i as usize;
+            if sides.of_sample[i] as usize != self.side {
+                continue;
+            }
+            if before.is_some_and(|rank| rank != self.ranks[i]) {
+                cut(&left);
+            }
+            before = Some(self.ranks[i]);
+            add(&mut left, i);
+        }
+    }
+}
+
+/// Buffers of buckets that may hold a better cut: bucket, bound, what stands left of it.
+#[derive(Debug, Default)]
+pub(crate) struct Inside {
+    squared: Vec<(usize, f64, Pile)>,
+    absolute: Vec<(usize, f64, Weights)>,
+}
+
+/// What a cut explains; of nothing where a side is empty.
+#[inline(always)]
+fn explained(left: Pile, total: Pile) -> f64 {
+    let right = (total.0 - left.0, total.1 - left.1);
+    if left.0 > 0.0 && right.0 > 0.0 {
+        (left.1 * left.1 * right.0 + right.1 * right.1 * left.0) / (left.0 * right.0)
+    } else {
+        0.0
+    }
+}
+
+impl Inside {
+    /// Least squared error of cuts inside buckets that may err by less than `beat`, and a bound of those in all.
+    pub(crate) fn squared(&mut self, samples: &Samples, sides: &Sides, piles: &Piles<'_>, beat: f64) -> (f64, f64) {
+        let (side, lane) = (piles.side, piles.lane % LANES);
+        let (total, square) = ((sides.sums[side].weight, sides.sums[side].target), sides.sums[side].square);
+        let (mut left, mut most): (Pile, f64) = ((0.0, 0.0), 0.0);
+        self.squared.clear();
+        let cells = piles.lines.as_chunks::<SQUARED_ROWS>().0.iter().zip(piles.caps.as_chunks::<CAPS>().0);
+        for (bucket, (cell, caps)) in cells.enumerate() {
+            let row = |row: usize| cell[row].0[lane];
+            let (above, below) = (caps[2 * side].0[lane], caps[2 * side + 1].0[lane]);
+            if row(SQUARED_ROWS - 1) > 0.0 {
+                if (square - beat) * below < above {
+                    self.squared.push((bucket, above / below, left));
+                } else {
+                    most = square - beat;
+                }
+            }
+            let own = if side == 0 { (row(2), row(3)) } else { (row(0) - row(2), row(1) - row(3)) };
+            left = (left.0 + own.0, left.1 + own.1);
+        }
+        // The most promising first: the others are then mostly left alone.
+        self.squared.sort_unstable_by(|a, b| b.1.total_cmp(&a.1));
+        let mut best = 0.0;
+        for &(bucket, cap, start) in &self.squared {
+            if cap <= f64::max(best, square - beat) {
+                most = most.max(cap);
+                break;
+            }
+            let add = |left: &mut Pile, i: usize| {
+                *left = (left.0 + samples.sums[i].weight, left.1 + samples.sums[i].target);
+            };
+            piles.walk(bucket, sides, start, add, |left| best = f64::max(best, explained(*left, total)));
+        }
+        let error = |explained: f64| (square - explained).max(0.0);
+        (error(best), error(most.max(best)))
+    }
+
+    /// The same of absolute errors.
+    pub(crate) fn absolute(
+        &mut self,
+        samples: &Samples,
+        sides: &Sides,
+        piles: &Piles<'_>,
+        total: &Weights,
+        beat: f64,
+    ) -> (f64, f64) {
+        let (side, lane, n_values) = (piles.side, piles.lane % LANES, piles.rows / 2);
+        let (mut left, mut lower) = ([0.0; MOST_VALUES], f64::INFINITY);
+        self.absolute.clear();
+        let cells = piles.lines.chunks_exact(piles.rows).zip(piles.caps.as_chunks::<CAPS>().0);
+        for (bucket, (cell, caps)) in cells.enumerate() {
+            let cap = caps[side].0[lane];
+            if cap < beat {
+                self.absolute.push((bucket, cap, left));
+            } else {
+                lower = lower.min(cap);
+            }
+            for (v, weight) in left.iter_mut().enumerate().take(n_values) {
+                let (all, own) = (cell[v].0[lane], cell[n_values + v].0[lane]);
+                *weight += if side == 0 { own } else { all - own };
+            }
+        }
+        self.absolute.sort_unstable_by(|a, b| a.1.total_cmp(&b.1));
+        let mut best = f64::INFINITY;
+        for (bucket, cap, start) in &self.absolute {
+            if *cap >= best.min(beat) {
+                lower = lower.min(*cap);
+                break;
+            }
+            let targets = samples.ranks_of(samples.p);
+            let add = |left: &mut Weights, i: usize| left[targets[i] as usize] += samples.sums[i].weight;
+            piles.walk(*bucket, sides, *start, add, |left| {
+                let right: Weights = std::array::from_fn(|v| total[v] - left[v]);
+                best = best.min(absolute_error(left, &samples.gaps) + absolute_error(&right, &samples.gaps));
+            });
+        }
+        (best, lower.min(best))
+    }
+}
+
+/// Least absolute error of one constant for weights of the targets.
+#[inline(always)]
+pub(crate) fn absolute_error(weights: &Weights, gaps: &Weights) -> f64 {
+    let total: f64 = weights.iter().sum();
+    let (mut below, mut error) = (0.0, 0.0);
+    for v in 0..MOST_VALUES {
+        below += weights[v];
+        error += gaps[v] * f64::min(below, total - below);
+    }
+    error
+}

@@ -1,0 +1,141 @@
+"""octmip solve --target, and certify, predict and report of a regression tree."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import octmip
+from octmip import RegressionProblem, ValueLeaf, solve
+from octmip.formats.regression_file import (
+    read_regression_file,
+    record_regression,
+    schema,
+    write_regression_file,
+)
+
+SCHEMA = Path(octmip.__file__).parent / "schemas" / "regression_tree.schema.json"
+
+
+@pytest.fixture
+def houses(tmp_path):
+    """Return a table with text, a name for each row, a weight, and a price that follows area and kind."""
+    rng = np.random.default_rng(0)
+    area, kind = rng.integers(40, 200, 60), rng.choice(["flat", "house"], 60)
+    price = np.where(area > 110, 30.0, 10.0) + 5.0 * (kind == "house") + rng.integers(0, 3, 60)
+    frame = pd.DataFrame({"id": [f"h{k}" for k in range(60)], "area": area, "kind": kind, "w": 1 + area % 2})
+    frame.assign(price=price).to_csv(tmp_path / "houses.csv", index=False)
+    return tmp_path / "houses.csv"
+
+
+def solved(run, houses, *more):
+    chosen = ("--features", "area,kind", "--index", "id", "--depth", 2)
+    return run("solve", houses, "--target", "price", *chosen, *more)
+
+
+@pytest.mark.parametrize("loss", ["squared", "absolute"])
+def test_a_tree_is_solved_certified_applied_and_shown(houses, run, tmp_path, loss):
+    tree = tmp_path / "t.json"
+    code, out, err = solved(run, houses, "--loss", loss, "--out", tree, "--test", houses)
+    assert (code, err) == (0, "")
+    assert "Proven optimal" in out
+    assert "area <= 1" in out
+    assert f"({loss} error)" in out
+    code, certified, err = run("certify", tree, houses, "--test", houses)
+    assert (code, err) == (0, "")
+    assert certified.startswith("certified")
+    file = read_regression_file(tree)
+    assert certified.count(f"{file.solution.objective:.6g}") >= 1
+    answer = json.loads(run("predict", tree, houses, "--json")[1])
+    table = pd.read_csv(houses)
+    assert answer["index"] == table["id"].tolist()
+    assert answer["mae"] == pytest.approx(np.abs(np.array(answer["predictions"]) - table["price"]).mean())
+    code, lines, _ = run("predict", tree, houses)
+    assert lines.splitlines()[1] == f"h0,{answer['predictions'][0]!r}"
+    assert "area <= 1" in run("report", tree)[1]
+    assert "Proven optimal" in run("report", tree, houses)[1]
+    assert run("report", tree, "--out", tmp_path / "t.md")[0] == 0
+    assert (tmp_path / "t.md").read_text().startswith("```\nprice is predicted as")
+
+
+def test_json_is_one_object_and_an_incumbent_is_taken_up(houses, run, tmp_path):
+    tree = tmp_path / "t.json"
+    first = json.loads(solved(run, houses, "--json", "--out", tree, "--weights", "w", "--method", "search")[1])
+    assert first["bound"] is None
+    best = json.loads(solved(run, houses, "--json", "--weights", "w", "--incumbent", tree)[1])
+    assert best["is_optimal"]
+    assert best["objective"] <= first["objective"]
+    assert run("certify", tree, houses)[0] == 0
+    assert json.loads(run("certify", tree, houses, "--json")[1])["objective"] == first["objective"]
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        (["--label", "kind"], "named by --label and --target"),
+        (["--proof", "p.log"], "the classes' proof log"),
+        (["--holdout", "0.5"], "--test FILE"),
+        (["--method", "oct"], "expected auto, exact or search"),
+        (["--leaf-model", "linear", "--method", "exact"], "use method 'search'"),
+    ],
+)
+def test_what_regression_does_not_know_is_refused(houses, run, options, sentence):
+    code, out, err = solved(run, houses, *options)
+    assert (code, out) == (2, "")
+    assert sentence in err
+
+
+def test_a_column_of_words_is_no_target_and_a_loss_needs_one(houses, run):
+    assert "is no number" in run("solve", houses, "--target", "kind", "--depth", 1)[2]
+    assert "--target" in run("solve", houses, "--label", "kind", "--loss", "squared", "--depth", 1)[2]
+    assert "named by no option" in run("solve", houses, "--depth", 1)[2]
+
+
+def changed(tree, **training):
+    content = json.loads(tree.read_text())
+    content["training"] |= training
+    content["solution"]["objective"] += 0.5
+    tree.write_text(json.dumps(content))
+
+
+def test_a_changed_file_is_refuted_or_refused(houses, run, tmp_path):
+    tree = tmp_path / "t.json"
+    solved(run, houses, "--out", tree)
+    assert "--proof is about a log of classes" in run("certify", tree, houses, "--proof", "p.log")[2]
+    assert "expected .txt or .md" in run("report", tree, "--out", tmp_path / "t.html")[2]
+    changed(tree)
+    code, _, err = run("certify", tree, houses)
+    assert code == 1
+    assert "claims objective" in err
+    changed(tree, leaf_sizes=[60])
+    assert "leaf_sizes has 1 entries" in run("certify", tree, houses)[2]
+    assert "is not the table" in _with_other_table(run, houses, tmp_path)
+
+
+def _with_other_table(run, houses, tmp_path):
+    tree, other = tmp_path / "u.json", tmp_path / "other.csv"
+    solved(run, houses, "--out", tree)
+    pd.read_csv(houses).iloc[1:].to_csv(other, index=False)
+    return run("certify", tree, other)[2]
+
+
+def test_planes_and_linear_leaves_come_back_the_same(tmp_path):
+    rng = np.random.default_rng(1)
+    features = rng.normal(size=(50, 3))
+    targets = np.where(features[:, 0] + features[:, 1] > 0, features[:, 2], 4.0)
+    options = {"split": "hyperplane", "leaf_model": "linear", "sensor_cost": [1, 2, 3], "sensor_budget": 9}
+    problem = RegressionProblem(features, targets, depth=1, **options)
+    solution = solve(problem, options={"restarts": 2})
+    write_regression_file(tmp_path / "t.json", record_regression(problem, solution, None, None))
+    file = read_regression_file(tmp_path / "t.json")
+    assert file.solution == solution
+    assert isinstance(file.tree.left, ValueLeaf)
+    again = file.problem(features, targets, np.ones(50))
+    assert again.digest() == file.sha256
+    assert again.sensor_costs.tolist() == [1, 2, 3]
+
+
+def test_the_published_schema_is_that_of_the_reader():
+    assert json.loads(SCHEMA.read_text()) == schema()
