@@ -105,7 +105,7 @@ def wrong_run(
     wrong = float(np.log(max(odds.wrong_run, 1e-300))) + float(logsumexp(list(weights.values())))
     probability = float(1.0 / (1.0 + np.exp(np.clip(right - wrong, -700.0, 700.0))))
     likeliest = max(weights, key=lambda name: weights[name])
-    best = before.inputs.candidates[int(np.argmax([_log(none + s) for s in single.T]))]
+    best = before.inputs.candidates[int(np.argmax(_logs(none, single)))]
     words = {
         "state": "its readings are those of another state than is stated",
         "effect": f"its readings are explained by an effect of that day: {best.words.replace('_', ' ')}",
@@ -272,7 +272,12 @@ def _log_gain(posterior: Posterior, own: _Part, parts: list[_Part], kernels: lis
 
 def _log_sum(none: Floats, added: Floats) -> float:
     """Return the log of the evidence summed over what each of (n_levels, n_candidates) adds."""
-    return float(logsumexp([_log(none + column) for column in added.T])) if added.size else -np.inf
+    return float(logsumexp(_logs(none, added))) if added.size else -np.inf
+
+
+def _logs(none: Floats, added: Floats) -> Floats:
+    """Return `_log` of the evidence (n_levels,) with each of (n_levels, n_candidates) added (n_candidates,)."""
+    return np.asarray(logsumexp((none + np.log(LEVEL_PRIOR))[:, None] + added, axis=0))
 
 
 def _log_prior(probabilities: tuple[float, ...], odds: Odds) -> float:

@@ -47,7 +47,7 @@ def test_perturbations_of_deep_trees_keep_every_constraint_and_the_objective_of_
     rng = np.random.default_rng(5)
     seen = set()
     for seed in range(60):
-        problem = random_problem(rng, max_samples=80, max_features=5, max_depth=5)
+        problem = random_problem(rng, max_samples=40, max_features=5, max_depth=4)
         if problem.depth < 3:
             continue  # cuts are shifted and subtrees rebuilt from three levels on
         solution = local_search(problem, seed=seed, restarts=3, perturbations=12)

@@ -22,6 +22,8 @@ from octmip.gap.campaign.spectrum import WHITE, Serial
 from octmip.twin import Load
 
 Floats = NDArray[np.float64]
+Question = tuple[tuple[AveragedCell, ...], tuple[Load, ...], bytes, bytes]
+"""Averages, their loads, and the bytes of the rows' averages and gauges."""
 
 JUMP_SD = 1e3
 """Standard deviation of the offset after a jump in those of a reading: nothing is known of it."""
@@ -157,6 +159,7 @@ class Noise:
     parts: tuple[NoisePart, ...] = ()
     jumps: tuple[Jump, ...] = ()
     outliers: Mapping[str, float] = field(default_factory=dict)
+    _kept: dict[Question, Floats] = field(init=False, repr=False, default_factory=dict)
 
     def __post_init__(self) -> None:
         if not self.parts:
@@ -198,8 +201,12 @@ class Noise:
         gauge: NDArray[np.int64],
     ) -> Floats:
         """Return the covariance (n, n) of averages at these loads; (n,) indices of average and gauge."""
-        total = self.of_scatter(averages, loads, average, gauge)
-        return total + self.offsets(averages, average, gauge) if self.jumps else total
+        key = tuple(averages), tuple(loads), average.tobytes(), gauge.tobytes()
+        if key not in self._kept:
+            total = self.of_scatter(averages, loads, average, gauge)
+            self._kept.clear()
+            self._kept[key] = total + self.offsets(averages, average, gauge) if self.jumps else total
+        return self._kept[key].copy()
 
     def of_scatter(
         self,

@@ -1,6 +1,7 @@
 """The two gauges that a place such as ``a/b`` names, whatever the gauges are called."""
 
 from collections.abc import Iterable
+from functools import lru_cache
 
 from octmip.errors import DataError
 from octmip.twin import Twin, channels_of, units_of
@@ -21,7 +22,12 @@ def pair_of(twin: Twin, place: str, separator: str) -> tuple[int, int]:
     DataError
         no two gauges of the twin, or several pairs, give the place.
     """
-    number = {name: k for k, name in enumerate(twin.gauges)}
+    return _pair(twin.gauges, place, separator)
+
+
+@lru_cache(maxsize=65536)  # a diagnosis asks ten thousand times for each pair
+def _pair(gauges: tuple[str, ...], place: str, separator: str) -> tuple[int, int]:
+    number = {name: k for k, name in enumerate(gauges)}
     cuts = [k for k, letter in enumerate(place) if letter == separator]
     named = [(place[:k], place[k + 1 :]) for k in cuts]
     pairs = [(number[a], number[b]) for a, b in named if a in number and b in number]

@@ -161,5 +161,7 @@ def _single_logs(prior: Priors, scale: float, variance: Floats, gain: Floats) ->
     eta = prior.mean / sd**2 + gain
     size, spread = eta / precision, precision**-0.5
     value = 0.5 * (eta**2 / precision - prior.mean**2 / sd**2 - np.log(precision * sd**2))
-    share = log_between(size, spread, prior.bounds) - log_between(prior.mean, sd, prior.bounds)
-    return np.asarray(value + np.where(np.isfinite(prior.bounds).any(axis=0), share, 0.0))
+    cut = np.flatnonzero(np.isfinite(prior.bounds).any(axis=0))
+    bounds = prior.bounds[:, cut]
+    value[cut] += log_between(size[cut], spread[cut], bounds) - log_between(prior.mean[cut], sd[cut], bounds)
+    return np.asarray(value)

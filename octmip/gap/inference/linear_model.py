@@ -310,21 +310,25 @@ def _covariance(
     covariance += np.outer(share, share) * inputs.discrepancy.covariance[np.ix_(gauge, gauge)]
     cell = np.array([part.cell for part in inputs.averages])[average]
     tails = inputs.discrepancy.damage_tails(gauge)
-    covariance += _damage_nugget(inputs.discrepancy.damage * change, tails * change, gauge, states[cell])
+    covariance += _damage_nugget(inputs.discrepancy.damage * change, tails * change, gauge, states, cell)
     covariance += OPEN_STATE**2 * tangents @ tangents.T
     return covariance
 
 
-def _damage_nugget(sd: Floats, tails: Floats, gauge: NDArray[np.int64], states: Floats) -> Floats:
+def _damage_nugget(
+    sd: Floats, tails: Floats, gauge: NDArray[np.int64], states: Floats, cell: NDArray[np.int64]
+) -> Floats:
     """Return the covariance of errors of these sd (n,) in what damage changes: in common, per gauge, partly per state.
 
-    The states (n, n_parameters) are those of the rows; a `sd` has the sign of the change. `tails` (n,) are the sd of
-    wide gauges' own part.
+    The states (n_cells, n_parameters) are those of the cells, `cell` (n,) is that of each row; a `sd` has the sign of
+    the change. `tails` (n,) are the sd of wide gauges' own part.
     """
     same_state = (states[:, None, :] == states[None, :, :]).all(axis=2)
     shared = OWN_STATE**2 + (1.0 - OWN_STATE**2) * same_state
-    own = np.outer(tails, tails) * (gauge[:, None] == gauge[None, :])
-    return np.asarray((np.outer(sd, sd) * alike_gauges(gauge) + own) * shared)
+    nugget = np.outer(sd, sd) * alike_gauges(gauge)
+    if tails.any():
+        nugget += np.outer(tails, tails) * (gauge[:, None] == gauge[None, :])
+    return np.asarray(nugget * shared[np.ix_(cell, cell)])
 
 
 def alike_gauges(gauge: NDArray[np.int64]) -> Floats:

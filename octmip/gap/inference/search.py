@@ -78,7 +78,7 @@ class Weighed:
 
     def times(self, log_factor: float) -> "Weighed":
         """Return the hypothesis with its weight multiplied."""
-        return replace(self, log_weight=self.log_weight + log_factor)
+        return Weighed(self.members, self.has_unknown, self.log_weight + log_factor, self.inference, self.words)
 
 
 @dataclass(frozen=True, slots=True)
