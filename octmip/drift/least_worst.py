@@ -40,7 +40,7 @@ PROVEN_DEPTH = 2
 FIRST_SHARE = 0.2
 """Share of the time that the tree without drift may take, and the local search after it, each."""
 ROUNDS = {1: 5, 2: 10}
-MORE_ROUNDS = 200
+MORE_ROUNDS = 30
 """Perturbations of the local search, by depth; more where no proof follows."""
 FIRST_SECONDS = 5.0
 """Most seconds of the local search before a proof."""
