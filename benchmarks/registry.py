@@ -23,6 +23,7 @@ FAMILIES = {
     "search_lines": "benchmarks.cases.search.lines",
     "search_growth": "benchmarks.cases.search.growth",
     "fuzz_everything": "benchmarks.cases.fuzz.everything",
+    "fuzz_drift": "benchmarks.cases.fuzz.drift",
     "fuzz_exact": "benchmarks.cases.fuzz.exact",
     "fuzz_gaps": "benchmarks.cases.fuzz.gaps",
     "gaps_strains": "benchmarks.cases.gaps.strains",

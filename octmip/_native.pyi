@@ -193,3 +193,26 @@ def regression(
     `targets`: targets, weights, rounded squares, the grid of the squares. `shape`: whether the error is absolute, price
     of a split, depth, leaf size, which features may be used.
     """
+
+BandRow = tuple[NDArray[np.uint32], NDArray[np.uint32], int, int]  # lowest and highest ranks, most off, labels
+
+def drift(
+    problem: Problem,
+    band_row: BandRow,
+    incumbent: tuple[int, list[NodeRow]] | None,
+    floor: int,
+    limit_values: LimitValues,
+    n_threads: int,
+    progress: NativeProgress | None = None,
+) -> tuple[list[NodeRow], int, int, str, int]:
+    """Return the tree of least worst case to depth 2, its cost, the bound, stop and cuts of the root."""
+
+def drift_search(
+    problem: Problem,
+    band_row: BandRow,
+    starts: list[tuple[int, list[NodeRow]]],
+    n_rounds: int,
+    seed: int,
+    limit_values: LimitValues,
+) -> tuple[list[NodeRow], int, str]:
+    """Return the best tree that changes of single nodes lead to, its cost, and stop."""

@@ -23,13 +23,14 @@ COMMANDS = {
     "compare": "run every method on a table and show their gaps side by side",
     "near-optimal": "count all trees near the optimum, list the best, draw samples",
     "sensors": "show what each sensor is worth: the optimum without it, and where it must be read",
+    "drift": "find the tree of least worst case while gauges are off by up to given amounts",
     "frontier": "show the least cost against depth, sensor budget or leaf penalty",
     "diagnose": "explain why an asset does not behave like its twin, and what to test next",
     "report": "show a tree file in words, or as a page, Markdown, DOT or a drawing",
     "doctor": "check this installation: versions, native core, extras, memory",
     "completion": "print the script that lets a shell complete octmip's words",
 }
-MODULES = {"near-optimal": "sets.near_optimal", "sensors": "sets.sensors"}
+MODULES = {"drift": "sets.drift", "near-optimal": "sets.near_optimal", "sensors": "sets.sensors"}
 """Modules of the commands that do not bear their name."""
 MOST_MESSAGE = 10_000  # characters of an error on standard error
 

@@ -1,6 +1,7 @@
-"""Commands about all near-optimal trees.
+"""Commands about all near-optimal trees, and about sensors.
 
 amount        what "within" means on a command line
 near_optimal  octmip near-optimal: the set itself
+drift         octmip drift: the tree of least worst case while gauges are off
 sensors       octmip sensors: what each sensor is worth
 """

@@ -7,6 +7,7 @@
 
 pub mod control;
 mod costs;
+pub mod drift;
 pub mod exact;
 mod log;
 pub mod near_optimal;

@@ -1,6 +1,7 @@
 //! The Python border: arrays in, a flat node table and counters out. No logic of trees lives here.
 
 mod check;
+mod drift;
 mod exact;
 mod near_optimal;
 mod problem;
@@ -25,6 +26,8 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(search::py_search, module)?)?;
     module.add_function(wrap_pyfunction!(sequential::sequential, module)?)?;
     module.add_function(wrap_pyfunction!(regression::regression, module)?)?;
+    module.add_function(wrap_pyfunction!(drift::drift, module)?)?;
+    module.add_function(wrap_pyfunction!(drift::drift_search, module)?)?;
     two_feature::register(module)?;
     exact::register(module)
 }
