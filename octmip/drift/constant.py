@@ -75,7 +75,9 @@ def _steps(problem: Problem, tree: Node, bands: Bands, feature: int) -> Floats:
 
     The first row is the least error of the band, where all begin; thresholds ascend.
     """
-    thresholds = sorted({s.threshold for s in splits(tree) if isinstance(s, Split) and s.feature == feature})
+    own = [s.threshold for s in splits(tree) if isinstance(s, Split) and s.feature == feature]
+    # A split without a threshold asks whether the reading is missing, and none is here.
+    thresholds = sorted({threshold for threshold in own if threshold is not None})
     values = problem.features[:, feature]
     least, most = -float(bands.below[feature]), float(bands.above[feature])
     return np.stack([np.full(len(values), least), *(first_beyond(values, t, least, most) for t in thresholds)])
