@@ -8,13 +8,11 @@ Timoshenko, S. Woinowsky-Krieger, Theory of Plates and Shells (1959), tables 8 a
 """
 
 from collections.abc import Callable
-from itertools import product
 
 import numpy as np
 
 from femlib.arrays import FloatArray, IntArray
 from femlib.assembly import Quality, Shells, Supports, factorise, line_load, solution_quality, surface_load
-from femlib.errors import MeshError, SolveError
 from femlib.material import Laminate, isotropic_plate
 from femlib.mesh import DOFS_PER_NODE, Mesh, QualityLimits
 
@@ -251,27 +249,6 @@ def random_shape(rng: np.random.Generator) -> RandomShape:
     return work
 
 
-def random_shapes(count: int, seed: int = 7) -> None:
-    """Print how many of so many random panels on 16 x 16 moved elements are right, wrong or refused."""
-    rng = np.random.default_rng(seed)
-    errors = []
-    n_refused = 0
-    for _ in range(count):
-        shape = random_shape(rng)
-        try:
-            coarse, quality = shape(16, rng)
-            quality.refuse()
-        except (MeshError, SolveError):
-            n_refused += 1
-            continue
-        errors.append(abs(coarse / shape(40, None)[0] - 1.0))
-    wrong = sum(error > 0.05 for error in errors)
-    print(
-        f"{count} random panels: {n_refused} refused; of {len(errors)} accepted {wrong} more than 5 % off, "
-        f"median {100 * np.median(errors):.2f} %, most {100 * max(errors):.2f} %"
-    )
-
-
 def _tip(shells: Shells, node: IntArray, direction: str) -> float:
     """Return the mean deflection of the last row of nodes under a unit force spread over it, the first row clamped."""
     shares = np.ones(node.shape[1])
@@ -292,27 +269,3 @@ CONVERGING: dict[str, Callable[[int], float]] = {
     "square plate, simply supported": lambda n: square_plate(n, False),
     "square plate, clamped": lambda n: square_plate(n, True),
 }
-
-
-def main() -> None:
-    """Print the table of docs/wing.md."""
-    sizes = (4, 8, 16, 32)
-    for name, problem in CONVERGING.items():
-        print(f"| {name} | " + " | ".join(f"{problem(n):.4f}" for n in sizes) + " |")
-    for shape in BEAM_SHAPES:
-        print(f"| straight beam, {shape} | " + " | ".join(f"{straight_beam(shape, d):.3f}" for d in "uvwx") + " |")
-    for d in "uw":
-        print(
-            f"| curved beam, {d} | "
-            + " | ".join(f"{curved_beam(d, *m):.3f}" for m in ((6, 1), (24, 1), (48, 4)))
-            + " |"
-        )
-    for t, d in product((0.32, 0.0032), "vw"):
-        row = [f"{twisted_beam(t, d, *m):.4f}" for m in ((12, 2), (24, 4), (48, 8))]
-        print(f"| twisted beam, t {t}, {d} | " + " | ".join(row) + " |")
-    print("| Raasch hook | " + " | ".join(f"{raasch_hook(9 * k, k):.4f}" for k in (1, 2, 4, 8, 16)) + " |")
-    random_shapes(200)
-
-
-if __name__ == "__main__":
-    main()

@@ -23,9 +23,11 @@ def test_mesh_lines_shrink_with_the_step():
 
 def test_shell_lines_make_both_tables():
     lines = [*fem_shells.plates_and_shells((4,)), *fem_shells.beams()]
+    lines += [*fem_shells.strips((1,)), fem_shells.panels(2, 8)]
     table = fem_shells.summary(lines)
-    assert "| Scordelis-Lo roof | 1.0468 |" in table
-    assert "| curved | - |" in table
+    assert "| Scordelis-Lo roof | 1.0470 |" in table
+    assert "| Raasch's hook | 9 x 1 | 0.907 |" in table
+    assert "2 random panels: " in table
 
 
 @needs_calculix
