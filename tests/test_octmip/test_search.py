@@ -46,7 +46,7 @@ def test_larger_random_problems_get_feasible_trees_no_worse_than_cart_that_they_
 def test_perturbations_of_deep_trees_keep_every_constraint_and_the_objective_of_the_certificate():
     rng = np.random.default_rng(5)
     seen = set()
-    for seed in range(44):
+    for seed in range(60):
         problem = random_problem(rng, max_samples=40, max_features=5, max_depth=4)
         if problem.depth < 3:
             continue  # cuts are shifted and subtrees rebuilt from three levels on
