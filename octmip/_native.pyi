@@ -110,13 +110,14 @@ class NearProblem:
         cls,
         problem: Problem,
         costs: tuple[list[int], list[int], list[int], int, int, int],
+        above: list[int],
         is_narrow: bool,
         by_sets: bool,
     ) -> NearProblem:
         """Take the problem.
 
         `costs`: class and weight of each sample, cost of each label for each class, number of labels, penalty, and by
-        how many binary digits a unit of `problem` is larger.
+        how many binary digits a unit of `problem` is larger. `above`: columns that rank missing readings above others.
         """
 
     def count(

@@ -59,7 +59,7 @@ class Inference:
         new = [members for members in dict.fromkeys(sets) if members not in self._judgements]
         for members, own in zip(new, self.fits(new), strict=True):
             self._judgements[members] = Judgement(own, 0.0, np.zeros((self.model.n, 0)))
-        for _ in range(PASSES):
+        for _ in range(PASSES if new else 0):  # most sets are asked for again
             self._judge_again(new)
         return [self._judgements[members] for members in sets]
 
