@@ -37,6 +37,7 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
         "regression.questions": 3,
         "regression.certificate": 3,
         "regression.grid": 4,
+        "regression.proof_log": 4,
         "regression.exact": 5,
         "regression.search": 5,
         "certificate": 4,
