@@ -11,8 +11,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.cases.fem.calibration import SEEDS, frequencies, least_errors
 from benchmarks.data import SHARED, tip_test, vibration_test
+from benchmarks.wing.against_published import SEEDS, frequencies, least_errors
 from femlib.dataset import MeanStrains, published_strains, simulated_strains
 from femlib.wing import Wing, published_wing, uav_wing
 

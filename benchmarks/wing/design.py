@@ -12,7 +12,7 @@ from femlib.wing import Wing
 from femlib.wing.gauges import SPANWISE, pitched_places
 from femlib.wing.loads import elliptic_lift
 from femlib.wing.planform import PLANFORM, SECTION
-from femlib.wing.structure import MIDDLE
+from femlib.wing.structure import MIDDLE, WingMaterials
 
 Floats = NDArray[np.float64]
 LOAD_FACTOR = 3.0
@@ -27,8 +27,9 @@ class WingDesign:
     """A wing with parameters.
 
     Stiffness: `skin` (all moduli), `rise`, `step`, `rib`, `web` as in `WingMaterials`. Load: `mass` [kg]. Gauges: those
-    of `GAUGE_PARAMETERS`, fractions. Weight: `density`, a factor on the skin's. Regions: those of `EDGES`; an
-    element that an edge cuts loses the share of its stiffness that lies inside, the price of a mesh that stays.
+    of `GAUGE_PARAMETERS`, fractions. Weight: `density`, a factor on the skin's of `WingMaterials`. Regions:
+    those of `EDGES`; an element that an edge cuts loses the share of its stiffness that lies inside, the price of a
+    mesh that stays.
 
     Parameters
     ----------
@@ -103,7 +104,8 @@ class WingDesign:
 
     def _mass(self, v: Mapping[str, float]) -> Varying:
         wood = 1.0 * (self.web | self.rib)
-        return Varying(wood + v["density"] * (1.0 - wood), {"density": 1.0 - wood})
+        skin = (1.0 - wood) * WingMaterials().skin_density / self.wing.materials.skin_density
+        return Varying(wood + v["density"] * skin, {"density": skin})
 
     def _state(self, v: Mapping[str, float], parameter: str, loss: float) -> Varying:
         """Return the factors of one region's loss, and their derivatives by the region's edges along the chord."""

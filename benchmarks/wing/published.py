@@ -44,20 +44,22 @@ MASSES = {0.40: "mass_servo_1", 0.65: "mass_servo_2", 0.80: "mass_pitot"}
 """Span fractions of the published point masses, assumed."""
 
 PARAMETERS = (
-    Parameter("skin", 1.49, 0.05, 20.0, is_log=True, meaning="factor on all moduli"),
-    Parameter("rise", 3.58, -3.0, 6.0, meaning="growth of the skin's modulus along the span, exp(rise (eta - 1/2))"),
-    Parameter("step", 0.235, 0.05, 3.0, is_log=True, meaning="skin's modulus outboard of mid-span over inboard"),
-    Parameter("rib", 3.2, 0.1, 50.0, 5.0, 0.8, is_log=True, meaning="factor on the ribs' modulus"),
-    Parameter("web", 2.1, 0.1, 20.0, 2.1, 0.8, is_log=True, meaning="factor on the web's modulus"),
-    Parameter("mass", 33.1, 5.0, 60.0, is_log=True, meaning="effective mass at load factor 1 [kg]"),
-    Parameter("front_in", 0.294, 0.26, 0.32, 0.293, 0.01, meaning="first gauge of the front row, eta"),
-    Parameter("front_out", 0.5943, 0.57, 0.62, 0.594, 0.01, meaning="first gauge of its outboard half, eta"),
-    Parameter("rear_in", 0.3016, 0.26, 0.33, 0.308, 0.01, meaning="first gauge of the rear row, eta"),
-    Parameter("rear_out", 0.5983, 0.57, 0.63, 0.600, 0.01, meaning="first gauge of its outboard half, eta"),
-    Parameter("pitch", 0.0162, 0.014, 0.022, 0.0167, 0.002, meaning="pitch of the front row, half the rear row's, eta"),
-    Parameter("x_front", 0.2242, 0.12, 0.29, 0.22, 0.03, meaning="front row, x/c"),
-    Parameter("x_rear", 0.3447, 0.305, 0.6, 0.35, 0.03, meaning="rear row, x/c"),
-    Parameter("density", 0.921, 0.3, 3.0, 1.0, 0.3, is_log=True, meaning="factor on the skin's density"),
+    Parameter("skin", 1.38, 0.05, 20.0, is_log=True, meaning="factor on all moduli"),
+    Parameter("rise", 3.17, -3.0, 6.0, meaning="growth of the skin's modulus along the span, exp(rise (eta - 1/2))"),
+    Parameter("step", 0.262, 0.05, 3.0, is_log=True, meaning="skin's modulus outboard of mid-span over inboard"),
+    Parameter("rib", 2.57, 0.1, 50.0, 5.0, 0.8, is_log=True, meaning="factor on the ribs' modulus"),
+    Parameter("web", 2.2, 0.1, 20.0, 2.1, 0.8, is_log=True, meaning="factor on the web's modulus"),
+    Parameter("mass", 32.4, 5.0, 60.0, is_log=True, meaning="effective mass at load factor 1 [kg]"),
+    Parameter("front_in", 0.2898, 0.26, 0.32, 0.293, 0.01, meaning="first gauge of the front row, eta"),
+    Parameter("front_out", 0.5922, 0.57, 0.62, 0.594, 0.01, meaning="first gauge of its outboard half, eta"),
+    Parameter("rear_in", 0.2983, 0.26, 0.33, 0.308, 0.01, meaning="first gauge of the rear row, eta"),
+    Parameter("rear_out", 0.5994, 0.57, 0.63, 0.600, 0.01, meaning="first gauge of its outboard half, eta"),
+    Parameter(
+        "pitch", 0.01716, 0.014, 0.022, 0.0167, 0.002, meaning="pitch of the front row, half the rear row's, eta"
+    ),
+    Parameter("x_front", 0.2216, 0.12, 0.29, 0.22, 0.03, meaning="front row, x/c"),
+    Parameter("x_rear", 0.3459, 0.305, 0.6, 0.35, 0.03, meaning="rear row, x/c"),
+    Parameter("density", 0.916, 0.3, 3.0, 1.0, 0.3, is_log=True, meaning="factor on the skin's density"),
 )
 MOVING_EDGES = (
     Parameter("r1_fore", 0.315, 0.30, 0.50, 0.33, 0.03, meaning="region 1, fore edge, x/c"),

@@ -202,7 +202,6 @@ def test_all_28_regions_lie_on_rib_bays_of_the_published_wing() -> None:
     wing = published_wing(refinement=0.25, regions=library)
     assert wing.parameters == tuple(f"mu{k}" for k in range(1, 29))
     assert wing.gauges.is_usable.sum() == 20
-    assert wing.strain_microstrain({"mu1": 0.4, "mu28": 0.9}, 3.0).shape == (24,)
 
 
 @pytest.mark.parametrize("field", ["skin_step", "web_factor", "rib_factor"])
