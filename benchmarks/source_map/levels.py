@@ -85,6 +85,7 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
         "components": 5,
         "rom": 6,
         "sensors": 7,
+        "calibration": 8,
         "dataset": 8,
         "wing": 9,
     },
