@@ -147,8 +147,11 @@ def calibrate(
     if not is_whole(most_predictions) or most_predictions < 1:
         raise InputError(f"most_predictions is {most_predictions!r}; expected 1 or more; raise it")
     held = _held_out(seen, held_out)
-    evaluations = _Evaluations(structure, known, seen)
-    target, sd, use = measured(seen), deviations(seen), ~held
+    parts = np.split(held, np.cumsum([o.n_entries for o in seen])[:-1])
+    fitted = tuple(o for o, part in zip(seen, parts, strict=True) if not part.all())  # states that none needs cost time
+    use = ~np.concatenate([part for part in parts if not part.all()])
+    evaluations = _Evaluations(structure, known, fitted)
+    target, sd = measured(fitted), deviations(fitted)
 
     def residuals(place: FloatArray) -> FloatArray:
         own = ((evaluations.at(place).value - target) / sd)[use]
@@ -179,7 +182,9 @@ def calibrate(
         )
     values = np.array([p.value(float(x)) for p, x in zip(known, found.x, strict=True)])
     covariance = _covariance(known, found.x, gradient(found.x))
-    return Calibration(known, seen, values, covariance, evaluations.at(found.x).value, held, evaluations.n)
+    names = [p.name for p in known]
+    predicted = predict(structure.design(dict(zip(names, values.tolist(), strict=True))), seen, []).value
+    return Calibration(known, seen, values, covariance, predicted, held, evaluations.n + 1)
 
 
 def measured(observations: Sequence[Observation]) -> FloatArray:
