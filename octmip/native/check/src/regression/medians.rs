@@ -5,7 +5,7 @@ use crate::regression::grid::Samples;
 const NONE: u32 = u32::MAX;
 
 /// Samples in the order of their targets, by their place in it: a linked list with a pointer at the median.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Clone)]
 pub(crate) struct Medians {
     next: Vec<u32>,
     previous: Vec<u32>,

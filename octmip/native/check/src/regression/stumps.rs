@@ -21,6 +21,16 @@ pub struct Stump {
 /// Sums of weights and weighted targets: whole numbers of float64.
 type Pile = (f64, f64);
 
+/// What the splits of all features start from: of squared errors sums of the set, of absolute ones the set with its
+/// median and the place of each sample in it.
+#[derive(Default)]
+struct Whole {
+    total: Pile,
+    square: i128,
+    medians: Medians,
+    place: Vec<u32>,
+}
+
 impl Samples {
     /// The samples of a side of a cut, in every order.
     pub fn part(&self, orders: &[Vec<u32>], left: &[u32], is_left: bool) -> Vec<Vec<u32>> {
@@ -37,22 +47,39 @@ impl Samples {
 
     /// Least error of one constant for samples in the order of their targets.
     pub fn leaf(&self, set: &[u32]) -> i64 {
+        self.one_leaf(&self.whole(set))
+    }
+
+    fn one_leaf(&self, whole: &Whole) -> i64 {
         if self.is_absolute {
-            let mut medians = Medians::default();
-            medians.load(self, set);
-            return self.floor(i128::from(medians.cost()));
+            return self.floor(i128::from(whole.medians.cost()));
         }
-        let total = self.pile(set);
-        self.rest(set, explained(total))
+        self.rest(whole, explained(whole.total))
+    }
+
+    fn whole(&self, set: &[u32]) -> Whole {
+        let mut whole = Whole::default();
+        if self.is_absolute {
+            whole.medians.load(self, set);
+            whole.place = vec![0; self.n];
+            set.iter().enumerate().for_each(|(k, &i)| whole.place[i as usize] = k as u32);
+            return whole;
+        }
+        for &i in set {
+            let (weight, target) = (self.weights[i as usize], self.targets[i as usize]);
+            whole.total = self.with(whole.total, i);
+            whole.square += i128::from(weight * target) * i128::from(target);
+        }
+        whole
     }
 
     /// The cheapest tree of one split at most, the first feature where several are.
     pub fn stump(&self, orders: &[Vec<u32>]) -> Stump {
-        let set = &orders[self.p];
-        let leaf = self.leaf(set);
+        let whole = self.whole(&orders[self.p]);
+        let leaf = self.one_leaf(&whole);
         let mut best = Stump { strict: leaf, relaxed: leaf, feature: None };
         for f in (0..self.p).filter(|&f| !orders[f].is_empty()) {
-            let [strict, relaxed] = self.split(f, orders);
+            let [strict, relaxed] = self.split_of(f, &orders[f], &whole);
             if strict < best.strict {
                 (best.strict, best.feature) = (strict, Some(f));
             }
@@ -63,13 +90,16 @@ impl Samples {
 
     /// The cheapest split by one feature, and that with leaves of any size.
     pub fn split(&self, f: usize, orders: &[Vec<u32>]) -> [i64; 2] {
-        let (order, set) = (&orders[f], &orders[self.p]);
-        let costs = if self.is_absolute { self.absolute(f, order, set) } else { self.squared(f, order, set) };
+        self.split_of(f, &orders[f], &self.whole(&orders[self.p]))
+    }
+
+    fn split_of(&self, f: usize, order: &[u32], whole: &Whole) -> [i64; 2] {
+        let costs = if self.is_absolute { self.absolute(f, order, whole) } else { self.squared(f, order, whole) };
         costs.map(|cost| cost.saturating_add(self.penalty))
     }
 
-    fn squared(&self, f: usize, order: &[u32], set: &[u32]) -> [i64; 2] {
-        let (total, ranks, mut left, mut most) = (self.pile(set), self.ranks_of(f), (0.0, 0.0), [None::<f64>; 2]);
+    fn squared(&self, f: usize, order: &[u32], whole: &Whole) -> [i64; 2] {
+        let (total, ranks, mut left, mut most) = (whole.total, self.ranks_of(f), (0.0, 0.0), [None::<f64>; 2]);
         for (k, &i) in order.iter().enumerate() {
             if k > 0 && ranks[i as usize] != ranks[order[k - 1] as usize] {
                 let found = explained(left) + explained((total.0 - left.0, total.1 - left.1));
@@ -80,22 +110,19 @@ impl Samples {
             }
             left = self.with(left, i);
         }
-        most.map(|most| most.map_or(i64::MAX, |most| self.rest(set, most)))
+        most.map(|most| most.map_or(i64::MAX, |most| self.rest(whole, most)))
     }
 
-    fn absolute(&self, f: usize, order: &[u32], set: &[u32]) -> [i64; 2] {
-        let mut place = vec![0; self.n];
-        set.iter().enumerate().for_each(|(k, &i)| place[i as usize] = k as u32);
-        let (n, mut medians, mut right) = (order.len(), Medians::default(), Vec::with_capacity(order.len()));
-        medians.load(self, set);
+    fn absolute(&self, f: usize, order: &[u32], whole: &Whole) -> [i64; 2] {
+        let (n, mut medians, mut right) = (order.len(), whole.medians.clone(), Vec::with_capacity(order.len()));
         for &i in order {
             right.push(medians.cost());
-            medians.remove(place[i as usize]);
+            medians.remove(whole.place[i as usize]);
         }
-        medians.load(self, set);
+        medians.clone_from(&whole.medians);
         let (ranks, mut least) = (self.ranks_of(f), [i64::MAX; 2]);
         for k in (1..n).rev() {
-            medians.remove(place[order[k] as usize]);
+            medians.remove(whole.place[order[k] as usize]);
             if ranks[order[k] as usize] != ranks[order[k - 1] as usize] {
                 let cost = self.floor(i128::from(medians.cost() + right[k]));
                 let is_wide = self.leaf_size <= k && k + self.leaf_size <= n;
@@ -110,18 +137,9 @@ impl Samples {
         (pile.0 + weight as f64, pile.1 + (weight * target) as f64)
     }
 
-    fn pile(&self, set: &[u32]) -> Pile {
-        set.iter().fold((0.0, 0.0), |pile, &i| self.with(pile, i))
-    }
-
-    /// What is left of the weighted squares of samples, rounded down.
-    fn rest(&self, set: &[u32], explained: f64) -> i64 {
-        let square = |&i: &u32| {
-            let target = i128::from(self.targets[i as usize]);
-            i128::from(self.weights[i as usize]) * target * target
-        };
-        let all: i128 = set.iter().map(square).sum();
-        self.floor(all - (explained * (1.0 + 2f64.powi(-50))).ceil() as i128)
+    /// What is left of the weighted squares, rounded down.
+    fn rest(&self, whole: &Whole, explained: f64) -> i64 {
+        self.floor(whole.square - (explained * (1.0 + 2f64.powi(-50))).ceil() as i128)
     }
 }
 
