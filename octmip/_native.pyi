@@ -74,6 +74,35 @@ class Question:
     def check(self, log: str, n_threads: int) -> tuple[tuple[float, int, int] | None, tuple[int, str] | None]:
         """Return the bound that a log proves, its number of lines, the line of its claim; or where and why it fails."""
 
+class RegressionQuestion:
+    """A regression problem in float64 as given, for the checker of proof logs and their writer."""
+
+    def __new__(
+        cls,
+        features: NDArray[np.float64],
+        targets: NDArray[np.float64],
+        weights: NDArray[np.float64],
+        asked: tuple[bool, int, int, float],
+        sensors: tuple[list[int], list[float], float],
+    ) -> RegressionQuestion:
+        """Take the problem.
+
+        `asked`: whether the error is absolute, depth, samples of a leaf, price of a split. `sensors`: sensor of each
+        feature, cost of each sensor, budget.
+        """
+
+    def digests(self) -> tuple[str, str]:
+        """Return the sha256 of samples, targets and weights, and that of all the rest."""
+
+    def check(self, log: str) -> tuple[tuple[float, int, int] | None, tuple[int, str] | None]:
+        """Return the bound that a log proves, its number of lines, the line of its claim; or where and why it fails."""
+
+    def prove(self, scale: tuple[int, int, int], wanted: int) -> tuple[int, str, float] | None:
+        """Return claim, body and bound of a log: `wanted`, or what the best tree costs. None if it was stopped.
+
+        `scale`: exponents of weights, targets and costs of the log's grid.
+        """
+
 class NearProblem:
     """A problem whose trees are counted, its costs whole numbers."""
 
@@ -81,13 +110,14 @@ class NearProblem:
         cls,
         problem: Problem,
         costs: tuple[list[int], list[int], list[int], int, int, int],
+        above: list[int],
         is_narrow: bool,
         by_sets: bool,
     ) -> NearProblem:
         """Take the problem.
 
         `costs`: class and weight of each sample, cost of each label for each class, number of labels, penalty, and by
-        how many binary digits a unit of `problem` is larger.
+        how many binary digits a unit of `problem` is larger. `above`: columns that rank missing readings above others.
         """
 
     def count(
@@ -185,6 +215,7 @@ def regression(
     targets: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], float],
     shape: tuple[bool, float, int, int, list[bool]],
     room: float | None,
+    n_threads: int,
     limit_values: LimitValues,
     progress: NativeProgress | None = None,
 ) -> tuple[list[NodeRow] | None, float, str, int]:

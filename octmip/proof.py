@@ -23,6 +23,8 @@ from octmip.formats.files import read_bytes
 from octmip.formats.problem_file import data_digest, question_digest
 from octmip.problem import Problem
 from octmip.problem_values import refuse_gaps
+from octmip.regression import proof_log
+from octmip.regression.problem import RegressionProblem
 
 FORMATS = {"axis": "octmip-proof 3", "hyperplane": "octmip-proof 3 two-feature"}
 """First line of a log, by `Problem.split`; where readings are missing " gaps" stands behind it."""
@@ -74,10 +76,12 @@ def _identity(problem: Problem) -> list[str]:
     return [f"{FORMATS[problem.split]}{gaps}", f"data {data_digest(problem)}", f"question {question_digest(problem)}"]
 
 
-def check_proof(problem: Problem, path: str | Path, *, bound: float = -math.inf, n_jobs: int = 1) -> ProofReport:
+def check_proof(
+    problem: Problem | RegressionProblem, path: str | Path, *, bound: float = -math.inf, n_jobs: int = 1
+) -> ProofReport:
     """Check that a log proves a bound of every tree of a problem; refuse one that proves less than `bound`.
 
-    `n_jobs` threads check logs of two-feature trees; the checker of axis-aligned ones, made to be read, uses one.
+    `n_jobs` threads check logs of two-feature trees; the checkers of axis-aligned ones, made to be read, use one.
 
     Raises
     ------
@@ -89,9 +93,14 @@ def check_proof(problem: Problem, path: str | Path, *, bound: float = -math.inf,
         the log is of another problem, or does not prove what it claims; with the line and the reason.
     """
     start = time.perf_counter()
-    check_provable(problem)
-    content = read_bytes(path)
-    report, refusal = checker_question(problem).check(content.decode("ascii", errors="replace"), n_jobs)
+    if isinstance(problem, RegressionProblem):
+        proof_log.check_provable(problem)
+        content = read_bytes(path)
+        report, refusal = proof_log.checker_question(problem).check(content.decode("ascii", errors="replace"))
+    else:
+        check_provable(problem)
+        content = read_bytes(path)
+        report, refusal = checker_question(problem).check(content.decode("ascii", errors="replace"), n_jobs)
     if refusal is not None:
         raise _refused(path, *refusal)
     assert report is not None, "a log is accepted or refused"

@@ -11,10 +11,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
-from itertools import pairwise
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from octmip.certificate import checked_leaf_index
 from octmip.errors import CertificateError
@@ -116,7 +116,7 @@ def certify_set(problem: Problem, claimed: CountedSet, listed: Iterable[ListedTr
         a number is another one, a tree is none of the problem, twice the same, or beyond the limit.
     """
     _check_listed(problem, claimed, listed)
-    if claimed.limit is None or sum(len(np.unique(column)) - 1 for column in problem.features.T) > MOST_CUTS:
+    if claimed.limit is None or sum(_n_cuts(column) for column in problem.features.T) > MOST_CUTS:
         return None
     found = recount(problem, claimed.limit)
     if claimed.optimum != found.least:
@@ -132,6 +132,17 @@ def certify_set(problem: Problem, claimed: CountedSet, listed: Iterable[ListedTr
     if dict(claimed.by_root) != dict(found.by_root):
         raise CertificateError(f"the set claims {claimed.by_root} by root but enumeration counts {found.by_root}")
     return found
+
+
+def _thresholds(column: NDArray[np.float64]) -> list[float]:
+    """Return every reading but the largest: each parts the readings in another way."""
+    readings: list[float] = np.unique(column[~np.isnan(column)]).tolist()
+    return readings[:-1]
+
+
+def _n_cuts(column: NDArray[np.float64]) -> int:
+    n_thresholds = len(_thresholds(column))
+    return 2 * n_thresholds + 1 if np.isnan(column).any() else n_thresholds
 
 
 def _check_listed(problem: Problem, claimed: CountedSet, listed: Iterable[ListedTree]) -> None:
@@ -179,8 +190,12 @@ class _Enumeration:
         for feature in range(self.problem.n_features):
             if self.problem.is_allowed((feature,)):
                 column = self.problem.features[:, feature]
-                for low, _ in pairwise(np.unique(column).tolist()):
-                    yield feature, sum(1 << int(i) for i in np.flatnonzero(column <= low))
+                is_missing = np.isnan(column)
+                lefts = [column <= low for low in _thresholds(column)]
+                if is_missing.any():  # each of them sends missing readings left or right, or asks for nothing else
+                    lefts = [*lefts, *(left | is_missing for left in lefts), is_missing]
+                for left in lefts:
+                    yield feature, sum(1 << int(i) for i in np.flatnonzero(left))
 
     def _fits(self, sensors: frozenset[int]) -> bool:
         return math.fsum(self.problem.sensor_costs[list(sensors)]) <= self.problem.sensor_limit
@@ -194,8 +209,9 @@ class _Enumeration:
         seen = set()
         for feature, mask in self.cuts:
             left, right = samples & mask, samples & ~mask
-            if min(left.bit_count(), right.bit_count()) >= self.problem.leaf_size and (feature, left) not in seen:
-                seen.add((feature, left))
+            parts = feature, min(left, right)  # whichever side is called left
+            if min(left.bit_count(), right.bit_count()) >= self.problem.leaf_size and parts not in seen:
+                seen.add(parts)
                 yield feature, frozenset([int(self.problem.sensor_index[feature])]), left, right
 
     def _of_split(self, sensor: frozenset[int], left: int, right: int, depth: int) -> _Counts:

@@ -189,9 +189,10 @@ def _refused_gap(
     first = int(is_missing.argmax())
     row = first if isinstance(rows, slice) else int(rows[first])
     feature = f"feature {split.features[0]}" if len(split.features) == 1 else f"one of the features {split.features}"
+    n_rows = int(is_missing.sum())
     return TreeError(
-        f"row {row} lacks its reading of {feature} (NaN; {int(is_missing.sum())} such rows at this split), and the "
-        "tree has no side for missing readings; expected a number; fill it in, or train with missing readings "
+        f"row {row} lacks its reading of {feature} (NaN; {n_rows} such row{'s' * (n_rows != 1)} at this split), and "
+        "the tree has no side for missing readings; expected a number; fill it in, or train with missing readings "
         "(Problem(..., gaps=True))"
     )
 

@@ -32,8 +32,9 @@ def test_there_are_words_to_look_for():
     assert {"Climber", "swing", "Vigil"} <= set(gone())
 
 
-@pytest.mark.parametrize("word", gone())
-def test_a_word_that_is_gone_stands_nowhere(word, texts):
-    whole = re.compile(rf"\b{re.escape(word)}\b", flags=re.IGNORECASE)
-    found = {name for name, text in texts.items() if whole.search(text)} - {"tests/test_words.py"}
-    assert not found, f"docs/words.md has the new word for {word!r}"
+def test_a_word_that_is_gone_stands_nowhere(texts):
+    one_of = "|".join(map(re.escape, gone()))
+    whole = re.compile(rf"\b(?:{one_of})\b", flags=re.IGNORECASE)
+    found = {name: set(whole.findall(text)) for name, text in texts.items() if whole.search(text)}
+    found.pop("tests/test_words.py", None)
+    assert not found, "docs/words.md has the new words"

@@ -1,9 +1,12 @@
 """The wing beside CalculiX: gauge strains, linear and with large deflection.
 
     python -m benchmarks.wing.calculix [--refinement R] [--calculix-refinement R] [--mu 0.8] [--lattice] [--large]
+    python -m benchmarks.wing.calculix --published [--refinement R] --states 10
+    python -m benchmarks.wing.calculix --published [--refinement R] --frequencies
 
 needs `ccx` (Debian package calculix-ccx). Prints Markdown: how far femlib's strains are from CalculiX's at load factor
-3, and with --large by how much large deflection changes the strain of each gauge in either.
+3, with --states in so many random states of both regions, and with --large by how much large deflection changes the
+strain of each gauge in either.
 """
 
 import argparse
@@ -18,10 +21,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.cpu import Stopwatch
-from femlib.wing import Wing, bend, inertial_load, uav_wing, vortex_lattice
+from femlib.assembly import natural_modes
+from femlib.wing import Wing, bend, inertial_load, published_wing, uav_wing, vortex_lattice
 from femlib.wing.export.calculix import read_gauges, write_deck
 
 LOAD_FACTOR = 3.0
+N_MODES = 4
 Floats = NDArray[np.float64]
 
 
@@ -33,12 +38,22 @@ def main() -> None:
     parser.add_argument("--mu", type=float, default=0.0, help="damage of both regions")
     parser.add_argument("--lattice", action="store_true", help="vortex lattice and the wing's inertia, not the ellipse")
     parser.add_argument("--large", action="store_true", help="large deflection besides (CalculiX takes minutes)")
+    parser.add_argument("--published", action="store_true", help="published_wing instead of uav_wing")
+    parser.add_argument("--states", type=int, default=0, help="so many random states, up to 95 %% damaged, instead")
+    parser.add_argument("--frequencies", action="store_true", help="the lowest natural frequencies instead")
     options = parser.parse_args()
     if shutil.which("ccx") is None:
         sys.exit("ccx is not on the path; install CalculiX (Debian package calculix-ccx)")
-    wing = uav_wing(refinement=options.refinement)
+    make = published_wing if options.published else uav_wing
+    wing = make(refinement=options.refinement)
     other = options.calculix_refinement
-    deck_wing = wing if other in (None, options.refinement) else uav_wing(refinement=other)
+    deck_wing = wing if other in (None, options.refinement) else make(refinement=other)
+    if options.frequencies:
+        print_frequencies(wing, deck_wing)
+        return
+    if options.states:
+        print_states(wing, deck_wing, options.states)
+        return
     state = {"mu1": options.mu, "mu2": options.mu}
     ours = wing.strain_microstrain(state, LOAD_FACTOR, lift_of(wing, options.lattice))
     theirs = calculix(deck_wing, state, options.lattice, large=False)
@@ -54,6 +69,48 @@ def main() -> None:
         print_changes(wing.gauges.names, first, second, usable)
 
 
+def print_states(wing: Wing, deck_wing: Wing, n_states: int) -> None:
+    """Print how far the gauge strains of random damage states are from CalculiX's, in per cent of each."""
+    usable = wing.gauges.is_usable
+    print("| mu1 | mu2 | 24 gauges, rms | 20 gauges, rms | 20 gauges, at most |\n|---|---|---|---|---|")
+    for mu1, mu2 in np.random.default_rng(0).uniform(0.0, 0.95, (n_states, 2)):
+        state = {"mu1": float(mu1), "mu2": float(mu2)}
+        ours = wing.strain_microstrain(state, LOAD_FACTOR)
+        error = 100.0 * (ours / calculix(deck_wing, state, lattice=False, large=False) - 1.0)
+        rms, own = np.sqrt(np.mean(error**2)), np.sqrt(np.mean(error[usable] ** 2))
+        print(
+            f"| {mu1:.2f} | {mu2:.2f} | {rms:.2f} % | {own:.2f} % | {np.abs(error[usable]).max():.2f} % |", flush=True
+        )
+
+
+def print_frequencies(wing: Wing, deck_wing: Wing) -> None:
+    """Print the lowest frequencies of both codes [Hz], without point masses."""
+    shells = wing.structure.shells
+    modes = natural_modes(shells.stiffness(), shells.mass(), wing.structure.supports, N_MODES)
+    print("| mode | femlib | CalculiX | difference |\n|---|---|---|---|")
+    for number, (mode, theirs) in enumerate(zip(modes, calculix_frequencies(deck_wing), strict=True), start=1):
+        print(f"| {number} | {mode.frequency:.3f} | {theirs:.3f} | {100 * (mode.frequency / theirs - 1.0):+.2f} % |")
+
+
+def calculix_frequencies(wing: Wing) -> list[float]:
+    """Return the lowest natural frequencies [Hz] of the deck's structure."""
+    with tempfile.TemporaryDirectory() as folder:
+        deck = Path(folder) / "wing.inp"
+        write_deck(wing, deck, {}, 1.0)
+        structure = deck.read_text(encoding="ascii").partition("*INITIAL CONDITIONS")[0]
+        deck.write_text(f"{structure}*STEP\n*FREQUENCY\n{N_MODES}\n*END STEP\n", encoding="ascii")
+        _run(folder)
+        text = (Path(folder) / "wing.dat").read_text(encoding="ascii")
+    rows = [line.split() for line in text.partition("P A R T I C I P A T I O N")[0].splitlines()]
+    # columns: mode, eigenvalue, omega [rad/s], frequency [Hz], imaginary part
+    return [float(row[3]) for row in rows if len(row) == 5 and row[0].isdigit()]
+
+
+def _run(folder: str) -> None:
+    one_thread = {**os.environ, "OMP_NUM_THREADS": "1"}
+    subprocess.run(["ccx", "wing"], cwd=folder, check=True, capture_output=True, env=one_thread)
+
+
 def lift_of(wing: Wing, lattice: bool) -> Floats | None:
     """Return the nodal forces at load factor 1 that the strains at load factor 3 are those of."""
     if not lattice:
@@ -66,8 +123,7 @@ def calculix(wing: Wing, state: dict[str, float], lattice: bool, large: bool) ->
     with tempfile.TemporaryDirectory() as folder:
         deck = Path(folder) / "wing.inp"
         write_deck(wing, deck, state, LOAD_FACTOR, large_deflection=large, lift=lift_of(wing, lattice))
-        one_thread = {**os.environ, "OMP_NUM_THREADS": "1"}
-        subprocess.run(["ccx", "wing"], cwd=folder, check=True, capture_output=True, env=one_thread)
+        _run(folder)
         return read_gauges(wing, Path(folder) / "wing.dat")
 
 

@@ -3,7 +3,7 @@
 from femlib.wing.aerodynamics import AeroLoad, FlightPoint, vortex_lattice
 from femlib.wing.bent import BentWing, bend
 from femlib.wing.inertia import inertial_load
-from femlib.wing.model import Wing, uav_wing
+from femlib.wing.model import Wing, published_wing, uav_wing
 from femlib.wing.reduced import ReducedWing, reduce_wing
 from femlib.wing.twin import WingModel, WingTwin, full_twin, reduced_twin, saved_twin, uav_twin
 
@@ -18,6 +18,7 @@ __all__ = [
     "bend",
     "full_twin",
     "inertial_load",
+    "published_wing",
     "reduce_wing",
     "reduced_twin",
     "saved_twin",

@@ -79,6 +79,8 @@ def checked_regions(regions: Sequence[DamageRegion]) -> tuple[DamageRegion, ...]
 
 _BAYS = ((1 / 12, 2 / 12), (0.24, 0.39), (5 / 12, 6 / 12), (0.67, 0.83), (11 / 12, 1.0))
 """Span fractions of five bays, apart from one another so that each region is a component of its own."""
+_RIB_BAYS = ((1 / 12, 2 / 12), (3 / 12, 4 / 12), (5 / 12, 6 / 12), (8 / 12, 9 / 12), (11 / 12, 1.0))
+"""The same between ribs."""
 _REAR, _NOSE, _FORE, _AFT, _TAIL, _ALL = (0.43, 0.55), (0.0, 0.12), (0.12, 0.24), (0.345, 0.55), (0.75, 1.0), (0.0, 1.0)
 
 UAV_REGIONS = (
@@ -86,6 +88,11 @@ UAV_REGIONS = (
     DamageRegion("R2", "mu2", 0.67, 0.83, 0.345, 0.43),
 )
 """The two regions of the study, on the top skin aft of the spar. Fitted to the published damage increments."""
+RIB_BAY_REGIONS = (
+    DamageRegion("R1", "mu1", *_RIB_BAYS[1], 0.31, 0.74),
+    DamageRegion("R2", "mu2", *_RIB_BAYS[3], 0.40, 0.57),
+)
+"""The same where a region is a rib bay, as on the published wing. Edges along the chord fitted."""
 
 
 def damage_library() -> tuple[DamageRegion, ...]:
@@ -95,12 +102,21 @@ def damage_library() -> tuple[DamageRegion, ...]:
     assumed: five span bays of the top skin's nose, aft and tail strips, of the bottom skin's fore and aft strips, and
     of the web.
     """
-    top = [("top", _REAR, bay) for bay in (_BAYS[0], _BAYS[2], _BAYS[4])]
-    top += [("top", _NOSE, bay) for bay in _BAYS] + [("top", _TAIL, bay) for bay in (_BAYS[1], _BAYS[2], _BAYS[3])]
-    bottom = [("bottom", strip, bay) for strip in (_FORE, _AFT) for bay in _BAYS]
-    web = [("web", _ALL, bay) for bay in _BAYS]
+    return _library(UAV_REGIONS, _BAYS)
+
+
+def rib_bay_library() -> tuple[DamageRegion, ...]:
+    """Return the same 28 regions where each lies in one of five rib bays, for `published_wing`."""
+    return _library(RIB_BAY_REGIONS, _RIB_BAYS)
+
+
+def _library(study: tuple[DamageRegion, ...], bays: tuple[tuple[float, float], ...]) -> tuple[DamageRegion, ...]:
+    top = [("top", _REAR, bay) for bay in (bays[0], bays[2], bays[4])]
+    top += [("top", _NOSE, bay) for bay in bays] + [("top", _TAIL, bay) for bay in (bays[1], bays[2], bays[3])]
+    bottom = [("bottom", strip, bay) for strip in (_FORE, _AFT) for bay in bays]
+    web = [("web", _ALL, bay) for bay in bays]
     more = [
         DamageRegion(f"R{number}", f"mu{number}", *bay, *strip, surface)
-        for number, (surface, strip, bay) in enumerate([*top, *bottom, *web], start=len(UAV_REGIONS) + 1)
+        for number, (surface, strip, bay) in enumerate([*top, *bottom, *web], start=len(study) + 1)
     ]
-    return (*UAV_REGIONS, *more)
+    return (*study, *more)

@@ -15,6 +15,7 @@ from femlib.wing.damage import DamageRegion
 
 SPANWISE = np.array([0.0, 1.0, 0.0])
 SNAPPED, SNAPPED_ETA = 30, 0.237  # c31
+N_INSTALLED = 24
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -31,6 +32,8 @@ class GaugeSet:
         Points (n, 3) on the top skin: x aft of the spar, y outboard, z up [m].
     regions : tuple of str
         Name of the damage region that holds each gauge, "" if none does (n,).
+    left_out : tuple of str
+        Gauges that the study leaves out although no region holds them.
     """
 
     names: tuple[str, ...]
@@ -38,6 +41,7 @@ class GaugeSet:
     chord_fraction: FloatArray
     position: FloatArray
     regions: tuple[str, ...]
+    left_out: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         n = len(self.names)
@@ -46,8 +50,14 @@ class GaugeSet:
 
     @property
     def is_usable(self) -> BoolArray:
-        """Whether each gauge lies outside every damage region (n,)."""
-        return np.array([region == "" for region in self.regions])
+        """Whether each gauge lies outside every damage region and is not left out (n,)."""
+        rows = zip(self.names, self.regions, strict=True)
+        return np.array([region == "" and name not in self.left_out for name, region in rows])
+
+    @property
+    def installed(self) -> FloatArray:
+        """Span and chord fractions (24, 2) of the installed gauges."""
+        return np.stack([self.eta, self.chord_fraction], axis=1)[:N_INSTALLED]
 
     def strain_gauges(self, patches: tuple[str, ...], side: float) -> list[StrainGauge]:
         """Return the gauges for `patches` of the top skin; those in a region look in the region's patch alone.
@@ -68,6 +78,24 @@ def installed_places() -> FloatArray:
     return np.stack([eta, np.repeat([0.21, 0.35], [16, 8])], axis=1)
 
 
+def pitched_places(
+    front: tuple[float, float], rear: tuple[float, float], pitch: float, chord: tuple[float, float]
+) -> FloatArray:
+    """Return (24, 2) span and chord fractions of g01 to g24 where each row has one pitch.
+
+    Parameters
+    ----------
+    front, rear : (float, float)
+        Span fractions at which the halves of the front row (8 gauges each) and of the rear row (4 each) begin.
+    pitch : float
+        Distance of the front row's gauges in span fractions; the rear row's is twice that.
+    chord : (float, float)
+        Chord fractions of the rows.
+    """
+    halves = [start + pitch * np.arange(8) for start in front] + [start + 2.0 * pitch * np.arange(4) for start in rear]
+    return np.stack([np.concatenate(halves), np.repeat(chord, [16, 8])], axis=1)
+
+
 def candidate_places() -> FloatArray:
     """Return (58, 2) span and chord fractions of c01 to c58: four rows with 15, 14, 15 and 14 gauges.
 
@@ -81,10 +109,17 @@ def candidate_places() -> FloatArray:
     return places
 
 
-def gauge_set(planform: Planform, section: Naca4, regions: tuple[DamageRegion, ...], candidates: bool) -> GaugeSet:
-    """Return the installed gauges, with the candidates after them if asked."""
-    names = [f"g{k:02d}" for k in range(1, 25)]
-    places = installed_places()
+def gauge_set(
+    planform: Planform,
+    section: Naca4,
+    regions: tuple[DamageRegion, ...],
+    candidates: bool,
+    installed: FloatArray,
+    left_out: tuple[str, ...] = (),
+) -> GaugeSet:
+    """Return the gauges at `installed` (24, 2) span and chord fractions, with the candidates after them if asked."""
+    names = [f"g{k:02d}" for k in range(1, N_INSTALLED + 1)]
+    places = installed
     if candidates:
         names += [f"c{k:02d}" for k in range(1, 59)]
         places = np.concatenate([places, candidate_places()])
@@ -95,4 +130,4 @@ def gauge_set(planform: Planform, section: Naca4, regions: tuple[DamageRegion, .
         next((r.name for r in regions if r.surface == "top" and r.contains(np.array(e), np.array(x))), "")
         for e, x in zip(eta, chord, strict=True)
     ]
-    return GaugeSet(tuple(names), eta, chord, position, tuple(held))
+    return GaugeSet(tuple(names), eta, chord, position, tuple(held), left_out)

@@ -21,11 +21,11 @@ from femlib.errors import InputError, frozen_floats, is_number
 from femlib.geometry import Planform
 from femlib.kept import Kept, ReadOnly
 from femlib.mesh import DOFS_PER_NODE
-from femlib.wing.damage import UAV_REGIONS, DamageRegion, checked_regions
-from femlib.wing.gauges import GaugeSet, gauge_set, installed_places
+from femlib.wing.damage import RIB_BAY_REGIONS, UAV_REGIONS, DamageRegion, checked_regions
+from femlib.wing.gauges import N_INSTALLED, GaugeSet, gauge_set, installed_places, pitched_places
 from femlib.wing.loads import EFFECTIVE_MASS, elliptic_lift
 from femlib.wing.planform import N_RIBS, PLANFORM, SECTION
-from femlib.wing.structure import WingGrid, WingMaterials, wing_grid, wing_mesh, wing_shells
+from femlib.wing.structure import WingGrid, WingMaterials, published_materials, wing_grid, wing_mesh, wing_shells
 
 MICRO = 1e6
 MOST_STRAIN = 50_000.0
@@ -244,21 +244,78 @@ def uav_wing(
     InputError
         If the refinement or the mass is not positive, or regions or materials cannot be used.
     """
+    cards = WingMaterials() if materials is None else materials
+    places = installed_places()
+    return _checked_wing(candidates, refinement, regions, cards, effective_mass, places, places[:, 0], ())
+
+
+PUBLISHED_PLACES = pitched_places((0.2941, 0.5943), (0.3016, 0.5983), 0.01619, (0.2242, 0.3447))
+"""Gauges of `published_wing`, fitted: the front row's halves, the rear row's, pitch, and chord fractions."""
+PUBLISHED_LEFT_OUT = ("g18", "g23", "g24")
+"""Gauges that the study leaves out beside g17, which region 1 holds; these are at most two pitches from a region."""
+PUBLISHED_MASS = 33.14
+"""Effective mass of `published_wing` at load factor 1 [kg], fitted."""
+
+
+def published_wing(
+    candidates: bool = False,
+    refinement: float = 1.0,
+    regions: tuple[DamageRegion, ...] = RIB_BAY_REGIONS,
+    materials: WingMaterials | None = None,
+    effective_mass: float = PUBLISHED_MASS,
+) -> Wing:
+    """Return the wing that has the published strains, stiffness and frequencies, ready to solve.
+
+    Damage regions are rib bays, gauges stand at one pitch, and the skin is softer outboard of mid-span, where a layup
+    ends: fitted by `femlib.calibration` (docs/wing.md).
+
+    Parameters
+    ----------
+    candidates, refinement, materials, effective_mass
+        As `uav_wing`.
+    regions : tuple of DamageRegion
+        Damage regions; the study's two if not given, `rib_bay_library()` for all 28.
+
+    Raises
+    ------
+    InputError
+        As `uav_wing`.
+    """
+    cards = published_materials() if materials is None else materials
+    lines = PUBLISHED_PLACES[:16, 0]  # the rear row's gauges lie too near the front row's for lines of their own
+    return _checked_wing(
+        candidates, refinement, regions, cards, effective_mass, PUBLISHED_PLACES, lines, PUBLISHED_LEFT_OUT
+    )
+
+
+def _checked_wing(
+    candidates: bool,
+    refinement: float,
+    regions: tuple[DamageRegion, ...],
+    cards: WingMaterials,
+    effective_mass: float,
+    places: FloatArray,
+    lines: FloatArray,
+    left_out: tuple[str, ...],
+) -> Wing:
+    """Return a wing with gauges at `places` (24, 2) and grid lines at the span fractions `lines`."""
     for name, value in (("refinement", refinement), ("effective_mass", effective_mass)):
         if not is_number(value) or value <= 0.0:
             raise InputError(f"{name} is {value!r}; expected a positive finite number; correct it")
-    cards = WingMaterials() if materials is None else materials
     if not isinstance(cards, WingMaterials):
-        raise InputError(f"materials are {materials!r}; expected WingMaterials; change the fields that differ")
+        raise InputError(f"materials are {cards!r}; expected WingMaterials; change the fields that differ")
     kept = checked_regions(regions)
-    grid = wing_grid(PLANFORM, N_RIBS, kept, installed_places()[:, 0], refinement)
-    return _on_planform(PLANFORM, grid, kept, cards, candidates, elliptic_lift(grid, effective_mass))
+    grid = wing_grid(PLANFORM, N_RIBS, kept, lines, refinement)
+    gauges = gauge_set(PLANFORM, SECTION, kept, candidates, places, left_out)
+    return _on_planform(PLANFORM, grid, kept, cards, gauges, elliptic_lift(grid, effective_mass))
 
 
 def reshaped(wing: Wing, planform: Planform) -> Wing:
     """Return the same wing on another planform: grid lines and gauges at the same fractions, the same nodal lift."""
-    candidates = len(wing.gauges.names) > len(installed_places())
-    return _on_planform(planform, wing.grid, wing.regions, wing.materials, candidates, wing.lift)
+    old = wing.gauges
+    candidates = len(old.names) > N_INSTALLED
+    gauges = gauge_set(planform, SECTION, wing.regions, candidates, old.installed, old.left_out)
+    return _on_planform(planform, wing.grid, wing.regions, wing.materials, gauges, wing.lift)
 
 
 def _on_planform(
@@ -266,7 +323,7 @@ def _on_planform(
     grid: WingGrid,
     regions: tuple[DamageRegion, ...],
     cards: WingMaterials,
-    candidates: bool,
+    gauges: GaugeSet,
     lift: FloatArray,
 ) -> Wing:
     mesh = wing_mesh(planform, SECTION, grid, regions)
@@ -276,7 +333,6 @@ def _on_planform(
         Component(r.name, r.parameter, mesh.patch_of_element == mesh.patches.index(r.name)) for r in regions
     )
     structure = DamagedStructure(shells, supports, components)
-    gauges = gauge_set(planform, SECTION, regions, candidates)
     return Wing(structure, grid, regions, gauges, cards, lift, planform)
 
 

@@ -35,6 +35,8 @@ NOSE_END = 0.12
 """Chord fraction up to which the lines crowd toward the leading edge."""
 STEP_NOSE = 0.2
 """Largest step of sqrt(x/c / 0.12) at refinement 1: the section curves most at its nose."""
+MIDDLE = 0.5
+"""Span fraction at which the skin's layup steps; a rib of 13 stands there."""
 N_WEB_LEVELS = 2
 """Elements over the height of web and ribs."""
 
@@ -62,6 +64,12 @@ class WingMaterials:
         surface.
     skin_taper : float
         Skin modulus at the tip over the root's, linear between. Fitted.
+    skin_rise : float
+        Growth of the skin's modulus along the span besides, exp(skin_rise (eta - 1/2)).
+    skin_step : float
+        Factor on the skin's modulus outboard of mid-span, where a layup ends.
+    web_factor, rib_factor : float
+        Factors on the modulus of web and ribs.
     wood_young, wood_poisson, wood_thickness : float
         Plywood of web and ribs [Pa, -, m]. Assumed.
     modulus_scale : float
@@ -77,6 +85,10 @@ class WingMaterials:
     skin_thickness: float = 3.81e-3
     face_height: float = 1.1e-3
     skin_taper: float = 0.31
+    skin_rise: float = 0.0
+    skin_step: float = 1.0
+    web_factor: float = 1.0
+    rib_factor: float = 1.0
     wood_young: float = 3.25e9
     wood_poisson: float = 0.30
     wood_thickness: float = 3.0e-3
@@ -96,6 +108,12 @@ class WingMaterials:
                 )
         if not is_number(self.skin_taper) or self.skin_taper <= 0.0:
             raise InputError(f"skin_taper is {self.skin_taper!r}; expected tip over root modulus above 0; correct it")
+        if not is_number(self.skin_rise):
+            raise InputError(f"skin_rise is {self.skin_rise!r}; expected a finite number, 0 for none; correct it")
+        for name in ("skin_step", "web_factor", "rib_factor"):
+            value = getattr(self, name)
+            if not is_number(value) or value <= 0.0:
+                raise InputError(f"{name} is {value!r}; expected a factor above 0, 1 for no change; correct it")
         if not is_number(self.face_height) or not 0.0 <= self.face_height <= 0.5 * self.skin_thickness:
             raise InputError(
                 f"face_height is {self.face_height!r} m; expected 0 to half the skin's thickness, "
@@ -112,6 +130,19 @@ class WingMaterials:
             factor * self.wood_young, self.wood_poisson, self.wood_thickness, self.wood_density, self.wood_expansion
         )
         return skin, wood
+
+
+def published_materials() -> WingMaterials:
+    """Return the cards of `published_wing`: a skin that rises within two layups, stiff ribs, all fitted."""
+    return WingMaterials(
+        modulus_scale=1.4947,
+        skin_taper=1.0,
+        skin_rise=3.582,
+        skin_step=0.2351,
+        web_factor=2.100,
+        rib_factor=3.225,
+        skin_density=337.9,
+    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -228,13 +259,15 @@ def wing_mesh(planform: Planform, section: Naca4, grid: WingGrid, regions: Seque
 
 
 def wing_shells(mesh: Mesh, planform: Planform, materials: WingMaterials, regions: Sequence[DamageRegion]) -> Shells:
-    """Return the shells, each element with its section; the skins' modulus falls linearly along the span."""
-    wooden = ["web", "ribs", *(region.name for region in regions if region.surface == "web")]
-    wood = np.isin(mesh.patch_of_element, [mesh.patches.index(p) for p in wooden])
+    """Return the shells, each element with its section; the skins' modulus varies along the span."""
+    webs = ["web", *(region.name for region in regions if region.surface == "web")]
+    web = np.isin(mesh.patch_of_element, [mesh.patches.index(p) for p in webs])
+    rib = mesh.patch_of_element == mesh.patches.index("ribs")
     eta = mesh.centroids()[:, 1] / planform.span
-    taper = 1.0 - (1.0 - materials.skin_taper) * eta
-    spanwise = np.array([0.0, 1.0, 0.0])
-    return Shells(mesh, materials.laminates(), wood.astype(np.int64), np.where(wood, 1.0, taper), spanwise)
+    skin = 1.0 - (1.0 - materials.skin_taper) * eta
+    skin *= np.exp(materials.skin_rise * (eta - MIDDLE)) * np.where(eta > MIDDLE, materials.skin_step, 1.0)
+    scale = np.select([web, rib], [materials.web_factor, materials.rib_factor], skin)
+    return Shells(mesh, materials.laminates(), (web | rib).astype(np.int64), scale, np.array([0.0, 1.0, 0.0]))
 
 
 def _middles(grid: WingGrid, n_ribs: int) -> tuple[FloatArray, FloatArray]:

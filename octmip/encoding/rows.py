@@ -34,10 +34,15 @@ def tree_from_rows(rows: Sequence[NodeRow], ranks: Ranks) -> Node:
 
 def cut_as_split(ranks: Ranks, column: int, cut: int, left: Node, right: Node) -> Split:
     """Return the split that a cut of a column stands for, its threshold a guarded midpoint."""
+    threshold = threshold_of_cut(ranks, column, cut)
+    return Split(ranks.feature(column), threshold, left, right, missing=ranks.side(column))
+
+
+def threshold_of_cut(ranks: Ranks, column: int, cut: int) -> float | None:
+    """Return the guarded midpoint that a cut of a column stands for; None where it asks "is the reading missing?"."""
     values = ranks.values[column]
     low, high = float(values[cut]), float(values[cut + 1])
-    threshold = None if low == -np.inf or high == np.inf else midpoint(low, high)
-    return Split(ranks.feature(column), threshold, left, right, missing=ranks.side(column))
+    return None if low == -np.inf or high == np.inf else midpoint(low, high)
 
 
 def split_as_cut(ranks: Ranks, split: Split) -> tuple[int, int]:

@@ -16,13 +16,14 @@ from itertools import groupby
 from octmip.certificate import checked_leaf_index
 from octmip.encoding import tree_from_rows
 from octmip.encoding.ranks import Ranks
+from octmip.encoding.rows import threshold_of_cut
 from octmip.errors import ProblemError, SolverError
 from octmip.near_sets.near_set import Cut, Entry, NearOptimalSet, NearTree, Place, RootInterval
 from octmip.near_sets.whole_numbers import WholeProblem, exact_objective, whole_problem
 from octmip.problem import Problem
 from octmip.solution import Limits, ProgressCallback, Solution, Stop
 from octmip.solver import solve
-from octmip.tree import Node, centred, midpoint
+from octmip.tree import Node, centred
 
 FIRST_SHARE = 0.5
 """Share of the time that the proof of the optimum may take."""
@@ -218,7 +219,7 @@ class _Count:
             roots=tuple(interval for interval in intervals if interval.trees is not None),
             open=(
                 *(interval for interval in intervals if interval.trees is None),
-                *(_whole_feature(feature, self.whole.ranks) for feature in self.open_features),
+                *(open for column in self.open_features for open in _whole_column(column, self.whole.ranks)),
             ),
             stop=self.stop,
             seconds=0.0,
@@ -231,7 +232,8 @@ class _Count:
     def _by_root(self) -> dict[str, int]:
         by_root: dict[str, int] = defaultdict(int)
         for place in self.places:
-            by_root["" if place.cut is None else self.problem.feature_names[place.cut[0]]] += place.entry[2]
+            feature = None if place.cut is None else self.whole.ranks.feature(place.cut[0])
+            by_root["" if feature is None else self.problem.feature_names[feature]] += place.entry[2]
         return dict(sorted(by_root.items(), key=lambda item: -item[1]))
 
     def _by_sensors(self) -> dict[tuple[str, ...], int] | None:
@@ -263,24 +265,29 @@ class _Count:
 
 
 def _intervals(cuts: Sequence[Cut], ranks: Ranks) -> list[RootInterval]:
-    """Return runs of neighbouring cuts of one feature, counted ones and others apart."""
+    """Return runs of neighbouring cuts of one feature and side for gaps, counted ones and others apart."""
     found = []
     numbered = enumerate(sorted(cuts, key=lambda cut: cut[:2]))
-    for _, run in groupby(numbered, lambda item: (item[1][0], item[1][4] is None, item[1][1] - item[0])):
+    for _, run in groupby(numbered, lambda item: (_group(item[1], ranks), item[1][1] - item[0])):
         members = [cut for _, cut in run]
-        feature, first, last = members[0][0], members[0][1], members[-1][1]
         entries = [cut[4] for cut in members]
         trees = None if entries[0] is None else sum(entry[2] for cut in entries for entry in cut or [])
-        low, high = (_threshold(ranks, feature, cut) for cut in (first, last))
-        found.append(RootInterval(feature, low, high, len(members), trees))
+        found.append(_interval(ranks, members[0][0], range(members[0][1], members[-1][1] + 1), trees))
     return found
 
 
-def _threshold(ranks: Ranks, feature: int, cut: int) -> float:
-    values = ranks.values[feature]
-    return midpoint(float(values[cut]), float(values[cut + 1]))
+def _group(cut: Cut, ranks: Ranks) -> tuple[int, bool, bool]:
+    return cut[0], cut[4] is None, threshold_of_cut(ranks, cut[0], cut[1]) is None
 
 
-def _whole_feature(feature: int, ranks: Ranks) -> RootInterval:
-    n_cuts = len(ranks.values[feature]) - 1
-    return RootInterval(feature, _threshold(ranks, feature, 0), _threshold(ranks, feature, n_cuts - 1), n_cuts, None)
+def _interval(ranks: Ranks, column: int, cuts: range, trees: int | None) -> RootInterval:
+    first, last = (threshold_of_cut(ranks, column, cut) for cut in (cuts[0], cuts[-1]))
+    return RootInterval(ranks.feature(column), first, last, ranks.side(column), len(cuts), trees)
+
+
+def _whole_column(column: int, ranks: Ranks) -> list[RootInterval]:
+    """Return the intervals of all cuts of a column that no other column has."""
+    n_cuts, side = len(ranks.values[column]) - 1, ranks.side(column)
+    gap = [range(1)] if side == "left" else []  # the same cut as the last one of the column that ranks gaps above
+    rest = range(1, n_cuts) if side == "left" else range(n_cuts - 1) if side == "right" else range(n_cuts)
+    return [_interval(ranks, column, cuts, None) for cuts in (*gap, rest) if cuts]

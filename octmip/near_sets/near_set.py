@@ -11,12 +11,12 @@ import numpy as np
 from octmip.errors import ProblemError
 from octmip.problem import Problem
 from octmip.solution import Stop
-from octmip.tree import Node
+from octmip.tree import Node, Side
 
 Entry = tuple[int, int, int]
 """Cost in units, sensors as bits, number of trees."""
 Cut = tuple[int, int, int, tuple[int, int], list[Entry] | None]
-"""A cut of the root: feature, largest rank that goes left, samples left of it, bounds of both sides, trees."""
+"""A cut of the root: column of ranks, largest rank that goes left, samples left of it, bounds of both sides, trees."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +28,9 @@ class RootInterval:
     feature
         its index.
     first, last
-        lowest and highest threshold.
+        lowest and highest threshold; both None where the cut asks "is the reading missing?".
+    missing
+        side to which these cuts send missing readings; None where the feature lacks none.
     n_cuts
         cuts between neighbouring values of the feature, both ends included.
     trees
@@ -36,8 +38,9 @@ class RootInterval:
     """
 
     feature: int
-    first: float
-    last: float
+    first: float | None
+    last: float | None
+    missing: Side | None
     n_cuts: int
     trees: int | None
 
@@ -63,7 +66,8 @@ class NearOptimalSet:
     """All trees of a problem whose objective is within some amount of the optimum.
 
     Two trees are the same if they have the same shape, features, labels, and at each node the same partition of the
-    samples. A split between two leaves of one label is no tree of its own; no side of a split is empty.
+    samples, whichever side is called left. A split between two leaves of one label is no tree of its own; no side of a
+    split is empty.
 
     Attributes
     ----------

@@ -18,14 +18,15 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
+from octmip.encoding.ranks import Ranks
+from octmip.encoding.rows import cut_as_split
 from octmip.errors import ProblemError
 from octmip.near_sets.counting import near_optimal
 from octmip.near_sets.whole_numbers import exact_objective, whole_problem
 from octmip.problem import Problem
-from octmip.problem_values import refuse_gaps
 from octmip.solution import Limits, ProgressCallback, Solution, Stop
 from octmip.solver import solve
-from octmip.tree import Leaf, Node, Split, midpoint
+from octmip.tree import Leaf, Node, Split, goes_left
 
 NO_TREE = math.inf
 
@@ -168,7 +169,6 @@ def sensor_roles(
     ProblemError
         the splits are hyperplanes, `within` is no number of 0 or more, or costs span too many digits.
     """
-    refuse_gaps(problem.n_missing, "trees that differ in their sides for them alone are not counted", "fill them in")
     if problem.split != "axis":
         raise ProblemError("sensors are weighed with splits over one feature but split is 'hyperplane'; use 'axis'")
     if not 0 <= within < math.inf:
@@ -260,7 +260,9 @@ def _forced(problem: Problem, solution: Solution, calls: _Calls) -> tuple[list[f
     tree = solution.tree
     whole = whole_problem(problem, tree, by_sets=False)
     every = np.arange(problem.n_samples)
-    trees = [_reading(problem, tree, sensor, every, problem.depth) for sensor in range(len(problem.sensors))]
+    trees = [
+        _reading(problem, whole.ranks, tree, sensor, every, problem.depth) for sensor in range(len(problem.sensors))
+    ]
     known = [whole.most + 1 if t is None else whole.units(exact_objective(problem, t)) for t in trees]
     # A sensor that no tree is known to read asks for all trees: first those of the others, then it.
     first = [min(cost, max([c for c in known if c <= whole.most], default=cost)) for cost in known]
@@ -308,17 +310,19 @@ def _forced_by_sets(problem: Problem, solution: Solution, calls: _Calls) -> tupl
         margin *= 2
 
 
-def _reading(problem: Problem, node: Node, sensor: int, rows: NDArray[np.int64], depth: int) -> Node | None:
+def _reading(
+    problem: Problem, ranks: Ranks, node: Node, sensor: int, rows: NDArray[np.int64], depth: int
+) -> Node | None:
     """Return a good tree that reads a sensor: the given one, or one with its best cut in place of one lowest split."""
     if isinstance(node, Split) and problem.sensor_index[node.feature] == sensor:
         return node
     candidates = []
     if depth >= 1 and (isinstance(node, Leaf) or depth == 1):
-        candidates.append(_best_stump(problem, sensor, rows))
+        candidates.append(_best_stump(problem, ranks, sensor, rows))
     if isinstance(node, Split):
-        is_left = problem.features[rows, node.feature] <= node.threshold
-        left = _reading(problem, node.left, sensor, rows[is_left], depth - 1)
-        right = _reading(problem, node.right, sensor, rows[~is_left], depth - 1)
+        is_left = goes_left(node, problem.features, rows)
+        left = _reading(problem, ranks, node.left, sensor, rows[is_left], depth - 1)
+        right = _reading(problem, ranks, node.right, sensor, rows[~is_left], depth - 1)
         candidates += [None if left is None else replace(node, left=left)]
         candidates += [None if right is None else replace(node, right=right)]
     found = [tree for tree in candidates if tree is not None]
@@ -329,18 +333,19 @@ def _cost(problem: Problem, node: Node, rows: NDArray[np.int64]) -> float:
     if isinstance(node, Leaf):
         return float(problem.class_costs(rows)[node.label])
     assert isinstance(node, Split)
-    is_left = problem.features[rows, node.feature] <= node.threshold
+    is_left = goes_left(node, problem.features, rows)
     sides = _cost(problem, node.left, rows[is_left]) + _cost(problem, node.right, rows[~is_left])
     return sides + problem.leaf_penalty
 
 
-def _best_stump(problem: Problem, sensor: int, rows: NDArray[np.int64]) -> Node | None:
+def _best_stump(problem: Problem, ranks: Ranks, sensor: int, rows: NDArray[np.int64]) -> Node | None:
     """Return the best split of some samples by a sensor's features into leaves of different labels."""
     best: tuple[float, Node] | None = None
     each = problem.weights[rows, None] * problem.costs[problem.codes[rows]]
-    for feature in np.flatnonzero(problem.sensor_index == sensor).tolist():
-        order = np.argsort(problem.features[rows, feature], kind="stable")
-        values = problem.features[rows[order], feature]
+    for column in [c for c in range(ranks.n_columns) if problem.sensor_index[ranks.feature(c)] == sensor]:
+        feature = ranks.feature(column)
+        order = np.argsort(ranks.ranks[column, rows], kind="stable")
+        values = ranks.ranks[column, rows[order]].astype(np.int64)
         k = np.flatnonzero(np.diff(values) > 0) + 1
         k = k[(k >= problem.leaf_size) & (len(rows) - k >= problem.leaf_size)]
         if len(k) == 0 or not problem.is_allowed((feature,)):
@@ -350,6 +355,5 @@ def _best_stump(problem: Problem, sensor: int, rows: NDArray[np.int64]) -> Node 
         pairs = left[:, :, None] + right[:, None, :] + np.where(np.eye(problem.n_classes) == 1, np.inf, 0.0)
         at, a, b = (int(i) for i in np.unravel_index(pairs.argmin(), pairs.shape))
         if best is None or pairs[at, a, b] < best[0]:
-            threshold = midpoint(float(values[k[at] - 1]), float(values[k[at]]))
-            best = float(pairs[at, a, b]), Split(feature, threshold, Leaf(a), Leaf(b))
+            best = float(pairs[at, a, b]), cut_as_split(ranks, column, int(values[k[at] - 1]), Leaf(a), Leaf(b))
     return None if best is None else best[1]

@@ -14,7 +14,6 @@ from octmip.encoding import Ranks, integer_costs, native_problem, rank_features
 from octmip.encoding.numbers import power_of_two, whole_exponent
 from octmip.errors import ProblemError
 from octmip.problem import Problem
-from octmip.problem_values import refuse_gaps
 from octmip.tree import Node, complexity, predict
 
 NARROW, WIDE = 2**61, 2**125
@@ -58,7 +57,6 @@ def whole_problem(problem: Problem, tree: Node, by_sets: bool) -> WholeProblem:
     ProblemError
         its costs span more than 125 binary digits, or there are more sensors than sets of them can be told apart by.
     """
-    refuse_gaps(problem.n_missing, "trees that differ in their sides for them alone are not counted", "fill them in")
     grid = integer_costs(problem, tree)
     weight_digits = whole_exponent(problem.weights)
     digits = [weight_digits + whole_exponent(problem.costs), whole_exponent(np.array([problem.leaf_penalty]))]
@@ -75,8 +73,9 @@ def whole_problem(problem: Problem, tree: Node, by_sets: bool) -> WholeProblem:
     ranks = rank_features(problem)
     core = native_problem(problem, ranks, grid)
     row = problem.codes.tolist(), weights, costs, problem.n_classes, penalty, exponent - grid.exponent
+    above = [column for column in range(ranks.n_columns) if ranks.side(column) == "right"]
     try:
-        native = _native.NearProblem(core, row, most < NARROW, by_sets)
+        native = _native.NearProblem(core, row, above, most < NARROW, by_sets)
     except ValueError as error:
         raise ProblemError(
             f"trees cannot be told apart by the sensors that they read: {error}; use fewer features, or no budget"

@@ -10,7 +10,9 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from fractions import Fraction
 from itertools import count
+from pathlib import Path
 
 import numpy as np
 
@@ -18,9 +20,11 @@ from octmip import _native
 from octmip.encoding import Ranks, tree_from_rows
 from octmip.encoding.numbers import rounded_down
 from octmip.errors import ProblemError
+from octmip.formats.files import check_writable
 from octmip.regression.certificate import checked_incumbent
 from octmip.regression.grid import Grid
 from octmip.regression.problem import RegressionProblem
+from octmip.regression.proof_log import write_proof
 from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop, relative_gap
 from octmip.tree import Node, centred
 
@@ -37,6 +41,7 @@ def exact_regression(
     seed: int = 0,
     n_jobs: int = 1,
     progress: ProgressCallback | None = None,
+    proof: str | Path | None = None,
 ) -> Solution:
     """Return the best axis-aligned regression tree of a problem and the proof's bound.
 
@@ -51,14 +56,21 @@ def exact_regression(
     seed
         without effect: nothing is random.
     n_jobs
-        without effect: the search takes one thread.
+        threads, from depth 3 on. Cost, bound and tree of a finished search do not depend on it.
     progress
         called with a `Progress` about every 50 ms.
+    proof
+        file for a log that `octmip.proof.check_proof` verifies. Another search writes it, in the checker's whole
+        numbers and several times as long; limits do not hold for it. The solution's bound is what the log proves.
 
     Raises
     ------
     ProblemError
         the problem asks for hyperplanes or linear leaves, or the incumbent is not one of its trees.
+    SolverError
+        the proof was interrupted before it could be written.
+    DataError
+        the log cannot be written.
     """
     if not problem.is_provable:
         raise ProblemError(
@@ -67,10 +79,14 @@ def exact_regression(
         )
     if n_jobs < 1:
         raise ProblemError(f"n_jobs is {n_jobs}; expected 1 or more")
-    search = _Search(problem, limits, progress)
+    search = _Search(problem, limits, n_jobs, progress)
     search.keep(checked_incumbent(problem, incumbent))
+    if proof is not None:
+        check_writable(proof)
     search.search()
     assert search.tree is not None
+    if proof is not None:
+        search.proven = write_proof(proof, problem, search.to_prove)
     return search.solution(seed)
 
 
@@ -90,12 +106,14 @@ class _Search:
 
     problem: RegressionProblem
     limits: Limits
+    n_jobs: int
     progress: ProgressCallback | None
     started: float = field(default_factory=time.perf_counter)
     tree: Node | None = None
     objective: float = math.inf
     room: float = math.inf  # what the best tree costs on the grid
     bound: float = 0.0
+    proven: float = math.inf  # by the log, where one was written
     n_cuts: int = 0
     stop: Stop = Stop.OPTIMAL
     ranks: Ranks = field(init=False)
@@ -158,6 +176,7 @@ class _Search:
             (grid.targets, grid.weights, grid.squares, grid.grain),
             (problem.loss == "absolute", grid.penalty, problem.depth, problem.leaf_size, self._allowed(part)),
             None if math.isinf(self.room) else self.room,
+            self.n_jobs,
             left,
             self._native_progress(spent),
         )
@@ -188,10 +207,18 @@ class _Search:
 
         return report
 
+    @property
+    def to_prove(self) -> Fraction:
+        """What a log is to prove: the tree's objective if the search ended, else the bound."""
+        assert self.tree is not None
+        exact = self.problem.exact_objective(self.tree)
+        return exact if self.stop is Stop.OPTIMAL else min(exact, Fraction(self.grid.lower(self.bound)))
+
     def solution(self, seed: int) -> Solution:
         """Return the tree with its bound; what rounding alone keeps them apart by is the tolerance."""
         assert self.tree is not None
-        bound = min(self.grid.lower(self.bound), rounded_down(self.problem.exact_objective(self.tree)))
+        bound = self.grid.lower(self.bound) if math.isinf(self.proven) else self.proven
+        bound = min(bound, rounded_down(self.problem.exact_objective(self.tree)))
         tolerance, stop = 0.0, self.stop
         if stop is Stop.OPTIMAL and bound < self.objective:
             tolerance = self.objective - bound

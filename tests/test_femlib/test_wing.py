@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 
-from femlib.dataset import Dataset, MeanStrains, build_dataset
+from femlib.dataset import Dataset, MeanStrains, build_dataset, simulated_strains
 from femlib.errors import InputError
 from femlib.mesh import DOFS_PER_NODE
-from femlib.wing import Wing, uav_twin, uav_wing
+from femlib.wing import Wing, published_wing, uav_twin, uav_wing
+from femlib.wing.damage import rib_bay_library
+from femlib.wing.structure import WingMaterials
 
 
 def rms(values: np.ndarray) -> float:
@@ -156,3 +158,56 @@ def test_a_bad_load_factor_refinement_or_mass_gets_a_sentence(coarse: Wing) -> N
         uav_wing(refinement=0)
     with pytest.raises(InputError, match="effective_mass is -1; expected a positive finite number"):
         uav_wing(effective_mass=-1)
+
+
+@pytest.fixture(scope="module")
+def new() -> Wing:
+    return published_wing(refinement=0.7)
+
+
+def test_the_published_wing_leaves_out_the_gauges_of_the_table(new: Wing) -> None:
+    left_out = [n for n, usable in zip(new.gauge_names, new.gauges.is_usable, strict=True) if not usable]
+    assert left_out == ["g17", "g18", "g23", "g24"]
+
+
+def test_its_regions_are_rib_bays_and_lie_on_grid_lines() -> None:
+    wing = published_wing(refinement=0.3)
+    for region in wing.regions:
+        assert [12 * region.eta_min, 12 * region.eta_max] == pytest.approx([3, 4] if region.name == "R1" else [8, 9])
+        assert np.isclose(wing.grid.eta[:, None], [region.eta_min, region.eta_max]).any(axis=0).all()
+        assert np.isclose(wing.grid.chord[:, None], [region.chord_min, region.chord_max]).any(axis=0).all()
+
+
+def test_its_strains_are_the_published_ones(new: Wing, published: MeanStrains) -> None:
+    ours, usable = simulated_strains(new), published.is_usable
+    assert np.array_equal(ours.is_usable, usable)
+    ratio = state(ours, 0, 0) / state(published, 0, 0) - 1.0
+    assert rms(ratio[usable]) < 0.04
+    for damage in [(k, 0) for k in (20, 40, 60, 80)] + [(0, k) for k in (20, 40, 60, 80)]:
+        got, wanted = (state(m, *damage) - state(m, 0, 0) for m in (ours, published))
+        assert rms((got - wanted)[usable]) < 0.05 * np.abs(wanted[usable]).max()
+    assert new.tip_stiffness() == pytest.approx(677.0, rel=0.01)
+
+
+def test_best_possible_errors_are_those_of_the_table(new: Wing, published: MeanStrains) -> None:
+    ours, theirs = (bayes_errors(build_dataset(means)) for means in (simulated_strains(new), published))
+    assert ours == pytest.approx(theirs, abs=0.015)
+
+
+def test_all_28_regions_lie_on_rib_bays_of_the_published_wing() -> None:
+    library = rib_bay_library()
+    assert len(library) == 28
+    ends = 12 * np.array([(r.eta_min, r.eta_max) for r in library])
+    assert ends == pytest.approx(np.round(ends))
+    wing = published_wing(refinement=0.25, regions=library)
+    assert wing.parameters == tuple(f"mu{k}" for k in range(1, 29))
+    assert wing.gauges.is_usable.sum() == 20
+    assert wing.strain_microstrain({"mu1": 0.4, "mu28": 0.9}, 3.0).shape == (24,)
+
+
+@pytest.mark.parametrize("field", ["skin_step", "web_factor", "rib_factor"])
+def test_a_factor_of_nothing_gets_a_sentence(field: str) -> None:
+    with pytest.raises(InputError, match=f"{field} is 0.0; expected a factor above 0"):
+        WingMaterials(**{field: 0.0})
+    with pytest.raises(InputError, match="skin_rise is inf; expected a finite number"):
+        WingMaterials(skin_rise=float("inf"))

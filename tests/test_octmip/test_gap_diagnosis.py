@@ -67,7 +67,7 @@ def test_a_single_effect_is_named_with_its_size(name, size, place, known):
         assert first.parameters[0].place == place
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 @pytest.mark.parametrize("calibrated", [True, False])
 def test_a_sound_asset_is_called_sound(seed, calibrated):
     diagnosis = diagnose(measured(seed), TWIN, commissioning=COMMISSIONING if calibrated else None)

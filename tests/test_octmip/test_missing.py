@@ -25,7 +25,6 @@ from octmip.formats.problem_file import data_digest, encode, question_digest
 from octmip.methods.exact import branch_and_bound
 from octmip.monitor.compiled import CompiledTree
 from octmip.monitor.export import c_source, onnx_model, sql, sql_expression
-from octmip.near_sets import near_optimal, sensor_roles
 from octmip.proof import check_proof, checker_question
 from octmip.sensing.failure.surrogates import with_surrogates
 from octmip.solution import Solution, Stop
@@ -162,8 +161,6 @@ def test_hyperplanes_over_missing_readings_are_refused():
 def test_what_counts_on_every_reading_refuses_a_problem_that_lacks_some():
     problem = Problem([[NAN, 1.0], [0.0, 1.0], [1.0, 2.0]], [0, 1, 0], depth=1)
     for refused in (
-        lambda: near_optimal(problem, within=0.1),
-        lambda: sensor_roles(problem),
         lambda: with_surrogates(problem, Leaf(0)),
         lambda: solve(problem, "flow", options={"assist": ("search",)}),
     ):

@@ -187,6 +187,11 @@ def test_readings_that_are_none_are_refused(cells):
         chain.observe(chain.start(), np.zeros((1, 20)), -1.0)
 
 
+def drawn(rng, probabilities):
+    """Return one index for each row of probabilities (n, n_choices)."""
+    return (probabilities.cumsum(axis=1) > rng.random((len(probabilities), 1))).argmax(axis=1)
+
+
 @pytest.mark.parametrize("kind", ["leaf", "whole"])
 def test_sets_hold_what_they_say_on_histories_drawn_from_the_model(cells, kind):
     rng, sd = np.random.default_rng(3), 150.0  # cells narrow beside the noise: their spread is as good as normal
@@ -197,8 +202,8 @@ def test_sets_hold_what_they_say_on_histories_drawn_from_the_model(cells, kind):
     state, rate = np.zeros(n, dtype=int), rng.integers(growth.n_rates, size=n)
     belief, covered = chain.start(n, state=0), []
     for k in range(40):
-        state = np.array([rng.choice(64, p=growth.transitions[p, s]) for p, s in zip(rate, state, strict=True)])
-        rate = np.array([rng.choice(growth.n_rates, p=growth.changes[p]) for p in rate])
+        state = drawn(rng, growth.transitions[rate, state])
+        rate = drawn(rng, growth.changes[rate])
         place = rng.uniform(-0.5, 0.5, (n, 2)) * cells.widths
         strains = cells.strains[state] + np.einsum("np,npg->ng", place, cells.slopes[state])
         load = 3.0 if k % 2 else 2.0

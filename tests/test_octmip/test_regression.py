@@ -233,3 +233,12 @@ def test_a_tree_beyond_all_numbers_is_refused_in_a_sentence():
     wild = replace(solve(problem), tree=Split(0, 0.0, ValueLeaf(1e308), ValueLeaf(-1e308)))
     with pytest.raises(CertificateError, match="more than float64 holds"):
         certify(problem, wild)
+
+
+@pytest.mark.parametrize("loss", LOSSES)
+def test_threads_change_neither_tree_nor_bound(loss):
+    rng = np.random.default_rng(3)
+    problem = RegressionProblem(rng.normal(size=(90, 4)), 20.0 * rng.integers(0, 5, 90), depth=3, loss=loss)
+    one, three = (solve(problem, n_jobs=n_jobs) for n_jobs in (1, 3))
+    assert (one.tree, one.objective, one.bound) == (three.tree, three.objective, three.bound)
+    assert one.is_optimal

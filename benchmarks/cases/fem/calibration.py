@@ -64,7 +64,7 @@ def distances(ours: MeanStrains, theirs: MeanStrains) -> Iterator[Line]:
     error = (ours.strain_microstrain - theirs.strain_microstrain)[:, usable]
     yield _figure("all 25 states, 20 gauges", "microstrain", _rms(error), float(np.abs(error).max()))
     for name, means in (("published", theirs), ("ours", ours)):
-        wrong = np.array([_least_errors(means, seed) for seed in SEEDS])
+        wrong = np.array([least_errors(means, seed) for seed in SEEDS])
         for k, target in enumerate(("mu1", "mu2")):
             low, high = float(wrong[:, k].min()), float(wrong[:, k].max())
             yield _figure(f"least possible errors on {target}, {name}, seeds 0 to 2", "%", low, high)
@@ -109,7 +109,7 @@ def _change(means: MeanStrains, mu1: int, mu2: int) -> Floats:
     return np.asarray(damaged - pristine if mu1 or mu2 else pristine)
 
 
-def _least_errors(means: MeanStrains, seed: int) -> list[float]:
+def least_errors(means: MeanStrains, seed: int) -> list[float]:
     """Return the share of rows [%] that the rule which knows the 25 means gets wrong, for mu1 and mu2."""
     data = build_dataset(means, seed=seed)
     square = np.square(data.features[:, None] - data.mean_features[None]).sum(axis=2)

@@ -22,29 +22,35 @@ from octmip.formats.names import visible, visible_lines
 from octmip.formats.regression_file import RegressionFile, read_regression_file
 from octmip.formats.table import Table, read_table
 from octmip.formats.tree_file import finite_or_none
+from octmip.proof import ProofReport, check_proof
 from octmip.regression.certificate import RegressionCertificate
 from octmip.regression.problem import RegressionProblem
+from octmip.report.text import number
 from octmip.tree import predict_values
 
 
 def certify_numbers(arguments: argparse.Namespace) -> int:
     """Certify a regression tree and show what was recounted."""
-    _refuse(arguments, {"proof": "a log of classes", "label": "a class", "weights": "another column of weights"})
+    _refuse(arguments, {"label": "a class", "weights": "another column of weights"})
     file = read_regression_file(arguments.tree)
     with ElapsedLine("certifying"):
         problem = read_numbers(file, arguments.data, arguments.format, arguments.tree)
         certificate = _certified(problem, file)
-    test = _tested(arguments, file, problem)
+    test, proof = _tested(arguments, file, problem), _checked_proof(arguments, file, problem)
     if arguments.json:
         fields = dataclasses.asdict(certificate)
         held = {} if test is None else {"held_out": errors_json(test)}
         plain = {k: finite_or_none(v) if isinstance(v, float) else v for k, v in fields.items()}
-        print_json({"is_certified": True, "n_samples": problem.n_samples, **plain, **held})
+        log = {} if proof is None else {"proof": dataclasses.asdict(proof)}
+        print_json({"is_certified": True, "n_samples": problem.n_samples, **plain, **held, **log})
         return 0
-    print("certified: the tree was recomputed from tree and data alone; the bound is its solver's claim")
+    known = "the bound is its solver's claim" if proof is None else "its bound was checked in the proof log"
+    print(f"certified: the tree was recomputed from tree and data alone; {known}")
     print(printable(_text(file, problem, certificate)))
     if test is not None:
         print(f"held out, {errors_text(test)}")
+    if proof is not None:
+        print(f"proof: no tree costs less than {number(proof.bound)}; {proof.n_lines} lines, {proof.seconds:.3g} s")
     print(printable(numbers_verdict(problem, file.solution, certificate)))
     return 0
 
@@ -127,6 +133,15 @@ def _tested(arguments: argparse.Namespace, file: RegressionFile, problem: Regres
             "again with octmip solve --target"
         )
     return tested(arguments.test, problem, file.preparation, file.tree)
+
+
+def _checked_proof(
+    arguments: argparse.Namespace, file: RegressionFile, problem: RegressionProblem
+) -> ProofReport | None:
+    if not arguments.proof:
+        return None
+    with ElapsedLine("checking the proof"):
+        return check_proof(problem, arguments.proof, bound=file.solution.bound)
 
 
 def _text(file: RegressionFile, problem: RegressionProblem, certificate: RegressionCertificate) -> str:

@@ -31,9 +31,7 @@ OF_CLASSES = {
     "holdout": "shares of classes; give the rows for testing as a table of their own: --test FILE",
     "write": "mixed-integer models of classes",
     "assist": "mixed-integer models of classes",
-    "proof": "the classes' proof log",
     "checkpoint": "proofs of classes",
-    "write_problem": "problems of classes",
 }
 """Options that have no meaning for numbers, and what they are about."""
 

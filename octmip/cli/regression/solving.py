@@ -1,6 +1,7 @@
 """`octmip solve --target`: the best regression tree for a table, and the bound."""
 
 import argparse
+from pathlib import Path
 
 from octmip.certificate import certify
 from octmip.cli.answer import ProgressLine, print_json, print_notes, printable
@@ -13,7 +14,8 @@ from octmip.cli.regression.words import (
     numbers_tree_text,
     numbers_verdict,
 )
-from octmip.errors import SolverError
+from octmip.errors import DataError, SolverError
+from octmip.formats.files import check_writable
 from octmip.formats.names import visible
 from octmip.formats.regression_file import (
     decode_values,
@@ -23,6 +25,8 @@ from octmip.formats.regression_file import (
     write_regression_file,
 )
 from octmip.regression.certificate import RegressionCertificate
+from octmip.regression.problem import RegressionProblem
+from octmip.regression.proof_log import check_provable, write_regression_problem
 from octmip.solution import Limits, Solution
 from octmip.solver import solve
 from octmip.tree import Node
@@ -31,6 +35,7 @@ from octmip.tree import Node
 def solve_numbers(arguments: argparse.Namespace, limits: Limits) -> int:
     """Solve, show, write."""
     question = ask_numbers(arguments)
+    options = _options(arguments, question.problem)
     with ProgressLine() as progress:
         solution = solve(
             question.problem,
@@ -40,6 +45,7 @@ def solve_numbers(arguments: argparse.Namespace, limits: Limits) -> int:
             seed=arguments.seed,
             n_jobs=arguments.threads,
             progress=progress,
+            options=options,
         )
     if solution.tree is None:
         raise SolverError(f"{solution.solver} found no tree (stop: {solution.stop}); give it more time")
@@ -47,6 +53,20 @@ def solve_numbers(arguments: argparse.Namespace, limits: Limits) -> int:
     assert isinstance(certificate, RegressionCertificate)
     _show(arguments, question, solution, certificate)
     return 0
+
+
+def _options(arguments: argparse.Namespace, problem: RegressionProblem) -> dict[str, object]:
+    """Return the options of the solver; write the problem where that is asked, as files for a checker."""
+    if arguments.write_problem:
+        check_provable(problem)
+        write_regression_problem(arguments.write_problem, problem)
+    if not arguments.proof:
+        return {}
+    check_provable(problem)
+    if arguments.method == "search":
+        raise DataError("--proof logs what method exact proves; got --method search; leave one of the two out")
+    check_writable(arguments.proof)
+    return {"proof": Path(arguments.proof)}
 
 
 def _incumbent(path: str | None, question: NumberQuestion) -> Node | None:

@@ -79,10 +79,8 @@ class Chosen:
         return self.features if self.weights is None else (*self.features, self.weights)
 
 
-def ask(arguments: argparse.Namespace, *, doubled: bool = False) -> Question:
+def ask(arguments: argparse.Namespace) -> Question:
     """Return the problem of a command line.
-
-    `doubled` makes two complete features of numbers with missing cells (`Columns.learn`), where a split is a cut alone.
 
     Raises
     ------
@@ -98,7 +96,7 @@ def ask(arguments: argparse.Namespace, *, doubled: bool = False) -> Question:
     labels = table.labels(chosen.label)
     if not arguments.numbers_are_classes:
         refuse_quantity(table, chosen.label, labels)
-    columns = learned_columns(table, chosen, arguments, doubled)
+    columns = learned_columns(table, chosen, arguments)
     if kind_of_split(arguments) == "hyperplane":
         columns.refuse_gaps_in_sums(
             "leave these rows out by --missing drop-rows, or split on one feature: --split axis"
@@ -165,8 +163,11 @@ def rows_kept(arguments: argparse.Namespace) -> RowsKept:
     return "labelled" if arguments.drop_unlabelled else "all"
 
 
-def learned_columns(table: Table, chosen: Chosen, arguments: argparse.Namespace, doubled: bool) -> Columns:
-    """Return how the columns become features; refuse all that cannot, in one sentence with the switches that help."""
+def learned_columns(table: Table, chosen: Chosen, arguments: argparse.Namespace, *, doubled: bool = False) -> Columns:
+    """Return how the columns become features; refuse all that cannot, in one sentence with the switches that help.
+
+    `doubled` makes two complete features of numbers with missing cells (`Columns.learn`), where a split is a cut alone.
+    """
     missing: Literal["either-side", "refuse"] = "either-side" if arguments.missing == "either-side" else "refuse"
     frame = table.frame[list(chosen.features)]
     reasons = {} if arguments.categories else mixed_columns(table, chosen.features)

@@ -46,7 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
     for name in ("best", "sample"):
         if not 0 <= getattr(arguments, name) <= MOST_TREES:
             raise DataError(f"--{name} is {getattr(arguments, name)}; expected 0 to {MOST_TREES} trees")
-    question = ask(arguments, doubled=True)
+    question = ask(arguments)
     with ProgressLine() as progress:
         found = near_optimal(
             question.problem,
@@ -95,7 +95,7 @@ def as_json(found: NearOptimalSet, best: list[NearTree], samples: list[NearTree]
 
 
 def _interval_json(interval: RootInterval, names: tuple[str, ...]) -> dict[str, Any]:
-    ends = {"first": interval.first, "last": interval.last}
+    ends = {"first": interval.first, "last": interval.last, "missing": interval.missing}
     return {"feature": names[interval.feature], **ends, "n_cuts": interval.n_cuts, "trees": interval.trees}
 
 
@@ -144,19 +144,26 @@ def _roots(found: NearOptimalSet) -> str:
         )
     order = {name: k for k, name in enumerate(found.by_root)}
     for interval in sorted(
-        (*found.roots, *found.open), key=lambda i: (order.get(names[i.feature], len(order)), i.first)
+        (*found.roots, *found.open),
+        key=lambda i: (order.get(names[i.feature], len(order)), i.missing or "", i.first or 0),
     ):
-        span = [f"{end:.6g}" for end in (interval.first, interval.last)]
         rows.append(
             {
                 "root": shown(names[interval.feature]),
-                "thresholds": span[0] if interval.n_cuts == 1 else f"{span[0]} to {span[1]}",
+                "thresholds": _thresholds(interval),
                 "cuts": interval.n_cuts,
                 "trees": "not counted" if interval.trees is None else f"{interval.trees:,}",
                 "share": None if interval.trees is None else percent(interval.trees / total),
             }
         )
     return markdown_table(rows, ("root", "thresholds", "cuts", "trees", "share"))
+
+
+def _thresholds(interval: RootInterval) -> str:
+    if interval.first is None or interval.last is None:
+        return "missing?"
+    span = f"{interval.first:.6g}" if interval.n_cuts == 1 else f"{interval.first:.6g} to {interval.last:.6g}"
+    return span if interval.missing is None else f"{span}, missing {interval.missing}"
 
 
 def _sets(found: NearOptimalSet) -> str:

@@ -55,7 +55,7 @@ def run(arguments: argparse.Namespace) -> int:
             raise DataError(f"--out {arguments.out} is no picture; expected one of {', '.join(PICTURES)}")
         importlib.import_module("octmip.plot")  # matplotlib is an extra: missing, it is named before the work
         check_writable(arguments.out)
-    question = ask(arguments, doubled=True)
+    question = ask(arguments)
     with ElapsedLine("weighing sensors"):
         found = sensor_roles(
             question.problem,

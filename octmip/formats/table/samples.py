@@ -169,7 +169,8 @@ class Table:
             if unseen:
                 raise DataError(
                     f"{self.place(unseen[0], column)}: label {shown(labels.tolist()[unseen[0]])} was not seen at "
-                    f"training ({len(unseen)} such rows); the tree knows {several(known)}; give the right column"
+                    f"training ({len(unseen)} such row{'s' * (len(unseen) != 1)}); the tree knows {several(known)}; "
+                    "give the right column"
                 )
         return labels
 
@@ -186,8 +187,9 @@ class Table:
         rows = [row for row, label in enumerate(labels) if label in words]
         if 0 < len(rows) < len(labels) and {word.lower() for word in words} <= MISSING_WORDS:
             raise DataError(
-                f"{self.place(rows[0], name)}: {shown(labels[rows[0]])} among numbers ({len(rows)} such rows); "
-                f"expected a label in every row; {UNLABELLED}, or name every class by a word"
+                f"{self.place(rows[0], name)}: {shown(labels[rows[0]])} among numbers "
+                f"({len(rows)} such row{'s' * (len(rows) != 1)}); expected a label in every row; "
+                f"{UNLABELLED}, or name every class by a word"
             )
 
     def _refuse_empty(self, name: str, column: "pd.Series[Any]", purpose: str) -> None:

@@ -136,8 +136,8 @@ def _refuse_missing(values: NDArray[np.float64], table: CampaignTable, name: str
     missing = np.flatnonzero(np.isnan(values))
     if missing.size:
         raise DataError(
-            f"row {table.numbers[missing[0]]}, column {name} is empty ({missing.size} such rows); give it for every "
-            "reading"
+            f"row {table.numbers[missing[0]]}, column {name} is empty ({missing.size} such "
+            f"row{'s' * (missing.size != 1)}); give it for every reading"
         )
 
 

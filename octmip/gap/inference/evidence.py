@@ -17,7 +17,7 @@ from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import log_ndtr, logsumexp
+from scipy.special import log_ndtr
 
 from octmip.gap.inference.candidates import SCALES, Priors
 from octmip.gap.inference.linear_model import LinearModel
@@ -77,7 +77,7 @@ def fits_of(prior: Priors, sets: Sequence[Members], gram: Floats, projection: Fl
     logs, sizes, covariances = _gaussians(
         gram[:, None], projection[:, None], prior.mean[index][:, None], sd, prior.bounds[:, index][:, :, None]
     )
-    total = logsumexp(logs, axis=1) - np.log(len(choices))
+    total = np.logaddexp.reduce(logs, axis=1) - np.log(len(choices))
     share = np.exp(logs - total[:, None]) / len(choices)
     size = np.einsum("sk,ski->si", share, sizes)
     second = np.einsum("sk,skij->sij", share, covariances + sizes[..., :, None] * sizes[..., None, :])
@@ -148,20 +148,20 @@ def extensions(model: LinearModel, members: Members) -> Floats:
         gain -= cross.T @ inverse @ eta
         log_det = np.linalg.slogdet(within)[1] + 2.0 * np.log(prior.sd[index]).sum()
         start = 0.5 * float(eta @ inverse @ eta - (prior.mean[index] ** 2 / prior.sd[index] ** 2).sum() - log_det)
-    logs = [_single_logs(prior, scale, variance, gain) for scale in SCALES]
-    total = start + logsumexp(np.array(logs), axis=0) - np.log(len(SCALES))
+    total = start + np.logaddexp.reduce(_single_logs(prior, variance, gain), axis=0) - np.log(len(SCALES))
     total[index] = -np.inf
     return np.asarray(total)
 
 
-def _single_logs(prior: Priors, scale: float, variance: Floats, gain: Floats) -> Floats:
-    """Return the log evidence (n_candidates,) that each adds alone, its prior sd scaled."""
-    sd = np.where(prior.is_discrete, prior.sd, prior.sd * scale)
+def _single_logs(prior: Priors, variance: Floats, gain: Floats) -> Floats:
+    """Return the log evidence (n_scales, n_candidates) that each adds alone, its prior sd scaled."""
+    sd = np.where(prior.is_discrete, prior.sd, np.outer(SCALES, prior.sd))
     precision = np.maximum(variance, 0.0) + sd**-2
     eta = prior.mean / sd**2 + gain
     size, spread = eta / precision, precision**-0.5
     value = 0.5 * (eta**2 / precision - prior.mean**2 / sd**2 - np.log(precision * sd**2))
     cut = np.flatnonzero(np.isfinite(prior.bounds).any(axis=0))
-    bounds = prior.bounds[:, cut]
-    value[cut] += log_between(size[cut], spread[cut], bounds) - log_between(prior.mean[cut], sd[cut], bounds)
+    bounds = prior.bounds[:, None, cut]
+    share = log_between(size[:, cut], spread[:, cut], bounds) - log_between(prior.mean[cut], sd[:, cut], bounds)
+    value[:, cut] += share
     return np.asarray(value)

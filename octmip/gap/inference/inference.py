@@ -10,8 +10,10 @@ from octmip.gap.inference.evidence import Fit, Members, alike, fits_of, group_fi
 from octmip.gap.inference.linear_model import LinearModel
 from octmip.gap.inference.signature_error import (
     Judgement,
+    Reduced,
     SignatureError,
     error_of,
+    propagated_signatures,
     reduced,
     root_of,
     with_errors,
@@ -38,6 +40,7 @@ class Inference:
     def __init__(self, model: LinearModel) -> None:
         self.model = model
         self._fits: dict[Members, Fit] = {}
+        self._propagated: dict[Members, Floats] = {}
         self._errors: dict[int, SignatureError] = {}
         self._judgements: dict[Members, Judgement] = {}
         self._allowing: dict[Members, Inference] = {}
@@ -59,7 +62,7 @@ class Inference:
         new = [members for members in dict.fromkeys(sets) if members not in self._judgements]
         for members, own in zip(new, self.fits(new), strict=True):
             self._judgements[members] = Judgement(own, 0.0, np.zeros((self.model.n, 0)))
-        for _ in range(PASSES):
+        for _ in range(PASSES if new else 0):  # most sets are asked for again
             self._judge_again(new)
         return [self._judgements[members] for members in sets]
 
@@ -68,7 +71,7 @@ class Inference:
         roots = {members: root for members in sets if (root := self._root(members)) is not None}
         priors = self.model.inputs.priors
         for group in alike(priors, list(roots)):
-            parts = [reduced(self.model, members, roots[members]) for members in group]
+            parts = [self._reduced(members, roots[members]) for members in group]
             gram, projection = np.array([p.gram for p in parts]), np.array([p.projection for p in parts])
             for members, own, part in zip(group, fits_of(priors, group, gram, projection), parts, strict=True):
                 self._judgements[members] = Judgement(own, part.log_shift, roots[members])
@@ -76,6 +79,11 @@ class Inference:
     def _root(self, members: Members) -> Floats | None:
         errors = [self._error(j) for j in members]
         return root_of(self.model, members, self._judgements[members].fit.size, errors)
+
+    def _reduced(self, members: Members, root: Floats) -> Reduced:
+        if members not in self._propagated:
+            self._propagated[members] = propagated_signatures(self.model, members)
+        return reduced(self.model, self._propagated[members], root)
 
     def _error(self, candidate: int) -> SignatureError:
         if candidate not in self._errors:
@@ -104,7 +112,7 @@ class Inference:
         left = []
         for k in range(len(members)):
             others = np.arange(len(members)) != k
-            gram = reduced(self.model, members, self._root_of_others(members, size, k)).gram
+            gram = self._reduced(members, self._root_of_others(members, size, k)).gram
             cross = gram[others, k]
             within = (gram + precision)[np.ix_(others, others)]
             left.append(gram[k, k] - cross @ np.linalg.solve(within, cross))

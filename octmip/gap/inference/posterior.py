@@ -197,8 +197,9 @@ def _main(leader: Judged, found: dict[str, list[Weighed]]) -> Inference:
     """Return the inference of the most probable hypothesis without the unknown, under the noise of the leading one."""
     walk = leader.model.inputs.noise.walk_sd
     known = [w for weighed in found.values() for w in weighed if not w.has_unknown]
-    alike = [w for w in known if w.inference.model.inputs.noise.walk_sd == walk]
-    return max(alike, key=lambda w: w.log_weight).inference
+    inferences = {id(w.inference): w.inference for w in known}  # few: each holds many hypotheses
+    alike = {key for key, inference in inferences.items() if inference.model.inputs.noise.walk_sd == walk}
+    return max((w for w in known if id(w.inference) in alike), key=lambda w: w.log_weight).inference
 
 
 def _judged(key: Key, same: Sequence[Weighed], total: float) -> Judged:

@@ -146,9 +146,9 @@ def root_of(model: LinearModel, members: Members, size: Floats, errors: Sequence
     return np.hstack([*kept, np.zeros((model.n, 0))]) if kept or propagates(model, members) else None
 
 
-def reduced(model: LinearModel, members: Members, root: Floats) -> Reduced:
-    """Return what the members' part of the model becomes under the errors `root` (n, r)."""
-    white, residual = propagated_signatures(model, members), model.whitened.residual
+def reduced(model: LinearModel, white: Floats, root: Floats) -> Reduced:
+    """Return what the part of the model with signatures `white` (n, m) becomes under the errors `root` (n, r)."""
+    residual = model.whitened.residual
     if not root.shape[1]:
         return Reduced(white.T @ white, white.T @ residual, 0.0)
     across, along = root.T @ white, root.T @ residual

@@ -21,6 +21,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<problem::PyProblem>()?;
     module.add_class::<problem::PySequentialProblem>()?;
     module.add_class::<check::PyQuestion>()?;
+    module.add_class::<regression::PyRegressionQuestion>()?;
     module.add_class::<near_optimal::NearProblem>()?;
     module.add_function(wrap_pyfunction!(ranks::dense_ranks, module)?)?;
     module.add_function(wrap_pyfunction!(search::py_search, module)?)?;

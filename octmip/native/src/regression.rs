@@ -8,6 +8,7 @@
 //! buckets            the same of all features at once by buckets: vector passes in `sweep`, walks in `inside`
 //! sides, depth_two   the two sides of a moving cut, and the best tree of at most two levels
 //! axis, node         the cuts of a feature with their bounds, and the search of a node of any depth
+//! proof              the proof log, by a search in the whole numbers of its checker
 //! root               the whole search: the cuts of all features by their bounds, limits, progress
 //! ```
 //!
@@ -22,6 +23,7 @@ pub(crate) mod depth_two;
 pub(crate) mod inside;
 pub(crate) mod medians;
 pub(crate) mod node;
+pub(crate) mod proof;
 pub(crate) mod result;
 pub(crate) mod root;
 pub(crate) mod samples;
@@ -30,5 +32,6 @@ pub(crate) mod sides;
 pub(crate) mod sweep;
 pub(crate) mod view;
 
+pub use proof::prove;
 pub use root::{Found, solve};
 pub use samples::Question;

@@ -71,11 +71,30 @@ def test_json_is_one_object_and_an_incumbent_is_taken_up(houses, run, tmp_path):
     assert json.loads(run("certify", tree, houses, "--json")[1])["objective"] == first["objective"]
 
 
+def test_a_proof_log_is_written_checked_and_refused(houses, run, tmp_path):
+    tree, log, problem = tmp_path / "t.json", tmp_path / "p.log", tmp_path / "p.json"
+    code, out, err = solved(run, houses, "--out", tree, "--proof", log, "--write-problem", problem)
+    assert (code, err) == (0, "")
+    assert "Proven optimal" in out
+    file = json.loads(problem.read_text())
+    assert (file["format"], file["loss"], len(file["targets"])) == ("octmip-regression-problem", "squared", 60)
+    code, out, err = run("certify", tree, houses, "--proof", log)
+    assert (code, err) == (0, "")
+    assert "proof: no tree costs less than" in out
+    assert json.loads(run("certify", tree, houses, "--proof", log, "--json")[1])["proof"]["n_lines"] > 6
+    log.write_text(log.read_text().replace("E\n", "", 1))
+    code, _, err = run("certify", tree, houses, "--proof", log)
+    assert code == 1
+    assert "the proof is refused" in err
+
+
 @pytest.mark.parametrize(
     ("options", "sentence"),
     [
         (["--label", "kind"], "named by --label and --target"),
-        (["--proof", "p.log"], "the classes' proof log"),
+        (["--checkpoint", "c.json"], "proofs of classes"),
+        (["--proof", "p.log", "--method", "search"], "logs what method exact proves"),
+        (["--proof", "p.log", "--leaf-model", "linear"], "have no proof log"),
         (["--holdout", "0.5"], "--test FILE"),
         (["--method", "oct"], "expected auto, exact or search"),
         (["--leaf-model", "linear", "--method", "exact"], "use method 'search'"),
@@ -103,7 +122,7 @@ def changed(tree, **training):
 def test_a_changed_file_is_refuted_or_refused(houses, run, tmp_path):
     tree = tmp_path / "t.json"
     solved(run, houses, "--out", tree)
-    assert "--proof is about a log of classes" in run("certify", tree, houses, "--proof", "p.log")[2]
+    assert "--proof is about a log of classes" in run("report", tree, "--proof", "p.log")[2]
     assert "expected .txt or .md" in run("report", tree, "--out", tmp_path / "t.html")[2]
     changed(tree)
     code, _, err = run("certify", tree, houses)

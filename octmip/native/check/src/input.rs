@@ -1,7 +1,7 @@
 //! The problem as it was given, read from its file, and the digests that bind a log to it.
 
-mod digests;
-mod json;
-mod problem_file;
+pub(crate) mod digests;
+pub(crate) mod json;
+pub(crate) mod problem_file;
 pub mod question;
-mod sha256;
+pub(crate) mod sha256;

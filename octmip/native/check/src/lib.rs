@@ -12,6 +12,7 @@
 //! | `numbers` | exact arithmetic |
 //! | `problem`, `ranked` | the problem in ranks and whole numbers, as checkers and solvers hold it |
 //! | `axis` | the checker of logs of axis-aligned trees |
+//! | `regression` | the checker of logs of regression trees |
 //! | `two_feature` | the checker of logs of two-feature trees |
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
@@ -24,6 +25,7 @@ mod numbers;
 pub mod problem;
 mod ranked;
 mod refusal;
+pub mod regression;
 pub mod two_feature;
 
 pub use input::question;

@@ -9,7 +9,8 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use octmip_check::question::Question;
-use octmip_check::{Refusal, Report, check};
+use octmip_check::regression::question::RegressionQuestion;
+use octmip_check::{Refusal, Report, check, regression};
 
 const USAGE: &str = "usage: octmip-check LOG PROBLEM.json (files of octmip solve --proof and --write-problem)";
 
@@ -40,12 +41,17 @@ fn run(log: &Path, problem: &Path) -> Result<Result<(Report, f64), Refusal>, Str
     let start = Instant::now();
     let text = read(log, "a proof log of octmip solve --proof")?;
     let file = read(problem, "a problem file of octmip solve --write-problem")?;
-    let question = Question::from_json(&file).map_err(|reason| {
+    let fault = |reason| {
         let path = problem.display();
         format!("{path}: {reason}; expected a problem file; write it again with octmip solve --write-problem")
-    })?;
-    let n_threads = std::thread::available_parallelism().map_or(1, usize::from);
-    Ok(check(&question, &text, n_threads).map(|report| (report, start.elapsed().as_secs_f64())))
+    };
+    let checked = if RegressionQuestion::is_file(&file) {
+        regression::check(&RegressionQuestion::from_json(&file).map_err(fault)?, &text)
+    } else {
+        let n_threads = std::thread::available_parallelism().map_or(1, usize::from);
+        check(&Question::from_json(&file).map_err(fault)?, &text, n_threads)
+    };
+    Ok(checked.map(|report| (report, start.elapsed().as_secs_f64())))
 }
 
 fn read(path: &Path, expected: &str) -> Result<String, String> {

@@ -60,7 +60,7 @@ fn planes_of(question: &Question) -> Planes {
 }
 
 /// The rank of each value among the different ones, and how many these are.
-fn ranks_of(values: &[f64]) -> (Vec<u32>, u32) {
+pub(crate) fn ranks_of(values: &[f64]) -> (Vec<u32>, u32) {
     let mut order: Vec<usize> = (0..values.len()).collect();
     // No value is NaN; 0.0 and -0.0 are equal.
     order.sort_unstable_by(|&i, &j| (values[i] + 0.0).total_cmp(&(values[j] + 0.0)));

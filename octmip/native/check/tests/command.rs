@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::process::Command;
 
 use octmip_check::question::Question;
+use octmip_check::regression::question::RegressionQuestion;
 
 /// Four samples of classes 0 and 1 in turn, a tree of depth 1: one goes wrong.
 const PROBLEM: &str = r#"{"format": "octmip-problem", "version": 1, "feature_names": ["x"], "class_names": ["a", "b"],
@@ -45,6 +46,41 @@ fn a_proof_is_refused_with_its_line_and_the_reason() {
     assert!(out.ends_with("proof.log, line 6: a tree costs 1, not 2; the proof is refused\n"), "{out}");
     let (code, out, _) = run("other", Some(&log(1)), Some(&PROBLEM.replace("[3.0]]", "[4.0]]")));
     assert!(code == Some(1) && out.contains("proof.log, line 2: got \"data "), "{out}");
+}
+
+/// Targets 0 9 0 9, a tree of depth 1: one is missed by 9.
+const NUMBERS: &str = r#"{"format": "octmip-regression-problem", "version": 1, "feature_names": ["x"],
+"target_name": "y", "features": [[0.0], [1.0], [2.0], [3.0]], "targets": [0, 9, 0, 9], "weights": [1, 1, 1, 1],
+"loss": "absolute", "depth": 1, "leaf_size": 1, "leaf_penalty": 0, "sensor_of_feature": [0], "sensor_cost": [1],
+"sensor_limit": null}"#;
+
+#[test]
+fn a_proof_of_a_regression_problem_is_verified_or_refused() {
+    let question = RegressionQuestion::from_json(NUMBERS).expect("a problem file");
+    let (data, asked) = (question.data_digest(), question.question_digest());
+    let log = |claim: i64| {
+        format!(
+            "octmip-proof 3 regression absolute\ndata {data}\nquestion {asked}\ngrid 0 0 0\nclaim {claim}\n\
+             N 1 1 {claim}\nE\nend\n"
+        )
+    };
+    let (code, out, _) = run("numbers", Some(&log(9)), Some(NUMBERS));
+    assert!(code == Some(0) && out.starts_with("verified: no tree costs less than 9 (8 lines, "), "{out}");
+    let (code, out, _) = run("numbers_raised", Some(&log(10)), Some(NUMBERS));
+    assert!(code == Some(1) && out.ends_with("line 6: a tree costs 9, not 10; the proof is refused\n"), "{out}");
+    let changes = [
+        ("absolute", "huber", "loss is \"huber\""),
+        ("version\": 1", "version\": 2", "version is not 1 to 1"),
+        ("[0, 9, 0, 9]", "[0, 9, 0]", "targets has 3 entries, expected 4"),
+        ("\"weights\": [1", "\"weights\": [-1", "weights holds -1"),
+        ("depth\": 1", "depth\": 0", "depth is 0"),
+        ("feature\": [0]", "feature\": [1]", "sensor_of_feature holds 1"),
+    ];
+    for (old, new, sentence) in changes {
+        assert!(NUMBERS.contains(old), "{old}");
+        let (code, _, err) = run("numbers_wrong", Some(&log(9)), Some(&NUMBERS.replacen(old, new, 1)));
+        assert!(code == Some(2) && err.contains(sentence), "{sentence}: {err}");
+    }
 }
 
 #[test]

@@ -61,6 +61,7 @@ impl<'a, T: Cost> Counter<'a, T> {
         let upper = self.instance.grid_limit(limit, self.instance.totals_of(view).base);
         self.reach.forget();
         let mut cuts = self.search.cuts_within(view, depth, upper, whole, features).unwrap_or_default();
+        cuts.retain(|cut| self.instance.is_own(view, cut));
         cuts.sort_by_key(|cut| (cut.feature, cut.position));
         cuts
     }

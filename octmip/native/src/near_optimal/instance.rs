@@ -6,6 +6,7 @@
 //! cost of predicting label k for some samples = peak - gains[k],    gains >= 0
 //! ```
 
+use crate::exact::node::result::Solved;
 use crate::exact::samples::Samples;
 use crate::exact::view::View;
 use crate::near_optimal::cost::Cost;
@@ -70,6 +71,8 @@ pub(crate) struct Instance<T> {
     pub(crate) ranges: Vec<T>,
     peaks: Vec<T>,
     bases: Vec<T>,
+    /// Of each usable feature that ranks missing readings above all others, their rank.
+    pub(crate) above: Vec<Option<u32>>,
     /// Set of the sensor of each usable feature; empty sets where they are not told apart.
     pub(crate) masks: Vec<u128>,
     /// Sensor of each usable feature.
@@ -82,8 +85,9 @@ pub(crate) struct Instance<T> {
 }
 
 impl<T: Cost> Instance<T> {
-    /// Join a validated problem with its exact costs; `by_sets` tells sets of sensors apart also without a budget.
-    pub(crate) fn new(problem: &Problem, exact: &ExactCosts<T>, by_sets: bool) -> Self {
+    /// Join a validated problem with its exact costs; `above` lists the features that rank missing readings above all
+    /// others, `by_sets` tells sets of sensors apart also without a budget.
+    pub(crate) fn new(problem: &Problem, exact: &ExactCosts<T>, above: &[u32], by_sets: bool) -> Self {
         let samples = Samples::new(problem);
         let k = exact.n_labels;
         let rows: Vec<&[T]> = exact.costs.chunks(k).collect();
@@ -104,7 +108,9 @@ impl<T: Cost> Instance<T> {
         let single = gains.chunks(k).all(is_single).then(|| gains.chunks(k).map(best).collect());
         let is_limited = problem.sensor_cost.iter().sum::<f64>() > problem.sensor_limit;
         let mask = |f: &u32| if is_limited || by_sets { 1 << problem.sensor_of_feature[*f as usize] } else { 0 };
+        let missing = |f: &u32| above.contains(f).then(|| problem.n_ranks[*f as usize] - 1);
         Self {
+            above: samples.features.iter().map(missing).collect(),
             masks: samples.features.iter().map(mask).collect(),
             sensors: samples.features.iter().map(|&f| problem.sensor_of_feature[f as usize] as usize).collect(),
             n_sensors: problem.sensor_cost.len(),
@@ -152,6 +158,14 @@ impl<T: Cost> Instance<T> {
     /// Costs of each label for all samples of a node.
     pub(crate) fn totals_of(&self, view: &View) -> Totals<T> {
         self.totals(view.ids(&self.samples))
+    }
+
+    /// Whether no other feature parts the samples of a node alike. Where no reading is missing, and between the missing
+    /// ones and the others, the feature that ranks them below does.
+    pub(crate) fn is_own(&self, view: &View, cut: &Solved) -> bool {
+        let (list, ranks) = (view.list(cut.feature), self.samples.ranks_of(cut.feature));
+        let is_missing = |position: usize| self.above[cut.feature] == Some(ranks[list[position] as usize]);
+        self.above[cut.feature].is_none() || (is_missing(list.len() - 1) && !is_missing(cut.position))
     }
 
     /// Whether a set of sensors is within the budget.

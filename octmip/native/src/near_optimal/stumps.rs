@@ -66,6 +66,12 @@ pub(crate) fn walk_beyond<T: Cost>(
     let mut shortest = [0, 1].map(|s| more.min(needs[s] - leaf(s)));
     let nothing = Passed { gains: vec![T::default(); instance.n_labels], len: 0, rank: 0, short: T::default() };
     let mut passed = [nothing.clone(), nothing];
+    // Of a feature that ranks missing readings above the others, the sides where one is missing: `Instance::is_own`.
+    let is_missing = |i: u32| instance.above[f] == Some(ranks[i as usize]);
+    let mut has_missing = [instance.above[f].is_none(); 2];
+    for &i in list.iter().rev().take_while(|&&i| is_missing(i)) {
+        has_missing[side_of(i)] = true;
+    }
     for &i in list {
         let s = side_of(i);
         let (side, before) = (&sides[s], &mut passed[s]);
@@ -73,8 +79,11 @@ pub(crate) fn walk_beyond<T: Cost>(
         let is_cut = rank != before.rank && before.len >= leaf_size && side.len - before.len >= leaf_size;
         if is_cut && before.short <= T::default() {
             let cut = before.rank;
+            let is_own = has_missing[s] && !is_missing(i);
             let short = look(&before.gains, &side.totals, needs[s], |labels, gain| {
-                see(s, cut, labels, side.totals.peak + instance.penalty - gain);
+                if is_own {
+                    see(s, cut, labels, side.totals.peak + instance.penalty - gain);
+                }
             });
             shortest[s] = shortest[s].min(short);
             before.short = short.max(T::default()) - shortest[s].max(T::default());

@@ -54,18 +54,18 @@ macro_rules! either {
 
 #[pymethods]
 impl NearProblem {
-    /// `costs` as `ExactCosts`; `is_narrow`: 64 bits hold every sum.
+    /// `costs` as `ExactCosts`, `above` as `Instance::new`; `is_narrow`: 64 bits hold every sum.
     #[new]
-    fn new(problem: &PyProblem, costs: CostsRow, is_narrow: bool, by_sets: bool) -> PyResult<Self> {
+    fn new(problem: &PyProblem, costs: CostsRow, above: Vec<u32>, is_narrow: bool, by_sets: bool) -> PyResult<Self> {
         let n_sensors = problem.inner.sensor_cost.len();
         let is_limited = problem.inner.sensor_cost.iter().sum::<f64>() > problem.inner.sensor_limit;
         if (by_sets || is_limited) && n_sensors > MOST_SENSORS {
             return Err(PyValueError::new_err(format!("{n_sensors} sensors; expected at most {MOST_SENSORS}")));
         }
         let inner = if is_narrow {
-            Inner::Narrow(Instance::new(&problem.inner, &exact_costs(costs)?, by_sets))
+            Inner::Narrow(Instance::new(&problem.inner, &exact_costs(costs)?, &above, by_sets))
         } else {
-            Inner::Wide(Instance::new(&problem.inner, &exact_costs(costs)?, by_sets))
+            Inner::Wide(Instance::new(&problem.inner, &exact_costs(costs)?, &above, by_sets))
         };
         Ok(Self { inner })
     }

@@ -55,11 +55,11 @@ pub(crate) fn supervised<T: Send>(
 }
 
 /// The body of a log that proves `claim`, written by one thread that Ctrl-C stops.
-pub(crate) fn written(
+pub(crate) fn written<T: Send>(
     py: Python<'_>,
     claim: i64,
-    write: impl FnOnce(&Supervision) -> Option<String> + Send,
-) -> PyResult<Option<String>> {
+    write: impl FnOnce(&Supervision) -> Option<T> + Send,
+) -> PyResult<Option<T>> {
     let supervision = Supervision::new(Limits::default());
     let state = Progress { seconds: 0.0, objective: claim, bound: claim, n_nodes: 0 };
     supervised(py, None, |keep_going| {

@@ -74,9 +74,14 @@ impl Buckets {
         &self.features[group * LANES..((group + 1) * LANES).min(self.features.len())]
     }
 
+    /// Put the features in their own order: what was found at other nodes must not matter.
+    pub(crate) fn begin(&mut self) {
+        self.reorder(&vec![0.0; self.features.len()]);
+    }
+
     /// Put the features in another order before the next node: those that are passed over together side by side.
     pub(crate) fn reorder(&mut self, errors: &[f64]) {
-        self.features.sort_by(|&f, &g| errors[f].total_cmp(&errors[g]));
+        self.features.sort_by(|&f, &g| errors[f].total_cmp(&errors[g]).then(f.cmp(&g)));
         for (slot, &f) in self.features.iter().enumerate() {
             self.slots[f] = slot;
         }
@@ -202,17 +207,24 @@ impl Buckets {
     }
 
     /// Pass over the buckets of a group of features at a cut with so many samples of a list on its left.
-    pub(crate) fn sweep(&mut self, samples: &Samples, sides: &Sides, group: usize, list: &[u32]) -> Reached {
+    pub(crate) fn sweep(
+        &mut self,
+        samples: &Samples,
+        sides: &Sides,
+        group: usize,
+        list: &[u32],
+        needs: [bool; 2],
+    ) -> Reached {
         self.shift(samples, group, list, sides.counts[0]);
         let size = self.n_buckets * self.rows;
         let (lines, has_inside) = (&self.lines[group * size..][..size], self.has_inside);
         let caps = &mut self.caps[group * self.n_buckets * CAPS..][..self.n_buckets * CAPS];
         let reached = if samples.is_absolute {
             let (totals, gaps, n_values) = (self.by_target, samples.gaps, self.rows / 2);
-            self.arch.dispatch(Absolute { lines, caps, totals, gaps, n_values, has_inside })
+            self.arch.dispatch(Absolute { lines, caps, totals, gaps, n_values, has_inside, needs })
         } else {
             let totals = sides.sums.map(|sums| (sums.weight, sums.target, sums.square));
-            self.arch.dispatch(Squared { lines, caps, totals, has_inside })
+            self.arch.dispatch(Squared { lines, caps, totals, has_inside, needs })
         };
         self.reached[group] = reached;
         reached

@@ -60,6 +60,8 @@ pub(crate) struct Bins {
     pub(crate) of_sample: Vec<u8>,
     /// Least and greatest target of each bin.
     ends: Vec<(f64, f64)>,
+    /// Whether each bin holds one target.
+    is_single: bool,
 }
 
 impl Bins {
@@ -82,7 +84,8 @@ impl Bins {
             bin_of_rank[rank] = bin as u8;
             seen += counts[rank];
         }
-        Self { of_sample: ranks.iter().map(|&rank| bin_of_rank[rank as usize]).collect(), ends }
+        let is_single = ends.iter().all(|(low, high)| low == high);
+        Self { of_sample: ranks.iter().map(|&rank| bin_of_rank[rank as usize]).collect(), ends, is_single }
     }
 
     /// Lower bound of the error of at most `c` constants for the samples of a histogram.
@@ -90,6 +93,9 @@ impl Bins {
         let n_bins = self.ends.len();
         if c >= n_bins {
             return 0.0;
+        }
+        if is_absolute && self.is_single {
+            return self.few_targets(histogram, c);
         }
         // best[j]: least cost of the bins before j by so many clusters; a bin of several values may be left out.
         let mut best = [f64::INFINITY; N_BINS + 1];
@@ -116,6 +122,32 @@ impl Bins {
             least = least.min(self.start(&best, from) + cost);
         }
         least
+    }
+
+    /// The same where each bin is one target: the least absolute error of `c` constants.
+    ///
+    /// A run of targets errs by its gaps, each times the lesser of the run's weights on both sides of it.
+    fn few_targets(&self, histogram: &Histogram, c: usize) -> f64 {
+        let n = self.ends.len();
+        let mut below = [0.0; N_BINS + 1];
+        for (bin, own) in histogram[..n].iter().enumerate() {
+            below[bin + 1] = below[bin] + own.weight;
+        }
+        let gap = |j: usize| self.ends[j].0 - self.ends[j - 1].0;
+        let run = |from: usize, to: usize| -> f64 {
+            let side = |j: usize| f64::min(below[j] - below[from], below[to] - below[j]);
+            (from + 1..to).map(|j| gap(j) * side(j)).sum()
+        };
+        if c + 1 == n {
+            return (0..n - 1).map(|from| run(from, from + 2)).fold(f64::INFINITY, f64::min);
+        }
+        let mut best: [f64; N_BINS + 1] = std::array::from_fn(|to| if to <= n { run(0, to) } else { 0.0 });
+        for round in 1..c {
+            for to in (if round + 1 == c { n } else { 1 }..=n).rev() {
+                best[to] = (0..to).map(|from| best[from] + run(from, to)).fold(best[to], f64::min);
+            }
+        }
+        best[n]
     }
 
     /// Least cost of what lies before a cluster whose first whole bin is `from`.

@@ -101,6 +101,7 @@ impl TwoLevels<'_> {
     fn whole(&mut self, view: &View, leaf: f64) -> (Stump, Vec<f64>) {
         let samples = self.samples;
         if let Some(buckets) = &mut self.buckets {
+            buckets.begin();
             buckets.load(samples, view);
         }
         self.now.clear();
@@ -139,12 +140,13 @@ impl TwoLevels<'_> {
         for group in 0..buckets.n_groups() {
             let features = buckets.group(group);
             let may = |m: usize| features.iter().any(|&g| now[g].of(m) + penalty < stumps[m].cost);
-            if !may(0) && !may(1) {
+            let needs = [may(0), may(1)];
+            if needs == [false, false] {
                 continue;
             }
-            let found = buckets.sweep(samples, sides, group, view.list(f));
+            let found = buckets.sweep(samples, sides, group, view.list(f), needs);
             for (lane, &g) in buckets.group(group).iter().enumerate() {
-                for m in [0, 1] {
+                for m in [0, 1].into_iter().filter(|&m| needs[m]) {
                     now[g].raise(m, found.lower[m][lane]);
                     stumps[m].see(g, found.edge[m][lane], penalty);
                 }

@@ -17,6 +17,8 @@ use crate::regression::sweep::{CAPS, LANES, Line, MOST_VALUES, SQUARED_ROWS};
 type Pile = (f64, f64);
 /// Weight of each target.
 pub(crate) type Weights = [f64; MOST_VALUES];
+/// Weight at or below each target; the last is that of all.
+type Below = [f64; MOST_VALUES];
 
 /// Buckets of one feature and side.
 #[derive(Debug)]
@@ -68,7 +70,7 @@ impl Piles<'_> {
 #[derive(Debug, Default)]
 pub(crate) struct Inside {
     squared: Vec<(usize, f64, Pile)>,
-    absolute: Vec<(usize, f64, Weights)>,
+    absolute: Vec<(usize, f64, Below)>,
 }
 
 /// What a cut explains; of nothing where a side is empty.
@@ -130,7 +132,7 @@ impl Inside {
         beat: f64,
     ) -> (f64, f64) {
         let (side, lane, n_values) = (piles.side, piles.lane % LANES, piles.rows / 2);
-        let (mut left, mut lower) = ([0.0; MOST_VALUES], f64::INFINITY);
+        let (mut left, mut lower): (Below, _) = ([0.0; MOST_VALUES], f64::INFINITY);
         self.absolute.clear();
         let cells = piles.lines.chunks_exact(piles.rows).zip(piles.caps.as_chunks::<CAPS>().0);
         for (bucket, (cell, caps)) in cells.enumerate() {
@@ -140,37 +142,87 @@ impl Inside {
             } else {
                 lower = lower.min(cap);
             }
-            for (v, weight) in left.iter_mut().enumerate().take(n_values) {
-                let (all, own) = (cell[v].0[lane], cell[n_values + v].0[lane]);
-                *weight += if side == 0 { own } else { all - own };
+            let mut passed = 0.0;
+            for (v, below) in left.iter_mut().enumerate() {
+                if v < n_values {
+                    let (all, own) = (cell[v].0[lane], cell[n_values + v].0[lane]);
+                    passed += if side == 0 { own } else { all - own };
+                }
+                *below += passed;
             }
         }
         self.absolute.sort_unstable_by(|a, b| a.1.total_cmp(&b.1));
-        let mut best = f64::INFINITY;
+        let (all, mut best) = (below(total), f64::INFINITY);
         for (bucket, cap, start) in &self.absolute {
             if *cap >= best.min(beat) {
                 lower = lower.min(*cap);
                 break;
             }
             let targets = samples.ranks_of(samples.p);
-            let add = |left: &mut Weights, i: usize| left[targets[i] as usize] += samples.sums[i].weight;
+            let add = |left: &mut Below, i: usize| {
+                let (weight, steps) = (samples.sums[i].weight, &STEPS[targets[i] as usize % MOST_VALUES]);
+                (0..MOST_VALUES).for_each(|v| left[v] += weight * steps[v]);
+            };
             piles.walk(*bucket, sides, *start, add, |left| {
-                let right: Weights = std::array::from_fn(|v| total[v] - left[v]);
-                best = best.min(absolute_error(left, &samples.gaps) + absolute_error(&right, &samples.gaps));
+                let error = split_error(left, &all, &samples.gaps);
+                best = if error < best { error } else { best };
             });
         }
         (best, lower.min(best))
     }
 }
 
+/// Which entries of `Below` a sample of each target adds to.
+const STEPS: [Below; MOST_VALUES] = {
+    let mut steps = [[0.0; MOST_VALUES]; MOST_VALUES];
+    let mut target = 0;
+    while target < MOST_VALUES {
+        let mut v = target;
+        while v < MOST_VALUES {
+            steps[target][v] = 1.0;
+            v += 1;
+        }
+        target += 1;
+    }
+    steps
+};
+
+fn below(weights: &Weights) -> Below {
+    let mut sum = 0.0;
+    weights.map(|weight| {
+        sum += weight;
+        sum
+    })
+}
+
 /// Least absolute error of one constant for weights of the targets.
 #[inline(always)]
 pub(crate) fn absolute_error(weights: &Weights, gaps: &Weights) -> f64 {
-    let total: f64 = weights.iter().sum();
-    let (mut below, mut error) = (0.0, 0.0);
-    for v in 0..MOST_VALUES {
-        below += weights[v];
-        error += gaps[v] * f64::min(below, total - below);
-    }
-    error
+    let below = below(weights);
+    let terms: Weights = std::array::from_fn(|v| gaps[v] * less(below[v], below[MOST_VALUES - 1] - below[v]));
+    sum(&terms)
+}
+
+/// Least absolute error of two constants, one left of a cut and one right of it.
+#[inline(always)]
+fn split_error(left: &Below, all: &Below, gaps: &Weights) -> f64 {
+    let (total, rest) = (left[MOST_VALUES - 1], all[MOST_VALUES - 1] - left[MOST_VALUES - 1]);
+    let terms: Weights = std::array::from_fn(|v| {
+        let right = all[v] - left[v];
+        gaps[v] * (less(left[v], total - left[v]) + less(right, rest - right))
+    });
+    sum(&terms)
+}
+
+/// The lesser of two numbers that are not NaN: one instruction, where `f64::min` is several.
+#[inline(always)]
+fn less(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+/// Added in pairs, for the machine to add side by side.
+#[inline(always)]
+fn sum(terms: &Weights) -> f64 {
+    let [a, b, c, d, e, f, g, h] = terms;
+    ((a + e) + (c + g)) + ((b + f) + (d + h))
 }

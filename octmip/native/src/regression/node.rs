@@ -104,6 +104,7 @@ impl<'a> Search<'a> {
         // One level shallower first: its tree is an incumbent, its cost bounds the children of the trivial cuts, and
         // the features are taken in the order of their incumbents.
         let mut best = NodeResult::cheapest(leaf, Tree::leaf(0), upper);
+        self.incumbents.clear();
         let shallower = self.solve(view, depth - 1, leaf, floor);
         let whole = (shallower.lower, shallower.relaxed);
         if shallower.cost(f64::INFINITY) < best.cost(upper) {

@@ -68,6 +68,8 @@ pub(crate) struct Squared<'a> {
     pub(crate) totals: [(f64, f64, f64); 2],
     /// Whether a bucket may have cuts inside.
     pub(crate) has_inside: bool,
+    /// Which sides are asked for; nothing is reached on the others.
+    pub(crate) needs: [bool; 2],
 }
 
 impl WithSimd for Squared<'_> {
@@ -120,9 +122,9 @@ impl Squared<'_> {
     /// One side after the other: both at once need more numbers than there are registers.
     #[inline(always)]
     fn sweep<S: Simd, const INSIDE: bool>(&mut self, simd: S) -> Reached {
-        let mut reached = Reached::NOTHING;
+        let (needs, mut reached) = (self.needs, Reached::NOTHING);
         for part in 0..LANES / S::F64_LANES {
-            for m in [0, 1] {
+            for m in [0, 1].into_iter().filter(|&m| needs[m]) {
                 self.side::<S, INSIDE>(simd, part, m, &mut reached);
             }
         }
@@ -184,6 +186,8 @@ pub(crate) struct Absolute<'a> {
     pub(crate) n_values: usize,
     /// Whether a bucket may have cuts inside.
     pub(crate) has_inside: bool,
+    /// Which sides are asked for; nothing is reached on the others.
+    pub(crate) needs: [bool; 2],
 }
 
 impl WithSimd for Absolute<'_> {
@@ -220,9 +224,9 @@ struct Below<S: Simd> {
 impl Absolute<'_> {
     #[inline(always)]
     fn sweep<S: Simd, const V: usize, const ROWS: usize, const INSIDE: bool>(&mut self, simd: S) -> Reached {
-        let mut reached = Reached::NOTHING;
+        let (needs, mut reached) = (self.needs, Reached::NOTHING);
         for part in 0..LANES / S::F64_LANES {
-            for m in [0, 1] {
+            for m in [0, 1].into_iter().filter(|&m| needs[m]) {
                 self.side::<S, V, ROWS, INSIDE>(simd, part, m, &mut reached);
             }
         }

@@ -11,7 +11,7 @@ impl Checker<'_> {
         loop {
             decisions.read(&mut self.cursor)?;
             let line = self.cursor.line() + 1;
-            let orders = self.orders(&decisions.may_read(self.q, usize::MAX));
+            let orders = self.orders(&decisions.may_read(&self.q.sensor_cost, self.q.sensor_limit, usize::MAX));
             let bound = self.node(&orders, self.q.depth)?;
             ensure!(bound >= claim, line, "this proves {bound}, not {claim}");
             if !decisions.go_on() {

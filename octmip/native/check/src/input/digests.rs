@@ -32,13 +32,13 @@ impl Question {
 }
 
 /// Feed a field: its name and length as text, its numbers as 8 bytes each, the lowest first.
-fn whole_field(sha: &mut Sha256, name: &str, values: impl IntoIterator<Item = usize>) {
+pub(crate) fn whole_field(sha: &mut Sha256, name: &str, values: impl IntoIterator<Item = usize>) {
     let bytes: Vec<u8> = values.into_iter().flat_map(|value| (value as u64).to_le_bytes()).collect();
     sha.update(format!("{name} {}\n", bytes.len() / 8).as_bytes());
     sha.update(&bytes);
 }
 
-fn float_field(sha: &mut Sha256, name: &str, values: &[f64]) {
+pub(crate) fn float_field(sha: &mut Sha256, name: &str, values: &[f64]) {
     sha.update(format!("{name} {}\n", values.len()).as_bytes());
     for chunk in values.chunks(1 << 16) {
         sha.update(&chunk.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>());

@@ -8,7 +8,7 @@ impl Question {
     pub fn from_json(text: &str) -> Result<Self, String> {
         let file = parse(text)?;
         let entries = Entries(&file);
-        entries.check_format()?;
+        entries.check_format("octmip-problem", 2)?;
         let (n, p, features) = entries.features()?;
         let costs = list(entries.get("costs")?, "costs")?;
         let rows: Vec<Vec<f64>> = costs.iter().map(|row| numbers(row, "a row of costs")).collect::<Result<_, _>>()?;
@@ -36,7 +36,7 @@ impl Question {
 }
 
 /// A value as a message can show it: a text's beginning, or that it is none.
-fn shown(value: &Json) -> String {
+pub(crate) fn shown(value: &Json) -> String {
     if let Json::Text(text) = value {
         format!("{:?}", text.chars().take(40).collect::<String>())
     } else {
@@ -45,32 +45,32 @@ fn shown(value: &Json) -> String {
 }
 
 /// The entries of an object.
-struct Entries<'a>(&'a Json);
+pub(crate) struct Entries<'a>(pub(crate) &'a Json);
 
 impl<'a> Entries<'a> {
-    fn get(&self, name: &str) -> Result<&'a Json, String> {
+    pub(crate) fn get(&self, name: &str) -> Result<&'a Json, String> {
         let Json::Object(entries) = self.0 else { return Err("the file holds no object".into()) };
         let entry = entries.iter().find(|(key, _)| key == name);
         entry.map(|(_, value)| value).ok_or_else(|| format!("the entry {name:?} is missing"))
     }
 
-    fn whole(&self, name: &str) -> Result<usize, String> {
+    pub(crate) fn whole(&self, name: &str) -> Result<usize, String> {
         whole(self.get(name)?, name)
     }
 
-    fn check_format(&self) -> Result<(), String> {
+    pub(crate) fn check_format(&self, expected: &str, newest: usize) -> Result<(), String> {
         let format = self.get("format")?;
-        if *format != Json::Text("octmip-problem".into()) {
-            return Err(format!("format is {}, expected \"octmip-problem\"", shown(format)));
+        if *format != Json::Text(expected.into()) {
+            return Err(format!("format is {}, expected {expected:?}", shown(format)));
         }
-        if !(1..=2).contains(&self.whole("version")?) {
-            return Err("version is neither 1 nor 2; a newer octmip wrote the file".into());
+        if !(1..=newest).contains(&self.whole("version")?) {
+            return Err(format!("version is not 1 to {newest}; a newer octmip wrote the file"));
         }
         Ok(())
     }
 
     /// Numbers of samples and of features, and the values, sample-major; since version 2 `null` is a missing one.
-    fn features(&self) -> Result<(usize, usize, Vec<f64>), String> {
+    pub(crate) fn features(&self) -> Result<(usize, usize, Vec<f64>), String> {
         let rows = list(self.get("features")?, "features")?;
         let (n, p) = (rows.len(), list(rows.first().unwrap_or(&Json::Null), "features[0]")?.len());
         let takes_gaps = self.whole("version")? > 1;
@@ -98,7 +98,7 @@ impl<'a> Entries<'a> {
         }
     }
 
-    fn sensor_limit(&self) -> Result<f64, String> {
+    pub(crate) fn sensor_limit(&self) -> Result<f64, String> {
         match self.get("sensor_limit")? {
             Json::Null => Ok(f64::INFINITY),
             limit => number(limit, "sensor_limit"),
@@ -119,11 +119,11 @@ fn list<'a>(value: &'a Json, name: &str) -> Result<&'a [Json], String> {
     if let Json::List(values) = value { Ok(values) } else { Err(format!("{name} is no list")) }
 }
 
-fn number(value: &Json, name: &str) -> Result<f64, String> {
+pub(crate) fn number(value: &Json, name: &str) -> Result<f64, String> {
     if let Json::Number(number) = value { Ok(*number) } else { Err(format!("{name} holds what is no number")) }
 }
 
-fn numbers(value: &Json, name: &str) -> Result<Vec<f64>, String> {
+pub(crate) fn numbers(value: &Json, name: &str) -> Result<Vec<f64>, String> {
     list(value, name)?.iter().map(|value| number(value, name)).collect()
 }
 
@@ -133,7 +133,7 @@ fn whole(value: &Json, name: &str) -> Result<usize, String> {
     if is_whole { Ok(value as usize) } else { Err(format!("{name} holds {value}, expected a whole number")) }
 }
 
-fn wholes(value: &Json, name: &str) -> Result<Vec<u32>, String> {
+pub(crate) fn wholes(value: &Json, name: &str) -> Result<Vec<u32>, String> {
     let index = |value: &Json| {
         let value = whole(value, name)?;
         u32::try_from(value).map_err(|_| format!("{name} holds {value}, expected a number below 2^32"))

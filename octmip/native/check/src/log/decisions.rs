@@ -1,7 +1,6 @@
 //! The cases of a proof under a budget: every tree reads a sensor or does not.
 
 use crate::log::cursor::Cursor;
-use crate::problem::Problem;
 use crate::refusal::{Checked, ensure};
 
 /// The decisions that hold for the case whose proof comes next in a log.
@@ -55,11 +54,11 @@ impl Decisions {
 
     /// Whether trees of this case may read each sensor, if they read `most` different ones at most: one that cannot be
     /// paid for beside those that are read is not read either.
-    pub(crate) fn may_read(&self, q: &Problem, most: usize) -> Vec<bool> {
+    pub(crate) fn may_read(&self, sensor_cost: &[f64], sensor_limit: f64, most: usize) -> Vec<bool> {
         let taken: Vec<usize> = (0..self.read.len()).filter(|&s| self.read[s] == Some(true)).collect();
-        let paid: f64 = taken.iter().map(|&s| q.sensor_cost[s]).sum();
+        let paid: f64 = taken.iter().map(|&s| sensor_cost[s]).sum();
         // Sums are rounded: whatever may be within the limit is.
-        let is_within = |s: usize| (paid + q.sensor_cost[s]) * (1.0 - 1e-12) <= q.sensor_limit;
+        let is_within = |s: usize| (paid + sensor_cost[s]) * (1.0 - 1e-12) <= sensor_limit;
         let may_read = |s: usize| self.read[s].unwrap_or_else(|| taken.len() < most && is_within(s));
         (0..self.read.len()).map(may_read).collect()
     }

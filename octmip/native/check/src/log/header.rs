@@ -74,7 +74,7 @@ fn read_written_out(question: &Question, cursor: &mut Cursor<'_>) -> Checked<Who
 }
 
 /// The numbers of the next line, which must have this name: so many (None: one or more), all from `least` to `most`.
-fn numbers(
+pub(crate) fn numbers(
     cursor: &mut Cursor<'_>,
     name: &str,
     (least, most): (i64, i64),

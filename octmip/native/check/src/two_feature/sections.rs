@@ -24,7 +24,7 @@ impl Checker<'_> {
         let (mut decisions, mut sections) = (Decisions::new(self.q.sensor_cost.len()), Vec::new());
         loop {
             decisions.read(cursor)?;
-            self.case(&decisions.may_read(self.q, most), cursor, &mut sections)?;
+            self.case(&decisions.may_read(&self.q.sensor_cost, self.q.sensor_limit, most), cursor, &mut sections)?;
             if !decisions.go_on() {
                 return Ok(sections);
             }

@@ -6,6 +6,7 @@
 mod bad;
 mod good;
 mod problems;
+mod regression;
 
 use octmip_check::question::Question;
 use octmip_check::{Refusal, Report, check};

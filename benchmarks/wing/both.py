@@ -1,0 +1,107 @@
+"""Both wings beside the published table: figures as Markdown, and a picture gauge by gauge.
+
+python -m benchmarks.wing.both [--refinement R] [--picture FILE]
+"""
+
+import argparse
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.cases.fem.calibration import SEEDS, frequencies, least_errors
+from benchmarks.data import SHARED, tip_test, vibration_test
+from femlib.dataset import MeanStrains, published_strains, simulated_strains
+from femlib.wing import Wing, published_wing, uav_wing
+
+Floats = NDArray[np.float64]
+LEVELS = (20, 40, 60, 80)
+STYLES = {"published table": "ko", "published_wing": "C0-", "uav_wing": "C1--"}
+
+
+def main() -> None:
+    """Print the table, draw the picture."""
+    parser = argparse.ArgumentParser(prog="benchmarks.wing.both", description=__doc__)
+    parser.add_argument("--refinement", type=float, default=1.0)
+    parser.add_argument("--picture", type=Path)
+    options = parser.parse_args()
+    table = published_strains(SHARED / "uav" / "strains.csv")
+    wings = {
+        "published_wing": published_wing(refinement=options.refinement),
+        "uav_wing": uav_wing(refinement=options.refinement),
+    }
+    means = {"published table": table, **{name: simulated_strains(wing) for name, wing in wings.items()}}
+    print("\n".join(figures(means, wings)))
+    if options.picture is not None:
+        picture(means, options.picture)
+
+
+def figures(means: Mapping[str, MeanStrains], wings: Mapping[str, Wing]) -> Iterator[str]:
+    """Yield the lines of the table."""
+    table, usable = means["published table"], means["published table"].is_usable
+    yield "| figure, 20 gauges | " + " | ".join(wings) + " |\n|---|---|---|"
+    pristine = [100.0 * (change(means[name], 0, 0) / change(table, 0, 0) - 1.0)[usable] for name in wings]
+    yield _row("pristine strain", [f"{_rms(e):.1f} % rms, {np.abs(e).max():.1f} % at most" for e in pristine])
+    for number, name in enumerate(("mu1", "mu2")):
+        cells = []
+        for wing in wings:
+            errors = []
+            for level in LEVELS:
+                damage = (level, 0) if number == 0 else (0, level)
+                wanted = change(table, *damage)[usable]
+                errors.append(100.0 * _rms(change(means[wing], *damage)[usable] - wanted) / np.abs(wanted).max())
+            cells.append(" / ".join(f"{e:.1f}" for e in errors) + " %")
+        yield _row(f"increments of {name} at 20 / 40 / 60 / 80 %, of the largest of the 20", cells)
+    apart = [(means[name].strain_microstrain - table.strain_microstrain)[:, usable] for name in wings]
+    yield _row("all 25 states", [f"{_rms(e):.0f} microstrain rms, {np.abs(e).max():.0f} at most" for e in apart])
+    best = {name: np.array([least_errors(mean, seed) for seed in SEEDS]) for name, mean in means.items()}
+    for number, target in enumerate(("mu1", "mu2")):
+        words = {name: f"{b[:, number].min():.1f} to {b[:, number].max():.1f} %" for name, b in best.items()}
+        own = words["published table"]
+        yield _row(f"best possible errors on {target}, three seeds (table: {own})", [words[name] for name in wings])
+    stiffness = [f"{wing.tip_stiffness() / 1000.0:.3f} N/mm" for wing in wings.values()]
+    yield _row(f"tip stiffness (published model {tip_test('model').stiffness:.3f} N/mm)", stiffness)
+    first, second = vibration_test().measured
+    found = [list(frequencies(wing)) for wing in wings.values()]
+    for k, line in enumerate(found[0]):
+        cells = [", ".join(f"{f:.2f}" for f in lines[k]["ours"]) + " Hz" for lines in found]
+        yield _row(f"frequencies (measured {first:.2f}, {second:.2f}), point masses: {line['places']}", cells)
+
+
+def change(means: MeanStrains, mu1: int, mu2: int) -> Floats:
+    """Return the undamaged strains (n_gauges,), or what a damage adds to them [microstrain]."""
+    sound, damaged = (
+        means.strain_microstrain[(means.states_percent == levels).all(axis=1)][0] for levels in ([0, 0], [mu1, mu2])
+    )
+    return np.asarray(damaged - sound if mu1 or mu2 else sound)
+
+
+def picture(means: Mapping[str, MeanStrains], path: Path) -> None:
+    """Draw strains and increments of each gauge: the table's as dots, the wings' as lines."""
+    usable = means["published table"].is_usable
+    names = [n for n, u in zip(means["published table"].gauges, usable, strict=True) if u]
+    figure, axes = plt.subplots(3, 1, figsize=(9, 8), sharex=True, layout="constrained")
+    titles = {(0, 0): "undamaged, load factor 3", (80, 0): "mu1 = 80 % adds", (0, 80): "mu2 = 80 % adds"}
+    for axis, (damage, title) in zip(axes, titles.items(), strict=True):
+        for name, mean in means.items():
+            axis.plot(change(mean, *damage)[usable], STYLES[name], label=name, markersize=4, linewidth=1.2)
+        axis.set(title=title, ylabel="microstrain")
+        axis.grid(alpha=0.3)
+    axes[0].legend()
+    axes[-1].set_xticks(range(len(names)), names, rotation=60)
+    figure.savefig(path, dpi=110)
+    plt.close(figure)
+
+
+def _rms(values: Floats) -> float:
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+def _row(name: str, cells: list[str]) -> str:
+    return f"| {name} | " + " | ".join(cells) + " |"
+
+
+if __name__ == "__main__":
+    main()

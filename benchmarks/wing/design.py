@@ -1,0 +1,159 @@
+"""The wing as a function of what is fitted to the published data."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import scipy.sparse as sparse
+from numpy.typing import NDArray
+
+from femlib.assembly import Shells, point_masses
+from femlib.calibration import Design, MovingGauges, Varying, VaryingRows
+from femlib.wing import Wing
+from femlib.wing.gauges import SPANWISE, pitched_places
+from femlib.wing.loads import elliptic_lift
+from femlib.wing.planform import PLANFORM, SECTION
+from femlib.wing.structure import MIDDLE
+
+Floats = NDArray[np.float64]
+LOAD_FACTOR = 3.0
+PLACE_STEP = 1e-6
+"""Half step of the fractions in the derivative of a gauge's point [-]: the section's curve is smooth."""
+GAUGE_PARAMETERS = ("front_in", "front_out", "rear_in", "rear_out", "pitch", "x_front", "x_rear")
+EDGES = {"mu1": ("r1_fore", "r1_aft"), "mu2": ("r2_fore", "r2_aft")}
+"""Parameters of the regions' edges by damage parameter."""
+
+
+class WingDesign:
+    """A wing with parameters.
+
+    Stiffness: `skin` (all moduli), `rise`, `step`, `rib`, `web` as in `WingMaterials`. Load: `mass` [kg]. Gauges: those
+    of `GAUGE_PARAMETERS`, fractions. Weight: `density`, a factor on the skin's. Regions: those of `EDGES`; an
+    element that an edge cuts loses the share of its stiffness that lies inside, the price of a mesh that stays.
+
+    Parameters
+    ----------
+    wing : Wing
+        Gives mesh, supports, sections and regions.
+    states : mapping
+        Damage parameter and loss of each named state; the undamaged one has a loss of 0.
+    fixed : mapping
+        Values of parameters that are not fitted.
+    masses : mapping
+        Point masses [kg] by span fraction, on the spar's upper cap.
+    """
+
+    def __init__(
+        self,
+        wing: Wing,
+        states: Mapping[str, tuple[str, float]],
+        fixed: Mapping[str, float],
+        masses: Mapping[float, float],
+    ) -> None:
+        self.wing, self.states, self.fixed = wing, states, fixed
+        shells, cards, mesh = wing.structure.shells, wing.materials, wing.structure.shells.mesh
+        ones = np.ones(mesh.n_elements)
+        wood = shells.section == 1
+        self.rib = mesh.patch_of_element == mesh.patches.index("ribs")
+        self.web = wood & ~self.rib
+        self.eta = mesh.centroids()[:, 1] / wing.span
+        factor = 1.0 / cards.modulus_scale
+        self.shells = Shells(mesh, shells.laminates, shells.section, factor * ones, shells.axis)
+        side = cards.face_height / (cards.skin_thickness / 2.0)
+        top = ("top", *(region.name for region in wing.regions))
+        self.gauges = MovingGauges(mesh, wing.thickness, SPANWISE, top, side, unit=-1e6)
+        self.lift = elliptic_lift(wing.grid, 1.0)
+        self.chords = _chord_ranges(wing)
+        rows = {eta: int(np.abs(wing.grid.eta - eta).argmin()) for eta in masses}
+        at = {int(wing.grid.upper[rows[eta], wing.grid.spar_column]): masses[eta] for eta in masses}
+        self.point_mass = point_masses(mesh, at)
+
+    def design(self, values: Mapping[str, float]) -> Design:
+        """Return the wing at parameter values; others have their fixed ones."""
+        v = {**self.fixed, **values}
+        up, aft = self._tip(2), self._tip(0)
+        lift = LOAD_FACTOR * self.lift
+        return Design(
+            self.shells,
+            self.wing.structure.supports,
+            self._stiffness(v),
+            self._mass(v),
+            {name: self._state(v, *state) for name, state in self.states.items()},
+            {"lift": Varying(v["mass"] * lift, {"mass": lift}), "tip": Varying(up)},
+            {
+                "gauges": self.gauges.at(_places(v)),
+                "up": VaryingRows(sparse.csr_array(up[None])),
+                "aft": VaryingRows(sparse.csr_array(aft[None])),
+            },
+            self.point_mass,
+        )
+
+    def _stiffness(self, v: Mapping[str, float]) -> Varying:
+        outer, skin = self.eta > MIDDLE, ~(self.web | self.rib)
+        along = np.exp(v["rise"] * (self.eta - MIDDLE)) * np.where(outer, v["step"], 1.0)
+        base = np.select([self.web, self.rib], [v["web"], v["rib"]], along)
+        value = v["skin"] * base
+        slopes = {
+            "skin": base,
+            "rise": skin * value * (self.eta - MIDDLE),
+            "step": (skin & outer) * value / v["step"],
+            "web": self.web * value / v["web"],
+            "rib": self.rib * value / v["rib"],
+        }
+        return Varying(value, slopes)
+
+    def _mass(self, v: Mapping[str, float]) -> Varying:
+        wood = 1.0 * (self.web | self.rib)
+        return Varying(wood + v["density"] * (1.0 - wood), {"density": 1.0 - wood})
+
+    def _state(self, v: Mapping[str, float], parameter: str, loss: float) -> Varying:
+        """Return the factors of one region's loss, and their derivatives by the region's edges along the chord."""
+        ones = np.ones(len(self.eta))
+        if loss == 0.0:
+            return Varying(ones)
+        region = next(r for r in self.wing.regions if r.parameter == parameter)
+        fore, aft = EDGES[parameter]
+        low, high = self.chords
+        bay = (region.eta_min < self.eta) & (self.eta < region.eta_max) & (high > low)
+        width = np.where(bay, high - low, 1.0)
+        inside = np.clip(np.minimum(high, v[aft]) - np.maximum(low, v[fore]), 0.0, None) / width
+        slopes = {
+            fore: np.where(bay & (low < v[fore]) & (v[fore] <= high), loss / width, 0.0),
+            aft: np.where(bay & (low <= v[aft]) & (v[aft] < high), -loss / width, 0.0),
+        }
+        return Varying(ones - loss * np.where(bay, inside, 0.0), slopes)
+
+    def _tip(self, axis: int) -> Floats:
+        """Return a unit force (n_dofs,) at the tip's spar, shared as in `Wing.tip_stiffness`."""
+        grid = self.wing.grid
+        nodes = grid.columns(len(grid.eta) - 1)[grid.spar_column]
+        unit = np.zeros(self.shells.mesh.n_dofs)
+        unit[6 * nodes + axis] = 1.0 / len(nodes)
+        return unit
+
+
+def _chord_ranges(wing: Wing) -> tuple[Floats, Floats]:
+    """Return the least and largest chord fractions (n_elements,) of the top skin's elements, equal elsewhere."""
+    mesh = wing.structure.shells.mesh
+    corners = mesh.nodes[mesh.quads]
+    fraction = corners[:, :, 0] / PLANFORM.chord(corners[:, :, 1] / wing.span) + PLANFORM.spar_fraction
+    names = ("top", *(region.name for region in wing.regions))
+    top = np.isin(mesh.patch_of_element[: len(mesh.quads)], [mesh.patches.index(name) for name in names])
+    low, high = np.zeros(mesh.n_elements), np.zeros(mesh.n_elements)
+    low[: len(top)][top], high[: len(top)][top] = fraction.min(axis=1)[top], fraction.max(axis=1)[top]
+    return low, high
+
+
+def _places(v: Mapping[str, float]) -> Varying:
+    """Return the gauges' points (24, 3) and their derivatives by the rows' parameters."""
+    slopes = {}
+    for name in GAUGE_PARAMETERS:
+        up, down = (_points({**v, name: v[name] + step}) for step in (PLACE_STEP, -PLACE_STEP))
+        slopes[name] = (up - down) / (2.0 * PLACE_STEP)
+    return Varying(_points(v), slopes)
+
+
+def _points(v: Mapping[str, float]) -> Floats:
+    front, rear = (v["front_in"], v["front_out"]), (v["rear_in"], v["rear_out"])
+    eta, chord = pitched_places(front, rear, v["pitch"], (v["x_front"], v["x_rear"])).T
+    height = PLANFORM.chord(eta) * SECTION.heights(chord)[0]
+    return np.concatenate([PLANFORM.position(eta, chord), height[:, None]], axis=1)

@@ -1,0 +1,171 @@
+//! A regression problem in whole numbers, and what a bound of theirs proves of the true one.
+//!
+//! Weights are `floor(w 2^A)` and targets `floor((y - least y) 2^B)`, costs are whole multiples of `2^C` of the unit
+//! `2^-(A + qB)`, q = 2 for squared errors, rounded down wherever they are not. Lower weights and penalties cost every
+//! tree less. Targets that are not whole move by less than 1, and that moves a bound G of trees
+//!
+//! * of absolute error by less than the total weight W;
+//! * of squared error by less than `2 sqrt(W G)`, where G is above W: errors are squared distances from a linear space,
+//!   so the root of each moves by at most `sqrt(W)`, and what penalties add is not moved.
+
+use crate::numbers::exact::Exact;
+use crate::regression::bins::Bins;
+use crate::regression::question::RegressionQuestion;
+
+/// Sums of weights and of weighted targets stay below it: they are numbers of float64.
+const MOST_SUM: i128 = 1 << 53;
+/// Costs of all trees stay below it.
+const MOST_COST: i128 = 1 << 60;
+
+/// Exponents of weights, targets and costs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Scale {
+    /// Weights are multiplied by this power of two.
+    pub weight: i64,
+    /// Targets likewise.
+    pub target: i64,
+    /// Costs are divided by this power of two.
+    pub cost: u32,
+}
+
+/// Samples and limits in whole numbers.
+#[derive(Debug)]
+pub struct Samples {
+    /// Number of samples.
+    pub n: usize,
+    /// Number of features.
+    pub p: usize,
+    /// Dense ranks, feature-major.
+    pub ranks: Vec<u32>,
+    /// Weights, 0 or more.
+    pub weights: Vec<i64>,
+    /// Targets, about the middle of their range.
+    pub targets: Vec<i64>,
+    /// Whether the error is absolute, not squared.
+    pub is_absolute: bool,
+    /// Price of a split.
+    pub penalty: i64,
+    /// Levels of splits.
+    pub depth: usize,
+    /// Fewest samples in a leaf.
+    pub leaf_size: usize,
+    /// Sensor of each feature, cost of each sensor, the budget with its room for rounding.
+    pub sensor_of_feature: Vec<u32>,
+    /// Cost of each sensor.
+    pub sensor_cost: Vec<f64>,
+    /// Most sensor cost in a tree.
+    pub sensor_limit: f64,
+    /// Samples in the order of their targets.
+    pub(crate) by_target: Vec<u32>,
+    pub(crate) bins: Bins,
+    scale: Scale,
+    is_rounded: bool,
+}
+
+impl Samples {
+    /// A question on a grid; the error says which number is too large for it.
+    pub fn on_grid(question: &RegressionQuestion, scale: Scale) -> Result<Self, String> {
+        let RegressionQuestion { n, p, .. } = *question;
+        let unit = scale.weight + if question.is_absolute { 1 } else { 2 } * scale.target - i64::from(scale.cost);
+        let low = question.targets.iter().copied().fold(f64::INFINITY, f64::min);
+        let exact: Vec<Exact> = question.targets.iter().map(|&y| above(y, low).scaled(scale.target)).collect();
+        let weights = floors(question.weights.iter().map(|&w| Exact::of(w).scaled(scale.weight)), "weights")?;
+        let places = floors(exact.iter().cloned(), "targets")?;
+        let is_rounded = places.iter().zip(&exact).any(|(&place, exact)| Exact::whole(place as u64) < *exact);
+        let span = places.iter().copied().max().unwrap_or(0);
+        let total: i128 = weights.iter().map(|&w| i128::from(w)).sum();
+        if total * i128::from(span.max(1)) >= MOST_SUM {
+            return Err(format!("weights of {total} and targets of {span} in all, expected a product below 2^53"));
+        }
+        let power = if question.is_absolute { i128::from(span) } else { i128::from(span) * i128::from(span) };
+        if (total * power) >> scale.cost >= MOST_COST || (question.is_absolute && scale.cost != 0) {
+            return Err(format!("costs divided by 2^{}, expected them below 2^60, absolute ones whole", scale.cost));
+        }
+        let targets: Vec<i64> = places.iter().map(|place| place - span / 2).collect();
+        let penalty = Exact::of(question.leaf_penalty).scaled(unit).floor().unwrap_or(u64::MAX);
+        let mut by_target: Vec<u32> = (0..n as u32).collect();
+        by_target.sort_by_key(|&i| targets[i as usize]);
+        let column = |f: usize| (0..n).map(|i| question.features[i * p + f]).collect::<Vec<f64>>();
+        Ok(Self {
+            n,
+            p,
+            ranks: (0..p).flat_map(|f| crate::ranked::ranks_of(&column(f)).0).collect(),
+            is_absolute: question.is_absolute,
+            penalty: penalty.min(MOST_COST as u64) as i64,
+            depth: question.depth,
+            leaf_size: question.leaf_size,
+            sensor_of_feature: question.sensor_of_feature.clone(),
+            sensor_cost: question.sensor_cost.clone(),
+            sensor_limit: question.sensor_limit,
+            bins: Bins::of(&targets, &by_target),
+            weights,
+            targets,
+            by_target,
+            scale,
+            is_rounded,
+        })
+    }
+
+    /// The largest float64 that a bound of whole numbers proves to be one of the problem.
+    pub fn value(&self, bound: i64) -> f64 {
+        let total: i128 = self.weights.iter().map(|&w| i128::from(w)).sum();
+        let on_grid = i128::from(bound) << self.scale.cost;
+        let lost = match (self.is_rounded, self.is_absolute) {
+            (false, _) => 0,
+            (true, true) => total,
+            (true, false) if on_grid <= total => on_grid,
+            // Roots and products are rounded, by far less than the margin.
+            (true, false) => {
+                (2.0 * (total as f64).sqrt() * (on_grid as f64).sqrt() * (1.0 + 2f64.powi(-48))) as i128 + 1
+            }
+        };
+        let rest = (on_grid - lost).max(0) as u128;
+        let power = if self.is_absolute { 1 } else { 2 };
+        let exact = Exact::whole((rest >> 64) as u64).scaled(64).plus(&Exact::whole(rest as u64));
+        exact.scaled(-self.scale.weight - power * self.scale.target).rounded_down()
+    }
+
+    /// What a weight times a power of a distance costs, rounded up: the most that a sample may add to a tree.
+    pub(crate) fn range(&self, i: usize, distance: i64) -> i64 {
+        let power = if self.is_absolute { i128::from(distance) } else { i128::from(distance) * i128::from(distance) };
+        let cost = i128::from(self.weights[i]) * power;
+        -((-cost) >> self.scale.cost) as i64
+    }
+
+    /// A cost of so many units in whole numbers, rounded down.
+    pub(crate) fn floor(&self, cost: i128) -> i64 {
+        (cost.max(0) >> self.scale.cost) as i64
+    }
+
+    /// Ranks of a feature.
+    pub fn ranks_of(&self, f: usize) -> &[u32] {
+        &self.ranks[f * self.n..(f + 1) * self.n]
+    }
+
+    /// All samples in the order of each feature that may be read (empty for others), and last in that of the targets.
+    pub fn orders(&self, may_read: &[bool]) -> Vec<Vec<u32>> {
+        let order = |f: usize| {
+            let is_in_play = may_read[self.sensor_of_feature[f] as usize];
+            let mut order: Vec<u32> = (0..if is_in_play { self.n as u32 } else { 0 }).collect();
+            order.sort_by_key(|&i| self.ranks_of(f)[i as usize]);
+            order
+        };
+        let mut orders: Vec<Vec<u32>> = (0..self.p).map(order).collect();
+        orders.push(self.by_target.clone());
+        orders
+    }
+}
+
+/// How far a number lies above another that is not larger, exactly.
+fn above(number: f64, low: f64) -> Exact {
+    match (number >= 0.0, low >= 0.0) {
+        (true, true) => Exact::of(number).minus(&Exact::of(low)),
+        (true, false) => Exact::of(number).plus(&Exact::of(-low)),
+        _ => Exact::of(-low).minus(&Exact::of(-number)),
+    }
+}
+
+fn floors(numbers: impl Iterator<Item = Exact>, name: &str) -> Result<Vec<i64>, String> {
+    let floor = |number: Exact| number.floor().filter(|&floor| i128::from(floor) < MOST_SUM).map(|floor| floor as i64);
+    numbers.map(floor).collect::<Option<_>>().ok_or_else(|| format!("{name} on this grid reach 2^53"))
+}

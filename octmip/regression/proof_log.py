@@ -1,0 +1,122 @@
+"""Proof logs of axis-aligned regression trees: written by a search in whole numbers, bound to one problem.
+
+Header and body are checked by `octmip_check::regression`, which knows no solver and puts targets and weights on the
+grid of the header by itself. Format, inequalities and what rounding costs: docs/theory/regression.md.
+"""
+
+import json
+import math
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+
+from octmip import _native
+from octmip.encoding.numbers import power_of_two, whole_exponent
+from octmip.errors import ProblemError, SolverError
+from octmip.formats.files import PathLike, write_bytes
+from octmip.regression.problem import RegressionProblem
+
+FORMAT = "octmip-proof 3 regression"
+"""First words of a log; the loss stands behind them."""
+PROBLEM_FORMAT, PROBLEM_VERSION = "octmip-regression-problem", 1
+SUM_BITS, COST_BITS, WEIGHT_BITS = 52, 59, 26
+"""Sums of weighted targets, costs and sums of weights that are not whole stay below 2 to the power of so many."""
+
+
+def check_provable(problem: RegressionProblem) -> None:
+    """Raise a `ProblemError` if the trees of a problem have no proof logs."""
+    if not problem.is_provable:
+        raise ProblemError(
+            f"split is {problem.split!r} and leaf_model {problem.leaf_model!r}, which have no proof log; expected "
+            "axis-aligned regression trees with one number in each leaf; leave the log out"
+        )
+
+
+def checker_question(problem: RegressionProblem) -> _native.RegressionQuestion:
+    """Return the problem as the checker reads it: values, targets and weights as they were given."""
+    return _native.RegressionQuestion(
+        np.ascontiguousarray(problem.features),
+        np.ascontiguousarray(problem.targets),
+        np.ascontiguousarray(problem.weights),
+        (problem.loss == "absolute", problem.depth, problem.leaf_size, problem.leaf_penalty),
+        (problem.sensor_index.tolist(), problem.sensor_costs.tolist(), problem.sensor_limit),
+    )
+
+
+def write_proof(path: str | Path, problem: RegressionProblem, wanted: Fraction) -> float:
+    """Write a log that proves that trees cost `wanted`, or what the best one costs; return the bound it proves.
+
+    Raises
+    ------
+    SolverError
+        writing was interrupted.
+    DataError
+        the file cannot be written.
+    """
+    question, scale = checker_question(problem), log_scale(problem)
+    power = 1 if problem.loss == "absolute" else 2
+    unit = power_of_two(scale[0] + power * scale[1] - scale[2])
+    found = question.prove(scale, min(2**60, math.floor(wanted * unit)))
+    if found is None:
+        raise SolverError(f"the proof of {float(wanted)} was interrupted; {path} is not written")
+    claim, body, bound = found
+    data, asked = question.digests()
+    grid = " ".join(map(str, scale))
+    header = f"{FORMAT} {problem.loss}\ndata {data}\nquestion {asked}\ngrid {grid}\nclaim {claim}\n"
+    write_bytes(path, (header + body + "end\n").encode("ascii"))
+    return bound
+
+
+def log_scale(problem: RegressionProblem) -> tuple[int, int, int]:
+    """Return the exponents of weights, targets and costs: as fine a grid as the checker has room for."""
+    exponent = whole_exponent(problem.weights)
+    total = _bits(problem.weights, exponent)
+    if total > WEIGHT_BITS:
+        exponent -= total - WEIGHT_BITS
+        total = WEIGHT_BITS
+    span = Fraction(float(problem.targets.max())) - Fraction(float(problem.targets.min()))
+    if span == 0:
+        return exponent, 0, 0
+    finest = SUM_BITS - total - _exponent_of(span)
+    if problem.loss == "absolute":
+        return exponent, finest, 0
+    return exponent, finest, max(0, total + 2 * (SUM_BITS - total) - COST_BITS)
+
+
+def _bits(weights: np.ndarray[tuple[int, ...], np.dtype[np.float64]], exponent: int) -> int:
+    """Return b with the sum of the weights, times 2**exponent, below 2**b."""
+    return math.frexp(math.fsum(weights))[1] + exponent + 1
+
+
+def _exponent_of(number: Fraction) -> int:
+    """Return e with the number below 2**e."""
+    return number.numerator.bit_length() - number.denominator.bit_length() + 1
+
+
+def write_regression_problem(path: PathLike, problem: RegressionProblem) -> None:
+    """Write the problem with its samples as JSON, for `octmip-check`.
+
+    Raises
+    ------
+    DataError
+        it cannot be written.
+    """
+    limit = problem.sensor_limit
+    entries = {
+        "format": PROBLEM_FORMAT,
+        "version": PROBLEM_VERSION,
+        "feature_names": list(problem.feature_names),
+        "target_name": problem.target_name,
+        "features": problem.features.tolist(),
+        "targets": problem.targets.tolist(),
+        "weights": problem.weights.tolist(),
+        "loss": problem.loss,
+        "depth": problem.depth,
+        "leaf_size": problem.leaf_size,
+        "leaf_penalty": problem.leaf_penalty,
+        "sensor_of_feature": problem.sensor_index.tolist(),
+        "sensor_cost": problem.sensor_costs.tolist(),
+        "sensor_limit": limit if math.isfinite(limit) else None,
+    }
+    write_bytes(path, (json.dumps(entries, allow_nan=False) + "\n").encode())

@@ -1,0 +1,114 @@
+"""Proof logs of regression trees: good ones prove the optimum, each corruption is refused, no log proves more."""
+
+import math
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from benchmarks.regression.enumeration import least_objective, random_problem
+from octmip.certificate import certify
+from octmip.errors import CertificateError, ProblemError
+from octmip.proof import check_proof
+from octmip.regression.exact import exact_regression
+from octmip.regression.problem import LOSSES, Loss, RegressionProblem
+from octmip.regression.proof_log import write_proof
+from octmip.solution import Stop
+
+N_RANDOM = 25
+
+
+def strains(loss: Loss, depth: int = 3) -> RegressionProblem:
+    """Return twenty-four samples of two features with five targets."""
+    rng = np.random.default_rng(5)
+    features = rng.normal(size=(24, 2)).round(1)
+    return RegressionProblem(features, 20.0 * rng.integers(0, 5, 24), depth=depth, loss=loss)
+
+
+@pytest.mark.parametrize("loss", LOSSES)
+def test_logs_of_random_problems_prove_the_optimum_that_enumeration_finds(loss: Loss, tmp_path: Path) -> None:
+    for seed in range(N_RANDOM):
+        problem = random_problem(np.random.default_rng([41, seed]), loss)
+        least, path = least_objective(problem), tmp_path / "proof.log"
+        solution = exact_regression(problem, proof=path)
+        report = check_proof(problem, path, bound=solution.bound)
+        certify(problem, solution)
+        assert Fraction(report.bound) <= least, seed
+        assert report.bound == pytest.approx(float(least), rel=1e-5, abs=1e-6 * problem.baseline), seed
+
+
+@pytest.mark.parametrize("loss", LOSSES)
+def test_a_log_of_whole_numbers_proves_what_the_solver_does(loss: Loss, tmp_path: Path) -> None:
+    problem = strains(loss)
+    solution = exact_regression(problem, proof=tmp_path / "proof.log")
+    report = check_proof(problem, tmp_path / "proof.log", bound=solution.bound)
+    assert solution.is_optimal
+    assert solution.stop is Stop.OPTIMAL
+    assert report.bound == pytest.approx(solution.objective, rel=1e-12)
+    assert report.bound == solution.objective or loss == "squared"
+
+
+@pytest.mark.parametrize("loss", LOSSES)
+def test_a_log_without_one_of_its_lines_is_refused(loss: Loss, tmp_path: Path) -> None:
+    problem, path = strains(loss), tmp_path / "proof.log"
+    exact_regression(problem, proof=path)
+    lines = path.read_text().splitlines(keepends=True)
+    accepted = []
+    for dropped in range(len(lines)):
+        path.write_text("".join(lines[:dropped] + lines[dropped + 1 :]))
+        try:
+            check_proof(problem, path)
+        except CertificateError:
+            continue
+        accepted.append(lines[dropped])
+    # Cuts that the writer solved before it knew the best tree may not be needed; no other line may be left out.
+    assert len(accepted) < len(lines) / 10
+    assert all(line.startswith("F ") for line in accepted)
+
+
+@pytest.mark.parametrize("loss", LOSSES)
+def test_a_log_with_a_raised_bound_is_refused(loss: Loss, tmp_path: Path) -> None:
+    problem, path = strains(loss, depth=2), tmp_path / "proof.log"
+    exact_regression(problem, proof=path)
+    text = path.read_text()
+    claim = text.split("claim ")[1].split("\n")[0]
+    raised = str(int(claim) + 1)
+    path.write_text(text.replace(f"claim {claim}", f"claim {raised}"))
+    with pytest.raises(CertificateError, match=f"line 6: this proves {claim}, not {raised}"):
+        check_proof(problem, path)
+    path.write_text(text.replace(claim, raised))
+    with pytest.raises(CertificateError, match="line 6: "):
+        check_proof(problem, path)
+
+
+def test_a_log_of_other_data_or_of_another_question_is_refused(tmp_path: Path) -> None:
+    problem, path = strains("absolute", depth=2), tmp_path / "proof.log"
+    exact_regression(problem, proof=path)
+    targets = problem.targets.copy()
+    targets[7] += 20.0
+    changed = RegressionProblem(problem.features, targets, depth=2, loss="absolute")
+    with pytest.raises(CertificateError, match='line 2: got "data '):
+        check_proof(changed, path)
+    for other in (strains("absolute", depth=3), RegressionProblem(problem.features, problem.targets, depth=2)):
+        with pytest.raises(CertificateError, match=r"line [13]: got"):
+            check_proof(other, path)
+
+
+def test_a_log_that_proves_less_than_a_tree_claims_is_refused(tmp_path: Path) -> None:
+    problem, path = strains("absolute", depth=2), tmp_path / "proof.log"
+    solution = exact_regression(problem, proof=path)
+    with pytest.raises(CertificateError, match=r"but .* is claimed for the tree"):
+        check_proof(problem, path, bound=math.nextafter(solution.bound, math.inf))
+
+
+def test_a_bound_below_the_optimum_has_a_log_too(tmp_path: Path) -> None:
+    problem, path = strains("absolute"), tmp_path / "proof.log"
+    assert write_proof(path, problem, Fraction(20)) == 20
+    assert check_proof(problem, path, bound=20.0).bound == 20
+
+
+def test_trees_found_by_search_have_no_log(tmp_path: Path) -> None:
+    problem = RegressionProblem(np.eye(4), np.arange(4.0), depth=1, leaf_model="linear")
+    with pytest.raises(ProblemError, match="have no proof log"):
+        check_proof(problem, tmp_path / "proof.log")
