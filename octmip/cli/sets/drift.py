@@ -117,7 +117,7 @@ def _plain(found: DriftSolution) -> Solution:
 
 
 def as_json(problem: Problem, found: DriftSolution) -> dict[str, Any]:
-    """Return the JSON object of a solution."""
+    """Return the JSON object of a solution; its schema is octmip/schemas/drift.schema.json."""
     solution, figures = found.solution, found.figures
     assert solution.tree is not None
     constant = figures.constant

@@ -4,6 +4,11 @@ import json
 from pathlib import Path
 from typing import Any
 
+import jsonschema
+
+import octmip
+
+SCHEMA = Path(octmip.__file__).parent / "schemas" / "drift.schema.json"
 ASKED = ("--label", "y", "--features", "a,b", "--depth", 1)
 
 
@@ -17,9 +22,10 @@ def test_a_tree_is_shown_with_its_worst_case_and_certifies_without_drift(run: An
     assert run("certify", tree, data)[0] == 0
 
 
-def test_json_names_every_set_of_gauges(run: Any, data: Path) -> None:
+def test_json_keeps_to_its_schema_and_names_every_set_of_gauges(run: Any, data: Path) -> None:
     code, out, _ = run("drift", data, *ASKED, "--off", 0.2, "--off", "b=0:1", "--gauges-off", 2, "--json")
     found = json.loads(out)
+    jsonschema.Draft202012Validator(json.loads(SCHEMA.read_text())).validate(found)
     assert code == 0
     assert found["is_optimal"]
     assert found["bound"] == found["worst_case"] == max(entry["cost"] for entry in found["by_gauges"])

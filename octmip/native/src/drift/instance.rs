@@ -213,3 +213,51 @@ pub(crate) fn subsets(sensors: &[usize], size: usize) -> Vec<Vec<usize>> {
     found.extend(subsets(&sensors[1..], size));
     found
 }
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use fastrand::Rng;
+
+    /// A random instance of depth 2: few values, so that readings and their bands often tie.
+    pub(crate) fn random_instance(seed: u64) -> Instance {
+        let mut rng = Rng::with_seed(seed);
+        let (n, p, n_classes) = (12, 2, 3);
+        let (mut low, mut ranks, mut high) = (Vec::new(), Vec::new(), Vec::new());
+        for _ in 0..p * n {
+            let mut three = [rng.u32(0..8), rng.u32(0..8), rng.u32(0..8)];
+            three.sort_unstable();
+            low.push(three[0]);
+            ranks.push(three[1]);
+            high.push(three[2]);
+        }
+        let problem = Problem {
+            n,
+            p,
+            n_classes,
+            ranks,
+            n_ranks: vec![8; p],
+            labels: (0..n).map(|_| rng.u32(0..3)).collect(),
+            weights: (0..n).map(|_| rng.i64(0..4)).collect(),
+            costs: (0..n_classes * n_classes).map(|_| rng.i64(0..6)).collect(),
+            penalty: rng.i64(0..3),
+            depth: 2,
+            leaf_size: 1,
+            sensor_of_feature: vec![0, rng.u32(0..2)],
+            sensor_cost: vec![0.0; 2],
+            sensor_limit: f64::INFINITY,
+            allowed: vec![true; p],
+            planes: None,
+        };
+        let bands = Bands { low, high, n_off: rng.usize(1..4), n_labels: n_classes };
+        assert_eq!(bands.complaint(&problem), None);
+        Instance::new(&problem, &bands)
+    }
+
+    #[test]
+    fn sets_of_so_many_sensors_or_all() {
+        assert_eq!(subsets(&[1, 4, 7], 2), [[1, 4], [1, 7], [4, 7]]);
+        assert_eq!(subsets(&[1, 4], 3), [[1, 4]]);
+        assert_eq!(distinct([4, 1, 4]), [1, 4]);
+    }
+}

@@ -2,34 +2,36 @@
 //!
 //! ```text
 //! instance    samples with the lowest, the true and the highest rank of every reading
+//! draft       any tree, measured and changed
 //! shares      scenarios (which nodes are off), mixed to one additive bound
 //! label_sets  the labels that both children may predict, and what every move of a sample costs
 //! zones       the samples at a cut of the root: surely left, in its band, surely right
 //! scan        the least mixed cost of a child, over all its cuts
-//! candidates  children that may belong to a better tree, and what they cost in every scenario
-//! pairs       two children joined: the worst case itself
-//! cut         one cut of the root: its bound, then its trees
+//! cut         one cut of the root: its bound from mixtures
 //! reach       cuts near a solved one that it closes too
-//! run         the cuts of the root, the least bound first
-//! draft       any tree, measured and changed
+//! boxes       trees whose cuts lie in intervals, and a bound by samples
+//! table       sums by class over the samples at an interval of cuts of the root
+//! bounds      pairs of children at such an interval, bounded by these sums
+//! run         intervals and boxes, the least bound first
 //! step        the best cut of one node while the others stay
 //! search      local search over whole trees
 //! ```
 //!
 //! The proof is in docs/theory/drift.md.
 
-mod candidates;
+mod bounds;
+mod boxes;
 mod cut;
 mod draft;
 mod instance;
 mod label_sets;
-mod pairs;
 mod reach;
 mod run;
 mod scan;
 mod search;
 mod shares;
 mod step;
+mod table;
 mod zones;
 
 pub use instance::Bands;

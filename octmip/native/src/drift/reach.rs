@@ -5,7 +5,7 @@
 //! less than the sum, over children, of the least change over their labels. What a move can lose so is summed over
 //! the samples that have moved; gains are not counted, so that the sum grows with the distance.
 
-use crate::drift::cut::RootCut;
+use crate::drift::cut::{Prepared, RootCut};
 use crate::drift::instance::Instance;
 use crate::drift::label_sets::{LabelSets, scaled};
 use crate::drift::shares::Mixture;
@@ -17,18 +17,20 @@ const PATH: [usize; 4] = [RIGHT, BAND_RIGHT, BAND_LEFT, LEFT];
 const TYPES: [[bool; 2]; 4] = [[false, false], [false, true], [true, false], [true, true]];
 
 /// What moves of one unit of weight may lose: by mixture, for `LOW`, `TRUE`, `HIGH`, by row.
-struct Losses(Vec<[Vec<i64>; 3]>);
+#[derive(Debug)]
+pub(crate) struct Losses(Vec<[Vec<i64>; 3]>);
 
 impl Losses {
-    fn new(root: &RootCut<'_>, is_up: bool) -> Self {
-        let instance = root.prepared.instance;
+    /// For samples that pass a cut of the root as it moves up or down.
+    pub(crate) fn new(prepared: &Prepared<'_>, sets: &LabelSets, is_up: bool) -> Self {
+        let instance = prepared.instance;
         let of = |mixture: &Mixture, kind: usize, row: usize| {
             let (from, to) = if is_up { (kind, kind + 1) } else { (kind + 1, kind) };
-            (-root.sets.least_change(instance, mixture, row, PATH[from], PATH[to])).max(0)
+            (-sets.least_change(instance, mixture, row, PATH[from], PATH[to])).max(0)
         };
         let rows = 0..instance.n_rows;
         let each = |mixture: &Mixture| [0, 1, 2].map(|kind| rows.clone().map(|row| of(mixture, kind, row)).collect());
-        Self(root.prepared.mixtures.iter().map(each).collect())
+        Self(prepared.mixtures.iter().map(each).collect())
     }
 }
 
@@ -53,20 +55,26 @@ impl LabelSets {
 
 /// The lowest and the highest cut, within an interval, up to which a solved cut closes all others.
 ///
-/// `target` is what a bound, `WHOLE` times over, must exceed.
-pub(crate) fn reach(root: &RootCut<'_>, costs: [&[i64]; 2], target: i64, lo: u32, hi: u32) -> (u32, u32) {
+/// `target` is what a bound, `WHOLE` times over, must exceed; `losses` are those of moves down and up.
+pub(crate) fn reach(
+    root: &RootCut<'_>,
+    losses: &[Losses; 2],
+    costs: [&[i64]; 2],
+    target: i64,
+    (lo, hi): (u32, u32),
+) -> (u32, u32) {
     let fixed = scaled(root.sets.base + root.prepared.instance.penalty);
     let band = root.band();
     let mixtures = root.prepared.mixtures.iter().enumerate();
     let bounds: Vec<i64> =
         mixtures.map(|(k, mixture)| fixed + mixture.root_share() * band + costs[0][k] + costs[1][k]).collect();
     let furthest = |is_up: bool| {
-        let losses = Losses::new(root, is_up);
+        let losses = &losses[usize::from(is_up)];
         let (mut sure, mut open) = (0, if is_up { hi - root.cut } else { root.cut - lo } + 1);
         while open - sure > 1 {
             let middle = sure + (open - sure) / 2;
             let end = if is_up { root.cut + middle } else { root.cut - middle };
-            if is_closed(root, &bounds, &losses, target, end) { sure = middle } else { open = middle }
+            if is_closed(root, &bounds, losses, target, end) { sure = middle } else { open = middle }
         }
         if is_up { root.cut + sure } else { root.cut - sure }
     };

@@ -1,4 +1,4 @@
-//! Branch and bound to depth 2: intervals of cuts of the root for given labels of the children, the least bound first.
+//! Branch and bound to depth 2: boxes of trees, the least bound first.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -6,19 +6,24 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicI64, AtomicU64, Ordering};
 
 use crate::control::{KeepGoing, Limits, Outcome, Progress, Stop};
+use crate::drift::bounds::{Bounds, Children, Pair};
+use crate::drift::boxes::{Cuts, Trees};
 use crate::drift::cut::{Prepared, RootCut};
 use crate::drift::instance::{Bands, Instance};
 use crate::drift::label_sets::LabelSets;
-use crate::drift::pairs::close;
-use crate::drift::reach::reach;
+use crate::drift::reach::{Losses, reach};
 use crate::drift::shares::WHOLE;
 use crate::drift::zones::Zones;
 use crate::problem::Problem;
 use crate::supervise::Supervision;
 use crate::tree::Tree;
 
-/// Bytes of an open interval, roughly.
-const NODE_BYTES: f64 = 300.0;
+/// An interval of cuts of the root that is no wider than this part of all is closed by boxes if its middle cut is open.
+const PART: u32 = 32;
+/// Widest interval of cuts of the root whose pairs are looked at sample by sample.
+const NARROW: u32 = 24;
+/// Children are halved while they are so many times as wide as the root.
+const WIDER: u32 = 2;
 
 /// The tree of least worst case to depth 2, and a bound. `floor` is a bound that is known beforehand.
 pub fn solve(
@@ -33,35 +38,53 @@ pub fn solve(
     let instance = Instance::new(problem, bands);
     let prepared = Prepared::new(&instance);
     let supervision = Supervision::new(limits);
-    let search = Search::new(&prepared, incumbent, floor, &supervision, n_threads.max(1));
+    let children = Children::new(&instance);
+    let search = Search::new(&prepared, &children, incumbent, floor, &supervision, n_threads.max(1));
     let work = || search.work();
     supervision.run_all(n_threads.max(1), work, || search.poll(&mut *keep_going));
     search.outcome()
 }
 
-/// Cuts `lo` to `hi` of a feature at the root, the labels of both children given.
+/// Cuts of the root, the labels of both children given.
 #[derive(Debug, PartialEq, Eq, PartialOrd, Ord)]
-struct Interval {
+struct Task {
+    /// `WHOLE` times over.
     bound: i64,
     sets: usize,
-    feature: usize,
-    lo: u32,
-    hi: u32,
-    /// What the left child costs at least at `lo`, and the right one at `hi`, in every mixture.
-    children: [Vec<i64>; 2],
+    root: Cuts,
+    left: Left,
+}
+
+/// What is known of the children.
+#[derive(Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Left {
+    /// What the left child costs at least at the lowest cut, and the right one at the highest, in every mixture.
+    All([Vec<i64>; 2]),
+    /// The pairs that are not closed.
+    Pairs(Vec<Pair>),
+}
+
+impl Task {
+    /// The number of its pairs, 1 for all.
+    fn size(&self) -> usize {
+        if let Left::Pairs(pairs) = &self.left { pairs.len() } else { 1 }
+    }
 }
 
 #[derive(Debug)]
 struct State {
-    open: BinaryHeap<Reverse<Interval>>,
-    /// Bounds of the intervals that threads are at.
+    open: BinaryHeap<Reverse<Task>>,
+    /// Bounds of the tasks that threads are at.
     busy: Vec<i64>,
     best: (i64, Tree),
+    n_pairs: usize,
 }
 
 struct Search<'a> {
     prepared: &'a Prepared<'a>,
-    sets: Vec<([usize; 2], LabelSets)>,
+    children: &'a Children<'a>,
+    /// All pairs of sets of two labels: their numbers, the sets, what moves of samples may lose.
+    sets: Vec<([usize; 2], LabelSets, [Losses; 2])>,
     state: Mutex<State>,
     best: AtomicI64,
     floor: i64,
@@ -72,6 +95,7 @@ struct Search<'a> {
 impl<'a> Search<'a> {
     fn new(
         prepared: &'a Prepared<'a>,
+        children: &'a Children<'a>,
         incumbent: Option<(i64, Tree)>,
         floor: i64,
         supervision: &'a Supervision,
@@ -83,26 +107,35 @@ impl<'a> Search<'a> {
         let best = incumbent.filter(|(cost, _)| *cost < leaf.0).unwrap_or(leaf);
         let numbers = 0..prepared.pairs.len();
         let both = numbers.clone().flat_map(|a| numbers.clone().map(move |c| [a, c]));
-        let sets: Vec<_> =
-            both.map(|pairs| (pairs, LabelSets::new(instance, pairs.map(|k| prepared.pairs[k])))).collect();
-        let nothing = vec![0; prepared.mixtures.len()];
+        let of = |pairs: [usize; 2]| {
+            let sets = LabelSets::new(instance, pairs.map(|k| prepared.pairs[k]));
+            let losses = [false, true].map(|is_up| Losses::new(prepared, &sets, is_up));
+            (pairs, sets, losses)
+        };
+        let sets: Vec<_> = both.map(of).collect();
         let mut open = BinaryHeap::new();
-        for (number, (_, set)) in sets.iter().enumerate() {
-            for (f, feature) in instance.features.iter().enumerate() {
-                let Some((lo, hi)) = feature.window(instance.leaf_size, |_| true) else { continue };
-                let children = [nothing.clone(), nothing.clone()];
-                let bound = prepared.least_bound(set, prepared.band(set, f, lo, hi), [&nothing, &nothing]);
-                open.push(Reverse(Interval { bound, sets: number, feature: f, lo, hi, children }));
+        for (number, (_, set, _)) in sets.iter().enumerate() {
+            for (feature, own) in instance.features.iter().enumerate() {
+                let Some((lo, hi)) = own.window(instance.leaf_size, |_| true) else { continue };
+                let nothing = [0, 1].map(|_| vec![0; prepared.mixtures.len()]);
+                let bound = prepared.least_bound(set, prepared.band(set, feature, lo, hi), [&nothing[0], &nothing[1]]);
+                let root = Cuts { feature, lo, hi };
+                open.push(Reverse(Task { bound, sets: number, root, left: Left::All(nothing) }));
             }
         }
         let best_cost = AtomicI64::new(best.0);
-        let state = Mutex::new(State { open, busy: vec![i64::MAX; n_threads], best });
-        Self { prepared, sets, state, best: best_cost, floor, n_nodes: AtomicU64::new(0), supervision }
+        let n_pairs = open.len();
+        let state = Mutex::new(State { open, busy: vec![i64::MAX; n_threads], best, n_pairs });
+        Self { prepared, children, sets, state, best: best_cost, floor, n_nodes: AtomicU64::new(0), supervision }
     }
 
     /// What a bound, `WHOLE` times over, must exceed for all its trees to be no better than the best.
     fn target(&self) -> i64 {
-        WHOLE * (self.best.load(Ordering::Relaxed) - 1)
+        WHOLE * (self.best() - 1)
+    }
+
+    fn best(&self) -> i64 {
+        self.best.load(Ordering::Relaxed)
     }
 
     /// Whether no tree of such a bound, `WHOLE` times over, is better than the best: costs are whole numbers.
@@ -121,12 +154,16 @@ impl<'a> Search<'a> {
         };
         while !self.supervision.is_stopped() {
             match self.next(place) {
-                Next::Interval(interval) => {
-                    let parts = self.part(&interval, &mut zones);
+                Next::Task(task) => {
+                    let parts = match task.left {
+                        Left::All(ref children) => self.part(&task, children, &mut zones),
+                        Left::Pairs(ref pairs) => self.close(&task, pairs),
+                    };
                     if self.supervision.is_stopped() {
                         return; // its bound stays among the busy ones
                     }
                     self.with_state(|state| {
+                        state.n_pairs += parts.iter().map(Task::size).sum::<usize>();
                         state.open.extend(parts.into_iter().map(Reverse));
                         state.busy[place] = i64::MAX - 1;
                     });
@@ -148,9 +185,10 @@ impl<'a> Search<'a> {
                 return Next::Done;
             }
             match state.open.pop() {
-                Some(Reverse(interval)) if !self.is_closed(interval.bound) => {
-                    state.busy[place] = interval.bound;
-                    Next::Interval(interval)
+                Some(Reverse(task)) if !self.is_closed(task.bound) => {
+                    state.busy[place] = task.bound;
+                    state.n_pairs -= task.size();
+                    Next::Task(task)
                 }
                 Some(_) => {
                     state.open.clear();
@@ -162,41 +200,88 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Close the middle cut of an interval; what is left of it on both sides, unless closed too.
-    fn part(&self, interval: &Interval, zones: &mut Zones) -> Vec<Interval> {
-        let (pairs, sets) = &self.sets[interval.sets];
-        let (feature, cut) = (interval.feature, interval.lo + (interval.hi - interval.lo) / 2);
+    /// Bound the middle cut of an interval; what is left of it on both sides, unless closed too.
+    fn part(&self, task: &Task, known: &[Vec<i64>; 2], zones: &mut Zones) -> Vec<Task> {
+        let (pairs, sets, losses) = &self.sets[task.sets];
+        let (feature, cut) = (task.root.feature, task.root.lo + (task.root.hi - task.root.lo) / 2);
         zones.set(self.prepared.instance, feature, cut);
         let root = RootCut { prepared: self.prepared, sets, pairs: *pairs, feature, cut, zones };
         let children = [0, 1].map(|side| root.child(side));
         self.n_nodes.fetch_add(1, Ordering::Relaxed);
         let costs = [&children[0][..], &children[1][..]];
-        let (mut first, mut last) = (cut, cut);
+        let Cuts { lo, hi, .. } = task.root;
+        let mut ends = [Cuts { hi: cut, ..task.root }, Cuts { lo: cut + 1, ..task.root }]
+            .map(|part| (part.lo <= part.hi).then_some(part));
         if self.is_closed(self.prepared.least_bound(sets, root.band(), costs)) {
-            (first, last) = reach(&root, costs, self.target(), interval.lo, interval.hi);
-        } else {
-            let best = || self.best.load(Ordering::Relaxed);
-            let is_done = close(&root, costs, &best, &|| self.supervision.is_stopped(), &mut |cost, tree| {
-                self.take(cost, tree);
-            });
-            if !is_done {
+            let (first, last) = reach(&root, losses, costs, self.target(), (lo, hi));
+            ends[0] = (first > lo).then(|| Cuts { hi: first - 1, ..task.root });
+            ends[1] = (last < hi).then(|| Cuts { lo: last + 1, ..task.root });
+        } else if task.root.width() * PART <= self.prepared.instance.features[feature].n_ranks as u32 || lo == hi {
+            let pairs = self.children.pairs(feature, &sets.labels);
+            return vec![Task { bound: task.bound, left: Left::Pairs(pairs), ..*task }];
+        }
+        let [left, right] = children;
+        let known = [[known[0].clone(), right], [left, known[1].clone()]];
+        let parts = ends.into_iter().zip(known).filter_map(|(root, known)| root.map(|root| (root, known)));
+        let made = parts.map(|(root, known)| {
+            let band = self.prepared.band(sets, feature, root.lo, root.hi);
+            let bound = self.prepared.least_bound(sets, band, [&known[0], &known[1]]).max(task.bound);
+            Task { bound, sets: task.sets, root, left: Left::All(known) }
+        });
+        made.filter(|part| !self.is_closed(part.bound)).collect()
+    }
+
+    /// Leave out the pairs of children that are closed at all cuts of the root; both halves with what is left.
+    fn close(&self, task: &Task, pairs: &[Pair]) -> Vec<Task> {
+        self.n_nodes.fetch_add(1, Ordering::Relaxed);
+        let (root, labels) = (task.root, &self.sets[task.sets].1.labels);
+        let mut bounds = Bounds::new(self.children, root, *labels);
+        let mut stack = pairs.to_vec();
+        let (mut left, mut least) = (Vec::new(), i64::MAX / WHOLE);
+        while let Some(pair) = stack.pop() {
+            let bound = bounds.of(pair, self.best());
+            if bound >= self.best() {
+                continue;
+            }
+            let widths = pair.map(|place| self.children.width(place));
+            let wider = usize::from(widths[1] > widths[0]);
+            if widths[wider] > WIDER * root.width() {
+                stack.extend(self.children.halves(pair, wider));
+            } else if root.width() > NARROW {
+                left.push(pair);
+                least = least.min(bound);
+            } else {
+                self.settle(self.children.trees(root, labels, pair));
+            }
+            if self.supervision.is_stopped() {
                 return Vec::new();
             }
         }
-        let [left, right] = children;
-        let mut parts = Vec::new();
-        if first > interval.lo {
-            parts.push((interval.lo, first - 1, [interval.children[0].clone(), right]));
+        let bound = task.bound.max(WHOLE * least);
+        let part = |root: Cuts| Task { bound, sets: task.sets, root, left: Left::Pairs(left.clone()) };
+        if left.is_empty() { Vec::new() } else { root.halves().map(part).into() }
+    }
+
+    /// Look at all trees of a box, until the search is stopped.
+    fn settle(&self, trees: Trees) {
+        let instance = self.prepared.instance;
+        let mut stack = vec![trees];
+        while let Some(trees) = stack.pop() {
+            if self.supervision.is_stopped() {
+                return;
+            }
+            if trees.bound(instance) >= self.best() {
+                continue;
+            }
+            if let Some(halves) = trees.halves() {
+                stack.extend(halves);
+                continue;
+            }
+            let draft = trees.draft(instance);
+            if let Some((cost, _)) = draft.cost(instance) {
+                self.take(cost, draft.to_tree(instance));
+            }
         }
-        if last < interval.hi {
-            parts.push((last + 1, interval.hi, [left, interval.children[1].clone()]));
-        }
-        let made = parts.into_iter().map(|(lo, hi, children)| {
-            let band = self.prepared.band(sets, feature, lo, hi);
-            let bound = self.prepared.least_bound(sets, band, [&children[0], &children[1]]).max(interval.bound);
-            Interval { bound, sets: interval.sets, feature, lo, hi, children }
-        });
-        made.filter(|part| !self.is_closed(part.bound)).collect()
     }
 
     fn take(&self, cost: i64, tree: Tree) {
@@ -208,13 +293,13 @@ impl<'a> Search<'a> {
         });
     }
 
-    /// The best cost, the proven bound and the number of open intervals.
+    /// The best cost, the proven bound and the number of open pairs.
     fn figures(&self) -> (i64, i64, usize) {
         self.with_state(|state| {
-            let open = state.open.peek().map_or(i64::MAX, |Reverse(interval)| interval.bound);
+            let open = state.open.peek().map_or(i64::MAX, |Reverse(task)| task.bound);
             let least = state.busy.iter().copied().filter(|&bound| bound < i64::MAX - 1).fold(open, i64::min);
             let bound = if least == i64::MAX { state.best.0 } else { (least + WHOLE - 1).div_euclid(WHOLE) };
-            (state.best.0, bound.max(self.floor).min(state.best.0), state.open.len())
+            (state.best.0, bound.max(self.floor).min(state.best.0), state.n_pairs)
         })
     }
 
@@ -223,7 +308,7 @@ impl<'a> Search<'a> {
         let n_nodes = self.n_nodes.load(Ordering::Relaxed);
         self.supervision.poll(keep_going, Progress { seconds: 0.0, objective, bound, n_nodes });
         let gap = self.supervision.gap_reached((objective - bound) as f64, objective as f64);
-        let bytes = n_open as f64 * NODE_BYTES;
+        let bytes = n_open as f64 * size_of::<Pair>() as f64;
         if let Some(reason) = gap.filter(|_| bound < objective).or_else(|| self.supervision.spent(n_nodes, bytes)) {
             self.supervision.stop(reason);
         }
@@ -239,7 +324,7 @@ impl<'a> Search<'a> {
 }
 
 enum Next {
-    Interval(Interval),
+    Task(Task),
     Wait,
     Done,
 }

@@ -1,7 +1,5 @@
 //! The least mixed cost of a child, over all its cuts: one walk over the events of each feature.
 
-use std::ops::Range;
-
 use pulp::{Simd, WithSimd};
 
 use crate::drift::instance::Event;
@@ -70,32 +68,6 @@ impl Scan<'_> {
             }
         }
         least
-    }
-}
-
-/// Walk over all cuts: each run of equal ones, its first and its last, with the lanes there.
-///
-/// Events of samples in the slots of `dead` are passed over: such samples never come to the child.
-pub(crate) fn walk(
-    events: &[Event],
-    table: &Table,
-    zones: &Zones,
-    weights: &[i64],
-    start: Lanes,
-    dead: &Range<u32>,
-    take: &mut impl FnMut(u32, u32, &Lanes),
-) {
-    let mut value = start;
-    let mut alive = events.iter().filter(|event| !dead.contains(&zones.slots[event.sample()])).peekable();
-    let Some(mut rank) = alive.peek().map(|event| event.rank) else { return };
-    for event in alive {
-        if event.rank != rank {
-            take(rank, event.rank - 1, &value);
-            rank = event.rank;
-        }
-        let sample = event.sample();
-        let lanes = &table.moves[zones.slots[sample] as usize][event.kind()];
-        add(&mut value, lanes, weights[sample]);
     }
 }
 

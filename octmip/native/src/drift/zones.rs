@@ -44,14 +44,4 @@ impl Zones {
             self.totals[slot] += instance.weights[i];
         }
     }
-
-    /// The zone of a sample.
-    pub(crate) fn zone(&self, n_rows: usize, sample: usize) -> usize {
-        self.slots[sample] as usize / n_rows
-    }
-
-    /// Whether a sample goes to a child by its true reading.
-    pub(crate) fn is_member(&self, n_rows: usize, sample: usize, side: usize) -> bool {
-        usize::from(self.zone(n_rows, sample) > BAND_LEFT) == side
-    }
 }
