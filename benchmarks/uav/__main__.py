@@ -16,8 +16,9 @@ from benchmarks.uav.numbers import markdown, rows_of
 from benchmarks.uav.report import write_results
 from benchmarks.uav.study import DEPTHS, StudyLimits, run_study
 from femlib.dataset import Recipe, build_dataset, published_strains, simulated_strains
-from femlib.wing import uav_wing
+from femlib.wing import published_wing, uav_wing
 
+WINGS = {"uav": uav_wing, "published": published_wing}
 PUBLISHED = Path(__file__).parents[2].parent / "shared" / "uav" / "strains.csv"
 
 
@@ -25,7 +26,7 @@ def main() -> None:
     """Run the study with the options of the command line."""
     options = _parser().parse_args()
     start = time.perf_counter()
-    wing = uav_wing()
+    wing = WINGS[options.wing]()
     reference = published_strains(options.published) if Path(options.published).exists() else None
     simulated = simulated_strains(wing)
     means = published_strains(options.strains) if options.strains else simulated
@@ -46,6 +47,7 @@ def main() -> None:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.uav", description=__doc__)
+    parser.add_argument("--wing", choices=sorted(WINGS), default="uav", help="which of femlib's wings")
     parser.add_argument("--strains", help="published strain table (CSV); default: strains of femlib's wing")
     parser.add_argument("--published", default=PUBLISHED, help="published table to draw beside the model's strain")
     parser.add_argument("--seconds", type=float, default=10.0, help="limit of each solve [s]")

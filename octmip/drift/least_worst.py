@@ -33,7 +33,7 @@ from octmip.methods.native_call import native_progress
 from octmip.problem import Problem
 from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop
 from octmip.solver import solve as solve_plain
-from octmip.tree import Node, complexity, without_empty_sides
+from octmip.tree import Node, complexity, depth, without_empty_sides
 
 SOLVER = "drift"
 PROVEN_DEPTH = 2
@@ -106,11 +106,7 @@ def solve(
     """
     started = time.perf_counter()
     search = _Search(problem, Bands.of(problem, bands), off, limits, started, seed, n_jobs, progress)
-    search.start(incumbent)
-    if not search.is_over:
-        search.improve()
-    if problem.depth <= PROVEN_DEPTH and not search.is_over:
-        search.prove()
+    search.run(incumbent)
     solution = search.solution()
     try:
         figures = certify_drift(problem, solution, bands, off)
@@ -149,6 +145,16 @@ class _Search:
         """Whether nothing is left to do, or to do it in."""
         return self.stop in (Stop.INTERRUPTED, Stop.NODES, Stop.MEMORY) or self.bound >= self.objective
 
+    def run(self, incumbent: Node | Solution | None) -> None:
+        """Search, and prove where the tree is shallow enough."""
+        self.start(incumbent)
+        if self.problem.depth > PROVEN_DEPTH and not self.is_over:
+            self._start_shallower()
+        if not self.is_over:
+            self.improve()
+        if self.problem.depth <= PROVEN_DEPTH and not self.is_over:
+            self.prove()
+
     def start(self, incumbent: Node | Solution | None) -> None:
         """Take the incumbent and the best tree without drift, which also gives the first bound."""
         limits = replace(self.limits, seconds=self.limits.seconds * FIRST_SHARE, gap=0.0)
@@ -159,6 +165,17 @@ class _Search:
             self.stop = Stop.INTERRUPTED
         for tree in (given, self.plain.tree):
             self._keep(tree)
+
+    def _start_shallower(self) -> None:
+        """Take the best tree of as many levels as a proof takes: what drift costs shows first at the top."""
+        shallower = replace(self.problem, depth=PROVEN_DEPTH)
+        limits = replace(self.limits, seconds=self.seconds_left * FIRST_SHARE, gap=0.0)
+        now = time.perf_counter()
+        search = _Search(shallower, self.bands, self.off, limits, now, self.seed, self.n_jobs, None)
+        search.run(self.tree if self.tree is not None and depth(self.tree) <= PROVEN_DEPTH else None)
+        self._keep(search.tree)
+        if search.stop is Stop.INTERRUPTED:
+            self.stop = Stop.INTERRUPTED
 
     def _checked(self, incumbent: Node | Solution | None) -> Node | None:
         tree = incumbent.tree if isinstance(incumbent, Solution) else incumbent
