@@ -6,7 +6,7 @@ ZIG = $(shell test "$$(uname -s)" = Linux && $(BIN)/python -m ziglang version >/
 NATIVE := $(shell find octmip/native/src octmip/native/check octmip/native/Cargo.toml -type f)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: uav mission blind test lint lint-rust-then-python lint-python lint-rust pytest wheel site tools benchmarks clean
+.PHONY: uav mission blind test lint lint-python-then-rust lint-python lint-rust pytest wheel site tools benchmarks clean
 
 uav: $(VENV)/.installed
 	@$(BIN)/python -m benchmarks.uav $(if $(STRAINS),--strains $(STRAINS)) $(ARGS)
@@ -19,11 +19,10 @@ mission: $(VENV)/.installed
 blind: $(VENV)/.installed
 	@$(BIN)/python -m benchmarks.blind $(ARGS)
 
-# The native core is built beside the installation of the Python packages, and Rust and types are checked beside the
-# tests: no core of the machine waits.
+# One job builds the native core, which keeps one core of the machine busy for minutes; the other installs the packages
+# and checks Python, then Rust (in that order: clippy waits for the build). The tests begin when the core is built.
 test: | tools
-	$(MAKE) --jobs 2 --output-sync=target $(VENV)/.installed-test
-	$(MAKE) --jobs 2 lint-rust-then-python pytest
+	$(MAKE) --jobs 2 $(VENV)/.core lint-python-then-rust pytest
 
 pytest: $(VENV)/.installed-test
 	MAKEFLAGS= OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loadscope-reorder -r s
@@ -31,11 +30,10 @@ pytest: $(VENV)/.installed-test
 lint: lint-python
 	cd octmip/native && cargo fmt --all --check && cargo clippy --release --quiet --workspace --all-targets --features python -- -D warnings
 
-lint-rust-then-python:
+lint-python-then-rust: lint-python
 	$(MAKE) lint-rust
-	$(MAKE) lint-python
 
-lint-python: $(VENV)/.installed-test
+lint-python: $(VENV)/.packages-test
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy

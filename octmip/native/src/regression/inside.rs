@@ -6,8 +6,8 @@
 //! as can be of the greatest target only, and as much as can be of the least only. So it explains at most what the best
 //! corner does.
 //!
-//! Absolute errors: for each gap between targets the error is concave in the weights below and above the gap that are
-//! passed, so least at one of four corners: nothing, all, all that is below, all that is above.
+//! Absolute errors: for each gap between targets the error is concave in what more is passed below than above it, so
+//! least with all that is below passed, or all that is above (`sweep`).
 
 use crate::regression::samples::Samples;
 use crate::regression::sides::Sides;
@@ -42,6 +42,20 @@ pub(crate) struct Piles<'a> {
 }
 
 impl Piles<'_> {
+    /// Weight of each target in the buckets before one; of absolute errors.
+    fn before(&self, bucket: usize) -> Weights {
+        let n_values = self.rows / 2;
+        let mut found = [0.0; MOST_VALUES];
+        for cell in self.lines.chunks_exact(self.rows).take(bucket) {
+            let (all, left) = cell.split_at(n_values);
+            for (v, weight) in found.iter_mut().take(n_values).enumerate() {
+                let own = left[v].0[self.lane];
+                *weight += if self.side == 0 { own } else { all[v].0[self.lane] - own };
+            }
+        }
+        found
+    }
+
     /// The cuts inside a bucket: `cut` is called at each with what the samples before it have been added to.
     fn walk<T: Copy>(
         &self,
@@ -66,11 +80,11 @@ impl Piles<'_> {
     }
 }
 
-/// Buffers of buckets that may hold a better cut: bucket, bound, what stands left of it.
+/// Buffers of buckets that may hold a better cut: bucket, bound, and for squared errors what stands left of it.
 #[derive(Debug, Default)]
 pub(crate) struct Inside {
     squared: Vec<(usize, f64, Pile)>,
-    absolute: Vec<(usize, f64, Below)>,
+    absolute: Vec<(usize, f64)>,
 }
 
 /// What a cut explains; of nothing where a side is empty.
@@ -131,29 +145,19 @@ impl Inside {
         total: &Weights,
         beat: f64,
     ) -> (f64, f64) {
-        let (side, lane, n_values) = (piles.side, piles.lane % LANES, piles.rows / 2);
-        let (mut left, mut lower): (Below, _) = ([0.0; MOST_VALUES], f64::INFINITY);
+        let (lane, mut lower) = (piles.lane % LANES, f64::INFINITY);
         self.absolute.clear();
-        let cells = piles.lines.chunks_exact(piles.rows).zip(piles.caps.as_chunks::<CAPS>().0);
-        for (bucket, (cell, caps)) in cells.enumerate() {
-            let cap = caps[side].0[lane];
+        for (bucket, caps) in piles.caps.as_chunks::<CAPS>().0.iter().enumerate() {
+            let cap = caps[piles.side].0[lane];
             if cap < beat {
-                self.absolute.push((bucket, cap, left));
+                self.absolute.push((bucket, cap));
             } else {
                 lower = lower.min(cap);
-            }
-            let mut passed = 0.0;
-            for (v, below) in left.iter_mut().enumerate() {
-                if v < n_values {
-                    let (all, own) = (cell[v].0[lane], cell[n_values + v].0[lane]);
-                    passed += if side == 0 { own } else { all - own };
-                }
-                *below += passed;
             }
         }
         self.absolute.sort_unstable_by(|a, b| a.1.total_cmp(&b.1));
         let (all, mut best) = (below(total), f64::INFINITY);
-        for (bucket, cap, start) in &self.absolute {
+        for (bucket, cap) in &self.absolute {
             if *cap >= best.min(beat) {
                 lower = lower.min(*cap);
                 break;
@@ -163,7 +167,8 @@ impl Inside {
                 let (weight, steps) = (samples.sums[i].weight, &STEPS[targets[i] as usize % MOST_VALUES]);
                 (0..MOST_VALUES).for_each(|v| left[v] += weight * steps[v]);
             };
-            piles.walk(*bucket, sides, *start, add, |left| {
+            let start = below(&piles.before(*bucket)); // of most buckets nobody asks
+            piles.walk(*bucket, sides, start, add, |left| {
                 let error = split_error(left, &all, &samples.gaps);
                 best = if error < best { error } else { best };
             });

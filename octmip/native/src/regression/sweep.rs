@@ -171,8 +171,15 @@ impl Squared<'_> {
 /// A pass of absolute errors of few distinct targets.
 ///
 /// One constant errs by `sum over gaps between neighbouring targets of gap * min(weight below, weight above)`: the
-/// median makes each term least. Rows of a cell: weight of each target of all samples, of those left of the cut, and
-/// whether cuts lie inside.
+/// median makes each term least. With D what more lies below a gap than above it on the whole side and d the same left
+/// of a cut, `min(a, b) = (a + b - |a - b|) / 2` and `|d| + |D - d| = max(|D|, |2 d - D|)` make a cut's two constants
+///
+/// ```text
+/// err by   sum over gaps of gap * (weight / 2 - max(|D| / 2, |d - D / 2|))
+/// ```
+///
+/// so that one number a gap, d - D / 2, says all. Rows of a cell: weight of each target of all samples, of those left
+/// of the cut, and whether cuts lie inside.
 pub(crate) struct Absolute<'a> {
     /// Cells of the group.
     pub(crate) lines: &'a [Line],
@@ -208,19 +215,6 @@ impl WithSimd for Absolute<'_> {
     }
 }
 
-/// What stands left of the running cut, for one gap.
-#[derive(Clone, Copy)]
-struct Below<S: Simd> {
-    /// Weight below the gap and above it, left of the cut.
-    low: S::f64s,
-    high: S::f64s,
-    /// The same right of it.
-    rest_low: S::f64s,
-    rest_high: S::f64s,
-    /// Least weights of both together.
-    least: S::f64s,
-}
-
 impl Absolute<'_> {
     #[inline(always)]
     fn sweep<S: Simd, const V: usize, const ROWS: usize, const INSIDE: bool>(&mut self, simd: S) -> Reached {
@@ -233,17 +227,6 @@ impl Absolute<'_> {
         reached
     }
 
-    /// The running cut at the beginning: everything is right of it.
-    #[inline(always)]
-    fn start<S: Simd, const V: usize>(&self, simd: S, m: usize) -> [Below<S>; V] {
-        let (weight, zero, mut below): (f64, _, _) = (self.totals[m].iter().sum(), simd.splat_f64s(0.0), 0.0);
-        std::array::from_fn(|j| {
-            below += self.totals[m][j];
-            let (low, high) = (simd.splat_f64s(below), simd.splat_f64s(weight - below));
-            Below { low: zero, high: zero, rest_low: low, rest_high: high, least: simd.min_f64s(low, high) }
-        })
-    }
-
     #[inline(always)]
     fn side<S: Simd, const V: usize, const ROWS: usize, const INSIDE: bool>(
         &mut self,
@@ -253,13 +236,16 @@ impl Absolute<'_> {
         reached: &mut Reached,
     ) {
         let (zero, infinite) = (simd.splat_f64s(0.0), simd.splat_f64s(f64::INFINITY));
-        let mut state = self.start::<S, V>(simd, m);
         let gaps: [S::f64s; V] = std::array::from_fn(|j| simd.splat_f64s(self.gaps[j]));
-        let mut edge = zero;
+        let (base, halves) = self.start::<V>(m);
+        let least: [S::f64s; V] = std::array::from_fn(|j| simd.splat_f64s(halves[j].abs()));
+        let mut places: [S::f64s; V] = std::array::from_fn(|j| simd.splat_f64s(-halves[j]));
+        let base = simd.splat_f64s(base);
+        let mut best = zero;
         for j in 0..V - 1 {
-            edge = simd.add_f64s(edge, simd.mul_f64s(gaps[j], state[j].least));
+            best = simd.add_f64s(best, simd.mul_f64s(gaps[j], least[j]));
         }
-        let mut lower = edge;
+        let mut lower = infinite;
         let cells = self.lines.as_chunks::<ROWS>().0.iter().zip(self.caps.as_chunks_mut::<CAPS>().0);
         for (cell, caps) in cells {
             let own: [S::f64s; V] = std::array::from_fn(|v| {
@@ -267,40 +253,40 @@ impl Absolute<'_> {
                 if m == 0 { left } else { simd.sub_f64s(cell[v].part::<S>(part), left) }
             });
             let weight = own[1..].iter().fold(own[0], |sum, &w| simd.add_f64s(sum, w));
-            let (mut low, mut cost, mut bound) = (zero, zero, zero);
+            let (mut low, mut saved, mut most) = (zero, zero, zero);
             for j in 0..V - 1 {
                 low = simd.add_f64s(low, own[j]);
-                let (before, high) = (state[j], simd.sub_f64s(weight, low));
-                let mut now = Below::<S> {
-                    low: simd.add_f64s(before.low, low),
-                    high: simd.add_f64s(before.high, high),
-                    rest_low: simd.sub_f64s(before.rest_low, low),
-                    rest_high: simd.sub_f64s(before.rest_high, high),
-                    least: zero,
-                };
-                let both = |low: S::f64s, high, rest_low, rest_high| {
-                    simd.add_f64s(simd.min_f64s(low, high), simd.min_f64s(rest_low, rest_high))
-                };
-                now.least = both(now.low, now.high, now.rest_low, now.rest_high);
-                cost = simd.add_f64s(cost, simd.mul_f64s(gaps[j], now.least));
+                let high = simd.sub_f64s(weight, low);
+                let up = simd.add_f64s(places[j], low);
                 if INSIDE {
-                    // Concave in what is passed below and above the gap: least at one of four corners.
-                    let first = both(now.low, before.high, now.rest_low, before.rest_high);
-                    let second = both(before.low, now.high, before.rest_low, now.rest_high);
-                    let ends = simd.min_f64s(before.least, now.least);
-                    let least = simd.min_f64s(ends, simd.min_f64s(first, second));
-                    bound = simd.add_f64s(bound, simd.mul_f64s(gaps[j], least));
+                    // The place inside the bucket lies between the two ends, and what is saved is convex in it.
+                    let ends = simd.max_f64s(simd.abs_f64s(up), simd.abs_f64s(simd.sub_f64s(places[j], high)));
+                    most = simd.add_f64s(most, simd.mul_f64s(gaps[j], simd.max_f64s(least[j], ends)));
                 }
-                state[j] = now;
+                places[j] = simd.sub_f64s(up, high);
+                let own = simd.max_f64s(least[j], simd.abs_f64s(places[j]));
+                saved = simd.add_f64s(saved, simd.mul_f64s(gaps[j], own));
             }
-            edge = simd.min_f64s(edge, cost);
+            best = simd.max_f64s(best, saved);
             if INSIDE {
                 let is_open = simd.greater_than_f64s(cell[2 * V].part::<S>(part), zero);
-                let cap = simd.select_f64s(is_open, bound, infinite);
+                let cap = simd.select_f64s(is_open, simd.sub_f64s(base, most), infinite);
                 lower = simd.min_f64s(lower, cap);
                 caps[m].set::<S>(part, cap);
             }
         }
+        let edge = simd.sub_f64s(base, best);
         reached.store::<S>(part, m, edge, simd.min_f64s(edge, lower));
+    }
+
+    /// Half the weight times the gaps, and of each gap half of what more lies below than above it.
+    #[inline(always)]
+    fn start<const V: usize>(&self, m: usize) -> (f64, [f64; V]) {
+        let (weight, mut below): (f64, _) = (self.totals[m].iter().sum(), 0.0);
+        let halves = std::array::from_fn(|j| {
+            below += self.totals[m][j];
+            below - 0.5 * weight
+        });
+        (0.5 * weight * self.gaps[..V - 1].iter().sum::<f64>(), halves)
     }
 }
