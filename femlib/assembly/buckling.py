@@ -16,7 +16,7 @@ from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
 from femlib.arrays import FloatArray
 from femlib.assembly.factors import factorise
-from femlib.assembly.point_strains import point_strains
+from femlib.assembly.integration import point_strains
 from femlib.assembly.shells import Shells, assemble
 from femlib.assembly.supports import Supports
 from femlib.elements import quad4, tria3

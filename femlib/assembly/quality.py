@@ -14,7 +14,7 @@ import numpy as np
 
 from femlib.arrays import FloatArray
 from femlib.assembly.factors import factorise
-from femlib.assembly.point_strains import PointStrains, point_strains
+from femlib.assembly.integration import PointStrains, point_strains
 from femlib.assembly.shells import Shells
 from femlib.assembly.supports import Supports
 from femlib.errors import InputError, SolveError, frozen_floats, is_number
