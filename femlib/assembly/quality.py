@@ -18,15 +18,12 @@ from femlib.assembly.factors import factorise
 from femlib.assembly.shells import Shells
 from femlib.assembly.supports import Supports
 from femlib.elements import quad4, tria3
-from femlib.elements.frame import resultant_turn
 from femlib.elements.surface import GAUSS, frame, shape
 from femlib.errors import InputError, SolveError, frozen_floats, is_number
 from femlib.mesh import DOFS_PER_NODE
 
 MOST_ERROR = 0.03
 """Estimated error of the displacements beyond which a solution is refused."""
-MIDDLES = np.array([[0.5, 0.5, 0.0], [0.0, 0.5, 0.5], [0.5, 0.0, 0.5]])
-"""Area coordinates of the middles of a triangle's sides."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -178,17 +175,13 @@ def _kinds(shells: Shells, moved: FloatArray, factor: FloatArray) -> Iterator[_K
         if corners.shape[1] == quad4.N_NODES:
             places = [(r, s) for r, s in GAUSS.tolist()]
             operator = quad4.strain_operators(points, places, shells.axis, (shells.laminates, shells.section[part]))
-            rows, axes = np.stack([operator.membrane, operator.curvature], axis=2), operator.axes
             area = np.stack([frame(points, r, s, shells.axis).area for r, s in places], axis=1)
             shapes = np.array([shape(r, s) for r, s in places])
         else:
-            operators = [tria3.strain_operator(own) for own in points]
-            constant = np.array([[o.membrane, o.curvature] for o in operators]).reshape(-1, 1, 2, 3, tria3.N_DOFS)
-            own_axes = np.array([o.axes for o in operators]).reshape(-1, 3, 3)
-            rows, axes = np.repeat(constant, 3, axis=1), np.repeat(own_axes[:, None], 3, axis=1)
-            area, shapes = triangle, MIDDLES
-            turn = resultant_turn(own_axes, shells.axis)[:, None]
-            held = turn @ held @ turn.swapaxes(-1, -2)
+            sections = shells.laminates, shells.section[part]
+            operator = tria3.strain_operators(points, tria3.MIDDLES, shells.axis, sections)
+            area, shapes = triangle, tria3.MIDDLES
+        rows, axes = np.stack([operator.membrane, operator.curvature], axis=2), operator.axes
         yield _Kind(
             corners=corners,
             group=corners * len(mesh.patches) + mesh.patch_of_element[part, None],
