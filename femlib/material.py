@@ -125,6 +125,8 @@ class Laminate:
         Force (3,) [N/m/K] and moment (3,) [N/K] of one kelvin of hindered uniform warming.
     gradient_force, gradient_moment : FloatArray
         The same of a temperature z * (1 K/m): (3,) [N/(K/m)/m] and (3,) [N m/(K/m)/m].
+    plies : tuple of Ply
+        What it was stacked from, bottom first, for export; empty if not known.
     """
 
     membrane: FloatArray
@@ -139,6 +141,7 @@ class Laminate:
     thermal_moment: FloatArray
     gradient_force: FloatArray
     gradient_moment: FloatArray
+    plies: tuple[Ply, ...] = ()
 
     def __post_init__(self) -> None:
         if not is_number(self.thickness) or not self.thickness > 0.0:
@@ -224,6 +227,7 @@ def laminate(plies: Sequence[Ply]) -> Laminate:
         thermal_moment=powers[1] @ free,
         gradient_force=powers[1] @ free,
         gradient_moment=powers[2] @ free,
+        plies=tuple(plies),
     )
 
 

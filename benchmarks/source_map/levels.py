@@ -83,6 +83,7 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
         "elements": 3,
         "assembly": 4,
         "components": 5,
+        "export": 5,
         "rom": 6,
         "sensors": 7,
         "calibration": 8,

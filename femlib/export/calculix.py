@@ -1,0 +1,196 @@
+"""Any shells as a CalculiX deck: quadratic shells (S8R, S6) on the same corners, or the same linear ones (S4, S3).
+
+Quadratic shells have nodes added at the edges' middles, so that the deck is another discretisation, not the same
+elements again. A middle is held where both ends of its edge are; nodal loads stay at the corners. Laminates go out as
+their plies (`Laminate.plies`): an isotropic ply by modulus and Poisson's ratio, an orthotropic one with an orientation
+of its own for each direction that its elements have; what the plies leave open is E_3 = E_2, nu_13 = nu_23 = nu_12.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from femlib.arrays import FloatArray, IntArray
+from femlib.assembly import Shells, Supports
+from femlib.errors import InputError, frozen_floats, frozen_ints, is_number, is_whole
+from femlib.export.calculix_sections import sections
+from femlib.files import whole_file
+from femlib.mesh import DOFS_PER_NODE, Mesh
+
+Analysis = Literal["linear", "large deflection", "frequencies", "buckling"]
+KINDS = {True: ("S8R", "S6"), False: ("S4", "S3")}
+"""CalculiX's names of quadrilaterals and triangles, quadratic or not."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Deck:
+    """What a deck says.
+
+    Attributes
+    ----------
+    shells : Shells
+        Mesh, laminates with their plies, factors on the stiffness.
+    supports : Supports
+        What is held.
+    load : FloatArray
+        Nodal forces and moments (n_dofs,) [N, N m].
+    is_quadratic : bool
+        S8R and S6 with nodes at the edges' middles, else S4 and S3.
+    factor : FloatArray, optional
+        Factor on each element's stiffness (n_elements,) besides that of the shells, for damage.
+    temperature : tuple of float
+        Warming of all nodes [K] and its growth toward each shell's top side [K/m].
+    expansion_factor : FloatArray, optional
+        Factor on each element's thermal expansion (n_elements,), for warming by element.
+    analysis : str
+        "linear", "large deflection", "frequencies" or "buckling".
+    n_modes : int
+        Frequencies or buckling factors wanted.
+    printed : IntArray, optional
+        Elements whose strains at the integration points are printed.
+    middles : FloatArray, optional
+        Places of the edges' middles (n_edges, 3) [m] in the order of `edges`; between the ends if not given.
+    middle_load : FloatArray, optional
+        Forces and moments there (n_edges, 6) [N, N m].
+
+    Raises
+    ------
+    InputError
+        If an array has the wrong shape, the analysis has no such name, or nodes are given to edges that have none.
+    """
+
+    shells: Shells
+    supports: Supports
+    load: FloatArray
+    is_quadratic: bool = True
+    factor: FloatArray | None = None
+    temperature: tuple[float, float] = (0.0, 0.0)
+    expansion_factor: FloatArray | None = None
+    analysis: Analysis = "linear"
+    n_modes: int = 4
+    printed: IntArray | None = None
+    middles: FloatArray | None = None
+    middle_load: FloatArray | None = None
+
+    def __post_init__(self) -> None:
+        mesh = self.shells.mesh
+        n, n_edges = mesh.n_elements, len(edges(mesh)[0])
+        object.__setattr__(self, "load", frozen_floats(self.load, "load", (mesh.n_dofs,)))
+        for name, shape in (
+            ("factor", (n,)),
+            ("expansion_factor", (n,)),
+            ("middles", (n_edges, 3)),
+            ("middle_load", (n_edges, DOFS_PER_NODE)),
+        ):
+            if getattr(self, name) is not None:
+                object.__setattr__(self, name, frozen_floats(getattr(self, name), name, shape))
+        self._check()
+
+    def _check(self) -> None:
+        if self.analysis not in Analysis.__args__:  # type: ignore[attr-defined]
+            raise InputError(f"analysis is {self.analysis!r}; expected one of {list(Analysis.__args__)}; correct it")  # type: ignore[attr-defined]
+        if self.supports.n_dofs != self.shells.mesh.n_dofs:
+            raise InputError(
+                f"supports have {self.supports.n_dofs} degrees of freedom; expected the mesh's "
+                f"{self.shells.mesh.n_dofs}; hold the same mesh"
+            )
+        if not is_whole(self.n_modes) or self.n_modes < 1:
+            raise InputError(f"n_modes is {self.n_modes!r}; expected a whole number from 1; correct it")
+        if not self.is_quadratic and (self.middles is not None or self.middle_load is not None):
+            raise InputError("middles are given to linear shells; expected none; make the deck quadratic")
+        if len(self.temperature) != 2 or not all(is_number(value) for value in self.temperature):
+            raise InputError(f"temperature is {self.temperature!r}; expected [K] and [K/m]; give two numbers")
+        if self.analysis == "buckling" and any(self.temperature):
+            raise InputError(
+                f"temperature is {self.temperature!r} in a buckling analysis; expected 0, as CalculiX has none there; "
+                "leave it out"
+            )
+        if self.printed is not None:
+            frozen_ints(self.printed, "printed elements", (-1,))
+
+    def lines(self) -> list[str]:
+        """Return the deck line by line."""
+        shells, n = self.shells, self.shells.mesh.n_elements
+        factor = shells.scale if self.factor is None else shells.scale * self.factor
+        warm = np.ones(n) if self.expansion_factor is None else self.expansion_factor
+        return [*self._geometry(), *sections(shells, factor, warm, self.is_quadratic), *self._step()]
+
+    def _geometry(self) -> list[str]:
+        mesh = self.shells.mesh
+        ends, quads, trias = edges(mesh)
+        extra = mesh.nodes[ends].mean(axis=1) if self.middles is None else self.middles
+        nodes = np.concatenate([mesh.nodes, extra]) if self.is_quadratic else mesh.nodes
+        lines = ["** femlib; SI units (N, m, kg, K)", "*NODE, NSET=ALL"]
+        lines += [f"{k + 1}, {x:.11e}, {y:.11e}, {z:.11e}" for k, (x, y, z) in enumerate(nodes)]
+        first = 1
+        for kind, corners, middle in zip(
+            KINDS[self.is_quadratic], (mesh.quads, mesh.trias), (quads, trias), strict=True
+        ):
+            joined = np.concatenate([corners, len(mesh.nodes) + middle], axis=1) if self.is_quadratic else corners
+            lines += _rows(f"*ELEMENT, TYPE={kind}", first, joined + 1)
+            first += len(joined)
+        lines += [*_listed("*NSET, NSET=CORNERS", np.arange(len(mesh.nodes))), *self._held(ends)]
+        return lines + ([] if self.printed is None else _listed("*ELSET, ELSET=PRINTED", self.printed))
+
+    def _held(self, ends: IntArray) -> list[str]:
+        held = np.ones(self.supports.n_dofs, dtype=bool)
+        held[self.supports.free] = False
+        at_nodes = held.reshape(-1, DOFS_PER_NODE)
+        if self.is_quadratic:
+            at_nodes = np.concatenate([at_nodes, at_nodes[ends].all(axis=1)])
+        return ["*BOUNDARY", *(f"{node + 1}, {axis + 1}, {axis + 1}" for node, axis in np.argwhere(at_nodes))]
+
+    def _step(self) -> list[str]:
+        if self.analysis == "frequencies":
+            return ["*STEP", "*FREQUENCY", f"{self.n_modes}", "*END STEP"]
+        is_warm = self.analysis != "buckling"
+        lines = ["*INITIAL CONDITIONS, TYPE=TEMPERATURE", "ALL, 0."] if is_warm else []
+        lines += ["*STEP" + (", NLGEOM" if self.analysis == "large deflection" else "")]
+        lines += ["*BUCKLE", f"{self.n_modes}"] if self.analysis == "buckling" else ["*STATIC"]
+        if self.analysis == "large deflection":
+            lines.append("1., 1.")  # the whole load at once: CalculiX halves it by itself where it must
+        lines += ["*TEMPERATURE", "ALL, {}, {}".format(*self.temperature)] if is_warm else []
+        lines.append("*CLOAD")
+        forces = self.load.reshape(-1, DOFS_PER_NODE)
+        if self.middle_load is not None:
+            forces = np.concatenate([forces, self.middle_load])
+        lines += [f"{n + 1}, {axis + 1}, {forces[n, axis]:.9e}" for n, axis in np.argwhere(forces != 0.0)]
+        printed = [] if self.printed is None else ["*EL PRINT, ELSET=PRINTED", "E"]
+        return [*lines, *printed, "*NODE FILE, OUTPUT=2D", "U", "*END STEP"]
+
+
+def write_deck(deck: Deck, path: str | Path) -> None:
+    """Write a deck, whole or not at all.
+
+    Raises
+    ------
+    InputError
+        If the ending is not .inp, the folder cannot be written to, or a laminate does not say what its plies are.
+    """
+    target = Path(path)
+    if target.suffix != ".inp":
+        raise InputError(f"deck path {target} ends in {target.suffix!r}; expected .inp; rename it")
+    lines = deck.lines()
+    with whole_file(target) as temporary:
+        temporary.write_text("\n".join(lines) + "\n", encoding="ascii")
+
+
+def edges(mesh: Mesh) -> tuple[IntArray, IntArray, IntArray]:
+    """Return the ends of all edges (n_edges, 2) and the edges of each element, (n_quads, 4) and (n_trias, 3)."""
+    sides = [np.stack([c, np.roll(c, -1, axis=1)], axis=-1).reshape(-1, 2) for c in (mesh.quads, mesh.trias)]
+    ends, place = np.unique(np.sort(np.concatenate(sides), axis=1), axis=0, return_inverse=True)
+    split = mesh.quads.size
+    return ends, place.ravel()[:split].reshape(-1, 4), place.ravel()[split:].reshape(-1, 3)
+
+
+def _rows(card: str, first: int, rows: IntArray) -> list[str]:
+    """Return a card and numbered rows, nothing for none: CalculiX refuses an empty block."""
+    numbered = [f"{first + k}, " + ", ".join(map(str, row)) for k, row in enumerate(rows)]
+    return [card, *numbered] if numbered else []
+
+
+def _listed(card: str, numbers: Sequence[int] | IntArray) -> list[str]:
+    return [card, *(f"{number + 1}," for number in numbers)]

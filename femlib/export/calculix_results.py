@@ -1,0 +1,89 @@
+"""What CalculiX found: displacements from its .frd file, frequencies and buckling factors from its .dat file."""
+
+from pathlib import Path
+
+import numpy as np
+
+from femlib.arrays import FloatArray
+from femlib.errors import InputError
+from femlib.files import read_bytes
+
+START, WIDTH = 13, 12
+"""Columns of a row of displacements: 3 of a mark, 10 of the node, then numbers 12 wide."""
+
+
+def read_displacements(path: str | Path, n_nodes: int) -> FloatArray:
+    """Return the translations (n_nodes, 3) [m] of the first nodes in the last increment of a result (.frd).
+
+    Raises
+    ------
+    InputError
+        If the file is missing or lacks a node.
+    """
+    text = read_bytes(Path(path), "CalculiX's .frd file; run the deck").decode("ascii", errors="replace")
+    found = np.full((n_nodes, 3), np.nan)
+    is_in = False
+    for number, line in enumerate(text.splitlines(), start=1):
+        if line.startswith(" -4"):
+            is_in = line.split()[1:2] == ["DISP"]
+            if is_in:
+                found[:] = np.nan
+        elif is_in and line.startswith(" -1"):
+            _read_row(line, found, f"{path}, line {number}")
+        elif line.startswith(" -3"):
+            is_in = False
+    missing = np.flatnonzero(~np.isfinite(found).all(axis=1))
+    if missing.size:
+        raise InputError(
+            f"{path} has no displacement of node {missing[0] + 1}; expected {n_nodes} nodes; run the deck again"
+        )
+    return found
+
+
+def _read_row(line: str, found: FloatArray, where: str) -> None:
+    try:
+        node = int(line[3:START]) - 1
+        values = [float(line[START + WIDTH * k : START + WIDTH * (k + 1)]) for k in range(3)]
+    except ValueError as error:
+        raise InputError(f"{where}: {line.strip()[:60]!r} is no row of displacements; run the deck again") from error
+    if 0 <= node < len(found):
+        found[node] = values
+
+
+def read_frequencies(path: str | Path) -> FloatArray:
+    """Return the natural frequencies [Hz] of a result (.dat), lowest first.
+
+    Raises
+    ------
+    InputError
+        If the file is missing or has none.
+    """
+    # columns: mode, eigenvalue, omega [rad/s], frequency [Hz], imaginary part
+    return _column(path, "E I G E N V A L U E   O U T P U T", 5, 3)
+
+
+def read_buckling_factors(path: str | Path) -> FloatArray:
+    """Return the factors on the load at which the structure buckles, in the order of a result (.dat).
+
+    Raises
+    ------
+    InputError
+        If the file is missing or has none.
+    """
+    return _column(path, "B U C K L I N G   F A C T O R   O U T P U T", 2, 1)
+
+
+def _column(path: str | Path, title: str, width: int, column: int) -> FloatArray:
+    """Return one column of the table under a title."""
+    text = read_bytes(Path(path), "CalculiX's .dat file; run the deck").decode("ascii", errors="replace")
+    table = text.partition(title)[2].partition("P A R T I C I P A T I O N")[0]
+    rows = [line.split() for line in table.splitlines()]
+    try:
+        values = [float(row[column]) for row in rows if len(row) == width and row[0].isdigit()]
+    except ValueError as error:
+        raise InputError(
+            f"{path} has a number that is none ({error}); expected CalculiX's; run the deck again"
+        ) from error
+    if not values:
+        raise InputError(f"{path} has no table {title!r}; expected one; run the deck")
+    return np.array(values)
