@@ -28,7 +28,7 @@ pytest: $(VENV)/.installed-test
 	MAKEFLAGS= OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loadscope-reorder -r s
 
 lint: lint-python
-	cd octmip/native && cargo fmt --all --check && cargo clippy --release --quiet --workspace --all-targets --features python -- -D warnings
+	cd octmip/native && cargo fmt --all --check && cargo clippy --profile checks --quiet --workspace --all-targets --features python -- -D warnings
 
 lint-python-then-rust: lint-python
 	$(MAKE) lint-rust
@@ -40,7 +40,7 @@ lint-python: $(VENV)/.packages-test
 
 lint-rust: | tools
 	cd octmip/native && cargo fmt --all --check && cargo test --profile checks --quiet --workspace
-	cd octmip/native && cargo clippy --release --quiet --workspace --all-targets --features python -- -D warnings
+	cd octmip/native && cargo clippy --profile checks --quiet --workspace --all-targets --features python -- -D warnings
 
 # An abi3 wheel and the source distribution in dist/. Linked by zig the wheel runs on every Linux since 2014
 # (manylinux2014); without zig maturin's audit gives it the tag of this machine's C library.

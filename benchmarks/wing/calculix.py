@@ -99,14 +99,15 @@ def calculix_frequencies(wing: Wing) -> list[float]:
         write_deck(wing, deck, {}, 1.0)
         structure = deck.read_text(encoding="ascii").partition("*INITIAL CONDITIONS")[0]
         deck.write_text(f"{structure}*STEP\n*FREQUENCY\n{N_MODES}\n*END STEP\n", encoding="ascii")
-        _run(folder)
+        run_deck(folder)
         text = (Path(folder) / "wing.dat").read_text(encoding="ascii")
     rows = [line.split() for line in text.partition("P A R T I C I P A T I O N")[0].splitlines()]
     # columns: mode, eigenvalue, omega [rad/s], frequency [Hz], imaginary part
     return [float(row[3]) for row in rows if len(row) == 5 and row[0].isdigit()]
 
 
-def _run(folder: str) -> None:
+def run_deck(folder: str) -> None:
+    """Solve the deck wing.inp of a folder on one thread."""
     one_thread = {**os.environ, "OMP_NUM_THREADS": "1"}
     subprocess.run(["ccx", "wing"], cwd=folder, check=True, capture_output=True, env=one_thread)
 
@@ -123,7 +124,7 @@ def calculix(wing: Wing, state: dict[str, float], lattice: bool, large: bool) ->
     with tempfile.TemporaryDirectory() as folder:
         deck = Path(folder) / "wing.inp"
         write_deck(wing, deck, state, LOAD_FACTOR, large_deflection=large, lift=lift_of(wing, lattice))
-        _run(folder)
+        run_deck(folder)
         return read_gauges(wing, Path(folder) / "wing.dat")
 
 

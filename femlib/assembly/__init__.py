@@ -1,5 +1,6 @@
 """From elements to the system K u = f: assembly, supports, factors and consistent loads."""
 
+from femlib.assembly.buckling import BucklingMode, buckling_modes, geometric_stiffness
 from femlib.assembly.deflection import CorotatedShells, Deflection, deflect
 from femlib.assembly.factors import Factors, factored_by, factorise
 from femlib.assembly.loads import line_load, surface_load, thermal_forces, thermal_load
@@ -9,6 +10,7 @@ from femlib.assembly.shells import Shells, assemble
 from femlib.assembly.supports import Supports
 
 __all__ = [
+    "BucklingMode",
     "CorotatedShells",
     "Deflection",
     "Factors",
@@ -17,10 +19,12 @@ __all__ = [
     "Shells",
     "Supports",
     "assemble",
+    "buckling_modes",
     "checked_solution",
     "deflect",
     "factored_by",
     "factorise",
+    "geometric_stiffness",
     "line_load",
     "natural_modes",
     "point_masses",

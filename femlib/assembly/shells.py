@@ -69,9 +69,15 @@ class Shells:
         """The elements' matrices (n_quads, 24, 24) and (n_trias, 18, 18) in global axes."""
         return self._matrices
 
-    def stiffness(self, elements: BoolArray | None = None) -> sparse.csc_array:
-        """Return the stiffness (n_dofs, n_dofs), of all elements or of those where `elements` (n_elements,) is true."""
-        return assemble(self.mesh, *self._matrices, elements)
+    def stiffness(self, elements: BoolArray | None = None, factor: FloatArray | None = None) -> sparse.csc_array:
+        """Return the stiffness (n_dofs, n_dofs), of all elements or of those where `elements` (n_elements,) is true.
+
+        `factor` (n_elements,) scales each element's, for damage.
+        """
+        if factor is None:
+            return assemble(self.mesh, *self._matrices, elements)
+        scale, k = frozen_floats(factor, "factor", (self.mesh.n_elements,))[:, None, None], len(self.mesh.quads)
+        return assemble(self.mesh, self._matrices[0] * scale[:k], self._matrices[1] * scale[k:], elements)
 
     def mass(self) -> sparse.csc_array:
         """Return the consistent mass matrix (n_dofs, n_dofs) [kg, kg m, kg m^2]."""

@@ -108,6 +108,20 @@ def strain_operators(
     return StrainOperator(rows[:, :, :3], rows[:, :, 3:], axes)
 
 
+def slope_rows(points: FloatArray, places: Sequence[tuple[float, float]], axis: FloatArray) -> FloatArray:
+    """Return the rows (n, n_places, 2, 3, 24) of du along both axes, in global components, arguments as above.
+
+    The normal displacement is linked to the corners' rotations: it is quadratic along a side whose ends turn apart.
+    """
+    rows = np.empty((len(points), len(places), 2, 3, N_DOFS))
+    for part in _parts(len(points)):
+        elements = Elements.of(points[part])
+        for k, (r, s) in enumerate(places):
+            local = frame(elements.points, r, s, axis)
+            rows[part, k] = np.einsum("nba,naij->nbij", local.along, elements.linked_slopes(r, s, local.axes[:, :, 2]))
+    return rows
+
+
 def _parts(n: int) -> Iterator[slice]:
     return (slice(first, min(first + AT_ONCE, n)) for first in range(0, n, AT_ONCE))
 

@@ -31,6 +31,12 @@ from femlib.elements.surface import Frame, corner_normals, frame, shape, slopes,
 
 N_DOFS = 24
 SIDES = ((0, 1), (1, 2), (2, 3), (3, 0))
+ALONG = np.array([[1.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, 1.0]])
+"""Which sides run along r and along s (2, 4)."""
+LINKED = np.sqrt(2.0)
+"""More than 1, so that the geometric stiffness errs as the stiffness does, by (k h)^2 / 12 for a wave number k, and
+buckling loads converge with the fourth power of the step h. A square plate's first two, compressed, with 12 elements a
+side: -0.1 and -1.0 %; with 1 0.4 and 1.3 %, without rotations 1.0 and 3.7 %; in shear 0.4, 2.0 and 6.2 %."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -100,6 +106,22 @@ class Elements:
         return np.asarray(
             _displacement_slopes(len(self.points), r, s) + np.einsum("ak,nkij->naij", _bubble_slopes(r, s), self.side)
         )
+
+    def linked_slopes(self, r: float, s: float, normal: FloatArray) -> FloatArray:
+        """Return the rows of d(u + a) by r and by s (n, 2, 3, 24) with w = u . normal (n, 3) linked to the rotations.
+
+        Between the ends of a side, w,r = (w_j - w_i) / 2 - LINKED / 4 (beta_j - beta_i) . (x_j - x_i) rho, rho from -1
+        to 1: with LINKED = 1 the slope of the directors, which a thin shell's surface follows.
+        """
+        turn = -skew(self.normals)  # beta of a corner by its rotation
+        edges = np.roll(self.points, -1, axis=1) - self.points
+        rows = np.zeros((len(self.points), 4, 4, 6))
+        for k, (i, j) in enumerate(SIDES):
+            rows[:, k, j, 3:] += np.einsum("na,nab->nb", edges[:, k], turn[:, j])
+            rows[:, k, i, 3:] -= np.einsum("na,nab->nb", edges[:, k], turn[:, i])
+        along = LINKED / 8.0 * ALONG * _bubble_slopes(r, s)
+        bubbles = np.einsum("ak,nkj->naj", along, rows.reshape(-1, 4, N_DOFS))
+        return np.asarray(self.slopes(r, s) + normal[:, None, :, None] * bubbles[:, :, None])
 
     def _director_slopes(self, r: float, s: float) -> FloatArray:
         """Return the rows of d(beta) by r and by s (n, 2, 3, 24)."""

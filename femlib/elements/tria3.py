@@ -14,6 +14,7 @@ import numpy as np
 
 from femlib.arrays import FloatArray, IntArray
 from femlib.elements.frame import StrainOperator, moduli
+from femlib.elements.rotations import skew
 from femlib.elements.tria3_rows import N_DOFS, WITH_BUBBLE, Triangles, bending_factor
 from femlib.material import Laminate
 
@@ -90,6 +91,27 @@ def strain_operators(
         np.repeat(curved[:, None], n_places, axis=1),
         np.repeat(triangles.axes[:, None], n_places, axis=1),
     )
+
+
+def slope_rows(points: FloatArray, axes: FloatArray) -> FloatArray:
+    """Return the rows (n, 3, 2, 3, 18) of du along `axes` (n, 3, 3) at the sides' middles, as the quadrilateral's."""
+    flat = points @ axes[:, :, :2]
+    sides = np.stack([flat[:, 1] - flat[:, 0], flat[:, 2] - flat[:, 0]], axis=1)
+    shares = np.linalg.solve(sides, np.broadcast_to([[-1.0, 1.0, 0.0], [-1.0, 0.0, 1.0]], (len(points), 2, 3)))
+    rows = np.zeros((len(points), 3, 2, 3, 3, 6))
+    for i in range(3):
+        rows[:, :, :, i, :, i] = shares[:, None]
+    normal = axes[:, :, 2]
+    turn = -skew(normal)
+    for i, j in ((0, 1), (1, 2), (2, 0)):
+        # b = 4 L_i L_j / 8 (beta_j - beta_i) . (x_j - x_i) along the normal
+        held = np.einsum("na,nab->nb", points[:, j] - points[:, i], turn) / 2.0
+        for place, area in enumerate(MIDDLES):
+            slope = area[i] * shares[:, :, j] + area[j] * shares[:, :, i]
+            bubble = slope[:, :, None, None] * normal[:, None, :, None] * held[:, None, None, :]
+            rows[:, place, :, :, j, 3:] += bubble
+            rows[:, place, :, :, i, 3:] -= bubble
+    return rows.reshape(len(points), 3, 2, 3, N_DOFS)
 
 
 def _parts(n: int) -> Iterator[slice]:

@@ -4,6 +4,7 @@ from femlib.wing.aerodynamics import AeroLoad, FlightPoint, vortex_lattice
 from femlib.wing.bent import BentWing, bend
 from femlib.wing.inertia import inertial_load
 from femlib.wing.model import Wing, published_wing, uav_wing
+from femlib.wing.modes import buckle, vibrate
 from femlib.wing.reduced import ReducedWing, reduce_wing
 from femlib.wing.twin import WingModel, WingTwin, full_twin, reduced_twin, saved_twin, uav_twin
 
@@ -16,6 +17,7 @@ __all__ = [
     "WingModel",
     "WingTwin",
     "bend",
+    "buckle",
     "full_twin",
     "inertial_load",
     "published_wing",
@@ -24,5 +26,6 @@ __all__ = [
     "saved_twin",
     "uav_twin",
     "uav_wing",
+    "vibrate",
     "vortex_lattice",
 ]

@@ -1,0 +1,71 @@
+"""What damage does to the wing's buckling load, beside CalculiX.
+
+    python -m benchmarks.wing.buckling [--refinement R] [--calculix]
+
+Prints Markdown: the least load factors at which the wing buckles, in states of damage. With --calculix (needs `ccx`)
+also those of quadratic shells on the same corners.
+"""
+
+import argparse
+import shutil
+import sys
+import tempfile
+from pathlib import Path
+
+from benchmarks.wing.calculix import run_deck
+from femlib.wing import Wing, buckle, published_wing
+from femlib.wing.export.calculix import write_deck
+
+N_MODES = 2
+STATES: tuple[dict[str, float], ...] = (
+    {},
+    {"mu1": 0.4},
+    {"mu1": 0.8},
+    {"mu2": 0.4},
+    {"mu2": 0.8},
+    {"mu1": 0.8, "mu2": 0.8},
+)
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(prog="benchmarks.wing.buckling", description=__doc__)
+    parser.add_argument("--refinement", type=float, default=1.0)
+    parser.add_argument("--calculix", action="store_true", help="solve the same states by CalculiX")
+    options = parser.parse_args()
+    if options.calculix and shutil.which("ccx") is None:
+        sys.exit("ccx is not on the path; install CalculiX (Debian package calculix-ccx)")
+    wing = published_wing(refinement=options.refinement)
+    print("| state | load factors, femlib |" + (" CalculiX | first, difference |" if options.calculix else ""))
+    print("|---|---|" + ("---|---|" if options.calculix else ""))
+    for state in STATES:
+        ours = [mode.factor for mode in buckle(wing, state, N_MODES)]
+        cells = [", ".join(f"{name} {100 * mu:.0f} %" for name, mu in state.items()) or "undamaged", _listed(ours)]
+        if options.calculix:
+            theirs = calculix_factors(wing, state)
+            cells += [_listed(theirs), f"{100 * (ours[0] / theirs[0] - 1.0):+.1f} %"]
+        print("| " + " | ".join(cells) + " |", flush=True)
+
+
+def calculix_factors(wing: Wing, state: dict[str, float]) -> list[float]:
+    """Return the load factors at which CalculiX's model of the wing buckles."""
+    with tempfile.TemporaryDirectory() as folder:
+        deck = Path(folder) / "wing.inp"
+        write_deck(wing, deck, state, 1.0)
+        # a step of buckling takes no temperature and prints no strains
+        structure, _, step = deck.read_text(encoding="ascii").partition("*INITIAL CONDITIONS")
+        forces = step.partition("*CLOAD")[2].partition("*EL PRINT")[0]
+        ending = f"*STEP\n*BUCKLE\n{N_MODES}\n*CLOAD{forces}*END STEP\n"
+        deck.write_text(structure + ending, encoding="ascii")
+        run_deck(folder)
+        result = (Path(folder) / "wing.dat").read_text(encoding="ascii")
+    rows = [line.split() for line in result.partition("B U C K L I N G")[2].splitlines()]
+    return [float(row[1]) for row in rows if len(row) == 2 and row[0].isdigit()]
+
+
+def _listed(factors: list[float]) -> str:
+    return ", ".join(f"{factor:.3g}" for factor in factors)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,116 @@
+"""Linear buckling of a supported structure: (K + factor K_sigma) phi = 0, the load times `factor` being critical.
+
+K_sigma = sum over the integration points of area N_ab u,a . u,b holds what the membrane forces N of the given load do
+along all three displacements; the work of the moments on curvatures is left out. Displacements before buckling count
+as small.
+
+Sources: K.-J. Bathe, Finite Element Procedures (1996), section 6.8.2 (linearised buckling); eigenvalues by ARPACK
+(Lehoucq, Sorensen, Yang 1998) with K as the inner product.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sparse
+from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
+
+from femlib.arrays import FloatArray
+from femlib.assembly.factors import factorise
+from femlib.assembly.integration import point_strains
+from femlib.assembly.shells import Shells, assemble
+from femlib.assembly.supports import Supports
+from femlib.elements import quad4, tria3
+from femlib.elements.surface import GAUSS
+from femlib.errors import InputError, SolveError, frozen_floats, is_whole
+from femlib.mesh import DOFS_PER_NODE
+
+TOLERANCE = 1e-9
+"""Accuracy of 1 / factor over its largest magnitude."""
+LEAST = 1e-6
+"""Least 1 / factor over its largest magnitude, tension's included, that counts as buckling."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BucklingMode:
+    """A way to buckle.
+
+    Attributes
+    ----------
+    factor : float
+        Factor on the given load at which the structure buckles so, above 0.
+    shape : FloatArray
+        Displacements (n_dofs,), the largest translation 1.
+    """
+
+    factor: float
+    shape: FloatArray
+
+
+def geometric_stiffness(
+    shells: Shells, displacements: FloatArray, factor: FloatArray | None = None
+) -> sparse.csc_array:
+    """Return K_sigma (n_dofs, n_dofs) [N/m] of shells that a load displaces by (n_dofs,) [m, rad].
+
+    `factor` (n_elements,) scales each element's stiffness, for damage.
+
+    Raises
+    ------
+    InputError
+        If a number of entries is wrong or one is not finite.
+    """
+    mesh = shells.mesh
+    moved = frozen_floats(displacements, "displacements", (mesh.n_dofs,)).reshape(-1, DOFS_PER_NODE)
+    scale = np.ones(mesh.n_elements) if factor is None else frozen_floats(factor, "factor", (mesh.n_elements,))
+    places = [(r, s) for r, s in GAUSS.tolist()]
+    matrices = []
+    for kind in point_strains(shells, moved, scale):
+        xx, yy, xy = np.moveaxis(kind.membrane_forces() * kind.area[:, :, None], 2, 0)
+        tension = np.moveaxis(np.array([[xx, xy], [xy, yy]]), (0, 1), (2, 3))
+        if kind.corners.shape[1] == quad4.N_NODES:
+            rows = quad4.slope_rows(kind.points, places, shells.axis)
+        else:
+            rows = tria3.slope_rows(kind.points, kind.axes[:, 0])
+        pulled = np.einsum("emab,embij->emaij", tension, rows)
+        matrices.append(np.einsum("emaik,email->ekl", rows, pulled, optimize=True))
+    return assemble(mesh, *matrices)
+
+
+def buckling_modes(
+    stiffness: sparse.csc_array, geometric: sparse.csc_array, supports: Supports, n_modes: int = 1
+) -> list[BucklingMode]:
+    """Return the modes of least positive factor, least first, of matrices (n_dofs, n_dofs) over all freedoms.
+
+    There may be fewer than `n_modes`: a structure that the load only pulls does not buckle.
+
+    Raises
+    ------
+    InputError
+        If the number of modes is none that the structure has.
+    SolveError
+        If the structure can move freely or the iteration does not converge.
+    """
+    if not is_whole(n_modes) or not 1 <= n_modes < len(supports.free) - 1:
+        raise InputError(f"n_modes is {n_modes!r}; expected 1 to {len(supports.free) - 2}; correct it")
+    held, pressed = supports.reduce(stiffness), supports.reduce(geometric)
+    if not np.abs(pressed.data).max(initial=0.0) > 0.0:
+        return []
+    factors = factorise(held, supports.groups)
+    inverse = LinearOperator(held.shape, matvec=factors.solve, dtype=np.float64)
+    # a fixed start vector makes the result the same in every run
+    start = np.cos(np.arange(held.shape[0], dtype=np.float64))
+    try:
+        most = np.abs(eigsh(pressed, 1, M=held, Minv=inverse, v0=start, tol=0.1, return_eigenvectors=False)[0])
+        # moved away from 0, where the many motions that the load does no work on would never converge
+        moved = sparse.csc_array(most * held - pressed)
+        found, shapes = eigsh(moved, n_modes, M=held, Minv=inverse, which="LA", v0=start, tol=TOLERANCE)
+    except ArpackError as error:
+        raise SolveError(f"{n_modes} buckling modes did not converge ({error}); ask for fewer") from error
+    inverses = found - most
+    order = [k for k in np.argsort(-inverses) if inverses[k] > LEAST * most]
+    return [BucklingMode(float(1.0 / inverses[k]), _scaled(supports.expand(shapes[:, k]))) for k in order]
+
+
+def _scaled(shape: FloatArray) -> FloatArray:
+    """Return a shape (n_dofs,) whose largest translation is 1."""
+    moved = shape.reshape(-1, DOFS_PER_NODE)[:, :3]
+    return np.asarray(shape / moved.ravel()[np.abs(moved).argmax()])
