@@ -21,6 +21,7 @@ EXTRA_OF = {
     "pypardiso": "pardiso",
     "aerosandbox": "aero",
     "pyvista": "pictures",
+    "meshio": "meshes",
 }
 """The extra of octmip (the distribution femlib comes with) that installs an optional package."""
 

@@ -88,6 +88,7 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
         "sensors": 7,
         "calibration": 8,
         "dataset": 8,
+        "structure": 9,
         "wing": 9,
     },
     "native": {

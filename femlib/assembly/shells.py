@@ -65,6 +65,11 @@ class Shells:
         object.__setattr__(self, "_matrices", (quads, trias))
 
     @property
+    def n_elements(self) -> int:
+        """Number of parts whose stiffness `stiffness` can tell apart."""
+        return self.mesh.n_elements
+
+    @property
     def element_stiffness(self) -> tuple[FloatArray, FloatArray]:
         """The elements' matrices (n_quads, 24, 24) and (n_trias, 18, 18) in global axes."""
         return self._matrices

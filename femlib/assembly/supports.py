@@ -11,6 +11,7 @@ from femlib.arrays import FloatArray, IntArray
 from femlib.errors import InputError, frozen_ints, is_whole
 from femlib.mesh import DOFS_PER_NODE, Mesh, dofs_of_nodes
 
+NO_LINKS = np.zeros((0, 2), dtype=np.int64)
 RIGID = 1e-12
 """A motion whose square at the held degrees of freedom is below this share of the largest is not held."""
 
@@ -42,8 +43,25 @@ class Supports:
             raise InputError("free degrees of freedom do not increase; expected each once, in order; sort them")
 
     @classmethod
-    def holding(cls, mesh: Mesh, held: Sequence[int] | IntArray) -> "Supports":
+    def holding(
+        cls,
+        mesh: Mesh,
+        held: Sequence[int] | IntArray,
+        links: IntArray = NO_LINKS,
+        grounded: IntArray = NO_LINKS[:, 0],
+    ) -> "Supports":
         """Hold the degrees of freedom `held`.
+
+        Parameters
+        ----------
+        mesh : Mesh
+            The shells.
+        held : sequence of int
+            Degrees of freedom at zero.
+        links : IntArray
+            Pairs of nodes (n, 2) that beams or springs join.
+        grounded : IntArray
+            Degrees of freedom that a spring to the ground resists: they stay free, but stop a rigid motion.
 
         Raises
         ------
@@ -51,12 +69,13 @@ class Supports:
             If a number is outside the mesh, nothing is held, or a part of the mesh can still move as a rigid body.
         """
         numbers = np.unique(frozen_ints(held, "held degrees of freedom", (-1,)))
-        if numbers.size == 0 or numbers[0] < 0 or numbers[-1] >= mesh.n_dofs:
+        is_held = numbers.size or len(grounded)
+        if not is_held or (numbers.size and (numbers[0] < 0 or numbers[-1] >= mesh.n_dofs)):
             raise InputError(
                 f"supports name {numbers.size} degrees of freedom, not all in 0 to {mesh.n_dofs - 1}; "
                 "expected at least six in the mesh; correct the numbers"
             )
-        _check_held(mesh, numbers)
+        _check_held(mesh, np.union1d(numbers, grounded), links)
         return cls(mesh.n_dofs, np.setdiff1d(np.arange(mesh.n_dofs), numbers))
 
     @classmethod
@@ -80,10 +99,10 @@ class Supports:
         return full
 
 
-def _check_held(mesh: Mesh, held: IntArray) -> None:
+def _check_held(mesh: Mesh, held: IntArray, links: IntArray) -> None:
     """Refuse supports under which a part of the mesh, elements joined by nodes, can move without straining."""
     n = len(mesh.nodes)
-    pairs = [(corners[:, :1], corners[:, 1:]) for corners in (mesh.quads, mesh.trias)]
+    pairs = [(corners[:, :1], corners[:, 1:]) for corners in (mesh.quads, mesh.trias, links)]
     first, other = (np.concatenate([np.broadcast_to(p[k], p[1].shape).ravel() for p in pairs]) for k in (0, 1))
     graph = sparse.coo_array((np.ones(len(first)), (first, other)), shape=(n, n))
     n_parts, part = connected_components(graph, directed=False)

@@ -116,7 +116,7 @@ class DamagedStructure:
                 f"supports are of {self.supports.n_dofs} degrees of freedom but the mesh has "
                 f"{self.shells.mesh.n_dofs}; expected those of this mesh; make them with Supports.holding"
             )
-        refuse_overlap(self.components, self.shells.mesh.n_elements)
+        refuse_overlap(self.components, self.shells.n_elements)
         condensed = tuple(condense(self.shells, self.supports, component) for component in self.components)
         object.__setattr__(self, "_condensed", condensed)
 

@@ -1,0 +1,265 @@
+"""A structure of the user's own: a named mesh with sections, supports and damage regions."""
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import scipy.sparse as sparse
+
+from femlib import sensors
+from femlib.arrays import FloatArray, IntArray
+from femlib.assembly import BuiltUp, Mode, Quality, Supports, natural_modes, solution_quality
+from femlib.components import Component, DamagedStructure, checked_damage, damage_row
+from femlib.errors import InputError, SolveError, frozen_floats
+from femlib.kept import ReadOnly
+from femlib.mesh import DOFS_PER_NODE
+from femlib.sensors import StrainGauge
+from femlib.structure import loads
+from femlib.structure.named_mesh import NamedMesh, listed
+from femlib.structure.parts import Parts, Section, Spring, parts_of
+
+MICRO = 1e6
+MOST_STRAIN = 50_000.0
+"""Largest strain [microstrain] that linear analysis gives out: metals yield at a tenth of it."""
+DIRECTIONS = ("x", "y", "z", "rx", "ry", "rz")
+"""Translations along and rotations about the global axes."""
+HELD = {"clamped": DIRECTIONS, "pinned": DIRECTIONS[:3]}
+"""Words for several of them."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Structure:
+    """A supported structure of shells, beams, springs and masses, with damage regions.
+
+    Attributes
+    ----------
+    mesh : NamedMesh
+        Nodes, elements, and their sets; from `read`.
+    sections : mapping
+        A `Laminate` for each set of shells, a `BeamSection` for each set of lines that are beams.
+    supports : mapping
+        What is held of each node set: "clamped", "pinned", or directions as "x z ry", in global axes.
+    damage : sequence of str
+        Element sets, or springs by name, whose stiffness may be lost; their names are the damage parameters.
+    masses : mapping
+        Mass of each node set [kg], shared equally by its nodes.
+    springs : sequence of Spring
+        Springs to the ground or between nodes.
+    axis : FloatArray
+        Global direction (3,) whose projection on a shell is its laminate's axis.
+    parts : Parts
+        The parts, numbered shells, beams, springs.
+    damaged : DamagedStructure
+        The same, ready to be solved in any damage state.
+
+    Raises
+    ------
+    InputError
+        If a name is unknown, a set empty, a shell without section, or a part can move freely.
+    """
+
+    mesh: NamedMesh
+    sections: Mapping[str, Section]
+    supports: Mapping[str, str]
+    damage: Sequence[str] = ()
+    masses: Mapping[str, float] = field(default_factory=lambda: ReadOnly({}))
+    springs: Sequence[Spring] = ()
+    axis: FloatArray = (1.0, 0.0, 0.0)  # type: ignore[assignment]  # frozen as an array below
+    parts: Parts = field(init=False, repr=False)
+    damaged: DamagedStructure = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.mesh, NamedMesh):
+            raise InputError(f"mesh is a {type(self.mesh).__name__}; expected a NamedMesh; make it with read")
+        object.__setattr__(self, "axis", frozen_floats(self.axis, "axis", (3,)))
+        for name in ("sections", "supports", "masses"):
+            if not isinstance(getattr(self, name), Mapping):
+                raise InputError(f"{name} are a {type(getattr(self, name)).__name__}; expected them by set name")
+            object.__setattr__(self, name, ReadOnly(getattr(self, name)))
+        if isinstance(self.damage, str):
+            raise InputError(f"damage is {self.damage!r}; expected a list of set names; put it in a list")
+        parts = parts_of(self.mesh, self.sections, self.masses, self.springs, self.axis)
+        object.__setattr__(self, "parts", parts)
+        held = _held(self.mesh, self.supports)
+        if not held.size and not len(parts.built.springs.grounded):
+            raise InputError(
+                "the structure has no support; expected nodes that are held, or springs to the ground; give supports"
+            )
+        supports = Supports.holding(parts.built.mesh, held, parts.built.links, parts.built.springs.grounded)
+        components = tuple(_component(self.mesh, parts, name) for name in self.damage)
+        object.__setattr__(self, "damaged", DamagedStructure(parts.built, supports, components))
+
+    @property
+    def built(self) -> BuiltUp:
+        """Shells, beams, springs and point masses."""
+        return self.parts.built
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the damage parameters: the columns of a state array."""
+        return self.damaged.parameters
+
+    @property
+    def total_mass(self) -> float:
+        """Mass of everything [kg]."""
+        along_x = np.tile([1.0, 0.0, 0.0, 0.0, 0.0, 0.0], len(self.mesh.nodes))
+        return float(along_x @ (self.built.mass() @ along_x))
+
+    @property
+    def model_hash(self) -> str:
+        """SHA-256 of everything that the stiffness depends on."""
+        digest = hashlib.sha256()
+        stiffness = self.built.stiffness()
+        for array in (self.mesh.nodes, stiffness.data, stiffness.indices, self.damaged.supports.free):
+            digest.update(np.ascontiguousarray(array).tobytes())
+        for component in self.damaged.components:
+            digest.update(component.name.encode() + component.elements.tobytes())
+        return digest.hexdigest()
+
+    def pressure(self, name: str, pressure: float) -> FloatArray:
+        """Return nodal forces (n_dofs,) of a pressure [Pa] on an element set, positive toward the shells' top sides."""
+        return loads.pressure_load(self.mesh, self.built, name, pressure)
+
+    def point_load(self, name: str, force: Sequence[float], moment: Sequence[float] = (0.0, 0.0, 0.0)) -> FloatArray:
+        """Return nodal forces (n_dofs,) of a force [N] and a moment [N m], shared equally by the nodes of a set."""
+        return loads.point_load(self.mesh, name, force, moment)
+
+    def line_load(self, name: str, force: Sequence[float]) -> FloatArray:
+        """Return nodal forces (n_dofs,) of a force per length (3,) [N/m] along the lines or edges of a set."""
+        return loads.line_load(self.mesh, name, force)
+
+    def gravity(self, acceleration: Sequence[float] = (0.0, 0.0, -9.80665)) -> FloatArray:
+        """Return the weight (n_dofs,) of all parts and masses under an acceleration (3,) [m/s^2]."""
+        return loads.gravity_load(self.built, acceleration)
+
+    def solve(self, state: Mapping[str, float], load: FloatArray) -> FloatArray:
+        """Return the displacements (n_nodes, 6) [m, rad] of a state of named damage fractions under nodal forces.
+
+        Raises
+        ------
+        InputError
+            If the state names an unknown parameter, a damage is outside [0, 1), or the load is not finite.
+        SolveError
+            If the displacements are larger than the structure.
+        """
+        row = damage_row(state, self.parameters)[None, :]
+        moved = self.damaged.solve(row, load)[0].reshape(-1, DOFS_PER_NODE)
+        size = self.built.mesh.size
+        most = float(np.abs(moved[:, :3]).max())
+        if not most <= size:
+            raise SolveError(
+                f"the structure moves by {most:.3g} m, more than its size of {size:.3g} m; expected small motion; "
+                "check that lengths are in m, forces in N, moduli in Pa"
+            )
+        return np.asarray(moved)
+
+    def strain_rows(self, gauges: Sequence[StrainGauge]) -> sparse.csr_array:
+        """Return the map (n_gauges, n_dofs) from displacements to strain, tension positive [-].
+
+        A gauge's `patches` are names of element sets.
+
+        Raises
+        ------
+        InputError
+            If a gauge names an unknown set, lies off its shells or measures along their normal.
+        """
+        built = self.built
+        thickness = np.array([own.thickness for own in built.laminates])[built.section]
+        return sensors.strain_rows(built.mesh, thickness, [self._on_patches(gauge) for gauge in gauges])
+
+    def strain_microstrain(
+        self, state: Mapping[str, float], load: FloatArray, gauges: Sequence[StrainGauge]
+    ) -> FloatArray:
+        """Return the gauge strains (n_gauges,) of a state of named damage fractions, tension positive.
+
+        Raises
+        ------
+        InputError, SolveError
+            As `solve` and `strain_rows`, or if a strain exceeds `MOST_STRAIN`.
+        """
+        return checked_strains(MICRO * (self.strain_rows(gauges) @ self.solve(state, load).ravel()))
+
+    def natural_modes(self, n_modes: int, state: Mapping[str, float] | None = None) -> list[Mode]:
+        """Return the lowest natural modes of a state, lowest first.
+
+        Raises
+        ------
+        InputError
+            If nothing has mass, or as `solve`.
+        """
+        if not self.total_mass > 0.0:
+            raise InputError("the structure has no mass; expected a density or a point mass; give the sections theirs")
+        stiffness = self.built.stiffness(factor=self.stiffness_left(state or {}))
+        return natural_modes(stiffness, self.built.mass(), self.damaged.supports, n_modes)
+
+    def stiffness_left(self, state: Mapping[str, float]) -> FloatArray:
+        """Return the share of its stiffness that each part (n_parts,) keeps in a state."""
+        damage = checked_damage(damage_row(state, self.parameters)[None, :], self.parameters)[0]
+        factor = np.ones(self.built.n_elements)
+        for mu, component in zip(damage, self.damaged.components, strict=True):
+            factor[component.elements] = 1.0 - mu
+        return factor
+
+    def quality(self, state: Mapping[str, float], load: FloatArray) -> Quality:
+        """Return what a solution is worth: the estimated error of the shells' mesh; `.refuse()` raises beyond 3 %."""
+        factor = self.stiffness_left(state)[: self.built.mesh.n_elements]
+        return solution_quality(self.built, self.solve(state, load).ravel(), factor)
+
+    def _on_patches(self, gauge: StrainGauge) -> StrainGauge:
+        mesh = self.built.mesh
+        inside = np.zeros(mesh.n_elements, dtype=bool)
+        for name in gauge.patches:
+            inside |= self.mesh.elements_of(name)[: mesh.n_elements]
+        if not inside.any():
+            raise InputError(
+                f"gauge {gauge.name} is on {list(gauge.patches)}, which hold beams alone; expected shells; move it"
+            )
+        patches = np.unique(mesh.patch_of_element[inside])
+        return replace(gauge, patches=tuple(mesh.patches[k] for k in patches))
+
+
+def checked_strains(strains: FloatArray) -> FloatArray:
+    """Return strains [microstrain] after refusing any that linear analysis cannot give."""
+    most = float(np.abs(strains).max(initial=0.0))
+    if not most <= MOST_STRAIN:
+        raise SolveError(
+            f"a strain is {most:.3g} microstrain; expected at most {MOST_STRAIN:g} of linear analysis; lower the load, "
+            "and check that lengths are in m, forces in N, moduli in Pa"
+        )
+    return strains
+
+
+def _held(mesh: NamedMesh, supports: Mapping[str, str]) -> IntArray:
+    """Return the degrees of freedom that are held."""
+    held = [np.zeros(0, dtype=np.int64)]
+    for name, words in supports.items():
+        nodes = mesh.nodes_of(name)
+        own = words.split() if isinstance(words, str) else []
+        every = [direction for word in own for direction in HELD.get(word, (word,))]
+        if not every or not set(every) <= set(DIRECTIONS):
+            raise InputError(
+                f"support of {name!r} is {words!r}; expected 'clamped', 'pinned' or some of {' '.join(DIRECTIONS)}; "
+                "correct it"
+            )
+        axes = np.array([DIRECTIONS.index(direction) for direction in every])
+        held.append((DOFS_PER_NODE * nodes[:, None] + axes).ravel())
+    return np.unique(np.concatenate(held))
+
+
+def _component(mesh: NamedMesh, parts: Parts, name: str) -> Component:
+    """Return the damage region of an element set or of the springs of a name."""
+    if name in parts.spring_names:
+        return Component(name, name, parts.of_spring(name))
+    if name not in mesh.element_sets and parts.spring_names:
+        names = [*mesh.element_sets, *parts.spring_names]
+        raise InputError(
+            f"damage is on {name!r}; expected an element set or a spring, one of {listed(names)}; correct it"
+        )
+    own = parts.of_elements(mesh.elements_of(name))
+    if not own.any():
+        raise InputError(
+            f"damage is on {name!r}, whose lines have no section and so no stiffness; expected shells or beams; give "
+            "it a BeamSection or name another"
+        )
+    return Component(name, name, own)

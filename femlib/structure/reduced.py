@@ -1,0 +1,133 @@
+"""A structure's gauges under one load, in microseconds and with a bound on the error: a twin by its shape."""
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+
+from femlib.arrays import FloatArray
+from femlib.components import damage_row
+from femlib.errors import InputError, is_number
+from femlib.rom import ReducedModel, ReductionSettings, reduce_structure
+from femlib.sensors import StrainGauge
+from femlib.structure.model import MICRO, Structure, checked_strains
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ReducedStructure:
+    """Gauge strains of damage states at a factor on one load; what octmip calls a twin.
+
+    Attributes
+    ----------
+    model : ReducedModel
+        Gauge strains [microstrain] at load factor 1.
+    """
+
+    model: ReducedModel
+
+    @property
+    def gauges(self) -> tuple[str, ...]:
+        """Names of the gauges, in the order of the strains."""
+        return self.model.outputs
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the damage parameters: the columns of a state array."""
+        return self.model.parameters
+
+    @property
+    def effects(self) -> Mapping[str, object]:
+        """Effects that the model lacks: none are written for a structure of the user's own."""
+        return {}
+
+    @property
+    def is_linear_in_load(self) -> bool:
+        """Whether strain is proportional to the load factor: it is."""
+        return True
+
+    @property
+    def compressive_positive(self) -> bool:
+        """Whether compression is positive: tension is."""
+        return False
+
+    @property
+    def provenance(self) -> Mapping[str, str]:
+        """Hash and size of the full model and of the load, settings and versions."""
+        return self.model.provenance
+
+    def predict(self, state: Mapping[str, float], load_factor: float) -> FloatArray:
+        """Return the gauge strains (n_gauges,) [microstrain] of a state of named damage fractions, tension positive.
+
+        Raises
+        ------
+        InputError
+            If the state names an unknown parameter, a damage is outside [0, 1), or the load factor is not finite.
+        SolveError
+            If a strain is beyond linear analysis.
+        """
+        return np.asarray(self.predict_states(damage_row(state, self.parameters)[None, :], load_factor)[0])
+
+    def predict_states(self, states: FloatArray, load_factor: float) -> FloatArray:
+        """Return the gauge strains (n_states, n_gauges) [microstrain] of states (n_states, n_parameters)."""
+        return checked_strains(_checked_factor(load_factor) * self.model.solve(states))
+
+    def error_bound(self, states: FloatArray, load_factor: float) -> FloatArray:
+        """Return bounds (n_states, n_gauges) [microstrain] of the difference from the full model."""
+        return abs(_checked_factor(load_factor)) * self.model.error_bound(states)
+
+    def save(self, path: str | Path) -> None:
+        """Write the model to one .npz file; InputError if it cannot be written."""
+        self.model.save(path)
+
+    @classmethod
+    def load_file(cls, path: str | Path) -> "ReducedStructure":
+        """Read a model that `save` wrote; InputError if the file is no such model."""
+        return cls(ReducedModel.load_file(path))
+
+
+def reduce(
+    structure: Structure,
+    load: FloatArray,
+    gauges: Sequence[StrainGauge],
+    settings: ReductionSettings | None = None,
+) -> ReducedStructure:
+    """Return the reduced model of a structure's gauges under one load.
+
+    Parameters
+    ----------
+    structure : Structure
+        The full model, with damage regions.
+    load : FloatArray
+        Nodal forces (n_dofs,) at load factor 1 [N, N m].
+    gauges : sequence of StrainGauge
+        The gauges.
+    settings : ReductionSettings, optional
+        How fine; the defaults if not given.
+
+    Raises
+    ------
+    InputError
+        If the structure has no damage region, the load is not finite, or a gauge cannot be placed.
+    """
+    if not structure.parameters:
+        raise InputError("the structure has no damage region; expected at least one; name element sets in damage")
+    rows = MICRO * structure.strain_rows(gauges)
+    names = [gauge.name for gauge in gauges]
+    if len(set(names)) != len(names):
+        raise InputError(f"gauges are named {names}; expected each name once; rename one")
+    provenance = {
+        "model": structure.model_hash,
+        "load": hashlib.sha256(np.asarray(load, dtype=np.float64).tobytes()).hexdigest(),
+        "unknowns": str(len(structure.damaged.supports.free)),
+        "octmip": version("octmip"),
+    }
+    return ReducedStructure(reduce_structure(structure.damaged, load, rows, names, settings, provenance))
+
+
+def _checked_factor(load_factor: float) -> float:
+    if not is_number(load_factor):
+        raise InputError(f"load factor is {load_factor!r}; expected a finite number; correct it")
+    return float(load_factor)

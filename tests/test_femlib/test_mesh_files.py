@@ -1,0 +1,188 @@
+"""Meshes from files: the same plate through every format, with the names that the format keeps."""
+
+import meshio
+import numpy as np
+import pytest
+
+from femlib.structure import read
+from tests.test_femlib.own_meshes import plate_mesh
+
+
+def gmsh_mesh():
+    """The plate with gmsh's physical groups: middle, rest and mast, and the left edge as a group of lines."""
+    mesh = plate_mesh()
+    middle = np.isin(np.arange(24), mesh.cell_sets["middle"][0])
+    quads, mast = mesh.cells[0].data, mesh.cells[1].data
+    edge = np.array([[k, k + 7] for k in range(0, 28, 7)])
+    tags = [np.full(int(middle.sum()), 1), np.full(int((~middle).sum()), 2), np.full(2, 3), np.full(len(edge), 4)]
+    return meshio.Mesh(
+        mesh.points,
+        [("quad", quads[middle]), ("quad", quads[~middle]), ("line", mast), ("line", edge)],
+        cell_data={"gmsh:physical": tags, "gmsh:geometrical": tags},
+        field_data={name: np.array([tag, dimension]) for name, tag, dimension in
+                    (("middle", 1, 2), ("rest", 2, 2), ("mast", 3, 1), ("left", 4, 1))},
+    )  # fmt: skip
+
+
+def test_the_names_of_gmsh_2_are_kept(tmp_path):
+    meshio.write(tmp_path / "plate.msh", gmsh_mesh(), file_format="gmsh22", binary=False)
+    found = read(tmp_path / "plate.msh")
+    assert {*found.element_sets} == {"middle", "rest", "mast", "left"}
+    assert found.elements_of("middle").sum() == 8
+    np.testing.assert_array_equal(found.nodes_of("left"), [0, 7, 14, 21, 28])
+    assert found.elements_of("mast")[found.n_shells :].sum() == 2
+    assert (found.n_shells, len(found.lines)) == (24, 6)
+
+
+GMSH = """$MeshFormat
+4.1 0 8
+$EndMeshFormat
+$PhysicalNames
+3
+0 3 "corner"
+1 1 "edge"
+2 2 "skin"
+$EndPhysicalNames
+$Entities
+1 1 2 0
+1 0 0 0 1 3
+1 0 0 0 0 1 0 1 1 0
+1 0 0 0 1 1 0 1 2 0
+2 1 0 0 2 1 0 1 2 0
+$EndEntities
+$Nodes
+1 6 1 6
+2 1 0 6
+1
+2
+3
+4
+5
+6
+0 0 0
+1 0 0
+1 1 0
+0 1 0
+2 0 0
+2 1 0
+$EndNodes
+$Elements
+4 5 1 5
+0 1 15 1
+1 1
+1 1 1 1
+2 4 1
+2 1 3 1
+3 1 2 3 4
+2 2 2 2
+4 2 5 6
+5 2 6 3
+$EndElements
+"""
+
+
+def test_the_names_of_gmsh_4_are_kept(tmp_path):
+    (tmp_path / "plate.msh").write_text(GMSH)
+    found = read(tmp_path / "plate.msh")
+    assert (len(found.quads), len(found.trias), len(found.lines)) == (1, 2, 1)
+    assert found.elements_of("skin").tolist() == [True, True, True, False]
+    assert found.nodes_of("edge").tolist() == [0, 3]
+    assert found.nodes_of("corner").tolist() == [0]
+
+
+DECK = """*HEADING
+a plate of two parts
+*NODE, NSET=EVERY
+10, 0., 0., 0.
+20, 1., 0., 0.
+30, 1., 1., 0.
+40, 0., 1., 0.
+50, 2., 0., 0.
+60, 2., 1., 0.
+70, 3., 0., 0.
+80, 3., 1., 0.
+*ELEMENT, TYPE=S4R
+5, 10, 20, 30, 40
+*ELEMENT, TYPE=S4R, ELSET=Right
+7, 20, 50, 60, 30
+*Element, type=S3, elset=Right
+8, 50, 70, 60
+9, 70, 80, 60
+*ELEMENT, TYPE=B31, ELSET=RIB
+11, 20, 30
+*ELSET, ELSET=LEFT
+5
+*ELSET, ELSET=BOTH, GENERATE
+5, 7, 1
+*ELSET, ELSET=ALL
+LEFT, Right
+*NSET, NSET=FOOT, GENERATE
+10, 40, 30
+*MATERIAL, NAME=M
+"""
+
+
+def test_the_sets_of_a_deck_are_its_own(tmp_path):
+    """meshio alone gives RIGHT one block, ALL no blocks, and counts the blocks without the unnamed first one."""
+    (tmp_path / "deck.inp").write_text(DECK)
+    found = read(tmp_path / "deck.inp")
+    sets = {name: np.flatnonzero(mask).tolist() for name, mask in found.element_sets.items()}
+    assert sets == {"Right": [1, 2, 3], "RIB": [4], "LEFT": [0], "BOTH": [0, 1], "ALL": [0, 1, 2, 3]}
+    assert found.nodes_of("FOOT").tolist() == [0, 3]
+    assert len(found.nodes_of("EVERY")) == 8
+    assert found.nodes_of("RIB").tolist() == [1, 2]
+
+
+def test_nastran_properties_are_sets(tmp_path):
+    mesh = plate_mesh()
+    mesh.cell_data["nastran:ref"] = [np.where(np.arange(24) < 6, 1, 2), np.full(2, 7)]
+    meshio.write(tmp_path / "plate.bdf", meshio.Mesh(mesh.points, mesh.cells, cell_data=mesh.cell_data))
+    found = read(tmp_path / "plate.bdf")
+    assert [int(found.elements_of(f"property:{k}").sum()) for k in (1, 2, 7)] == [6, 18, 2]
+
+
+@pytest.mark.parametrize("ending", ["vtu", "vtk"])
+def test_whole_numbers_of_vtk_are_sets(ending, tmp_path):
+    mesh = plate_mesh()
+    region = [np.where(np.arange(24) < 6, 1, 2), np.full(2, 7)]
+    edge = np.where(mesh.points[:, 0] == 0.0, 1, 0)
+    meshio.write(
+        tmp_path / f"plate.{ending}",
+        meshio.Mesh(
+            mesh.points,
+            mesh.cells,
+            cell_data={"region": region, "stress": [np.ones(24), np.ones(2)]},
+            point_data={"edge": edge},
+        ),
+    )
+    found = read(tmp_path / f"plate.{ending}")
+    assert {*found.element_sets} == {"region:1", "region:2", "region:7"}
+    assert found.nodes_of("edge:1").tolist() == [0, 7, 14, 21, 28]
+
+
+def test_millimetres_become_metres_and_middles_are_left_out():
+    mesh = plate_mesh(n_x=1, n_y=1)
+    corners = mesh.points[mesh.cells[0].data[0]]
+    middles = 0.5 * (corners + np.roll(corners, -1, axis=0))
+    quadratic = meshio.Mesh(1e3 * np.concatenate([corners, middles]), [("quad8", np.arange(8)[None])])
+    found = read(quadratic, unit="mm", corners_only=True)
+    np.testing.assert_allclose(found.nodes, corners)
+    assert len(found.quads) == 1
+
+
+def test_shells_are_turned_to_face_away_from_a_point():
+    mesh = plate_mesh()
+    mesh.cells[0].data[3] = mesh.cells[0].data[3][::-1].copy()
+    found = read(mesh).facing_away("skin", (0.3, 0.2, -1.0))
+    turned = np.cross(*(found.nodes[found.quads[:, k]] - found.nodes[found.quads[:, 0]] for k in (1, 2)))
+    assert (turned[:, 2] > 0.0).all()
+
+
+def test_the_set_of_a_gmsh_point_is_its_node():
+    mesh = gmsh_mesh()
+    cells = [*mesh.cells, meshio.CellBlock("vertex", np.array([[36]]))]
+    tags = [*mesh.cell_data["gmsh:physical"], np.array([1])]
+    names = mesh.field_data | {"tip": np.array([1, 0])}
+    found = read(meshio.Mesh(mesh.points, cells, cell_data={"gmsh:physical": tags}, field_data=names))
+    assert found.nodes_of("tip").tolist() == [36]
+    assert found.elements_of("middle").sum() == 8
