@@ -237,7 +237,7 @@ def _shear(
     fraction of it. Source: K. Rohwer, Int. J. Numer. Meth. Engng 29 (1990) 105-118. Price: the pair of directions that
     bend cylindrically is the laminate's own axes; an unequal stack turned against them differs a little.
     """
-    offset = np.linalg.solve(membrane, coupling)
+    offset: FloatArray = np.asarray(np.linalg.solve(membrane, coupling), dtype=np.float64)
     inverse = np.linalg.inv(bending - coupling @ offset)
     places, weights = np.polynomial.legendre.leggauss(3)  # exact: f is a parabola in each ply
     flexibility, below = np.zeros((2, 2)), np.zeros((3, 3))
@@ -248,7 +248,7 @@ def _shear(
             f = _across(below + _grown(stiff, offset, bottom, z) @ inverse)
             flexibility += 0.5 * weight * (top - bottom) * f.T @ soft @ f
         below = below + _grown(stiff, offset, bottom, top) @ inverse
-    return np.linalg.inv(flexibility)
+    return np.asarray(np.linalg.inv(flexibility), dtype=np.float64)
 
 
 def _grown(stiff: FloatArray, offset: FloatArray, bottom: float, z: float) -> FloatArray:
