@@ -30,7 +30,7 @@ from femlib.dataset import (
 from femlib.dataset.history import history_pieces
 from femlib.errors import FemlibError
 from femlib.rom import ReducedModel
-from femlib.rom.bound import ErrorBound
+from femlib.rom.bound import LEVELS, ErrorBound
 from femlib.wing import Wing, uav_wing
 from femlib.wing.export import calculix
 from femlib.wing.reduced import WORK, ReducedWing
@@ -151,6 +151,9 @@ def make_model(number: int, folder: Path) -> None:
     bound = ErrorBound(
         tuple(rng.normal(size=(3, 1 + n + 2)) for _ in range(2)),
         tuple(rng.normal(size=(3, 3 + n + 2)) for _ in range(2)),
+        rng.uniform(0.0, 1.0, 6),
+        rng.uniform(0.0, 0.9, len(LEVELS)),
+        rng.uniform(0.0, 0.9, (len(LEVELS), 2, 2)),
     )
     ReducedModel(
         ("mu1", "mu2"),

@@ -8,7 +8,6 @@ import numpy as np
 from femlib.arrays import FloatArray, IntArray
 from femlib.assembly.shells import Shells
 from femlib.elements import quad4, tria3
-from femlib.elements.frame import resultant_turn
 from femlib.elements.surface import GAUSS, frame, shape
 from femlib.mesh import DOFS_PER_NODE
 
@@ -96,17 +95,13 @@ def point_strains(shells: Shells, moved: FloatArray, factor: FloatArray) -> Iter
         if corners.shape[1] == quad4.N_NODES:
             places = [(r, s) for r, s in GAUSS.tolist()]
             operator = quad4.strain_operators(points, places, shells.axis, (shells.laminates, shells.section[part]))
-            rows, axes = np.stack([operator.membrane, operator.curvature], axis=2), operator.axes
             area = np.stack([frame(points, r, s, shells.axis).area for r, s in places], axis=1)
             shapes = np.array([shape(r, s) for r, s in places])
         else:
-            operators = [tria3.strain_operator(own) for own in points]
-            constant = np.array([[o.membrane, o.curvature] for o in operators]).reshape(-1, 1, 2, 3, tria3.N_DOFS)
-            own_axes = np.array([o.axes for o in operators]).reshape(-1, 3, 3)
-            rows, axes = np.repeat(constant, 3, axis=1), np.repeat(own_axes[:, None], 3, axis=1)
+            sections = shells.laminates, shells.section[part]
+            operator = tria3.strain_operators(points, tria3.MIDDLES, shells.axis, sections)
             area, shapes = triangle, tria3.MIDDLES
-            turn = resultant_turn(own_axes, shells.axis)[:, None, None]
-            held = turn @ held @ turn.swapaxes(-1, -2)
+        rows, axes = np.stack([operator.membrane, operator.curvature], axis=2), operator.axes
         yield PointStrains(
             corners=corners,
             group=corners * len(mesh.patches) + mesh.patch_of_element[part, None],

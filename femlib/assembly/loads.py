@@ -16,7 +16,7 @@ import numpy as np
 from femlib.arrays import FloatArray, IntArray
 from femlib.assembly.shells import Shells
 from femlib.elements import quad4, tria3
-from femlib.elements.frame import StrainOperator, resultant_turn
+from femlib.elements.frame import StrainOperator
 from femlib.elements.surface import shape
 from femlib.errors import InputError, frozen_floats, frozen_ints
 from femlib.mesh import DOFS_PER_NODE, Mesh, dofs_of_nodes
@@ -110,42 +110,30 @@ def _of_quads(shells: Shells) -> FloatArray:
     sections = shells.laminates, shells.section[elements]
     operator = quad4.strain_operators(points, [(r, s) for r, s in places], shells.axis, sections)
     area = np.array([_gauss_area(points, r, s)[1] for r, s in places]).T
-    return _integrated(shells, operator, area, elements, np.eye(3)[None])
+    return _integrated(shells, operator, area, elements)
 
 
 def _of_trias(shells: Shells) -> FloatArray:
-    """Return the same of the triangles (n_trias, 2, 18), whose strains are constant."""
+    """Return the same of the triangles (n_trias, 2, 18), of their mean strains."""
     points, first = shells.mesh.nodes[shells.mesh.trias], len(shells.mesh.quads)
-    if not len(points):
-        return np.zeros((0, 2, tria3.N_DOFS))
-    operators = [tria3.strain_operator(corners) for corners in points]
-    joined = StrainOperator(
-        np.array([[o.membrane] for o in operators]),
-        np.array([[o.curvature] for o in operators]),
-        np.array([o.axes for o in operators]),
-    )
+    elements = first + np.arange(len(points))
+    operator = tria3.strain_operators(points, tria3.MIDDLE, shells.axis)
     area = np.linalg.norm(shells.mesh.area_vectors()[first:], axis=1)[:, None]
-    turn = resultant_turn(joined.axes, shells.axis)
-    return _integrated(shells, joined, area, first + np.arange(len(points)), turn)
+    return _integrated(shells, operator, area, elements)
 
 
-def _integrated(
-    shells: Shells, operator: StrainOperator, area: FloatArray, elements: IntArray, turn: FloatArray
-) -> FloatArray:
+def _integrated(shells: Shells, operator: StrainOperator, area: FloatArray, elements: IntArray) -> FloatArray:
     """Return the forces (n, 2, n_dofs) of `elements` (n,) with strain rows and areas (n, n_places) of a quadrature.
 
-    `turn` (n or 1, 3, 3) leads resultants from the laminates' axes to those of the rows.
+    The rows' axes are the laminates'.
     """
-    turn = np.broadcast_to(turn, (len(elements), 3, 3))
     membrane = np.einsum("np,npci->nci", area, operator.membrane)
     curvature = np.einsum("np,npci->nci", area, operator.curvature)
     kind, unit = shells.section[elements], []
     for force, moment in (("thermal_force", "thermal_moment"), ("gradient_force", "gradient_moment")):
         pushes = np.array([getattr(laminate, force) for laminate in shells.laminates])[kind]
         turns = np.array([getattr(laminate, moment) for laminate in shells.laminates])[kind]
-        unit.append(
-            np.einsum("ncd,nd,nci->ni", turn, pushes, membrane) + np.einsum("ncd,nd,nci->ni", turn, turns, curvature)
-        )
+        unit.append(np.einsum("nd,ndi->ni", pushes, membrane) + np.einsum("nd,ndi->ni", turns, curvature))
     return np.stack(unit, axis=1) * shells.scale[elements, None, None]
 
 

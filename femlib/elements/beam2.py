@@ -6,14 +6,15 @@ factors in its shear moduli. A beam whose axis lies beside its nodes is carried 
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from femlib.arrays import FloatArray, IntArray
-from femlib.elements.frame import element_library
 from femlib.elements.rotations import skew
-from femlib.errors import InputError, frozen_floats, is_number
+from femlib.errors import InputError, frozen_floats, is_number, needed_by
 
 if TYPE_CHECKING:
     from pyfe3d import BeamC
@@ -153,6 +154,20 @@ def _matrices(
     return matrices
 
 
+@cache
+def element_library() -> Any:
+    """Return pyfe3d, imported with the first beam: shells need none.
+
+    Raises
+    ------
+    MissingExtraError
+        If it is not installed.
+    """
+    with needed_by("a beam element"):
+        import_module("pyfe3d.beamprop")
+        return import_module("pyfe3d")
+
+
 def _check_places(points: FloatArray, sections: Sequence[BeamSection], section: IntArray) -> None:
     along = points[:, 1] - points[:, 0]
     length = np.linalg.norm(along, axis=1)
@@ -173,10 +188,7 @@ def _check_places(points: FloatArray, sections: Sequence[BeamSection], section: 
 
 
 def _property(section: BeamSection) -> Any:
-    element_library()
-    from pyfe3d.beamprop import BeamProp
-
-    prop = BeamProp()
+    prop = element_library().beamprop.BeamProp()
     prop.A, prop.E, prop.G, prop.J = section.area, section.young, section.shear, section.torsion
     prop.G12, prop.G13 = section.shear_factor_y * section.shear, section.shear_factor_z * section.shear
     prop.Iyy, prop.Izz = section.inertia_y, section.inertia_z

@@ -15,7 +15,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from femlib.arrays import FloatArray, IntArray
-from femlib.elements.frame import StrainOperator
+from femlib.elements.frame import StrainOperator, moduli
 from femlib.elements.quad4_rows import N_DOFS, Elements
 from femlib.elements.surface import GAUSS, frame, shape
 from femlib.material import Laminate
@@ -42,7 +42,7 @@ def stiffness(points: FloatArray, laminates: Sequence[Laminate], section: IntArr
         Direction (3,) whose projection is the laminates' axis.
     """
     matrices = np.empty((len(points), N_DOFS, N_DOFS))
-    held, shear = _moduli(laminates)
+    held, shear = moduli(laminates)
     for part in _parts(len(points)):
         matrices[part] = _stiffness(Elements.of(points[part]), held[section[part]], shear[section[part]], axis)
     return matrices
@@ -100,7 +100,7 @@ def strain_operators(
             rows[part, k] = _strain_rows(elements, r, s, local.strains)
             axes[part, k] = local.axes
         if sections is not None:
-            held = _moduli(sections[0])[0][sections[1][part]]
+            held = moduli(sections[0])[0][sections[1][part]]
             modes, work = _enhanced(elements, held, direction)[1:]
             own = np.linalg.solve(modes, work)  # minus the amplitudes
             for k, (r, s) in enumerate(places):
@@ -124,12 +124,6 @@ def slope_rows(points: FloatArray, places: Sequence[tuple[float, float]], axis: 
 
 def _parts(n: int) -> Iterator[slice]:
     return (slice(first, min(first + AT_ONCE, n)) for first in range(0, n, AT_ONCE))
-
-
-def _moduli(laminates: Sequence[Laminate]) -> tuple[FloatArray, FloatArray]:
-    """Return [[A, B], [B, D]] (m, 6, 6) and the shear stiffness (m, 2, 2) of (xz, yz)."""
-    held = [np.block([[own.membrane, own.coupling], [own.coupling, own.bending]]) for own in laminates]
-    return np.array(held).reshape(-1, 6, 6), np.array([own.shear[::-1, ::-1] for own in laminates]).reshape(-1, 2, 2)
 
 
 def _strain_rows(elements: Elements, r: float, s: float, turn: FloatArray) -> FloatArray:

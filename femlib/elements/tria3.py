@@ -1,61 +1,96 @@
-"""Three-node laminated shell with discrete shear gaps.
+"""Three-node laminated shell: Felippa's optimal membrane triangle with drilling rotations, MITC3+ in bending.
 
-Source: K.-U. Bletzinger, M. Bischoff, E. Ramm, Computers & Structures 75 (2000) 321-334, as in pyfe3d. Its membrane
-part is the constant-strain triangle: stiff in in-plane bending, so the wing uses it only where a rib ends in a point.
+Rows of strain as in `tria3_rows`, integrated at six points; the bubble's two slopes are eliminated in the element.
+
+    K = sum over points of area B' C B,   C = [[A, B], [B, D]] and the transverse shear
+
+Source of the points: D. A. Dunavant, Int. J. Numer. Meth. Engng 21 (1985) 1129-1148, degree 4, that of the bubble's
+curvatures squared.
 """
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from femlib.arrays import FloatArray, IntArray
-from femlib.elements.frame import StrainOperator, align, element_axes, element_library, shell_property, to_global
+from femlib.elements.frame import StrainOperator, moduli
 from femlib.elements.rotations import skew
-from femlib.material import Laminate, isotropic_plate
-
-if TYPE_CHECKING:
-    from pyfe3d import Tria3DSG
+from femlib.elements.tria3_rows import N_DOFS, WITH_BUBBLE, Triangles, bending_factor
+from femlib.material import Laminate
 
 N_NODES = 3
-N_DOFS = 18
+AT_ONCE = 4096
+"""Elements whose rows are held in memory together: 30 MB."""
+MIDDLE = np.full((1, 3), 1.0 / 3.0)
 MIDDLES = np.array([[0.5, 0.5, 0.0], [0.0, 0.5, 0.5], [0.5, 0.0, 0.5]])
-"""Area coordinates of the middles of the sides."""
+"""Area coordinates of the middle and of the sides' middles."""
+_A, _B = 0.445948490915965, 0.091576213509771
+POINTS = np.array([np.roll([1.0 - 2.0 * a, a, a], k) for a in (_A, _B) for k in range(3)])
+WEIGHTS = np.repeat([0.223381589678011, 0.109951743655322], 3)
+"""Points of the six-point rule in area coordinates (6, 3), and their shares of the area (6,)."""
 
 
 def stiffness(points: FloatArray, laminates: Sequence[Laminate], section: IntArray, axis: FloatArray) -> FloatArray:
     """Return the stiffness matrices (n, 18, 18) in global axes, arguments as the quadrilateral's."""
-    properties = [shell_property(laminate) for laminate in laminates]
-    values = np.zeros((len(points), N_DOFS * N_DOFS))
-    unused = np.zeros(1, dtype=element_library().INT)
-    for corners, kind, row in zip(points, section, values, strict=True):
-        _placed(corners, axis).update_KC0(unused, unused, row, properties[kind], 1)
-    return values.reshape(-1, N_DOFS, N_DOFS)
-
-
-def mass(points: FloatArray, laminates: Sequence[Laminate], section: IntArray) -> FloatArray:
-    """Return the consistent mass matrices (n, 18, 18) in global axes."""
-    properties = [shell_property(laminate) for laminate in laminates]
-    matrices = np.zeros((len(points), N_DOFS, N_DOFS))
-    rows, columns = np.zeros(N_DOFS**2, dtype=element_library().INT), np.zeros(N_DOFS**2, dtype=element_library().INT)
-    for corners, kind, matrix in zip(points, section, matrices, strict=True):
-        values = np.zeros(N_DOFS**2)
-        _placed(corners, np.zeros(3)).update_M(rows, columns, values, properties[kind], 0)
-        np.add.at(matrix, (rows, columns), values)
+    matrices = np.empty((len(points), N_DOFS, N_DOFS))
+    held, shear = moduli(laminates)
+    factor = np.array([bending_factor(own.membrane) for own in laminates])
+    for part in _parts(len(points)):
+        own = section[part]
+        matrices[part] = _stiffness(Triangles.of(points[part], axis), held[own], shear[own], factor[own])
     return matrices
 
 
+def mass(points: FloatArray, laminates: Sequence[Laminate], section: IntArray) -> FloatArray:
+    """Return the consistent mass matrices (n, 18, 18) in global axes.
+
+    The rotary inertia about the normal is that about the other axes, so that no rotation is without mass.
+    """
+    matrices = np.zeros((len(points), 3, 6, 3, 6))
+    of_sections = np.array([[own.mass, own.mass_moment, own.rotary_inertia] for own in laminates])[section]
+    triangles = Triangles.of(points, np.zeros(3))
+    both = (1.0 + np.eye(3)) / 12.0
+    whole, moment, rotary = (triangles.area[:, None, None] * of_sections.T[:, :, None, None]) * both
+    for i in range(3):
+        matrices[:, :, i, :, i] = whole
+        matrices[:, :, 3 + i, :, 3 + i] = rotary
+    arm = np.cross(np.eye(3)[None], triangles.axes[:, None, :, 2])  # d(theta x n) / d(theta_j): (n, j, i)
+    pull = np.einsum("nkl,nji->nkilj", moment, arm)
+    matrices[:, :, :3, :, 3:] += pull
+    matrices[:, :, 3:, :, :3] += pull.transpose(0, 3, 4, 1, 2)
+    return matrices.reshape(-1, N_DOFS, N_DOFS)
+
+
 def strain_operator(points: FloatArray) -> StrainOperator:
-    """Return the strain rows, constant over the element, of one element with corners (3, 3) [m]."""
-    element = _placed(points, np.zeros(3))
-    probe = element.probe
-    # the library fills the strain rows only while it forms a stiffness, whatever the section is
-    unused = np.zeros(1, dtype=element_library().INT)
-    element.update_KC0(unused, unused, np.zeros(N_DOFS**2), shell_property(isotropic_plate(1.0, 0.0, 1.0)), 1)
-    axes = element_axes(element)
-    membrane = np.array([probe.BLexx, probe.BLeyy, probe.BLgxy])
-    curvature = np.array([probe.BLkxx, probe.BLkyy, probe.BLkxy])
-    return StrainOperator(to_global(membrane, axes), to_global(curvature, axes), axes)
+    """Return the strain rows at the middle, which are also the means, of one element with corners (3, 3) [m]."""
+    many = strain_operators(points[None], MIDDLE)
+    return StrainOperator(many.membrane[0, 0], many.curvature[0, 0], many.axes[0, 0])
+
+
+def strain_operators(
+    points: FloatArray,
+    places: FloatArray,
+    axis: FloatArray | None = None,
+    sections: tuple[Sequence[Laminate], IntArray] | None = None,
+) -> StrainOperator:
+    """Return the strain rows of many elements with corners (n, 3, 3) [m] at area coordinates `places` (n_places, 3).
+
+    The operator's arrays are as the quadrilateral's: rows (n, n_places, 3, 18), axes (n, n_places, 3, 3). With
+    `sections`, laminates and the elements' index, the linear part of the membrane strains is in the rows. The bubble's
+    curvatures, whose mean is zero, are left out.
+    """
+    triangles = Triangles.of(points, np.zeros(3) if axis is None else axis)
+    factor = np.zeros(len(points))
+    if sections is not None:
+        factor = np.array([bending_factor(own.membrane) for own in sections[0]])[sections[1]]
+    curved = triangles.to_global(triangles.curvature(MIDDLE[0])[:, :, :N_DOFS])
+    flat = [triangles.to_global(triangles.membrane(zeta, factor)) for zeta in places]
+    n_places = len(places)
+    return StrainOperator(
+        np.stack(flat, axis=1),
+        np.repeat(curved[:, None], n_places, axis=1),
+        np.repeat(triangles.axes[:, None], n_places, axis=1),
+    )
 
 
 def slope_rows(points: FloatArray, axes: FloatArray) -> FloatArray:
@@ -79,13 +114,25 @@ def slope_rows(points: FloatArray, axes: FloatArray) -> FloatArray:
     return rows.reshape(len(points), 3, 2, 3, N_DOFS)
 
 
-def _placed(corners: FloatArray, axis: FloatArray) -> "Tria3DSG":
-    """Return an element that sees only its own nine coordinates."""
-    library = element_library()
-    element: Tria3DSG = library.Tria3DSG(library.Tria3DSGProbe())
-    element.c1, element.c2, element.c3 = 0, 6, 12
-    flat = np.ascontiguousarray(corners, dtype=np.float64).ravel()
-    element.update_rotation_matrix(flat)
-    align(element, axis)
-    element.update_probe_xe(flat)
-    return element
+def _parts(n: int) -> Iterator[slice]:
+    return (slice(first, min(first + AT_ONCE, n)) for first in range(0, n, AT_ONCE))
+
+
+def _stiffness(triangles: Triangles, held: FloatArray, shear: FloatArray, factor: FloatArray) -> FloatArray:
+    """Return the matrices (n, 18, 18)."""
+    n = len(triangles.area)
+    whole = np.zeros((n, WITH_BUBBLE, WITH_BUBBLE))
+    rows = np.zeros((n, 8, WITH_BUBBLE))
+    both = np.zeros((n, 8, 8))
+    both[:, :6, :6], both[:, 6:, 6:] = held, shear
+    for zeta, weight in zip(POINTS, WEIGHTS, strict=True):
+        rows[:, :3, :N_DOFS] = triangles.membrane(zeta, factor)
+        rows[:, 3:6], rows[:, 6:] = triangles.curvature(zeta), triangles.shear(zeta)
+        # turned before they are squared: rounding then gives a rigid motion the square of its share of energy
+        rows[:, :, :N_DOFS] = triangles.to_global(rows[:, :, :N_DOFS])
+        whole += rows.swapaxes(1, 2) @ ((weight * triangles.area)[:, None, None] * both) @ rows
+    bubble, corners = slice(N_DOFS, WITH_BUBBLE), slice(N_DOFS)
+    work = whole[:, bubble, corners]
+    return np.asarray(
+        whole[:, corners, corners] - work.swapaxes(1, 2) @ np.linalg.solve(whole[:, bubble, bubble], work)
+    )

@@ -13,7 +13,7 @@ from typing import Literal
 
 import numpy as np
 
-from femlib.arrays import FloatArray, IntArray
+from femlib.arrays import BoolArray, FloatArray, IntArray
 from femlib.assembly import Shells, Supports
 from femlib.errors import InputError, frozen_floats, frozen_ints, is_number, is_whole
 from femlib.export.calculix_sections import sections
@@ -21,6 +21,8 @@ from femlib.files import whole_file
 from femlib.mesh import DOFS_PER_NODE, Mesh
 
 Analysis = Literal["linear", "large deflection", "frequencies", "buckling"]
+OBLIQUE = 0.87
+"""Cosine beyond which an axis counts as the normal."""
 KINDS = {True: ("S8R", "S6"), False: ("S4", "S3")}
 """CalculiX's names of quadrilaterals and triangles, quadratic or not."""
 
@@ -138,9 +140,11 @@ class Deck:
     def _held(self, ends: IntArray) -> list[str]:
         held = np.ones(self.supports.n_dofs, dtype=bool)
         held[self.supports.free] = False
-        at_nodes = held.reshape(-1, DOFS_PER_NODE)
+        at_nodes, normals = held.reshape(-1, DOFS_PER_NODE), _normals(self.shells.mesh)
         if self.is_quadratic:
             at_nodes = np.concatenate([at_nodes, at_nodes[ends].all(axis=1)])
+            normals = np.concatenate([normals, normals[ends].sum(axis=1)])
+        at_nodes = np.column_stack([at_nodes[:, :3], _without_drilling(at_nodes[:, 3:], normals)])
         return ["*BOUNDARY", *(f"{node + 1}, {axis + 1}, {axis + 1}" for node, axis in np.argwhere(at_nodes))]
 
     def _step(self) -> list[str]:
@@ -184,6 +188,39 @@ def edges(mesh: Mesh) -> tuple[IntArray, IntArray, IntArray]:
     ends, place = np.unique(np.sort(np.concatenate(sides), axis=1), axis=0, return_inverse=True)
     split = mesh.quads.size
     return ends, place.ravel()[:split].reshape(-1, 4), place.ravel()[split:].reshape(-1, 3)
+
+
+def _normals(mesh: Mesh) -> FloatArray:
+    """Return the mean normals of the elements at each node (n_nodes, 3), of any length."""
+    normals, area = np.zeros_like(mesh.nodes), mesh.area_vectors()
+    for corners, own in ((mesh.quads, area[: len(mesh.quads)]), (mesh.trias, area[len(mesh.quads) :])):
+        for nodes in corners.T:
+            np.add.at(normals, nodes, own)
+    return normals
+
+
+def _without_drilling(held: BoolArray, normals: FloatArray) -> BoolArray:
+    """Return which rotations (n, 3) CalculiX is to hold of those that are held, with normals (n, 3) of any length.
+
+    Its shells have no rotation about their normal: held together with another on a curved shell it stops both (a roof
+    of Scordelis and Lo then has .13 of its deflection). Of two held rotations whose plane has the normal in it the one
+    nearer the surface is left; three are a clamp and stay.
+    """
+    along = np.abs(normals) / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    count, kept = held.sum(axis=1), held.copy()
+    kept[(count == 1) & (np.where(held, along, 0.0).max(axis=1) > OBLIQUE)] = False
+    free = np.where(held, 0.0, along).max(axis=1)  # of two held rotations: the normal's part out of their plane
+    oblique = np.flatnonzero((count == 2) & (free > 0.5) & (free < OBLIQUE))
+    if oblique.size:
+        raise InputError(
+            f"node {oblique[0]} holds two rotations that are oblique to the shell there (normal "
+            f"{np.round(along[oblique[0]], 2).tolist()}); expected a plane of symmetry, or all three held; turn the "
+            "structure so that the plane is one of coordinates"
+        )
+    pair = (count == 2) & (free <= 0.5)
+    worst = np.where(held, along, -1.0).argmax(axis=1)
+    kept[pair, worst[pair]] = False
+    return kept
 
 
 def _rows(card: str, first: int, rows: IntArray) -> list[str]:

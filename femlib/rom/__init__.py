@@ -2,5 +2,6 @@
 
 from femlib.rom.model import ReducedModel
 from femlib.rom.modes import ReductionSettings, reduce_ports, reduce_structure
+from femlib.rom.vibration import ReducedModes, reduce_modes
 
-__all__ = ["ReducedModel", "ReductionSettings", "reduce_ports", "reduce_structure"]
+__all__ = ["ReducedModel", "ReducedModes", "ReductionSettings", "reduce_modes", "reduce_ports", "reduce_structure"]

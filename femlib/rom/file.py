@@ -16,9 +16,10 @@ from femlib import checked
 from femlib.checked import shown, taken, text, whole
 from femlib.errors import InputError, frozen_floats, frozen_ints
 from femlib.files import parsed_object, regular_file, whole_file
-from femlib.rom.bound import ErrorBound
+from femlib.rom.bound import LEVELS, ErrorBound
 
 _OPTIONAL = ("motion",)
+_BOUND = ("own", "joint", "pairs")
 MOST_ENTRY = 1e30
 """No strain, displacement or norm of one is larger, and products of three of them do not overflow."""
 MOST_PROVENANCE = 2**20  # characters of an entry: the places of all gauges may be one
@@ -38,7 +39,8 @@ def write_model(path: str | Path, fields: Mapping[str, Any], bound: ErrorBound) 
         raise InputError(f"reduced model path {target} ends in {target.suffix!r}; expected .npz; rename it")
     arrays = {name: value for name, value in fields.items() if name not in _WORDS and value is not None}
     for kind, factors in (("primal", bound.primal), ("dual", bound.dual)):
-        arrays |= {f"{kind}_{k}": factor for k, factor in enumerate(factors)}
+        arrays |= {f"{kind}_{k}": rows for k, rows in enumerate(factors)}
+    arrays |= {name: getattr(bound, name) for name in _BOUND}
     words = json.dumps({name: fields[name] for name in _WORDS} | {"provenance": dict(fields["provenance"])})
     with whole_file(target) as file:
         np.savez(file, words=np.array(words), **arrays)
@@ -60,13 +62,14 @@ def read_model(path: str | Path, names: Sequence[str]) -> dict[str, Any]:
                 regions, optional = range(len(words["parameters"])), set(_OPTIONAL) - members.keys()
                 wanted = [name for name in names if name not in (*_WORDS, *optional)]
                 factors = [f"{kind}_{k}" for kind in ("primal", "dual") for k in regions]
-                arrays = {n: _array(held, taken(members, n, f"{path}"), n) for n in (*wanted, *factors)}
+                arrays = {n: _array(held, taken(members, n, f"{path}"), n) for n in (*wanted, *factors, *_BOUND)}
         except _FAILURES as error:
             reason = " ".join(str(error).split())[:300]
             raise InputError(
                 f"{path} is not a reduced model ({reason}); expected a file that save wrote; save the model again"
             ) from error
-    bound = ErrorBound(*(tuple(arrays.pop(f"{kind}_{k}") for k in regions) for kind in ("primal", "dual")))
+    rows = [tuple(arrays.pop(f"{kind}_{k}") for k in regions) for kind in ("primal", "dual")]
+    bound = ErrorBound(rows[0], rows[1], *(arrays.pop(name) for name in _BOUND))
     _check_shapes(arrays, bound, words, str(path))
     return arrays | words | {"bound": bound}
 
@@ -157,5 +160,13 @@ def _check_shapes(arrays: dict[str, Any], bound: ErrorBound, words: dict[str, An
         for k, factor in enumerate(factors):
             width = widths[kind] + n_modes + int((owner == k).sum())
             frozen_floats(factor, f"{path}: {kind}_{k}", (-1, width))
+    counts = [len(factor) for factor in bound.dual]
+    if [len(factor) for factor in bound.primal] != counts:
+        raise InputError(f"{path}: primal and dual of a region differ in rows; expected as many; save the model again")
+    frozen_floats(bound.own, f"{path}: own", (sum(counts),))
+    frozen_floats(bound.joint, f"{path}: joint", (len(LEVELS),))
+    frozen_floats(bound.pairs, f"{path}: pairs", (len(LEVELS), n_regions, n_regions))
+    if bound.own.max(initial=0.0) > 1.0 or min(bound.joint.min(initial=0.0), bound.pairs.min(initial=0.0)) < 0.0:
+        raise InputError(f"{path}: own is above 1, or joint or pairs below 0; expected couplings; save the model again")
     if arrays.get("motion") is not None:
         frozen_floats(arrays["motion"], f"{path}: motion", (-1, n_modes + n_regions + 1))

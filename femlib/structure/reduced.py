@@ -123,7 +123,6 @@ def reduce(
         "load": hashlib.sha256(np.asarray(load, dtype=np.float64).tobytes()).hexdigest(),
         "unknowns": str(len(structure.damaged.supports.free)),
         "octmip": version("octmip"),
-        "pyfe3d": version("pyfe3d"),
     }
     return ReducedStructure(reduce_structure(structure.damaged, load, rows, names, settings, provenance))
 

@@ -158,7 +158,6 @@ def reduce_wing(wing: Wing, settings: ReductionSettings | None = None, lift: Flo
         "outline": json.dumps(wing.outline().tolist()),
         "unknowns": str(len(wing.structure.supports.free)),
         "octmip": version("octmip"),
-        "pyfe3d": version("pyfe3d"),
     }
     outputs = sparse.csr_array(sparse.vstack([rows, work[None, :]]))
     names = (*wing.gauges.names, WORK)

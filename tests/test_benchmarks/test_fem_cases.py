@@ -9,6 +9,7 @@ from benchmarks.cases.fem import calibration as fem_calibration
 from benchmarks.cases.fem import dataset as fem_dataset
 from benchmarks.cases.fem import mesh as fem_mesh
 from benchmarks.cases.fem import shells as fem_shells
+from benchmarks.shells.problems import CONVERGING, LAMINATED, STRIPS
 from femlib.wing import uav_wing
 
 needs_calculix = pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX (ccx) is not installed")
@@ -21,13 +22,27 @@ def test_mesh_lines_shrink_with_the_step():
     assert "| 0.4 |" in fem_mesh.summary(lines)
 
 
-def test_shell_lines_make_both_tables():
-    lines = [*fem_shells.plates_and_shells((4,)), *fem_shells.beams()]
-    lines += [*fem_shells.strips((1,)), fem_shells.panels(2, 8)]
+def test_shell_lines_make_tables_and_a_picture(tmp_path):
+    roof, hook = "Scordelis-Lo roof", "Raasch's hook"
+    problems = {roof: CONVERGING[roof], hook: lambda n: STRIPS[hook](n // 4)}
+    solvers = ["femlib quadrilateral", "femlib triangle", "pyfe3d Quad4", "pyfe3d Tria3DSG"]
+    lines = [*fem_shells.compared(problems, (4,), solvers), *fem_shells.beams(solvers[:1]), *fem_shells.panels(2, 8)]
     table = fem_shells.summary(lines)
-    assert "| Scordelis-Lo roof | 1.0470 |" in table
-    assert "| Raasch's hook | 9 x 1 | 0.906 |" in table
-    assert "2 random panels: " in table
+    assert f"| {roof} | 4 x 4 | 1.047 | " in table
+    assert f"| {hook} | 9 x 1 | 0.906 | " in table
+    assert "| rectangular, in plane | 0.993 |" in table
+    assert "2 random panels, first diagonal: " in table
+    fem_shells.picture(lines, tmp_path / "rates.svg")
+    assert roof in (tmp_path / "rates.svg").read_text()
+
+
+@needs_calculix
+def test_calculix_solves_the_same_cases_or_says_why_not():
+    problems = {name: LAMINATED[name] for name in ("Pagano [0/90/90/0], a/h 10",)}
+    lines = list(fem_shells.compared(problems, (4,), ["CalculiX S4", "CalculiX S8R"]))
+    assert "laminate 0 has 4 plies; expected 1 in linear shells" in lines[0]["outcome"]
+    assert lines[1]["ratio"] == pytest.approx(0.84, abs=0.05)
+    assert "CalculiX S4 (-): laminate 0 has 4 plies" in fem_shells.summary(lines)
 
 
 @needs_calculix

@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import solve_bvp
 from scipy.optimize import brentq
 
-from benchmarks.oracles.shell_problems import hold, mapped
+from benchmarks.shells.case import hold, mapped
 from femlib.arrays import FloatArray, IntArray
 from femlib.assembly import Shells, Supports, deflect, factorise, line_load, surface_load, thermal_forces, thermal_load
 from femlib.elements import corotational

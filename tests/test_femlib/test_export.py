@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.shells.curved import scordelis_lo_roof
+from benchmarks.shells.peers import calculix_ratio
 from femlib.arrays import FloatArray
 from femlib.assembly import Shells, Supports, factorise, surface_load
 from femlib.errors import InputError
@@ -16,7 +18,7 @@ from femlib.export.calculix import Deck, edges, write_deck
 from femlib.export.calculix_results import read_buckling_factors, read_displacements, read_frequencies
 from femlib.material import Laminate, Ply, isotropic_plate, laminate
 from femlib.mesh import DOFS_PER_NODE
-from tests.test_femlib.plates import grid_mesh, patch
+from tests.test_femlib.plates import grid_mesh, patch, rotation
 
 PLATE = isotropic_plate(70e9, 0.3, 5e-3, density=2700.0)
 CARBON = Ply(140e9, 10e9, 0.3, 5e9, 5e9, 3e9, 1e-3, 0.3, 1600.0)
@@ -106,6 +108,20 @@ def test_calculix_has_frequencies_and_buckling_factors(tmp_path: Path) -> None:
     run(replace(deck, load=push.ravel(), analysis="buckling", n_modes=1), tmp_path)
     euler = 0.25 * np.pi**2 * bending * 0.3
     assert read_buckling_factors(tmp_path / "a.dat")[0] == pytest.approx(euler, rel=0.01)
+
+
+@needs_calculix
+@pytest.mark.parametrize("is_quadratic", [True, False])
+def test_calculix_has_the_roof_that_symmetry_holds(is_quadratic: bool) -> None:
+    assert calculix_ratio(scordelis_lo_roof(16), is_quadratic) == pytest.approx(1.0, abs=0.01)
+
+
+def test_two_rotations_held_obliquely_are_refused() -> None:
+    shells = patch(PLATE, "quad4", rotation(2))
+    supports = Supports.holding(shells.mesh, [0, 1, 2, 3, 4, 6, 7, 8, 18, 19, 20])
+    deck = Deck(shells, supports, np.zeros(shells.mesh.n_dofs))
+    with pytest.raises(InputError, match="node 0 holds two rotations that are oblique to the shell there"):
+        deck.lines()
 
 
 WRONG = [

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from benchmarks.oracles.shell_problems import hold, mapped
+from benchmarks.shells.case import hold, mapped
 from femlib.assembly import (
     Supports,
     factorise,

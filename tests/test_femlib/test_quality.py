@@ -3,64 +3,57 @@
 import numpy as np
 import pytest
 
-from benchmarks.oracles import shell_problems
-from benchmarks.oracles.shell_problems import (
-    cook_membrane,
-    force,
-    hold,
-    mapped,
-    pinched_hemisphere,
-    straight_beam,
-    twisted_beam,
-)
-from femlib.assembly import Quality, Supports, checked_solution, solution_quality
+from benchmarks.shells.case import at, hold, mapped
+from benchmarks.shells.curved import pinched_hemisphere
+from benchmarks.shells.plates import cook_membrane
+from benchmarks.shells.strips import straight_beam, twisted_beam
+from femlib.assembly import Supports, checked_solution, solution_quality
 from femlib.errors import InputError, SolveError
 from femlib.material import isotropic_plate
 from femlib.wing import Wing
 from tests.test_femlib.plates import patch, rotation
 
 
-@pytest.fixture
-def judged(monkeypatch: pytest.MonkeyPatch) -> list[Quality]:
-    """The estimates of the standard problems, as they are solved."""
-    found: list[Quality] = []
-    plain = shell_problems.solved
-
-    def solved(shells, held, load):
-        moved = plain(shells, held, load)
-        found.append(solution_quality(shells, moved.ravel()))
-        return moved
-
-    monkeypatch.setattr(shell_problems, "solved", solved)
-    return found
-
-
-def test_bending_of_single_elements_in_their_plane_is_estimated_and_refused(judged: list[Quality]) -> None:
-    error = 1.0 - straight_beam("rectangular", "v")
-    assert judged[-1].displacement_error == pytest.approx(error, rel=0.05)
-    judged[-1].refuse()
-    straight_beam("trapezoidal", "v")
-    assert judged[-1].displacement_error > 0.09
+def test_bending_of_single_elements_in_their_plane_is_estimated_and_refused() -> None:
+    ratio, quality = straight_beam("rectangular", "v").judged()
+    assert quality.displacement_error == pytest.approx(1.0 - ratio, rel=0.05)
+    quality.refuse()
+    _, quality = straight_beam("trapezoidal", "v").judged()
+    assert quality.displacement_error > 0.09
     with pytest.raises(SolveError, match=r"by a coarse mesh .*; refine where the strains change"):
-        judged[-1].refuse()
+        quality.refuse()
 
 
 @pytest.mark.parametrize("thickness", [0.32, 0.0032])
-def test_a_twisted_strip_is_accepted_and_a_structure_of_it_answers(judged: list[Quality], thickness: float) -> None:
-    assert twisted_beam(thickness, "w") == pytest.approx(1.0, abs=0.03)
-    assert judged[-1].displacement_error == pytest.approx(1.0 - twisted_beam(thickness, "w"), abs=0.01)
-    judged[-1].refuse()
+def test_a_twisted_strip_is_accepted_and_a_structure_of_it_answers(thickness: float) -> None:
+    ratio, quality = twisted_beam(thickness, "w").judged()
+    assert ratio == pytest.approx(1.0, abs=0.03)
+    assert quality.displacement_error == pytest.approx(1.0 - ratio, abs=0.01)
+    quality.refuse()
 
 
-def test_a_coarse_mesh_is_refused_and_a_fine_one_accepted(judged: list[Quality]) -> None:
+def test_a_coarse_mesh_is_refused_and_a_fine_one_accepted() -> None:
     for problem, coarse, fine in ((cook_membrane, 4, 16), (pinched_hemisphere, 8, 16)):
-        assert 1.0 - problem(coarse) > 0.03
+        ratio, quality = problem(coarse).judged()
+        assert 1.0 - ratio > 0.03
         with pytest.raises(SolveError, match=r"by a coarse mesh .*; refine where the strains change"):
-            judged[-1].refuse()
-        assert abs(1.0 - problem(fine)) < 0.04
-        judged[-1].refuse()
-    cook_membrane(8)
-    assert judged[-1].displacement_error == pytest.approx(1.0 - cook_membrane(8), rel=0.25)
+            quality.refuse()
+        ratio, quality = problem(fine).judged()
+        assert abs(1.0 - ratio) < 0.04
+        quality.refuse()
+    ratio, quality = cook_membrane(8).judged()
+    assert quality.displacement_error == pytest.approx(1.0 - ratio, rel=0.25)
+
+
+@pytest.mark.parametrize("thickness", [0.0032, 0.32])
+def test_triangles_too_coarse_for_a_thin_twisted_strip_are_refused(thickness: float) -> None:
+    ratio, quality = twisted_beam(thickness, "w").in_triangles("first diagonal").judged()
+    if thickness == 0.32:
+        assert ratio == pytest.approx(1.0, abs=0.02)
+        return
+    assert ratio < 0.1
+    with pytest.raises(SolveError, match=r"by a coarse mesh"):
+        quality.refuse()
 
 
 @pytest.mark.parametrize("shape", ["quad4", "tria3"])
@@ -105,7 +98,7 @@ def test_a_checked_solution_is_that_of_a_fine_mesh_or_none(n: int) -> None:
     shells, node = mapped(
         lambda u, v: np.stack([u, 0.5 * v, 0.1 * u * v], axis=-1), n, n, isotropic_plate(7e10, 0.3, 0.01)
     )
-    supports, load = Supports.holding(shells.mesh, hold(node[0], "uvwxyz")), force(shells, int(node[-1, -1]), "w", 1.0)
+    supports, load = Supports.holding(shells.mesh, hold(node[0], "uvwxyz")), at(shells, int(node[-1, -1]), "w")
     if n == 2:
         with pytest.raises(SolveError, match=r"displacements are estimated to be .* % off by a coarse mesh"):
             checked_solution(shells, supports, load)

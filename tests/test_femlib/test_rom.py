@@ -72,6 +72,26 @@ def test_28_regions_are_within_their_aim_and_their_bound(
     assert error.max() < aim
 
 
+@pytest.mark.parametrize("n_damaged", [1, 2, 3])
+def test_few_regions_have_a_bound_near_their_error(
+    many: PortFlexibility, many_reduced: ReducedModel, n_damaged: int
+) -> None:
+    states = random_states(25, 28, n_damaged)[1:]
+    error, bound = np.abs(many_reduced.solve(states) - many.solve(states)), many_reduced.error_bound(states)
+    assert (error <= bound).all()
+    assert np.median(bound / error) < 20.0
+
+
+def test_couplings_bound_the_exact_ones(many: PortFlexibility, many_reduced: ReducedModel) -> None:
+    for damage in random_states(6, 28, 4)[1:]:
+        mu = damage[many.owner]
+        on = mu > 0.0
+        root = 1.0 / np.sqrt(1.0 / mu[on] - many.own[on])
+        exact = np.linalg.eigvalsh(root[:, None] * many.across[np.ix_(on, on)] * root).max()
+        assert exact <= many_reduced.bound.coupling(damage) < 1.0
+    assert many_reduced.bound.coupling(np.full(28, 0.999)) == np.inf
+
+
 def test_the_exact_model_of_28_regions_is_a_factorisation_of_its_own(many: PortFlexibility) -> None:
     wing = uav_wing(refinement=0.25, regions=damage_library())
     states = random_states(3, 28)

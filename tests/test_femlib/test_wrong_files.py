@@ -18,7 +18,7 @@ from femlib.dataset import MeanStrains, build_dataset, open_dataset, published_s
 from femlib.dataset.history import history_pieces
 from femlib.errors import InputError, frozen_ints, is_number
 from femlib.rom import ReducedModel
-from femlib.rom.bound import ErrorBound
+from femlib.rom.bound import LEVELS, ErrorBound
 from femlib.wing.export.calculix import _centre_strains
 
 
@@ -135,9 +135,10 @@ def promise(shape: str) -> bytes:
 
 @pytest.fixture
 def members(tmp_path: Path) -> dict[str, bytes]:
-    bound = ErrorBound((np.ones((1, 4)), np.ones((1, 3))), (np.ones((1, 4)), np.ones((1, 3))))
+    rows = (np.ones((1, 5)), np.ones((1, 3)))
+    couplings = np.zeros(len(LEVELS)), np.zeros((len(LEVELS), 2, 2))
+    bound = ErrorBound(rows, rows, np.full(2, 0.5), *couplings)
     arrays = (np.ones(1), np.array([0, 0]), np.ones(2), np.eye(2) / 4, np.ones((1, 2)), np.ones((1, 2)))
-    bound = ErrorBound((np.ones((1, 5)), np.ones((1, 3))), (np.ones((1, 5)), np.ones((1, 3))))
     ReducedModel(("mu1", "mu2"), ("g1",), *arrays, bound, {"model": "abc"}, 2).save(tmp_path / "model.npz")
     with zipfile.ZipFile(tmp_path / "model.npz") as held:
         return {name: held.read(name) for name in held.namelist()}
@@ -169,6 +170,9 @@ def test_the_members_make_a_model(tmp_path: Path, members: dict[str, bytes]) -> 
         ("owner", saved(np.array([0, 7])), "owner names the region 7; expected 0 to 1"),
         ("owner", saved(np.array([0, -1])), "expected 0 to 1"),
         ("primal_0", saved(np.ones((1, 3))), r"primal_0 has shape \(1, 3\)"),
+        ("primal_1", saved(np.ones((2, 3))), "primal and dual of a region differ in rows"),
+        ("own", saved(np.array([0.5, 1.5])), "own is above 1, or joint or pairs below 0"),
+        ("joint", saved(np.zeros(2)), r"joint has shape \(2,\)"),
         ("words", saved(np.array('{"parameters": 5}')), "lacks the entry 'provenance'"),
         ("words", saved(np.array("[")), "words is not JSON"),
         ("words", saved(np.ones(3)), "words holds values of type float64"),

@@ -1,104 +1,155 @@
-"""The shells against the standard problems: ratio to the published answer, by elements a side."""
+"""The shells against the standard problems beside pyfe3d and CalculiX: ratio to the published answer, by mesh.
 
-from collections.abc import Callable, Iterator, Sequence
-from functools import partial
+Triangles are those of the same mesh cut along either diagonal: their column has the one farther off. S8R stands on the
+nodes of the case, one element for four; where the case has an odd number of elements across, on the same elements.
+"""
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import product
+from pathlib import Path
 
 import numpy as np
 
-from benchmarks.oracles.shell_problems import (
-    BEAM_SHAPES,
-    CONVERGING,
-    curved_beam,
-    raasch_hook,
-    random_shape,
-    straight_beam,
-    twisted_beam,
-)
+from benchmarks.shells.case import DIAGONALS, Case
+from benchmarks.shells.peers import calculix_ratio, has_calculix, pyfe3d_ratio
+from benchmarks.shells.picture import draw
+from benchmarks.shells.problems import CONVERGING, LAMINATED, STRIPS, Problem
+from benchmarks.shells.random_panels import RandomShape, random_shape
+from benchmarks.shells.strips import BEAM_SHAPES, straight_beam
 from benchmarks.tables import Line
-from femlib.errors import MeshError, SolveError
+from femlib.errors import InputError, MeshError, SolveError
 
 WRONG = 0.05
 """Error of the work beyond which a panel that was accepted counts as wrong."""
+SEED = 2026
 SIZES = (4, 8, 16, 32)
+FINER = (1, 2, 4, 8)
 DIRECTIONS = {"u": "extension", "v": "in plane", "w": "out of plane", "x": "twist"}
+Solver = Callable[[Case], float]
+
+
+def farther(solve: Solver) -> Solver:
+    """Return a solver of triangles along either diagonal: the ratio farther from one."""
+
+    def both(case: Case) -> float:
+        return max((solve(case.in_triangles(d)) for d in DIAGONALS), key=lambda ratio: abs(ratio - 1.0))
+
+    return both
+
+
+SOLVERS: Mapping[str, Solver] = {
+    "femlib quadrilateral": Case.ratio,
+    "femlib triangle": farther(Case.ratio),
+    "pyfe3d Quad4": pyfe3d_ratio,
+    "pyfe3d Tria3DSG": farther(pyfe3d_ratio),
+    "CalculiX S4": lambda case: calculix_ratio(case, is_quadratic=False),
+    "CalculiX S8R": lambda case: calculix_ratio(case, is_quadratic=True),
+}
 
 
 def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
-    """Yield a line for each problem and size, and for each beam of MacNeal and Harder."""
-    yield from plates_and_shells(SIZES)
-    yield from beams()
-    yield from strips((1, 2, 4, 8, 16))
-    yield panels(200, 16)
+    """Yield a line for each problem, mesh and solver, for each beam of MacNeal and Harder, and for the panels."""
+    solvers = [name for name in SOLVERS if has_calculix() or not name.startswith("CalculiX")]
+    yield from compared({**CONVERGING, **LAMINATED}, SIZES, solvers)
+    yield from compared(STRIPS, FINER, solvers)
+    yield from beams(solvers)
+    yield from panels(200, 16)
 
 
-def plates_and_shells(sizes: Sequence[int]) -> Iterator[Line]:
-    """Yield the ratio to the published answer of each problem with so many elements a side."""
-    for name, problem in CONVERGING.items():
-        for n in sizes:
-            yield {"size": f"{name}, {n} a side", "seed": 0, "problem": name, "n": n, "ratio": problem(n)}
+def compared(problems: Mapping[str, Problem], sizes: Sequence[int], solvers: Sequence[str]) -> Iterator[Line]:
+    """Yield the ratio to the published answer, or why there is none, of each problem, mesh and solver."""
+    for (name, problem), n in product(problems.items(), sizes):
+        case = problem(n)
+        mesh = " x ".join(str(k - 1) for k in case.node.shape)
+        for solver in solvers:
+            line = {"size": f"{name}, {mesh}, {solver}", "seed": 0, "problem": name, "n": n, "mesh": mesh}
+            line |= {"elements": case.shells.mesh.n_elements, "solver": solver}
+            yield line | _answer(SOLVERS[solver], case)
 
 
-def beams() -> Iterator[Line]:
-    """Yield the ratio to beam theory of each beam of six elements, by the direction of its load."""
-    for shape in BEAM_SHAPES:
-        ratios = {DIRECTIONS[d]: straight_beam(shape, d) for d in DIRECTIONS}
-        yield {"size": f"straight beam, {shape}", "seed": 0, "beam": f"straight, {shape}", "ratios": ratios}
+def _answer(solve: Solver, case: Case) -> Line:
+    try:
+        return {"ratio": solve(case)}
+    except (InputError, SolveError, RuntimeError) as error:
+        return {"outcome": str(error)}
 
 
-def strips(finer: Sequence[int]) -> Iterator[Line]:
-    """Yield the ratio to the published answer of each curved or twisted strip, its mesh so many times finer."""
-    problems: dict[str, tuple[int, int, Callable[[int, int], float]]] = {
-        "curved beam in its plane": (6, 1, lambda n, m: curved_beam("u", n, m)),
-        "curved beam out of its plane": (6, 1, lambda n, m: curved_beam("w", n, m)),
-        "Raasch's hook": (9, 1, raasch_hook),
-    }
-    for thickness, direction in product((0.32, 0.0032), "vw"):
-        solve = partial(twisted_beam, thickness, direction)
-        problems[f"twisted beam, t {thickness}, {direction}"] = (12, 2, solve)
-    for name, (n, m, problem) in problems.items():
-        for k in finer:
-            mesh = f"{n * k} x {m * k}"
-            yield {"size": f"{name}, {mesh}", "seed": 0, "strip": name, "mesh": mesh, "ratio": problem(n * k, m * k)}
+def beams(solvers: Sequence[str]) -> Iterator[Line]:
+    """Yield the ratio to beam theory of each straight beam of six elements, by the direction of its load."""
+    for shape, (letter, word), solver in product(BEAM_SHAPES, DIRECTIONS.items(), solvers):
+        name = f"straight beam, {shape}, {word}"
+        line = {"size": f"{name}, {solver}", "seed": 0, "beam": f"{shape}, {word}", "solver": solver}
+        yield line | _answer(SOLVERS[solver], straight_beam(shape, letter))
 
 
-def panels(count: int, n: int) -> Line:
-    """Return how many of so many random panels on n x n moved elements are right, wrong or refused."""
-    rng = np.random.default_rng(7)
-    errors: list[float] = []
+def panels(count: int, n: int) -> Iterator[Line]:
+    """Yield how many of so many random panels on n x n moved elements are right, wrong or refused, by element."""
+    rng = np.random.default_rng(SEED)
+    errors: dict[str, list[float]] = {kind: [] for kind in ("quadrilaterals", *DIAGONALS)}
     for _ in range(count):
-        shape = random_shape(rng)
+        for kind, error in _panel_errors(random_shape(rng), n, rng, tuple(errors)).items():
+            errors[kind].append(error)
+    for kind, found in errors.items():
+        wrong = sum(error > WRONG for error in found)
+        line = {"size": f"{count} random panels, {kind}", "seed": SEED, "panels": count, "kind": kind}
+        yield line | {"errors": found, "wrong": wrong}
+
+
+def _panel_errors(shape: RandomShape, n: int, rng: np.random.Generator, kinds: Sequence[str]) -> dict[str, float]:
+    """Return the errors of the kinds of element that are accepted."""
+    try:
+        case = shape(n, rng)
+    except MeshError:
+        return {}
+    works = {}
+    for kind in kinds:
+        work, quality = (case if kind not in DIAGONALS else case.in_triangles(kind)).judged()
         try:
-            coarse, quality = shape(n, rng)
             quality.refuse()
-        except (MeshError, SolveError):
+        except SolveError:
             continue
-        errors.append(abs(coarse / shape(5 * n // 2, None)[0] - 1.0))
-    wrong = sum(error > WRONG for error in errors)
-    return {"size": f"{count} random panels", "seed": 7, "panels": count, "errors": errors, "wrong": wrong}
+        works[kind] = work
+    exact = shape(5 * n // 2, None).ratio() if works else math.nan
+    return {kind: abs(work / exact - 1.0) for kind, work in works.items()}
+
+
+def picture(lines: Sequence[Line], path: Path) -> None:
+    """Draw the errors against the number of elements."""
+    draw([line for line in lines if "ratio" in line and "elements" in line], path)
 
 
 def summary(lines: Sequence[Line]) -> str:
-    """Return the tables of docs/wing.md."""
-    sizes = sorted({line["n"] for line in lines if "n" in line})
-    table = ["| problem | " + " | ".join(map(str, sizes)) + " |", "|" + "---|" * (1 + len(sizes))]
-    for name in dict.fromkeys(line["problem"] for line in lines if "n" in line):
-        ratios = [line["ratio"] for line in lines if line.get("problem") == name]
-        table.append(f"| {name} | " + " | ".join(f"{ratio:.4f}" for ratio in ratios) + " |")
-    words = list(DIRECTIONS.values())
-    table += ["", "| beam, 6 elements | " + " | ".join(words) + " |", "|" + "---|" * (1 + len(words))]
+    """Return the tables of docs/theory/shells.md."""
+    solvers = list(dict.fromkeys(line["solver"] for line in lines if "solver" in line))
+    parts = [_table("problem | mesh", "problem", lines, solvers), _table("straight beam of 6", "beam", lines, solvers)]
+    parts.append("\n\n".join(dict.fromkeys(_reason(line) for line in lines if "outcome" in line)))
+    return "\n\n".join([*parts, *(_panels_in_words(line) for line in lines if "panels" in line)])
+
+
+def _table(head: str, key: str, lines: Sequence[Line], solvers: Sequence[str]) -> str:
+    """Return a row for each problem and mesh, or for each beam, with the ratio of each solver."""
+    cells: dict[str, dict[str, str]] = {}
     for line in lines:
-        if "beam" in line:
-            cells = [f"{line['ratios'][word]:.3f}" if word in line["ratios"] else "-" for word in words]
-            table.append(f"| {line['beam']} | " + " | ".join(cells) + " |")
-    table += ["", "| strip | mesh | ratio |", "|---|---|---|"]
-    table += [f"| {line['strip']} | {line['mesh']} | {line['ratio']:.3f} |" for line in lines if "strip" in line]
-    return "\n".join([*table, "", *(_panels_in_words(line) for line in lines if "panels" in line)])
+        if key in line:
+            label = f"{line[key]} | {line['mesh']}" if "mesh" in line else line[key]
+            cells.setdefault(label, {})[line["solver"]] = _cell(line)
+    rows = [f"| {head} | " + " | ".join(solvers) + " |", "|" + "---|" * (1 + head.count("|") + len(solvers))]
+    rows += [f"| {label} | " + " | ".join(own.get(name, "") for name in solvers) + " |" for label, own in cells.items()]
+    return "\n".join(rows)
+
+
+def _cell(line: Line) -> str:
+    return f"{line['ratio']:.3f}" if "ratio" in line else "-"
+
+
+def _reason(line: Line) -> str:
+    return f"{line['solver']} (-): {line['outcome']}"
 
 
 def _panels_in_words(line: Line) -> str:
     errors = line["errors"]
-    found = f"{line['panels']} random panels: {line['panels'] - len(errors)} refused"
+    found = f"{line['panels']} random panels, {line['kind']}: {line['panels'] - len(errors)} refused"
     if not errors:
         return found
     sizes = f"median {100 * np.median(errors):.2f} %, most {100 * max(errors):.2f} %"
