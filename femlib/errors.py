@@ -16,9 +16,11 @@ import numpy.typing as npt
 MOST_WHOLE = 2.0**53
 """Beyond it float64 merges neighbouring whole numbers."""
 EXTRA_OF = {
+    "pyfe3d": "wing",
     "matplotlib": "report",
     "pyarrow": "parquet",
     "pypardiso": "pardiso",
+    "sksparse": "cholmod",
     "aerosandbox": "aero",
     "pyvista": "pictures",
     "meshio": "meshes",

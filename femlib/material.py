@@ -4,8 +4,8 @@ A shell of plies at heights z has, per unit width, membrane forces N and moments
 
     N = A eps + B kappa,   M = B eps + D kappa,   (A, B, D) = sum over plies of integral (1, z, z^2) Q dz,
 
-and transverse shear forces `shear @ gamma`, order (yz, xz). Source: R. M. Jones, Mechanics of Composite Materials
-(1999), eqs 4.22-4.24.
+and transverse shear forces `shear @ gamma`, order (yz, xz), of the energy that the stresses in equilibrium have.
+Sources: R. M. Jones, Mechanics of Composite Materials (1999), eqs 4.22-4.24; K. Rohwer (1990, see `_shear`).
 """
 
 from collections.abc import Sequence
@@ -15,10 +15,6 @@ import numpy as np
 
 from femlib.arrays import FloatArray
 from femlib.errors import InputError, frozen_floats, is_number
-
-SHEAR_CORRECTION = 5.0 / 6.0
-"""Ratio of the shear stiffness of a homogeneous section to a constant shear strain. Price: exact for one ply only."""
-
 
 SAME = 1e-9
 """Moduli that differ by less than this share are the same but for rounding."""
@@ -211,14 +207,13 @@ def laminate(plies: Sequence[Ply]) -> Laminate:
     stiff = np.array([ply.plane_stress() for ply in plies])
     free = np.array([ply.plane_stress() @ ply.free_strain() for ply in plies])
     density = np.array([ply.density for ply in plies])
-    shear = np.einsum("p,pij->ij", powers[0], np.array([ply.transverse_shear() for ply in plies]))
     membrane, coupling, bending = (np.einsum("p,pij->ij", power, stiff) for power in powers)
     mass, mass_moment, rotary_inertia = (float(power @ density) for power in powers)
     return Laminate(
         membrane=membrane,
         coupling=coupling,
         bending=bending,
-        shear=SHEAR_CORRECTION * shear,
+        shear=_shear(plies, heights, membrane, coupling, bending),
         thickness=float(heights[-1] - heights[0]),
         mass=mass,
         mass_moment=mass_moment,
@@ -229,6 +224,41 @@ def laminate(plies: Sequence[Ply]) -> Laminate:
         gradient_moment=powers[2] @ free,
         plies=tuple(plies),
     )
+
+
+def _shear(
+    plies: Sequence[Ply], heights: FloatArray, membrane: FloatArray, coupling: FloatArray, bending: FloatArray
+) -> FloatArray:
+    """Return the stiffness (2, 2) of (yz, xz) whose energy is that of the shear stresses in equilibrium.
+
+    Moments that grow along x or along y alone (two cylindrical bendings) have stresses s(z) = Q (z - A^-1 B) D*^-1 M
+    and so shear stresses t(z) = -integral of their slopes from the bottom, t = f (Q_y, Q_x); the flexibility is the
+    integral of f' G^-1 f. One layer has 5/6 of its shear stiffness; a stack of stiff and soft layers may have a
+    fraction of it. Source: K. Rohwer, Int. J. Numer. Meth. Engng 29 (1990) 105-118. Price: the pair of directions that
+    bend cylindrically is the laminate's own axes; an unequal stack turned against them differs a little.
+    """
+    offset: FloatArray = np.asarray(np.linalg.solve(membrane, coupling), dtype=np.float64)
+    inverse = np.linalg.inv(bending - coupling @ offset)
+    places, weights = np.polynomial.legendre.leggauss(3)  # exact: f is a parabola in each ply
+    flexibility, below = np.zeros((2, 2)), np.zeros((3, 3))
+    for ply, bottom, top in zip(plies, heights[:-1], heights[1:], strict=True):
+        stiff, soft = ply.plane_stress(), np.linalg.inv(ply.transverse_shear())
+        for place, weight in zip(places.tolist(), weights.tolist(), strict=True):
+            z = bottom + 0.5 * (1.0 + place) * (top - bottom)
+            f = _across(below + _grown(stiff, offset, bottom, z) @ inverse)
+            flexibility += 0.5 * weight * (top - bottom) * f.T @ soft @ f
+        below = below + _grown(stiff, offset, bottom, top) @ inverse
+    return np.asarray(np.linalg.inv(flexibility), dtype=np.float64)
+
+
+def _grown(stiff: FloatArray, offset: FloatArray, bottom: float, z: float) -> FloatArray:
+    """Return the integral of Q (z - A^-1 B) from the bottom of a ply to a height."""
+    return np.asarray(stiff @ (0.5 * (z * z - bottom * bottom) * np.eye(3) - (z - bottom) * offset))
+
+
+def _across(f: FloatArray) -> FloatArray:
+    """Return the shear stresses (yz, xz) of unit forces (Q_y, Q_x) from the stresses (xx, yy, xy) of unit moments."""
+    return np.array([[f[1, 1], f[2, 0]], [f[2, 1], f[0, 0]]])
 
 
 def isotropic_ply(young: float, poisson: float, thickness: float, density: float = 0.0, expansion: float = 0.0) -> Ply:

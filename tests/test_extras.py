@@ -77,6 +77,11 @@ def sentence(use):
     return ["", "no error"]
 
 
+def beam():
+    from femlib.elements.beam2 import element_library
+    element_library()
+
+
 def stored():
     from femlib.dataset.parquet import pyarrow_modules
     pyarrow_modules()
@@ -104,7 +109,7 @@ def onnx():
     onnx_model(solution.tree, ["a", "b"], [0, 1])
 
 
-for use in (stored, pictures, plot, paper, design, onnx):
+for use in (beam, stored, pictures, plot, paper, design, onnx):
     said[use.__name__] = sentence(use)
 print(json.dumps(said))
 """
@@ -150,6 +155,7 @@ def test_the_command_needs_no_extra_for_what_is_no_picture(said):
 @pytest.mark.parametrize(
     ("use", "package"),
     [
+        ("beam", "pyfe3d"),
         ("stored", "pyarrow"),
         ("pictures", "matplotlib"),
         ("plot", "matplotlib"),

@@ -150,7 +150,7 @@ def _projected(
         bound=ErrorBound(
             _residual_rows(exact, modes.owner, exact.load[:, None], image, modes.trial),
             _residual_rows(exact, modes.owner, exact.readout.T, dual_image, modes.test),
-            exact.own,
+            np.minimum(exact.own, 1.0),  # what is above is rounding
             *couplings(exact.own, exact.across, exact.first),
         ),
         provenance=provenance,

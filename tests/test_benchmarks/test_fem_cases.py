@@ -9,6 +9,7 @@ from benchmarks.cases.fem import calibration as fem_calibration
 from benchmarks.cases.fem import dataset as fem_dataset
 from benchmarks.cases.fem import mesh as fem_mesh
 from benchmarks.cases.fem import shells as fem_shells
+from benchmarks.shells.case import DIAGONALS
 from benchmarks.shells.problems import CONVERGING, LAMINATED, STRIPS
 from femlib.wing import uav_wing
 
@@ -26,12 +27,13 @@ def test_shell_lines_make_tables_and_a_picture(tmp_path):
     roof, hook = "Scordelis-Lo roof", "Raasch's hook"
     problems = {roof: CONVERGING[roof], hook: lambda n: STRIPS[hook](n // 4)}
     solvers = ["femlib quadrilateral", "femlib triangle", "pyfe3d Quad4", "pyfe3d Tria3DSG"]
-    lines = [*fem_shells.compared(problems, (4,), solvers), *fem_shells.beams(solvers[:1]), *fem_shells.panels(2, 8)]
+    lines = [*fem_shells.compared(problems, (4,), solvers), *fem_shells.beams(solvers[:1])]
+    lines.append(fem_shells.panels(2, 8, DIAGONALS[0]))
     table = fem_shells.summary(lines)
     assert f"| {roof} | 4 x 4 | 1.047 | " in table
     assert f"| {hook} | 9 x 1 | 0.906 | " in table
     assert "| rectangular, in plane | 0.993 |" in table
-    assert "2 random panels, first diagonal: " in table
+    assert "2 random panels, first diagonal, 8 a side: " in table
     fem_shells.picture(lines, tmp_path / "rates.svg")
     assert roof in (tmp_path / "rates.svg").read_text()
 

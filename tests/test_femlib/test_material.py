@@ -1,5 +1,7 @@
 """Laminates against closed forms."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -63,3 +65,17 @@ def test_a_bad_material_card_gets_a_sentence(change: dict[str, float], sentence:
 def test_an_empty_laminate_gets_a_sentence() -> None:
     with pytest.raises(FemlibError, match="laminate got 0 plies"):
         laminate([])
+
+
+def test_shear_is_that_of_the_stresses_in_equilibrium() -> None:
+    ply = Ply(25e9, 1e9, 0.25, 0.5e9, 0.5e9, 0.2e9, 1e-3, 0.4)
+    assert laminate([ply] * 4).shear == pytest.approx(5.0 / 6.0 * 4e-3 * ply.transverse_shear(), rel=1e-12)
+    straight, across = replace(ply, angle=0.0), replace(ply, angle=0.5 * np.pi)
+    crossed = laminate([straight, across, across, straight])
+    # Whitney's factors of this stack (J. Applied Mechanics 40, 1973) on the mean moduli .35 GPa
+    assert np.diag(crossed.shear) / (4e-3 * 0.35e9) == pytest.approx([0.7203, 0.5952], abs=1e-4)
+    uneven = [straight, replace(ply, angle=0.7, thickness=3e-3), across]
+    assert laminate(uneven).shear == pytest.approx(laminate(uneven[::-1]).shear, rel=1e-9)
+    core = Ply(1e6, 1e6, 0.0, 0.5e6, 0.5e6, 0.5e6, 20e-3)
+    sandwich = laminate([straight, core, straight]).shear[1, 1]
+    assert sandwich == pytest.approx(0.5e6 * 21e-3**2 / 20e-3, rel=0.02)  # G d^2 / c

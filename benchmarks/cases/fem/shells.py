@@ -4,7 +4,6 @@ Triangles are those of the same mesh cut along either diagonal: their column has
 nodes of the case, one element for four; where the case has an odd number of elements across, on the same elements.
 """
 
-import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import product
 from pathlib import Path
@@ -15,7 +14,7 @@ from benchmarks.shells.case import DIAGONALS, Case
 from benchmarks.shells.peers import calculix_ratio, has_calculix, pyfe3d_ratio
 from benchmarks.shells.picture import draw
 from benchmarks.shells.problems import CONVERGING, LAMINATED, STRIPS, Problem
-from benchmarks.shells.random_panels import RandomShape, random_shape
+from benchmarks.shells.random_panels import random_shape
 from benchmarks.shells.strips import BEAM_SHAPES, straight_beam
 from benchmarks.tables import Line
 from femlib.errors import InputError, MeshError, SolveError
@@ -23,6 +22,8 @@ from femlib.errors import InputError, MeshError, SolveError
 WRONG = 0.05
 """Error of the work beyond which a panel that was accepted counts as wrong."""
 SEED = 2026
+FINE = 48
+"""Quadrilaterals a side of the mesh that a panel is judged by."""
 SIZES = (4, 8, 16, 32)
 FINER = (1, 2, 4, 8)
 DIRECTIONS = {"u": "extension", "v": "in plane", "w": "out of plane", "x": "twist"}
@@ -54,7 +55,9 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
     yield from compared({**CONVERGING, **LAMINATED}, SIZES, solvers)
     yield from compared(STRIPS, FINER, solvers)
     yield from beams(solvers)
-    yield from panels(200, 16)
+    yield panels(200, 16, "quadrilaterals")
+    for diagonal in DIAGONALS:
+        yield panels(200, 32, diagonal)
 
 
 def compared(problems: Mapping[str, Problem], sizes: Sequence[int], solvers: Sequence[str]) -> Iterator[Line]:
@@ -83,35 +86,22 @@ def beams(solvers: Sequence[str]) -> Iterator[Line]:
         yield line | _answer(SOLVERS[solver], straight_beam(shape, letter))
 
 
-def panels(count: int, n: int) -> Iterator[Line]:
-    """Yield how many of so many random panels on n x n moved elements are right, wrong or refused, by element."""
+def panels(count: int, n: int, kind: str) -> Line:
+    """Return how many of so many random panels on n x n moved elements, or twice as many triangles, are right."""
     rng = np.random.default_rng(SEED)
-    errors: dict[str, list[float]] = {kind: [] for kind in ("quadrilaterals", *DIAGONALS)}
+    errors: list[float] = []
     for _ in range(count):
-        for kind, error in _panel_errors(random_shape(rng), n, rng, tuple(errors)).items():
-            errors[kind].append(error)
-    for kind, found in errors.items():
-        wrong = sum(error > WRONG for error in found)
-        line = {"size": f"{count} random panels, {kind}", "seed": SEED, "panels": count, "kind": kind}
-        yield line | {"errors": found, "wrong": wrong}
-
-
-def _panel_errors(shape: RandomShape, n: int, rng: np.random.Generator, kinds: Sequence[str]) -> dict[str, float]:
-    """Return the errors of the kinds of element that are accepted."""
-    try:
-        case = shape(n, rng)
-    except MeshError:
-        return {}
-    works = {}
-    for kind in kinds:
-        work, quality = (case if kind not in DIAGONALS else case.in_triangles(kind)).judged()
+        shape = random_shape(rng)
         try:
+            case = shape(n, rng)
+            work, quality = (case if kind not in DIAGONALS else case.in_triangles(kind)).judged()
             quality.refuse()
-        except SolveError:
+        except (MeshError, SolveError):
             continue
-        works[kind] = work
-    exact = shape(5 * n // 2, None).ratio() if works else math.nan
-    return {kind: abs(work / exact - 1.0) for kind, work in works.items()}
+        errors.append(abs(work / shape(FINE, None).ratio() - 1.0))
+    wrong = sum(error > WRONG for error in errors)
+    line = {"size": f"{count} random panels, {kind}", "seed": SEED, "panels": count, "n": n, "kind": kind}
+    return line | {"errors": errors, "wrong": wrong}
 
 
 def picture(lines: Sequence[Line], path: Path) -> None:
@@ -149,7 +139,9 @@ def _reason(line: Line) -> str:
 
 def _panels_in_words(line: Line) -> str:
     errors = line["errors"]
-    found = f"{line['panels']} random panels, {line['kind']}: {line['panels'] - len(errors)} refused"
+    found = (
+        f"{line['panels']} random panels, {line['kind']}, {line['n']} a side: {line['panels'] - len(errors)} refused"
+    )
     if not errors:
         return found
     sizes = f"median {100 * np.median(errors):.2f} %, most {100 * max(errors):.2f} %"
