@@ -166,7 +166,7 @@ class Structure:
         """
         built = self.built
         thickness = np.array([own.thickness for own in built.laminates])[built.section]
-        return sensors.strain_rows(built.mesh, thickness, [self._on_patches(gauge) for gauge in gauges])
+        return sensors.strain_rows(built.mesh, thickness, [self.on_patches(gauge) for gauge in gauges])
 
     def strain_microstrain(
         self, state: Mapping[str, float], load: FloatArray, gauges: Sequence[StrainGauge]
@@ -206,7 +206,8 @@ class Structure:
         factor = self.stiffness_left(state)[: self.built.mesh.n_elements]
         return solution_quality(self.built, self.solve(state, load).ravel(), factor)
 
-    def _on_patches(self, gauge: StrainGauge) -> StrainGauge:
+    def on_patches(self, gauge: StrainGauge) -> StrainGauge:
+        """Return a gauge that names the patches of the shell mesh that its element sets are made of."""
         mesh = self.built.mesh
         inside = np.zeros(mesh.n_elements, dtype=bool)
         for name in gauge.patches:

@@ -115,6 +115,8 @@ def _points(source: Any, name: str, scale: float) -> FloatArray:
     if references is not None and np.any(references):
         raise InputError(f"{name} has nodes in a coordinate system of their own; expected global ones; write them so")
     points = scale * np.asarray(source.points, dtype=np.float64)
+    if not points.size:
+        raise MeshError(f"{name} has no node; expected a mesh; check that it is a file of that format")
     if points.ndim != 2 or points.shape[1] not in (2, 3):
         raise InputError(f"{name} has nodes of shape {points.shape}; expected ('n', 3); write coordinates in space")
     return np.column_stack([points, np.zeros(len(points))]) if points.shape[1] == 2 else points

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 
 from femlib.arrays import FloatArray
+from femlib.elements import quad4, tria3
 from femlib.errors import InputError, needed_by
 from femlib.files import whole_file
-from femlib.mesh import dofs_of_nodes
-from femlib.sensors import STEEPEST, point_strain_row
+from femlib.sensors import STEEPEST
 from femlib.structure.model import MICRO, Structure
 
 
@@ -36,7 +36,7 @@ def write_vtu(structure: Structure, path: str | Path, state: Mapping[str, float]
     moved, built = structure.solve(state, load), structure.built
     n_quads, n_shells = len(built.mesh.quads), built.mesh.n_elements
     parts = (slice(0, n_quads), slice(n_quads, n_shells), slice(n_shells, n_shells + len(built.beams.ends)))
-    top, bottom = face_strains(structure, moved)
+    top, bottom = face_strains(structure, moved, structure.axis)
     beams = np.full(len(built.beams.ends), np.nan)
     values = {
         "stiffness_left": structure.stiffness_left(state),
@@ -56,19 +56,38 @@ def write_vtu(structure: Structure, path: str | Path, state: Mapping[str, float]
         picture.write(temporary, file_format="vtu")
 
 
-def face_strains(structure: Structure, moved: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the strain along the axis at each shell's top and bottom (n_shells,) [microstrain] of a solution."""
+def face_strains(structure: Structure, moved: FloatArray, axis: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the strain along an axis (3,) at each shell's top and bottom (n_shells,) [microstrain] of a solution.
+
+    NaN where the axis is within twice `sensors.STEEPEST` of the shell's normal.
+    """
     built = structure.built
-    mesh, axis = built.mesh, structure.axis
+    mesh = built.mesh
     normals = mesh.area_vectors()
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     seen = np.linalg.norm(np.cross(normals, axis), axis=1) > 2.0 * STEEPEST * np.linalg.norm(axis)
-    faces = np.full((2, mesh.n_elements), np.nan)
-    for element in np.flatnonzero(seen):
-        corners = mesh.corners_of(int(element))
-        own = moved.ravel()[dofs_of_nodes(corners).ravel()]
-        half = built.laminates[built.section[element]].thickness / 2.0
-        for face, height in zip(faces, (half, -half), strict=True):
-            row = point_strain_row(mesh.nodes[corners], 0.0, 0.0, axis, height, f"element {element}")
-            face[element] = MICRO * float(row @ own)
-    return faces[0], faces[1]
+    middle, slope = np.full(mesh.n_elements, np.nan), np.full(mesh.n_elements, np.nan)
+    for corners, first in ((mesh.quads, 0), (mesh.trias, len(mesh.quads))):
+        kept = np.flatnonzero(seen[first : first + len(corners)])
+        if kept.size:
+            own = moved[corners[kept]].reshape(len(kept), -1)
+            middle[first + kept], slope[first + kept] = _middle_strains(mesh.nodes[corners[kept]], own, axis)
+    half = np.array([own.thickness for own in built.laminates])[built.section] / 2.0
+    return MICRO * (middle + half * slope), MICRO * (middle - half * slope)
+
+
+def _middle_strains(points: FloatArray, moved: FloatArray, axis: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return strain (n,) and its growth by height (n,) [1/m] along an axis at the middles of elements (n, k, 3)."""
+    if points.shape[1] == quad4.N_NODES:
+        many = quad4.strain_operators(points, [(0.0, 0.0)])
+        membrane, curvature, axes = many.membrane[:, 0], many.curvature[:, 0], many.axes[:, 0]
+    else:
+        each = [tria3.strain_operator(corners) for corners in points]
+        membrane, curvature, axes = (
+            np.array([getattr(o, name) for o in each]) for name in ("membrane", "curvature", "axes")
+        )
+    along = axis @ axes
+    c, s = along[:, :2].T / np.hypot(along[:, 0], along[:, 1])
+    weights = np.stack([c * c, s * s, c * s], axis=1)
+    strain, growth = (np.einsum("ec,eci,ei->e", weights, rows, moved) for rows in (membrane, curvature))
+    return strain, growth

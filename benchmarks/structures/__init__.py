@@ -1,0 +1,1 @@
+"""Structures of the user's own beside another program."""
