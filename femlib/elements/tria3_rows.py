@@ -27,8 +27,6 @@ from femlib.arrays import FloatArray
 
 N_DOFS = 18
 WITH_BUBBLE = N_DOFS + 2
-PLANE = np.array([0, 1, 5])
-"""Displacements and rotation in the element's plane among the six of a corner."""
 LUMPED = 1.5
 """Share alpha_b of the rotations in the mean strain."""
 LEAST_BENDING = 0.01
