@@ -110,6 +110,15 @@ def test_the_reduced_structure_is_a_twin_within_its_bound(plate, load, tmp_path)
     np.testing.assert_array_equal(again.predict({"middle": 0.3}, 1.0), twin.predict({"middle": 0.3}, 1.0))
 
 
+def test_a_region_that_the_load_does_not_strain_changes_nothing():
+    plate = plate_with_mast()
+    load = plate.pressure("skin", 50.0)  # the mast carries nothing
+    twin = reduce(plate, load, GAUGES)
+    found = twin.predict_states(np.array([[0.5, 0.0], [0.5, 0.9]]), 1.0)
+    np.testing.assert_allclose(found[0], found[1])
+    np.testing.assert_allclose(found[0], plate.strain_microstrain({"middle": 0.5}, load, GAUGES), rtol=1e-4)
+
+
 def test_a_mass_on_a_mast_swings_as_a_cantilever():
     """The plate is held; sqrt(3 E I / L^3 / (m + 33/140 of the mast))."""
     structure = plate_with_mast(supports={"skin": "clamped"}, damage=())
