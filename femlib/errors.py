@@ -20,6 +20,7 @@ EXTRA_OF = {
     "matplotlib": "report",
     "pyarrow": "parquet",
     "pypardiso": "pardiso",
+    "sksparse": "cholmod",
     "aerosandbox": "aero",
     "pyvista": "pictures",
     "meshio": "meshes",

@@ -56,9 +56,15 @@ def geometric_stiffness(
     Raises
     ------
     InputError
-        If a number of entries is wrong or one is not finite.
+        If a number of entries is wrong or one is not finite, or there are beams or springs: what their forces do is not
+        known here.
     """
     mesh = shells.mesh
+    if shells.n_elements != mesh.n_elements:
+        raise InputError(
+            f"the structure has {shells.n_elements - mesh.n_elements} beams and springs; expected shells alone, whose "
+            "forces buckle them; make the beams of shells"
+        )
     moved = frozen_floats(displacements, "displacements", (mesh.n_dofs,)).reshape(-1, DOFS_PER_NODE)
     scale = np.ones(mesh.n_elements) if factor is None else frozen_floats(factor, "factor", (mesh.n_elements,))
     places = [(r, s) for r, s in GAUSS.tolist()]

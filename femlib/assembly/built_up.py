@@ -155,6 +155,13 @@ class BuiltUp(Shells):
         own = kept[n_shells:] != 0.0
         return sparse.csc_array(total + _joined(self.mesh, ends[own], matrices[own] * kept[n_shells:][own, None, None]))
 
+    def touched(self, elements: BoolArray) -> BoolArray:
+        """Return which degrees of freedom (n_dofs,) the parts have where `elements` (n_elements,) is true."""
+        is_touched = Shells.touched(self, elements)
+        ends = np.concatenate([self.beams.ends, self.springs.ends])[elements[self.mesh.n_elements :]]
+        is_touched[dofs_of_nodes(ends[ends >= 0]).ravel()] = True
+        return is_touched
+
     def mass(self) -> sparse.csc_array:
         """Return the consistent mass matrix (n_dofs, n_dofs) [kg, kg m, kg m^2], point masses included."""
         beams = beam2.mass(self.mesh.nodes[self.beams.ends], self.beams.sections, self.beams.section)

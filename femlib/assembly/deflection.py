@@ -220,7 +220,7 @@ class _Newton:
         limit = 1e6 * max(self.size, 1e-300)
         for iteration in range(1, MOST_ITERATIONS + 1):
             matrix = self.supports.reduce(self.shells.tangent(state))
-            move = factorise(matrix, self.supports.groups).solve(self.residual(state))
+            move = factorise(matrix, self.supports.groups, definite=False).solve(self.residual(state))
             if not np.isfinite(move).all():
                 raise SolveError(f"the tangent is singular in iteration {iteration}")
             moved = self.supports.expand(move).reshape(-1, DOFS_PER_NODE)

@@ -1,31 +1,41 @@
 """Factors of a stiffness matrix, with chosen unknowns eliminated last.
 
-scipy's SuperLU unless `factored_by("pardiso")` says otherwise; ports are always SuperLU's, which shows its factors.
+By SuiteSparse's CHOLMOD where scikit-sparse is installed (extra `cholmod`), else by scipy's SuperLU, unless
+`factored_by` says otherwise. oneMKL's PARDISO shows no factors: with ports SuperLU stands in for it.
 """
 
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
+from functools import cache
+from importlib.util import find_spec
 
 import numpy as np
 import scipy.sparse as sparse
 from scipy.sparse.linalg import SuperLU, splu
 
 from femlib.arrays import FloatArray, IntArray
+from femlib.assembly.cholmod import CholmodFactors
 from femlib.assembly.pardiso import PardisoFactors
 from femlib.errors import InputError, SolveError
 
-SOLVERS = ("superlu", "pardiso")
+SOLVERS = ("superlu", "cholmod", "pardiso")
 SINGULAR = 1e13
 """Growth of a right side, both scaled by the diagonal's roots, beyond which a matrix counts as singular. A cantilever
 3,750 times as long as thick: 1e10; an unsupported plate: 1e15."""
-_SOLVER: ContextVar[str] = ContextVar("solver", default="superlu")
+_SOLVER: ContextVar[str | None] = ContextVar("solver", default=None)
+
+
+@cache
+def default_solver() -> str:
+    """Return the solver outside `factored_by`."""
+    return "superlu" if find_spec("sksparse") is None else "cholmod"
 
 
 @contextmanager
 def factored_by(solver: str) -> Iterator[None]:
-    """Factorise with "superlu" or "pardiso" (extra `pardiso`) inside the block.
+    """Factorise with "superlu", "cholmod" or "pardiso" (extras of these names) inside the block.
 
     Raises
     ------
@@ -47,7 +57,7 @@ class Factors:
 
     Attributes
     ----------
-    lu : SuperLU or PardisoFactors
+    lu : SuperLU, CholmodFactors or PardisoFactors
         Factors of the reordered matrix.
     order : IntArray
         Row k of the reordered matrix is row order[k] (n,); the ports are its last entries.
@@ -55,7 +65,7 @@ class Factors:
         The rows eliminated last (n_ports,).
     """
 
-    lu: SuperLU | PardisoFactors
+    lu: SuperLU | CholmodFactors | PardisoFactors
     order: IntArray
     ports: IntArray
 
@@ -66,13 +76,15 @@ class Factors:
         return solution
 
     def schur(self) -> FloatArray:
-        """Return the Schur complement on the ports (n_ports, n_ports): the last block of L times that of U.
+        """Return the Schur complement on the ports (n_ports, n_ports): the last block of L times that of U or L'.
 
         It costs nothing beyond the factorisation; solving for the flexibility at 400 ports took three times as long.
         """
         n, n_ports = len(self.order), len(self.ports)
         if isinstance(self.lu, PardisoFactors):
             raise SolveError("factors of PARDISO hold no ports; expected those of SuperLU; factorise with ports")
+        if isinstance(self.lu, CholmodFactors):
+            return self.lu.last_block(n_ports)
         rows, columns = self.lu.perm_r[n - n_ports :], self.lu.perm_c[n - n_ports :]
         first = n - n_ports
         if n_ports and (rows.min() < first or columns.min() < first):
@@ -84,8 +96,10 @@ class Factors:
         return np.asarray(0.5 * (block + block.T))
 
 
-def factorise(matrix: sparse.csc_array, groups: IntArray, ports: IntArray | None = None) -> Factors:
-    """Return the factors of a symmetric positive definite matrix (n, n).
+def factorise(
+    matrix: sparse.csc_array, groups: IntArray, ports: IntArray | None = None, definite: bool = True
+) -> Factors:
+    """Return the factors of a symmetric matrix (n, n).
 
     Parameters
     ----------
@@ -95,13 +109,15 @@ def factorise(matrix: sparse.csc_array, groups: IntArray, ports: IntArray | None
         Node of each row (n,). The order of elimination (minimum degree) is found on the nodes' graph, 36 times smaller.
     ports : IntArray, optional
         Rows to eliminate last.
+    definite : bool
+        Whether it is positive definite; if that is not known, as of a tangent far from equilibrium, SuperLU takes it.
 
     Raises
     ------
     SolveError
         If the matrix is singular, as that of a structure which can still move.
     InputError
-        If PARDISO is asked for and not installed.
+        If CHOLMOD or PARDISO is asked for and not installed.
     """
     last = np.zeros(0, dtype=np.int64) if ports is None else ports
     if len(groups) != matrix.shape[0]:
@@ -109,7 +125,11 @@ def factorise(matrix: sparse.csc_array, groups: IntArray, ports: IntArray | None
             f"groups name the nodes of {len(groups)} rows but the matrix has {matrix.shape[0]}; expected one for each; "
             "take those of its Supports"
         )
-    if _SOLVER.get() == "pardiso" and len(last) == 0:
+    solver = (_SOLVER.get() or default_solver()) if definite else "superlu"
+    if solver == "cholmod":
+        lu, order = CholmodFactors.of(matrix, last)
+        return _checked(Factors(lu, order, last), matrix)
+    if solver == "pardiso" and len(last) == 0:
         return _checked(Factors(PardisoFactors.of(matrix), np.arange(matrix.shape[0]), last), matrix)
     rank = _minimum_degree(matrix, groups)[groups]
     rank[last] = rank.max(initial=0) + 1
@@ -119,13 +139,13 @@ def factorise(matrix: sparse.csc_array, groups: IntArray, ports: IntArray | None
     if len(last):
         reordered = _with_full_block(reordered, len(last))
     try:
-        lu = splu(reordered, permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+        superlu = splu(reordered, permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     except RuntimeError as error:
         raise SolveError(
             f"stiffness of {matrix.shape[0]} degrees of freedom is singular ({error}); "
             "expected a supported structure; hold its rigid motions"
         ) from error
-    return _checked(Factors(lu, order, last), matrix)
+    return _checked(Factors(superlu, order, last), matrix)
 
 
 def _checked(factors: Factors, matrix: sparse.csc_array) -> Factors:

@@ -10,7 +10,7 @@ from femlib.elements import quad4, tria3
 from femlib.errors import InputError, frozen_floats, frozen_ints
 from femlib.kept import Kept
 from femlib.material import Laminate
-from femlib.mesh import Mesh, dofs_of_nodes
+from femlib.mesh import DOFS_PER_NODE, Mesh, dofs_of_nodes
 
 THICKEST, THINNEST = 0.5, 1e-8
 """Thickness over the mesh's size, beyond which lengths are in two units."""
@@ -83,6 +83,13 @@ class Shells:
             return assemble(self.mesh, *self._matrices, elements)
         scale, k = frozen_floats(factor, "factor", (self.mesh.n_elements,))[:, None, None], len(self.mesh.quads)
         return assemble(self.mesh, self._matrices[0] * scale[:k], self._matrices[1] * scale[k:], elements)
+
+    def touched(self, elements: BoolArray) -> BoolArray:
+        """Return which degrees of freedom (n_dofs,) the elements have where `elements` (n_elements,) is true."""
+        is_touched, k = np.zeros((len(self.mesh.nodes), DOFS_PER_NODE), dtype=bool), len(self.mesh.quads)
+        is_touched[self.mesh.quads[elements[:k]]] = True
+        is_touched[self.mesh.trias[elements[k : self.mesh.n_elements]]] = True
+        return is_touched.ravel()
 
     def mass(self) -> sparse.csc_array:
         """Return the consistent mass matrix (n_dofs, n_dofs) [kg, kg m, kg m^2]."""

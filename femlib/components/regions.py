@@ -62,9 +62,8 @@ class Condensed:
 def condense(shells: Shells, supports: Supports, component: Component) -> Condensed:
     """Return a region condensed on the degrees of freedom that it shares with the rest of the structure."""
     stiffness = supports.reduce(shells.stiffness(component.elements))
-    rest = supports.reduce(shells.stiffness(~component.elements))
     own = np.flatnonzero(np.diff(stiffness.indptr))
-    is_port = np.diff(rest.indptr)[own] > 0
+    is_port = shells.touched(~component.elements)[supports.free[own]]
     ports, interior = own[is_port], own[~is_port]
     if not len(ports):
         raise InputError(

@@ -76,5 +76,5 @@ def frame(points: FloatArray, r: float, s: float, axis: FloatArray) -> Frame:
     first = np.where(is_seen[:, None], first, both[:, 0])
     first /= np.linalg.norm(first, axis=1)[:, None]
     axes = np.stack([first, np.cross(normal, first), normal], axis=2)
-    along = axes[:, :, :2].swapaxes(1, 2) @ np.linalg.pinv(both)
-    return Frame(area, axes, along)
+    across = axes[:, :, :2].swapaxes(1, 2) @ both.swapaxes(1, 2)
+    return Frame(area, axes, np.asarray(across @ np.linalg.inv(both @ both.swapaxes(1, 2))))

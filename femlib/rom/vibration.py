@@ -218,7 +218,7 @@ def _sampled(n: int, n_joint: int, seed: int) -> FloatArray:
 
 def _full_stiffness(structure: DamagedStructure, damage: FloatArray) -> sparse.csc_array:
     """Return K(mu) (n_dofs, n_dofs)."""
-    factor = np.ones(structure.shells.mesh.n_elements)
+    factor = np.ones(structure.shells.n_elements)
     for mu, component in zip(damage, structure.components, strict=True):
         factor[component.elements] = 1.0 - mu
     return structure.shells.stiffness(factor=factor)

@@ -1,10 +1,13 @@
-"""Both solvers give the same answer, and say what they cannot do."""
+"""All solvers give the same answer, and say what they cannot do."""
+
+import sys
 
 import numpy as np
 import pytest
 import scipy.sparse as sparse
 
 from femlib.assembly import factored_by, factorise
+from femlib.assembly.factors import default_solver
 from femlib.errors import InputError, SolveError
 
 N = 60
@@ -12,24 +15,35 @@ CHAIN = sparse.csc_array(sparse.diags_array([4.0, -1.0, -1.0], offsets=[0, 1, -1
 GROUPS = np.arange(N) // 6
 
 
-def test_pardiso_solves_as_superlu_does() -> None:
-    pytest.importorskip("pypardiso", reason="the extra 'pardiso' is not installed")
-    right = np.random.default_rng(0).normal(size=(N, 3))
-    with factored_by("pardiso"):
-        quick = factorise(CHAIN, GROUPS)
-        with_ports = factorise(CHAIN, GROUPS, np.array([3, 7]))
-    assert quick.solve(right) == pytest.approx(factorise(CHAIN, GROUPS).solve(right), rel=1e-12)
+@pytest.mark.parametrize(("solver", "package"), [("pardiso", "pypardiso"), ("cholmod", "sksparse")])
+def test_another_solver_solves_as_superlu_does(solver: str, package: str) -> None:
+    pytest.importorskip(package, reason=f"the extra {solver!r} is not installed")
+    right, ports = np.random.default_rng(0).normal(size=(N, 3)), np.array([3, 7])
+    with factored_by("superlu"):
+        slow, slow_ports = factorise(CHAIN, GROUPS), factorise(CHAIN, GROUPS, ports)
+    with factored_by(solver):
+        quick, with_ports = factorise(CHAIN, GROUPS), factorise(CHAIN, GROUPS, ports)
+    assert quick.solve(right) == pytest.approx(slow.solve(right), rel=1e-12)
     assert quick.solve(right[:, 0]) == pytest.approx(quick.solve(right)[:, 0], rel=1e-12)
-    assert with_ports.schur() == pytest.approx(factorise(CHAIN, GROUPS, np.array([3, 7])).schur(), rel=1e-12)
-    with pytest.raises(SolveError, match="hold no ports"):
-        quick.schur()
-    with factored_by("pardiso"), pytest.raises(SolveError, match="not positive definite"):
+    assert with_ports.solve(right) == pytest.approx(slow.solve(right), rel=1e-12)
+    assert with_ports.schur() == pytest.approx(slow_ports.schur(), rel=1e-12)
+    with factored_by(solver), pytest.raises(SolveError, match="not positive definite"):
         factorise(sparse.csc_array(-CHAIN), GROUPS)
+
+
+def test_cholmod_is_the_default_where_it_is_installed(monkeypatch: pytest.MonkeyPatch) -> None:
+    for found, solver in ((None, "superlu"), (object(), "cholmod")):
+        monkeypatch.setattr("femlib.assembly.factors.find_spec", lambda _name, found=found: found)
+        default_solver.cache_clear()
+        assert default_solver() == solver
+    monkeypatch.undo()
+    default_solver.cache_clear()
 
 
 def test_an_unknown_or_absent_solver_gets_a_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(InputError, match="solver is 'umfpack'; expected one of"), factored_by("umfpack"):
         pass
-    monkeypatch.setitem(__import__("sys").modules, "pypardiso", None)
-    with factored_by("pardiso"), pytest.raises(InputError, match=r"install octmip\[pardiso\]"):
-        factorise(CHAIN, GROUPS)
+    for solver, package in (("pardiso", "pypardiso"), ("cholmod", "sksparse")):
+        monkeypatch.setitem(sys.modules, package, None)
+        with factored_by(solver), pytest.raises(InputError, match=rf"install octmip\[{solver}\]"):
+            factorise(CHAIN, GROUPS)
