@@ -173,6 +173,22 @@ def test_strains_in_the_picture_are_those_of_a_pulled_strip(plate, tmp_path):
         assert np.median(found[f"strain_{face}_microstrain"][0]) == pytest.approx(1e10 / (70e9 * 0.003), rel=0.02)
 
 
+def test_a_strip_of_triangles_is_pulled_as_one_of_quadrilaterals(tmp_path):
+    quads = plate_mesh(n_x=12, n_y=8)
+    a, b, c, d = quads.cells[0].data.T
+    trias = np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
+    mesh = meshio.Mesh(quads.points[:-2], [("triangle", trias)], cell_sets={"skin": [np.arange(len(trias))]})
+    mesh.point_sets = {name: quads.point_sets[name] for name in ("left", "right")}
+    strip = Structure(read(mesh), {"skin": ALUMINIUM}, {"left": "clamped"})
+    load = strip.line_load("right", (1e4, 0.0, 0.0))
+    write_vtu(strip, tmp_path / "pulled.vtu", {}, load)
+    pulled = 1e10 / (70e9 * 0.003)
+    found = meshio.read(tmp_path / "pulled.vtu").cell_data["strain_top_microstrain"][0]
+    assert np.median(found) == pytest.approx(pulled, rel=0.02)
+    gauge = StrainGauge("g", (0.31, 0.21, 0.0), (1, 0, 0), ("skin",))
+    assert strip.strain_microstrain({}, load, [gauge])[0] == pytest.approx(pulled, rel=0.02)
+
+
 def test_a_mesh_is_read_by_the_packages_own_name():
     assert femlib.read is read
 
