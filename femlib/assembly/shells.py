@@ -144,7 +144,7 @@ def assemble(mesh: Mesh, quads: FloatArray, trias: FloatArray, elements: BoolArr
     k = len(mesh.quads)
     rows, columns, values = [], [], []
     for corners, matrices, wanted in ((mesh.quads, quads, keep[:k]), (mesh.trias, trias, keep[k:])):
-        dofs = dofs_of_nodes(corners[wanted]).reshape(int(wanted.sum()), matrices.shape[1])
+        dofs = dofs_of_nodes(corners[wanted]).reshape(int(wanted.sum()), matrices.shape[1]).astype(np.int32)
         rows.append(np.repeat(dofs, matrices.shape[1], axis=1).ravel())
         columns.append(np.tile(dofs, (1, matrices.shape[1])).ravel())
         values.append(matrices[wanted].ravel())

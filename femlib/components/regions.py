@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from numbers import Real
 
 import numpy as np
-import scipy.linalg as linalg
+import scipy.sparse as sparse
 
 from femlib.arrays import BoolArray, FloatArray, IntArray
-from femlib.assembly import Shells, Supports
+from femlib.assembly import Shells, Supports, factorise
 from femlib.errors import InputError, frozen_floats
 
 
@@ -70,10 +70,12 @@ def condense(shells: Shells, supports: Supports, component: Component) -> Conden
             f"region {component.name} shares no moving node with the rest of the structure; expected a part of it that "
             "the rest holds; where everything is damaged alike, divide the displacements by 1 - mu"
         )
-    block = stiffness[own][:, own].toarray()
-    across = block[np.ix_(is_port, ~is_port)]
-    carry = linalg.solve(block[np.ix_(~is_port, ~is_port)], across.T, assume_a="pos").T
-    condensed = block[np.ix_(is_port, is_port)] - carry @ across.T
+    across = stiffness[interior][:, ports].toarray()
+    carry = across.T
+    if len(interior):
+        inside = sparse.csc_array(stiffness[interior][:, interior])
+        carry = factorise(inside, supports.groups[interior]).solve(across).T
+    condensed = stiffness[ports][:, ports].toarray() - carry @ across
     return Condensed(ports, interior, 0.5 * (condensed + condensed.T), carry)
 
 
