@@ -179,8 +179,8 @@ def test_a_wrong_structure_is_refused_in_one_sentence(name, tmp_path):
 
 
 def test_a_damage_region_that_fills_the_memory_is_refused(monkeypatch):
-    monkeypatch.setattr(model, "MOST_DOFS", 50)
-    with pytest.raises(FemlibError, match=r"'middle' has 90 degrees of freedom.*at most 50; divide it"):
+    monkeypatch.setattr(model, "MOST_CARRIED", 5000)
+    with pytest.raises(FemlibError, match=r"'middle' has 90 degrees of freedom and 60 at its border.*; divide it"):
         plate_with_mast()
 
 
