@@ -15,7 +15,7 @@ from femlib import errors as femlib_errors
 from octmip import errors as octmip_errors
 
 ROOT = Path(__file__).parent.parent
-OPTIONAL = ("pyomo", "cvxpy", "pyfe3d", "matplotlib", "jinja2", "pyarrow", "onnx")
+OPTIONAL = ("pyomo", "cvxpy", "pyfe3d", "matplotlib", "jinja2", "pyarrow", "onnx", "meshio")
 
 REFUSE = f"""
 import sys
@@ -109,7 +109,12 @@ def onnx():
     onnx_model(solution.tree, ["a", "b"], [0, 1])
 
 
-for use in (beam, stored, pictures, plot, paper, design, onnx):
+def meshes():
+    import femlib
+    femlib.read("x.msh")
+
+
+for use in (beam, meshes, stored, pictures, plot, paper, design, onnx):
     said[use.__name__] = sentence(use)
 print(json.dumps(said))
 """
@@ -156,6 +161,7 @@ def test_the_command_needs_no_extra_for_what_is_no_picture(said):
     ("use", "package"),
     [
         ("beam", "pyfe3d"),
+        ("meshes", "meshio"),
         ("stored", "pyarrow"),
         ("pictures", "matplotlib"),
         ("plot", "matplotlib"),
