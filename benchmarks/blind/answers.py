@@ -11,7 +11,7 @@ import numpy as np
 
 import femlib
 import octmip
-from femlib.wing import WingTwin, uav_wing
+from femlib.wing import WingTwin, tapered_wing
 from femlib.wing.effects import wing_effects
 from octmip.gap import AugmentedTwin, Campaign, Diagnosis, diagnose, read_campaign
 from octmip.gap.twins.cached import CachedTwin
@@ -105,7 +105,7 @@ class Found(TypedDict):
 def twin(refinement: float = 1.0) -> CachedTwin:
     """Return this process's twin, made once; what it has answered serves all cases."""
     if refinement not in _twins:
-        wing = uav_wing(refinement=refinement)
+        wing = tapered_wing(refinement=refinement)
         _twins[refinement] = CachedTwin(WingTwin(wing, wing_effects(wing)))
     return _twins[refinement]
 

@@ -20,7 +20,7 @@ from benchmarks.data import tip_test, vibration_test
 from benchmarks.real.telling import picture_path, show_causes
 from femlib.arrays import FloatArray
 from femlib.assembly import Mode, natural_modes, point_masses
-from femlib.wing import Wing, uav_wing
+from femlib.wing import Wing, tapered_wing
 from femlib.wing.effects.planform import manufactured_wing
 from femlib.wing.effects.root_flexibility import rolled
 from femlib.wing.loads import GRAVITY
@@ -175,7 +175,7 @@ def _masses(wing: Wing, own: Answer) -> dict[str, FloatArray]:
 
 
 def _with(materials: WingMaterials) -> Wing:
-    return uav_wing(refinement=REFINEMENT, materials=materials)
+    return tapered_wing(refinement=REFINEMENT, materials=materials)
 
 
 def _mount(wing: Wing) -> FloatArray:
@@ -196,7 +196,7 @@ def _mount(wing: Wing) -> FloatArray:
 @cache
 def measured_twin() -> MeasuredTwin:
     """Return the twin with its effects: a handful of eigenvalue problems."""
-    wing = uav_wing(refinement=REFINEMENT)
+    wing = tapered_wing(refinement=REFINEMENT)
     own = answer(wing)
     return MeasuredTwin(own, effects=library(wing, own))
 
@@ -250,7 +250,7 @@ def table(found: Diagnosis) -> list[tuple[str, float, float, float]]:
     """Return (name, tip stiffness [N/mm], f1 [Hz], f2 [Hz]) of twin, corrected twin, exact solution and measurement."""
     twin = measured_twin()
     masses = {float(p.place.removeprefix("eta ")): p.size for p in found.which[0].parameters if p.unit == "kg"}
-    exact = answer(uav_wing(refinement=REFINEMENT), masses)
+    exact = answer(tapered_wing(refinement=REFINEMENT), masses)
     cells = campaign().cells
     tip = np.array([(c.load_factor, c.mean[0]) for c in cells if c.test == "tip load"])
     slope = float(tip[:, 0] @ tip[:, 1] / (tip[:, 0] @ tip[:, 0]))

@@ -16,9 +16,9 @@ from benchmarks.uav.numbers import markdown, rows_of
 from benchmarks.uav.report import write_results
 from benchmarks.uav.study import DEPTHS, StudyLimits, run_study
 from femlib.dataset import Recipe, build_dataset, published_strains, simulated_strains
-from femlib.wing import published_wing, uav_wing
+from femlib.wing import tapered_wing, uav_wing
 
-WINGS = {"uav": uav_wing, "published": published_wing}
+WINGS = {"uav": uav_wing, "tapered": tapered_wing}
 PUBLISHED = Path(__file__).parents[2].parent / "shared" / "uav" / "strains.csv"
 
 

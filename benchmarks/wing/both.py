@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 from benchmarks.data import SHARED, tip_test, vibration_test
 from benchmarks.wing.against_published import SEEDS, frequencies, least_errors
 from femlib.dataset import MeanStrains, published_strains, simulated_strains
-from femlib.wing import Wing, published_wing, uav_wing
+from femlib.wing import Wing, tapered_wing, uav_wing
 
 Floats = NDArray[np.float64]
 LEVELS = (20, 40, 60, 80)
-STYLES = {"published table": "ko", "published_wing": "C0-", "uav_wing": "C1--"}
+STYLES = {"published table": "ko", "uav_wing": "C0-", "tapered_wing": "C1--"}
 
 
 def main() -> None:
@@ -29,8 +29,8 @@ def main() -> None:
     options = parser.parse_args()
     table = published_strains(SHARED / "uav" / "strains.csv")
     wings = {
-        "published_wing": published_wing(refinement=options.refinement),
         "uav_wing": uav_wing(refinement=options.refinement),
+        "tapered_wing": tapered_wing(refinement=options.refinement),
     }
     means = {"published table": table, **{name: simulated_strains(wing) for name, wing in wings.items()}}
     print("\n".join(figures(means, wings)))

@@ -13,7 +13,7 @@ import tempfile
 from pathlib import Path
 
 from benchmarks.wing.calculix import run_deck
-from femlib.wing import Wing, buckle, published_wing
+from femlib.wing import Wing, buckle, uav_wing
 from femlib.wing.export.calculix import write_deck
 
 N_MODES = 2
@@ -35,7 +35,7 @@ def main() -> None:
     options = parser.parse_args()
     if options.calculix and shutil.which("ccx") is None:
         sys.exit("ccx is not on the path; install CalculiX (Debian package calculix-ccx)")
-    wing = published_wing(refinement=options.refinement)
+    wing = uav_wing(refinement=options.refinement)
     print("| state | load factors, femlib |" + (" CalculiX | first, difference |" if options.calculix else ""))
     print("|---|---|" + ("---|---|" if options.calculix else ""))
     for state in STATES:

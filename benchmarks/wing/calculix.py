@@ -1,8 +1,8 @@
 """The wing beside CalculiX: gauge strains, linear and with large deflection.
 
     python -m benchmarks.wing.calculix [--refinement R] [--calculix-refinement R] [--mu 0.8] [--lattice] [--large]
-    python -m benchmarks.wing.calculix --published [--refinement R] --states 10
-    python -m benchmarks.wing.calculix --published [--refinement R] --frequencies
+    python -m benchmarks.wing.calculix [--tapered] [--refinement R] --states 10
+    python -m benchmarks.wing.calculix [--refinement R] --frequencies
 
 needs `ccx` (Debian package calculix-ccx). Prints Markdown: how far femlib's strains are from CalculiX's at load factor
 3, with --states in so many random states of both regions, and with --large by how much large deflection changes the
@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from benchmarks.cpu import Stopwatch
 from femlib.assembly import natural_modes
-from femlib.wing import Wing, bend, inertial_load, published_wing, uav_wing, vortex_lattice
+from femlib.wing import Wing, bend, inertial_load, tapered_wing, uav_wing, vortex_lattice
 from femlib.wing.export.calculix import read_gauges, write_deck
 
 LOAD_FACTOR = 3.0
@@ -38,13 +38,13 @@ def main() -> None:
     parser.add_argument("--mu", type=float, default=0.0, help="damage of both regions")
     parser.add_argument("--lattice", action="store_true", help="vortex lattice and the wing's inertia, not the ellipse")
     parser.add_argument("--large", action="store_true", help="large deflection besides (CalculiX takes minutes)")
-    parser.add_argument("--published", action="store_true", help="published_wing instead of uav_wing")
+    parser.add_argument("--tapered", action="store_true", help="tapered_wing instead of uav_wing")
     parser.add_argument("--states", type=int, default=0, help="so many random states, up to 95 %% damaged, instead")
     parser.add_argument("--frequencies", action="store_true", help="the lowest natural frequencies instead")
     options = parser.parse_args()
     if shutil.which("ccx") is None:
         sys.exit("ccx is not on the path; install CalculiX (Debian package calculix-ccx)")
-    make = published_wing if options.published else uav_wing
+    make = tapered_wing if options.tapered else uav_wing
     wing = make(refinement=options.refinement)
     other = options.calculix_refinement
     deck_wing = wing if other in (None, options.refinement) else make(refinement=other)

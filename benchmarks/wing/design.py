@@ -12,10 +12,12 @@ from femlib.wing import Wing
 from femlib.wing.gauges import SPANWISE, pitched_places
 from femlib.wing.loads import elliptic_lift
 from femlib.wing.planform import PLANFORM, SECTION
-from femlib.wing.structure import MIDDLE, WingMaterials
+from femlib.wing.structure import MIDDLE
 
 Floats = NDArray[np.float64]
 LOAD_FACTOR = 3.0
+SKIN_DENSITY = 367.0
+"""The skin's density [kg/m^3] that `density` is a factor on."""
 PLACE_STEP = 1e-6
 """Half step of the fractions in the derivative of a gauge's point [-]: the section's curve is smooth."""
 GAUGE_PARAMETERS = ("front_in", "front_out", "rear_in", "rear_out", "pitch", "x_front", "x_rear")
@@ -27,7 +29,7 @@ class WingDesign:
     """A wing with parameters.
 
     Stiffness: `skin` (all moduli), `rise`, `step`, `rib`, `web` as in `WingMaterials`. Load: `mass` [kg]. Gauges: those
-    of `GAUGE_PARAMETERS`, fractions. Weight: `density`, a factor on the skin's of `WingMaterials`. Regions:
+    of `GAUGE_PARAMETERS`, fractions. Weight: `density`, a factor on `SKIN_DENSITY`. Regions:
     those of `EDGES`; an element that an edge cuts loses the share of its stiffness that lies inside, the price of a
     mesh that stays.
 
@@ -104,7 +106,7 @@ class WingDesign:
 
     def _mass(self, v: Mapping[str, float]) -> Varying:
         wood = 1.0 * (self.web | self.rib)
-        skin = (1.0 - wood) * WingMaterials().skin_density / self.wing.materials.skin_density
+        skin = (1.0 - wood) * SKIN_DENSITY / self.wing.materials.skin_density
         return Varying(wood + v["density"] * skin, {"density": skin})
 
     def _state(self, v: Mapping[str, float], parameter: str, loss: float) -> Varying:

@@ -1,4 +1,4 @@
-"""The fit of `femlib.wing.published_wing` to the published data, and what it predicts of readings that it did not see.
+"""The fit of `femlib.wing.uav_wing` to the published data, and what it predicts of readings that it did not see.
 
     python -m benchmarks.wing.published [--refinement R] [--draws 3] [--edges]
 
@@ -27,7 +27,7 @@ from femlib.calibration import (
     calibrate,
 )
 from femlib.dataset import MeanStrains, published_strains
-from femlib.wing import published_wing
+from femlib.wing import uav_wing
 
 Floats = NDArray[np.float64]
 LEVELS = (20, 40, 60, 80)
@@ -96,9 +96,9 @@ def main() -> None:
 
 
 def wing_design(refinement: float) -> WingDesign:
-    """Return the published wing's mesh with parameters and the states of one damaged region."""
+    """Return the wing's mesh with parameters and the states of one damaged region."""
     states = {f"{name} {level} %": (name, level / 100.0) for name in EDGES for level in LEVELS}
-    wing = published_wing(refinement=refinement)
+    wing = uav_wing(refinement=refinement)
     edges = {n: e for r in wing.regions for n, e in zip(EDGES[r.parameter], (r.chord_min, r.chord_max), strict=True)}
     test = vibration_test()
     masses = {eta: test.masses[name] for eta, name in MASSES.items()}

@@ -3,7 +3,7 @@
 from femlib.wing.aerodynamics import AeroLoad, FlightPoint, vortex_lattice
 from femlib.wing.bent import BentWing, bend
 from femlib.wing.inertia import inertial_load
-from femlib.wing.model import Wing, published_wing, uav_wing
+from femlib.wing.model import Wing, tapered_wing, uav_wing
 from femlib.wing.modes import buckle, mass_matrix, vibrate
 from femlib.wing.reduced import ReducedWing, reduce_wing
 from femlib.wing.twin import WingModel, WingTwin, full_twin, reduced_twin, saved_twin, uav_twin
@@ -21,10 +21,10 @@ __all__ = [
     "full_twin",
     "inertial_load",
     "mass_matrix",
-    "published_wing",
     "reduce_wing",
     "reduced_twin",
     "saved_twin",
+    "tapered_wing",
     "uav_twin",
     "uav_wing",
     "vibrate",

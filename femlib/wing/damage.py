@@ -77,37 +77,37 @@ def checked_regions(regions: Sequence[DamageRegion]) -> tuple[DamageRegion, ...]
     return tuple(regions)
 
 
-_BAYS = ((1 / 12, 2 / 12), (0.24, 0.39), (5 / 12, 6 / 12), (0.67, 0.83), (11 / 12, 1.0))
-"""Span fractions of five bays, apart from one another so that each region is a component of its own."""
-_RIB_BAYS = ((1 / 12, 2 / 12), (3 / 12, 4 / 12), (5 / 12, 6 / 12), (8 / 12, 9 / 12), (11 / 12, 1.0))
-"""The same between ribs."""
+_BAYS = ((1 / 12, 2 / 12), (3 / 12, 4 / 12), (5 / 12, 6 / 12), (8 / 12, 9 / 12), (11 / 12, 1.0))
+"""Span fractions of five rib bays, apart from one another so that each region is a component of its own."""
+_TAPERED_BAYS = ((1 / 12, 2 / 12), (0.24, 0.39), (5 / 12, 6 / 12), (0.67, 0.83), (11 / 12, 1.0))
+"""The same for `tapered_wing`, whose second and fourth bays end between ribs."""
 _REAR, _NOSE, _FORE, _AFT, _TAIL, _ALL = (0.43, 0.55), (0.0, 0.12), (0.12, 0.24), (0.345, 0.55), (0.75, 1.0), (0.0, 1.0)
 
 UAV_REGIONS = (
+    DamageRegion("R1", "mu1", *_BAYS[1], 0.31, 0.74),
+    DamageRegion("R2", "mu2", *_BAYS[3], 0.40, 0.57),
+)
+"""The two regions of the study: rib bays of the top skin aft of the spar. Edges along the chord fitted."""
+TAPERED_REGIONS = (
     DamageRegion("R1", "mu1", 0.24, 0.39, 0.345, 0.55),
     DamageRegion("R2", "mu2", 0.67, 0.83, 0.345, 0.43),
 )
-"""The two regions of the study, on the top skin aft of the spar. Fitted to the published damage increments."""
-RIB_BAY_REGIONS = (
-    DamageRegion("R1", "mu1", *_RIB_BAYS[1], 0.31, 0.74),
-    DamageRegion("R2", "mu2", *_RIB_BAYS[3], 0.40, 0.57),
-)
-"""The same where a region is a rib bay, as on the published wing. Edges along the chord fitted."""
+"""The same for `tapered_wing`: freely placed, all edges fitted."""
 
 
 def damage_library() -> tuple[DamageRegion, ...]:
     """Return the 28 regions R1 to R28 with parameters mu1 to mu28: the study's two, then 26 over skins and web.
 
     The published library has 28 effective regions over the airframe; their places were not published. These are
-    assumed: five span bays of the top skin's nose, aft and tail strips, of the bottom skin's fore and aft strips, and
+    assumed: five rib bays of the top skin's nose, aft and tail strips, of the bottom skin's fore and aft strips, and
     of the web.
     """
     return _library(UAV_REGIONS, _BAYS)
 
 
-def rib_bay_library() -> tuple[DamageRegion, ...]:
-    """Return the same 28 regions where each lies in one of five rib bays, for `published_wing`."""
-    return _library(RIB_BAY_REGIONS, _RIB_BAYS)
+def tapered_library() -> tuple[DamageRegion, ...]:
+    """Return the same 28 regions for `tapered_wing`."""
+    return _library(TAPERED_REGIONS, _TAPERED_BAYS)
 
 
 def _library(study: tuple[DamageRegion, ...], bays: tuple[tuple[float, float], ...]) -> tuple[DamageRegion, ...]:

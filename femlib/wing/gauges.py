@@ -1,6 +1,7 @@
 """Strain gauges of the wing: 24 installed and 58 candidates, all spanwise on the top skin.
 
-Their places were not published; they are deduced from the published strains (two rows, a gap at mid-span) and fitted.
+Their places were not published; they are deduced from the published strains (two rows, one pitch, a gap at mid-span)
+and fitted.
 """
 
 from dataclasses import dataclass
@@ -55,9 +56,9 @@ class GaugeSet:
         return np.array([region == "" and name not in self.left_out for name, region in rows])
 
     @property
-    def installed(self) -> FloatArray:
-        """Span and chord fractions (24, 2) of the installed gauges."""
-        return np.stack([self.eta, self.chord_fraction], axis=1)[:N_INSTALLED]
+    def places(self) -> FloatArray:
+        """Span and chord fractions (n, 2)."""
+        return np.stack([self.eta, self.chord_fraction], axis=1)
 
     def strain_gauges(self, patches: tuple[str, ...], side: float) -> list[StrainGauge]:
         """Return the gauges for `patches` of the top skin; those in a region look in the region's patch alone.
@@ -71,7 +72,16 @@ class GaugeSet:
 
 
 def installed_places() -> FloatArray:
-    """Return (24, 2) span and chord fractions of g01 to g24: row A with 16, row B with 8."""
+    """Return (24, 2) span and chord fractions of g01 to g24, fitted: a front row with 16, a rear row with 8, one pitch.
+
+    The fit puts the rear row at eta 0.2983 +- 0.0018, where g18 stands 0.0007 inside region 1 and answers 3,016
+    microstrain to mu1 = 80 %. The table has 37 there, so the row begins at 0.3, 0.001 outboard of the region's edge.
+    """
+    return pitched_places((0.28979, 0.59215), (0.3, 0.59937), 0.017157, (0.22163, 0.34586))
+
+
+def tapered_places() -> FloatArray:
+    """Return (24, 2) span and chord fractions of g01 to g24 on `tapered_wing`, fitted."""
     row_a = np.concatenate([np.linspace(0.26, 0.47, 8), np.linspace(0.57, 0.755, 8)])
     row_b = np.concatenate([np.linspace(0.26, 0.47, 4), np.linspace(0.57, 0.755, 4)])
     eta = np.concatenate([row_a, row_b])
@@ -97,7 +107,17 @@ def pitched_places(
 
 
 def candidate_places() -> FloatArray:
-    """Return (58, 2) span and chord fractions of c01 to c58: four rows with 15, 14, 15 and 14 gauges.
+    """Return (58, 2) span and chord fractions of c01 to c58, assumed: rows with 15, 15, 14 and 14 gauges.
+
+    Eleven lie inside a damage region, none nearer than 6 mm to its edges along the span, so that 67 of the 82 gauges
+    are usable, as in the paper.
+    """
+    rows = ((0.12, 15, 0.20, 0.80), (0.42, 15, 0.20, 0.80), (0.47, 14, 0.19, 0.79), (0.53, 14, 0.20, 0.79))
+    return np.concatenate([np.stack([np.linspace(low, high, n), np.full(n, x)], axis=1) for x, n, low, high in rows])
+
+
+def tapered_candidates() -> FloatArray:
+    """Return (58, 2) span and chord fractions of c01 to c58 on `tapered_wing`: rows with 15, 14, 15 and 14 gauges.
 
     c31 would straddle the inboard edge of region 1 (2.9 thousandths of the span inside it); it sits as far outside it
     instead, so that 67 of the 82 gauges are usable, as in the paper. c41 straddles region 2 in the same way and stays:
@@ -113,16 +133,12 @@ def gauge_set(
     planform: Planform,
     section: Naca4,
     regions: tuple[DamageRegion, ...],
-    candidates: bool,
-    installed: FloatArray,
+    places: FloatArray,
     left_out: tuple[str, ...] = (),
 ) -> GaugeSet:
-    """Return the gauges at `installed` (24, 2) span and chord fractions, with the candidates after them if asked."""
-    names = [f"g{k:02d}" for k in range(1, N_INSTALLED + 1)]
-    places = installed
-    if candidates:
-        names += [f"c{k:02d}" for k in range(1, 59)]
-        places = np.concatenate([places, candidate_places()])
+    """Return the gauges at `places` (24 or 82, 2), span and chord fractions: g01 to g24, then c01 to c58."""
+    n_candidates = len(places) - N_INSTALLED
+    names = [f"g{k:02d}" for k in range(1, N_INSTALLED + 1)] + [f"c{k:02d}" for k in range(1, n_candidates + 1)]
     eta, chord = places.T
     height = planform.chord(eta) * section.heights(chord)[0]
     position = np.concatenate([planform.position(eta, chord), height[:, None]], axis=1)

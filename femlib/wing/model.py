@@ -21,11 +21,18 @@ from femlib.errors import InputError, frozen_floats, is_number
 from femlib.geometry import Planform
 from femlib.kept import Kept, ReadOnly
 from femlib.mesh import DOFS_PER_NODE
-from femlib.wing.damage import RIB_BAY_REGIONS, UAV_REGIONS, DamageRegion, checked_regions
-from femlib.wing.gauges import N_INSTALLED, GaugeSet, gauge_set, installed_places, pitched_places
-from femlib.wing.loads import EFFECTIVE_MASS, elliptic_lift
+from femlib.wing.damage import TAPERED_REGIONS, UAV_REGIONS, DamageRegion, checked_regions
+from femlib.wing.gauges import (
+    GaugeSet,
+    candidate_places,
+    gauge_set,
+    installed_places,
+    tapered_candidates,
+    tapered_places,
+)
+from femlib.wing.loads import EFFECTIVE_MASS, TAPERED_MASS, elliptic_lift
 from femlib.wing.planform import N_RIBS, PLANFORM, SECTION
-from femlib.wing.structure import WingGrid, WingMaterials, published_materials, wing_grid, wing_mesh, wing_shells
+from femlib.wing.structure import WingGrid, WingMaterials, tapered_materials, wing_grid, wing_mesh, wing_shells
 
 MICRO = 1e6
 MOST_STRAIN = 50_000.0
@@ -217,6 +224,10 @@ class Wing:
         return self.planform.position(eta, chord)
 
 
+LEFT_OUT = ("g17", "g18", "g23", "g24")
+"""Gauges that the study leaves out: region 1 holds g17, g18 stands just outboard, g23 and g24 ahead of region 2."""
+
+
 def uav_wing(
     candidates: bool = False,
     refinement: float = 1.0,
@@ -225,6 +236,9 @@ def uav_wing(
     effective_mass: float = EFFECTIVE_MASS,
 ) -> Wing:
     """Return the UAV wing of the study, ready to solve.
+
+    It has the published strains, stiffness and frequencies: damage regions are rib bays, gauges stand at one pitch, and
+    the skin is softer outboard of mid-span, where a layup ends; fitted by `femlib.calibration` (docs/wing.md).
 
     Parameters
     ----------
@@ -244,52 +258,44 @@ def uav_wing(
     InputError
         If the refinement or the mass is not positive, or regions or materials cannot be used.
     """
-    cards = WingMaterials() if materials is None else materials
-    places = installed_places()
-    return _checked_wing(candidates, refinement, regions, cards, effective_mass, places, places[:, 0], ())
+    cards, installed = WingMaterials() if materials is None else materials, installed_places()
+    lines = installed[:16, 0]  # the rear row's gauges lie too near the front row's for lines of their own
+    places = np.concatenate([installed, candidate_places()]) if candidates else installed
+    return _checked_wing(refinement, regions, cards, effective_mass, places, lines, LEFT_OUT)
 
 
-PUBLISHED_PLACES = pitched_places((0.28979, 0.59215), (0.29833, 0.59937), 0.017157, (0.22163, 0.34586))
-"""Gauges of `published_wing`, fitted: the front row's halves, the rear row's, pitch, and chord fractions."""
-PUBLISHED_LEFT_OUT = ("g17", "g18", "g23", "g24")
-"""Gauges that the study leaves out; region 1 holds two of them, the others lie ahead of region 2."""
-PUBLISHED_MASS = 32.357
-"""Effective mass of `published_wing` at load factor 1 [kg], fitted."""
-
-
-def published_wing(
+def tapered_wing(
     candidates: bool = False,
     refinement: float = 1.0,
-    regions: tuple[DamageRegion, ...] = RIB_BAY_REGIONS,
+    regions: tuple[DamageRegion, ...] = TAPERED_REGIONS,
     materials: WingMaterials | None = None,
-    effective_mass: float = PUBLISHED_MASS,
+    effective_mass: float = TAPERED_MASS,
 ) -> Wing:
-    """Return the wing that has the published strains, stiffness and frequencies, ready to solve.
+    """Return another wing of the same class: a skin with one straight taper, freely placed regions.
 
-    Damage regions are rib bays, gauges stand at one pitch, and the skin is softer outboard of mid-span, where a layup
-    ends: fitted by `femlib.calibration` (docs/wing.md).
+    It is farther from the published strains (docs/wing.md) and serves as a second structure with the same gauges' and
+    regions' names.
 
     Parameters
     ----------
-    candidates, refinement, materials, effective_mass
+    candidates, refinement, effective_mass
         As `uav_wing`.
     regions : tuple of DamageRegion
-        Damage regions; the study's two if not given, `rib_bay_library()` for all 28.
+        Damage regions; its two if not given, `tapered_library()` for all 28.
+    materials : WingMaterials, optional
+        Moduli and thicknesses; `tapered_materials()` if not given.
 
     Raises
     ------
     InputError
         As `uav_wing`.
     """
-    cards = published_materials() if materials is None else materials
-    lines = PUBLISHED_PLACES[:16, 0]  # the rear row's gauges lie too near the front row's for lines of their own
-    return _checked_wing(
-        candidates, refinement, regions, cards, effective_mass, PUBLISHED_PLACES, lines, PUBLISHED_LEFT_OUT
-    )
+    cards, installed = tapered_materials() if materials is None else materials, tapered_places()
+    places = np.concatenate([installed, tapered_candidates()]) if candidates else installed
+    return _checked_wing(refinement, regions, cards, effective_mass, places, installed[:, 0], ())
 
 
 def _checked_wing(
-    candidates: bool,
     refinement: float,
     regions: tuple[DamageRegion, ...],
     cards: WingMaterials,
@@ -298,7 +304,7 @@ def _checked_wing(
     lines: FloatArray,
     left_out: tuple[str, ...],
 ) -> Wing:
-    """Return a wing with gauges at `places` (24, 2) and grid lines at the span fractions `lines`."""
+    """Return a wing with gauges at `places` (n_gauges, 2) and grid lines at the span fractions `lines`."""
     for name, value in (("refinement", refinement), ("effective_mass", effective_mass)):
         if not is_number(value) or value <= 0.0:
             raise InputError(f"{name} is {value!r}; expected a positive finite number; correct it")
@@ -306,15 +312,13 @@ def _checked_wing(
         raise InputError(f"materials are {cards!r}; expected WingMaterials; change the fields that differ")
     kept = checked_regions(regions)
     grid = wing_grid(PLANFORM, N_RIBS, kept, lines, refinement)
-    gauges = gauge_set(PLANFORM, SECTION, kept, candidates, places, left_out)
+    gauges = gauge_set(PLANFORM, SECTION, kept, places, left_out)
     return _on_planform(PLANFORM, grid, kept, cards, gauges, elliptic_lift(grid, effective_mass))
 
 
 def reshaped(wing: Wing, planform: Planform) -> Wing:
     """Return the same wing on another planform: grid lines and gauges at the same fractions, the same nodal lift."""
-    old = wing.gauges
-    candidates = len(old.names) > N_INSTALLED
-    gauges = gauge_set(planform, SECTION, wing.regions, candidates, old.installed, old.left_out)
+    gauges = gauge_set(planform, SECTION, wing.regions, wing.gauges.places, wing.gauges.left_out)
     return _on_planform(planform, wing.grid, wing.regions, wing.materials, gauges, wing.lift)
 
 

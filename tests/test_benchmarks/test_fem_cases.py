@@ -17,7 +17,7 @@ needs_calculix = pytest.mark.skipif(shutil.which("ccx") is None, reason="Calculi
 
 
 def test_mesh_lines_shrink_with_the_step():
-    lines = list(fem_mesh.compared((0.2, 0.4), 0.6))
+    lines = list(fem_mesh.compared((0.25, 0.4), 0.6))
     assert lines[0]["pristine_rms"] > lines[1]["pristine_rms"]
     assert lines[1]["times_finer"] > 1.5
     assert "| 0.4 |" in fem_mesh.summary(lines)
@@ -49,10 +49,10 @@ def test_calculix_solves_the_same_cases_or_says_why_not():
 
 @needs_calculix
 def test_calculix_lines_are_small_numbers():
-    lines = [fem_calculix.linear({"mu1": 0.5}, 0.1), fem_calculix.bent({}, 0.1)]
+    lines = [fem_calculix.linear({"mu1": 0.5}, 0.25), fem_calculix.bent({}, 0.25)]
     assert lines[0]["usable_rms"] < 10.0
     assert lines[1]["usable_most"] < 1.0
-    assert "| linear | mu1 50% | 0.1 |" in fem_calculix.summary(lines)
+    assert "| linear | mu1 50% | 0.25 |" in fem_calculix.summary(lines)
 
 
 def test_calculix_lines_say_where_it_is_absent(monkeypatch):

@@ -5,7 +5,7 @@ import pytest
 
 from femlib.assembly import surface_load, thermal_load
 from femlib.errors import InputError
-from femlib.wing import Wing, uav_wing
+from femlib.wing import Wing, tapered_wing, uav_wing
 from femlib.wing.bent import BentWing, bend
 from femlib.wing.model import MICRO
 
@@ -27,7 +27,10 @@ def test_a_small_load_gives_the_linear_strains_of_a_damaged_wing(small: Wing) ->
     assert found.strain_microstrain == pytest.approx(small.strain_microstrain(STATE, 1e-4), rel=1e-4, abs=1e-6)
 
 
-def test_load_factor_three_relieves_tip_and_strain_as_two_independent_codes_found(small: Wing, bent: BentWing) -> None:
+def test_load_factor_three_relieves_tip_and_strain_as_two_independent_codes_found() -> None:
+    """The other codes solved the tapered wing."""
+    small = tapered_wing(refinement=0.25)
+    bent = bend(small, {}, 3.0)
     linear = small.strain_microstrain({}, 3.0)
     change = bent.strain_microstrain / linear - 1.0
     usable = small.gauges.is_usable

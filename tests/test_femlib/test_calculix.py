@@ -9,7 +9,7 @@ import pytest
 
 from femlib.assembly import thermal_load
 from femlib.errors import InputError
-from femlib.wing import Wing, uav_wing
+from femlib.wing import Wing, tapered_wing, uav_wing
 from femlib.wing.export.calculix import read_gauges, write_deck
 
 
@@ -100,7 +100,7 @@ def test_other_forces_a_gradient_and_a_temperature_by_element_reach_the_deck(coa
 @pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX (ccx) is not installed")
 @pytest.mark.parametrize(("kind", "alike"), [("gradient", 0.85), ("one warm skin", 0.98)])
 def test_calculix_feels_the_same_heat(kind: str, alike: float, tmp_path: Path) -> None:
-    wing = uav_wing(refinement=0.15)
+    wing = tapered_wing(refinement=0.15)
     mesh = wing.structure.shells.mesh
     top = np.isin(mesh.patch_of_element, [mesh.patches.index(name) for name in ("top", "R1", "R2")])
     warming, gradient = (0.0, 5000.0) if kind == "gradient" else (20.0 * top, 0.0)

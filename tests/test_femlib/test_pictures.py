@@ -73,7 +73,7 @@ def test_the_command_writes_its_pictures(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setitem(sys.modules, "pyvista", None)
-    main([str(tmp_path / "out"), "--refinement", "0.2", "--mu1", "0.5"])
+    main([str(tmp_path / "out"), "--refinement", "0.25", "--mu1", "0.5"])
     names = {path.name for path in (tmp_path / "out").iterdir()}
     assert names == {"wing_regions.png", "wing_strain.png", "wing_deformed.png", "wing.vtu"}
     assert (

@@ -80,10 +80,10 @@ def test_a_skin_thickness_is_the_strain_of_a_wing_with_a_stiffer_skin():
     assert np.allclose(0.1 * signature("skin_thickness"), change, rtol=0.01, atol=1e-3)
 
 
-def test_twenty_kelvin_of_cold_compress_the_top_skin_by_some_fifty_microstrain():
+def test_twenty_kelvin_of_cold_compress_the_top_skin_by_some_seventy_microstrain():
     cold = -20.0 * signature("temperature_uniform", state={})
-    assert cold.min() > 35.0
-    assert cold.max() < 75.0
+    assert cold.min() > 60.0
+    assert cold.max() < 90.0
 
 
 def test_damaged_skin_pushes_less_when_it_is_warm():

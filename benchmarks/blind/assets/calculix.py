@@ -24,9 +24,9 @@ from benchmarks.blind.assets.moment import State
 from benchmarks.blind.assets.shells import THICKER, ShellAsset
 from femlib.arrays import FloatArray
 from femlib.components import DamagedStructure
-from femlib.wing import Wing, uav_wing
+from femlib.wing import Wing, tapered_wing
 from femlib.wing.export.calculix import read_gauges, write_deck
-from femlib.wing.structure import WingMaterials
+from femlib.wing.structure import tapered_materials
 
 REFINEMENT = 0.6
 """At 0.5 the changes that damage makes are 4 % off those of a finer mesh, at 0.4 9 %."""
@@ -102,8 +102,8 @@ class CalculixAsset(ShellAsset):
         return {key: np.array(values) for key, values in known.items()}
 
     def _decks(self) -> list[Deck]:
-        wing, cards = self.wing, WingMaterials()
-        thick = uav_wing(
+        wing, cards = self.wing, tapered_materials()
+        thick = tapered_wing(
             refinement=self.refinement, materials=replace(cards, skin_young=cards.skin_young * (1 + THICKER))
         )
         every = dict.fromkeys(

@@ -12,7 +12,7 @@ import numpy as np
 
 from benchmarks.blind.assets.asset import PARAMETERS, Asset
 from benchmarks.blind.assets.families import FAMILIES, available, made
-from femlib.wing import Wing, uav_wing
+from femlib.wing import Wing, tapered_wing
 
 
 def main() -> None:
@@ -22,7 +22,7 @@ def main() -> None:
     parser.add_argument("--keys", type=Path, default=None, help="of a set whose runs may serve again")
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
-    wing = uav_wing()
+    wing = tapered_wing()
     print("| family | in common | per gauge, sd | per gauge, most | damage: size | damage: left over |")
     print("|---|---|---|---|---|---|")
     with tempfile.TemporaryDirectory() as scratch:

@@ -24,8 +24,8 @@ from benchmarks.blind.assets.moment import State
 from femlib.arrays import FloatArray, IntArray
 from femlib.assembly import thermal_load
 from femlib.mesh import DOFS_PER_NODE
-from femlib.wing import Wing, bend, uav_wing
-from femlib.wing.structure import WingMaterials
+from femlib.wing import Wing, bend, tapered_wing
+from femlib.wing.structure import tapered_materials
 
 Map = Callable[[FloatArray], FloatArray]
 
@@ -53,7 +53,7 @@ class ShellAsset(Asset, ABC):
     def __init__(self, seed: int, refinement: float) -> None:
         super().__init__()
         self.refinement = refinement
-        self.wing = uav_wing(refinement=refinement)
+        self.wing = tapered_wing(refinement=refinement)
         gauges = self.wing.gauges
         self.columns = np.flatnonzero(gauges.is_usable)
         self.gauges = tuple(gauges.names[k] for k in self.columns)
@@ -140,8 +140,8 @@ class FemlibAsset(ShellAsset):
         return total
 
     def _softness(self) -> FloatArray:
-        cards = WingMaterials()
-        wing = uav_wing(
+        cards = tapered_materials()
+        wing = tapered_wing(
             refinement=self.refinement, materials=replace(cards, skin_young=cards.skin_young * (1 + THICKER))
         )
         return (self._answers(self.wing, self.wing.lift) / self._answers(wing, wing.lift) - 1.0) / THICKER
@@ -183,7 +183,7 @@ class FemlibAsset(ShellAsset):
 
 
 def _bending(refinement: float, columns: IntArray) -> FloatArray:
-    wing = uav_wing(refinement=refinement)
+    wing = tapered_wing(refinement=refinement)
     straight = wing.strain_microstrain({}, 1.0)[columns]
     bent = [bend(wing, {}, load).strain_microstrain[columns] / (load * straight) - 1.0 for load in BENT_LOADS]
     powers = np.array([[load, load**2] for load in BENT_LOADS])
