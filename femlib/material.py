@@ -5,7 +5,7 @@ A shell of plies at heights z has, per unit width, membrane forces N and moments
     N = A eps + B kappa,   M = B eps + D kappa,   (A, B, D) = sum over plies of integral (1, z, z^2) Q dz,
 
 and transverse shear forces `shear @ gamma`, order (yz, xz), of the energy that the stresses in equilibrium have.
-Sources: R. M. Jones, Mechanics of Composite Materials (1999), eqs 4.22-4.24; K. Rohwer (1990, see `_shear`).
+Sources: R. M. Jones, Mechanics of Composite Materials (1999), eqs 4.22-4.24; K. Rohwer (1988, see `_shear`).
 """
 
 from collections.abc import Sequence
@@ -234,8 +234,9 @@ def _shear(
     Moments that grow along x or along y alone (two cylindrical bendings) have stresses s(z) = Q (z - A^-1 B) D*^-1 M
     and so shear stresses t(z) = -integral of their slopes from the bottom, t = f (Q_y, Q_x); the flexibility is the
     integral of f' G^-1 f. One layer has 5/6 of its shear stiffness; a stack of stiff and soft layers may have a
-    fraction of it. Source: K. Rohwer, Int. J. Numer. Meth. Engng 29 (1990) 105-118. Price: the pair of directions that
-    bend cylindrically is the laminate's own axes; an unequal stack turned against them differs a little.
+    fraction of it. Source: K. Rohwer, Improved transverse shear stiffnesses for layered finite elements,
+    DFVLR-Forschungsbericht 88-32 (1988). Price: the pair of directions that bend cylindrically is the laminate's own
+    axes; an unequal stack turned against them differs a little.
     """
     offset: FloatArray = np.asarray(np.linalg.solve(membrane, coupling), dtype=np.float64)
     inverse = np.linalg.inv(bending - coupling @ offset)

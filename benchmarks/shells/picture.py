@@ -45,6 +45,7 @@ def draw(lines: Sequence[Line], path: Path) -> None:
             axis.axhline(0.02, color="#b0b0b0", lw=0.6, zorder=0)
             axis.set_title(name, fontsize=8, loc="left")
             axis.set_ylim(0.8 * LEAST, 1.3)
+            axis.minorticks_off()
         for axis in axes[len(names) :]:
             axis.axis("off")
         figure.supxlabel("quadrilaterals (twice as many triangles, a quarter as many S8R)", fontsize=8)

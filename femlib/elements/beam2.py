@@ -1,7 +1,7 @@
 """Two-node Timoshenko beam: exact for a prismatic beam that is loaded at its ends.
 
-Source: Y. Luo, Adv. Theor. Appl. Mech. 1 (2008) 95-106, as pyfe3d's BeamC, with the reciprocals of the section's shear
-factors in its shear moduli. A beam whose axis lies beside its nodes is carried by rigid arms: u = u_node + theta x arm.
+Source: Y. Luo, Adv. Theor. Appl. Mech. 1 (2008) 95-106, as pyfe3d's BeamC, the section's shear factors multiplying its
+shear moduli. A beam whose axis lies beside its nodes is carried by rigid arms: u = u_node + theta x arm.
 """
 
 from collections.abc import Sequence

@@ -14,8 +14,9 @@ rotation has beyond the element's own (theta_0) makes the linear rest, whose mea
 material and is `bending_factor`. The curvature and shear are those of MITC3+, with the bubble as difference from the
 corners' mean.
 
-Sources: C. A. Felippa, Comput. Methods Appl. Mech. Engng 192 (2003) 2125-2168, sections 3 to 5 (OPT); Y. Lee, P.-S.
-Lee, K.-J. Bathe, Computers & Structures 138 (2014) 12-23 (MITC3+), eqs 8 to 12 and table 1.
+Sources: C. A. Felippa, Comput. Methods Appl. Mech. Engng 192 (2003) 2125-2168 (OPT); Y. Lee, P.-S.
+Lee, K.-J. Bathe, Computers & Structures 138 (2014) 12-23 (MITC3+). The formulas are held by the beam's energy and
+the patch tests, not by equation numbers.
 """
 
 from dataclasses import dataclass
@@ -26,8 +27,6 @@ from femlib.arrays import FloatArray
 
 N_DOFS = 18
 WITH_BUBBLE = N_DOFS + 2
-PLANE = np.array([0, 1, 5])
-"""Displacements and rotation in the element's plane among the six of a corner."""
 LUMPED = 1.5
 """Share alpha_b of the rotations in the mean strain."""
 LEAST_BENDING = 0.01
@@ -176,7 +175,7 @@ def bending_factor(membrane: FloatArray) -> float:
     """Return beta_0 of a membrane stiffness (3, 3): (1 - 4 nu^2) / 2 if it is isotropic.
 
     It makes the energy of in-plane bending, averaged over the directions, that of a beam. Source: C. A. Felippa
-    (2003), eq 35.
+    (2003).
     """
     (a, b, c), (_, d, e), (_, _, g) = membrane.tolist()
     w = -6 * b**3 + 5 * a**2 * d - 5 * b**2 * d - d * (75 * c**2 + 14 * c * e + 3 * e**2)

@@ -102,7 +102,7 @@ class ReducedModel:
         send = self.coupling[first:] - np.eye(n_modes)[first:] * self.coupling.diagonal()
         object.__setattr__(self, "_send", send)
         object.__setattr__(self, "_map", np.column_stack([self.readout, self.interior, self.pristine]))
-        sweeps = Sweeps.of(self.owner, self.load, self.coupling) if first == 0 else None
+        sweeps = Sweeps.of(self.owner, self.load, self.coupling, len(self.parameters)) if first == 0 else None
         object.__setattr__(self, "_sweeps", sweeps)
 
     @property

@@ -61,12 +61,12 @@ class Sweeps:
     across: FloatArray
 
     @classmethod
-    def of(cls, owner: IntArray, load: FloatArray, coupling: FloatArray) -> "Sweeps":
+    def of(cls, owner: IntArray, load: FloatArray, coupling: FloatArray, n_regions: int) -> "Sweeps":
         """Return the sweeps of a model whose modes follow one another by region and are turned by `eigen_turn`.
 
         What rounding leaves between the modes of a region counts as sent from outside, so that the result is the same.
         """
-        ends = np.searchsorted(owner, np.arange(owner.max(initial=-1) + 2))
+        ends = np.searchsorted(owner, np.arange(n_regions + 1))  # a region that no load strains has no mode
         modes = tuple(slice(int(a), int(b)) for a, b in pairwise(ends))
         every = np.arange(len(owner))
         within = np.where(owner[:, None] == owner, np.abs(coupling), 0.0)

@@ -22,6 +22,8 @@ from femlib.structure.parts import Parts, Section, Spring, parts_of
 MICRO = 1e6
 MOST_STRAIN = 50_000.0
 """Largest strain [microstrain] that linear analysis gives out: metals yield at a tenth of it."""
+MOST_CARRIED = 150_000_000
+"""Degrees of freedom of a damage region times those at its border: a dense matrix of 1.2 GB."""
 DIRECTIONS = ("x", "y", "z", "rx", "ry", "rz")
 """Translations along and rotations about the global axes."""
 HELD = {"clamped": DIRECTIONS, "pinned": DIRECTIONS[:3]}
@@ -262,5 +264,12 @@ def _component(mesh: NamedMesh, parts: Parts, name: str) -> Component:
         raise InputError(
             f"damage is on {name!r}, whose lines have no section and so no stiffness; expected shells or beams; give "
             "it a BeamSection or name another"
+        )
+    inside, outside = parts.built.touched(own), parts.built.touched(~own)
+    n_dofs, n_ports = int(inside.sum()), int((inside & outside).sum())
+    if n_dofs * n_ports > MOST_CARRIED:
+        raise InputError(
+            f"damage region {name!r} has {n_dofs} degrees of freedom and {n_ports} at its border, held as one dense "
+            f"matrix; expected at most {MOST_CARRIED:g} numbers in it; divide it into several sets"
         )
     return Component(name, name, own)

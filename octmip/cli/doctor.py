@@ -42,7 +42,7 @@ EXTRAS: Mapping[str, Extra] = MappingProxyType(
     {
         "mio": Extra(("pyomo",), "the mixed-integer statements as Pyomo models"),
         "sensing": Extra(("cvxpy",), "sensor placement by convex relaxation"),
-        "wing": Extra(("pyfe3d",), "the finite-element wing of femlib"),
+        "wing": Extra(("pyfe3d",), "beams in femlib's structures"),
         "report": Extra(("matplotlib", "jinja2"), "pages and drawings"),
         "parquet": Extra(("pyarrow",), "tables in Parquet files"),
         "onnx": Extra(("onnx",), "export to ONNX"),

@@ -110,6 +110,15 @@ def test_the_reduced_structure_is_a_twin_within_its_bound(plate, load, tmp_path)
     np.testing.assert_array_equal(again.predict({"middle": 0.3}, 1.0), twin.predict({"middle": 0.3}, 1.0))
 
 
+def test_a_region_that_the_load_does_not_strain_changes_nothing():
+    plate = plate_with_mast()
+    load = plate.pressure("skin", 50.0)  # the mast carries nothing
+    twin = reduce(plate, load, GAUGES)
+    found = twin.predict_states(np.array([[0.5, 0.0], [0.5, 0.9]]), 1.0)
+    np.testing.assert_allclose(found[0], found[1])
+    np.testing.assert_allclose(found[0], plate.strain_microstrain({"middle": 0.5}, load, GAUGES), rtol=1e-4)
+
+
 def test_a_mass_on_a_mast_swings_as_a_cantilever():
     """The plate is held; sqrt(3 E I / L^3 / (m + 33/140 of the mast))."""
     structure = plate_with_mast(supports={"skin": "clamped"}, damage=())
@@ -162,6 +171,22 @@ def test_strains_in_the_picture_are_those_of_a_pulled_strip(plate, tmp_path):
     found = meshio.read(tmp_path / "pulled.vtu").cell_data
     for face in ("top", "bottom"):
         assert np.median(found[f"strain_{face}_microstrain"][0]) == pytest.approx(1e10 / (70e9 * 0.003), rel=0.02)
+
+
+def test_a_strip_of_triangles_is_pulled_as_one_of_quadrilaterals(tmp_path):
+    quads = plate_mesh(n_x=12, n_y=8)
+    a, b, c, d = quads.cells[0].data.T
+    trias = np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
+    mesh = meshio.Mesh(quads.points[:-2], [("triangle", trias)], cell_sets={"skin": [np.arange(len(trias))]})
+    mesh.point_sets = {name: quads.point_sets[name] for name in ("left", "right")}
+    strip = Structure(read(mesh), {"skin": ALUMINIUM}, {"left": "clamped"})
+    load = strip.line_load("right", (1e4, 0.0, 0.0))
+    write_vtu(strip, tmp_path / "pulled.vtu", {}, load)
+    pulled = 1e10 / (70e9 * 0.003)
+    found = meshio.read(tmp_path / "pulled.vtu").cell_data["strain_top_microstrain"][0]
+    assert np.median(found) == pytest.approx(pulled, rel=0.02)
+    gauge = StrainGauge("g", (0.31, 0.21, 0.0), (1, 0, 0), ("skin",))
+    assert strip.strain_microstrain({}, load, [gauge])[0] == pytest.approx(pulled, rel=0.02)
 
 
 def test_a_mesh_is_read_by_the_packages_own_name():
