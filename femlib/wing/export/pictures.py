@@ -185,7 +185,7 @@ def _gauges(axis: Axes, wing: Wing) -> None:
     gauges = wing.gauges
     place, usable = _seen(gauges.position[:, :2]), gauges.is_usable
     axis.plot(*place[usable].T, "o", ms=4.5, color=ACCENT, mec="white", mew=0.6, zorder=3, label="gauge")
-    axis.plot(*place[~usable].T, "x", ms=4.5, color=INK, zorder=3, label="gauge inside a region: not used")
+    axis.plot(*place[~usable].T, "x", ms=4.5, color=INK, zorder=3, label="gauge not used")
     axis.legend(loc="lower right", fontsize=7, frameon=False)
 
 
