@@ -95,7 +95,7 @@ def summary(lines: Sequence[Line]) -> str:
     for line in lines:
         if "gauge" in line:
             cells = [f"{line[key][0]:.0f}, {line[key][1]:.0f}" for key in ("pristine", "mu1", "mu2")]
-            mark = "" if line["is_usable"] else " (in a region)"
+            mark = "" if line["is_usable"] else " (left out)"
             table.append(f"| {line['gauge']}{mark} | " + " | ".join(cells) + " |")
     return "\n".join(table)
 
@@ -122,6 +122,6 @@ def picture(lines: Sequence[Line], path: Path) -> None:
         axis.set(title=title, ylim=(-limit, limit))
         axis.axhline(0.0, color="black", linewidth=0.8)
     axes[-1].set_xticks(range(len(rows)), [row["gauge"] for row in rows], rotation=60)
-    axes[-1].set_xlabel("gauge (grey: inside a damage region, not used; bars may leave the frame)")
+    axes[-1].set_xlabel("gauge (grey: left out of the study; bars may leave the frame)")
     figure.savefig(path, dpi=110)
     plt.close(figure)
