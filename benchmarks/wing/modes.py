@@ -10,8 +10,8 @@ import time
 
 import numpy as np
 
-from benchmarks.cases.fem.rom import random_states
 from benchmarks.cpu import Stopwatch
+from benchmarks.wing.damages import random_states
 from femlib.rom import reduce_modes
 from femlib.wing import mass_matrix, uav_wing, vibrate
 from femlib.wing.damage import damage_library

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from benchmarks.cases.fem.rom import compared, random_states, summary
+from benchmarks.cases.fem.rom import compared, summary
+from benchmarks.wing.damages import random_states
 from femlib.rom import ReductionSettings
 
 QUICK = ReductionSettings(n_states=100, n_dual_states=4)

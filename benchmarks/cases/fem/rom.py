@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.tables import Line
+from benchmarks.wing.damages import random_states
 from benchmarks.wing.pymor_basis import PymorBasis, pymor_basis
 from femlib.components import PortFlexibility, port_flexibility
 from femlib.rom import ReducedModel, ReductionSettings, reduce_ports
@@ -102,14 +103,6 @@ def _pymor(peer: tuple[float, PymorBasis], states: Floats, truth: Floats) -> Lin
         "query_microseconds": _microseconds(basis.query, states, 10),
         "bound_microseconds": basis.estimate and _microseconds(basis.estimate, states, 3),
     }
-
-
-def random_states(rng: np.random.Generator, n: int, n_regions: int, n_damaged: int, most: float) -> Floats:
-    """Return states (n, n_regions) with `n_damaged` regions of uniform damage up to `most`, the others whole."""
-    states = rng.uniform(0.0, most, (n, n_regions))
-    whole = np.argsort(rng.uniform(size=states.shape), axis=1)[:, n_damaged:]
-    np.put_along_axis(states, whole, 0.0, axis=1)
-    return states
 
 
 def _full(wing: Wing, exact: PortFlexibility, at_ports: float) -> Line:
