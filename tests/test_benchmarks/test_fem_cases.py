@@ -49,10 +49,22 @@ def test_calculix_solves_the_same_cases_or_says_why_not():
 
 @needs_calculix
 def test_calculix_lines_are_small_numbers():
-    lines = [fem_calculix.linear({"mu1": 0.5}, 0.25), fem_calculix.bent({}, 0.25)]
-    assert lines[0]["usable_rms"] < 10.0
-    assert lines[1]["usable_most"] < 1.0
-    assert "| linear | mu1 50% | 0.25 |" in fem_calculix.summary(lines)
+    line = fem_calculix.linear({"mu1": 0.5}, 0.25)
+    assert line["usable_rms"] < 10.0
+    assert "| linear | mu1 50% | 0.25 |" in fem_calculix.summary([line])
+
+
+def test_lines_of_large_deflection_are_changes_in_percent(monkeypatch):
+    wing = uav_wing(refinement=0.25)
+    monkeypatch.setattr(fem_calculix, "uav_wing", lambda refinement: wing)
+    monkeypatch.setattr(
+        fem_calculix,
+        "calculix",
+        lambda _wing, state, _lattice, large: wing.strain_microstrain(state, 3.0) * (0.99 if large else 1.0),
+    )
+    line = fem_calculix.bent({}, 0.25)
+    assert line["change_least"] == pytest.approx(-1.0)
+    assert line["usable_most"] < 1.0
 
 
 def test_calculix_lines_say_where_it_is_absent(monkeypatch):
