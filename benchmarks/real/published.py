@@ -195,12 +195,14 @@ def show_rounds(
             print(f"  calibration alone: {corrected[-1][0]:.1f} microstrain")
         told = ", ".join(f"{a.effect.name} {a.place} {a.size:.3g} {a.effect.unit}" for a in additions)
         corrected.append((held_out_gap(current, readings.gauges), current))
-        print(f"  {told}: {corrected[-1][0]:.1f} microstrain; chance of the rest {_rest(found):.1g}", flush=True)
+        print(f"  {told or 'no cause'}: {corrected[-1][0]:.1f} microstrain; {_rest(found)}", flush=True)
     return min(corrected, key=lambda pair: pair[0])[1]
 
 
-def _rest(found: Diagnosis) -> float:
-    return float("nan") if found.shrinkage is None else found.shrinkage.p_after
+def _rest(found: Diagnosis) -> str:
+    if found.shrinkage is None:
+        return "nothing to close: no effect is the likeliest answer"
+    return f"chance of the rest {found.shrinkage.p_after:.1g}"
 
 
 def show_where(found: Diagnosis) -> None:
