@@ -1,0 +1,140 @@
+"""What a formula asks: ranks, whole prices of errors, a penalty, and which columns a split may read."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.encoding import IntegerCosts, Ranks, integer_costs, rank_features
+from octmip.errors import ProblemError
+from octmip.problem import Problem
+from octmip.tree import Node
+
+MOST_DEPTH = 2
+CURE = "write octmip's own log (a name that does not end in .pbp)"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Question:
+    """A problem as a formula states it: all numbers are whole.
+
+    Attributes
+    ----------
+    ranks
+        (n_columns, n_samples) int64, dense ranks of the columns that a split may read, each of two ranks at least.
+    columns
+        which of the columns of `octmip.encoding.rank_features` these are.
+    n_ranks
+        (n_columns,) int64, number of ranks of each.
+    prices
+        (n_samples,) int64, what an error on each sample costs; of samples that cost nothing there is none here.
+    labels
+        (n_samples,) int64, class of each sample.
+    n_classes
+        number of labels that a leaf can have.
+    depth
+        levels of splits, 1 or 2.
+    penalty
+        price of a split.
+    samples
+        (n_samples,) int64, which samples of the problem these are.
+    """
+
+    ranks: NDArray[np.int64]
+    columns: tuple[int, ...]
+    n_ranks: NDArray[np.int64]
+    prices: NDArray[np.int64]
+    labels: NDArray[np.int64]
+    n_classes: int
+    depth: int
+    penalty: int
+    samples: NDArray[np.int64]
+
+    @property
+    def n_samples(self) -> int:
+        """Number of samples."""
+        return len(self.prices)
+
+    @property
+    def n_columns(self) -> int:
+        """Number of columns."""
+        return len(self.columns)
+
+    @property
+    def nodes(self) -> tuple[int, ...]:
+        """The splits of a tree: 0 is the root, 1 and 2 its sides."""
+        return (0,) if self.depth == 1 else (0, 1, 2)
+
+    @property
+    def stumps(self) -> tuple[int, ...]:
+        """The splits whose sides are leaves."""
+        return (0,) if self.depth == 1 else (1, 2)
+
+
+def question_of(problem: Problem) -> tuple[Question, IntegerCosts, Ranks]:
+    """Return what a formula asks of a problem, its costs as whole numbers, and its ranks.
+
+    Raises
+    ------
+    ProblemError
+        there is no formula for such trees or costs; one sentence says why.
+    """
+    _refuse(problem)
+    costs = integer_costs(problem)
+    prices = _prices(problem, costs)
+    ranks = rank_features(problem)
+    n_ranks = np.array([len(values) for values in ranks.values], dtype=np.int64)
+    columns = tuple(j for j in range(ranks.n_columns) if n_ranks[j] > 1 and problem.is_allowed((ranks.feature(j),)))
+    counted = np.flatnonzero(prices)
+    kept = list(columns)
+    question = Question(
+        ranks.ranks.astype(np.int64)[kept][:, counted],
+        columns,
+        n_ranks[kept],
+        prices[counted],
+        problem.codes[counted],
+        problem.n_classes,
+        problem.depth,
+        costs.penalty,
+        counted,
+    )
+    return question, costs, ranks
+
+
+def _refuse(problem: Problem) -> None:
+    if problem.split != "axis" or problem.depth > MOST_DEPTH:
+        raise ProblemError(
+            f"depth {problem.depth} with split {problem.split!r} has no pseudo-Boolean proof; expected axis-aligned "
+            f"trees of depth {MOST_DEPTH} at most; {CURE}"
+        )
+    if problem.leaf_size > 1:
+        raise ProblemError(
+            f"leaf_size is {problem.leaf_size} but a pseudo-Boolean proof knows no leaf sizes above 1; {CURE}"
+        )
+    if problem.sensor_budget is not None and float(problem.sensor_costs.sum()) > problem.sensor_limit:
+        raise ProblemError(f"sensor_budget is {problem.sensor_budget} but a pseudo-Boolean proof knows none; {CURE}")
+
+
+def _prices(problem: Problem, costs: IntegerCosts) -> NDArray[np.int64]:
+    """Return what an error costs on each sample, (n_samples,), if all errors on it cost the same and no answer else."""
+    if costs.is_rounded:
+        raise ProblemError(
+            "weights, costs or leaf_penalty are not whole numbers of one power of two within 2^52, and a pseudo-Boolean "
+            f"proof does not round; {CURE}"
+        )
+    table = costs.costs[:, : problem.n_classes]
+    for row, own in enumerate(table):
+        wrong = np.delete(own, row)
+        if own[row] or (wrong != wrong[0]).any():
+            raise ProblemError(
+                f"costs of class {problem.class_names[row]} are {problem.costs[row].tolist()}; a pseudo-Boolean proof "
+                f"needs 0 for the right label and one price for all the others; {CURE}"
+            )
+    return np.asarray(costs.weights * table.max(axis=1)[costs.rows], dtype=np.int64)
+
+
+def known_tree(tree: Node | None) -> Node:
+    """Return a tree that must be there."""
+    if tree is None:
+        raise ProblemError("there is no tree to write a proof for; solve to the optimum first")
+    return tree

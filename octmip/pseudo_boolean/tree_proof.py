@@ -1,0 +1,168 @@
+"""A proof that every tree of a formula costs a bound or more."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.errors import SolverError
+from octmip.pseudo_boolean.counts import Counts
+from octmip.pseudo_boolean.formula import Formula, left
+from octmip.pseudo_boolean.lines import Lines, times, total
+from octmip.pseudo_boolean.roots import RootInterval, Roots
+from octmip.pseudo_boolean.stump import Stump
+
+
+def prove(formula: Formula, bound: int) -> tuple[Lines, int]:
+    """Return a proof of a bound of the objective, and the number of the constraint that states it.
+
+    Raises
+    ------
+    SolverError
+        a tree costs less than the bound.
+    """
+    lines = Lines(len(formula.lines))
+    if formula.question.depth == 2:
+        return lines, _Root(formula, lines, bound).prove()
+    costs = Counts(formula.question).stumps(np.ones(formula.question.n_samples, dtype=np.bool_))
+    if costs.least < bound:
+        raise _too_high(bound)
+    everything = np.ones(formula.question.n_samples, dtype=np.bool_)
+    return lines, Stump(formula, lines, 0).prove(everything, costs, bound)
+
+
+def _too_high(bound: int) -> SolverError:
+    return SolverError(f"the second search finds a tree below the bound {bound}; no proof is written, please report it")
+
+
+class _Root:
+    """The proof for trees of depth 2: lemmas for both sides of the root, column by column, then all together."""
+
+    def __init__(self, formula: Formula, lines: Lines, bound: int) -> None:
+        self.formula, self.lines, self.bound = formula, lines, bound
+        self.question = formula.question
+        self.prices: list[int] = self.question.prices.tolist()
+        self.roots = Roots(self.question, bound)
+        self.stumps = {side: Stump(formula, lines, m) for side, m in (("left", 1), ("right", 2))}
+
+    def prove(self) -> int:
+        """Return the number of "the objective is the bound or more"."""
+        question, lines = self.question, self.lines
+        plans, clauses = [], []
+        for j in range(question.n_columns):
+            plan = self.roots.intervals(j)
+            if plan is None:
+                raise _too_high(self.bound)
+            plans.append(plan)
+            clauses.append(self._column(j, plan))
+        used = [self._used_means_split(j) for j in range(question.n_columns)] if question.penalty else []
+        whole = self._one_leaf()
+        terms = " ".join(f"{price} {name}" for price, name in self.formula.objective)
+        negation = lines.begin(terms, self.bound)
+        big = sum(price for price, _ in self.formula.objective) + 1
+        unused = []
+        for j, (plan, sums) in enumerate(zip(plans, clauses, strict=True)):
+            closed = [self._closed(j, x, number, negation, big) for x, number in zip(plan, sums, strict=True)]
+            split = times(used[j], len(closed)) if used else ""
+            unused.append(lines.derive(f"{total(closed)}{split} s"))
+        penalty = question.penalty
+        free = f" s1 w s2 w{times('s0', penalty)}" if penalty else ""
+        split = lines.derive(f"{negation} {whole} +{free} {2 * big} d")
+        return lines.end(lines.derive(total([self.formula.some[0], split, *unused])))
+
+    def _used_means_split(self, j: int) -> int:
+        others = "".join(f" {left(0, k, 0)} w" for k in range(self.question.n_columns) if k != j)
+        return self.lines.derive(f"{self.formula.single[0]}{others}")
+
+    def _closed(self, j: int, x: RootInterval, number: int, negation: int, big: int) -> int:
+        """Return the number of "not left[a] or left[b]" at the root, samples between a and b left out."""
+        between = np.flatnonzero((self.question.ranks[j] > x.a) & (self.question.ranks[j] < x.b))
+        if not x.least_left:
+            between = np.flatnonzero(self.question.ranks[j] < x.b)
+        if not x.least_right:
+            between = np.flatnonzero(self.question.ranks[j] > x.a)
+        free = "".join(f" w0_{i} w" for i in between.tolist())
+        literals = ""
+        if not x.least_left:
+            literals += f" ~{left(0, j, x.a)} +"
+        if not x.least_right and x.b < self.question.n_ranks[j] - 1:
+            literals += f" {left(0, j, x.b)} +"
+        if self.question.penalty:
+            free += (" s1 w" if not x.least_left else "") + (" s2 w" if not x.least_right else "")
+        return self.lines.derive(f"{negation} {number} +{free}{literals} {big} d")
+
+    def _column(self, j: int, plan: list[RootInterval]) -> list[int]:
+        """Return for each interval the number of what its two sides cost, under its cuts."""
+        lefts = self._side("left", j, [(x.a, x.least_left) for x in plan if x.least_left])
+        rights = self._side("right", j, [(x.b, x.least_right) for x in reversed(plan) if x.least_right])
+        sums = []
+        for x in plan:
+            parts = [side[rank] for side, rank in ((lefts, x.a), (rights, x.b)) if rank in side]
+            sums.append(parts[0] if len(parts) == 1 else self.lines.derive(total(parts)))
+        self.lines.delete({*lefts.values(), *rights.values()} - set(sums))
+        return sums
+
+    def _side(self, side: str, j: int, places: list[tuple[int, int]]) -> dict[int, int]:
+        """Return for each rank the number of what the side that it begins or ends costs, under such a cut."""
+        stump, found = self.stumps[side], {}
+        routed: int | None = None
+        members = np.zeros(self.question.n_samples, dtype=np.bool_)
+        before = 0
+        for rank, least in places:
+            ranks = self.question.ranks[j]
+            part = ranks <= rank if side == "left" else ranks >= rank
+            lemma = stump.prove(part, self.roots.counts.stumps(part), least)
+            carried = self._routed(side, j, routed, (before, rank), part & ~members)
+            self.lines.delete([] if routed is None else [routed])
+            routed, members, before = carried, part, rank
+            found[rank] = self.lines.derive(f"{routed} {lemma} +")
+            self.lines.delete([lemma])
+        self.lines.delete([] if routed is None else [routed])
+        stump.end()
+        return found
+
+    def _routed(
+        self, side: str, j: int, known: int | None, step: tuple[int, int], new: NDArray[np.bool_]
+    ) -> int:
+        """Return the number of the sum of "wrong[0, i], or right on this side, or the cut is elsewhere"."""
+        before, rank = step
+        question, order = self.question, self.formula.order
+        last = int(question.n_ranks[j]) - 1
+        ranks = question.ranks[j]
+        at_rank: dict[int, list[int]] = {}
+        for i in np.flatnonzero(new).tolist():
+            at_rank.setdefault(int(ranks[i]), []).append(i)
+        operations = [] if known is None else [f"{known}"]
+        old = ranks <= before if side == "left" else (ranks >= before) & (ranks < last)
+        weight = 0 if known is None else int(question.prices[old].sum())
+        path = range(min(at_rank, default=rank), rank + 1)
+        if known is not None:
+            path = range(before, rank + 1) if side == "left" else range(before, rank - 1, -1)
+        elif side == "right":
+            path = range(last, rank - 1, -1)
+        previous = None
+        for r in path:
+            if previous is not None and weight:
+                chain = order[0, j, r] if side == "left" else order.get((0, j, previous))
+                if chain is not None and previous < last:
+                    operations.append(_more(bool(operations), chain, weight))
+            for i in at_rank.get(r, ()):
+                operations.append(_more(bool(operations), self.formula.goes[0, side][j, i], self.prices[i]))
+                weight += self.prices[i] if r < last else 0
+            previous = r
+        return self.lines.derive("".join(operations))
+
+    def _one_leaf(self) -> int:
+        """Return the number of "without a split at the root, the objective is that of one leaf"."""
+        question, formula = self.question, self.formula
+        operations = []
+        for i, price in enumerate(self.prices):
+            operations.append(_more(bool(operations), formula.unsplit[0, i], price))
+            operations.append(_more(True, formula.unsplit[2, i], price))
+        operations.append(times(formula.below[2], sum(self.prices)))
+        prices = np.bincount(question.labels, question.prices, question.n_classes).astype(np.int64).tolist()
+        return self.lines.derive("".join(operations) + self.stumps["right"].counted("right", prices))
+
+
+def _more(is_added: bool, number: int, factor: int) -> str:
+    if is_added:
+        return times(number, factor)
+    return f"{number}" if factor == 1 else f"{number} {factor} *"
