@@ -1,6 +1,6 @@
 """What stumps cost on a part of the samples: prices of the samples left and right of each cut, by class.
 
-On the left of cut a (ranks up to a) a leaf costs all prices there less those of the dearest class; so on the right.
+On the left of cut a (ranks up to a) a leaf costs all prices there less those of the class with most; so on the right.
 """
 
 from dataclasses import dataclass
@@ -28,9 +28,9 @@ class StumpCosts:
     """
 
     total: NDArray[np.int64]
-    left: list[NDArray[np.int64]]
-    cost_left: list[NDArray[np.int64]]
-    cost_right: list[NDArray[np.int64]]
+    left: tuple[NDArray[np.int64], ...]
+    cost_left: tuple[NDArray[np.int64], ...]
+    cost_right: tuple[NDArray[np.int64], ...]
     least: int
 
 
@@ -65,4 +65,4 @@ class Counts:
             left.append(below)
             lefts.append(cost_left)
             rights.append(cost_right)
-        return StumpCosts(total, left, lefts, rights, least)
+        return StumpCosts(total, tuple(left), tuple(lefts), tuple(rights), least)

@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from octmip.encoding import IntegerCosts, Ranks, integer_costs, rank_features
 from octmip.errors import ProblemError
 from octmip.problem import Problem
-from octmip.tree import Node
 
 MOST_DEPTH = 2
 CURE = "write octmip's own log (a name that does not end in .pbp)"
@@ -86,6 +85,8 @@ def question_of(problem: Problem) -> tuple[Question, IntegerCosts, Ranks]:
     n_ranks = np.array([len(values) for values in ranks.values], dtype=np.int64)
     columns = tuple(j for j in range(ranks.n_columns) if n_ranks[j] > 1 and problem.is_allowed((ranks.feature(j),)))
     counted = np.flatnonzero(prices)
+    if not len(counted):
+        raise ProblemError(f"no error costs anything, so there is nothing to prove; {CURE}")
     kept = list(columns)
     question = Question(
         ranks.ranks.astype(np.int64)[kept][:, counted],
@@ -119,8 +120,8 @@ def _prices(problem: Problem, costs: IntegerCosts) -> NDArray[np.int64]:
     """Return what an error costs on each sample, (n_samples,), if all errors on it cost the same and no answer else."""
     if costs.is_rounded:
         raise ProblemError(
-            "weights, costs or leaf_penalty are not whole numbers of one power of two within 2^52, and a pseudo-Boolean "
-            f"proof does not round; {CURE}"
+            "weights, costs or leaf_penalty are not whole numbers of one power of two within 2^52, and a "
+            f"pseudo-Boolean proof does not round; {CURE}"
         )
     table = costs.costs[:, : problem.n_classes]
     for row, own in enumerate(table):
@@ -131,10 +132,3 @@ def _prices(problem: Problem, costs: IntegerCosts) -> NDArray[np.int64]:
                 f"needs 0 for the right label and one price for all the others; {CURE}"
             )
     return np.asarray(costs.weights * table.max(axis=1)[costs.rows], dtype=np.int64)
-
-
-def known_tree(tree: Node | None) -> Node:
-    """Return a tree that must be there."""
-    if tree is None:
-        raise ProblemError("there is no tree to write a proof for; solve to the optimum first")
-    return tree

@@ -6,8 +6,6 @@ If the least stumps on these two parts cost the bound together, no cut of the in
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from octmip.pseudo_boolean.counts import Counts, StumpCosts
 from octmip.pseudo_boolean.question import Question
 
@@ -74,15 +72,9 @@ class Roots:
 def _shared(a: int, b: int, left: int, right: int, need: int) -> RootInterval:
     """Return an interval whose sides prove no more than is needed, and what can be spared spared in shares."""
     if left >= need:
-        return RootInterval(a, b, need, 0)
+        return RootInterval(a, b, max(need, 0), 0)
     if right >= need:
         return RootInterval(a, b, 0, need)
     spare = left + right - need
     less = spare * left // max(left + right, 1)
     return RootInterval(a, b, left - less, need - left + less)
-
-
-def part(question: Question, j: int, rank: int, is_left: bool) -> np.ndarray:
-    """Return the samples of ranks up to `rank` of column j, or from it on."""
-    ranks = question.ranks[j]
-    return np.asarray(ranks <= rank if is_left else ranks >= rank)

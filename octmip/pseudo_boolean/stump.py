@@ -125,8 +125,7 @@ class Stump:
             if grid > a:
                 b = grid
             assert b > a, "a cut costs less than the lemma says"
-            counts_left, counts_right = int(right[b]) < need, lacking > 0
-            found.append(Interval(a, b, counts_left and int(left[a]) > 0, counts_right))
+            found.append(Interval(a, b, int(left[a]) > 0 and (lacking <= 0 or int(right[b]) < need), lacking > 0))
             a = b
         return found
 

@@ -20,6 +20,8 @@ def prove(formula: Formula, bound: int) -> tuple[Lines, int]:
         a tree costs less than the bound.
     """
     lines = Lines(len(formula.lines))
+    if bound <= 0:  # what no objective can be below: prices are positive
+        return lines, lines.derive(total(name for _, name in formula.objective))
     if formula.question.depth == 2:
         return lines, _Root(formula, lines, bound).prove()
     costs = Counts(formula.question).stumps(np.ones(formula.question.n_samples, dtype=np.bool_))
@@ -61,8 +63,8 @@ class _Root:
         unused = []
         for j, (plan, sums) in enumerate(zip(plans, clauses, strict=True)):
             closed = [self._closed(j, x, number, negation, big) for x, number in zip(plan, sums, strict=True)]
-            split = times(used[j], len(closed)) if used else ""
-            unused.append(lines.derive(f"{total(closed)}{split} s"))
+            with_split = times(used[j], len(closed)) if used else ""
+            unused.append(lines.derive(f"{total(closed)}{with_split} s"))
         penalty = question.penalty
         free = f" s1 w s2 w{times('s0', penalty)}" if penalty else ""
         split = lines.derive(f"{negation} {whole} +{free} {2 * big} d")
@@ -72,13 +74,11 @@ class _Root:
         others = "".join(f" {left(0, k, 0)} w" for k in range(self.question.n_columns) if k != j)
         return self.lines.derive(f"{self.formula.single[0]}{others}")
 
-    def _closed(self, j: int, x: RootInterval, number: int, negation: int, big: int) -> int:
+    def _closed(self, j: int, x: RootInterval, number: int | None, negation: int, big: int) -> int:
         """Return the number of "not left[a] or left[b]" at the root, samples between a and b left out."""
-        between = np.flatnonzero((self.question.ranks[j] > x.a) & (self.question.ranks[j] < x.b))
-        if not x.least_left:
-            between = np.flatnonzero(self.question.ranks[j] < x.b)
-        if not x.least_right:
-            between = np.flatnonzero(self.question.ranks[j] > x.a)
+        ranks = self.question.ranks[j]
+        counted = ((ranks <= x.a) & (x.least_left > 0)) | ((ranks >= x.b) & (x.least_right > 0))
+        between = np.flatnonzero(~counted)
         free = "".join(f" w0_{i} w" for i in between.tolist())
         literals = ""
         if not x.least_left:
@@ -87,17 +87,18 @@ class _Root:
             literals += f" {left(0, j, x.b)} +"
         if self.question.penalty:
             free += (" s1 w" if not x.least_left else "") + (" s2 w" if not x.least_right else "")
-        return self.lines.derive(f"{negation} {number} +{free}{literals} {big} d")
+        sides = "" if number is None else f" {number} +"
+        return self.lines.derive(f"{negation}{sides}{free}{literals} {big} d")
 
-    def _column(self, j: int, plan: list[RootInterval]) -> list[int]:
-        """Return for each interval the number of what its two sides cost, under its cuts."""
+    def _column(self, j: int, plan: list[RootInterval]) -> list[int | None]:
+        """Return for each interval the number of what its sides cost under its cuts, None where they may cost 0."""
         lefts = self._side("left", j, [(x.a, x.least_left) for x in plan if x.least_left])
         rights = self._side("right", j, [(x.b, x.least_right) for x in reversed(plan) if x.least_right])
-        sums = []
+        sums: list[int | None] = []
         for x in plan:
             parts = [side[rank] for side, rank in ((lefts, x.a), (rights, x.b)) if rank in side]
-            sums.append(parts[0] if len(parts) == 1 else self.lines.derive(total(parts)))
-        self.lines.delete({*lefts.values(), *rights.values()} - set(sums))
+            sums.append(self.lines.derive(total(parts)) if len(parts) > 1 else parts[0] if parts else None)
+        self.lines.delete(sorted({*lefts.values(), *rights.values()} - set(sums)))
         return sums
 
     def _side(self, side: str, j: int, places: list[tuple[int, int]]) -> dict[int, int]:
@@ -119,9 +120,7 @@ class _Root:
         stump.end()
         return found
 
-    def _routed(
-        self, side: str, j: int, known: int | None, step: tuple[int, int], new: NDArray[np.bool_]
-    ) -> int:
+    def _routed(self, side: str, j: int, known: int | None, step: tuple[int, int], new: NDArray[np.bool_]) -> int:
         """Return the number of the sum of "wrong[0, i], or right on this side, or the cut is elsewhere"."""
         before, rank = step
         question, order = self.question, self.formula.order
@@ -153,7 +152,7 @@ class _Root:
     def _one_leaf(self) -> int:
         """Return the number of "without a split at the root, the objective is that of one leaf"."""
         question, formula = self.question, self.formula
-        operations = []
+        operations: list[str] = []
         for i, price in enumerate(self.prices):
             operations.append(_more(bool(operations), formula.unsplit[0, i], price))
             operations.append(_more(True, formula.unsplit[2, i], price))
