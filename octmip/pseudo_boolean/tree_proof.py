@@ -21,7 +21,7 @@ def prove(formula: Formula, bound: int) -> tuple[Lines, int]:
     """
     lines = Lines(len(formula.lines))
     if bound <= 0:  # what no objective can be below: prices are positive
-        return lines, lines.derive(total(name for _, name in formula.objective))
+        return lines, lines.derive(total(f"{name} {price} *" for price, name in formula.objective))
     if formula.question.depth == 2:
         return lines, _Root(formula, lines, bound).prove()
     costs = Counts(formula.question).stumps(np.ones(formula.question.n_samples, dtype=np.bool_))
