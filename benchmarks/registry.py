@@ -14,6 +14,7 @@ FAMILIES = {
     "exact_call": "benchmarks.cases.exact.call",
     "exact_growth": "benchmarks.cases.exact.growth",
     "exact_proofs": "benchmarks.cases.exact.proofs",
+    "veripb": "benchmarks.cases.exact.veripb",
     "near_agreement": "benchmarks.cases.near.agreement",
     "near_strains": "benchmarks.cases.near.strains",
     "fuzz_regression": "benchmarks.cases.regression.agreement",

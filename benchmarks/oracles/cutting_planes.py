@@ -44,7 +44,8 @@ class Constraint:
 
     def holds(self, true: set[str]) -> bool:
         """Whether it holds where these variables are true and no others."""
-        return sum(factor for literal, factor in self.terms if (literal[0] == "~") != (literal in true)) >= self.least
+        paid = (factor for name, factor in self.terms if (name[1:] not in true if name[0] == "~" else name in true))
+        return sum(paid) >= self.least
 
     def plus(self, other: "Constraint") -> "Constraint":
         """Return the sum."""

@@ -15,11 +15,20 @@ goes left   wrong[m, i]  or  not left[m, j, rank_ij]  or  (left side answers i r
 goes right  wrong[m, i]  or  left[m, j, rank_ij]  or  not left[m, j, 0]  or  (right side answers i rightly)
 no split    wrong[m, i]  or  split[m]  or  (right side answers i rightly)
 
+Where leaves have a least size above 1, for all samples i (those that cost nothing have no `wrong`):
+
+at[m, i]        g     sample i goes to node m = 1, 2, no claim where it is false
+in[m, side, i]  x, z  and there to the leaf on the left, on the right
+each leaf       sum_i in[m, side, i] >= leaf_size; on the left if node m splits, on the right (m = 1) if the root does
+
+Where there is a budget: reads[t] (u) for each sensor t;  reads[t] or not left[m, j, 0];  sum_t cost_t reads[t] <= it.
+Columns whose sensor alone is above it have no variables.
+
 A side that is a leaf answers i rightly by `label[m, label_i]`; one that is a node by `not wrong[side, i]`. Constraints
 are numbered from 1 in the order in which they are written; a proof names them by these numbers.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
 from octmip.pseudo_boolean.question import Question
@@ -66,6 +75,18 @@ class Formula:
         (m, side) -> {(j, i): number}.
     unsplit
         (m, i) -> number.
+    reaches
+        m -> {(j, i): number of "in at[m, i], or the root's cut of column j says so"}.
+    arrives
+        (m, side) -> {i: number of at[m, i] or not in[m, side, i]}.
+    enters
+        (m, side) -> {(j, i): number of "not in[m, side, i], or the cut of column j says so"}.
+    sizes
+        (m, side) -> number of "at least so many samples".
+    reads
+        (m, j) -> number of reads[sensor of j] or not left[m, j, 0].
+    budget
+        number of the budget.
     """
 
     question: Question
@@ -78,11 +99,24 @@ class Formula:
     goes: dict[tuple[int, str], dict[tuple[int, int], int]] = field(default_factory=dict)
     unsplit: dict[tuple[int, int], int] = field(default_factory=dict)
 
+    reaches: dict[int, dict[tuple[int, int], int]] = field(default_factory=dict)
+    arrives: dict[tuple[int, str], dict[int, int]] = field(default_factory=dict)
+    enters: dict[tuple[int, str], dict[tuple[int, int], int]] = field(default_factory=dict)
+    sizes: dict[tuple[int, str], int] = field(default_factory=dict)
+    reads: dict[tuple[int, int], int] = field(default_factory=dict)
+    budget: int = 0
+
     def __post_init__(self) -> None:
         for m in self.question.nodes:
             self._add_cuts(m)
             self._add_labels(m)
             self._add_samples(m)
+        if self.question.leaf_size > 1:
+            for m in self.question.stumps:
+                self._add_routes(m)
+                self._add_sizes(m)
+        if self.question.sensor_limit is not None:
+            self._add_budget(self.question.sensor_limit)
 
     def _add(self, terms: str, least: int = 1) -> int:
         self.lines.append(f"{terms} >= {least};")
@@ -128,6 +162,50 @@ class Formula:
                     cut = "" if r == last[j] else f" 1 {left(m, j, r)}"
                     rights[j, i] = self._add(f"{on_right}{cut} 1 ~{left(m, j, 0)}")
 
+    def _says_left(self, m: int, j: int, i: int) -> str | None:
+        """Return "not split on column j, or sample i goes left"; None where it always does."""
+        r = int(self.question.all_ranks[j, i])
+        if r == 0:
+            return None
+        return f"1 ~{left(m, j, 0)}" + (f" 1 {left(m, j, r)}" if r < self.question.n_ranks[j] - 1 else "")
+
+    def _says_right(self, m: int, j: int, i: int) -> str | None:
+        """Return "column j does not send sample i left"; None where it never does."""
+        r = int(self.question.all_ranks[j, i])
+        return f"1 ~{left(m, j, r)}" if r < self.question.n_ranks[j] - 1 else None
+
+    def _clauses(self, name: str, says: Callable[[int, int, int], str | None], m: int, i: int) -> dict[int, int]:
+        """Add "not `name`, or the cut says so" for each column; return column -> number."""
+        said = [(j, says(m, j, i)) for j in range(self.question.n_columns)]
+        return {j: self._add(f"1 ~{name} {clause}") for j, clause in said if clause is not None}
+
+    def _add_routes(self, m: int) -> None:
+        if m:
+            says = self._says_left if m == 1 else self._says_right
+            rows = [(i, self._clauses(f"g{m}_{i}", says, 0, i)) for i in range(self.question.all_ranks.shape[1])]
+            self.reaches[m] = {(j, i): number for i, row in rows for j, number in row.items()}
+
+    def _add_sizes(self, m: int) -> None:
+        least = self.question.leaf_size
+        samples = range(self.question.all_ranks.shape[1])
+        for side, letter, says in (("left", "x", self._says_left), ("right", "z", self._says_right)):
+            rows = [(i, self._clauses(f"{letter}{m}_{i}", says, m, i)) for i in samples]
+            self.enters[m, side] = {(j, i): number for i, row in rows for j, number in row.items()}
+            if m:
+                self.arrives[m, side] = {i: self._add(f"1 ~{letter}{m}_{i} 1 g{m}_{i}") for i in samples}
+            split = {"left": f" {least} ~s{m}", "right": f" {least} ~s0" if m == 1 else ""}[side]
+            members = " ".join(f"1 {letter}{m}_{i}" for i in samples)
+            self.sizes[m, side] = self._add(f"{members}{split}", least)
+
+    def _add_budget(self, limit: int) -> None:
+        question = self.question
+        for m in question.nodes:
+            for j, t in enumerate(question.sensors.tolist()):
+                self.reads[m, j] = self._add(f"1 u{t} 1 ~{left(m, j, 0)}")
+        prices = {t: question.sensor_prices[t] for t in sorted(set(question.sensors.tolist()))}
+        terms = " ".join(f"{price} ~u{t}" for t, price in prices.items() if price)
+        self.budget = self._add(terms, max(0, sum(prices.values()) - limit))
+
     @property
     def objective(self) -> list[tuple[int, str]]:
         """Prices and variables of the objective."""
@@ -145,6 +223,11 @@ class Formula:
             yield from (f"w{m}_{i}" for i in range(question.n_samples))
             if m in question.stumps:
                 yield from (label(m, side, k) for side in ("left", "right") for k in range(question.n_classes))
+            if m in question.stumps and question.leaf_size > 1:
+                letters = "xzg" if m else "xz"
+                yield from (f"{letter}{m}_{i}" for letter in letters for i in range(question.all_ranks.shape[1]))
+        if question.sensor_limit is not None:
+            yield from (f"u{t}" for t in sorted(set(question.sensors.tolist())))
 
     def opb(self) -> str:
         """Return the file."""

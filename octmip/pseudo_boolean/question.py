@@ -1,6 +1,9 @@
 """What a formula asks: ranks, whole prices of errors, a penalty, and which columns a split may read."""
 
+import math
+from collections.abc import Iterable
 from dataclasses import dataclass
+from fractions import Fraction
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,8 +38,18 @@ class Question:
         levels of splits, 1 or 2.
     penalty
         price of a split.
-    samples
-        (n_samples,) int64, which samples of the problem these are.
+    leaf_size
+        at least so many samples, those that cost nothing included, in every leaf.
+    counted
+        (n_samples,) int64, which of all samples these are.
+    all_ranks
+        (n_columns, n_all_samples) int64, the same ranks with the samples that cost nothing.
+    sensors
+        (n_columns,) int64, sensor of each column.
+    sensor_prices
+        cost of each sensor, whole.
+    sensor_limit
+        at most so much in a tree; None where all of them are within it.
     """
 
     ranks: NDArray[np.int64]
@@ -47,7 +60,12 @@ class Question:
     n_classes: int
     depth: int
     penalty: int
-    samples: NDArray[np.int64]
+    leaf_size: int
+    counted: NDArray[np.int64]
+    all_ranks: NDArray[np.int64]
+    sensors: NDArray[np.int64]
+    sensor_prices: tuple[int, ...]
+    sensor_limit: int | None
 
     @property
     def n_samples(self) -> int:
@@ -58,6 +76,11 @@ class Question:
     def n_columns(self) -> int:
         """Number of columns."""
         return len(self.columns)
+
+    def is_affordable(self, columns: Iterable[int]) -> bool:
+        """Whether a tree may read these columns."""
+        read = {int(self.sensors[j]) for j in columns}
+        return self.sensor_limit is None or sum(self.sensor_prices[t] for t in read) <= self.sensor_limit
 
     @property
     def nodes(self) -> tuple[int, ...]:
@@ -83,7 +106,8 @@ def question_of(problem: Problem) -> tuple[Question, IntegerCosts, Ranks]:
     prices = _prices(problem, costs)
     ranks = rank_features(problem)
     n_ranks = np.array([len(values) for values in ranks.values], dtype=np.int64)
-    columns = tuple(j for j in range(ranks.n_columns) if n_ranks[j] > 1 and problem.is_allowed((ranks.feature(j),)))
+    columns = tuple(j for j in range(ranks.n_columns) if n_ranks[j] > 1 and _may_be_read(problem, ranks.feature(j)))
+    sensors = np.array([problem.sensor_index[ranks.feature(j)] for j in columns], dtype=np.int64)
     counted = np.flatnonzero(prices)
     if not len(counted):
         raise ProblemError(f"no error costs anything, so there is nothing to prove; {CURE}")
@@ -97,7 +121,11 @@ def question_of(problem: Problem) -> tuple[Question, IntegerCosts, Ranks]:
         problem.n_classes,
         problem.depth,
         costs.penalty,
+        problem.leaf_size,
         counted,
+        ranks.ranks.astype(np.int64)[kept],
+        sensors,
+        *_budget(problem, set(sensors.tolist())),
     )
     return question, costs, ranks
 
@@ -108,12 +136,24 @@ def _refuse(problem: Problem) -> None:
             f"depth {problem.depth} with split {problem.split!r} has no pseudo-Boolean proof; expected axis-aligned "
             f"trees of depth {MOST_DEPTH} at most; {CURE}"
         )
-    if problem.leaf_size > 1:
-        raise ProblemError(
-            f"leaf_size is {problem.leaf_size} but a pseudo-Boolean proof knows no leaf sizes above 1; {CURE}"
-        )
-    if problem.sensor_budget is not None and float(problem.sensor_costs.sum()) > problem.sensor_limit:
-        raise ProblemError(f"sensor_budget is {problem.sensor_budget} but a pseudo-Boolean proof knows none; {CURE}")
+
+
+def _may_be_read(problem: Problem, feature: int) -> bool:
+    """Whether a split may read a feature, and the budget pays for its sensor."""
+    return problem.is_allowed((feature,)) and bool(
+        problem.sensor_costs[problem.sensor_index[feature]] <= problem.sensor_limit
+    )
+
+
+def _budget(problem: Problem, used: set[int]) -> tuple[tuple[int, ...], int | None]:
+    """Return the costs of the sensors and the limit as whole numbers of one unit, no limit where there is none."""
+    if math.isinf(problem.sensor_limit):
+        return (0,) * len(problem.sensors), None
+    prices = [Fraction(price) for price in problem.sensor_costs.tolist()]
+    unit = math.lcm(*(price.denominator for price in prices))
+    whole = tuple(int(price * unit) for price in prices)
+    limit = math.floor(Fraction(problem.sensor_limit) * unit)
+    return whole, limit if sum(whole[t] for t in used) > limit else None
 
 
 def _prices(problem: Problem, costs: IntegerCosts) -> NDArray[np.int64]:

@@ -11,6 +11,7 @@ X grows from lemma to lemma. The clauses of its samples are summed by the blocks
 carried on with the new samples alone, so that a lemma names blocks, and samples only where an interval ends inside one.
 """
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,16 +21,18 @@ from octmip.pseudo_boolean.column import Column
 from octmip.pseudo_boolean.counts import StumpCosts
 from octmip.pseudo_boolean.formula import Formula, label
 from octmip.pseudo_boolean.lines import Lines, times, total
+from octmip.pseudo_boolean.sizes import Side, Sizes
 
 
 @dataclass(frozen=True, slots=True)
 class Interval:
-    """Cuts from a to b - 1 of one column, and which of the two leaves are counted."""
+    """Cuts from a to b - 1 of one column, and which of the two leaves are counted, or which has too few samples."""
 
     a: int
     b: int
     counts_left: bool
     counts_right: bool
+    too_few: str | None = None
 
 
 @dataclass(slots=True)
@@ -50,18 +53,20 @@ class Stump:
         self.question = formula.question
         self.prices: list[int] = self.question.prices.tolist()
         self.columns = [Column(formula, lines, m, j) for j in range(self.question.n_columns)]
+        self.sizes = Sizes(formula, lines, m)
         self.splits = [self._used_means_split(j) for j in range(self.question.n_columns)]
         self.begin()
 
     def _used_means_split(self, j: int) -> int | None:
-        """Return the number of "split[m] or not left[m, j, 0]", where a split has a price."""
-        if not self.question.penalty:
+        """Return the number of "split[m] or not left[m, j, 0]", where a split has a price or a leaf a size."""
+        if not self.question.penalty and self.question.leaf_size == 1:
             return None
         others = [f" {column.name(0)} w" for column in self.columns if column.j != j]
         return self.lines.derive(f"{self.formula.single[self.m]}{''.join(others)}")
 
-    def begin(self) -> None:
-        """Begin with no samples."""
+    def begin(self, columns: Collection[int] | None = None) -> None:
+        """Begin with no samples, and the columns that a stump may read (None: all)."""
+        self.active = [column for column in self.columns if columns is None or column.j in columns]
         self.members = np.zeros(self.question.n_samples, dtype=np.bool_)
         self.sums = [_Sums({}, {}, {}, {}) for _ in self.columns]
         self.unsplit: int | None = None
@@ -75,25 +80,37 @@ class Stump:
             self.lines.delete([self.unsplit])
         self.begin()
 
-    def prove(self, part: NDArray[np.bool_], costs: StumpCosts, least: int) -> int:
-        """Return the number of the lemma: on a part, which grows from call to call, every stump costs `least`."""
+    def prove(self, part: NDArray[np.bool_], costs: StumpCosts, least: int, side: Side) -> int:
+        """Return the number of the lemma: on a part, which grows from call to call, every stump costs `least`.
+
+        Or else the assumption of `side` is false, or the stump reads another column than those in play.
+        """
         new = np.flatnonzero(part & ~self.members).tolist()
         self.members = part
         self._grow(new)
-        plans = [self._intervals(column, costs, least) for column in self.columns]
-        for column, plan in zip(self.columns, plans, strict=True):
+        plans = [self._intervals(column, costs, least) for column in self.active]
+        for column, plan in zip(self.active, plans, strict=True):
             _prepare(column, plan)
         terms = [(self.prices[i], f"w{self.m}_{i}") for i in np.flatnonzero(part).tolist()]
         if self.question.penalty:
             terms.append((self.question.penalty, f"s{self.m}"))
+        names = [name for _, name in terms]
+        others = [column.name(0) for column in self.columns if column not in self.active]
+        free = [*side.literals, *others]
+        terms += [(least, literal) for literal in free]
         negation = self.lines.begin(" ".join(f"{price} {name}" for price, name in terms), least)
         big = sum(price for price, _ in terms) + 1
+        forced = ""
+        if free:  # the negation says that all of these are false; with that it is two constraints
+            false = self.lines.derive(f"{negation} {' w '.join(names)} w {least} d")
+            negation = self.lines.derive(f"{negation} {' w '.join(literal.lstrip('~') for literal in free)} w")
+            forced = times(false, len(self.active) + 1)
         unused = [
-            _ColumnProof(self, column, costs, negation, big).unused(plan)
-            for column, plan in zip(self.columns, plans, strict=True)
+            _ColumnProof(self, column, costs, negation, big).unused(plan, side)
+            for column, plan in zip(self.active, plans, strict=True)
         ]
         split = self._not_unsplit(costs, negation, big)
-        return self.lines.end(self.lines.derive(total([self.formula.some[self.m], split, *unused])))
+        return self.lines.end(self.lines.derive(total([self.formula.some[self.m], split, *unused]) + forced))
 
     def _not_unsplit(self, costs: StumpCosts, negation: int, big: int) -> int:
         """Return the number of "node m splits": one leaf for all costs too much."""
@@ -114,8 +131,11 @@ class Stump:
         left, right = costs.cost_left[column.j], costs.cost_right[column.j]
         need = least - self.question.penalty
         ascending = right[::-1]
-        found, a = [], 0
-        while a < column.last:
+        first, final = costs.first[column.j], costs.last[column.j]
+        found, a = [], first
+        if first:
+            found.append(Interval(0, first, False, False, "left"))
+        while a <= final:
             lacking = need - int(left[a])
             if lacking <= 0:
                 b = column.last
@@ -127,6 +147,8 @@ class Stump:
             assert b > a, "a cut costs less than the lemma says"
             found.append(Interval(a, b, int(left[a]) > 0 and (lacking <= 0 or int(right[b]) < need), lacking > 0))
             a = b
+        if a < column.last:
+            found.append(Interval(a, column.last, False, False, "right"))
         return found
 
     def _grow(self, new: list[int]) -> None:
@@ -135,8 +157,8 @@ class Stump:
             return
         clauses = ((self.formula.unsplit[self.m, i], self.prices[i]) for i in new)
         self.unsplit = self._carried(self.unsplit, list(clauses), [])
-        for column, sums in zip(self.columns, self.sums, strict=True):
-            self._grow_column(column, sums, new)
+        for column in self.active:
+            self._grow_column(column, self.sums[column.j], new)
 
     def _grow_column(self, column: Column, sums: _Sums, new: list[int]) -> None:
         groups: dict[tuple[int, int], list[tuple[int | str, int]]] = {}
@@ -197,16 +219,25 @@ class _ColumnProof:
         for i in np.flatnonzero(stump.members).tolist():
             self.at_rank.setdefault(column.ranks[i], []).append(i)
 
-    def unused(self, plan: list[Interval]) -> int:
-        """Return the number of "the column is not split on"."""
+    def unused(self, plan: list[Interval], side: Side) -> int:
+        """Return the number of "the column is not split on, or the assumption is false"."""
         column, lines, penalty = self.column, self.stump.lines, self.stump.question.penalty
         lefts = self._running_left(sorted({x.a for x in plan if x.counts_left}))
         rights = self._running_right(sorted({x.b for x in plan if x.counts_right}, reverse=True))
-        clauses = [lines.derive(self._interval(x, lefts.get(x.a), rights.get(x.b))) for x in plan]
-        if len(clauses) == 1 and not penalty:
+        clauses = []
+        for x in plan:
+            if x.too_few is None:
+                operations = self._interval(x, lefts.get(x.a), rights.get(x.b))
+            else:
+                rank = x.b if x.too_few == "left" else x.a
+                operations = self.stump.sizes.too_few(side, x.too_few, column.j, rank)
+            clauses.append(lines.derive(operations))
+        if len(clauses) == 1 and not penalty and plan[0].too_few is None:
             return clauses[0]
         split = self.stump.splits[column.j]
-        joined = total(clauses) + ("" if split is None else times(split, len(clauses)))
+        # Clauses that hold where the node does not split: all but counts of samples on the right.
+        n_free = sum(x.too_few == "left" or (penalty > 0 and x.too_few is None) for x in plan)
+        joined = total(clauses) + (times(split, n_free) if split is not None and n_free else "")
         return lines.derive(f"{joined} s")
 
     def _interval(self, x: Interval, left: int | None, right: int | None) -> str:
