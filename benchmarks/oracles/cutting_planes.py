@@ -6,7 +6,8 @@ nothing of trees; slow, for small formulas.
 pol   postfix: a number is a constraint; literal l: l >= 0; `+`; `k *`; `k d`: divided, rounded up; `x w`: x taken out,
       at its largest; `s`: no coefficient above the right side
 pbc   C : subproof ... qed pbc : ID   with the negation of C, ID is a contradiction; then C holds
-del   id ...
+del   id ..., deld ...: forgotten
+f     number of constraints of the formula
 """
 
 import re
@@ -112,7 +113,7 @@ def verified_bounds(formula: str, proof: str) -> tuple[int, int]:
     known = dict(enumerate(constraints, start=1))
     steps = iter(statement.strip() for statement in re.split(r";|(?<= subproof)\n", proof.partition("\n")[2]))
     numbers = iter(range(len(constraints) + 1, 10**9))
-    conclusion = _replayed(steps, known, numbers)
+    conclusion = _replayed(steps, known, numbers, len(constraints))
     low, number, high, true = _concluded(conclusion)
     if known[number].terms != objective.terms or known[number].least < low:
         raise ValueError(f"constraint {number} is not the bound {low}")
@@ -130,7 +131,7 @@ def _concluded(conclusion: str) -> tuple[int, int, int, set[str]]:
     return int(found[1]), int(found[2]), int(found[3]), {name for name in literals if name[0] != "~"}
 
 
-def _replayed(steps: Iterator[str], known: dict[int, Constraint], numbers: Iterator[int]) -> str:
+def _replayed(steps: Iterator[str], known: dict[int, Constraint], numbers: Iterator[int], n_constraints: int) -> str:
     """Replay steps up to the conclusion, or the end of a proof by contradiction, and return that step."""
     for step in steps:
         rule, _, rest = step.partition(" ")
@@ -139,16 +140,16 @@ def _replayed(steps: Iterator[str], known: dict[int, Constraint], numbers: Itera
         elif rule == "pbc":
             claim, inside = read_constraint(rest.removesuffix(" : subproof")), dict(known)
             inside[next(numbers)] = claim.negation
-            end = _replayed(steps, inside, numbers)
-            if not inside[int(end.removeprefix("qed pbc : "))].is_contradiction:
+            end = _replayed(steps, inside, numbers, n_constraints)
+            if not inside[int(end.rpartition(" ")[2])].is_contradiction:
                 raise ValueError(f"{end} is no contradiction")
             known[next(numbers)] = claim
-        elif step.startswith("del id "):
-            for number in rest.split()[1:]:
+        elif step.startswith(("del id ", "deld ")):
+            for number in rest.removeprefix("id ").split():
                 del known[int(number)]
         elif rule in ("qed", "conclusion"):
             return step
-        elif step not in ("", "output NONE"):
+        elif step not in ("", "output NONE", f"f {n_constraints}"):
             raise ValueError(f"{step[:60]!r} is no step")
     raise ValueError("the proof ends early")
 

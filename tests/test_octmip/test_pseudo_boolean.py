@@ -163,13 +163,13 @@ def test_no_corruption_raises_what_is_proven(proven):
     _, solution, path = proven
     formula, proof, rng = path.with_suffix(".opb").read_text(), path.read_text(), np.random.default_rng(3)
     refused = 0
-    for _ in range(12):
+    for _ in range(8):
         try:
             low, _ = verified_bounds(formula, corrupted(proof, rng))
             assert low <= solution.bound
         except (ValueError, KeyError, IndexError, AssertionError) as error:
             refused += not isinstance(error, AssertionError)
-    assert refused >= 6
+    assert refused >= 4
 
 
 def raised(proof, whole):
