@@ -254,13 +254,19 @@ class _Search:
         assert self.proven is not None
         native, costs, claim = self.proven
         if is_pseudo_boolean(path):
-            assert self.tree is not None
-            return write_proof(path, self.problem, self.tree, costs.value(claim))
+            return self._write_pseudo_boolean(path, costs.value(claim))
         body = _native.prove(native, claim)
         if body is None:
             raise SolverError(f"the proof of the bound {costs.value(claim)} was interrupted; {path} is not written")
         write_log(path, log_header(self.problem, costs, claim) + body + "end\n")
         return costs.value(claim)
+
+    def _write_pseudo_boolean(self, path: Path, bound: float) -> float:
+        assert self.tree is not None
+        try:
+            return write_proof(path, self.problem, self.tree, bound)
+        except KeyboardInterrupt:
+            raise SolverError(f"the proof of the bound {bound} was interrupted; {path} is not written") from None
 
 
 def _check(problem: Problem, n_jobs: int) -> None:

@@ -184,6 +184,16 @@ def test_a_raised_claim_is_refused(proven):
         verified_bounds(path.with_suffix(".opb").read_text(), proof)
 
 
+def test_a_proof_that_is_interrupted_is_not_written(tmp_path, monkeypatch):
+    def interrupted(formula, bound):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("octmip.pseudo_boolean.files.prove", interrupted)
+    with pytest.raises(SolverError, match="was interrupted"):
+        branch_and_bound(larger_problem(0), proof=tmp_path / "x.pbp")
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_bound_above_the_optimum_is_not_written(proven, tmp_path):
     problem, solution, _ = proven
     worse = Leaf(0)
