@@ -6,6 +6,7 @@ Each function takes a generator and a content, and returns another content; noth
 import csv
 import io
 import json
+import re
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, TypeVar
 
@@ -205,3 +206,19 @@ def mangled_tokens(rng: Generator, content: bytes) -> bytes:
             lines[row], lines[other] = lines[other], lines[row]
         lines = lines or [""]
     return "\n".join(lines).encode()
+
+
+NUMBER = re.compile(r"(?<![\w.])[+-]?\d+\.?\d*(?:[eE][+-]?\d+)?(?![\w.])")
+
+
+def mangled_numbers(rng: Generator, content: bytes) -> bytes:
+    """Return a text with one to four of its numbers changed where they stand, columns kept where the new one fits."""
+    text = content.decode("latin-1")
+    for _ in range(int(rng.integers(1, 5))):
+        found = list(NUMBER.finditer(text))
+        if not found:
+            return mangled_tokens(rng, content)
+        old = pick(rng, found)
+        new = pick(rng, (*NUMBERS, *LONG[:3], "nan", str(int(rng.integers(20))), pick(rng, found)[0], "-" + old[0]))
+        text = text[: old.start()] + new.rjust(len(old[0])) + text[old.end() :]
+    return text.encode("latin-1")

@@ -4,6 +4,7 @@ import meshio
 import numpy as np
 import pytest
 
+from femlib.errors import InputError, MeshError
 from femlib.structure import read
 from tests.test_femlib.own_meshes import plate_mesh
 
@@ -88,6 +89,21 @@ def test_the_names_of_gmsh_4_are_kept(tmp_path):
     assert found.elements_of("skin").tolist() == [True, True, True, False]
     assert found.nodes_of("edge").tolist() == [0, 3]
     assert found.nodes_of("corner").tolist() == [0]
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        # gmsh's reader makes a table as long as the largest number: 32 GB
+        (("\n5\n6\n0 0 0", "\n5\n4000000000\n0 0 0"), "MemoryError"),
+        (("$EndElements\n", ""), "not closed"),
+        (("2 1 0\n$EndNodes", "2 1e12 0\n$EndNodes"), "node 5 lies at"),
+    ],
+)
+def test_a_file_that_is_damaged_is_refused(change, told, tmp_path):
+    (tmp_path / "plate.msh").write_text(GMSH.replace(*change))
+    with pytest.raises((InputError, MeshError), match=told):
+        read(tmp_path / "plate.msh")
 
 
 DECK = """*HEADING
