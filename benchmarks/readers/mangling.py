@@ -198,7 +198,9 @@ def mangled_tokens(rng: Generator, content: bytes) -> bytes:
         elif action == 4:
             lines[row : row + 1] = []
         elif action == 5:
-            lines[row:row] = [lines[row]] * int(pick(rng, (1, 2, 50, 5000)))
+            lines[row:row] = [lines[row]] * min(
+                int(pick(rng, (1, 2, 50, 5000))), MOST_REPEATED // (1 + len(lines[row]))
+            )
         elif action == 6:
             lines[row] = pick(rng, ("R 0 0", "R -1 -1", "R 1e300 0", "T 0.5", "S 0", "F 0 1", "l 0 0", "N 0 0"))
         else:
@@ -208,6 +210,8 @@ def mangled_tokens(rng: Generator, content: bytes) -> bytes:
     return "\n".join(lines).encode()
 
 
+MOST_REPEATED = 10**7
+"""Characters of a line and its repetitions."""
 NUMBER = re.compile(r"(?<![\w.])[+-]?\d+\.?\d*(?:[eE][+-]?\d+)?(?![\w.])")
 
 

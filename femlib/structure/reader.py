@@ -99,22 +99,30 @@ def _read_file(path: Path) -> Any:
 
     By the format's own reader: `meshio.read` ends the program where a file is bad.
     """
-    size = len(read_bytes(path, "a mesh file"))
+    content = read_bytes(path, "a mesh file")
     if path.suffix.lower() not in READERS:
         raise InputError(
             f"{path} ends in {path.suffix!r}; expected one of {sorted(READERS)}; rename it, or give meshio.read(path)"
         )
     kind = READERS[path.suffix.lower()]
+    if kind == "nastran" and not _has_cards(content):
+        raise _unreadable(path, kind, "no card after BEGIN BULK")
     reader = import_module(f"meshio.{kind}")
     said = io.StringIO()
     try:
-        with contextlib.redirect_stderr(said), limited_memory(ROOM + ROOM_PER_BYTE * size):
+        with contextlib.redirect_stderr(said), limited_memory(ROOM + ROOM_PER_BYTE * len(content)):
             mesh = reader.read(str(path))
     except Exception as error:  # a reader fails in any way at what is not its format
         raise _unreadable(path, kind, f"{type(error).__name__}: {error}") from error
     if said.getvalue():  # a block that is not closed, an entry that is skipped: what is read is not the whole file
         raise _unreadable(path, kind, said.getvalue())
     return mesh
+
+
+def _has_cards(content: bytes) -> bool:
+    """Whether a bulk data file has a card: meshio's reader looks for the first one without end."""
+    after = content.partition(b"BEGIN BULK")[2].splitlines()[1:]
+    return any(len(line) >= 4 and not line.startswith((b"$", b"//", b"#")) for line in after)
 
 
 def _unreadable(path: Path, kind: str, reason: str) -> InputError:
@@ -160,8 +168,12 @@ Sets = tuple[dict[str, BoolArray], dict[str, IntArray]]
 def _deck_masks(source: Any, path: Path) -> Sets:
     """Return the sets of a deck: of all elements in the order of their blocks, and of nodes."""
     text = read_bytes(path, "a mesh file").decode("utf-8", errors="replace")
-    widths = [cell.data.shape[1] for cell in source.cells]
-    found = deck_sets(text, widths, path)
+    try:
+        found = deck_sets(text, [cell.data.shape[1] for cell in source.cells], path)
+    except (ValueError, IndexError, KeyError, StopIteration, TypeError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise _unreadable(path, "abaqus", f"its sets: {type(error).__name__}: {error}") from error
     elements = masks(found.elements, sum(len(cell.data) for cell in source.cells))
     return elements, {name: np.array(own, dtype=np.int64) for name, own in found.nodes.items()}
 

@@ -138,6 +138,24 @@ LEFT, Right
 """
 
 
+@pytest.mark.parametrize(
+    ("name", "text", "told"),
+    [
+        (
+            "plate.inp",
+            DECK.replace("*ELEMENT, TYPE=B31", "*ELEMENT, TYPE=B31\n*ELEMENT, TYPE=B31"),
+            "as abaqus",
+        ),
+        ("plate.inp", DECK.replace("10, 40, 30", "10, 9000000000000000000, 30"), "as abaqus"),
+        ("plate.bdf", "CEND\nBEGIN BULK\n$ nothing\n", "no card after BEGIN BULK"),
+    ],
+)
+def test_a_file_with_too_few_or_too_many_rows_is_refused(name, text, told, tmp_path):
+    (tmp_path / name).write_text(text)
+    with pytest.raises(InputError, match=told):
+        read(tmp_path / name)
+
+
 def test_the_sets_of_a_deck_are_its_own(tmp_path):
     """meshio alone gives RIGHT one block, ALL no blocks, and counts the blocks without the unnamed first one."""
     (tmp_path / "deck.inp").write_text(DECK)
