@@ -10,6 +10,7 @@ mod within_budget;
 use crate::control::{KeepGoing, Outcome, Stop};
 use crate::costs::{base_cost, best_leaf};
 use crate::exact::samples::Samples;
+use crate::exact::samples::merging::merged;
 use crate::exact::view::View;
 use crate::problem::Problem;
 use crate::supervise::Supervision;
@@ -40,6 +41,8 @@ pub(crate) fn go_on(
     if tables > options.limits.memory {
         return Ok(without_search(problem, options));
     }
+    let smaller = if options.switches.merging { merged(problem) } else { None };
+    let problem = smaller.as_ref().map_or(problem, |(smaller, _)| smaller);
     let samples = Samples::new(problem);
     let view = View::root(&samples);
     if let Some(known) = &known {
