@@ -62,8 +62,7 @@ fn first_equal(problem: &Problem, usable: &[usize]) -> Option<Vec<u32>> {
 }
 
 fn are_equal(problem: &Problem, usable: &[usize], a: usize, b: usize) -> bool {
-    problem.labels[a] == problem.labels[b]
-        && usable.iter().all(|&f| problem.feature(f)[a] == problem.feature(f)[b])
+    problem.labels[a] == problem.labels[b] && usable.iter().all(|&f| problem.feature(f)[a] == problem.feature(f)[b])
 }
 
 /// A number for each sample (`n`), the same for equal ones.
