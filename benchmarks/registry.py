@@ -14,6 +14,7 @@ FAMILIES = {
     "exact_call": "benchmarks.cases.exact.call",
     "exact_growth": "benchmarks.cases.exact.growth",
     "exact_proofs": "benchmarks.cases.exact.proofs",
+    "exact_cluster": "benchmarks.cases.exact.cluster",
     "near_agreement": "benchmarks.cases.near.agreement",
     "near_strains": "benchmarks.cases.near.strains",
     "fuzz_regression": "benchmarks.cases.regression.agreement",

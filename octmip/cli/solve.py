@@ -18,7 +18,14 @@ from octmip.cli.answer import (
     printable,
     verdict,
 )
-from octmip.cli.arguments import add_everyday_arguments, add_problem_arguments, add_run_arguments, limits_of
+from octmip.cli.arguments import (
+    add_cluster_argument,
+    add_everyday_arguments,
+    add_problem_arguments,
+    add_run_arguments,
+    cluster_of,
+    limits_of,
+)
 from octmip.cli.regression.solving import solve_numbers
 from octmip.cli.samples.options import add_held_out_arguments
 from octmip.cli.samples.question import Question, ask
@@ -50,6 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--out", metavar="TREE.json", help="write the tree to this file")
     add_problem_arguments(parser)
     add_run_arguments(parser)
+    add_cluster_argument(parser)
     group = parser.add_argument_group("more files")
     group.add_argument("--incumbent", metavar="TREE.json", help="start from this tree of the problem")
     group.add_argument("--write", metavar="MODEL", help="also write the mixed-integer model to this .mps or .lp file")
@@ -78,6 +86,10 @@ def run(arguments: argparse.Namespace) -> int:
     for path in filter(None, (arguments.out, arguments.write_problem)):
         check_writable(path)
     if _is_regression(arguments):
+        if arguments.cluster is not None:
+            raise DataError(
+                "--cluster is for classes (--label); regression trees are solved by --threads; leave it out"
+            )
         return solve_numbers(arguments, limits)
     options = _options(arguments)
     question = ask(arguments)
@@ -90,7 +102,7 @@ def run(arguments: argparse.Namespace) -> int:
         write_problem_file(arguments.write_problem, question.problem)
     incumbent = tree_for(question.problem, read_tree_file(arguments.incumbent)) if arguments.incumbent else None
     unproven: ProofError | None = None
-    with ProgressLine() as progress:
+    with cluster_of(arguments, question.problem) as shared, ProgressLine() as progress:
         try:
             solution = solve(
                 question.problem,
@@ -100,7 +112,7 @@ def run(arguments: argparse.Namespace) -> int:
                 seed=arguments.seed,
                 n_jobs=arguments.threads,
                 progress=progress,
-                options=options,
+                options=options | shared,
             )
         except ProofError as error:
             solution, unproven = error.solution, error

@@ -7,15 +7,19 @@ docs/theory/exact.md. Categorical features: one column of 0/1 for each category,
 
 import math
 import time
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from octmip import _native
+from octmip.cluster import Cluster, open_cluster
 from octmip.encoding import (
     IntegerCosts,
     Ranks,
     closing_tolerance,
     integer_costs,
+    native_arguments,
     native_problem,
     rank_features,
     rows_from_tree,
@@ -34,6 +38,7 @@ from octmip.methods.native_call import (
     whole_cost,
     write_log,
 )
+from octmip.methods.shared_cuts import submitter
 from octmip.methods.ties import UNBROKEN, Effort, break_ties
 from octmip.problem import Problem
 from octmip.proof import log_header
@@ -55,6 +60,7 @@ def branch_and_bound(
     proof: str | Path | None = None,
     checkpoint: str | Path | None = None,
     break_ties: bool = False,
+    cluster: Any = None,
 ) -> Solution:
     """Return the best axis-aligned tree of a problem and the proof's bound.
 
@@ -81,6 +87,10 @@ def branch_and_bound(
     break_ties
         among the optimal trees return one of fewest splits, of those one of fewest sensors, each proven by
         more searches; `details["ties_broken"]` says what was. Thresholds are centred in any case.
+    cluster
+        processes that solve the root's cuts, from depth 3 on: "local" (`n_jobs` of them), the address of a Dask
+        scheduler, a Dask client or an open `octmip.cluster.Cluster`. Tree, bound and evaluated cuts are those of one
+        machine.
 
     Raises
     ------
@@ -100,7 +110,11 @@ def branch_and_bound(
     ranks = rank_features(problem)
     keeper = None if checkpoint is None else Keeper(problem, ranks, checkpoint, started)
     search = _Search(problem, limits, n_jobs, progress, started, ranks, keeper)
-    search.search(start)
+    with ExitStack() as stack:
+        if cluster is not None:
+            is_open = isinstance(cluster, Cluster)
+            search.cluster = cluster if is_open else stack.enter_context(open_cluster(cluster, n_jobs))
+        search.search(start)
     ties = dict(UNBROKEN)
     if break_ties and search.stop is Stop.OPTIMAL:
         ties = search.smaller()
@@ -143,6 +157,7 @@ class _Search:
     proven: tuple[_native.Problem, IntegerCosts, int] | None = None  # of the best bound of this search
     grid: Node | None = None  # the tree from which the costs on the grid were made
     known: KnownRow | None = None  # what was last kept of this grid
+    cluster: Cluster | None = None
 
     def search(self, start: Node | None) -> None:
         """Search until the bound meets the tree, or no grid of whole numbers is finer."""
@@ -185,6 +200,10 @@ class _Search:
 
     def _search_grid(self, costs: IntegerCosts) -> Stop:
         native = native_problem(self.problem, self.ranks, costs)
+        submit = None
+        if self.cluster is not None:
+            share = submitter(self.cluster, native_arguments(self.problem, self.ranks, costs), self.off)
+            submit = share, self.cluster.round_size
         now = time.perf_counter()
         began = self.started if self.n_nodes else now
         before = Progress(now - began, self.objective, self.bound, self.n_nodes)
@@ -201,6 +220,7 @@ class _Search:
                 self.off,
                 native_progress(self.progress, costs, before),
                 checkpoint=None if self.keeper is None else saving,
+                submit=submit,
             )
         except ValueError as error:
             if self.keeper is None or not str(error).startswith("known: "):
