@@ -45,6 +45,8 @@ FAMILIES = {
     "fuzz_two_feature": "benchmarks.cases.fuzz.two_feature",
     "fuzz_two_feature_proofs": "benchmarks.cases.fuzz.two_feature_proofs",
     "exports": "benchmarks.cases.fuzz.exports",
+    "soak": "benchmarks.cases.fuzz.soak",
+    "fuzz_kills": "benchmarks.cases.fuzz.kills",
     "fem_mesh": "benchmarks.cases.fem.mesh",
     "fem_shells": "benchmarks.cases.fem.shells",
     "fem_calculix": "benchmarks.cases.fem.calculix",

@@ -74,6 +74,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="keep what is proven in this file, and resume from it where it exists (exact, axis)",
     )
     group.add_argument(
+        "--every", metavar="S", type=float, help="seconds between two checkpoints (default 60; with --checkpoint)"
+    )
+    group.add_argument(
         "--write-problem",
         metavar="FILE",
         help="write the problem, samples included, to this JSON file for octmip-check",
@@ -143,8 +146,10 @@ def _options(arguments: argparse.Namespace) -> dict[str, object]:
     kept = {name: Path(path) for name in ("proof", "checkpoint") if (path := getattr(arguments, name))}
     for path in kept.values():
         check_writable(path)
+    if arguments.every is not None and not arguments.checkpoint:
+        raise DataError("--every says how often a checkpoint is written; expected --checkpoint FILE beside it; add it")
     if kept:
-        return dict(kept)
+        return dict(kept) | ({} if arguments.every is None else {"every": arguments.every})
     options: dict[str, object] = {}
     for name in ("write", "assist"):
         if getattr(arguments, name) and arguments.method not in ("oct", "oct_h", "flow"):

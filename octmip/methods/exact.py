@@ -46,7 +46,8 @@ from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop
 from octmip.tree import Node, centred
 
 SOLVER = "exact"
-CHECKPOINT_SECONDS = 30.0
+CHECKPOINT_SECONDS = 60.0
+"""Seconds between two checkpoints."""
 
 
 def branch_and_bound(
@@ -59,6 +60,7 @@ def branch_and_bound(
     progress: ProgressCallback | None = None,
     proof: str | Path | None = None,
     checkpoint: str | Path | None = None,
+    every: float | None = None,
     break_ties: bool = False,
     cluster: Any = None,
 ) -> Solution:
@@ -81,9 +83,10 @@ def branch_and_bound(
     proof
         file for a log that `octmip.proof.check_proof` verifies; it takes a second search, about as long.
     checkpoint
-        file in which what is proven is kept, every `CHECKPOINT_SECONDS` and at the end; where it exists the
-        search goes on from it, and the bound rests on it (`details["resumed_from"]`). From depth 3 on: what is
-        kept are solved cuts of the root.
+        file in which what is proven is kept, and at the end; where it exists the search goes on from it, and the
+        bound rests on it (`details["resumed_from"]`). From depth 3 on: what is kept are solved cuts of the root.
+    every
+        seconds between two checkpoints, 0 or more; None: `CHECKPOINT_SECONDS`.
     break_ties
         among the optimal trees return one of fewest splits, of those one of fewest sensors, each proven by
         more searches; `details["ties_broken"]` says what was. Thresholds are centred in any case.
@@ -104,12 +107,15 @@ def branch_and_bound(
     """
     started = time.perf_counter()
     _check(problem, n_jobs)
+    every = CHECKPOINT_SECONDS if every is None else every
+    if not 0 <= every < math.inf:
+        raise ProblemError(f"every is {every!r} seconds; expected a finite number of 0 or more; give one")
     start = feasible_incumbent(problem, incumbent)
     if proof is not None:
         check_writable(proof)
     ranks = rank_features(problem)
     keeper = None if checkpoint is None else Keeper(problem, ranks, checkpoint, started)
-    search = _Search(problem, limits, n_jobs, progress, started, ranks, keeper)
+    search = _Search(problem, limits, n_jobs, progress, started, ranks, keeper, every)
     with ExitStack() as stack:
         if cluster is not None:
             is_open = isinstance(cluster, Cluster)
@@ -147,6 +153,7 @@ class _Search:
     started: float
     ranks: Ranks
     keeper: Keeper | None
+    every: float = CHECKPOINT_SECONDS
     off: list[str] = field(default_factory=switched_off)
     tree: Node | None = None
     objective: float = math.inf
@@ -210,7 +217,7 @@ class _Search:
         first = None
         if self.tree is not None:
             first = whole_cost(self.problem, costs, self.tree), rows_from_tree(self.tree, self.ranks)
-        saving = (CHECKPOINT_SECONDS, lambda row: self._save(costs, KnownRow(*row)), self.known)
+        saving = (self.every, lambda row: self._save(costs, KnownRow(*row)), self.known)
         try:
             rows, _, bound, stop, n_nodes = _native.branch_and_bound(
                 native,
