@@ -27,6 +27,7 @@ from benchmarks.cpu import Stopwatch
 from benchmarks.registry import FAMILIES, family
 from benchmarks.rivals import RIVALS
 from benchmarks.tables import Line
+from octmip.cli.signals import term_as_interrupt
 
 GRACE = 60.0  # seconds to start, build the data and stop politely before a solver is killed
 SHORT = 0.5  # a solving call is repeated until so many seconds have passed, at most 5 times
@@ -47,11 +48,22 @@ def main() -> None:
     else:
         lines = _race(module.cases(), options, threads)
     with open(options.out, "a") if options.out else nullcontext() as out:
-        shown = [_printed({"case": options.name, **line, **_context()}, out) for line in lines]
+        shown = _shown(options.name, lines, out)
     if options.picture:
         module.picture(shown, Path(options.picture))
     if hasattr(module, "summary"):
         print(module.summary(shown), file=sys.stderr)
+
+
+def _shown(name: str, lines: Iterator[Line], out: TextIO | None) -> list[Line]:
+    """Return the lines of a family, each printed when it is there; Ctrl-C and SIGTERM end it with those that are."""
+    shown: list[Line] = []
+    with term_as_interrupt():
+        try:
+            shown.extend(_printed({"case": name, **line, **_context()}, out) for line in lines)
+        except KeyboardInterrupt:
+            print(f"interrupted after {len(shown)} lines", file=sys.stderr)
+    return shown
 
 
 def _printed(line: Line, out: TextIO | None) -> Line:

@@ -7,6 +7,7 @@ import stat
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib import import_module
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -42,6 +43,24 @@ def whole_file(target: Path) -> Iterator[Path]:
         os.replace(temporary, target)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+@contextmanager
+def limited_memory(room: int) -> Iterator[None]:
+    """Let the process take `room` more bytes of memory, then raise `MemoryError`; no limit where none can be set."""
+    try:
+        resource = import_module("resource")  # not on Windows
+        taken = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()  # only on Linux
+        before, hard = resource.getrlimit(resource.RLIMIT_AS)
+    except (ImportError, OSError):
+        yield
+        return
+    known = [limit for limit in (taken + room, before, hard) if limit != resource.RLIM_INFINITY]
+    resource.setrlimit(resource.RLIMIT_AS, (min(known), hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, (before, hard))
 
 
 @contextmanager

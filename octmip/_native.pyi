@@ -169,11 +169,14 @@ def branch_and_bound(
     progress: NativeProgress | None = None,
     *,
     checkpoint: tuple[float, Callable[[Any], None], Any] | None = None,
+    submit: tuple[Callable[[int, Any], Any], int] | None = None,
 ) -> tuple[list[NodeRow], int, int, str, int]:
     """Return node table, objective, bound, stop and number of evaluated cuts.
 
     `incumbent`: objective and node table of a feasible tree. `checkpoint`: seconds between two states, who takes them,
-    the state to begin with (see `octmip.methods.checkpoint`) or None.
+    the state to begin with (see `octmip.methods.checkpoint`) or None. `submit`: gives a cut of the root at a level to
+    somebody with a `CutSolver` and returns a future, with the number of cuts in a round (0: as on one machine); without
+    it the threads of this process solve the cuts.
     """
 
 def prove(problem: Problem, claim: int) -> str | None:
@@ -181,6 +184,17 @@ def prove(problem: Problem, claim: int) -> str | None:
 
 def exact_bytes(problem: Problem, n_threads: int) -> float:
     """Return the bytes that the tables of an exact search may take, its queues left out."""
+
+class CutSolver:
+    """A problem ready for cuts of its root to be solved, in a process that helps another one's search."""
+
+    def __new__(cls, problem: Problem, off: list[str]) -> CutSolver:
+        """Take the problem, the prunes that are switched off by name."""
+        ...
+
+    def solve(self, level: int, row: Any) -> Any:
+        """Solve a cut of the root of trees of `level` levels; None when Ctrl-C stopped it."""
+        ...
 
 def prunes() -> list[str]:
     """Return the names of all prunes of the exact core."""

@@ -227,7 +227,7 @@ def predict_values(tree: Node, features: NDArray[np.float64]) -> NDArray[np.floa
     Raises
     ------
     TreeError
-        a leaf predicts a class, not a number.
+        a leaf predicts a class, not a number; or a prediction is beyond float64.
     """
     reached, values = leaf_index(tree, features), np.zeros(len(features))
     for k, leaf in enumerate(leaves(tree)):
@@ -235,8 +235,15 @@ def predict_values(tree: Node, features: NDArray[np.float64]) -> NDArray[np.floa
             raise TreeError(f"leaf {k} (from the left) predicts a class; expected a regression tree, with numbers")
         rows = np.flatnonzero(reached == k)
         values[rows] = leaf.value
-        for feature, coefficient in zip(leaf.features, leaf.coefficients, strict=True):
-            values[rows] += coefficient * features[rows, feature]
+        with np.errstate(over="ignore", invalid="ignore"):
+            for feature, coefficient in zip(leaf.features, leaf.coefficients, strict=True):
+                values[rows] += coefficient * features[rows, feature]
+    beyond = np.flatnonzero(~np.isfinite(values))
+    if beyond.size:
+        raise TreeError(
+            f"the prediction for row {beyond[0]} is beyond float64 (leaf {reached[beyond[0]]} from the left); expected "
+            "finite numbers; give leaves of smaller coefficients, or samples like those of training"
+        )
     return values
 
 

@@ -6,6 +6,7 @@ Each function takes a generator and a content, and returns another content; noth
 import csv
 import io
 import json
+import re
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, TypeVar
 
@@ -197,7 +198,9 @@ def mangled_tokens(rng: Generator, content: bytes) -> bytes:
         elif action == 4:
             lines[row : row + 1] = []
         elif action == 5:
-            lines[row:row] = [lines[row]] * int(pick(rng, (1, 2, 50, 5000)))
+            lines[row:row] = [lines[row]] * min(
+                int(pick(rng, (1, 2, 50, 5000))), MOST_REPEATED // (1 + len(lines[row]))
+            )
         elif action == 6:
             lines[row] = pick(rng, ("R 0 0", "R -1 -1", "R 1e300 0", "T 0.5", "S 0", "F 0 1", "l 0 0", "N 0 0"))
         else:
@@ -205,3 +208,21 @@ def mangled_tokens(rng: Generator, content: bytes) -> bytes:
             lines[row], lines[other] = lines[other], lines[row]
         lines = lines or [""]
     return "\n".join(lines).encode()
+
+
+MOST_REPEATED = 10**7
+"""Characters of a line and its repetitions."""
+NUMBER = re.compile(r"(?<![\w.])[+-]?\d+\.?\d*(?:[eE][+-]?\d+)?(?![\w.])")
+
+
+def mangled_numbers(rng: Generator, content: bytes) -> bytes:
+    """Return a text with one to four of its numbers changed where they stand, columns kept where the new one fits."""
+    text = content.decode("latin-1")
+    for _ in range(int(rng.integers(1, 5))):
+        found = list(NUMBER.finditer(text))
+        if not found:
+            return mangled_tokens(rng, content)
+        old = pick(rng, found)
+        new = pick(rng, (*NUMBERS, *LONG[:3], "nan", str(int(rng.integers(20))), pick(rng, found)[0], "-" + old[0]))
+        text = text[: old.start()] + new.rjust(len(old[0])) + text[old.end() :]
+    return text.encode("latin-1")

@@ -84,6 +84,6 @@ def _column(path: str | Path, title: str, width: int, column: int) -> FloatArray
         raise InputError(
             f"{path} has a number that is none ({error}); expected CalculiX's; run the deck again"
         ) from error
-    if not values:
-        raise InputError(f"{path} has no table {title!r}; expected one; run the deck")
+    if not values or not np.isfinite(values).all():
+        raise InputError(f"{path} has no table {title!r} of finite numbers; expected one; run the deck")
     return np.array(values)

@@ -18,6 +18,8 @@ from femlib.files import read_bytes, whole_file
 from femlib.sensors import StrainGauge, element_weights
 from femlib.structure.model import MICRO, Structure
 
+LARGEST = 1e3
+"""Strain that is believed, at most."""
 N_POINTS = 8
 """Integration points of a quadratic quadrilateral: four in the lower half, then four in the upper."""
 
@@ -108,10 +110,17 @@ def _points(path: Path) -> dict[int, list[list[float]]]:
         words = line.split()
         if len(words) >= 8 and words[0].isdigit() and words[1].isdigit():
             try:
-                found.setdefault(int(words[0]) - 1, []).append([float(word) for word in words[2:8]])
+                found.setdefault(int(words[0]) - 1, []).append([_strain(word) for word in words[2:8]])
             except ValueError as error:
                 raise InputError(f"{path}, line {number}: {error}; expected six strains; run the deck again") from error
     return found
+
+
+def _strain(word: str) -> float:
+    strain = float(word)
+    if not abs(strain) <= LARGEST:
+        raise ValueError(f"{word} is no strain")
+    return strain
 
 
 def _others(structure: Structure, factor: FloatArray) -> list[str]:

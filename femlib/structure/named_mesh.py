@@ -9,6 +9,8 @@ from femlib.arrays import BoolArray, FloatArray, IntArray
 from femlib.errors import InputError, MeshError, frozen_floats, frozen_ints
 from femlib.kept import ReadOnly
 
+FARTHEST = 1e9
+"""Coordinate of a node [m], at most: farther out is no structure but a wrong number."""
 MOST_NAMES = 20
 """Names that a message lists."""
 
@@ -43,10 +45,11 @@ class NamedMesh:
 
     def __post_init__(self) -> None:
         points = np.array(self.nodes, dtype=np.float64)
-        bad = np.flatnonzero(~np.isfinite(points).all(axis=1)) if points.ndim == 2 else points[:0]
+        bad = np.flatnonzero(~(np.abs(points) <= FARTHEST).all(axis=1)) if points.ndim == 2 else points[:0]
         if bad.size:
             raise MeshError(
-                f"node {bad[0]} lies at {points[bad[0]].tolist()}; expected three finite coordinates; repair the mesh"
+                f"node {bad[0]} lies at {points[bad[0]].tolist()} m; expected three coordinates up to {FARTHEST:g} m; "
+                "repair the mesh"
             )
         object.__setattr__(self, "nodes", frozen_floats(points, "mesh nodes", (-1, 3)))
         for name, width in (("quads", 4), ("trias", 3), ("lines", 2)):

@@ -13,6 +13,8 @@ load, support, mass or spring of the file is read.
 The nodes of every element set are a node set of the same name.
 """
 
+import contextlib
+import io
 from collections.abc import Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
@@ -22,7 +24,7 @@ import numpy as np
 
 from femlib.arrays import BoolArray, FloatArray, IntArray
 from femlib.errors import InputError, MeshError, needed_by
-from femlib.files import read_bytes
+from femlib.files import limited_memory, read_bytes
 from femlib.structure.abaqus_sets import deck_sets, masks
 from femlib.structure.named_mesh import NamedMesh
 
@@ -43,6 +45,9 @@ UNITS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in": 0.0254, "ft": 0.3048}
 """Metres in a unit of length."""
 WIDTHS = {"quad": 4, "triangle": 3, "line": 2}
 QUADRATIC = {"quad8": "quad", "quad9": "quad", "triangle6": "triangle", "triangle7": "triangle", "line3": "line"}
+ROOM, ROOM_PER_BYTE = 2**28, 100
+"""Bytes that reading a file may take, and bytes more for each of its own: gmsh's reader makes a table as long as the
+largest number of a node, which one wrong digit makes thousands of millions."""
 MOST_VALUES = 1000
 """An array of cells or points with more values than that numbers them and names no set."""
 OWN_SETS = ("gmsh:geometrical", "gmsh:bounding_entities", "gmsh:dim_tags")
@@ -94,20 +99,37 @@ def _read_file(path: Path) -> Any:
 
     By the format's own reader: `meshio.read` ends the program where a file is bad.
     """
-    read_bytes(path, "a mesh file")
+    content = read_bytes(path, "a mesh file")
     if path.suffix.lower() not in READERS:
         raise InputError(
             f"{path} ends in {path.suffix!r}; expected one of {sorted(READERS)}; rename it, or give meshio.read(path)"
         )
     kind = READERS[path.suffix.lower()]
+    if kind == "nastran" and not _has_cards(content):
+        raise _unreadable(path, kind, "no card after BEGIN BULK")
     reader = import_module(f"meshio.{kind}")
+    said = io.StringIO()
     try:
-        return reader.read(str(path))
+        with contextlib.redirect_stderr(said), limited_memory(ROOM + ROOM_PER_BYTE * len(content)):
+            mesh = reader.read(str(path))
     except Exception as error:  # a reader fails in any way at what is not its format
-        raise InputError(
-            f"{path} could not be read as {kind} ({type(error).__name__}: {' '.join(str(error).split())[:120]}); "
-            "expected a whole mesh file of that format; write it again or correct its ending"
-        ) from error
+        raise _unreadable(path, kind, f"{type(error).__name__}: {error}") from error
+    if said.getvalue():  # a block that is not closed, an entry that is skipped: what is read is not the whole file
+        raise _unreadable(path, kind, said.getvalue())
+    return mesh
+
+
+def _has_cards(content: bytes) -> bool:
+    """Whether a bulk data file has a card: meshio's reader looks for the first one without end."""
+    after = content.partition(b"BEGIN BULK")[2].splitlines()[1:]
+    return any(len(line) >= 4 and not line.startswith((b"$", b"//", b"#")) for line in after)
+
+
+def _unreadable(path: Path, kind: str, reason: str) -> InputError:
+    return InputError(
+        f"{path} could not be read as {kind} ({' '.join(reason.split())[:120]}); "
+        "expected a whole mesh file of that format; write it again or correct its ending"
+    )
 
 
 def _points(source: Any, name: str, scale: float) -> FloatArray:
@@ -146,8 +168,12 @@ Sets = tuple[dict[str, BoolArray], dict[str, IntArray]]
 def _deck_masks(source: Any, path: Path) -> Sets:
     """Return the sets of a deck: of all elements in the order of their blocks, and of nodes."""
     text = read_bytes(path, "a mesh file").decode("utf-8", errors="replace")
-    widths = [cell.data.shape[1] for cell in source.cells]
-    found = deck_sets(text, widths, path)
+    try:
+        found = deck_sets(text, [cell.data.shape[1] for cell in source.cells], path)
+    except (ValueError, IndexError, KeyError, StopIteration, TypeError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise _unreadable(path, "abaqus", f"its sets: {type(error).__name__}: {error}") from error
     elements = masks(found.elements, sum(len(cell.data) for cell in source.cells))
     return elements, {name: np.array(own, dtype=np.int64) for name, own in found.nodes.items()}
 

@@ -3,7 +3,8 @@
 Each command is one module with `add_arguments(parser)` and `run(arguments)`, imported when it is called: `octmip
 --help` does not wait for pandas. argparse of the standard library does all that is needed: no dependency is added.
 
-    exit code    0 done    1 refuted, or a solver failed    2 bad input    130 interrupted without a result
+    exit code    0 done    1 refuted, or a solver failed    2 bad input
+                 130 interrupted without a result (Ctrl-C)    143 likewise by SIGTERM
 """
 
 import difflib
@@ -13,6 +14,7 @@ from collections.abc import Sequence
 from importlib.metadata import version
 
 from octmip.cli.arguments import Parser
+from octmip.cli.signals import Heard, term_as_interrupt
 from octmip.errors import CertificateError, DataError, OctmipError, SolverError
 from octmip.formats.names import visible
 
@@ -38,6 +40,12 @@ MOST_MESSAGE = 10_000  # characters of an error on standard error
 def main(words: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code."""
     words = list(sys.argv[1:] if words is None else words)
+    with term_as_interrupt() as heard:
+        return _code(words, heard)
+
+
+def _code(words: list[str], heard: Heard) -> int:
+    """Run one command; return its exit code, whatever it raises said in a sentence."""
     try:
         return _run(words)
     except OctmipError as error:
@@ -45,8 +53,8 @@ def main(words: Sequence[str] | None = None) -> int:
         print(f"{name}: {_one_line(error)}", file=sys.stderr)
         return 1 if isinstance(error, CertificateError | SolverError) else 2
     except KeyboardInterrupt:
-        print("octmip: interrupted", file=sys.stderr)
-        return 130
+        print(f"octmip: {'terminated' if heard.is_termination else 'interrupted'}", file=sys.stderr)
+        return heard.exit_code
     except BrokenPipeError:  # the reader of our output has seen enough
         sys.stderr.close()
         return 0

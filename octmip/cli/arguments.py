@@ -1,12 +1,16 @@
 """Arguments that several commands share; nothing here is slow to import."""
 
 import argparse
+import contextlib
 import math
+from collections.abc import Iterator
 from typing import NoReturn
 
 from octmip.cli.samples.options import add_column_arguments, add_label_arguments, add_target_arguments
+from octmip.cluster import open_cluster
 from octmip.errors import DataError
 from octmip.formats.messages import shown
+from octmip.problem import Problem
 from octmip.solution import Limits
 from octmip.solver import METHODS
 
@@ -100,6 +104,37 @@ def add_run_arguments(parser: argparse.ArgumentParser, with_method: bool = True)
     group.add_argument("--seed", metavar="N", type=int, default=0, help="seed of all random choices (default 0)")
     group.add_argument("--threads", metavar="N", type=int, default=1, help="threads of one solver (default 1)")
     add_json_argument(group)
+
+
+def add_cluster_argument(group: argparse._ActionsContainer) -> None:
+    """Add --cluster."""
+    group.add_argument(
+        "--cluster",
+        metavar="ADDRESS",
+        help="solve the root's cuts on the workers of a Dask scheduler (tcp://host:8786), or of this machine: local "
+        "(as many processes as --threads); exact, axis, from depth 3 on",
+    )
+
+
+@contextlib.contextmanager
+def cluster_of(arguments: argparse.Namespace, problem: Problem) -> Iterator[dict[str, object]]:
+    """Open the cluster that the arguments name; yields the solver's options, none without --cluster.
+
+    Raises
+    ------
+    DataError
+        another method or kind of split than exact and axis, or nobody answers at the address.
+    """
+    if arguments.cluster is None:
+        yield {}
+        return
+    if arguments.method not in ("auto", "exact") or problem.split != "axis":
+        raise DataError(
+            f"--cluster is for proofs of method 'exact' for axis-aligned trees; got method {arguments.method!r} with "
+            f"split {problem.split!r}; leave it out"
+        )
+    with open_cluster(arguments.cluster, arguments.threads) as cluster:
+        yield {"cluster": cluster}
 
 
 def add_json_argument(parser: argparse._ActionsContainer) -> None:

@@ -15,7 +15,14 @@ from joblib import parallel_config
 
 from octmip.certificate import certify
 from octmip.cli.answer import ElapsedLine, ProgressLine, describe, print_json, print_notes
-from octmip.cli.arguments import add_everyday_arguments, add_problem_arguments, add_run_arguments, limits_of
+from octmip.cli.arguments import (
+    add_cluster_argument,
+    add_everyday_arguments,
+    add_problem_arguments,
+    add_run_arguments,
+    cluster_of,
+    limits_of,
+)
 from octmip.cli.samples.question import Question, ask
 from octmip.errors import DataError
 from octmip.formats.files import check_writable, write_bytes
@@ -48,6 +55,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--out", metavar="FILE", help=f"draw the frontier in this file, one of {', '.join(PICTURES)}")
     add_problem_arguments(parser)
     add_run_arguments(parser)
+    add_cluster_argument(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -62,7 +70,7 @@ def run(arguments: argparse.Namespace) -> int:
         raise DataError("--folds chooses a depth and a penalty; expected --over depth or --over penalty")
     question = ask(arguments)
     problem = question.problem
-    with ProgressLine() as progress:
+    with cluster_of(arguments, problem) as options, ProgressLine() as progress:
         points = trace_frontier(
             problem,
             arguments.over,
@@ -72,6 +80,7 @@ def run(arguments: argparse.Namespace) -> int:
             seed=arguments.seed,
             n_jobs=arguments.threads,
             progress=progress,
+            options=options,
         )
     rows = [_row(arguments.over, point) for point in points]
     if arguments.out:

@@ -18,7 +18,14 @@ from octmip.cli.answer import (
     printable,
     verdict,
 )
-from octmip.cli.arguments import add_everyday_arguments, add_problem_arguments, add_run_arguments, limits_of
+from octmip.cli.arguments import (
+    add_cluster_argument,
+    add_everyday_arguments,
+    add_problem_arguments,
+    add_run_arguments,
+    cluster_of,
+    limits_of,
+)
 from octmip.cli.regression.solving import solve_numbers
 from octmip.cli.samples.options import add_held_out_arguments
 from octmip.cli.samples.question import Question, ask
@@ -51,6 +58,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--out", metavar="TREE.json", help="write the tree to this file")
     add_problem_arguments(parser)
     add_run_arguments(parser)
+    add_cluster_argument(parser)
     group = parser.add_argument_group("more files")
     group.add_argument("--incumbent", metavar="TREE.json", help="start from this tree of the problem")
     group.add_argument("--write", metavar="MODEL", help="also write the mixed-integer model to this .mps or .lp file")
@@ -72,6 +80,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="keep what is proven in this file, and resume from it where it exists (exact, axis)",
     )
     group.add_argument(
+        "--every", metavar="S", type=float, help="seconds between two checkpoints (default 60; with --checkpoint)"
+    )
+    group.add_argument(
         "--write-problem",
         metavar="FILE",
         help="write the problem, samples included, to this JSON file for octmip-check",
@@ -86,6 +97,10 @@ def run(arguments: argparse.Namespace) -> int:
     if _is_regression(arguments):
         if is_pseudo_boolean(arguments.proof):
             raise DataError(f"--proof {arguments.proof} is for classes, but --target asks for numbers; leave out .pbp")
+        if arguments.cluster is not None:
+            raise DataError(
+                "--cluster is for classes (--label); regression trees are solved by --threads; leave it out"
+            )
         return solve_numbers(arguments, limits)
     options = _options(arguments)
     question = ask(arguments)
@@ -100,7 +115,7 @@ def run(arguments: argparse.Namespace) -> int:
         write_problem_file(arguments.write_problem, question.problem)
     incumbent = tree_for(question.problem, read_tree_file(arguments.incumbent)) if arguments.incumbent else None
     unproven: ProofError | None = None
-    with ProgressLine() as progress:
+    with cluster_of(arguments, question.problem) as shared, ProgressLine() as progress:
         try:
             solution = solve(
                 question.problem,
@@ -110,7 +125,7 @@ def run(arguments: argparse.Namespace) -> int:
                 seed=arguments.seed,
                 n_jobs=arguments.threads,
                 progress=progress,
-                options=options,
+                options=options | shared,
             )
         except ProofError as error:
             solution, unproven = error.solution, error
@@ -141,8 +156,10 @@ def _options(arguments: argparse.Namespace) -> dict[str, object]:
     kept = {name: Path(path) for name in ("proof", "checkpoint") if (path := getattr(arguments, name))}
     for path in kept.values():
         check_writable(path)
+    if arguments.every is not None and not arguments.checkpoint:
+        raise DataError("--every says how often a checkpoint is written; expected --checkpoint FILE beside it; add it")
     if kept:
-        return dict(kept)
+        return dict(kept) | ({} if arguments.every is None else {"every": arguments.every})
     options: dict[str, object] = {}
     for name in ("write", "assist"):
         if getattr(arguments, name) and arguments.method not in ("oct", "oct_h", "flow"):

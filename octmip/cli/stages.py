@@ -10,6 +10,7 @@ import threading
 import time
 from types import TracebackType
 
+from octmip.cli.signals import INTERRUPTED, TERMINATED
 from octmip.formats.names import visible
 
 TICK = 0.5
@@ -17,6 +18,11 @@ TICK = 0.5
 PATIENCE = 0.5
 """Seconds after Ctrl-C that the computation has to end by itself. One factorisation of a fine mesh takes several, and
 Python hears a signal only between two of its own instructions."""
+ENDS = {
+    bytes([signal.SIGINT]): ("interrupted", INTERRUPTED),
+    bytes([signal.SIGTERM]): ("terminated", TERMINATED),
+}
+"""The last word and the exit code, by the signal that ends a program."""
 
 
 class StageLine:
@@ -54,8 +60,9 @@ class StageLine:
     def _watch(self) -> None:
         while not self._done.is_set():
             if select.select([self._ear], [], [], TICK)[0]:
-                if self._ear.recv(1) == bytes([signal.SIGINT]) and not self._done.wait(PATIENCE):
-                    self._end()
+                heard = self._ear.recv(1)
+                if heard in ENDS and not self._done.wait(PATIENCE):
+                    self._end(*ENDS[heard])
             elif not self._done.is_set():
                 self._show()
 
@@ -69,11 +76,11 @@ class StageLine:
         if self._is_terminal:
             print("\r\x1b[2K", end="", file=sys.stderr, flush=True)
 
-    def _end(self) -> None:
+    def _end(self, word: str, code: int) -> None:
         """End the program as an interrupt does, without waiting for the computation."""
         self._clear()
-        print("octmip: interrupted", file=sys.stderr, flush=True)
-        os._exit(130)
+        print(f"octmip: {word}", file=sys.stderr, flush=True)
+        os._exit(code)
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None

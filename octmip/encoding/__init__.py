@@ -9,7 +9,7 @@ grid      the same where they are not whole
 
 from octmip.encoding.costs import CAPACITY, IntegerCosts, closing_tolerance
 from octmip.encoding.grid import integer_costs
-from octmip.encoding.ranks import Ranks, native_problem, rank_features
+from octmip.encoding.ranks import Ranks, native_arguments, native_problem, rank_features
 from octmip.encoding.rows import NodeRow, cut_as_split, rows_from_tree, split_as_cut, tree_from_rows
 
 __all__ = [
@@ -20,6 +20,7 @@ __all__ = [
     "closing_tolerance",
     "cut_as_split",
     "integer_costs",
+    "native_arguments",
     "native_problem",
     "rank_features",
     "rows_from_tree",

@@ -19,6 +19,7 @@ docs/theory/missing.md. All that searches, counts and proves does so over column
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -97,9 +98,19 @@ def native_problem(problem: Problem, ranks: Ranks, costs: IntegerCosts) -> _nati
     ProblemError
         splits are hyperplanes and readings are missing, of which the core knows nothing.
     """
+    return _native.Problem(*native_arguments(problem, ranks, costs))
+
+
+def native_arguments(problem: Problem, ranks: Ranks, costs: IntegerCosts) -> tuple[Any, ...]:
+    """Return what the native core's problem is made of, as it can be sent to another process.
+
+    Raises
+    ------
+    ProblemError
+        splits are hyperplanes and readings are missing, of which the core knows nothing.
+    """
     feature_of = [ranks.feature(column) for column in range(ranks.n_columns)]
-    allowed = [problem.is_allowed((feature,)) for feature in feature_of]
-    return _native.Problem(
+    return (
         ranks.ranks,
         [len(values) for values in ranks.values],
         costs.rows.astype(np.uint32),
@@ -111,7 +122,7 @@ def native_problem(problem: Problem, ranks: Ranks, costs: IntegerCosts) -> _nati
         problem.sensor_index[feature_of].tolist(),
         problem.sensor_costs.tolist(),
         problem.sensor_limit,
-        allowed,
+        [problem.is_allowed((feature,)) for feature in feature_of],
         _planes(problem),
     )
 

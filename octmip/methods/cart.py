@@ -13,6 +13,7 @@ Missing readings stay missing: scikit-learn sends them to the side of its choice
 
 import math
 import time
+import warnings
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -101,7 +102,9 @@ class _GreedyBuilder:
         )
         columns = self.ranks.ranks[[self.column(j) for j in features.tolist()]].T.astype(np.float32)
         columns[np.isnan(self.problem.features[:, features])] = np.nan
-        classifier.fit(columns, problem.codes, sample_weight=problem.weights)
+        with warnings.catch_warnings():  # scikit-learn doubts that so many classes are classes
+            warnings.filterwarnings("ignore", message="The number of unique classes", category=UserWarning)
+            classifier.fit(columns, problem.codes, sample_weight=problem.weights)
         return self._pruned(classifier.tree_, 0, features, np.arange(problem.n_samples))[0]
 
     def _pruned(

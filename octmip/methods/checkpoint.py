@@ -18,7 +18,7 @@ from octmip.encoding import IntegerCosts, NodeRow
 from octmip.errors import DataError
 from octmip.formats.files import PathLike, read_bytes, write_bytes
 
-FIRST = "octmip-checkpoint 1"
+FIRST = "octmip-checkpoint 2"
 MOST = 2**63 - 1
 
 Pair = tuple[int, int]

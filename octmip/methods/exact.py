@@ -7,15 +7,19 @@ docs/theory/exact.md. Categorical features: one column of 0/1 for each category,
 
 import math
 import time
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from octmip import _native
+from octmip.cluster import Cluster, open_cluster
 from octmip.encoding import (
     IntegerCosts,
     Ranks,
     closing_tolerance,
     integer_costs,
+    native_arguments,
     native_problem,
     rank_features,
     rows_from_tree,
@@ -34,6 +38,7 @@ from octmip.methods.native_call import (
     whole_cost,
     write_log,
 )
+from octmip.methods.shared_cuts import submitter
 from octmip.methods.ties import UNBROKEN, Effort, break_ties
 from octmip.problem import Problem
 from octmip.proof import log_header
@@ -42,7 +47,8 @@ from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop
 from octmip.tree import Node, centred
 
 SOLVER = "exact"
-CHECKPOINT_SECONDS = 30.0
+CHECKPOINT_SECONDS = 60.0
+"""Seconds between two checkpoints."""
 
 
 def branch_and_bound(
@@ -55,7 +61,9 @@ def branch_and_bound(
     progress: ProgressCallback | None = None,
     proof: str | Path | None = None,
     checkpoint: str | Path | None = None,
+    every: float | None = None,
     break_ties: bool = False,
+    cluster: Any = None,
 ) -> Solution:
     """Return the best axis-aligned tree of a problem and the proof's bound.
 
@@ -77,12 +85,17 @@ def branch_and_bound(
         file for a log that `octmip.proof.check_proof` verifies; it takes a second search, about as long. A name
         that ends in .pbp: a proof for the checker veripb, its formula beside it (`octmip.pseudo_boolean`).
     checkpoint
-        file in which what is proven is kept, every `CHECKPOINT_SECONDS` and at the end; where it exists the
-        search goes on from it, and the bound rests on it (`details["resumed_from"]`). From depth 3 on: what is
-        kept are solved cuts of the root.
+        file in which what is proven is kept, and at the end; where it exists the search goes on from it, and the
+        bound rests on it (`details["resumed_from"]`). From depth 3 on: what is kept are solved cuts of the root.
+    every
+        seconds between two checkpoints, 0 or more; None: `CHECKPOINT_SECONDS`.
     break_ties
         among the optimal trees return one of fewest splits, of those one of fewest sensors, each proven by
         more searches; `details["ties_broken"]` says what was. Thresholds are centred in any case.
+    cluster
+        processes that solve the root's cuts, from depth 3 on: "local" (`n_jobs` of them), the address of a Dask
+        scheduler, a Dask client or an open `octmip.cluster.Cluster`. Tree, bound and evaluated cuts are those of one
+        machine.
 
     Raises
     ------
@@ -96,6 +109,9 @@ def branch_and_bound(
     """
     started = time.perf_counter()
     _check(problem, n_jobs)
+    every = CHECKPOINT_SECONDS if every is None else every
+    if not 0 <= every < math.inf:
+        raise ProblemError(f"every is {every!r} seconds; expected a finite number of 0 or more; give one")
     start = feasible_incumbent(problem, incumbent)
     if proof is not None:
         check_writable(proof)
@@ -103,8 +119,12 @@ def branch_and_bound(
         check_possible(problem, proof)
     ranks = rank_features(problem)
     keeper = None if checkpoint is None else Keeper(problem, ranks, checkpoint, started)
-    search = _Search(problem, limits, n_jobs, progress, started, ranks, keeper)
-    search.search(start)
+    search = _Search(problem, limits, n_jobs, progress, started, ranks, keeper, every)
+    with ExitStack() as stack:
+        if cluster is not None:
+            is_open = isinstance(cluster, Cluster)
+            search.cluster = cluster if is_open else stack.enter_context(open_cluster(cluster, n_jobs))
+        search.search(start)
     ties = dict(UNBROKEN)
     if break_ties and search.stop is Stop.OPTIMAL:
         ties = search.smaller()
@@ -137,6 +157,7 @@ class _Search:
     started: float
     ranks: Ranks
     keeper: Keeper | None
+    every: float = CHECKPOINT_SECONDS
     off: list[str] = field(default_factory=switched_off)
     tree: Node | None = None
     objective: float = math.inf
@@ -147,6 +168,7 @@ class _Search:
     proven: tuple[_native.Problem, IntegerCosts, int] | None = None  # of the best bound of this search
     grid: Node | None = None  # the tree from which the costs on the grid were made
     known: KnownRow | None = None  # what was last kept of this grid
+    cluster: Cluster | None = None
 
     def search(self, start: Node | None) -> None:
         """Search until the bound meets the tree, or no grid of whole numbers is finer."""
@@ -189,13 +211,17 @@ class _Search:
 
     def _search_grid(self, costs: IntegerCosts) -> Stop:
         native = native_problem(self.problem, self.ranks, costs)
+        submit = None
+        if self.cluster is not None:
+            share = submitter(self.cluster, native_arguments(self.problem, self.ranks, costs), self.off)
+            submit = share, self.cluster.round_size
         now = time.perf_counter()
         began = self.started if self.n_nodes else now
         before = Progress(now - began, self.objective, self.bound, self.n_nodes)
         first = None
         if self.tree is not None:
             first = whole_cost(self.problem, costs, self.tree), rows_from_tree(self.tree, self.ranks)
-        saving = (CHECKPOINT_SECONDS, lambda row: self._save(costs, KnownRow(*row)), self.known)
+        saving = (self.every, lambda row: self._save(costs, KnownRow(*row)), self.known)
         try:
             rows, _, bound, stop, n_nodes = _native.branch_and_bound(
                 native,
@@ -205,6 +231,7 @@ class _Search:
                 self.off,
                 native_progress(self.progress, costs, before),
                 checkpoint=None if self.keeper is None else saving,
+                submit=submit,
             )
         except ValueError as error:
             if self.keeper is None or not str(error).startswith("known: "):

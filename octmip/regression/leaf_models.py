@@ -8,13 +8,17 @@ from octmip.tree import Node, ValueLeaf, predict_values
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.int64]
+LARGEST = 1e300
+"""Sum of errors that is told from a larger one."""
 
 
 def errors(problem: RegressionProblem, node: Node, rows: Rows) -> Floats:
     """Return the weighted error of each of some samples under a subtree, shape (n_rows,)."""
     misses = np.abs(predict_values(node, problem.features[rows]) - problem.targets[rows])
-    weighted: Floats = problem.weights[rows] * (misses**2 if problem.loss == "squared" else misses)
-    return weighted
+    with np.errstate(over="ignore"):
+        weighted: Floats = problem.weights[rows] * (misses**2 if problem.loss == "squared" else misses)
+    # Sums stay finite: beyond that size a tree is worse than any other, and how much worse does not matter.
+    return np.minimum(weighted, LARGEST / max(1, len(rows)))
 
 
 def fitted_leaf(problem: RegressionProblem, rows: Rows, usable: Rows) -> ValueLeaf:

@@ -4,6 +4,7 @@ import meshio
 import numpy as np
 import pytest
 
+from femlib.errors import InputError, MeshError
 from femlib.structure import read
 from tests.test_femlib.own_meshes import plate_mesh
 
@@ -90,6 +91,21 @@ def test_the_names_of_gmsh_4_are_kept(tmp_path):
     assert found.nodes_of("corner").tolist() == [0]
 
 
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        # gmsh's reader makes a table as long as the largest number: 32 GB
+        (("\n5\n6\n0 0 0", "\n5\n4000000000\n0 0 0"), "MemoryError"),
+        (("$EndElements\n", ""), "not closed"),
+        (("2 1 0\n$EndNodes", "2 1e12 0\n$EndNodes"), "node 5 lies at"),
+    ],
+)
+def test_a_file_that_is_damaged_is_refused(change, told, tmp_path):
+    (tmp_path / "plate.msh").write_text(GMSH.replace(*change))
+    with pytest.raises((InputError, MeshError), match=told):
+        read(tmp_path / "plate.msh")
+
+
 DECK = """*HEADING
 a plate of two parts
 *NODE, NSET=EVERY
@@ -120,6 +136,24 @@ LEFT, Right
 10, 40, 30
 *MATERIAL, NAME=M
 """
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "told"),
+    [
+        (
+            "plate.inp",
+            DECK.replace("*ELEMENT, TYPE=B31", "*ELEMENT, TYPE=B31\n*ELEMENT, TYPE=B31"),
+            "as abaqus",
+        ),
+        ("plate.inp", DECK.replace("10, 40, 30", "10, 9000000000000000000, 30"), "as abaqus"),
+        ("plate.bdf", "CEND\nBEGIN BULK\n$ nothing\n", "no card after BEGIN BULK"),
+    ],
+)
+def test_a_file_with_too_few_or_too_many_rows_is_refused(name, text, told, tmp_path):
+    (tmp_path / name).write_text(text)
+    with pytest.raises(InputError, match=told):
+        read(tmp_path / name)
 
 
 def test_the_sets_of_a_deck_are_its_own(tmp_path):

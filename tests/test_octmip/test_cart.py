@@ -5,7 +5,7 @@ import pytest
 from sklearn.datasets import load_iris, load_wine
 from sklearn.tree import DecisionTreeClassifier
 
-from octmip import Leaf, Limits, Problem, Solution, Split, Stop, certify, predict
+from octmip import Leaf, Limits, Problem, Solution, Split, Stop, certify, predict, solve
 from octmip.methods.cart import greedy_tree
 from octmip.tree import features_used, leaf_index, n_splits
 
@@ -123,3 +123,9 @@ def test_samples_of_weight_zero_are_routed_and_have_no_say_in_labels():
     assert solution.tree is not None
     assert solution.objective == 0
     assert np.bincount(leaf_index(solution.tree, problem.features)).tolist() == [2, 2]
+
+
+def test_more_classes_than_scikit_learn_believes_in_raise_no_warning():
+    labels = np.arange(24) % 20
+    found = solve(Problem(np.arange(24.0)[:, None], labels, depth=1), "cart")
+    assert found.objective == 21

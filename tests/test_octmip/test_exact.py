@@ -1,6 +1,7 @@
 """The exact core against exhaustive enumeration, and against itself with every prune switched off."""
 
 import itertools
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from octmip.errors import ProblemError
 from octmip.methods import native_call
 from octmip.methods.exact import branch_and_bound
 from octmip.problem import Problem
+from octmip.proof import check_proof
 from octmip.solution import Limits, Stop
 from octmip.tree import HyperplaneSplit, Leaf, Split, n_splits
 
@@ -94,6 +96,26 @@ def test_larger_problems_do_not_depend_on_prunes(prune: str) -> None:
     for seed in range(6):
         problem = larger(seed, classes=2 + seed % 4)
         assert without(prune, problem).objective == branch_and_bound(problem).objective, seed
+
+
+@pytest.mark.parametrize("costs", [None, np.array([[0, 1, 4], [2, 0, 1], [5, 3, 0]])])
+def test_equal_samples_are_searched_as_one_and_logged_as_many(costs: np.ndarray | None, tmp_path: Path) -> None:
+    rng = np.random.default_rng(3)
+    features = rng.integers(0, 5, (300, 3)).astype(float)
+    features[:, 2] += 10 * rng.integers(0, 30, 300)  # equal samples differ only where no split may look
+    problem = Problem(
+        features,
+        rng.integers(0, 3, 300),
+        depth=3,
+        costs=costs,
+        weights=rng.integers(1, 4, 300),
+        allowed_splits=[[0], [1]],
+    )
+    solution = branch_and_bound(problem, proof=tmp_path / "proof.log")
+    apart = without("merging", problem)
+    assert (solution.objective, solution.bound) == (apart.objective, apart.bound)
+    assert check_proof(problem, tmp_path / "proof.log", bound=solution.bound).bound == solution.objective
+    assert solution.n_nodes < apart.n_nodes * 1.5
 
 
 def test_float64_values_a_millionth_apart_are_told_apart() -> None:

@@ -59,8 +59,11 @@ def test_what_is_not_there_is_named_the_model_before_its_card(tmp_path, monkeypa
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("{", "is no JSON"),
-        ("[]", "no object 'readings'"),
+        ("{", "line 1, column 2: Expecting property name"),
+        ("[]", "holds a JSON list; expected one object"),
+        ("{}", "no object 'readings'"),
+        ('{"readings": {"u": 1}}', r"card.json: readings.u is 1; expected a text"),
+        ('{"readings": {"u": "mm"}, "loads": [[]]}', r"loads\[0\] is \[\]; expected a text"),
         ('{"readings": {"u": "mm"}, "load": []}', "has the key 'load'"),
     ],
 )

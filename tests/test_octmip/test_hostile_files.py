@@ -273,3 +273,8 @@ def test_an_output_without_the_letters_of_a_name_says_so(tmp_path, capsys, monke
     monkeypatch.setattr(sys.stdout, "write", cannot)
     assert main(["report", str(tmp_path / "tree.json")]) == 1
     assert r"its encoding ascii lacks '\xb5'); set PYTHONIOENCODING=utf-8" in capsys.readouterr().err
+
+
+def test_a_label_column_of_lists_is_no_column_of_labels(tmp_path):
+    parquet.write_table(pa.table({"x": [1.0, 2.0], "y": [["a"], ["b"]]}), tmp_path / "data.parquet")
+    assert not read_table(tmp_path / "data.parquet").missing("y", "label").any()

@@ -242,3 +242,12 @@ def test_threads_change_neither_tree_nor_bound(loss):
     one, three = (solve(problem, n_jobs=n_jobs) for n_jobs in (1, 3))
     assert (one.tree, one.objective, one.bound) == (three.tree, three.objective, three.bound)
     assert one.is_optimal
+
+
+def test_predictions_and_errors_beyond_float64_are_said_or_kept_finite():
+    steep = Split(0, 0.5, ValueLeaf(1e200), ValueLeaf(0.0, (0,), (1e308,)))
+    with pytest.raises(TreeError, match=r"the prediction for row 1 is beyond float64 \(leaf 1 from the left\)"):
+        predict_values(steep, np.array([[0.0], [100.0]]))
+    problem = RegressionProblem(np.arange(8.0)[:, None], np.arange(8.0), depth=1, leaf_model="linear")
+    start = Split(0, 0.5, ValueLeaf(1e200), ValueLeaf(0.0))
+    assert solve(problem, incumbent=start).objective < 1

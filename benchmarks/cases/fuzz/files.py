@@ -21,6 +21,13 @@ All readers of the two packages, each a line of the table:
     femlib.dataset.published_strains            published table
     femlib.rom.ReducedModel.load_file           reduced model; ReducedWing.load_file reads by it
     femlib.wing.export.calculix.read_gauges     result of CalculiX
+    octmip.methods.checkpoint.read_checkpoint   checkpoint, its sum corrected after most changes
+    octmip.proof.check_proof                    proof log of regression trees; with certify --proof
+    octmip.gap.doors.table.table_twin           table of a twin, .csv and .parquet, and its card
+    octmip.gap.doors.deck.deck_twin             deck of a twin, and its card
+    femlib.read                                 meshes: Abaqus, gmsh (text, binary), Nastran, VTK
+    femlib.structure.calculix.read_gauges       results of CalculiX: strains,
+    femlib.export.calculix_results              frequencies, displacements
 
 Left out: what reads its own working copies under benchmarks/, /proc/self/statm, and files that ship with the package.
 """
@@ -43,16 +50,19 @@ from joblib import Parallel, delayed
 
 from benchmarks.readers.femlib import FEMLIB
 from benchmarks.readers.file_reader import Reader
+from benchmarks.readers.kept_states import KEPT
 from benchmarks.readers.mangled_arrays import CANARY
 from benchmarks.readers.mangling import mangled_bytes, pick
 from benchmarks.readers.octmip import OCTMIP
+from benchmarks.readers.structures import STRUCTURES
+from benchmarks.readers.twins import TWINS
 from benchmarks.tables import Line
 from femlib.errors import FemlibError
 from octmip.errors import OctmipError
 
-READERS = OCTMIP | FEMLIB
+READERS = OCTMIP | FEMLIB | KEPT | TWINS | STRUCTURES
 STREAM = 50  # of seeds: file i of a reader is drawn from default_rng([STREAM, number of the reader, i])
-N_FILES, CHUNK = 1000, 50
+N_FILES, CHUNK = 10_000, 50
 SLOWEST, HANGING = 2.0, 60  # seconds: of the processor, and of the clock before it counts as hanging
 LARGEST = 400 * 2**20
 EXECUTED = {"os.system", "subprocess.Popen", "os.exec", "os.posix_spawn", "pickle.find_class", "socket.connect"}

@@ -157,7 +157,8 @@ def _errors(file: RegressionFile, table: Table, predictions: NDArray[np.float64]
         return None
     known = table.rows(~is_missing).with_plain_numbers(file.target_name)
     misses = np.abs(predictions[~is_missing] - known.numbers([file.target_name], "target")[:, 0])
-    return Errors(len(misses), float(misses.mean()), math.sqrt(float((misses**2).mean())))
+    largest = float(misses.max()) or 1.0  # squares of its shares do not overflow
+    return Errors(len(misses), float(misses.mean()), largest * math.sqrt(float(((misses / largest) ** 2).mean())))
 
 
 def _csv(name: str | None, index: list[str] | None, predictions: NDArray[np.float64]) -> str:

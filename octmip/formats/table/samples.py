@@ -5,7 +5,7 @@ threshold. Nothing but an empty cell and NaN counts as missing in a label, so th
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from typing import Any, SupportsFloat, cast
 
@@ -98,7 +98,10 @@ class Table:
         is_missing = column.isna().to_numpy()
         if column.dtype.kind in "biuf":
             return is_missing
-        words = {value for value in set(column[~is_missing]) if not _is_number(value)}
+        cells = column[~is_missing]
+        if not all(isinstance(value, Hashable) for value in cells):  # lists and objects are no words
+            return is_missing
+        words = {value for value in set(cells) if not _is_number(value)}
         if len(words) < column.nunique() and {str(word).strip().lower() for word in words} <= MISSING_WORDS:
             is_missing = is_missing | column.isin(words).to_numpy()
         return is_missing

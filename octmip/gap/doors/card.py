@@ -12,7 +12,6 @@ campaign leaves out is 0. "state_limits" says up to which value each state is lo
 and tables are fast: their states are looked for without being asked, up to 1 and up to the table's greatest value.
 """
 
-import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -20,10 +19,21 @@ from pathlib import Path
 from typing import Any
 
 from octmip.errors import DataError
-from octmip.formats.files import read_bytes
+from octmip.formats.checked import Either, Kind, ListOf, MapOf, Number, Record, Text
+from octmip.formats.files import read_json_object
+from octmip.formats.messages import shown
 from octmip.twin import ONE_LOAD
 
-FIELDS = ("readings", "loads", "states", "parameters", "sign", "channels", "state_limits")
+ENTRIES: dict[str, Kind] = {
+    "readings": MapOf(Text()),
+    "loads": ListOf(Text()),
+    "states": ListOf(Text()),
+    "parameters": MapOf(ListOf(Either((Number(), Text())), least=3)),
+    "sign": Text(),
+    "channels": MapOf(Text()),
+    "state_limits": MapOf(Number(low=0.0)),
+}
+"""Entries of a card's file."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,21 +153,28 @@ def read_card(path: str | Path) -> Card:
     DataError
         no such file, no JSON object, a key that no card has, a range that is none.
     """
-    written = read_bytes(path)
-    try:
-        content = json.loads(written)
-    except ValueError as error:
-        raise DataError(
-            f"card {path} is no JSON ({error}); expected one object with the key 'readings'; correct it"
-        ) from error
-    if not isinstance(content, dict) or not isinstance(content.get("readings"), dict):
+    return card_from(path, read_json_object(path))
+
+
+def card_from(path: str | Path, content: Mapping[str, Any]) -> Card:
+    """Return the card that the JSON object of a file holds.
+
+    Raises
+    ------
+    DataError
+        a key that no card has, an entry of another kind, a range that is none.
+    """
+    if not isinstance(content.get("readings"), dict):
         raise DataError(f"card {path} has no object 'readings'; expected the unit of every reading by name; add it")
-    unknown = [name for name in content if name not in FIELDS]
+    unknown = [name for name in content if name not in ENTRIES]
     if unknown:
-        raise DataError(f"card {path} has the key {unknown[0]!r}; expected among {list(FIELDS)}; rename or drop it")
+        raise DataError(
+            f"card {path} has the key {shown(unknown[0])}; expected among {list(ENTRIES)}; rename or drop it"
+        )
     try:
-        return card_of(**content)
-    except (DataError, TypeError, AttributeError) as error:
+        taken = Record({name: ENTRIES[name] for name in content}).take(content)
+        return card_of(**taken)
+    except DataError as error:
         raise DataError(f"card {path}: {error}") from error
 
 

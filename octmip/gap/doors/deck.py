@@ -7,7 +7,6 @@ the number, and its last match in the "output" file counts. "scale" multiplies t
 {"u": {"match": "...", "scale": 1e3}}. Other files that the deck needs must be named in it by absolute paths.
 """
 
-import json
 import re
 import tempfile
 from collections.abc import Mapping
@@ -16,13 +15,17 @@ from pathlib import Path
 from typing import Any
 
 from octmip.errors import DataError, TwinError
-from octmip.formats.files import read_bytes
-from octmip.gap.doors.card import Card, card_of, place_of_card
+from octmip.formats.checked import Anything, ListOf, MapOf, Number, Record, Text
+from octmip.formats.files import read_bytes, read_json_object
+from octmip.gap.doors.card import Card, card_from, place_of_card
 from octmip.gap.doors.function import FunctionTwin
 from octmip.gap.doors.script import LONGEST, run_program
 
 JOB = "job"
 """Name of the deck in its folder, without its ending."""
+RUN = Record({"command": ListOf(Text(), least=1), "output": Text(), "find": MapOf(Anything())}, closed=True)
+FOUND = Record({"match": Text(), "scale": Number()}, closed=True)
+"""Entries of "deck", and of a reading in "find"."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,31 +83,35 @@ def deck_twin(path: str | Path, card: str | Path | None = None, seconds: float =
 
 
 def _card_and_solver(path: Path) -> tuple[Card, Solver]:
-    written = read_bytes(path)
+    content = read_json_object(path)
     try:
-        content = json.loads(written)
-        own: dict[str, Any] = content.pop("deck")
+        own = RUN.take(_with(content.pop("deck"), output=""))
         find = {name: _place(found) for name, found in own["find"].items()}
-        solver = Solver(tuple(own["command"]), str(own.get("output", "")), find)
-        known = card_of(**content)
-    except (ValueError, KeyError, TypeError, AttributeError, re.error) as error:
+    except (KeyError, DataError, re.error) as error:
         wrong = f"the key {error} is missing" if isinstance(error, KeyError) else str(error)
         raise DataError(
             f"card {path} of a deck: {wrong}; expected a card with the key 'deck', an object of 'command', 'output' "
             "and 'find'; correct it"
         ) from error
+    solver = Solver(tuple(own["command"]), own["output"], find)
+    known = card_from(path, content)
     missing = [name for name in known.readings if name not in find]
     if missing:
         raise DataError(f"card {path} does not say where reading {missing[0]!r} is found; add it to 'find'")
     return known, solver
 
 
+def _with(given: Any, **values: object) -> Any:
+    """Return an entry with values that it may leave out."""
+    return values | given if isinstance(given, dict) else given
+
+
 def _place(found: Any) -> tuple[str, float]:
     """Return expression and scale; a text alone has the scale 1."""
-    match, scale = (found, 1.0) if isinstance(found, str) else (found["match"], float(found.get("scale", 1.0)))
-    if re.compile(match).groups < 1:
-        raise ValueError(f"{match!r} has no group")
-    return match, scale
+    place = FOUND.take(_with({"match": found} if isinstance(found, str) else found, scale=1.0))
+    if re.compile(place["match"]).groups < 1:
+        raise DataError(f"the expression {place['match']!r} has no group")
+    return place["match"], place["scale"]
 
 
 def _run(filled: str, path: Path, solver: Solver, seconds: float) -> dict[str, float]:

@@ -5,6 +5,7 @@ Both are exact at the rows. Nothing is extrapolated: outside of the table there 
 is at most k spacing^2 / 8 for a curvature k, so the spacing decides how exact the twin is.
 """
 
+import io
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -16,7 +17,9 @@ from numpy.typing import NDArray
 from scipy.interpolate import LinearNDInterpolator, RegularGridInterpolator
 from scipy.spatial import QhullError
 
-from octmip.errors import DataError, TwinError, needed_by
+from octmip.errors import DataError, TwinError
+from octmip.formats.files import read_bytes
+from octmip.formats.table import read_table
 from octmip.gap.doors.card import Card, card_beside
 from octmip.gap.doors.function import Function, FunctionTwin
 
@@ -38,36 +41,42 @@ def table_twin(path: str | Path, card: str | Path | Card | None = None) -> Funct
     DataError
         no such file, a column of the card that it lacks, a cell that is no number.
     """
-    frame = _frame(Path(path))
+    if not Path(path).is_file():
+        raise DataError(f"table {path} is not there; expected a CSV or Parquet file; check the path")
     known = card if isinstance(card, Card) else card_beside(path, card)
     inputs = [*known.parameters, *known.states, *known.loads]
-    numbers = _numbers(frame, path, [*inputs, *known.readings])
+    numbers = _numbers(Path(path), [*inputs, *known.readings])
     points, values = numbers[:, : len(inputs)], numbers[:, len(inputs) :]
     limits = {name: float(points[:, inputs.index(name)].max()) for name in known.states}
     return FunctionTwin(_interpolated(points, values, inputs, str(path)), replace(known, state_limits=limits))
 
 
-def _frame(path: Path) -> pd.DataFrame:
-    if not path.is_file():
-        raise DataError(f"table {path} is not there; expected a CSV or Parquet file; check the path")
+def _numbers(path: Path, names: list[str]) -> Floats:
+    """Return the columns of the names (n, n_names), at least one row."""
+    if path.suffix.lower() in (".parquet", ".pq"):
+        numbers = read_table(path).numbers(names)
+    else:
+        numbers = _numbers_of_text(path, names)
+    if not len(numbers):
+        raise DataError(f"table {path} has no row; expected one for each combination of inputs; add them")
+    return numbers
+
+
+def _numbers_of_text(path: Path, names: list[str]) -> Floats:
     try:
-        if path.suffix.lower() in (".parquet", ".pq"):
-            with needed_by("a twin from a Parquet file"):
-                import pyarrow  # noqa: F401
-            return pd.read_parquet(path)
-        return pd.read_csv(path, comment="#")
-    except (ValueError, UnicodeDecodeError, OSError) as error:
+        frame = pd.read_csv(io.BytesIO(read_bytes(path)), comment="#")  # as campaigns, and unlike samples, have them
+    except (ValueError, UnicodeDecodeError) as error:
         raise DataError(f"table {path} cannot be read ({error}); expected a header and numbers below it") from error
-
-
-def _numbers(frame: pd.DataFrame, path: str | Path, names: list[str]) -> Floats:
     missing = [name for name in names if name not in frame.columns]
     if missing:
         raise DataError(
             f"table {path} lacks the column {missing[0]!r} of its card; got {list(map(str, frame.columns))[:6]}...; "
             "add it"
         )
-    columns = [pd.to_numeric(frame[name], errors="coerce") for name in names]
+    try:
+        columns = [pd.to_numeric(frame[name], errors="coerce") for name in names]
+    except OverflowError as error:
+        raise DataError(f"table {path} holds a number beyond float64; expected up to 1.8e308; correct it") from error
     numbers = np.array(columns, dtype=np.float64).T
     bad = np.argwhere(~np.isfinite(numbers))
     if len(bad):

@@ -9,6 +9,7 @@ use crate::exact::node::log::Log;
 use crate::exact::node::search::Search;
 use crate::exact::root_search::sensor_sets::{Relaxed, Sets};
 use crate::exact::samples::Samples;
+use crate::exact::samples::merging::merged;
 use crate::exact::switches::Switches;
 use crate::exact::view::View;
 use crate::log::Body;
@@ -16,7 +17,11 @@ use crate::problem::Problem;
 
 /// The body of a log that proves `claim`, None if it was stopped or the claim does not hold.
 pub fn write(problem: &Problem, claim: i64, switches: Switches, control: &Control) -> Option<String> {
-    let samples = Samples::new(problem);
+    let smaller = if switches.merging { merged(problem) } else { None };
+    let samples = match smaller {
+        Some((smaller, rows)) => Samples::new(&smaller).of_rows(rows),
+        None => Samples::new(problem),
+    };
     let upper = claim - samples.base.iter().sum::<i64>();
     let switches = Switches { mixed_labels: switches.mixed_labels && is_plain(problem), ..switches };
     let mut out = Body::default();

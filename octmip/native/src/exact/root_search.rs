@@ -1,5 +1,6 @@
 //! The whole search: incumbent, shallower depths, the root's frontier, sensor budget, limits.
 
+pub(crate) mod elsewhere;
 pub(crate) mod frontier;
 pub(crate) mod known;
 pub(crate) mod memory;
@@ -10,11 +11,13 @@ mod within_budget;
 use crate::control::{KeepGoing, Outcome, Stop};
 use crate::costs::{base_cost, best_leaf};
 use crate::exact::samples::Samples;
+use crate::exact::samples::merging::merged;
 use crate::exact::view::View;
 use crate::problem::Problem;
 use crate::supervise::Supervision;
 use crate::tree::Tree;
 
+use elsewhere::Elsewhere;
 use known::{Known, Saver};
 use run::Run;
 
@@ -22,17 +25,19 @@ pub use run::Options;
 
 /// The best tree of the problem, and a bound.
 pub fn solve(problem: &Problem, options: &Options, keep_going: KeepGoing<'_>) -> Outcome {
-    go_on(problem, options, None, None, keep_going).unwrap_or_else(|_| without_search(problem, options))
+    go_on(problem, options, None, None, None, keep_going).unwrap_or_else(|_| without_search(problem, options))
 }
 
-/// The same from what an earlier search has proven, handing out what is known every so often.
+/// The same from what an earlier search has proven, handing out what is known every so often; `elsewhere` solves the
+/// cuts of the root.
 ///
 /// An error says why what is known cannot be.
-pub(crate) fn go_on(
+pub(crate) fn go_on<'s>(
     problem: &Problem,
     options: &Options,
     known: Option<Known>,
-    saver: Option<Saver<'_>>,
+    saver: Option<Saver<'s>>,
+    elsewhere: Option<&'s Elsewhere<'s>>,
     keep_going: KeepGoing<'_>,
 ) -> Result<Outcome, String> {
     let supervision = Supervision::new(options.limits);
@@ -40,12 +45,14 @@ pub(crate) fn go_on(
     if tables > options.limits.memory {
         return Ok(without_search(problem, options));
     }
+    let smaller = if options.switches.merging { merged(problem) } else { None };
+    let problem = smaller.as_ref().map_or(problem, |(smaller, _)| smaller);
     let samples = Samples::new(problem);
     let view = View::root(&samples);
     if let Some(known) = &known {
         known.check(&samples, &view, problem.depth, problem.sensor_cost.len())?;
     }
-    let mut run = Run::new(problem, (&samples, &view), options, supervision, tables, known, saver);
+    let mut run = Run::new(problem, (&samples, &view), options, supervision, tables, known, saver, elsewhere);
     run.search(problem.depth, keep_going);
     if problem.sensor_cost.iter().sum::<f64>() > problem.sensor_limit {
         run.keep_budget(keep_going);

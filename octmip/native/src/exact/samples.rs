@@ -12,6 +12,7 @@
 
 pub(crate) mod directions;
 pub(crate) mod label_sets;
+pub(crate) mod merging;
 
 use crate::costs::ClassCosts;
 use crate::problem::Problem;
@@ -57,6 +58,8 @@ pub(crate) struct Samples {
     pub(crate) penalty: i64,
     /// Fewest samples in a leaf.
     pub(crate) leaf_size: usize,
+    /// Rows of the problem that each sample is (`n`); none: one each.
+    rows: Vec<u32>,
 }
 
 impl Samples {
@@ -90,9 +93,29 @@ impl Samples {
             labels: Vec::new(),
             penalty: problem.penalty,
             leaf_size: problem.leaf_size,
+            rows: Vec::new(),
         };
         samples.set_gains(problem);
         samples
+    }
+
+    /// The same where each sample is so many rows (`n`) of a larger problem: a log counts those.
+    pub(crate) fn of_rows(self, rows: Vec<u32>) -> Self {
+        Self { rows, ..self }
+    }
+
+    /// Rows of the problem among the first so many samples of a list, for each of some cuts.
+    pub(crate) fn rows_left(&self, list: &[u32], cuts: &mut [u32]) {
+        if self.rows.is_empty() {
+            return;
+        }
+        let mut before = Vec::with_capacity(list.len() + 1);
+        before.push(0);
+        before.extend(list.iter().scan(0, |sum, &i| {
+            *sum += self.rows[i as usize];
+            Some(*sum)
+        }));
+        cuts.iter_mut().for_each(|cut| *cut = before[*cut as usize]);
     }
 
     fn set_gains(&mut self, problem: &Problem) {
@@ -187,6 +210,7 @@ impl Samples {
             spans: self.spans.clone(),
             sets: self.sets.clone(),
             labels: self.labels.clone(),
+            rows: self.rows.clone(),
             ..*self
         }
     }

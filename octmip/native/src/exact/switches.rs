@@ -19,6 +19,8 @@ crate::switches::switches! {
     buckets,
     /// Pass over groups of features that cannot hold the best stump.
     group_skip,
+    /// Search on equal samples merged.
+    merging,
     /// The widest vectors of the machine.
     vectors,
 }

@@ -1,12 +1,18 @@
 //! The exact core's functions.
 
+use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
+
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
+use crate::control::{Limits, Progress};
 use crate::costs::base_cost;
 use crate::exact::effort::Control;
 use crate::exact::node::result::{FeatureIncumbent, Solved};
+use crate::exact::node::search::Cut;
 use crate::exact::proof::write;
+use crate::exact::root_search::elsewhere::{CutSolver, Elsewhere, SolvedCut};
 use crate::exact::root_search::known::{Held, Known, Saver};
 use crate::exact::root_search::memory;
 use crate::exact::root_search::{Options, go_on};
@@ -14,6 +20,7 @@ use crate::exact::switches::Switches;
 use crate::python::problem::PyProblem;
 use crate::python::rows::{NodeRow, rows_from_tree, tree_from_rows};
 use crate::python::run::{Found, LimitValues, found, limits, supervised, switches, written};
+use crate::supervise::Supervision;
 
 /// State of a search: level, bound of one level fewer, best cost and cut of each feature one level lower and at this
 /// level, solved cuts (feature, samples left of it, bounds of both sides), bound, objective and rows of the best tree,
@@ -33,7 +40,8 @@ type KnownRow = (
 /// The best tree and a bound. `incumbent` is `(objective, rows)` of a feasible tree; `checkpoint` says how often to
 /// hand out what is known, to whom, and what an earlier search handed out last.
 #[pyfunction]
-#[pyo3(signature = (problem, incumbent, limit_values, n_threads, off=Vec::new(), progress=None, *, checkpoint=None))]
+#[pyo3(signature = (problem, incumbent, limit_values, n_threads, off=Vec::new(), progress=None, *, checkpoint=None,
+    submit=None))]
 #[allow(clippy::too_many_arguments)]
 fn branch_and_bound(
     py: Python<'_>,
@@ -44,6 +52,7 @@ fn branch_and_bound(
     off: Vec<String>,
     progress: Option<Py<PyAny>>,
     checkpoint: Option<(f64, Py<PyAny>, Option<KnownRow>)>,
+    submit: Option<(Py<PyAny>, usize)>,
 ) -> PyResult<Found> {
     let incumbent =
         incumbent.map(|(objective, rows)| Ok::<_, PyErr>((objective, tree_from_rows(rows)?))).transpose()?;
@@ -53,15 +62,88 @@ fn branch_and_bound(
     let mut unsaved = None;
     let (every, taker, row) = checkpoint.map_or((0.0, None, None), |(every, taker, row)| (every, Some(taker), row));
     let known = row.map(|row| known_from_row(row, base)).transpose()?;
+    let failed = Mutex::new(None);
+    let ask = |level: usize, cut: &Cut, control: &Control| {
+        let (submit, _) = submit.as_ref()?;
+        let answer = ask_for(submit, level, cut, control);
+        answer.unwrap_or_else(|raised| {
+            failed.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(raised);
+            None
+        })
+    };
+    let elsewhere = Elsewhere { ask: &ask, round: submit.as_ref().map_or(0, |(_, round)| *round) };
+    let elsewhere = submit.is_some().then_some(&elsewhere);
     let outcome = supervised(py, progress.as_ref(), |keep_going| {
         let mut save = |known: &Known| hand_out(taker.as_ref(), known, base, &mut unsaved);
         let saver = taker.is_some().then_some(Saver { every, save: &mut save });
-        go_on(&problem.inner, &options, known, saver, keep_going)
+        let has_failed = || failed.lock().unwrap_or_else(PoisonError::into_inner).is_some();
+        go_on(&problem.inner, &options, known, saver, elsewhere, &mut |state| keep_going(state) && !has_failed())
     })?;
+    if let Some(error) = failed.lock().unwrap_or_else(PoisonError::into_inner).take() {
+        return Err(error);
+    }
     if let Some(error) = unsaved {
         return Err(error);
     }
     Ok(found(&outcome.map_err(|reason| PyValueError::new_err(format!("known: {reason}")))?))
+}
+
+/// A cut of the root to be solved: usable feature, samples left of it, bounds of both sides, target, slack.
+type CutRow = (usize, usize, i64, i64, i64, i64);
+/// A solved cut: bounds of both sides, cost above the base and rows of the tree, evaluated cuts.
+type SolvedRow = (i64, i64, Option<(i64, Vec<NodeRow>)>, u64);
+
+/// Time between two looks at a future.
+const LOOK: Duration = Duration::from_millis(2);
+
+/// Submit a cut, wait for its future, cancel it when the search is stopped.
+fn ask_for(submit: &Py<PyAny>, level: usize, cut: &Cut, control: &Control) -> PyResult<Option<SolvedCut>> {
+    let row: CutRow = (cut.feature, cut.position, cut.bounds[0], cut.bounds[1], cut.target, cut.slack);
+    let future = Python::attach(|py| submit.call1(py, (level, row)))?;
+    while !Python::attach(|py| future.call_method0(py, "done")?.extract::<bool>(py))? {
+        if control.is_stopped() {
+            Python::attach(|py| future.call_method0(py, "cancel"))?;
+            return Ok(None);
+        }
+        std::thread::sleep(LOOK);
+    }
+    let (left, right, tree, n_evaluated): SolvedRow =
+        Python::attach(|py| future.call_method0(py, "result")?.extract(py))?;
+    let tree = tree.map(|(cost, rows)| Ok::<_, PyErr>((cost, tree_from_rows(rows)?))).transpose()?;
+    Ok(Some(SolvedCut { bounds: [left, right], tree, n_evaluated }))
+}
+
+/// A problem ready for cuts of its root to be solved, in a process that helps another one's search.
+#[pyclass(name = "CutSolver", frozen)]
+struct PyCutSolver {
+    inner: CutSolver,
+}
+
+#[pymethods]
+impl PyCutSolver {
+    #[new]
+    fn new(problem: &PyProblem, off: Vec<String>) -> PyResult<Self> {
+        Ok(Self { inner: CutSolver::new(&problem.inner, switches(Switches::without(&off))?) })
+    }
+
+    /// Solve a cut at a level; None when Ctrl-C stopped it.
+    fn solve(&self, py: Python<'_>, level: usize, row: CutRow) -> PyResult<Option<SolvedRow>> {
+        let (feature, position, left, right, target, slack) = row;
+        let cut = Cut { feature, position, bounds: [left, right], target, slack };
+        if !self.inner.has(&cut) {
+            return Err(PyValueError::new_err(format!("feature {feature} has no cut at {position}")));
+        }
+        let supervision = Supervision::new(Limits::default());
+        let state = Progress { seconds: 0.0, objective: 0, bound: 0, n_nodes: 0 };
+        let solved = supervised(py, None, |keep_going| {
+            let control = Control::reading(supervision.flag());
+            supervision.run(|| self.inner.solve(level, &cut, &control), || supervision.poll(&mut *keep_going, state))
+        })?;
+        Ok(solved.map(|solved| {
+            let tree = solved.tree.map(|(cost, tree)| (cost, rows_from_tree(&tree)));
+            (solved.bounds[0], solved.bounds[1], tree, solved.n_evaluated)
+        }))
+    }
 }
 
 /// Give Python what is known; what it raises stops the search and is kept.
@@ -129,5 +211,6 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(branch_and_bound, module)?)?;
     module.add_function(wrap_pyfunction!(prove, module)?)?;
     module.add_function(wrap_pyfunction!(exact_bytes, module)?)?;
+    module.add_class::<PyCutSolver>()?;
     module.add_function(wrap_pyfunction!(prunes, module)?)
 }

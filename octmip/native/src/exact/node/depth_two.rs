@@ -99,6 +99,7 @@ impl Search<'_> {
             }
         }
         if let Some(log) = &mut self.log {
+            samples.rows_left(view.list(f), &mut counted);
             log.counted(samples.features[f], &mut counted);
         }
         self.axis = axis;

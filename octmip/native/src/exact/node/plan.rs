@@ -6,7 +6,7 @@ use crate::exact::view::View;
 use crate::tree::Tree;
 
 /// The best tree of a search, in short; only the plan that wins becomes a tree.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Plan {
     /// The best leaf of the samples that arrive.
     Leaf,
@@ -21,6 +21,8 @@ pub(crate) enum Plan {
         /// Plans of both sides.
         sides: Box<[Plan; 2]>,
     },
+    /// A tree that came from elsewhere.
+    Whole(Tree),
 }
 
 impl Plan {
@@ -48,6 +50,7 @@ impl Plan {
                 let [left, right] = [0, 1].map(|side| sides[side].tree(samples, &views[side]));
                 Tree::join(samples.features[*feature], *cut, &left, &right)
             }
+            Self::Whole(tree) => tree.clone(),
         }
     }
 }

@@ -24,7 +24,7 @@ impl FeatureIncumbent {
 }
 
 /// The best tree of a node if it is below the budget, and in any case a bound.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct NodeResult {
     /// No tree costs less (unless the search was stopped).
     pub(crate) lower: i64,

@@ -269,7 +269,9 @@ impl<'a> Search<'a> {
             records[side] = self.log.as_mut().and_then(Log::take);
         }
         if let Some(log) = &mut self.log {
-            log.cut(self.samples.features[cut.feature], cut.position, records);
+            let mut position = [cut.position as u32];
+            self.samples.rows_left(view.list(cut.feature), &mut position);
+            log.cut(self.samples.features[cut.feature], position[0] as usize, records);
         }
         let tree = match plans {
             [Some((left, left_plan)), Some((right, right_plan))] => {

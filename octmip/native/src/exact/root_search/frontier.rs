@@ -72,6 +72,8 @@ pub(crate) struct Frontier<'a> {
     view: &'a View,
     depth: usize,
     features: Vec<usize>,
+    /// Cuts of a round.
+    round: usize,
     state: Mutex<State>,
     changed: Condvar,
 }
@@ -146,7 +148,18 @@ impl<'a> Frontier<'a> {
             plan: None,
         };
         let changed = Condvar::new();
-        Self { samples, switches, control, view, depth, features, state: Mutex::new(state), changed }
+        Self { samples, switches, control, view, depth, features, round: ROUND, state: Mutex::new(state), changed }
+    }
+
+    /// The same with so many cuts in a round, at least as many as by default: other cuts are searched, and one of the
+    /// best trees is found as ever.
+    pub(crate) fn by_rounds_of(self, round: usize) -> Self {
+        Self { round: round.max(ROUND), ..self }
+    }
+
+    /// Cuts of a round.
+    pub(crate) fn round(&self) -> usize {
+        self.round
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {
@@ -200,13 +213,21 @@ impl<'a> Frontier<'a> {
     /// Work until nothing is open or the search is stopped.
     pub(crate) fn work(&self, search: &mut Search<'_>) {
         let mut sides = [View::default(), View::default()];
-        while let Some((index, task)) = self.next() {
-            let children = search.children(self.view, self.depth, &task.cut, &mut sides);
+        self.work_by(|cut| {
+            let children = search.children(self.view, self.depth, cut, &mut sides);
             search.report_effort();
-            if self.control.is_stopped() {
+            Some(children)
+        });
+    }
+
+    /// The same with somebody else to solve the cuts; who returns None has stopped.
+    pub(crate) fn work_by(&self, mut solve: impl FnMut(&Cut) -> Option<Children>) {
+        while let Some((index, task)) = self.next() {
+            let children = solve(&task.cut);
+            if children.is_none() || self.control.is_stopped() {
                 break; // what was found may be no proof: the round is never entered, its bounds stand
             }
-            self.lock().results[index] = Some(children);
+            self.lock().results[index] = children;
             self.changed.notify_all();
         }
         self.changed.notify_all();
@@ -239,7 +260,7 @@ impl<'a> Frontier<'a> {
         for (task, children) in round.iter().zip(results.into_iter().flatten()) {
             self.enter(state, task, children);
         }
-        while state.round.len() < ROUND
+        while state.round.len() < self.round
             && let Some(task) = self.pop(state)
         {
             state.round.push(task);

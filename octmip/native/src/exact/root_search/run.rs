@@ -5,6 +5,7 @@ use crate::exact::effort::Control;
 use crate::exact::node::plan::Plan;
 use crate::exact::node::result::FeatureIncumbent;
 use crate::exact::node::search::Search;
+use crate::exact::root_search::elsewhere::Elsewhere;
 use crate::exact::root_search::frontier::Frontier;
 use crate::exact::root_search::known::{Due, Known, Saver};
 use crate::exact::samples::Samples;
@@ -54,6 +55,8 @@ pub(crate) struct Run<'a, 's> {
     pub(crate) bound: i64,
     pub(crate) known: Option<Known>,
     pub(crate) due: Due<'s>,
+    /// Who solves the cuts of the root; None: the threads of this process.
+    pub(crate) elsewhere: Option<&'s Elsewhere<'s>>,
 }
 
 impl<'a, 's> Run<'a, 's> {
@@ -66,6 +69,7 @@ impl<'a, 's> Run<'a, 's> {
         tables: f64,
         known: Option<Known>,
         saver: Option<Saver<'s>>,
+        elsewhere: Option<&'s Elsewhere<'s>>,
     ) -> Self {
         let base: i64 = samples.base.iter().sum();
         let mut run = Run {
@@ -81,6 +85,7 @@ impl<'a, 's> Run<'a, 's> {
             bound: 0,
             known,
             due: Due::new(saver),
+            elsewhere,
         };
         if let Some((objective, _)) = &options.incumbent
             && objective - base <= run.best.0
@@ -157,7 +162,8 @@ impl Run<'_, '_> {
         let upper = self.best.0;
         let known = self.known.take();
         let frontier =
-            Frontier::new(samples, switches, &self.control, view, depth, incumbents, whole, upper, known.as_ref());
+            Frontier::new(samples, switches, &self.control, view, depth, incumbents, whole, upper, known.as_ref())
+                .by_rounds_of(self.elsewhere.map_or(0, |elsewhere| elsewhere.round));
         let (base, tables, before, control) = (self.base, self.tables, self.tree(), &self.control);
         let state_now = || {
             let (_, bound) = frontier.progress();
@@ -174,15 +180,20 @@ impl Run<'_, '_> {
                 sets: None,
             }
         };
-        let work = || {
-            let mut search = Search::new(samples, switches, control, depth);
-            if depth == 3 {
-                search.prepare(view);
+        let elsewhere = self.elsewhere;
+        let work = || match elsewhere {
+            Some(elsewhere) => frontier.work_by(|cut| elsewhere.solve(depth, cut, control)),
+            None => {
+                let mut search = Search::new(samples, switches, control, depth);
+                if depth == 3 {
+                    search.prepare(view);
+                }
+                frontier.work(&mut search);
             }
-            frontier.work(&mut search);
         };
+        let n_threads = if elsewhere.is_some() { frontier.round() } else { self.options.n_threads.max(1) };
         let mut due = std::mem::take(&mut self.due);
-        self.supervision.run_all(self.options.n_threads.max(1), work, || {
+        self.supervision.run_all(n_threads, work, || {
             let (cost, bound) = frontier.progress();
             let progress = self.progress(cost + base, if is_last { bound + base } else { base });
             self.poll(

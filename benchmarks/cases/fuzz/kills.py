@@ -1,0 +1,207 @@
+"""What a killed process leaves: proofs that go on from their checkpoints, files that are whole or not there.
+
+Proofs: `octmip solve --checkpoint` of mammography at depth 4 (some twenty processor seconds) is killed (SIGKILL) at a
+random moment after its start, started again, killed again, five times, and then left to its end: tree, objective and
+bound must be those of a proof that nobody killed. Ten such chains are fifty kills. Files: a process that writes one
+kind of file again and again is killed at a random moment, fifty times a kind: the file must be whole, as a reader finds
+it, or not be there.
+"""
+
+import contextlib
+import json
+import multiprocessing
+import random
+import tempfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from multiprocessing.process import BaseProcess
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from benchmarks.data import uci
+from benchmarks.readers.femlib import make_dataset
+from benchmarks.tables import Line
+from femlib.files import whole_file
+from octmip.cli import main
+from octmip.formats.files import write_bytes
+from octmip.formats.table import read_table
+from octmip.formats.tree_file import read_tree_file, record_tree, write_tree_file
+from octmip.methods.cart import greedy_tree
+from octmip.methods.exact import branch_and_bound
+from octmip.problem import Problem
+from octmip.report.markdown import markdown_table
+
+N_CHAINS, KILLS_A_CHAIN, N_KILLS = 10, 5, 50
+SET, DEPTH = "mammography", 4
+LATEST = 6.0
+"""Seconds of a proof's life in which it is killed."""
+
+FORK = multiprocessing.get_context("fork")
+"""Processes that have imported all: a kill shall meet the work, not the start."""
+
+
+def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
+    """Yield a line for each chain of kills, and for each kind of file; there is no limit, one process at a time."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        write_data(SET, folder / "data.csv")
+        whole = Proof(folder, DEPTH).end()
+        for chain in range(N_CHAINS):
+            proof = Proof(folder, DEPTH, folder / f"kept{chain}")
+            rng = random.Random(chain)
+            lived = [proof.killed_after(rng.uniform(0.0, LATEST)) for _ in range(KILLS_A_CHAIN)]
+            last = proof.end()
+            same = all(last[key] == whole[key] for key in ("tree", "objective", "bound", "stop"))
+            yield {"size": f"proof, chain {chain}", "seed": chain, "kills": sum(lived), "bad": int(not same)}
+    for kind in WRITERS:
+        bad = [seed for seed in range(N_KILLS) if not is_whole_or_absent(kind, seed)]
+        yield {"size": f"file: {kind}", "seed": 0, "kills": N_KILLS, "bad": len(bad), "seeds": bad}
+
+
+def write_data(name: str, path: Path) -> None:
+    """Write a public set as a table with the label column "label"."""
+    table = uci(name)
+    columns = [f"x{j}" for j in range(table.features.shape[1])]
+    pd.DataFrame(table.features, columns=columns).assign(label=table.labels).to_csv(path, index=False)
+
+
+class Proof:
+    """A proof by the command, in a process of its own."""
+
+    def __init__(self, folder: Path, depth: int, kept: Path | None = None) -> None:
+        checkpoint = [] if kept is None else ["--checkpoint", str(kept), "--every", "0.2"]
+        words = [
+            "solve",
+            str(folder / "data.csv"),
+            "--label",
+            "label",
+            "--depth",
+            str(depth),
+            "--seconds",
+            "3600",
+            "--json",
+        ]
+        self._words = [*words, *checkpoint]
+        self._out = folder / "out.json"
+
+    def _start(self) -> BaseProcess:
+        running = FORK.Process(target=_command, args=(self._words, self._out))
+        running.start()
+        return running
+
+    def killed_after(self, seconds: float) -> bool:
+        """Start it and kill it so many seconds later; whether it still lived."""
+        running = self._start()
+        running.join(seconds)
+        is_alive = running.is_alive()
+        running.kill()
+        running.join()
+        return is_alive
+
+    def end(self) -> dict[str, Any]:
+        """Let it come to its end, and return what it prints."""
+        self._start().join()
+        found: dict[str, Any] = json.loads(self._out.read_text())
+        return found
+
+
+def _command(words: list[str], out: Path) -> None:
+    with out.open("w") as file, contextlib.redirect_stdout(file):
+        main(words)
+
+
+# Kinds of files, and how they are written.
+
+
+def _tree(path: Path, rng: Any) -> None:
+    problem = Problem(rng.normal(size=(3000, 6)), rng.integers(0, 3, 3000), depth=8)
+    write_tree_file(path, record_tree(problem, greedy_tree(problem), "y", None))
+
+
+def _log(path: Path, rng: Any) -> None:
+    branch_and_bound(Problem(rng.integers(0, 30, (80, 4)).astype(float), rng.integers(0, 3, 80), depth=2), proof=path)
+
+
+def _checkpoint(path: Path, rng: Any) -> None:
+    fixed = type(rng)(type(rng.bit_generator)(7))
+    problem = Problem(fixed.integers(0, 90, (200, 5)).astype(float), fixed.integers(0, 3, 200), depth=3)
+    branch_and_bound(problem, checkpoint=path, every=0.0)
+
+
+def _dataset(path: Path, rng: Any) -> None:
+    make_dataset(".parquet")(0, path.parent)
+
+
+def _page(path: Path, rng: Any) -> None:
+    write_bytes(path, b"<html>" + rng.bytes(2_000_000).hex().encode() + b"</html>")
+
+
+def _deck(path: Path, rng: Any) -> None:
+    with whole_file(path) as temporary:
+        temporary.write_bytes(b"x" * 1_000_000 + b"\n9999\n")
+
+
+WRITERS: Mapping[str, Callable[[Path, Any], None]] = {
+    "tree": _tree,
+    "proof log": _log,
+    "checkpoint": _checkpoint,
+    "dataset": _dataset,
+    "page": _page,
+    "deck": _deck,
+}
+
+
+def _is_whole_page(path: Path) -> bool:
+    content = path.read_bytes()
+    return content.startswith(b"<html>") and content.endswith(b"</html>") and len(content) == 4_000_013
+
+
+READERS: Mapping[str, Callable[[Path], object]] = {
+    "tree": read_tree_file,
+    "proof log": lambda path: path.read_text().endswith("end\n"),
+    "checkpoint": lambda path: json.loads(path.read_bytes().split(b"\n")[1]),
+    "dataset": lambda path: read_table(path).columns,
+    "page": _is_whole_page,
+    "deck": lambda path: path.read_bytes().endswith(b"\n9999\n"),
+}
+NAMES = {"dataset": "data.parquet"}
+
+
+def _write_forever(kind: str, path: Path) -> None:
+    rng = np.random.default_rng(0)
+    while True:
+        WRITERS[kind](path, rng)
+
+
+def is_whole_or_absent(kind: str, seed: int) -> bool:
+    """Kill a process that writes files of a kind at a random moment; whether its file is whole or not there."""
+    rng = random.Random(1000 + seed)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / NAMES.get(kind, "file")
+        running = FORK.Process(target=_write_forever, args=(kind, path))
+        running.start()
+        running.join(rng.uniform(0.0, 0.5))
+        running.kill()
+        running.join()
+        if not path.exists():
+            return True
+        try:
+            return READERS[kind](path) is not False
+        except Exception:  # whatever a reader says of half a file
+            return False
+
+
+def summary(lines: Sequence[Line]) -> str:
+    """Return kills and what they broke, a row for the proofs and for each kind of file."""
+    proofs = [line for line in lines if line["size"].startswith("proof")]
+    rows = [
+        {
+            "what": f"proof of {SET} at depth {DEPTH}, {len(proofs)} chains",
+            "kills": sum(line["kills"] for line in proofs),
+            "bad": sum(line["bad"] for line in proofs),
+        }
+    ]
+    rows += [{"what": line["size"], "kills": line["kills"], "bad": line["bad"]} for line in lines if line not in proofs]
+    return markdown_table(rows)

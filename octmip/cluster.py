@@ -1,0 +1,197 @@
+"""Processes that share work: those of this machine or of a Dask cluster, behind one way to submit and to wait.
+
+Dask is the engine, as it runs on one machine, on batch systems (dask-jobqueue), on Kubernetes and in clouds, moves data
+once to each worker, and does a task again that was lost with its worker. Whoever shares work here names tasks that give
+the same result wherever and however often they run, so that a worker which dies costs time and no result.
+
+Whatever goes through joblib (folds of cross-validation, states of a dataset, sealed cases) takes the same cluster while
+it is open: `open_cluster` sets joblib's backend.
+"""
+
+import contextlib
+import logging
+import os
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from importlib import import_module
+from typing import Any, Protocol
+
+from octmip.errors import DataError, SolverError, needed_by
+
+LOCAL = "local"
+MOST_LOST = 20
+"""Times that one task may be lost with its worker: a task that ends its worker each time would be sent for ever."""
+PATIENCE = "30s"
+"""Time in which a scheduler has to answer."""
+
+
+class Future(Protocol):
+    """A task that was submitted."""
+
+    def done(self) -> bool:
+        """Whether its result is there, or it has failed."""
+        ...
+
+    def result(self) -> Any:
+        """Return the result; raise what the task raised."""
+        ...
+
+    def cancel(self) -> object:
+        """Give it up."""
+        ...
+
+
+@dataclass(slots=True)
+class Cluster:
+    """The workers of a Dask cluster.
+
+    Attributes
+    ----------
+    client
+        of the cluster.
+    round_size
+        cuts of a proof that are in work at once; the next are chosen when all are back. 0: as many as on one machine,
+        8, so that tree and evaluated cuts are the same. More workers than that need larger rounds: then the bound is
+        the same, but another of the best trees may be found.
+    n_lost
+        tasks that were lost with their workers and sent again by this side; Dask itself does more of that.
+    """
+
+    client: Any
+    round_size: int = 0
+    n_lost: int = 0
+
+    @property
+    def n_workers(self) -> int:
+        """Number of workers now."""
+        return len(self.client.scheduler_info()["workers"])
+
+    def share(self, value: object) -> "Shared":
+        """Return a value that each worker gets once, as an argument of tasks."""
+        return Shared(self, value)
+
+    def submit(self, function: Callable[..., Any], shared: "Shared", *arguments: object) -> Future:
+        """Submit `function(shared value, *arguments)`."""
+        return _Task(self, function, shared, arguments)
+
+
+@dataclass(slots=True)
+class Shared:
+    """A value on its way to all workers."""
+
+    cluster: Cluster
+    value: object
+    held: Any = None
+
+    def __post_init__(self) -> None:
+        self.send()
+
+    def send(self) -> None:
+        """Send the value to all workers that are there; those that come later fetch it from them."""
+        self.held = self.cluster.client.scatter(self.value, broadcast=True, hash=False)
+
+
+@dataclass(slots=True)
+class _Task:
+    """A task that is sent again where Dask says that it was lost."""
+
+    cluster: Cluster
+    function: Callable[..., Any]
+    shared: Shared
+    arguments: tuple[object, ...]
+    future: Any = None
+    n_lost: int = field(default=0)
+
+    def __post_init__(self) -> None:
+        self._send()
+
+    def _send(self) -> None:
+        self.future = self.cluster.client.submit(self.function, self.shared.held, *self.arguments, pure=False)
+
+    def done(self) -> bool:
+        if not self.future.done():
+            return False
+        is_lost = self.future.status in ("lost", "cancelled") or _is_killed(self.future)
+        if is_lost and self.n_lost < MOST_LOST:
+            self.n_lost += 1
+            self.cluster.n_lost += 1
+            if self.shared.held.status != "finished":
+                self.shared.send()
+            self._send()
+            return False
+        return True
+
+    def result(self) -> Any:
+        try:
+            return self.future.result()
+        except Exception as error:
+            if self.future.status in ("lost", "cancelled") or _is_killed(self.future):
+                raise SolverError(
+                    f"a task was lost with its worker {self.n_lost} times ({type(error).__name__}); expected workers "
+                    "with memory enough for it; give them more, or use fewer on each machine"
+                ) from error
+            raise
+
+    def cancel(self) -> object:
+        return self.future.cancel()
+
+
+def _is_killed(future: Any) -> bool:
+    return future.status == "error" and type(future.exception()).__name__ == "KilledWorker"
+
+
+@contextlib.contextmanager
+def open_cluster(where: str | Any, n_workers: int | None = None) -> Iterator[Cluster]:
+    """Open a cluster for the work inside: "local", the address of a scheduler, or a Dask client (which stays open).
+
+    Parameters
+    ----------
+    where
+        "local" starts `n_workers` processes on this machine (one a core by default) and ends them afterwards.
+
+    Raises
+    ------
+    DataError
+        nobody answers at the address.
+    MissingExtraError
+        dask.distributed is not installed.
+    """
+    with needed_by("work on a cluster"):
+        distributed = import_module("distributed")
+    with contextlib.ExitStack() as stack:
+        client = (
+            where
+            if isinstance(where, distributed.Client)
+            else stack.enter_context(_client(distributed, where, n_workers))
+        )
+        stack.enter_context(import_module("joblib").parallel_config(backend="dask", n_jobs=-1))
+        yield Cluster(client)
+
+
+@contextlib.contextmanager
+def _client(distributed: Any, where: str, n_workers: int | None) -> Iterator[Any]:
+    if where != LOCAL:
+        try:
+            client = distributed.Client(where, timeout=PATIENCE, set_as_default=True)
+        except (OSError, ValueError, TypeError) as error:
+            raise DataError(
+                f"no Dask scheduler answers at {where!r} ({type(error).__name__}); expected 'local' or an address such "
+                "as tcp://host:8786; start one (dask scheduler), or correct the address"
+            ) from error
+        with client:
+            yield client
+        return
+    with contextlib.ExitStack() as stack:
+        cluster = stack.enter_context(_local(distributed, n_workers or os.cpu_count() or 1))
+        yield stack.enter_context(distributed.Client(cluster))
+
+
+def _local(distributed: Any, n_workers: int) -> Any:
+    options = {"n_workers": n_workers, "threads_per_worker": 1, "dashboard_address": None, "host": "127.0.0.1"}
+    try:
+        return distributed.LocalCluster(**options, silence_logs=logging.ERROR)
+    except RuntimeError as error:
+        raise SolverError(
+            f"{n_workers} worker processes could not be started ({error}); expected a program that they can import; in "
+            "a script put the call below if __name__ == '__main__', and the script in a file"
+        ) from error

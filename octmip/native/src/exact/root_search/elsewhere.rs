@@ -1,0 +1,79 @@
+//! The cuts of a root solved by other processes: what goes out, what comes back, and the solver at the other end.
+//!
+//! The search at this end is the one that threads do: rounds of as many cuts, chosen before a round and entered in
+//! order after it. So tree, bound and evaluated cuts are the same wherever the cuts are solved, and a cut that is lost
+//! with its process is asked for again.
+
+use crate::exact::effort::Control;
+use crate::exact::node::plan::Plan;
+use crate::exact::node::search::{Children, Cut, Search};
+use crate::exact::samples::Samples;
+use crate::exact::samples::merging::merged;
+use crate::exact::switches::Switches;
+use crate::exact::view::View;
+use crate::problem::Problem;
+use crate::tree::Tree;
+
+/// The result of a solved cut: lower bounds of both children, cost and tree where both were found, evaluated cuts.
+#[derive(Debug, Clone)]
+pub(crate) struct SolvedCut {
+    /// Lower bounds of both children.
+    pub(crate) bounds: [i64; 2],
+    /// Cost above the base, and the tree.
+    pub(crate) tree: Option<(i64, Tree)>,
+    /// Cuts evaluated.
+    pub(crate) n_evaluated: u64,
+}
+
+/// Asks for the solution of a cut at a level (depth of the trees), until a stop; None when it was stopped.
+pub(crate) type Ask<'a> = dyn Fn(usize, &Cut, &Control) -> Option<SolvedCut> + Sync + 'a;
+
+/// Solver of cuts in other processes.
+pub(crate) struct Elsewhere<'a> {
+    /// Asks one of them, and waits.
+    pub(crate) ask: &'a Ask<'a>,
+    /// Cuts of a round; 0: as many as on one machine.
+    pub(crate) round: usize,
+}
+
+impl Elsewhere<'_> {
+    /// The children of a cut.
+    pub(crate) fn solve(&self, level: usize, cut: &Cut, control: &Control) -> Option<Children> {
+        let solved = (self.ask)(level, cut, control)?;
+        control.add(solved.n_evaluated);
+        Some(Children { bounds: solved.bounds, tree: solved.tree.map(|(cost, tree)| (cost, Plan::Whole(tree))) })
+    }
+}
+
+/// The other end: a problem ready for cuts of its root to be solved.
+pub struct CutSolver {
+    samples: Samples,
+    view: View,
+    switches: Switches,
+}
+
+impl CutSolver {
+    /// Of a problem, by the same numbering of samples as the search that asks.
+    pub fn new(problem: &Problem, switches: Switches) -> Self {
+        let smaller = if switches.merging { merged(problem) } else { None };
+        let samples = Samples::new(smaller.as_ref().map_or(problem, |(smaller, _)| smaller));
+        Self { view: View::root(&samples), samples, switches }
+    }
+
+    /// The children of a cut at a level; None when it was stopped.
+    pub(crate) fn solve(&self, level: usize, cut: &Cut, control: &Control) -> Option<SolvedCut> {
+        let mut search = Search::new(&self.samples, self.switches, control, level);
+        if level == 3 {
+            search.prepare(&self.view);
+        }
+        let children = search.children(&self.view, level, cut, &mut [View::default(), View::default()]);
+        search.report_effort();
+        let tree = children.tree.map(|(cost, plan)| (cost, plan.tree(&self.samples, &self.view)));
+        (!control.is_stopped()).then(|| SolvedCut { bounds: children.bounds, tree, n_evaluated: control.n_evaluated() })
+    }
+
+    /// Whether a cut is one of this problem.
+    pub(crate) fn has(&self, cut: &Cut) -> bool {
+        cut.feature < self.samples.p && 0 < cut.position && cut.position < self.view.len
+    }
+}

@@ -1,0 +1,118 @@
+"""A proof shared over processes: the tree, bound and evaluated cuts of one machine, also when a worker is killed."""
+
+import os
+import signal
+import threading
+import time
+from collections.abc import Iterator
+
+import numpy as np
+import pandas as pd
+import pytest
+from distributed import Client, LocalCluster
+
+from octmip import Limits, Problem, Stop
+from octmip.cli import main
+from octmip.cluster import Cluster, open_cluster
+from octmip.errors import DataError, SolverError
+from octmip.methods.exact import branch_and_bound
+from octmip.methods.shared_cuts import shared_problem, solve_cut
+
+
+@pytest.fixture(scope="module")
+def client() -> Iterator[Client]:
+    """Two processes with one thread each, on the loopback."""
+    options = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None, "host": "127.0.0.1"}
+    with LocalCluster(**options, silence_logs=50) as cluster, Client(cluster) as client:
+        yield client
+
+
+def hard(n: int = 400, depth: int = 3, **options: object) -> Problem:
+    rng = np.random.default_rng(5)
+    return Problem(rng.integers(0, 90, (n, 5)).astype(float), rng.integers(0, 3, n), depth=depth, **options)
+
+
+@pytest.mark.parametrize("options", [{}, {"leaf_size": 4}, {"sensor_budget": 2}, {"costs": np.arange(9).reshape(3, 3)}])
+def test_tree_bound_and_cuts_are_those_of_one_machine(client: Client, options: dict[str, object]) -> None:
+    problem = hard(150, **options)
+    alone = branch_and_bound(problem)
+    shared = branch_and_bound(problem, cluster=client)
+    assert (shared.tree, shared.bound, shared.stop) == (alone.tree, alone.bound, Stop.OPTIMAL)
+    assert shared.n_nodes == alone.n_nodes
+
+
+def test_a_worker_that_is_killed_costs_no_result(client: Client) -> None:
+    problem = hard(1200, 4)
+    alone = branch_and_bound(hard(1200, 3))
+    shared: list[object] = []
+    worker = threading.Thread(target=lambda: shared.append(branch_and_bound(hard(1200, 3), cluster=client)))
+    worker.start()
+    time.sleep(0.3)
+    pids = client.run(os.getpid)
+    os.kill(next(iter(pids.values())), signal.SIGKILL)
+    worker.join()
+    assert [(found.tree, found.bound, found.n_nodes) for found in shared] == [(alone.tree, alone.bound, alone.n_nodes)]
+    # A limit ends the search although cuts are still in work elsewhere.
+    start = time.perf_counter()
+    assert branch_and_bound(problem, cluster=client, limits=Limits(seconds=0.5)).stop is Stop.TIME
+    assert time.perf_counter() - start < 10
+
+
+def test_the_command_takes_the_address_of_a_scheduler(client: Client, tmp_path, capsys) -> None:
+    problem = hard(100)
+    frame = pd.DataFrame(problem.features, columns=list("abcde")).assign(y=problem.codes)
+    frame.to_csv(tmp_path / "data.csv", index=False)
+    words = [str(tmp_path / "data.csv"), "--label", "y", "--depth", "3", "--cluster", client.scheduler.address]
+    assert main(["solve", *words]) == 0
+    assert "optimal" in capsys.readouterr().out
+    assert main(["frontier", *words, "--over", "depth"]) == 0
+    assert main(["solve", *words, "--method", "search"]) == 2
+    assert "--cluster is for proofs of method 'exact'" in capsys.readouterr().err
+
+
+def test_nobody_at_an_address_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("octmip.cluster.PATIENCE", "0.2s")
+    with (
+        pytest.raises(DataError, match=r"no Dask scheduler answers at 'tcp://127.0.0.1:9'"),
+        open_cluster("tcp://127.0.0.1:9"),
+    ):
+        pass
+
+
+def test_what_a_task_raises_is_raised_here(client: Client, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("octmip._native.__version__", "0.0.0")
+    with pytest.raises(SolverError, match=r"a worker has octmip .*; expected 0.0.0"):
+        branch_and_bound(hard(100), cluster=client)
+
+
+def test_a_task_that_is_lost_each_time_is_given_up(client: Client, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("octmip.cluster.MOST_LOST", 1)
+    cluster = Cluster(client)
+    task = cluster.submit(len, cluster.share("shared"))
+    while not task.done():
+        time.sleep(0.01)
+    assert task.result() == 6
+    task = cluster.submit(len, cluster.share("shared"))
+    task.cancel()
+    while not task.done():
+        time.sleep(0.01)
+    assert (task.result(), cluster.n_lost) == (6, 1)
+    for _ in range(2):
+        task = cluster.submit(time.sleep, cluster.share(5))
+        task.future.cancel()
+        task.n_lost = 1
+    with pytest.raises(SolverError, match="lost with its worker 1 times"):
+        task.result()
+
+
+def test_a_cut_of_another_problem_is_refused() -> None:
+    arguments = (
+        np.zeros((1, 3), np.uint32),
+        [1],
+        np.zeros(3, np.uint32),
+        np.ones(3, np.int64),
+        np.eye(2, dtype=np.int64),
+    )
+    problem = shared_problem((*arguments, 0, 3, 1, [0], [1.0], 5.0, [True], None), [])
+    with pytest.raises(ValueError, match="feature 0 has no cut at 2"):
+        solve_cut(problem, 3, (0, 2, 0, 0, 5, 0))
