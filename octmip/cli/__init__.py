@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from importlib.metadata import version
 
 from octmip.cli.arguments import Parser
-from octmip.cli.signals import Heard, term_as_interrupt
+from octmip.cli.stages import Heard, term_as_interrupt
 from octmip.errors import CertificateError, DataError, OctmipError, SolverError
 from octmip.formats.names import visible
 

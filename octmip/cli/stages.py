@@ -1,5 +1,10 @@
-"""Stages of a long command on a terminal, and a Ctrl-C that is heard within a second whatever is being computed."""
+"""Stages of a long command on a terminal, and signals that are heard within a second whatever is being computed.
 
+SIGTERM, which batch systems and service managers send before they kill, is heard as Ctrl-C: a search returns its best
+tree and bound, which the command shows and writes.
+"""
+
+import contextlib
 import os
 import select
 import shutil
@@ -8,11 +13,13 @@ import socket
 import sys
 import threading
 import time
-from types import TracebackType
+from collections.abc import Iterator
+from types import FrameType, TracebackType
 
-from octmip.cli.signals import INTERRUPTED, TERMINATED
 from octmip.formats.names import visible
 
+INTERRUPTED, TERMINATED = 130, 143
+"""Exit codes of a program that ended by SIGINT and by SIGTERM without a result: 128 and the number of the signal."""
 TICK = 0.5
 """Seconds between two lines of progress."""
 PATIENCE = 0.5
@@ -93,3 +100,34 @@ class StageLine:
         self._told.close()
         self._ear.close()
         self._clear()
+
+
+class Heard:
+    """Whether SIGTERM was heard."""
+
+    def __init__(self) -> None:
+        self.is_termination = False
+
+    @property
+    def exit_code(self) -> int:
+        """The exit code of a command that was interrupted without a result."""
+        return TERMINATED if self.is_termination else INTERRUPTED
+
+
+@contextlib.contextmanager
+def term_as_interrupt() -> Iterator[Heard]:
+    """Raise `KeyboardInterrupt` on SIGTERM, too, inside; yields what was heard. Only the main thread can do so."""
+    heard = Heard()
+    if threading.current_thread() is not threading.main_thread():  # only there does Python hear signals
+        yield heard
+        return
+
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        heard.is_termination = True
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGTERM, interrupt)
+    try:
+        yield heard
+    finally:
+        signal.signal(signal.SIGTERM, before)

@@ -13,7 +13,7 @@ import pytest
 
 from octmip import Solution, solve
 from octmip.cli import main
-from octmip.cli.signals import term_as_interrupt
+from octmip.cli.stages import term_as_interrupt
 
 
 @pytest.fixture
