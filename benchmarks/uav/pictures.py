@@ -26,7 +26,7 @@ def wing_picture(wing: Wing, used: dict[str, Sequence[str]]) -> Figure:
             place = (position[1], -position[0])
             axis.plot(*place, "o", ms=8 if is_used else 4, color=ACCENT if is_used else QUIET)
             if is_used:  # neighbours stand closer than their names are wide, so the names stand upright, off the wing
-                style = {"ha": "center", "va": "bottom", "fontsize": 8, "rotation": 90}
+                style = {"ha": "center", "va": "bottom", "fontsize": 6.5, "rotation": 90}
                 arrow = {"arrowstyle": "-", "color": QUIET, "lw": 0.8, "shrinkB": 4}
                 axis.annotate(name, place, (place[0], NAME_HEIGHT), arrowprops=arrow, **style)
         axis.set_title(title, loc="left", fontsize=10)
