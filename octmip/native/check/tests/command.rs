@@ -26,7 +26,8 @@ fn run(name: &str, log: Option<&str>, problem: Option<&str>) -> (Option<i32>, St
         text.into_iter().for_each(|text| std::fs::write(folder.join(name), text).expect("a file"));
         folder.join(name)
     });
-    let done = Command::new(env!("CARGO_BIN_EXE_octmip-check")).args(files).output().expect("the command runs");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_octmip-check"));
+    let done = command.args(files).args(["--threads", "2"]).output().expect("the command runs");
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("text");
     (done.status.code(), text(done.stdout), text(done.stderr))
 }
@@ -98,8 +99,14 @@ fn other_arguments_are_refused_with_the_usage() {
     let done = Command::new(env!("CARGO_BIN_EXE_octmip-check")).arg("one").output().expect("the command runs");
     let err = String::from_utf8_lossy(&done.stderr).into_owned();
     assert_eq!(done.status.code(), Some(2));
-    assert!(
-        err.starts_with("octmip-check: got 1 arguments, expected 2; usage: octmip-check LOG PROBLEM.json"),
-        "{err}"
-    );
+    let sentence =
+        "octmip-check: got 1 arguments, expected 2, or 4 with --threads; usage: octmip-check LOG PROBLEM.json";
+    assert!(err.starts_with(sentence), "{err}");
+    for number in ["0", "many", "-1", "1025", "99999999999999999999"] {
+        let arguments = ["proof.log", "problem.json", "--threads", number];
+        let done = Command::new(env!("CARGO_BIN_EXE_octmip-check")).args(arguments).output().expect("the command runs");
+        let err = String::from_utf8_lossy(&done.stderr).into_owned();
+        assert_eq!(done.status.code(), Some(2));
+        assert!(err.contains(&format!("got {number:?} threads, expected 1 to 1024")), "{err}");
+    }
 }
