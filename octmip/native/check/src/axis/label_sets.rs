@@ -1,8 +1,8 @@
 //! What samples cost at least in a tree of so many levels, by the labels that it may give.
 //!
 //! A tree of d levels gives the labels of some set A of `2^d` at most, and then a sample of class c costs the cheapest
-//! label of A for c, or more. So the least over all such sets of what the samples cost is a bound of every tree, without
-//! penalties. Proofs: docs/theory/proof.md, (4).
+//! label of A for c, or more. So the least over all such sets of what the samples cost is a bound of every tree,
+//! without penalties. Proofs: docs/theory/proof.md, (4).
 
 use crate::problem::Problem;
 

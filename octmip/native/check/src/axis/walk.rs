@@ -51,8 +51,8 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Read a record that every tree of `depth` levels on the samples of a place costs the bound that it names, which is
-    /// returned; check it, or set it aside.
+    /// Read a record that every tree of `depth` levels on the samples of a place costs the bound that it names; check
+    /// it, or set it aside. Returns the bound.
     fn node(&mut self, place: Arc<Place>, depth: usize) -> Checked<i64> {
         let begin = self.cursor;
         let (line, bound) = self.checker.claim(&mut self.cursor, depth)?;
