@@ -101,30 +101,31 @@ impl Checker<'_> {
         }
         let mut saved = [[of::<T>(0); LANES]; 2];
         for (order, cuts) in orders.iter().zip(cuts) {
-            let n = order.len();
-            let backwards: Vec<usize> = cuts.iter().rev().map(|k| n - k).collect();
-            let first = self.saved(order.iter(), cuts, &is_in, savings);
-            let last = self.saved(order.iter().rev(), &backwards, &is_in, savings);
+            let (n, mut first, mut c) = (order.len(), Vec::with_capacity(cuts.len()), cuts.len());
+            self.saved(order.iter(), cuts, &is_in, savings, |best| first.push(*best));
             let is_wide = self.are_wide(order, cuts, &is_in);
-            for (c, (first, last)) in first.iter().zip(last.iter().rev()).enumerate() {
+            let backwards: Vec<usize> = cuts.iter().rev().map(|k| n - k).collect();
+            self.saved(order.iter().rev(), &backwards, &is_in, savings, |last| {
+                c -= 1;
                 for side in 0..2 {
-                    let mut both = std::array::from_fn(|lane| first[side][lane] + last[side][lane]);
+                    let mut both = std::array::from_fn(|lane| first[c][side][lane] + last[side][lane]);
                     if let Some(is_wide) = &is_wide {
                         both = std::array::from_fn(|lane| both[lane] & is_wide[c][side][lane]);
                     }
                     raise(&mut saved[side], &both);
                 }
-            }
+            });
         }
         let all = &orders[self.q.p];
-        let one_leaf = self.saved(all.iter(), &[all.len()], &is_in, savings);
+        let mut one_leaf = [[of::<T>(0); LANES]; 2];
+        self.saved(all.iter(), &[all.len()], &is_in, savings, |best| one_leaf = *best);
         let worst_of = |ids: &[u32]| ids.iter().map(|&i| self.worst[i as usize]).sum::<i64>();
         let cost = |(lane, set): (usize, &&[u32])| {
             let left = worst_of(set);
             let worst = [left, worst_of(all) - left];
             [0, 1].map(|side| {
                 let split = worst[side] - saved[side][lane].into() + self.q.penalty;
-                split.min(worst[side] - one_leaf[0][side][lane].into())
+                split.min(worst[side] - one_leaf[side][lane].into())
             })
         };
         sets.iter().enumerate().map(cost).collect()
@@ -132,13 +133,14 @@ impl Checker<'_> {
 
     /// For each cut and side the lanes, all of their bits, in which both leaves hold enough samples; None if any do.
     fn are_wide<T: Lane>(&self, order: &[u32], cuts: &[usize], is_in: &[Lanes<T>]) -> Option<Vec<[Lanes<T>; 2]>> {
-        let leaf = self.q.leaf_size as i64;
+        let leaf = self.q.leaf_size.min(self.q.n + 1) as i64;
         if leaf == 1 {
             return None;
         }
         let ones = Savings::new((0..self.q.n).map(|_| &[(0, 1)][..]));
         let stops: Vec<usize> = cuts.iter().copied().chain([order.len()]).collect();
-        let mut sizes = self.saved(order.iter(), &stops, is_in, &ones);
+        let mut sizes = Vec::with_capacity(stops.len());
+        self.saved(order.iter(), &stops, is_in, &ones, |size| sizes.push(*size));
         let all = sizes.pop().unwrap_or([[of(0); LANES]; 2]);
         let is_wide = |size: i64, all: i64| of(if size >= leaf && all - size >= leaf { -1 } else { 0 });
         let wide = |sizes: &[Lanes<T>; 2]| {
@@ -156,10 +158,11 @@ impl Checker<'_> {
         stops: &[usize],
         is_in: &[Lanes<T>],
         by: &Savings<T>,
-    ) -> Vec<[Lanes<T>; 2]> {
+        mut see: impl FnMut(&[Lanes<T>; 2]),
+    ) {
         let mut best = [[of(0); LANES]; 2];
         let (mut all, mut inside) = (vec![of::<T>(0); self.q.n_classes], vec![best[0]; self.q.n_classes]);
-        let (mut found, mut n_counted) = (Vec::with_capacity(stops.len()), 0);
+        let mut n_counted = 0;
         for &stop in stops {
             for &i in order.by_ref().take(stop - n_counted) {
                 let is_in = &is_in[i as usize];
@@ -172,8 +175,7 @@ impl Checker<'_> {
                 }
             }
             n_counted = stop;
-            found.push(best);
+            see(&best);
         }
-        found
     }
 }
