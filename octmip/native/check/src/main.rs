@@ -61,11 +61,13 @@ fn threads(word: &str) -> Option<usize> {
 fn run(log: &Path, problem: &Path, n_threads: usize) -> Result<Result<(Report, f64), Refusal>, String> {
     let start = Instant::now();
     let text = read(log, "a proof log of octmip solve --proof")?;
+    let text = String::from_utf8_lossy(&text);
     let file = read(problem, "a problem file of octmip solve --write-problem")?;
-    let fault = |reason| {
+    let fault = |reason: String| {
         let path = problem.display();
         format!("{path}: {reason}; expected a problem file; write it again with octmip solve --write-problem")
     };
+    let file = String::from_utf8(file).map_err(|error| fault(format!("the file is no UTF-8 ({error})")))?;
     let checked = if RegressionQuestion::is_file(&file) {
         regression::check(&RegressionQuestion::from_json(&file).map_err(fault)?, &text)
     } else {
@@ -74,10 +76,9 @@ fn run(log: &Path, problem: &Path, n_threads: usize) -> Result<Result<(Report, f
     Ok(checked.map(|report| (report, start.elapsed().as_secs_f64())))
 }
 
-fn read(path: &Path, expected: &str) -> Result<String, String> {
+fn read(path: &Path, expected: &str) -> Result<Vec<u8>, String> {
     let fault = |error| format!("{}: {error}; expected {expected}; check the path", path.display());
-    let bytes = std::fs::read(path).map_err(fault)?;
-    Ok(String::from_utf8_lossy(&bytes).into_owned())
+    std::fs::read(path).map_err(fault)
 }
 
 fn verified(report: &Report, seconds: f64) -> String {

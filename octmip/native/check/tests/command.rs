@@ -20,6 +20,10 @@ fn log(claim: i64) -> String {
 
 /// Write the files, unless they are none, and run the command: exit code, standard output, standard error.
 fn run(name: &str, log: Option<&str>, problem: Option<&str>) -> (Option<i32>, String, String) {
+    run_bytes(name, log.map(str::as_bytes), problem.map(str::as_bytes))
+}
+
+fn run_bytes(name: &str, log: Option<&[u8]>, problem: Option<&[u8]>) -> (Option<i32>, String, String) {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
     std::fs::create_dir_all(&folder).expect("a folder");
     let files = [("proof.log", log), ("problem.json", problem)].map(|(name, text)| {
@@ -92,6 +96,15 @@ fn files_that_cannot_be_used_are_named() {
     assert!(err.starts_with("octmip-check: ") && err.contains(sentence), "{err}");
     let (code, _, err) = run("missing", None, Some(PROBLEM));
     assert!(code == Some(2) && err.contains("expected a proof log of octmip solve --proof; check the path"), "{err}");
+}
+
+#[test]
+fn a_problem_file_of_bytes_that_are_no_text_is_named() {
+    let file = PROBLEM.replace("\"a\", \"b\"", "\"a\", \"?\"");
+    let bytes: Vec<u8> = file.bytes().map(|byte| if byte == b'?' { 0xbe } else { byte }).collect();
+    let (code, out, err) = run_bytes("bytes", Some(log(1).as_bytes()), Some(&bytes));
+    assert_eq!((code, out.as_str()), (Some(2), ""));
+    assert!(err.contains("problem.json: the file is no UTF-8 (invalid utf-8 sequence of 1 bytes from index "), "{err}");
 }
 
 #[test]

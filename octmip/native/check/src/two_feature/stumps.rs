@@ -7,7 +7,7 @@ use super::checker::{Checker, MOST, SlopeInterval, Tally};
 use super::region::EPS;
 
 /// Slope intervals no wider than this are not sifted any finer. Bands are halved where that is needed, while each
-/// interval costs a pass over the samples at least: with 1/24 checks took 1.3 to 4 times as long.
+/// interval costs a pass over the samples at least: with 1/32 checks took 1.3 to 4 times as long.
 const NARROW: f64 = 1.0;
 /// Most different points whose dichotomies are tried before a band is split (at the end of splitting `MOST`, or any
 /// number on one line).
