@@ -81,7 +81,7 @@ def check_proof(
 ) -> ProofReport:
     """Check that a log proves a bound of every tree of a problem; refuse one that proves less than `bound`.
 
-    `n_jobs` threads check logs of two-feature trees; the checkers of axis-aligned ones, made to be read, use one.
+    `n_jobs` threads check the parts of a log; that of a regression tree takes one.
 
     Raises
     ------

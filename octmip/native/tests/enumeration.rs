@@ -4,11 +4,12 @@ mod oracle;
 
 use _native::control::Limits;
 use _native::exact;
+use _native::problem::Problem;
 use _native::search;
 use _native::two_feature;
 use octmip_check::check;
 use octmip_check::question::Question;
-use oracle::{Case, cost_of, optimum, random_case};
+use oracle::{Case, case_of_many_labels, cost_of, optimum, random_case};
 
 /// So many problems of each kind.
 const N_CASES: u64 = 45;
@@ -26,6 +27,29 @@ fn log_of(question: &Question, claim: i64, body: &str) -> String {
     format!("octmip-proof 3{kind}\ndata {data}\nquestion {asked}\ngrid 0 0\nclaim {claim}\n{body}end\n")
 }
 
+/// The solver's log proves the optimum and not one more, on any number of threads.
+fn assert_proves(problem: &Problem, question: &Question, best: i64, switches: exact::Switches, seed: u64) {
+    let name = format!("depth {}, seed {seed}", problem.depth);
+    let body = exact::write_proof(problem, best, switches, &exact::Control::new()).expect("a proof");
+    for n_threads in [1, 2] {
+        let report = check(question, &log_of(question, best, &body), n_threads);
+        assert_eq!(report.map(|report| report.bound), Ok(best as f64), "{name}");
+        assert!(check(question, &log_of(question, best + 1, &body), n_threads).is_err(), "{name}");
+    }
+}
+
+#[test]
+fn logs_of_cost_matrices_prove_what_the_best_of_all_trees_costs() {
+    for depth in 1..=3 {
+        for seed in 0..4 * N_CASES {
+            let rng = &mut fastrand::Rng::with_seed(9000 * depth as u64 + seed);
+            let Case { problem, question } = case_of_many_labels(rng, depth);
+            let best = optimum(&problem);
+            assert_proves(&problem, &question, best, exact::Switches::default(), seed);
+        }
+    }
+}
+
 #[test]
 fn exact_trees_cost_what_the_best_of_all_trees_does() {
     for depth in 1..=3 {
@@ -36,11 +60,7 @@ fn exact_trees_cost_what_the_best_of_all_trees_does() {
             let best = optimum(&problem);
             assert_eq!((found.objective, found.bound), (best, best), "depth {depth}, seed {seed}");
             assert_eq!(cost_of(&problem, &found.tree), Some(best), "depth {depth}, seed {seed}");
-            let control = exact::Control::new();
-            let body = exact::write_proof(&problem, best, exact::Switches::default(), &control).expect("a proof");
-            let report = check(&question, &log_of(&question, best, &body), 1);
-            assert_eq!(report.map(|report| report.bound), Ok(best as f64), "depth {depth}, seed {seed}");
-            assert!(check(&question, &log_of(&question, best + 1, &body), 1).is_err(), "depth {depth}, seed {seed}");
+            assert_proves(&problem, &question, best, exact::Switches::default(), seed);
         }
     }
 }

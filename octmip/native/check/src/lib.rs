@@ -11,6 +11,7 @@
 //! | `log` | lines of a log and its header: whole numbers, none above the true cost |
 //! | `numbers` | exact arithmetic |
 //! | `problem`, `ranked` | the problem in ranks and whole numbers, as checkers and solvers hold it |
+//! | `threads` | independent parts of a proof, checked on several threads |
 //! | `axis` | the checker of logs of axis-aligned trees |
 //! | `regression` | the checker of logs of regression trees |
 //! | `two_feature` | the checker of logs of two-feature trees |
@@ -26,6 +27,7 @@ pub mod problem;
 mod ranked;
 mod refusal;
 pub mod regression;
+mod threads;
 pub mod two_feature;
 
 pub use input::question;
@@ -46,7 +48,7 @@ pub struct Report {
     pub claim_line: usize,
 }
 
-/// Check a log of a problem (as [`Question::validated`] returns it), one of two-feature trees on so many threads.
+/// Check a log of a problem (as [`Question::validated`] returns it), on so many threads.
 pub fn check(question: &Question, log: &str, n_threads: usize) -> Result<Report, Refusal> {
     let lines: Vec<&str> = log.lines().collect();
     let mut cursor = Cursor::new(&lines);
@@ -55,7 +57,7 @@ pub fn check(question: &Question, log: &str, n_threads: usize) -> Result<Report,
     if question.is_hyperplane {
         two_feature::check(&problem, cursor, header.claim, n_threads)?;
     } else {
-        axis::check(&problem, cursor, header.claim)?;
+        axis::check(&problem, cursor, header.claim, n_threads)?;
     }
     Ok(Report { bound: header.costs.value(header.claim), n_lines: lines.len(), claim_line: header.line })
 }

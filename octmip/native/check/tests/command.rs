@@ -20,13 +20,18 @@ fn log(claim: i64) -> String {
 
 /// Write the files, unless they are none, and run the command: exit code, standard output, standard error.
 fn run(name: &str, log: Option<&str>, problem: Option<&str>) -> (Option<i32>, String, String) {
+    run_bytes(name, log.map(str::as_bytes), problem.map(str::as_bytes))
+}
+
+fn run_bytes(name: &str, log: Option<&[u8]>, problem: Option<&[u8]>) -> (Option<i32>, String, String) {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
     std::fs::create_dir_all(&folder).expect("a folder");
     let files = [("proof.log", log), ("problem.json", problem)].map(|(name, text)| {
         text.into_iter().for_each(|text| std::fs::write(folder.join(name), text).expect("a file"));
         folder.join(name)
     });
-    let done = Command::new(env!("CARGO_BIN_EXE_octmip-check")).args(files).output().expect("the command runs");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_octmip-check"));
+    let done = command.args(files).args(["--threads", "2"]).output().expect("the command runs");
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("text");
     (done.status.code(), text(done.stdout), text(done.stderr))
 }
@@ -94,12 +99,27 @@ fn files_that_cannot_be_used_are_named() {
 }
 
 #[test]
+fn a_problem_file_of_bytes_that_are_no_text_is_named() {
+    let file = PROBLEM.replace("\"a\", \"b\"", "\"a\", \"?\"");
+    let bytes: Vec<u8> = file.bytes().map(|byte| if byte == b'?' { 0xbe } else { byte }).collect();
+    let (code, out, err) = run_bytes("bytes", Some(log(1).as_bytes()), Some(&bytes));
+    assert_eq!((code, out.as_str()), (Some(2), ""));
+    assert!(err.contains("problem.json: the file is no UTF-8 (invalid utf-8 sequence of 1 bytes from index "), "{err}");
+}
+
+#[test]
 fn other_arguments_are_refused_with_the_usage() {
     let done = Command::new(env!("CARGO_BIN_EXE_octmip-check")).arg("one").output().expect("the command runs");
     let err = String::from_utf8_lossy(&done.stderr).into_owned();
     assert_eq!(done.status.code(), Some(2));
-    assert!(
-        err.starts_with("octmip-check: got 1 arguments, expected 2; usage: octmip-check LOG PROBLEM.json"),
-        "{err}"
-    );
+    let sentence =
+        "octmip-check: got 1 arguments, expected 2, or 4 with --threads; usage: octmip-check LOG PROBLEM.json";
+    assert!(err.starts_with(sentence), "{err}");
+    for number in ["0", "many", "-1", "1025", "99999999999999999999"] {
+        let arguments = ["proof.log", "problem.json", "--threads", number];
+        let done = Command::new(env!("CARGO_BIN_EXE_octmip-check")).args(arguments).output().expect("the command runs");
+        let err = String::from_utf8_lossy(&done.stderr).into_owned();
+        assert_eq!(done.status.code(), Some(2));
+        assert!(err.contains(&format!("got {number:?} threads, expected 1 to 1024")), "{err}");
+    }
 }

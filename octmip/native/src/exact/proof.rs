@@ -23,7 +23,6 @@ pub fn write(problem: &Problem, claim: i64, switches: Switches, control: &Contro
         None => Samples::new(problem),
     };
     let upper = claim - samples.base.iter().sum::<i64>();
-    let switches = Switches { mixed_labels: switches.mixed_labels && is_plain(problem), ..switches };
     let mut out = Body::default();
     if problem.sensor_cost.iter().sum::<f64>() > problem.sensor_limit {
         let sets = Sets::new(problem, &samples, switches, control, None, upper);
@@ -48,15 +47,6 @@ pub(crate) fn record(
     let result = search.solve(&view, depth, upper, i64::MIN);
     let record = search.log.as_mut().and_then(Log::take);
     record.filter(|_| result.lower >= upper && !control.is_stopped())
-}
-
-/// Whether all mistakes on a class cost the same: then labels are classes, for the checker as for the search.
-fn is_plain(problem: &Problem) -> bool {
-    (0..problem.n_classes).all(|class| {
-        let mut wrong = (0..problem.n_classes).filter(|&k| k != class).map(|k| problem.cost(class, k));
-        let first = wrong.next().unwrap_or(1);
-        wrong.all(|cost| cost == first) && first > problem.cost(class, class)
-    })
 }
 
 impl Sets<'_> {

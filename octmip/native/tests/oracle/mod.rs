@@ -44,6 +44,24 @@ pub fn random_case(rng: &mut fastrand::Rng, depth: usize, split_size: usize) -> 
     Case { problem: problem_of(&question), question }
 }
 
+/// The same with four to six classes and up to ten samples: costs are distances of the classes, or drawn without any
+/// order, so that the cheapest label of a class may be another one, and labels cover one another.
+pub fn case_of_many_labels(rng: &mut fastrand::Rng, depth: usize) -> Case {
+    let mut question = random_case(rng, depth, 1).question;
+    let (k, n) = (rng.usize(4..7), rng.usize(6..11));
+    let distance = |e: usize| (e / k).abs_diff(e % k) as f64;
+    question.costs = (0..k * k).map(|e| if rng.u64(0..3) > 0 { distance(e) } else { 0.0 }).collect();
+    if rng.bool() {
+        question.costs = (0..k * k).map(|_| f64::from(rng.i32(0..5))).collect();
+    }
+    question.features = (0..n * question.p).map(|_| f64::from(rng.i32(0..4))).collect();
+    question.labels = (0..n).map(|_| rng.u32(0..k as u32)).collect();
+    question.weights = (0..n).map(|_| f64::from(rng.i32(1..4))).collect();
+    (question.n, question.n_classes) = (n, k);
+    let question = question.validated().expect("a valid problem");
+    Case { problem: problem_of(&question), question }
+}
+
 fn problem_of(question: &Question) -> Problem {
     let column = |f: usize| (0..question.n).map(move |i| question.features[i * question.p + f] as usize);
     let distinct: Vec<Vec<usize>> =

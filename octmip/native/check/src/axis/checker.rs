@@ -1,6 +1,8 @@
-//! The state of checking: the problem, the place in the log, samples in the order of each feature.
+//! What all nodes of a log are checked against: the problem, what its samples cost, its samples in order.
 
-use crate::log::cursor::Cursor;
+use std::sync::Arc;
+
+use super::label_sets::{LabelSets, labels_worth_giving};
 use crate::problem::Problem;
 
 /// Samples in the order of each feature (empty unless it is in play), and last all of them anyhow.
@@ -8,7 +10,13 @@ pub(super) type Orders = Vec<Vec<u32>>;
 /// A solved cut: feature, number of samples to the left, bounds of the two sides.
 pub(super) type Cut = (usize, usize, [i64; 2]);
 
-/// A problem, what its samples cost, and the log that is read.
+/// The samples of a node: all of them, with the features that may be read, or one side of a cut of other samples.
+pub(super) enum Place {
+    Root(Vec<bool>),
+    Side { whole: Arc<Place>, feature: usize, cut: usize, is_left: bool },
+}
+
+/// A problem, and what its samples cost.
 pub(super) struct Checker<'a> {
     pub(super) q: &'a Problem,
     /// Cost of each sample under its most expensive label.
@@ -17,43 +25,60 @@ pub(super) struct Checker<'a> {
     pub(super) savings: Vec<Vec<(usize, i64)>>,
     /// No sum is larger.
     pub(super) most: i64,
-    pub(super) cursor: Cursor<'a>,
+    /// The labels that trees of 0, 1, 2 and so on levels may give.
+    pub(super) label_sets: Vec<LabelSets>,
+    /// All samples in the order of each feature that may be used, and last in their own.
+    sorted: Orders,
 }
 
 impl<'a> Checker<'a> {
-    /// A checker at the beginning of the body of a log.
-    pub(super) fn new(q: &'a Problem, cursor: Cursor<'a>) -> Self {
+    /// The checker of a problem.
+    pub(super) fn new(q: &'a Problem) -> Self {
         let cost = |i: usize, k| q.weights[i] * q.cost(q.labels[i] as usize, k);
         let worst = |i| (0..q.n_classes).map(|k| cost(i, k)).max().unwrap_or(0);
         let saving = |i, k| Some((k, worst(i) - cost(i, k))).filter(|saving| saving.1 > 0);
         let savings = |i| (0..q.n_classes).filter_map(|k| saving(i, k)).collect();
+        let labels = labels_worth_giving(q);
         Self {
             q,
             most: (0..q.n).map(worst).sum::<i64>().max(2 * q.n as i64 + 1),
             worst: (0..q.n).map(worst).collect(),
             savings: (0..q.n).map(savings).collect(),
-            cursor,
+            label_sets: (0..=q.depth).map(|depth| LabelSets::new(q, &labels, depth)).collect(),
+            sorted: sorted(q),
         }
     }
 }
 
+/// All samples in the order of each feature that may be used, and last in their own.
+fn sorted(q: &Problem) -> Orders {
+    let order = |f: usize| {
+        let mut order: Vec<u32> = (0..if q.allowed[f] { q.n as u32 } else { 0 }).collect();
+        order.sort_by_key(|&i| q.feature(f)[i as usize]);
+        order
+    };
+    (0..q.p).map(order).chain([(0..q.n as u32).collect()]).collect()
+}
+
 impl Checker<'_> {
-    /// All samples, in the order of each feature that may be used and read.
-    pub(super) fn orders(&self, may_read: &[bool]) -> Orders {
-        let q = self.q;
-        let order = |f: usize| {
-            let in_play = q.allowed[f] && may_read[q.sensor_of_feature[f] as usize];
-            let mut order: Vec<u32> = (0..if in_play { q.n as u32 } else { 0 }).collect();
-            order.sort_by_key(|&i| q.feature(f)[i as usize]);
-            order
-        };
-        let mut orders: Orders = (0..q.p).map(order).collect();
-        orders.push((0..q.n as u32).collect());
-        orders
+    /// The samples of a place, in the order of each feature in play.
+    pub(super) fn orders(&self, place: &Place) -> Orders {
+        match place {
+            Place::Root(may_read) => {
+                let q = self.q;
+                let is_in_play = |f: usize| f == q.p || may_read[q.sensor_of_feature[f] as usize];
+                let order = |(f, order): (usize, &Vec<u32>)| if is_in_play(f) { order.clone() } else { Vec::new() };
+                self.sorted.iter().enumerate().map(order).collect()
+            }
+            Place::Side { whole, feature, cut, is_left } => {
+                let orders = self.orders(whole);
+                self.part(&orders, &orders[*feature][..*cut], *is_left)
+            }
+        }
     }
 
     /// The samples of one side: the `left` ones, or all the others.
-    pub(super) fn part(&self, orders: &Orders, left: &[u32], is_left: bool) -> Orders {
+    fn part(&self, orders: &Orders, left: &[u32], is_left: bool) -> Orders {
         let mut kept = vec![!is_left; self.q.n];
         left.iter().for_each(|&i| kept[i as usize] = is_left);
         orders.iter().map(|order| order.iter().copied().filter(|&i| kept[i as usize]).collect()).collect()
@@ -63,10 +88,5 @@ impl Checker<'_> {
     pub(super) fn is_between(&self, feature: usize, order: &[u32], cut: usize) -> bool {
         let rank = |k: usize| self.q.feature(feature)[order[k] as usize];
         0 < cut && cut < order.len() && rank(cut - 1) != rank(cut)
-    }
-
-    /// Count one sample.
-    pub(super) fn join(&self, classes: &mut [i64], sample: u32) {
-        classes[self.q.labels[sample as usize] as usize] += self.q.weights[sample as usize];
     }
 }

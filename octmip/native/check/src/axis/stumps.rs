@@ -1,82 +1,181 @@
-//! The cheapest trees of one split, counted for many parts of the samples side by side.
+//! The cheapest trees of one split, counted for many cuts of the samples side by side.
 
-use std::ops::Add;
+use std::ops::{Add, BitAnd, Sub};
 
 use super::checker::{Checker, Orders};
 
-/// Number of parts of the samples that are counted at once.
+/// Number of cuts whose two sides are counted at once.
 const LANES: usize = 64;
 type Lanes<T> = [T; LANES];
 
 /// A number in a lane: the narrower, the more are counted in one step of the machine.
-trait Lane: Copy + Default + Ord + Add<Output = Self> + TryFrom<i64> + Into<i64> {}
+trait Lane:
+    Copy + Default + Ord + Add<Output = Self> + Sub<Output = Self> + BitAnd<Output = Self> + TryFrom<i64> + Into<i64>
+{
+}
 impl Lane for i16 {}
 impl Lane for i32 {}
 impl Lane for i64 {}
 
+fn of<T: Lane>(number: i64) -> T {
+    T::try_from(number).unwrap_or_default()
+}
+
+/// Raise numbers to others that are larger.
+fn raise<T: Lane>(most: &mut Lanes<T>, others: &Lanes<T>) {
+    most.iter_mut().zip(others).for_each(|(most, other)| *most = *other.max(most));
+}
+
+/// Labels that save something of each sample, and how much, one sample after the other.
+struct Savings<T> {
+    ends: Vec<usize>,
+    entries: Vec<(usize, T)>,
+}
+
+impl<T: Lane> Savings<T> {
+    fn new<'s>(samples: impl Iterator<Item = &'s [(usize, i64)]>) -> Self {
+        let (mut ends, mut entries) = (vec![0], Vec::new());
+        for own in samples {
+            entries.extend(own.iter().map(|&(label, saving)| (label, of::<T>(saving))));
+            ends.push(entries.len());
+        }
+        Self { ends, entries }
+    }
+
+    fn of(&self, sample: u32) -> &[(usize, T)] {
+        let i = sample as usize;
+        &self.entries[self.ends[i]..self.ends[i + 1]]
+    }
+}
+
 impl Checker<'_> {
-    /// The cheapest trees of one split at most, on parts of the samples.
-    pub(super) fn stumps(&self, orders: &Orders, parts: &[&[u32]]) -> Vec<i64> {
-        let count = match self.most {
-            ..0x8000 => Self::count::<i16>,
-            0x8000..0x8000_0000 => Self::count::<i32>,
-            _ => Self::count::<i64>,
-        };
-        parts.chunks(LANES).flat_map(|parts| count(self, orders, parts)).collect()
+    /// The cheapest trees of one split at most, on sets of the samples and on what is left outside each set.
+    pub(super) fn stumps(&self, orders: &Orders, sets: &[&[u32]]) -> Vec<[i64; 2]> {
+        match self.most {
+            ..0x8000 => self.stumps_in::<i16>(orders, sets),
+            0x8000..0x8000_0000 => self.stumps_in::<i32>(orders, sets),
+            _ => self.stumps_in::<i64>(orders, sets),
+        }
     }
 
-    /// The same for as many parts as there are lanes. What a tree costs is what its samples cost under their most
+    /// The same in numbers of one width, no sum too large for it.
+    fn stumps_in<T: Lane>(&self, orders: &Orders, sets: &[&[u32]]) -> Vec<[i64; 2]> {
+        let cuts: Vec<Vec<usize>> = (0..self.q.p).map(|f| self.cuts_to_count(f, &orders[f])).collect();
+        let savings = Savings::<T>::new(self.savings.iter().map(Vec::as_slice));
+        sets.chunks(LANES).flat_map(|sets| self.count(orders, &cuts, &savings, sets)).collect()
+    }
+
+    /// The cuts of a feature that may be the best of some part of the samples, ascending.
+    ///
+    /// Where leaves may have any size, a cut between samples of one class is left out. As the cut moves on through a
+    /// run of one class, what each label saves on either side moves in a straight line; the most of several straight
+    /// lines is convex, and so is the sum of both sides. So inside the run no cut saves more than at both of its ends,
+    /// in every part of the samples; and an end of all the samples is no split, but one leaf, which is counted too.
+    fn cuts_to_count(&self, f: usize, order: &[u32]) -> Vec<usize> {
+        let cuts = (1..order.len()).filter(|&k| self.is_between(f, order, k));
+        let ends: Vec<usize> = [0].into_iter().chain(cuts).chain([order.len()]).collect();
+        let label = |&i: &u32| self.q.labels[i as usize];
+        let only_label = |values: &[usize]| {
+            let block = &order[values[0]..values[1]];
+            block.iter().all(|i| label(i) == label(&block[0])).then(|| label(&block[0]))
+        };
+        let is_inside_run = |around: &[usize]| {
+            let labels = [only_label(&around[..2]), only_label(&around[1..])];
+            self.q.leaf_size == 1 && labels[0].is_some() && labels[0] == labels[1]
+        };
+        ends.windows(3).filter(|around| !is_inside_run(around)).map(|around| around[1]).collect()
+    }
+
+    /// The same for as many sets as there are lanes. What a tree costs is what its samples cost under their most
     /// expensive labels, less what the best labels on both sides save of that.
-    fn count<T: Lane>(&self, orders: &Orders, parts: &[&[u32]]) -> Vec<i64> {
-        let of = |number: i64| T::try_from(number).unwrap_or_default();
-        let mut is_in = vec![[of(0); LANES]; self.q.n];
-        for (lane, part) in parts.iter().enumerate() {
-            part.iter().for_each(|&i| is_in[i as usize][lane] = of(self.most));
+    fn count<T: Lane>(
+        &self,
+        orders: &Orders,
+        cuts: &[Vec<usize>],
+        savings: &Savings<T>,
+        sets: &[&[u32]],
+    ) -> Vec<[i64; 2]> {
+        let mut is_in = vec![[of::<T>(0); LANES]; self.q.n]; // all bits of a lane, or none
+        for (lane, set) in sets.iter().enumerate() {
+            set.iter().for_each(|&i| is_in[i as usize][lane] = of(-1));
         }
-        let (ones, leaf) = (vec![vec![(0, 1)]; self.q.n], self.q.leaf_size.min(self.q.n + 1) as i64);
-        let mut saved = [of(0); LANES];
-        for (f, order) in orders[..self.q.p].iter().enumerate() {
-            let (n, backwards) = (order.len(), order.iter().rev().copied().collect::<Vec<u32>>());
-            let first = self.saved(order, &is_in, &self.savings);
-            let last = self.saved(&backwards, &is_in, &self.savings);
-            let sizes = (leaf > 1).then(|| self.saved(order, &is_in, &ones));
-            for k in (1..n).filter(|&k| self.is_between(f, order, k)) {
-                let (first, last) = (&first[k], &last[n - k]);
-                for lane in 0..LANES {
-                    let is_wide = |s: &Vec<Lanes<T>>| of(leaf) <= s[k][lane] && s[k][lane] + of(leaf) <= s[n][lane];
-                    if sizes.as_ref().is_none_or(is_wide) {
-                        saved[lane] = saved[lane].max(first[lane] + last[lane]);
+        let mut saved = [[of::<T>(0); LANES]; 2];
+        for (order, cuts) in orders.iter().zip(cuts) {
+            let (n, mut first, mut c) = (order.len(), Vec::with_capacity(cuts.len()), cuts.len());
+            self.saved(order.iter(), cuts, &is_in, savings, |best| first.push(*best));
+            let is_wide = self.are_wide(order, cuts, &is_in);
+            let backwards: Vec<usize> = cuts.iter().rev().map(|k| n - k).collect();
+            self.saved(order.iter().rev(), &backwards, &is_in, savings, |last| {
+                c -= 1;
+                for side in 0..2 {
+                    let mut both = std::array::from_fn(|lane| first[c][side][lane] + last[side][lane]);
+                    if let Some(is_wide) = &is_wide {
+                        both = std::array::from_fn(|lane| both[lane] & is_wide[c][side][lane]);
                     }
+                    raise(&mut saved[side], &both);
                 }
-            }
+            });
         }
-        let one_leaf = self.saved(&orders[self.q.p], &is_in, &self.savings);
-        let cost = |(lane, part): (usize, &&[u32])| {
-            let worst: i64 = part.iter().map(|&i| self.worst[i as usize]).sum();
-            let split = worst - saved[lane].into() + self.q.penalty;
-            split.min(worst - one_leaf[one_leaf.len() - 1][lane].into())
+        let all = &orders[self.q.p];
+        let mut one_leaf = [[of::<T>(0); LANES]; 2];
+        self.saved(all.iter(), &[all.len()], &is_in, savings, |best| one_leaf = *best);
+        let worst_of = |ids: &[u32]| ids.iter().map(|&i| self.worst[i as usize]).sum::<i64>();
+        let cost = |(lane, set): (usize, &&[u32])| {
+            let left = worst_of(set);
+            let worst = [left, worst_of(all) - left];
+            [0, 1].map(|side| {
+                let split = worst[side] - saved[side][lane].into() + self.q.penalty;
+                split.min(worst[side] - one_leaf[side][lane].into())
+            })
         };
-        parts.iter().enumerate().map(cost).collect()
+        sets.iter().enumerate().map(cost).collect()
     }
 
-    /// Savings of the best label for the first samples of an order, for none, one, two and so on, in each part.
-    /// More samples never save less by a label: the most so far is the most.
-    fn saved<T: Lane>(&self, order: &[u32], is_in: &[Lanes<T>], by: &[Vec<(usize, i64)>]) -> Vec<Lanes<T>> {
-        let mut best = [T::default(); LANES];
-        let mut labels = vec![best; self.q.n_classes];
-        let mut best_of = Vec::with_capacity(self.q.n + 1);
-        best_of.push(best);
-        for i in order.iter().map(|&i| i as usize) {
-            for &(k, saving) in &by[i] {
-                let (label, is_in) = (&mut labels[k], &is_in[i]);
-                let saving = T::try_from(saving).unwrap_or_default();
-                for lane in 0..LANES {
-                    label[lane] = label[lane] + saving.min(is_in[lane]);
-                    best[lane] = best[lane].max(label[lane]);
+    /// For each cut and side the lanes, all of their bits, in which both leaves hold enough samples; None if any do.
+    fn are_wide<T: Lane>(&self, order: &[u32], cuts: &[usize], is_in: &[Lanes<T>]) -> Option<Vec<[Lanes<T>; 2]>> {
+        let leaf = self.q.leaf_size.min(self.q.n + 1) as i64;
+        if leaf == 1 {
+            return None;
+        }
+        let ones = Savings::new((0..self.q.n).map(|_| &[(0, 1)][..]));
+        let stops: Vec<usize> = cuts.iter().copied().chain([order.len()]).collect();
+        let mut sizes = Vec::with_capacity(stops.len());
+        self.saved(order.iter(), &stops, is_in, &ones, |size| sizes.push(*size));
+        let all = sizes.pop().unwrap_or([[of(0); LANES]; 2]);
+        let is_wide = |size: i64, all: i64| of(if size >= leaf && all - size >= leaf { -1 } else { 0 });
+        let wide = |sizes: &[Lanes<T>; 2]| {
+            [0, 1].map(|s| std::array::from_fn(|lane| is_wide(sizes[s][lane].into(), all[s][lane].into())))
+        };
+        Some(sizes.iter().map(wide).collect())
+    }
+
+    /// What the best label saves of the first samples of an order, inside and outside each set, after each of these
+    /// numbers of samples. What a label saves outside a set is what it saves of all less what it saves inside. More
+    /// samples never save less by a label: the most so far is the most.
+    fn saved<'o, T: Lane>(
+        &self,
+        mut order: impl Iterator<Item = &'o u32>,
+        stops: &[usize],
+        is_in: &[Lanes<T>],
+        by: &Savings<T>,
+        mut see: impl FnMut(&[Lanes<T>; 2]),
+    ) {
+        let mut best = [[of(0); LANES]; 2];
+        let (mut all, mut inside) = (vec![of::<T>(0); self.q.n_classes], vec![best[0]; self.q.n_classes]);
+        let mut n_counted = 0;
+        for &stop in stops {
+            for &i in order.by_ref().take(stop - n_counted) {
+                let is_in = &is_in[i as usize];
+                for &(k, saving) in by.of(i) {
+                    let (all, inside) = (&mut all[k], &mut inside[k]);
+                    *all = *all + saving;
+                    *inside = std::array::from_fn(|lane| inside[lane] + (saving & is_in[lane]));
+                    raise(&mut best[0], inside);
+                    raise(&mut best[1], &std::array::from_fn(|lane| *all - inside[lane]));
                 }
             }
-            best_of.push(best);
+            n_counted = stop;
+            see(&best);
         }
-        best_of
     }
 }

@@ -21,13 +21,26 @@ pub(super) struct Checker<'a> {
     pub(super) points: Points,
     /// Cost of the cheaper of two labels, for each pair of them and each class.
     pub(super) cheaper: Vec<i64>,
+    /// Cost of the most expensive label of each class, and the labels that save some of that, with how much.
+    pub(super) worst: Vec<i64>,
+    pub(super) savings: Vec<Vec<(usize, i64)>>,
     pub(super) claim: i64,
 }
 
 impl<'a> Checker<'a> {
     /// A checker of a claim about a problem.
     pub(super) fn new(q: &'a Problem, claim: i64) -> Self {
-        Self { q, points: Points::new(q), cheaper: cheaper(q), claim }
+        let worst = |c| (0..q.n_classes).map(|k| q.cost(c, k)).max().unwrap_or(0);
+        let saving = |c, k| Some((k, worst(c) - q.cost(c, k))).filter(|saving| saving.1 > 0);
+        let savings = |c| (0..q.n_classes).filter_map(|k| saving(c, k)).collect();
+        Self {
+            q,
+            points: Points::new(q),
+            cheaper: cheaper(q),
+            worst: (0..q.n_classes).map(worst).collect(),
+            savings: (0..q.n_classes).map(savings).collect(),
+            claim,
+        }
     }
 
     /// All samples.

@@ -61,6 +61,9 @@ impl Checker<'_> {
         if may_left[k] < samples.need || may_right[k] < samples.need {
             return false;
         }
+        if !self.may_save_enough(samples, may_left, may_right, owed, scratch) {
+            return false;
+        }
         let sure = |may: &[i64], label| -> i64 { (0..k).map(|c| (total[c] - may[c]) * q.cost(c, label)).sum() };
         scratch.clear();
         scratch.extend((0..k).map(|label| sure(may_left, label)));
@@ -74,5 +77,30 @@ impl Checker<'_> {
                 a != b && known < owed && known + spare(&self.cheaper[(a * k + b) * k..][..k]) < owed
             })
         })
+    }
+
+    /// The same as if a sample that may do both could have both labels at once, and save by each of them: then it saves
+    /// no less than in truth. So where this does not save enough nothing does. What the labels save adds up side by
+    /// side, and where a class saves by its own label alone the answer is that of all pairs.
+    fn may_save_enough(
+        &self,
+        samples: &Samples<'_>,
+        may_left: &[i64],
+        may_right: &[i64],
+        owed: i64,
+        scratch: &mut Vec<i64>,
+    ) -> bool {
+        let k = self.q.n_classes;
+        scratch.clear();
+        scratch.resize(2 * k, 0);
+        let (left, right) = scratch.split_at_mut(k);
+        for (c, savings) in self.savings.iter().enumerate() {
+            for &(label, saving) in savings {
+                left[label] += may_left[c] * saving;
+                right[label] += may_right[c] * saving;
+            }
+        }
+        let worst: i64 = self.worst.iter().zip(&samples.total).map(|(cost, weight)| cost * weight).sum();
+        (0..k).any(|a| (0..k).any(|b| a != b && worst - left[a] - right[b] < owed))
     }
 }

@@ -156,6 +156,7 @@ fn bad_numbers() -> Vec<BadLog> {
 fn bad_axis_bodies() -> Vec<BadLog> {
     let two_leaves = || Question { leaf_size: 2, ..stripes(4, 1) };
     vec![
+        ("more than label sets prove", levels(), axis("3", "N 2 1 3 | E | end"), 6, "cut 1 of feature 0: 2, not 3"),
         ("no body", four(), axis("1", "end"), 6, "got \"end\", expected N and 3 numbers"),
         ("a bound that is no number", four(), axis("1", "N 1 1 x | E | end"), 6, "got \"N 1 1 x\", expected N and 3"),
         ("a bound below 0", four(), axis("1", "N 1 1 -1 | E | end"), 6, "got \"N 1 1 -1\", expected N and 3 numbers"),

@@ -16,6 +16,10 @@ fn good_axis_logs() -> Vec<GoodLog> {
         // 0 1 0 1 0 1 in four runs: one wrong. Of cut 3 either side, 0 1 0 and 1 0 1, costs one with one split; every
         // other cut has one of these sides in one of its own.
         ("depth 2", stripes(6, 2), axis("1", "N 2 1 1 | F 0 3 | E | end"), 1.0),
+        // A side of one sample or two costs nothing, and one with all three classes, which has two labels, costs two at
+        // least: one for each of two samples, or two for one. That is by sets of labels; a sample with a wrong label
+        // costs one at least, so that single mistakes would prove one.
+        ("label sets", levels(), axis("2", "N 2 1 2 | E | end"), 2.0),
         // The same claim from more cuts than it takes: 2, 3 and 4.
         ("steps", stripes(6, 2), axis("1", "N 2 1 1 | F 0 2 1 1 | E | end"), 1.0),
         // A claim of less is true, too.

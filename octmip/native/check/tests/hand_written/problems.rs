@@ -31,6 +31,12 @@ pub fn gaps(depth: usize) -> Question {
     Question { features, labels: vec![1, 0, 0, 1, 1, 1], ..stripes(6, depth) }
 }
 
+/// Classes 0 2 4 0 2 4 of five levels in the order of the feature; a wrong label costs its distance.
+pub fn levels() -> Question {
+    let costs = (0..25).map(|e: i32| f64::from((e / 5 - e % 5).abs())).collect();
+    Question { n_classes: 5, labels: vec![0, 2, 4, 0, 2, 4], costs, ..stripes(6, 2) }
+}
+
 /// Six stripes for two lines one after the other, each over one feature.
 pub fn runs(leaf_size: usize) -> Question {
     Question { is_hyperplane: true, leaf_size, ..stripes(6, 2) }
