@@ -1,0 +1,94 @@
+(** The cheapest tree of one split at most, counted exactly on parts of the samples that shrink from one to the next. *)
+
+From Coq Require Import ZArith List Bool.
+Import ListNotations.
+From octmip Require Import Samples.
+Open Scope Z_scope.
+
+(** Samples in the order of a column: the place of each in the column that parts the samples, its gains and its reach,
+    and its key. *)
+Inductive run :=
+| Done
+| Next (place : Z) (its_gains : list Z) (its_reach : Z) (its_key : Z) (rest : run).
+
+Fixpoint run_of (place : sample -> Z) (column : nat) (order : list sample) : run :=
+  match order with
+  | [] => Done
+  | s :: rest => Next (place s) (gains s) (reach s) (key column s) (run_of place column rest)
+  end.
+
+(** A part of the samples: those whose place is at most [edge], or ([is_lower] false) those whose place is above. *)
+Definition is_in (edge : Z) (is_lower : bool) (place : Z) : bool := Bool.eqb (place <=? edge) is_lower.
+
+Fixpoint keep (edge : Z) (is_lower : bool) (r : run) : run :=
+  match r with
+  | Done => Done
+  | Next place g i k rest =>
+      if is_in edge is_lower place then Next place g i k (keep edge is_lower rest) else keep edge is_lower rest
+  end.
+
+Definition differs (its_key : Z) (rest : run) : bool :=
+  match rest with Done => false | Next _ _ _ other _ => negb (its_key =? other) end.
+
+(** What does not change along a run: gains and number of its samples, and the fewest in a leaf. *)
+Record part := Part { all_gains : list Z; size : Z; leaf : Z }.
+
+(** The most that a cut of the run saves, or [most] if that is more.
+
+    [gone] are the gains of the samples so far, [count] their number. At every place the best cut there saves at most
+    [most - slack]: a sample that goes over to the left adds its reach at most. So nothing is looked at until the slack
+    is used up. *)
+Fixpoint scan (p : part) (r : run) (gone : list Z) (count slack most : Z) : Z :=
+  match r with
+  | Done => most
+  | Next _ its_gains its_reach its_key rest =>
+      let gone' := add gone its_gains in
+      let count' := count + 1 in
+      let slack' := slack - its_reach in
+      if (slack' <? 0) && differs its_key rest then
+        let saved := top gone' + top_gap (all_gains p) gone' in
+        let is_wide := (leaf p <=? count') && (count' <=? size p - leaf p) in
+        let most' := if is_wide then Z.max most saved else most in
+        scan p rest gone' count' (most' - saved) most'
+      else scan p rest gone' count' slack' most
+  end.
+
+(** The most that a cut of any column saves, or [most] if that is more. *)
+Fixpoint scan_all (p : part) (runs : list run) (most : Z) : Z :=
+  match runs with
+  | [] => most
+  | r :: rest => scan_all p rest (scan p r [] 0 (most - top (all_gains p)) most)
+  end.
+
+(** The sums over samples: gains, cost under the most expensive labels, number. *)
+Fixpoint sums (samples : list sample) (gained : list Z) (most count : Z) : list Z * Z * Z :=
+  match samples with
+  | [] => (gained, most, count)
+  | s :: rest => sums rest (add gained (gains s)) (most + worst s) (count + 1)
+  end.
+
+Definition is_nested (is_lower : bool) (previous : option Z) (edge : Z) : bool :=
+  match previous with
+  | None => true
+  | Some e => if is_lower then edge <=? e else e <=? edge
+  end.
+
+Definition part_of (place : sample -> Z) (edge : Z) (is_lower : bool) (samples : list sample) : list sample :=
+  filter (fun s => is_in edge is_lower (place s)) samples.
+
+(** What the cheapest tree of one split at most costs on each of the parts, of a split whose leaves are large enough.
+    A leaf is a split that saves what it pays. Nothing is said of a part that does not lie within the one before. *)
+Fixpoint stumps (penalty leaf : Z) (place : sample -> Z) (is_lower : bool)
+    (edges : list Z) (previous : option Z) (samples : list sample) (runs : list run) : list Z :=
+  match edges with
+  | [] => []
+  | edge :: edges' =>
+      if is_nested is_lower previous edge then
+        let kept := part_of place edge is_lower samples in
+        let '(gained, most, count) := sums kept [] 0 0 in
+        let p := Part gained count leaf in
+        let runs' := map (keep edge is_lower) runs in
+        (most + penalty - scan_all p runs' (top gained + penalty))
+          :: stumps penalty leaf place is_lower edges' (Some edge) kept runs'
+      else 0 :: stumps penalty leaf place is_lower edges' previous samples runs
+  end.
