@@ -82,7 +82,7 @@ Definition check (q : question) (w : numbers) (claim : Z) (log : cases) : checke
   match samples_of q w all 0 (rows q) (its_rows w) (its_weights w) with
   | Refused line why => Refused line why
   | Ok samples =>
-      ensure (is_penalty_below q w) (penalty_line w) PenaltyAbove
+      ensure (is_penalty_below q w && is_proper q) (penalty_line w) PenaltyAbove
       match check_cases q w all samples claim [] log with
       | Refused line why => Refused line why
       | Ok _ => Ok (claim * up w + base_total w (rows q) * down w)

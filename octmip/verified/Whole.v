@@ -58,3 +58,7 @@ Fixpoint base_total (w : numbers) (xs : list row) : Z :=
 
 Definition is_penalty_below (q : question) (w : numbers) : bool :=
   (0 <=? its_penalty w) && (its_penalty w * up w <=? split_penalty q * down w) && (0 <=? up w) && (0 <? down w).
+
+(** Leaves hold a sample at least, every feature that is allowed has a sensor, and no sensor costs less than nothing. *)
+Definition is_proper (q : question) : bool :=
+  Nat.leb 1 (fewest q) && Nat.leb (length (allowed q)) (length (sensors q)) && forallb (Z.leb 0) (sensor_costs q).
