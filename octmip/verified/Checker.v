@@ -87,7 +87,7 @@ Definition runs_of (place : sample -> Z) (all : list column) : list run :=
 
 Definition stumps_of (place : sample -> Z) (samples : list sample) (runs : list run) (is_lower : bool)
     (edges : list Z) : list Z :=
-  stumps (penalty r) leaf_z place is_lower edges None samples runs.
+  stumps (penalty r) leaf_z place is_lower edges samples runs.
 
 (** The cuts of a record: of each the number of samples to its left, and the key of the last of them. *)
 Fixpoint read_cuts (line : Z) (column_ : nat) (steps : list step) (place : Z) (last : option Z) (rest : list sample)

@@ -313,11 +313,8 @@ Lemma stumps_of_spec d place is_low samples all edges : all_sound r samples -> a
   Forall2 (fun edge b => bounds r 1 (part_of place edge is_low samples) b) edges
     (stumps_of r place samples (runs_of place all) is_low edges).
 Proof.
-  intros S A. assert (H := stumps_spec r penalty_nonneg leaf_size_pos place is_low samples (pairs_of all) S
-    (pairs_orders _ _ _ A) edges None).
-  assert (E : orders_of (so_far place is_low None) (pairs_of all) = pairs_of all).
-  { unfold orders_of. rewrite <- map_id. apply map_ext. intros [c l]. reflexivity. }
-  rewrite E in H. unfold stumps_of. rewrite runs_of_pairs. exact H.
+  intros S A. unfold stumps_of. rewrite runs_of_pairs.
+  apply (stumps_spec r penalty_nonneg leaf_size_pos place is_low samples (pairs_of all) edges S (pairs_orders _ _ _ A)).
 Qed.
 
 Lemma read_cuts_spec line c : forall steps place last rest read cuts before,

@@ -139,21 +139,90 @@ Proof.
   intros S. apply (scan_spec p place c l [] 0); auto. unfold saving. rewrite top_gap_of_none. simpl. lia.
 Qed.
 
-Lemma scan_all_spec p place : forall (orders : list (nat * list sample)) most,
-  Forall (fun o => Forall (sound n) (snd o)) orders ->
-  let found := scan_all p (map (fun o => run_of place (fst o) (snd o)) orders) most in
-  most <= found /\
-  forall c l, In (c, l) orders -> forall l1 x s l2, l = l1 ++ x :: s :: l2 -> key c x <> key c s ->
+(** No cut of an order saves more. *)
+Definition is_cap (p : part) (c : nat) (l : list sample) (most : Z) : Prop :=
+  forall l1 x s l2, l = l1 ++ x :: s :: l2 -> key c x <> key c s ->
     leaf p <= Z.of_nat (length (l1 ++ [x])) <= size p - leaf p ->
-    saving (all_gains p) (joined gains (l1 ++ [x]) []) <= found.
+    saving (all_gains p) (joined gains (l1 ++ [x]) []) <= most.
+
+Variable place : sample -> Z.
+Variable is_low : bool.
+
+(** Parts before and after columns are counted: the same, but that more may be found. *)
+Definition is_counted (what : counted -> counted -> Prop) (before after : list counted) : Prop :=
+  Forall2 (fun b a => its_edge a = its_edge b /\ its_part a = its_part b /\ its_worst a = its_worst b /\
+    found b <= found a /\ what b a) before after.
+
+Definition caps (c : nat) (l : list sample) (b a : counted) : Prop :=
+  is_cap (its_part b) c (part_of place (its_edge b) is_low l) (found a).
+
+Definition lies_in (edge next : Z) : Prop := if is_low then next <= edge else edge <= next.
+
+Lemma lies_in_part edge next l : lies_in edge next ->
+  part_of place next is_low (part_of place edge is_low l) = part_of place next is_low l.
 Proof.
-  induction orders as [|[c l] orders IH]; intros most S; simpl; [split; [lia|tauto]|].
-  inversion S as [|? ? S0 S1]; subst. simpl in S0.
-  destruct (scan_start p place c l most S0) as [M H].
-  destruct (IH (scan p (run_of place c l) [] 0 (most - top (all_gains p)) most) S1) as [M' H'].
-  split; [lia|]. intros c' l' [E|I] l1 x s l2 L K W.
-  - injection E as <- <-. eapply Z.le_trans; [|exact M']. eapply H; eauto.
-  - eapply H'; eauto.
+  unfold lies_in, part_of. intros N. apply filter_filter. intros s. unfold is_in.
+  destruct is_low; destruct (Z.leb_spec (place s) edge), (Z.leb_spec (place s) next); simpl; auto; lia.
+Qed.
+
+(** Each edge lies in the part of the one before. *)
+Fixpoint nested (previous : option Z) (edges : list Z) : Prop :=
+  match edges with
+  | [] => True
+  | edge :: rest => match previous with None => True | Some e => lies_in e edge end /\ nested (Some edge) rest
+  end.
+
+Lemma are_nested_spec : forall edges, are_nested is_low edges = true -> nested None edges.
+Proof.
+  assert (H : forall edges e, are_nested is_low (e :: edges) = true -> nested (Some e) edges).
+  { induction edges as [|next edges IH]; intros e H; [exact I|]. change (are_nested is_low (e :: next :: edges))
+      with ((if is_low then next <=? e else e <=? next) && are_nested is_low (next :: edges)) in H.
+    apply andb_true_iff in H. destruct H as [H0 H1]. split; [|apply IH, H1].
+    unfold lies_in. destruct is_low; apply Z.leb_le, H0. }
+  intros [|e edges] N; [exact I|]. split; [exact I|]. apply H, N.
+Qed.
+
+Definition so_far (previous : option Z) (l : list sample) : list sample :=
+  match previous with None => l | Some e => part_of place e is_low l end.
+
+Lemma so_far_part previous edge l : match previous with None => True | Some e => lies_in e edge end ->
+  part_of place edge is_low (so_far previous l) = part_of place edge is_low l.
+Proof. destruct previous as [e|]; intros N; [apply lies_in_part, N|reflexivity]. Qed.
+
+Lemma sound_part (keep : sample -> bool) l : Forall (sound n) l -> Forall (sound n) (filter keep l).
+Proof. rewrite !Forall_forall. intros S s I. apply filter_In in I. apply S. tauto. Qed.
+
+Lemma scan_parts_spec c l : Forall (sound n) l -> forall parts previous, nested previous (map its_edge parts) ->
+  is_counted (caps c l) parts (scan_parts is_low parts (run_of place c (so_far previous l))).
+Proof.
+  intros S. induction parts as [|b parts IH]; intros previous N; simpl; [constructor|].
+  destruct N as [N0 N]. rewrite keep_run, so_far_part by exact N0. constructor.
+  - destruct (scan_start (its_part b) place c (part_of place (its_edge b) is_low l) (found b) (sound_part _ _ S)) as [M H].
+    simpl. repeat split; auto.
+  - apply (IH (Some (its_edge b))), N.
+Qed.
+
+Lemma fold_parts_spec : forall (orders : list (nat * list sample)) parts,
+  Forall (fun o => Forall (sound n) (snd o)) orders -> nested None (map its_edge parts) ->
+  is_counted (fun b a => forall c l, In (c, l) orders -> caps c l b a) parts
+    (fold_left (scan_parts is_low) (map (fun o => run_of place (fst o) (snd o)) orders) parts).
+Proof.
+  induction orders as [|[c l] orders IH]; intros parts S N; simpl.
+  - clear. induction parts; constructor; auto. repeat split; auto; [lia|simpl; tauto].
+  - inversion S as [|? ? S0 S1]; subst. simpl in S0.
+    assert (A := scan_parts_spec c l S0 parts None N). simpl in A.
+    set (parts' := scan_parts is_low parts (run_of place c l)) in *.
+    assert (E : map its_edge parts' = map its_edge parts).
+    { clear -A. induction A as [|b a bs as_ (E & _) F IH]; simpl; congruence. }
+    assert (B := IH parts' S1 ltac:(rewrite E; exact N)). clear -A B.
+    set (last_ := fold_left _ _ _) in *. clearbody last_ parts'.
+    revert last_ B. induction A as [|b a bs as_ (E1 & E2 & E3 & M & H) F IH']; intros last_ B; inversion B as [|? z ? zs Q T]; subst; constructor.
+    + destruct Q as (G1 & G2 & G3 & M' & H'). rewrite G1, G2, G3, E1, E2, E3. repeat split; auto; [lia|].
+      intros c' l' [X|X].
+      * injection X as <- <-. unfold caps, is_cap in *. intros l1 x s l2 L K W.
+        eapply Z.le_trans; [eapply H; eauto|exact M'].
+      * specialize (H' c' l' X). unfold caps in *. rewrite E1, E2 in H'. exact H'.
+    + apply IH', T.
 Qed.
 
 End Gains.
@@ -217,16 +286,12 @@ Qed.
 Lemma sound_perm l l' : Permutation l l' -> all_sound r l -> all_sound r l'.
 Proof. intros P S. unfold all_sound in *. eapply Permutation_Forall; eauto. Qed.
 
-Theorem one_part place l orders : all_sound r l -> all_orders l orders ->
+Theorem one_part l orders most : all_sound r l -> all_orders l orders ->
   let p := Part (joined gains l []) (Z.of_nat (length l)) (Z.of_nat (leaf_size r)) in
-  bounds r 1 l (total worst l + penalty r -
-    scan_all p (map (fun o => run_of place (fst o) (snd o)) orders) (top (joined gains l []) + penalty r)).
+  top (joined gains l []) + penalty r <= most -> (forall c o, In (c, o) orders -> is_cap p c o most) ->
+  bounds r 1 l (total worst l + penalty r - most).
 Proof.
-  intros S [O R] p.
-  assert (OS : Forall (fun o => Forall (sound (n_labels r)) (snd o)) orders).
-  { rewrite Forall_forall in O |- *. intros o I. apply (sound_perm l (snd o)); [apply O, I|exact S]. }
-  destruct (scan_all_spec (n_labels r) p place orders (top (joined gains l []) + penalty r) OS) as [M H].
-  set (found := scan_all _ _ _) in *.
+  intros S [O R] p M H.
   apply node.
   - apply leaf_cost; auto. lia.
   - intros c th C W1 W2. destruct (R c C) as (o & I).
@@ -253,7 +318,7 @@ Proof.
     destruct (upper c th o) as [|s l2] eqn:EU; [simpl in NU; lia|].
     assert (X := lower_keys c th o x). rewrite EL in X. specialize (X (in_elt _ _ _)).
     assert (Y := upper_keys c th o s). rewrite EU in Y. specialize (Y (or_introl eq_refl)).
-    assert (F : saving (all_gains p) (joined gains (l1 ++ [x]) []) <= found).
+    assert (F : saving (all_gains p) (joined gains (l1 ++ [x]) []) <= most).
     { apply (H c o I l1 x s l2).
       - rewrite E at 1. rewrite EL, <- app_assoc. reflexivity.
       - lia.
@@ -277,37 +342,46 @@ Proof.
   unfold all_sound. rewrite !Forall_forall. intros S s I. apply filter_In in I. apply S. tauto.
 Qed.
 
-Definition so_far (place : sample -> Z) (is_low : bool) (previous : option Z) (l : list sample) : list sample :=
-  match previous with None => l | Some e => part_of place e is_low l end.
-
-Lemma so_far_part place is_low previous edge l : is_nested is_low previous edge = true ->
-  part_of place edge is_low (so_far place is_low previous l) = part_of place edge is_low l.
+Lemma parts_of_spec place is_low samples : all_sound r samples -> forall edges previous,
+  nested is_low previous edges ->
+  Forall2 (fun edge c => let kept := part_of place edge is_low samples in
+    its_edge c = edge /\ its_worst c = total worst kept /\ found c = top (joined gains kept []) + penalty r /\
+    its_part c = Part (joined gains kept []) (Z.of_nat (length kept)) (Z.of_nat (leaf_size r))) edges
+    (parts_of (penalty r) (Z.of_nat (leaf_size r)) place is_low edges (so_far place is_low previous samples)).
 Proof.
-  intros N. destruct previous as [e|]; [|reflexivity]. simpl in *. unfold part_of. apply filter_filter.
-  intros s. unfold is_in. destruct is_low; apply Z.leb_le in N;
-    destruct (Z.leb_spec (place s) edge), (Z.leb_spec (place s) e); simpl; auto; lia.
+  intros S. induction edges as [|edge edges IH]; intros previous N; cbn [parts_of]; [constructor|].
+  destruct N as [N0 N]. rewrite so_far_part by exact N0. rewrite sums_spec, !Z.add_0_l. constructor.
+  - simpl. auto.
+  - apply (IH (Some edge)), N.
 Qed.
 
 (** All parts that are counted are bounded. *)
-Theorem stumps_spec place is_low samples orders : all_sound r samples -> all_orders samples orders ->
-  forall edges previous,
+Theorem stumps_spec place is_low samples orders edges : all_sound r samples -> all_orders samples orders ->
   Forall2 (fun edge b => bounds r 1 (part_of place edge is_low samples) b) edges
-    (stumps (penalty r) (Z.of_nat (leaf_size r)) place is_low edges previous
-      (so_far place is_low previous samples)
-      (map (fun o => run_of place (fst o) (snd o)) (orders_of (so_far place is_low previous) orders))).
+    (stumps (penalty r) (Z.of_nat (leaf_size r)) place is_low edges samples
+      (map (fun o => run_of place (fst o) (snd o)) orders)).
 Proof.
-  intros S O. induction edges as [|edge edges IH]; intros previous; cbn [stumps]; [constructor|].
-  destruct (is_nested is_low previous edge) eqn:N.
-  - rewrite so_far_part by exact N. rewrite sums_spec. rewrite !Z.add_0_l.
-    assert (E : map (keep edge is_low)
-        (map (fun o => run_of place (fst o) (snd o)) (orders_of (so_far place is_low previous) orders)) =
-      map (fun o => run_of place (fst o) (snd o)) (orders_of (part_of place edge is_low) orders)).
-    { unfold orders_of. rewrite !map_map. apply map_ext. intros o. simpl. rewrite keep_run, so_far_part by exact N.
-      reflexivity. }
-    rewrite E. constructor.
-    + apply one_part; [apply sound_filter, S|apply all_orders_part, O].
-    + apply (IH (Some edge)).
-  - constructor; [|apply IH]. apply bounds_zero; [exact penalty_nonneg|]. apply sound_filter, S.
+  intros S O. unfold stumps. destruct (are_nested is_low edges) eqn:N.
+  - apply are_nested_spec in N.
+    assert (OS : Forall (fun o => Forall (sound (n_labels r)) (snd o)) orders).
+    { destruct O as [O _]. rewrite Forall_forall in O |- *. intros o I. apply (sound_perm samples (snd o)); [apply O, I|exact S]. }
+    assert (A := parts_of_spec place is_low samples S edges None N). simpl in A.
+    set (parts := parts_of _ _ place is_low edges samples) in *.
+    assert (E : map its_edge parts = edges).
+    { clear -A. induction A as [|e c es cs (E & _) F IH]; simpl; congruence. }
+    assert (B := fold_parts_spec (n_labels r) place is_low orders parts OS ltac:(rewrite E; exact N)).
+    set (parts' := fold_left _ _ _) in *. clearbody parts'. clear E N. clearbody parts.
+    revert parts' B. induction A as [|e c es cs (E1 & E2 & E3 & E4) F IH]; intros parts' B; inversion B as [|? c' ? cs' Q T]; subst;
+      simpl; constructor; [|apply IH, T].
+    destruct Q as (G1 & G2 & G3 & M & H). rewrite G3, E2.
+    apply (one_part _ (orders_of (part_of place (its_edge c) is_low) orders)).
+    + apply sound_filter, S.
+    + apply all_orders_part, O.
+    + rewrite <- E3. exact M.
+    + intros i o I. apply in_map_iff in I. destruct I as ([i' l] & X & I). injection X as <- <-.
+      specialize (H i' l I). unfold caps in H. rewrite E4 in H. exact H.
+  - clear N. induction edges as [|edge edges IH]; simpl; constructor; auto.
+    apply bounds_zero; [exact penalty_nonneg|]. apply sound_filter, S.
 Qed.
 
 End Rules.

@@ -53,13 +53,6 @@ Fixpoint scan (p : part) (r : run) (gone : list Z) (count slack most : Z) : Z :=
       else scan p rest gone' count' slack' most
   end.
 
-(** The most that a cut of any column saves, or [most] if that is more. *)
-Fixpoint scan_all (p : part) (runs : list run) (most : Z) : Z :=
-  match runs with
-  | [] => most
-  | r :: rest => scan_all p rest (scan p r [] 0 (most - top (all_gains p)) most)
-  end.
-
 (** The sums over samples: gains, cost under the most expensive labels, number. *)
 Fixpoint sums (samples : list sample) (gained : list Z) (most count : Z) : list Z * Z * Z :=
   match samples with
@@ -67,28 +60,49 @@ Fixpoint sums (samples : list sample) (gained : list Z) (most count : Z) : list 
   | s :: rest => sums rest (add gained (gains s)) (most + worst s) (count + 1)
   end.
 
-Definition is_nested (is_lower : bool) (previous : option Z) (edge : Z) : bool :=
-  match previous with
-  | None => true
-  | Some e => if is_lower then edge <=? e else e <=? edge
-  end.
-
 Definition part_of (place : sample -> Z) (edge : Z) (is_lower : bool) (samples : list sample) : list sample :=
   filter (fun s => is_in edge is_lower (place s)) samples.
 
-(** What the cheapest tree of one split at most costs on each of the parts, of a split whose leaves are large enough.
-    A leaf is a split that saves what it pays. Nothing is said of a part that does not lie within the one before. *)
-Fixpoint stumps (penalty leaf : Z) (place : sample -> Z) (is_lower : bool)
-    (edges : list Z) (previous : option Z) (samples : list sample) (runs : list run) : list Z :=
+(** A part that is counted: where it ends, its sums, what its samples cost at most, and the most that is found to be
+    saved of that. *)
+Record counted := Counted { its_edge : Z; its_part : part; its_worst : Z; found : Z }.
+
+(** The parts that end at these edges, each within the one before. A leaf is a split that saves what it pays. *)
+Fixpoint parts_of (penalty leaf : Z) (place : sample -> Z) (is_lower : bool) (edges : list Z) (samples : list sample)
+    : list counted :=
   match edges with
   | [] => []
   | edge :: edges' =>
-      if is_nested is_lower previous edge then
-        let kept := part_of place edge is_lower samples in
-        let '(gained, most, count) := sums kept [] 0 0 in
-        let p := Part gained count leaf in
-        let runs' := map (keep edge is_lower) runs in
-        (most + penalty - scan_all p runs' (top gained + penalty))
-          :: stumps penalty leaf place is_lower edges' (Some edge) kept runs'
-      else 0 :: stumps penalty leaf place is_lower edges' previous samples runs
+      let kept := part_of place edge is_lower samples in
+      let '(gained, most, count) := sums kept [] 0 0 in
+      Counted edge (Part gained count leaf) most (top gained + penalty)
+        :: parts_of penalty leaf place is_lower edges' kept
   end.
+
+(** Count a column of all parts. *)
+Fixpoint scan_parts (is_lower : bool) (parts : list counted) (r : run) : list counted :=
+  match parts with
+  | [] => []
+  | c :: parts' =>
+      let kept := keep (its_edge c) is_lower r in
+      let p := its_part c in
+      let most := scan p kept [] 0 (found c - top (all_gains p)) (found c) in
+      Counted (its_edge c) p (its_worst c) most :: scan_parts is_lower parts' kept
+  end.
+
+Fixpoint are_nested (is_lower : bool) (edges : list Z) : bool :=
+  match edges with
+  | [] => true
+  | edge :: rest =>
+      match rest with [] => true | next :: _ => if is_lower then next <=? edge else edge <=? next end
+      && are_nested is_lower rest
+  end.
+
+(** What the cheapest tree of one split at most costs on each of the parts, of a split whose leaves are large enough.
+    Nothing is said of parts that do not lie in one another. One column after the other, since its run is short. *)
+Definition stumps (penalty leaf : Z) (place : sample -> Z) (is_lower : bool) (edges : list Z)
+    (samples : list sample) (runs : list run) : list Z :=
+  if are_nested is_lower edges then
+    let parts := fold_left (scan_parts is_lower) runs (parts_of penalty leaf place is_lower edges samples) in
+    map (fun c => its_worst c + penalty - found c) parts
+  else map (fun _ => 0) edges.
