@@ -28,6 +28,7 @@ FAMILIES = {
     "fuzz_gaps": "benchmarks.cases.fuzz.gaps",
     "gaps_strains": "benchmarks.cases.gaps.strains",
     "fuzz_proofs": "benchmarks.cases.fuzz.exact_proofs",
+    "verified_logs": "benchmarks.cases.fuzz.verified",
     "fuzz_files": "benchmarks.cases.fuzz.files",
     "mio_forms": "benchmarks.cases.mio.forms",
     "mio_agreement": "benchmarks.cases.mio.agreement",

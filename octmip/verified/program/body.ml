@@ -5,7 +5,13 @@ open Verified
 module Z = Integer
 
 (* A line that cannot be read ends the reading: the checker refuses it when it comes to it. *)
-type t = { cursor : Lines.t; reasons : (int, string) Hashtbl.t; n_features : int; mutable is_broken : bool }
+type t = {
+  cursor : Lines.t;
+  reasons : (int, string) Hashtbl.t; (* why a line cannot be read *)
+  strangers : (int, Z.t) Hashtbl.t; (* the feature that a line names, if there is none *)
+  n_features : int;
+  mutable is_broken : bool;
+}
 
 let broken b line reason =
   b.is_broken <- true;
@@ -36,7 +42,8 @@ and records b depth found =
       let feature, distances =
         match numbers with
         | [] -> (b.n_features, [])
-        | f :: rest -> ((if Z.lt f (Z.of_int b.n_features) then Z.to_int f else b.n_features), rest)
+        | f :: rest when Z.lt f (Z.of_int b.n_features) -> (Z.to_int f, rest)
+        | f :: rest -> Hashtbl.replace b.strangers b.cursor.n_read f; (b.n_features, rest)
       in
       let step distance = Step (distance, if depth <= 2 then [] else sides b depth true []) in
       let steps = List.rev (List.fold_left (fun steps distance -> step distance :: steps) [] distances) in
@@ -70,6 +77,7 @@ let n_columns (q : Problem.t) =
   List.fold_left (fun n f -> if has_gaps f then n + 2 else n + 1) 0 (List.init q.p Fun.id)
 
 let read (q : Problem.t) cursor =
-  let b = { cursor; reasons = Hashtbl.create 4; n_features = n_columns q; is_broken = false } in
-  let found = cases b q.depth (Array.length q.sensor_cost) in
-  (found, b.reasons)
+  let b =
+    { cursor; reasons = Hashtbl.create 4; strangers = Hashtbl.create 4; n_features = n_columns q; is_broken = false }
+  in
+  (cases b q.depth (Array.length q.sensor_cost), b)

@@ -20,29 +20,37 @@ let int_of nat =
   let rec count n nat = match nat with O -> n | S rest -> count (n + 1) rest in
   count 0 nat
 
-let sentence (q : Problem.t) reasons line why =
+let sentence (q : Problem.t) (header : Header.t) (body : Body.t) line why =
   let text = Z.to_string in
   match why with
-  | CannotBeRead -> Option.value (Hashtbl.find_opt reasons (Z.to_int line)) ~default:"a record is missing"
-  | OtherShape -> Printf.sprintf "expected depth %d, leaves of %d" q.depth q.leaf_size
+  | CannotBeRead -> Option.value (Hashtbl.find_opt body.reasons (Z.to_int line)) ~default:"a record is missing"
+  | OtherShape depth -> Printf.sprintf "expected depth %s, leaves of %d" (text depth) q.leaf_size
   | CheaperTree (cost, bound) -> Printf.sprintf "a tree costs %s, not %s" (text cost) (text bound)
   | CheaperCut (place, column, cost, bound) ->
       Printf.sprintf "cut %s of feature %d: %s, not %s" (text place) (int_of column) (text cost) (text bound)
-  | NoSuchCut (column, place) -> Printf.sprintf "feature %d has no cut %s here" (int_of column) (text place)
+  | NoSuchCut (column, place) ->
+      let own = Z.of_int (int_of column) in
+      let feature = Option.value (Hashtbl.find_opt body.strangers (Z.to_int line)) ~default:own in
+      Printf.sprintf "feature %s has no cut %s here" (text feature) (text place)
   | ProvesLess (bound, claim) -> Printf.sprintf "this proves %s, not %s" (text bound) (text claim)
   | NoSuchSensor sensor -> Printf.sprintf "sensor %s cannot be decided here" (text sensor)
   | AboveTheTrueCost (sample, label) ->
-      Printf.sprintf "sample %d, class %d: the whole number is above the true cost" (int_of sample) (int_of label)
-  | PenaltyAbove -> "the penalty is above the problem's"
+      let numbers = header.numbers and i = int_of sample and k = int_of label in
+      let row = List.nth numbers.table (int_of (List.nth numbers.its_rows i)) in
+      let weight = text (List.nth numbers.its_weights i) and cost = text (List.nth row k) in
+      Printf.sprintf "sample %d, class %d: %s x %s is above the true cost" i k weight cost
+  | PenaltyAbove ->
+      let penalty = text header.numbers.its_penalty in
+      Printf.sprintf "the penalty %s is above the problem's, %s" penalty (Float64.shown q.penalty)
   | WrongLengths -> "there is not one row and one weight for each sample"
 
 (* The bound that a log proves, rounded down, and its lines. *)
 let proven (q : Problem.t) text =
   let cursor = Lines.of_text text in
   let header = Header.read q cursor in
-  let log, reasons = Body.read q cursor in
+  let log, body = Body.read q cursor in
   match check (Question.of_problem q) header.numbers header.claim log with
-  | Refused (line, why) -> Lines.refuse (Z.to_int line) (sentence q reasons line why)
+  | Refused (line, why) -> Lines.refuse (Z.to_int line) (sentence q header body line why)
   | Ok value ->
       Lines.expect_end cursor;
       (Float64.rounded_down (Z.div value header.numbers.down), Array.length cursor.lines)

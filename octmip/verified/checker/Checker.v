@@ -20,7 +20,7 @@ Inductive cases :=
 (** Why a line is refused. *)
 Inductive reason :=
 | CannotBeRead
-| OtherShape
+| OtherShape (depth : Z)
 | CheaperTree (cost bound : Z)
 | CheaperCut (place : Z) (column : nat) (cost bound : Z)
 | NoSuchCut (column : nat) (place : Z)
@@ -250,7 +250,7 @@ End Nodes.
 Fixpoint check_node (r : rules) (depth : nat) (samples : list sample) (all : list column) (proof : node) : checked Z :=
   match depth, proof with
   | S depth', Node line levels leaf bound of_all records fault =>
-      ensure ((levels =? Z.of_nat depth) && (leaf =? Z.of_nat (leaf_size r))) line OtherShape
+      ensure ((levels =? Z.of_nat depth) && (leaf =? Z.of_nat (leaf_size r))) line (OtherShape (Z.of_nat depth))
       (match (if Nat.leb depth 2 then count_below r samples all records
               else solve_below (check_node r depth') samples all of_all records) with
       | Refused line why => Refused line why
@@ -264,5 +264,5 @@ Fixpoint check_node (r : rules) (depth : nat) (samples : list sample) (all : lis
           end
       end)
   | _, Unreadable line => Refused line CannotBeRead
-  | O, Node line _ _ _ _ _ _ => Refused line OtherShape
+  | O, Node line _ _ _ _ _ _ => Refused line (OtherShape (Z.of_nat depth))
   end.
