@@ -30,27 +30,29 @@ Fixpoint keep (edge : Z) (is_lower : bool) (r : run) : run :=
 Definition differs (its_key : Z) (rest : run) : bool :=
   match rest with Done => false | Next _ _ _ other _ => negb (its_key =? other) end.
 
-(** What does not change along a run: gains and number of its samples, and the fewest in a leaf. *)
-Record part := Part { all_gains : list Z; size : Z; leaf : Z }.
+(** What does not change along a run: gains, reach and number of its samples, and the fewest in a leaf. *)
+Record part := Part { all_gains : list Z; all_reach : Z; size : Z; leaf : Z }.
 
 (** The most that a cut of the run saves, or [most] if that is more.
 
     [gone] are the gains of the samples so far, [count] their number. At every place the best cut there saves at most
     [most - slack]: a sample that goes over to the left adds its reach at most. So nothing is looked at until the slack
-    is used up. *)
-Fixpoint scan (p : part) (r : run) (gone : list Z) (count slack most : Z) : Z :=
+    is used up; where the samples that are [left] reach no further, nothing is looked at any more. *)
+Fixpoint scan (p : part) (r : run) (gone : list Z) (count slack left most : Z) : Z :=
   match r with
   | Done => most
   | Next _ its_gains its_reach its_key rest =>
       let gone' := add gone its_gains in
       let count' := count + 1 in
       let slack' := slack - its_reach in
+      let left' := left - its_reach in
       if (slack' <? 0) && differs its_key rest then
         let saved := top gone' + top_gap (all_gains p) gone' in
         let is_wide := (leaf p <=? count') && (count' <=? size p - leaf p) in
         let most' := if is_wide then Z.max most saved else most in
-        scan p rest gone' count' (most' - saved) most'
-      else scan p rest gone' count' slack' most
+        scan p rest gone' count' (most' - saved) left' most'
+      else if left' <=? slack' then most
+      else scan p rest gone' count' slack' left' most
   end.
 
 (** The sums over samples: gains, cost under the most expensive labels, number. *)
@@ -75,7 +77,7 @@ Fixpoint parts_of (penalty leaf : Z) (place : sample -> Z) (is_lower : bool) (ed
   | edge :: edges' =>
       let kept := part_of place edge is_lower samples in
       let '(gained, most, count) := sums kept [] 0 0 in
-      Counted edge (Part gained count leaf) most (top gained + penalty)
+      Counted edge (Part gained (total reach kept) count leaf) most (top gained + penalty)
         :: parts_of penalty leaf place is_lower edges' kept
   end.
 
@@ -86,7 +88,7 @@ Fixpoint scan_parts (is_lower : bool) (parts : list counted) (r : run) : list co
   | c :: parts' =>
       let kept := keep (its_edge c) is_lower r in
       let p := its_part c in
-      let most := scan p kept [] 0 (found c - top (all_gains p)) (found c) in
+      let most := scan p kept [] 0 (found c - top (all_gains p)) (all_reach p) (found c) in
       Counted (its_edge c) p (its_worst c) most :: scan_parts is_lower parts' kept
   end.
 

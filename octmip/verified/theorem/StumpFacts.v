@@ -86,19 +86,32 @@ Proof.
   lia.
 Qed.
 
+Lemma saving_steps all : forall l gone, Forall (sound n) l ->
+  saving all (joined gains l gone) <= saving all gone + total reach l.
+Proof.
+  induction l as [|s l IH]; intros gone S; simpl; [unfold joined; simpl; lia|]. inversion S as [|? ? S0 S1]; subst.
+  assert (A := saving_step s all gone S0). assert (B := IH (add gone (gains s)) S1). unfold joined in *. simpl. lia.
+Qed.
+
+Lemma reach_nonneg l : Forall (sound n) l -> 0 <= total reach l.
+Proof.
+  intros S. apply total_nonneg. intros s I. rewrite Forall_forall in S.
+  assert (G := gain_range n s (S s I) 0%nat). lia.
+Qed.
+
 (** No cut of the run saves more than what a scan returns. *)
-Lemma scan_spec p place c : forall l gone count slack most,
-  Forall (sound n) l -> saving (all_gains p) gone + slack <= most ->
-  most <= scan p (run_of place c l) gone count slack most /\
+Lemma scan_spec p place c : forall l gone count slack left most,
+  Forall (sound n) l -> saving (all_gains p) gone + slack <= most -> total reach l <= left ->
+  most <= scan p (run_of place c l) gone count slack left most /\
   forall l1 x s l2, l = l1 ++ x :: s :: l2 -> key c x <> key c s ->
     leaf p <= count + Z.of_nat (length (l1 ++ [x])) <= size p - leaf p ->
-    saving (all_gains p) (joined gains (l1 ++ [x]) gone) <= scan p (run_of place c l) gone count slack most.
+    saving (all_gains p) (joined gains (l1 ++ [x]) gone) <= scan p (run_of place c l) gone count slack left most.
 Proof.
-  induction l as [|y l IH]; intros gone count slack most S I.
+  induction l as [|y l IH]; intros gone count slack left most S I LE.
   - split; [simpl; lia|]. intros l1 x s l2 E. destruct l1; discriminate.
   - inversion S as [|? ? S0 S1]; subst. cbn [run_of scan].
     assert (ST := saving_step y (all_gains p) gone S0).
-    set (gone' := add gone (gains y)) in *. set (slack' := slack - reach y).
+    cbn [total] in LE. set (gone' := add gone (gains y)) in *. set (slack' := slack - reach y). set (left' := left - reach y).
     assert (D : forall l1 x s l2, y :: l = l1 ++ x :: s :: l2 ->
       (l1 = [] /\ x = y /\ l = s :: l2) \/ (exists l1', l1 = y :: l1' /\ l = l1' ++ x :: s :: l2)).
     { intros l1 x s l2 E. destruct l1 as [|z l1]; injection E; intros; subst; [left; auto|right; eauto]. }
@@ -106,7 +119,8 @@ Proof.
     + set (saved := top gone' + top_gap (all_gains p) gone').
       set (wide := (leaf p <=? count + 1) && (count + 1 <=? size p - leaf p)).
       set (most' := if wide then Z.max most saved else most).
-      destruct (IH gone' (count + 1) (most' - saved) most') as [M H]; auto; [change (saved + (most' - saved) <= most'); rewrite Zplus_minus; apply Z.le_refl|].
+      destruct (IH gone' (count + 1) (most' - saved) left' most') as [M H]; auto;
+        [change (saved + (most' - saved) <= most'); rewrite Zplus_minus; apply Z.le_refl|unfold left'; lia|].
       split; [subst most'; destruct wide; lia|].
       intros l1 x s l2 E K W. destruct (D _ _ _ _ E) as [(-> & -> & ->)|(l1' & -> & ->)].
       * unfold joined. simpl. fold gone'. simpl in W. assert (Wide : wide = true).
@@ -115,28 +129,36 @@ Proof.
         change (saved <= Z.max most saved). apply Z.le_max_r.
       * assert (Q := H l1' x s l2 eq_refl K). unfold joined in *. simpl. apply Q.
         cbn [app length] in W. rewrite Nat2Z.inj_succ in W. lia.
-    + destruct (IH gone' (count + 1) slack' most) as [M H]; auto; [subst slack'; lia|].
-      split; [exact M|].
-      intros l1 x s l2 E K W. destruct (D _ _ _ _ E) as [(-> & -> & ->)|(l1' & -> & ->)].
-      * unfold joined. simpl. fold gone'. apply andb_false_iff in B. destruct B as [B|B].
-        -- apply Z.ltb_ge in B. unfold slack' in B. assert (saving (all_gains p) gone' <= most) by lia.
-           eapply Z.le_trans; [exact H0|exact M].
-        -- simpl in B. apply negb_false_iff, Z.eqb_eq in B. congruence.
-      * assert (Q := H l1' x s l2 eq_refl K). unfold joined in *. simpl. apply Q.
-        cbn [app length] in W. rewrite Nat2Z.inj_succ in W. lia.
+    + destruct (Z.leb_spec left' slack') as [E0|E0].
+      * split; [lia|]. intros l1 x s l2 E K W.
+        assert (Q : Forall (sound n) (l1 ++ [x]) /\ total reach (l1 ++ [x]) <= total reach (y :: l)).
+        { rewrite E. replace (l1 ++ x :: s :: l2) with ((l1 ++ [x]) ++ s :: l2) in * by (rewrite <- app_assoc; reflexivity).
+          assert (SS := S). rewrite E in SS. apply Forall_app in SS. destruct SS as [SA SB]. split; [exact SA|].
+          rewrite (total_app reach (l1 ++ [x])). assert (R := reach_nonneg _ SB). lia. }
+        destruct Q as [Q1 Q2]. assert (R := saving_steps (all_gains p) _ gone Q1). cbn [total] in Q2.
+        unfold left', slack' in E0. lia.
+      * destruct (IH gone' (count + 1) slack' left' most) as [M H]; auto; [subst slack'; lia|unfold left'; lia|].
+        split; [exact M|].
+        intros l1 x s l2 E K W. destruct (D _ _ _ _ E) as [(-> & -> & ->)|(l1' & -> & ->)].
+        -- unfold joined. simpl. fold gone'. apply andb_false_iff in B. destruct B as [B|B].
+           ++ apply Z.ltb_ge in B. unfold slack' in B. assert (T : saving (all_gains p) gone' <= most) by lia.
+              eapply Z.le_trans; [exact T|exact M].
+           ++ simpl in B. apply negb_false_iff, Z.eqb_eq in B. congruence.
+        -- assert (Q := H l1' x s l2 eq_refl K). unfold joined in *. simpl. apply Q.
+           cbn [app length] in W. rewrite Nat2Z.inj_succ in W. lia.
 Qed.
 
 Lemma top_gap_of_none all : top_gap all [] = top all.
 Proof. destruct all; reflexivity. Qed.
 
-Lemma scan_start p place c l most : Forall (sound n) l ->
-  most <= scan p (run_of place c l) [] 0 (most - top (all_gains p)) most /\
+Lemma scan_start p place c l most : Forall (sound n) l -> total reach l <= all_reach p ->
+  most <= scan p (run_of place c l) [] 0 (most - top (all_gains p)) (all_reach p) most /\
   forall l1 x s l2, l = l1 ++ x :: s :: l2 -> key c x <> key c s ->
     leaf p <= Z.of_nat (length (l1 ++ [x])) <= size p - leaf p ->
     saving (all_gains p) (joined gains (l1 ++ [x]) [])
-      <= scan p (run_of place c l) [] 0 (most - top (all_gains p)) most.
+      <= scan p (run_of place c l) [] 0 (most - top (all_gains p)) (all_reach p) most.
 Proof.
-  intros S. apply (scan_spec p place c l [] 0); auto. unfold saving. rewrite top_gap_of_none. simpl. lia.
+  intros S L. apply (scan_spec p place c l [] 0); auto. unfold saving. rewrite top_gap_of_none. simpl. lia.
 Qed.
 
 (** No cut of an order saves more. *)
@@ -192,29 +214,41 @@ Proof. destruct previous as [e|]; intros N; [apply lies_in_part, N|reflexivity].
 Lemma sound_part (keep : sample -> bool) l : Forall (sound n) l -> Forall (sound n) (filter keep l).
 Proof. rewrite !Forall_forall. intros S s I. apply filter_In in I. apply S. tauto. Qed.
 
+(** The sums of a part are those of these samples. *)
+Definition describes (b : counted) (l : list sample) : Prop :=
+  total reach (part_of place (its_edge b) is_low l) <= all_reach (its_part b).
+
 Lemma scan_parts_spec c l : Forall (sound n) l -> forall parts previous, nested previous (map its_edge parts) ->
+  Forall (fun b => describes b l) parts ->
   is_counted (caps c l) parts (scan_parts is_low parts (run_of place c (so_far previous l))).
 Proof.
-  intros S. induction parts as [|b parts IH]; intros previous N; simpl; [constructor|].
+  intros S. induction parts as [|b parts IH]; intros previous N DS; simpl; [constructor|].
+  inversion DS as [|? ? D0 D1]; subst.
   destruct N as [N0 N]. rewrite keep_run, so_far_part by exact N0. constructor.
-  - destruct (scan_start (its_part b) place c (part_of place (its_edge b) is_low l) (found b) (sound_part _ _ S)) as [M H].
+  - destruct (scan_start (its_part b) place c (part_of place (its_edge b) is_low l) (found b) (sound_part _ _ S) D0) as [M H].
     simpl. repeat split; auto.
-  - apply (IH (Some (its_edge b))), N.
+  - apply (IH (Some (its_edge b))); [exact N|exact D1].
 Qed.
 
 Lemma fold_parts_spec : forall (orders : list (nat * list sample)) parts,
   Forall (fun o => Forall (sound n) (snd o)) orders -> nested None (map its_edge parts) ->
+  Forall (fun o => Forall (fun b => describes b (snd o)) parts) orders ->
   is_counted (fun b a => forall c l, In (c, l) orders -> caps c l b a) parts
     (fold_left (scan_parts is_low) (map (fun o => run_of place (fst o) (snd o)) orders) parts).
 Proof.
-  induction orders as [|[c l] orders IH]; intros parts S N; simpl.
+  induction orders as [|[c l] orders IH]; intros parts S N DS; simpl.
   - clear. induction parts; constructor; auto. repeat split; auto; [lia|simpl; tauto].
   - inversion S as [|? ? S0 S1]; subst. simpl in S0.
-    assert (A := scan_parts_spec c l S0 parts None N). simpl in A.
+    inversion DS as [|? ? D0 D1]; subst. simpl in D0.
+    assert (A := scan_parts_spec c l S0 parts None N D0). simpl in A.
     set (parts' := scan_parts is_low parts (run_of place c l)) in *.
     assert (E : map its_edge parts' = map its_edge parts).
     { clear -A. induction A as [|b a bs as_ (E & _) F IH]; simpl; congruence. }
-    assert (B := IH parts' S1 ltac:(rewrite E; exact N)). clear -A B.
+    assert (DS' : Forall (fun o => Forall (fun b => describes b (snd o)) parts') orders).
+    { clear -A D1. rewrite Forall_forall in *. intros o I. specialize (D1 o I). clear -A D1.
+      induction A as [|b a bs as_ (E1 & E2 & _) F IH]; [constructor|]. inversion D1; subst. constructor; auto.
+      unfold describes in *. rewrite E1, E2. assumption. }
+    assert (B := IH parts' S1 ltac:(rewrite E; exact N) DS'). clear -A B.
     set (last_ := fold_left _ _ _) in *. clearbody last_ parts'.
     revert last_ B. induction A as [|b a bs as_ (E1 & E2 & E3 & M & H) F IH']; intros last_ B; inversion B as [|? z ? zs Q T]; subst; constructor.
     + destruct Q as (G1 & G2 & G3 & M' & H'). rewrite G1, G2, G3, E1, E2, E3. repeat split; auto; [lia|].
@@ -287,7 +321,7 @@ Lemma sound_perm l l' : Permutation l l' -> all_sound r l -> all_sound r l'.
 Proof. intros P S. unfold all_sound in *. eapply Permutation_Forall; eauto. Qed.
 
 Theorem one_part l orders most : all_sound r l -> all_orders l orders ->
-  let p := Part (joined gains l []) (Z.of_nat (length l)) (Z.of_nat (leaf_size r)) in
+  let p := Part (joined gains l []) (total reach l) (Z.of_nat (length l)) (Z.of_nat (leaf_size r)) in
   top (joined gains l []) + penalty r <= most -> (forall c o, In (c, o) orders -> is_cap p c o most) ->
   bounds r 1 l (total worst l + penalty r - most).
 Proof.
@@ -346,7 +380,7 @@ Lemma parts_of_spec place is_low samples : all_sound r samples -> forall edges p
   nested is_low previous edges ->
   Forall2 (fun edge c => let kept := part_of place edge is_low samples in
     its_edge c = edge /\ its_worst c = total worst kept /\ found c = top (joined gains kept []) + penalty r /\
-    its_part c = Part (joined gains kept []) (Z.of_nat (length kept)) (Z.of_nat (leaf_size r))) edges
+    its_part c = Part (joined gains kept []) (total reach kept) (Z.of_nat (length kept)) (Z.of_nat (leaf_size r))) edges
     (parts_of (penalty r) (Z.of_nat (leaf_size r)) place is_low edges (so_far place is_low previous samples)).
 Proof.
   intros S. induction edges as [|edge edges IH]; intros previous N; cbn [parts_of]; [constructor|].
@@ -369,8 +403,12 @@ Proof.
     set (parts := parts_of _ _ place is_low edges samples) in *.
     assert (E : map its_edge parts = edges).
     { clear -A. induction A as [|e c es cs (E & _) F IH]; simpl; congruence. }
-    assert (B := fold_parts_spec (n_labels r) place is_low orders parts OS ltac:(rewrite E; exact N)).
-    set (parts' := fold_left _ _ _) in *. clearbody parts'. clear E N. clearbody parts.
+    assert (DS : Forall (fun o => Forall (fun b => describes place is_low b (snd o)) parts) orders).
+    { destruct O as [O _]. rewrite Forall_forall in O |- *. intros o I. destruct (O o I) as [P _]. clear -A P.
+      induction A as [|e c es cs (E1 & _ & _ & E4) F IH]; constructor; auto.
+      unfold describes. rewrite E4, E1. simpl. apply Z.eq_le_incl, total_perm, filter_perm, Permutation_sym, P. }
+    assert (B := fold_parts_spec (n_labels r) place is_low orders parts OS ltac:(rewrite E; exact N) DS).
+    set (parts' := fold_left _ _ _) in *. clearbody parts'. clear E N DS. clearbody parts.
     revert parts' B. induction A as [|e c es cs (E1 & E2 & E3 & E4) F IH]; intros parts' B; inversion B as [|? c' ? cs' Q T]; subst;
       simpl; constructor; [|apply IH, T].
     destruct Q as (G1 & G2 & G3 & M & H). rewrite G3, E2.
