@@ -1,5 +1,5 @@
-(** The checker as an OCaml program: whole numbers of Coq are those of the library Zarith ([program/integer.ml]), pairs, lists, options and
-    booleans those of OCaml. What is written between quotation marks is trusted. *)
+(** The checker as an OCaml program: whole numbers of Coq are those of the library Zarith ([program/integer.ml]), pairs,
+    lists, options and booleans those of OCaml. What is written between quotation marks is trusted. *)
 
 From Coq Require Import ZArith List Extraction.
 From octmip Require Import Specification Checker Whole Cases.

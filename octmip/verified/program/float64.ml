@@ -22,7 +22,7 @@ let shown x =
   let text = Printf.sprintf "%.*e" digits x in
   match String.split_on_char 'e' text with
   | [ mantissa; exponent ] when x <> 0.0 ->
-      let exponent = int_of_string (if exponent.[0] = '+' then String.sub exponent 1 (String.length exponent - 1) else exponent) in
+      let exponent = int_of_float (float_of_string exponent) in
       if exponent < -5 || exponent > 15 then Printf.sprintf "%se%d" mantissa exponent
       else Printf.sprintf "%.*f" (max 0 (digits - exponent)) x
   | _ -> "0"

@@ -39,8 +39,8 @@ let check_identity (q : Problem.t) c =
   let check (name, digest, meaning) =
     let got = Option.value (Lines.read c) ~default:"" and expected = name ^ " " ^ digest in
     if got <> expected then
-      let sentence = "got %s, expected %S of %s of the problem" in
-      Lines.refuse c.n_read (Printf.sprintf (Scanf.format_from_string sentence "%s%S%s") (Lines.shown got) expected meaning)
+      let sentence = Printf.sprintf "got %s, expected %S of %s of the problem" (Lines.shown got) expected meaning in
+      Lines.refuse c.n_read sentence
   in
   List.iter check
     [

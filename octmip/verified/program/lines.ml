@@ -23,7 +23,9 @@ let read c =
   c.n_read <- c.n_read + 1;
   line
 
-let starts_with prefix line = String.length line >= String.length prefix && String.sub line 0 (String.length prefix) = prefix
+let starts_with prefix line =
+  let n = String.length prefix in
+  String.length line >= n && String.sub line 0 n = prefix
 
 (* The first characters of a line, as they are shown in a reason. *)
 let shown line =

@@ -1,5 +1,5 @@
-(* `octmip-verified LOG PROBLEM.json`: check a proof log against the problem file that `octmip solve --write-problem`
-   wrote, by the checker whose correctness is a theorem.
+(* `octmip-verified LOG PROBLEM.json`: check a proof log against the problem file that octmip solve wrote, by the checker
+   whose correctness is a theorem.
 
    Exit code 0: the log proves its bound. 1: it is refused, and one line says where and why. 2: a file cannot be used. *)
 

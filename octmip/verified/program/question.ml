@@ -3,7 +3,12 @@
 open Verified
 module Z = Integer
 
-let rec nat n = if n = 0 then O else S (nat (n - 1))
+let nat n =
+  let rec go found n = if n = 0 then found else go (S found) (n - 1) in
+  go O n
+
+(* Leaves of more samples than there are forbid every split, however many more. *)
+let most_leaf_size = 100_000
 
 (* Small numbers are shared, so that lists of them take no more room than lists of machine words. *)
 let nats count =
@@ -39,7 +44,7 @@ let of_problem (q : Problem.t) =
     costs = List.map exact (Array.to_list q.costs);
     split_penalty = Z.shift_left (Float64.exact q.penalty) Float64.least_exponent;
     depth = nat q.depth;
-    fewest = nat (min q.leaf_size (Array.length q.readings + 1));
+    fewest = nat (min q.leaf_size (max (Array.length q.readings + 1) most_leaf_size));
     sensors = List.map nat (Array.to_list q.sensor_of_feature);
     sensor_costs = exact q.sensor_cost;
     budget = (if q.sensor_limit = Float.infinity then None else Some (Float64.exact q.sensor_limit));

@@ -73,7 +73,8 @@ Qed.
 Lemma answer_legal n may t s : is_legal n may t -> (answer t s < n)%nat.
 Proof. intros [_ L]. rewrite Forall_forall in L. apply L, answer_in. Qed.
 
-Lemma legal_split n may c t l r : is_legal n may (Split c t l r) -> may c = true /\ is_legal n may l /\ is_legal n may r.
+Lemma legal_split n may c t l r : is_legal n may (Split c t l r) -> may c = true /\ is_legal n may l /\ is_legal n may
+  r.
 Proof.
   intros [C L]. simpl in C, L. inversion C as [|? ? C0 C1]; subst. apply Forall_app in C1. apply Forall_app in L.
   unfold is_legal. tauto.
@@ -173,7 +174,8 @@ Proof.
         split; [simpl; lia|]. rewrite paid_split, U, (all_lower _ _ _ U). unfold paid at 3. simpl. lia.
       * destruct (IH1 (s :: low)) as (A & B & D & E & F); [discriminate|auto|].
         destruct (IH2 (u :: up)) as (A' & B' & D' & E' & F'); [discriminate|auto|].
-        split; [destruct A as [A0 A1], A' as [A0' A1']; split; simpl; [constructor; [exact C|]|]; apply Forall_app; auto|].
+        split; [destruct A as [A0 A1], A' as [A0' A1']; split; simpl; [constructor; [exact C|]|]; apply Forall_app;
+          auto|].
         split; [simpl; lia|].
         split; [simpl leaves_hold; rewrite L, U; auto|].
         split; [simpl; lia|]. rewrite !paid_split, L, U. lia.

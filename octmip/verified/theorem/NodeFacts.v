@@ -2,7 +2,7 @@
 
 From Coq Require Import ZArith List Bool Permutation Sorting.Sorted Lia Arith.
 Import ListNotations.
-From octmip Require Import Samples Sums Trees Inequalities Stumps StumpFacts Sides SideFacts Checker.
+From octmip Require Import Samples Sums Trees Inequalities Stumps ScanFacts StumpFacts Sides SideFacts Checker.
 Open Scope Z_scope.
 Local Arguments Z.add : simpl never.
 Local Arguments Z.sub : simpl never.
@@ -118,7 +118,8 @@ Proof.
   assert (So : all_sound r (order c)) by (eapply sound_perm; eauto).
   split; [destruct (order c); simpl; rewrite ?map_length; reflexivity|].
   intros l1 l2 L _ _.
-  assert (Z0 : nth (length l1 - 1) match order c with [] => [] | _ :: rest => map (fun _ => (0, 0)) rest end (0, 0) = (0, 0))
+  assert (Z0 : nth (length l1 - 1) match order c with [] => [] | _ :: rest => map (fun _ => (0, 0)) rest end (0,
+    0) = (0, 0))
     by (destruct (order c); [apply nth_nil|apply nth_zeros]).
   rewrite Z0. rewrite L in So. unfold all_sound in So. apply Forall_app in So.
   split; apply bounds_zero; simpl; tauto.
@@ -223,7 +224,8 @@ Proof.
   { apply side_along; auto; [|eapply bounds_perm; eauto].
     intros l1 l2 E N1 N2. change 0 with (fst (0, 0)). rewrite map_nth. apply (SV l1 l2); auto. }
   assert (AR : along (bounds r d) [] (rev (order c)) rs).
-  { apply side_along; auto; [|eapply bounds_perm; [|exact A]; eapply Permutation_trans; [exact P|apply Permutation_rev]].
+  { apply side_along; auto; [|eapply bounds_perm; [|exact A]; eapply Permutation_trans;
+    [exact P|apply Permutation_rev]].
     intros l1 l2 E N1 N2. assert (E' : order c = rev l2 ++ rev l1)
       by (rewrite <- rev_app_distr, <- E, rev_involutive; reflexivity).
     destruct (SV (rev l2) (rev l1) E') as [_ B].
@@ -243,7 +245,8 @@ Proof.
   assert (E' : rev (order c) = rev right ++ rev left) by (rewrite E, rev_app_distr; reflexivity).
   assert (B2 := along_nth _ _ _ _ AR _ _ E'). simpl in B2. rewrite rev_length in B2.
   assert (LS : length ls = Datatypes.S (length (order c))) by apply side_length.
-  assert (LRS : length rs = Datatypes.S (length (order c))) by (unfold rs; rewrite side_length, rev_length; reflexivity).
+  assert (LRS : length rs = Datatypes.S (length (order c))) by (unfold rs; rewrite side_length,
+    rev_length; reflexivity).
   exists (nth (length left) ls 0), (nth (length right) rs 0). split; [exact B1|].
   split; [eapply bounds_perm; [apply Permutation_sym, Permutation_rev|exact B2]|].
   assert (LO : length (order c) = (length left + length right)%nat) by (rewrite E, app_length; reflexivity).
@@ -255,7 +258,8 @@ Proof.
     - congruence.
     - lia. }
   rewrite rev_nth in Q by lia. rewrite LRS, LO in Q.
-  replace (Datatypes.S (length left + length right) - Datatypes.S (length left))%nat with (length right) in Q by lia. lia.
+  replace (Datatypes.S (length left + length right) - Datatypes.S (length left))%nat with (length right) in Q by lia.
+    lia.
 Qed.
 
 Lemma check_columns_spec line depth bound all v : forall cs, check_columns r line depth bound all cs = Ok v ->
@@ -271,7 +275,8 @@ Lemma threshold_cut c th order : StronglySorted (key_le c) order -> lower c th o
   exists edge, is_cut c order (lower c th order) edge (upper c th order).
 Proof.
   intros SS NL NU. destruct (exists_last NL) as (l & x & E). exists (key c x). split; [apply sorted_parts, SS|].
-  split; [exists l, x; auto|]. destruct (upper c th order) as [|s u] eqn:U; [congruence|]. exists s, u. split; [reflexivity|].
+  split; [exists l, x; auto|]. destruct (upper c th order) as [|s u] eqn:U; [congruence|]. exists s, u.
+    split; [reflexivity|].
   assert (A : key c x <= th) by (apply (lower_keys c th order); rewrite E; apply in_elt).
   assert (B : th < key c s) by (apply (upper_keys c th order); rewrite U; simpl; auto). lia.
 Qed.
@@ -344,7 +349,8 @@ Qed.
 
 Lemma solve_all_column samples : forall cuts left right c,
   is_column 1 samples c ->
-  (forall cut, In cut cuts -> exists l l', is_cut (index c) (order c) l (snd cut) l' /\ Z.of_nat (length l) = fst cut) ->
+  (forall cut, In cut cuts -> exists l l', is_cut (index c) (order c) l (snd cut) l' /\ Z.of_nat (length l) = fst cut)
+    ->
   Forall2 (fun edge b => bounds r 1 (part_of (key (index c)) edge true samples) b) (map snd cuts) left ->
   Forall2 (fun edge b => bounds r 1 (part_of (key (index c)) edge false samples) b) (map snd cuts) right ->
   is_column 1 samples (solve_all c cuts left right) /\ index (solve_all c cuts left right) = index c.
@@ -371,7 +377,8 @@ Proof.
     assert (K := read_cuts_spec _ _ _ _ _ _ _ _ [] R eq_refl eq_refl (fun cut I => match I with end)).
     assert (COL : is_column 1 samples c) by (destruct A as [F _]; rewrite Forall_forall in F; auto).
     eapply IH; [exact S| |exact H].
-    assert (Q : is_column 1 samples (count_cuts r samples (runs_of (key (index c)) all) c cuts)); [|apply replace_columns; auto].
+    assert (Q : is_column 1 samples (count_cuts r samples (runs_of (key (index c)) all) c cuts));
+      [|apply replace_columns; auto].
     unfold count_cuts. rewrite !rev'_rev. apply solve_all_column; auto.
     + apply Forall2_rev_l. eapply stumps_of_spec; eauto.
     + eapply stumps_of_spec; eauto.
@@ -391,8 +398,10 @@ Lemma part_fresh samples all i edge is_low : has_orders samples all ->
 Proof.
   intros [F C]. split.
   - rewrite Forall_forall in *. intros c I. apply in_map_iff in I. destruct I as (c' & <- & I).
-    destruct (F c' I) as [P SS]. simpl. split; [|reflexivity]. split; simpl; [apply filter_perm, P|apply sorted_filter, SS].
-  - intros c R. destruct (C c R) as (col & I & E). exists (unsolved (index col) (part_of (key i) edge is_low (order col))).
+    destruct (F c' I) as [P SS]. simpl. split; [|reflexivity].
+      split; simpl; [apply filter_perm, P|apply sorted_filter, SS].
+  - intros c R. destruct (C c R) as (col & I & E).
+    exists (unsolved (index col) (part_of (key i) edge is_low (order col))).
     split; [|exact E]. apply in_map_iff. exists col. auto.
 Qed.
 
@@ -444,7 +453,8 @@ Qed.
 Lemma solve_records_spec samples : all_sound r samples -> forall records all all', are_columns d samples all ->
   solve_records check_below samples all records = Ok all' -> are_columns d samples all'.
 Proof.
-  intros S. induction records as [|[line i steps] records IH]; intros all all' A H; simpl in H; [injection H as <-; exact A|].
+  intros S. induction records as [|[line i steps] records IH]; intros all all' A H; simpl in H; [injection H as <-;
+    exact A|].
   destruct (column_of i all) as [c|] eqn:E.
   - destruct (column_of_spec _ _ _ E) as [I <-].
     destruct (solve_cuts check_below line samples all c steps 0 None (order c)) as [c'|] eqn:R; [|discriminate].
@@ -460,7 +470,8 @@ Lemma solve_below_spec samples all of_all records b all' : all_sound r samples -
   bounds r d samples b /\ are_columns d samples all'.
 Proof.
   intros S F H. unfold solve_below in H.
-  destruct (match of_all with None => Ok 0 | Some proof => check_below samples all proof end) as [b0|] eqn:E; [|discriminate].
+  destruct (match of_all with None => Ok 0 | Some proof => check_below samples all proof end) as [b0|] eqn:E;
+    [|discriminate].
   destruct (solve_records check_below samples all records) as [all0|] eqn:R; [|discriminate].
   injection H as <- <-. split.
   - destruct of_all as [proof|]; [eapply below; eauto|]. injection E as <-. apply bounds_zero; auto.
@@ -488,7 +499,8 @@ Qed.
 Theorem check_node_spec : forall depth samples all proof b, all_sound r samples -> is_fresh samples all ->
   check_node r depth samples all proof = Ok b -> bounds r depth samples b.
 Proof.
-  induction depth as [|depth IH]; intros samples all proof b S F H; destruct proof as [line|line levels leaf bound of_all records fault];
+  induction depth as [|depth IH]; intros samples all proof b S F H;
+    destruct proof as [line|line levels leaf bound of_all records fault];
     try discriminate.
   cbn [check_node] in H. unfold ensure in H.
   destruct (_ && _) in H; [|discriminate].

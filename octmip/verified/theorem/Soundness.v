@@ -2,7 +2,8 @@
 
 From Coq Require Import ZArith List Bool Permutation Sorting.Sorted Sorting.Mergesort Lia Arith.
 Import ListNotations.
-From octmip Require Import Specification Samples Sums Trees Inequalities Columns Checker NodeFacts StumpFacts Whole Cases.
+From octmip Require Import Specification Samples Sums Trees Inequalities Columns Checker NodeFacts ScanFacts.
+From octmip Require Import StumpFacts Whole Cases.
 Open Scope Z_scope.
 Local Arguments Z.add : simpl never.
 Local Arguments Z.sub : simpl never.
@@ -25,9 +26,11 @@ Proof.
   assert (K : Forall (fun o => fst o = key c (snd o)) (KeySort.sort pairs)).
   { eapply Permutation_Forall; [apply KeySort.Permuted_sort|]. unfold pairs. rewrite Forall_forall. intros o I.
     apply in_map_iff in I. destruct I as (s & <- & _). reflexivity. }
-  induction SS as [|o os SS IH F]; simpl; [constructor|]. inversion K as [|? ? K0 K1]; subst. constructor; [apply IH, K1|].
+  induction SS as [|o os SS IH F]; simpl; [constructor|]. inversion K as [|? ? K0 K1]; subst.
+    constructor; [apply IH, K1|].
   rewrite Forall_forall in *. intros s I. apply in_map_iff in I. destruct I as (o' & <- & I).
-  specialize (F o' I). unfold KeyOrder.leb in F. apply Z.leb_le in F. unfold key_le. rewrite <- K0, <- (K1 o' I). exact F.
+  specialize (F o' I). unfold KeyOrder.leb in F. apply Z.leb_le in F. unfold key_le. rewrite <- K0, <- (K1 o' I).
+    exact F.
 Qed.
 
 (** * Trees of a question and trees over columns *)
@@ -127,7 +130,8 @@ Proof.
   assert (IH' := IH (fun y Y => I y (or_intror Y))).
   assert (E := stands_answer t t' x s T (I x (or_introl eq_refl)) M). rewrite E.
   assert (B : (label_of t x < n_classes q)%nat).
-  { rewrite <- E. rewrite Forall_forall in A. apply A. rewrite <- (proj2 (proj2 (stands_shape t t' T))). apply answer_in. }
+  { rewrite <- E. rewrite Forall_forall in A. apply A. rewrite <- (proj2 (proj2 (stands_shape t t' T))).
+    apply answer_in. }
   assert (P := its_loss x s M _ B). nia.
 Qed.
 
@@ -198,7 +202,8 @@ Qed.
 Lemma samples_of_spec : forall xs i table_rows weights samples,
   samples_of q w all i xs table_rows weights = Ok samples -> Forall2 matches xs samples.
 Proof.
-  induction xs as [|x xs IH]; intros i table_rows weights samples H; destruct table_rows as [|row_ table_rows], weights as [|v weights];
+  induction xs as [|x xs IH]; intros i table_rows weights samples H; destruct table_rows as [|row_ table_rows],
+    weights as [|v weights];
     simpl in H; try discriminate; [injection H as <-; constructor|].
   set (its_prices := prices_of q (nth row_ (table w) []) v) in *.
   destruct (first_above q w x 0 its_prices) eqn:A; [discriminate|].
@@ -345,12 +350,14 @@ Qed.
 Lemma proper_features f : nth f (allowed q) false = true -> (f < length (sensors q))%nat.
 Proof.
   unfold is_proper in proper. rewrite !andb_true_iff, !Nat.leb_le in proper. intros A.
-  destruct (Nat.lt_ge_cases f (length (allowed q))) as [L|L]; [lia|]. rewrite nth_overflow in A by exact L. discriminate.
+  destruct (Nat.lt_ge_cases f (length (allowed q))) as [L|L]; [lia|]. rewrite nth_overflow in A by exact L.
+    discriminate.
 Qed.
 
 Lemma samples_sound : Forall (sound (n_classes q)) samples.
 Proof.
-  generalize their_samples. clear. generalize (rows q) as xs. intros xs F. induction F as [|x s xs ss M F IH]; constructor; auto.
+  generalize their_samples. clear. generalize (rows q) as xs. intros xs F.
+    induction F as [|x s xs ss M F IH]; constructor; auto.
   apply (its_sound x s M).
 Qed.
 
@@ -372,10 +379,12 @@ Proof.
     eapply stands_leaves; eauto. apply incl_refl.
 Qed.
 
-Lemma check_cases_spec claim t t' : is_asked_for q t -> stands_for t t' -> forall log ds b, NoDup (map fst ds) -> keeps_to t ds ->
+Lemma check_cases_spec claim t t' : is_asked_for q t -> stands_for t t' -> forall log ds b,
+  NoDup (map fst ds) -> keeps_to t ds ->
   check_cases q w all samples claim ds log = Ok b -> claim <= cost (its_penalty w) t' samples.
 Proof.
-  intros A T. induction log as [proof|line sensor unread IHU read IHR|line]; intros ds b N K H; simpl in H; [| |discriminate].
+  intros A T. induction log as [proof|line sensor unread IHU read IHR|line]; intros ds b N K H; simpl in H;
+    [| |discriminate].
   - destruct (check_node _ _ _ _ proof) as [bound|] eqn:E; [|discriminate]. unfold ensure in H.
     destruct (Z.leb_spec claim bound) as [L|]; [|discriminate].
     assert (B := case_spec t t' ds proof bound A T N K E). lia.
@@ -383,7 +392,8 @@ Proof.
       match decided (Z.to_nat sensor) ds with None => true | Some _ => false end) eqn:E; [|discriminate].
     apply andb_true_iff in E. destruct E as [_ E].
     destruct (decided (Z.to_nat sensor) ds) eqn:DS; [discriminate|]. assert (NI := decided_none _ _ DS).
-    destruct (check_cases q w all samples claim ((Z.to_nat sensor, false) :: ds) unread) as [b'|] eqn:U; [|discriminate].
+    destruct (check_cases q w all samples claim ((Z.to_nat sensor,
+      false) :: ds) unread) as [b'|] eqn:U; [|discriminate].
     assert (ND : forall v : bool, NoDup (map fst ((Z.to_nat sensor, v) :: ds))) by (intros v; simpl; constructor; auto).
     assert (KT : keeps_to t ((Z.to_nat sensor, reads q t (Z.to_nat sensor)) :: ds)).
     { intros s v [X|X]; [injection X as <- <-; reflexivity|apply K, X]. }
@@ -410,7 +420,8 @@ Proof.
   assert (FE : Forall (fun f => (f < length (sensors q))%nat) (features t)).
   { destruct A as (_ & _ & A & _). eapply Forall_impl; [|exact A]. intros f. apply (proper_features PR). }
   destruct (stands_exists t FE) as (t' & T).
-  assert (B := check_cases_spec samples M PR P0 claim t t' A T log [] b (NoDup_nil _) (fun _ _ I => match I with end) C).
+  assert (B := check_cases_spec samples M PR P0 claim t t' A T log [] b (NoDup_nil _) (fun _ _ I => match I with end)
+    C).
   destruct A as (_ & L & _).
   assert (S := stands_losses t t' T L (rows q) samples (incl_refl _) M).
   destruct (stands_shape t t' T) as (_ & NS & _).

@@ -203,11 +203,13 @@ Proof.
       assert (A := nth_le_top (x :: its_prices) 0). assert (B := least_spec (x :: its_prices) 0).
       simpl length in B. simpl nth in A, B. lia.
   - unfold sample_of; simpl.
-    destruct (Z.leb_spec (or_zero (least (without favourite its_prices)) - or_zero (least its_prices)) 0); [constructor|].
+    destruct (Z.leb_spec (or_zero (least (without favourite its_prices)) - or_zero (least its_prices)) 0);
+      [constructor|].
     apply Forall_app. split; [|repeat constructor; lia]. clear. induction favourite; simpl; constructor; auto; lia.
   - intros label L. unfold sample_of, price; simpl.
     assert (B := least_spec its_prices label L).
-    destruct (Z.leb_spec (or_zero (least (without favourite its_prices)) - or_zero (least its_prices)) 0); [simpl; lia|].
+    destruct (Z.leb_spec (or_zero (least (without favourite its_prices)) - or_zero (least its_prices)) 0); [simpl;
+      lia|].
     rewrite outside_one. destruct (Nat.eqb_spec label favourite); [lia|].
     destruct (without_spec favourite its_prices label) as (j & J & E); [lia|lia|].
     assert (W := least_spec _ j J). lia.
