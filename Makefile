@@ -6,7 +6,7 @@ ZIG = $(shell test "$$(uname -s)" = Linux && $(BIN)/python -m ziglang version >/
 NATIVE := $(shell find octmip/native/src octmip/native/check octmip/native/Cargo.toml -type f)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: uav mission blind test lint lint-python-then-rust lint-python lint-rust pytest wheel site tools benchmarks clean
+.PHONY: uav mission blind test lint lint-python-then-rust lint-python lint-rust pytest wheel site verified tools benchmarks clean
 
 uav: $(VENV)/.installed
 	@$(BIN)/python -m benchmarks.uav $(if $(STRAINS),--strains $(STRAINS)) $(ARGS)
@@ -53,6 +53,11 @@ wheel: $(VENV)/.wheel-tools
 # The documentation as a site in site/, warnings as errors; make site DRAW=1 draws the pictures of the examples again.
 site: $(VENV)/.installed-test
 	@$(BIN)/python -m sphinx -W --keep-going -q -b html $(if $(DRAW),-D draw_examples=1) docs site
+
+# The proof checker with a theorem (docs/theory/proofs/verified.md): octmip/verified/build/octmip-verified
+verified:
+	@command -v coqc >/dev/null && command -v ocamlfind >/dev/null && ocamlfind query zarith >/dev/null 2>&1 || { echo "Coq, OCaml or Zarith is missing: install them, for instance with apt-get install coq ocaml-nox ocaml-findlib libzarith-ocaml-dev"; exit 2; }
+	$(MAKE) -C octmip/verified
 
 tools:
 	@command -v $(PYTHON) >/dev/null || { echo "$(PYTHON) is missing: install Python 3.11 or newer, or say make PYTHON=/path/to/python"; exit 2; }
@@ -101,4 +106,4 @@ $(VENV)/.wheel-tools: | $(BIN)/python
 	@touch $@
 
 clean:
-	rm -rf $(VENV) results dist octmip/native/target octmip/*.so
+	rm -rf $(VENV) results dist octmip/native/target octmip/verified/build octmip/*.so

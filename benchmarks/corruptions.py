@@ -69,6 +69,16 @@ def number(rng: np.random.Generator, lines: list[str]) -> None:
     lines[row] = " ".join(tokens)
 
 
+def raise_claim(rng: np.random.Generator, lines: list[str]) -> None:
+    """Raise the claim of an axis-aligned log, and with it the bound of every record that bears it."""
+    old = lines[HEADER - 1].split(" ")[1]
+    new = str(int(old) + int(rng.integers(1, 3)))
+    lines[HEADER - 1] = f"claim {new}"
+    for row, line in enumerate(lines):
+        if line.startswith("N ") and line.split(" ")[3] == old:
+            lines[row] = " ".join([*line.split(" ")[:3], new])
+
+
 def changed_data(rng: np.random.Generator, problem: Problem) -> Problem:
     """Return the problem with one feature value (or its being there), label or weight changed."""
     features, codes, weights = problem.features.copy(), problem.codes.copy(), problem.weights.copy()

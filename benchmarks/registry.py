@@ -31,6 +31,7 @@ FAMILIES = {
     "gaps_strains": "benchmarks.cases.gaps.strains",
     "fuzz_proofs": "benchmarks.cases.fuzz.exact_proofs",
     "fuzz_check_command": "benchmarks.cases.fuzz.check_command",
+    "verified_logs": "benchmarks.cases.fuzz.verified",
     "fuzz_files": "benchmarks.cases.fuzz.files",
     "mio_forms": "benchmarks.cases.mio.forms",
     "mio_agreement": "benchmarks.cases.mio.agreement",

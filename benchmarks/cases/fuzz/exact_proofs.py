@@ -9,7 +9,7 @@ import dataclasses
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from benchmarks.corruptions import HEADER, LINE_CHANGES, Generator, ProofFuzz, summary
+from benchmarks.corruptions import LINE_CHANGES, Generator, ProofFuzz, raise_claim, summary
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem, with_gaps
 from benchmarks.tables import Line
@@ -44,20 +44,10 @@ def _least(problem: Problem) -> float:
     return optimum(problem).objective
 
 
-def _raise_claim(rng: Generator, lines: list[str]) -> None:
-    """Raise the claim, and with it the bound of every record that bears it."""
-    old = lines[HEADER - 1].split(" ")[1]
-    new = str(int(old) + int(rng.integers(1, 3)))
-    lines[HEADER - 1] = f"claim {new}"
-    for row, line in enumerate(lines):
-        if line.startswith("N ") and line.split(" ")[3] == old:
-            lines[row] = " ".join([*line.split(" ")[:3], new])
-
-
 def _changed_split(rng: Generator, problem: Problem, node: Node) -> Node:
     if isinstance(node, Split):
         return dataclasses.replace(node, threshold=float(rng.normal()), feature=int(rng.integers(problem.n_features)))
     return Leaf(int(rng.integers(problem.n_classes)))
 
 
-FUZZ = ProofFuzz(40, _drawn, _solved, _least, LINE_CHANGES, _raise_claim, _changed_split)
+FUZZ = ProofFuzz(40, _drawn, _solved, _least, LINE_CHANGES, raise_claim, _changed_split)
