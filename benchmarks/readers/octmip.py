@@ -136,12 +136,14 @@ def agree_with_schema(path: Path) -> None:
         raise DisagreementError(f"the reader {'takes' if takes else 'refuses'} what the schema does not")
 
 
-ANEW = ("--method", "search", "--seconds", 1)
+BROAD, ANEW = ("--split-size", 2), ("--method", "search", "--seconds", 1)
 
 
 def tree_command(rng: Generator, folder: Path) -> None:
     """Give a tree file to one of the commands that read one."""
     tree, table = folder / "tree.json", folder / "table.csv"
+    has_planes = tree.is_file() and b"hyperplane" in tree.read_bytes()
+    anew = (*BROAD, *ANEW) if has_planes else ANEW
     out = folder / pick(rng, ("p.html", "p.md", "p.dot", "p.txt"))
     commands = (
         ("report", tree),
@@ -150,7 +152,7 @@ def tree_command(rng: Generator, folder: Path) -> None:
         ("certify", tree, table, "--json"),
         ("predict", tree, table, "--probabilities", "--label", "y"),
         ("predict", tree, table, "--json"),
-        ("solve", table, "--label", "y", "--depth", 2, "--features", "a,b,c", "--incumbent", tree, *ANEW),
+        ("solve", table, "--label", "y", "--depth", 2, "--features", "a,b,c", "--incumbent", tree, *anew),
     )
     if rng.random() < 0.03:
         run("report", tree, "--out", folder / "p.svg")
