@@ -52,7 +52,7 @@ pub(crate) fn go_on<'s>(
     if let Some(known) = &known {
         known.check(&samples, &view, problem.depth, problem.sensor_cost.len())?;
     }
-    let mut run = Run::new(problem, (&samples, &view), options, supervision, tables, known, saver, elsewhere);
+    let mut run = Run::new(problem, (&samples, &view), options, supervision, tables, known, saver).helped_by(elsewhere);
     run.search(problem.depth, keep_going);
     if problem.sensor_cost.iter().sum::<f64>() > problem.sensor_limit {
         run.keep_budget(keep_going);

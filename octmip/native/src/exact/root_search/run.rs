@@ -69,7 +69,6 @@ impl<'a, 's> Run<'a, 's> {
         tables: f64,
         known: Option<Known>,
         saver: Option<Saver<'s>>,
-        elsewhere: Option<&'s Elsewhere<'s>>,
     ) -> Self {
         let base: i64 = samples.base.iter().sum();
         let mut run = Run {
@@ -85,7 +84,7 @@ impl<'a, 's> Run<'a, 's> {
             bound: 0,
             known,
             due: Due::new(saver),
-            elsewhere,
+            elsewhere: None,
         };
         if let Some((objective, _)) = &options.incumbent
             && objective - base <= run.best.0
@@ -98,6 +97,11 @@ impl<'a, 's> Run<'a, 's> {
             run.best = (*cost, Best::Tree(tree.clone()));
         }
         run
+    }
+
+    /// The same with somebody else to solve the cuts of the root, if there is one.
+    pub(crate) fn helped_by(self, elsewhere: Option<&'s Elsewhere<'s>>) -> Self {
+        Self { elsewhere, ..self }
     }
 }
 
