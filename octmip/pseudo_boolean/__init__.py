@@ -12,7 +12,7 @@ witness    a tree as an assignment
 files      the two files
 checker    veripb run on the formula made anew
 
-The formula and each step of the proof: docs/theory/veripb.md.
+The formula and each step of the proof: docs/theory/proofs/veripb.md.
 """
 
 from octmip.pseudo_boolean.checker import VeripbReport, check_with_veripb
