@@ -109,6 +109,7 @@ class _Task:
         self.future = self.cluster.client.submit(self.function, self.shared.held, *self.arguments, pure=False)
 
     def done(self) -> bool:
+        """Whether it has ended; a task that was lost is sent again and has not."""
         if not self.future.done():
             return False
         is_lost = self.future.status in ("lost", "cancelled") or _is_killed(self.future)
@@ -122,6 +123,7 @@ class _Task:
         return True
 
     def result(self) -> Any:
+        """Return the result; raise `SolverError` where it was lost too often, else what the task raised."""
         try:
             return self.future.result()
         except Exception as error:
@@ -147,7 +149,7 @@ def open_cluster(where: str | Any, n_workers: int | None = None) -> Iterator[Clu
     Parameters
     ----------
     where
-        "local" starts `n_workers` processes on this machine (one a core by default) and ends them afterwards.
+        "local" starts `n_workers` processes on this machine (by default one per core) and ends them afterwards.
 
     Raises
     ------

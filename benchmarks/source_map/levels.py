@@ -39,7 +39,7 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
         "regression.certificate": 3,
         "regression.grid": 4,
         "regression.proof_log": 4,
-        "regression.exact": 5,
+        "regression.exact": 6,
         "regression.search": 5,
         "certificate": 4,
         "methods.checkpoint": 5,

@@ -40,6 +40,7 @@ from octmip.methods.native_call import (
 )
 from octmip.problem import Problem
 from octmip.proof import check_proof, log_header
+from octmip.pseudo_boolean import check_possible, is_pseudo_boolean
 from octmip.solution import Limits, ProgressCallback, ProofError, Solution, Stop
 from octmip.tree import HyperplaneSplit, Leaf, Node, Split, goes_left, midpoint
 
@@ -87,6 +88,8 @@ def two_feature_branch_and_bound(
     _check(problem, n_jobs)
     if proof is not None:
         check_writable(proof)
+    if proof is not None and is_pseudo_boolean(proof):
+        check_possible(problem, proof)  # refuses: those proofs are of axis-aligned trees
     start, known = time.perf_counter(), feasible_incumbent(problem, incumbent)
     ranks, costs = rank_features(problem), integer_costs(problem, known)
     native = native_problem(problem, ranks, costs)

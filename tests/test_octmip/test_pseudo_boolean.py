@@ -15,11 +15,14 @@ from benchmarks.oracles.strategies import random_problem
 from octmip.encoding import cut_as_split, rank_features
 from octmip.errors import CertificateError, DataError, ProblemError, SolverError
 from octmip.methods.exact import branch_and_bound
+from octmip.methods.two_feature import two_feature_branch_and_bound
 from octmip.problem import Problem
 from octmip.pseudo_boolean import check_with_veripb, write_proof
 from octmip.pseudo_boolean.formula import Formula
 from octmip.pseudo_boolean.question import question_of
 from octmip.pseudo_boolean.witness import true_variables
+from octmip.regression.exact import exact_regression
+from octmip.regression.problem import RegressionProblem
 from octmip.tree import Leaf, features_used, leaf_index, without_empty_sides
 
 BLOCK = 25
@@ -191,6 +194,15 @@ def test_a_proof_that_is_interrupted_is_not_written(tmp_path, monkeypatch):
     monkeypatch.setattr("octmip.pseudo_boolean.files.prove", interrupted)
     with pytest.raises(SolverError, match="was interrupted"):
         branch_and_bound(larger_problem(0), proof=tmp_path / "x.pbp")
+
+
+def test_other_trees_write_no_log_of_their_own_under_that_name(tmp_path):
+    problem, path = larger_problem(0), tmp_path / "x.pbp"
+    with pytest.raises(ProblemError, match="axis"):
+        two_feature_branch_and_bound(replace(problem, split="hyperplane", split_size=2), proof=path)
+    numbers = RegressionProblem(problem.features, problem.features[:, 0], depth=1)
+    with pytest.raises(ProblemError, match="for classes"):
+        exact_regression(numbers, proof=path)
     assert not list(tmp_path.iterdir())
 
 

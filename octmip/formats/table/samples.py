@@ -222,7 +222,7 @@ def read_table(path: PathLike, form: str | None = None, as_text: str | None = No
     """Return the table of a file, or of standard input for "-".
 
     .csv and .tsv (UTF-8, one header line, either may be compressed: .gz) and .parquet; `form` ("csv", "tsv",
-    "parquet") says what a file with another ending holds. The column `as_text` stays as it is written: 007 is no 7.
+    "parquet") says what a file with another ending holds. The column `as_text` is read as text: 007 is no 7.
 
     Raises
     ------

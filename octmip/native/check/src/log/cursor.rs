@@ -40,9 +40,8 @@ impl<'a> Cursor<'a> {
 
     /// The numbers of the next line, which must have this tag and so many numbers.
     pub(crate) fn expect<const N: usize>(&mut self, tag: &str) -> Checked<[i64; N]> {
-        let got = self.peek().unwrap_or("");
+        let (got, line) = (self.peek().unwrap_or(""), self.n_read + 1);
         let numbers = self.take(tag).and_then(|numbers| numbers.try_into().ok());
-        let line = self.n_read + usize::from(numbers.is_none());
         ensure!(numbers.is_some(), line, "got {}, expected {tag} and {N} numbers", shown(got));
         Ok(numbers.unwrap_or([0; N]))
     }
