@@ -1,5 +1,7 @@
 """The exact solver under cost matrices: against enumeration, and against itself with its bounds off."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,8 @@ from octmip import certify
 from octmip.methods.exact import branch_and_bound
 from octmip.methods.native_call import without
 from octmip.problem import Problem
+from octmip.proof import check_proof
+from octmip.solution import Limits
 
 BLOCK = 50
 COST_BOUNDS = ("mixed_labels", "buckets", "cost_range", "vectors")
@@ -55,3 +59,48 @@ def test_the_optimum_stays_without_the_bounds_of_costs(first):
         with without(*COST_BOUNDS):
             plain = branch_and_bound(problem)
         assert certify(problem, solution).objective == solution.bound == plain.objective == plain.bound, f"seed {seed}"
+
+
+def in_smaller_units(problem, **options):
+    """Return a problem whose costs are 20 times as much, and 7 more whatever is predicted for the first class."""
+    costs = problem.costs * 20
+    costs[0] += 7
+    return replace(problem, costs=costs, leaf_penalty=problem.leaf_penalty * 20, **options)
+
+
+@pytest.mark.parametrize("budget", [None, 2])
+def test_costs_of_a_common_factor_are_searched_and_logged_as_without_it(budget, tmp_path):
+    for seed in range(12):
+        rng = np.random.default_rng([73, seed])
+        problem = cost_problem(rng, 80, 4, 2 + seed % 2)
+        if budget is not None:
+            problem = replace(problem, sensor_budget=budget)
+        finer, path = in_smaller_units(problem), tmp_path / "proof.log"
+        plain, solution = branch_and_bound(problem), branch_and_bound(finer, proof=path)
+        assert (solution.tree, solution.n_nodes) == (plain.tree, plain.n_nodes), f"seed {seed}"
+        assert solution.bound == solution.objective == finer.objective(plain.tree), f"seed {seed}"
+        assert check_proof(finer, path).bound == solution.bound, f"seed {seed}"
+
+
+def test_a_search_of_a_common_factor_goes_on_from_its_checkpoint(tmp_path):
+    for seed in range(4):
+        problem = in_smaller_units(cost_problem(np.random.default_rng([74, seed]), 90, 4, 3))
+        whole, path = branch_and_bound(problem), tmp_path / f"{seed}.checkpoint"
+        branch_and_bound(problem, checkpoint=path, every=0.0, limits=Limits(nodes=whole.n_nodes // 3))
+        again = branch_and_bound(problem, checkpoint=path)
+        assert (again.objective, again.bound) == (whole.objective, whole.bound), f"seed {seed}"
+
+
+@pytest.mark.parametrize("unit", [0.2, 1 / 3, 1e-7])
+def test_costs_that_are_multiples_but_for_rounding_are_counted_in_whole_numbers(unit, tmp_path):
+    for seed in range(8):
+        rng = np.random.default_rng([75, seed])
+        whole = cost_problem(rng, 60, 3, 3)
+        whole = replace(whole, costs=np.round(whole.costs), leaf_penalty=np.round(whole.leaf_penalty))
+        problem = replace(whole, costs=whole.costs * unit, leaf_penalty=whole.leaf_penalty * unit)
+        path = tmp_path / "proof.log"
+        plain, solution = branch_and_bound(whole), branch_and_bound(problem, proof=path)
+        assert solution.objective == pytest.approx(plain.objective * unit, rel=1e-12), f"seed {seed}"
+        assert (solution.stop, solution.n_nodes) == (plain.stop, plain.n_nodes), f"seed {seed}"
+        assert certify(problem, solution).objective - solution.bound <= 1e-9 * solution.objective, f"seed {seed}"
+        assert check_proof(problem, path).bound == solution.bound, f"seed {seed}"

@@ -19,10 +19,10 @@ use crate::problem::Problem;
 pub fn write(problem: &Problem, claim: i64, switches: Switches, control: &Control) -> Option<String> {
     let smaller = if switches.merging { merged(problem) } else { None };
     let samples = match smaller {
-        Some((smaller, rows)) => Samples::new(&smaller).of_rows(rows),
-        None => Samples::new(problem),
+        Some((smaller, rows)) => Samples::new(&smaller).in_units_of(&smaller).of_rows(rows),
+        None => Samples::new(problem).in_units_of(problem),
     };
-    let upper = claim - samples.base.iter().sum::<i64>();
+    let upper = samples.counted(claim - samples.base.iter().sum::<i64>());
     let mut out = Body::default();
     if problem.sensor_cost.iter().sum::<f64>() > problem.sensor_limit {
         let sets = Sets::new(problem, &samples, switches, control, None, upper);
@@ -33,7 +33,7 @@ pub fn write(problem: &Problem, claim: i64, switches: Switches, control: &Contro
     (!control.is_stopped()).then(|| out.into_lines())
 }
 
-/// The record that no tree over these features costs less than `upper` above the base.
+/// The record that no tree over these features costs less than `upper` above the base, as the samples count.
 pub(crate) fn record(
     samples: &Samples,
     switches: Switches,

@@ -47,8 +47,9 @@ pub(crate) fn go_on<'s>(
     }
     let smaller = if options.switches.merging { merged(problem) } else { None };
     let problem = smaller.as_ref().map_or(problem, |(smaller, _)| smaller);
-    let samples = Samples::new(problem);
+    let samples = Samples::new(problem).in_units_of(problem);
     let view = View::root(&samples);
+    let known = known.map(|known| known.map_costs(|cost| samples.counted(cost)));
     if let Some(known) = &known {
         known.check(&samples, &view, problem.depth, problem.sensor_cost.len())?;
     }

@@ -13,8 +13,10 @@
 pub(crate) mod directions;
 pub(crate) mod label_sets;
 pub(crate) mod merging;
+pub(crate) mod unit;
 
 use crate::costs::ClassCosts;
+use crate::exact::samples::unit::{common_divisor, rounded_up, unit};
 use crate::problem::Problem;
 
 use directions::doubled_spans;
@@ -58,6 +60,8 @@ pub(crate) struct Samples {
     pub(crate) penalty: i64,
     /// Fewest samples in a leaf.
     pub(crate) leaf_size: usize,
+    /// What one unit of ranges, multiplicities and penalty is in the problem; the base is in the problem's own.
+    pub(crate) unit: i64,
     /// Rows of the problem that each sample is (`n`); none: one each.
     rows: Vec<u32>,
 }
@@ -93,10 +97,30 @@ impl Samples {
             labels: Vec::new(),
             penalty: problem.penalty,
             leaf_size: problem.leaf_size,
+            unit: 1,
             rows: Vec::new(),
         };
         samples.set_gains(problem);
         samples
+    }
+
+    /// The same counted in the largest unit that all costs above the base are multiples of.
+    pub(crate) fn in_units_of(mut self, problem: &Problem) -> Self {
+        self.unit = unit(problem, &ClassCosts::of(problem));
+        self.ranges.iter_mut().chain(&mut self.multiplicity).for_each(|count| *count /= self.unit);
+        self.penalty /= self.unit;
+        self
+    }
+
+    /// A cost above the base in the problem's own unit.
+    pub(crate) fn cost(&self, cost: i64) -> i64 {
+        cost * self.unit
+    }
+
+    /// A cost above the base as it is counted here, rounded up where it is between two: no tree costs less than the one
+    /// and not less than the other.
+    pub(crate) fn counted(&self, cost: i64) -> i64 {
+        rounded_up(cost, self.unit)
     }
 
     /// The same where each sample is so many rows (`n`) of a larger problem: a log counts those.
@@ -154,7 +178,7 @@ impl Samples {
         }
         let mut of_class = vec![(0, 0); rows.len()];
         for class in (0..rows.len()).filter(|&class| has_samples[class]) {
-            let factor = rows[class].iter().fold(0, |a, &b| greatest_divisor(a, b));
+            let factor = rows[class].iter().fold(0, |a, &b| common_divisor(a, b));
             if factor > 0 {
                 let row: Vec<i64> = rows[class].iter().map(|gain| gain / factor).collect();
                 let profile = profiles.iter().position(|known| *known == row).unwrap_or(profiles.len());
@@ -233,10 +257,6 @@ impl Samples {
             }
         }
     }
-}
-
-fn greatest_divisor(a: i64, b: i64) -> i64 {
-    if b == 0 { a } else { greatest_divisor(b, a % b) }
 }
 
 /// Sample ids by rank, ties by id: a counting sort.

@@ -36,10 +36,13 @@ pub(crate) fn best_subtree(
     let view = View::subset(samples, ids);
     let base: i64 = ids.iter().map(|&i| samples.base[i as usize]).sum();
     let mut search = Search::new(samples, Switches::default(), &limited, depth);
-    let result = search.solve(&view, depth, upper.saturating_sub(base), 0);
+    let result = search.solve(&view, depth, samples.counted(upper.saturating_sub(base)), 0);
     // What was found before the cuts were spent is a tree with its true cost; only the proof is missing.
     let found = result.best.filter(|_| !control.is_stopped());
-    Found { tree: found.map(|(cost, plan)| (base + cost, plan.tree(samples, &view))), is_proof: !limited.is_stopped() }
+    Found {
+        tree: found.map(|(cost, plan)| (base + samples.cost(cost), plan.tree(samples, &view))),
+        is_proof: !limited.is_stopped(),
+    }
 }
 
 #[cfg(test)]

@@ -23,7 +23,9 @@ pub(super) struct Checker<'a> {
     pub(super) worst: Vec<i64>,
     /// Labels of each sample that save some of that, and how much.
     pub(super) savings: Vec<Vec<(usize, i64)>>,
-    /// No sum is larger.
+    /// The number that all savings are whole multiples of: sums of them are counted in it.
+    pub(super) unit: i64,
+    /// No sum of savings in that unit, or of samples, is larger.
     pub(super) most: i64,
     /// The labels that trees of 0, 1, 2 and so on levels may give.
     pub(super) label_sets: Vec<LabelSets>,
@@ -37,17 +39,24 @@ impl<'a> Checker<'a> {
         let cost = |i: usize, k| q.weights[i] * q.cost(q.labels[i] as usize, k);
         let worst = |i| (0..q.n_classes).map(|k| cost(i, k)).max().unwrap_or(0);
         let saving = |i, k| Some((k, worst(i) - cost(i, k))).filter(|saving| saving.1 > 0);
-        let savings = |i| (0..q.n_classes).filter_map(|k| saving(i, k)).collect();
+        let savings: Vec<Vec<_>> = (0..q.n).map(|i| (0..q.n_classes).filter_map(|k| saving(i, k)).collect()).collect();
+        let unit = savings.iter().flatten().fold(0, |unit, &(_, saving)| common_divisor(unit, saving)).max(1);
         let labels = labels_worth_giving(q);
         Self {
             q,
-            most: (0..q.n).map(worst).sum::<i64>().max(2 * q.n as i64 + 1),
+            unit,
+            most: ((0..q.n).map(worst).sum::<i64>() / unit).max(2 * q.n as i64 + 1),
             worst: (0..q.n).map(worst).collect(),
-            savings: (0..q.n).map(savings).collect(),
+            savings,
             label_sets: (0..=q.depth).map(|depth| LabelSets::new(q, &labels, depth)).collect(),
             sorted: sorted(q),
         }
     }
+}
+
+/// The greatest common divisor; 0 where both are 0.
+fn common_divisor(a: i64, b: i64) -> i64 {
+    if b == 0 { a } else { common_divisor(b, a % b) }
 }
 
 /// All samples in the order of each feature that may be used, and last in their own.

@@ -33,10 +33,11 @@ struct Savings<T> {
 }
 
 impl<T: Lane> Savings<T> {
-    fn new<'s>(samples: impl Iterator<Item = &'s [(usize, i64)]>) -> Self {
+    /// In units that they are whole multiples of.
+    fn new<'s>(samples: impl Iterator<Item = &'s [(usize, i64)]>, unit: i64) -> Self {
         let (mut ends, mut entries) = (vec![0], Vec::new());
         for own in samples {
-            entries.extend(own.iter().map(|&(label, saving)| (label, of::<T>(saving))));
+            entries.extend(own.iter().map(|&(label, saving)| (label, of::<T>(saving / unit))));
             ends.push(entries.len());
         }
         Self { ends, entries }
@@ -61,7 +62,7 @@ impl Checker<'_> {
     /// The same in numbers of one width, no sum too large for it.
     fn stumps_in<T: Lane>(&self, orders: &Orders, sets: &[&[u32]]) -> Vec<[i64; 2]> {
         let cuts: Vec<Vec<usize>> = (0..self.q.p).map(|f| self.cuts_to_count(f, &orders[f])).collect();
-        let savings = Savings::<T>::new(self.savings.iter().map(Vec::as_slice));
+        let savings = Savings::<T>::new(self.savings.iter().map(Vec::as_slice), self.unit);
         sets.chunks(LANES).flat_map(|sets| self.count(orders, &cuts, &savings, sets)).collect()
     }
 
@@ -124,8 +125,8 @@ impl Checker<'_> {
             let left = worst_of(set);
             let worst = [left, worst_of(all) - left];
             [0, 1].map(|side| {
-                let split = worst[side] - saved[side][lane].into() + self.q.penalty;
-                split.min(worst[side] - one_leaf[side][lane].into())
+                let split = worst[side] - self.unit * saved[side][lane].into() + self.q.penalty;
+                split.min(worst[side] - self.unit * one_leaf[side][lane].into())
             })
         };
         sets.iter().enumerate().map(cost).collect()
@@ -137,7 +138,7 @@ impl Checker<'_> {
         if leaf == 1 {
             return None;
         }
-        let ones = Savings::new((0..self.q.n).map(|_| &[(0, 1)][..]));
+        let ones = Savings::new((0..self.q.n).map(|_| &[(0, 1)][..]), 1);
         let stops: Vec<usize> = cuts.iter().copied().chain([order.len()]).collect();
         let mut sizes = Vec::with_capacity(stops.len());
         self.saved(order.iter(), &stops, is_in, &ones, |size| sizes.push(*size));

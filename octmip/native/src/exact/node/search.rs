@@ -105,7 +105,7 @@ impl<'a> Search<'a> {
         let result = self.solve_unlogged(view, depth, upper, 0);
         let base: i64 = view.ids(self.samples).map(|i| self.samples.base[i as usize]).sum();
         if let Some(log) = &mut self.log {
-            log.close(outer, depth, self.samples.leaf_size, base + result.lower);
+            log.close(outer, depth, self.samples.leaf_size, base + self.samples.cost(result.lower));
         }
         result
     }

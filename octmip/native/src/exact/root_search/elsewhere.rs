@@ -19,7 +19,7 @@ use crate::tree::Tree;
 pub(crate) struct SolvedCut {
     /// Lower bounds of both children.
     pub(crate) bounds: [i64; 2],
-    /// Cost above the base, and the tree.
+    /// Cost above the base in the search's unit, and the tree.
     pub(crate) tree: Option<(i64, Tree)>,
     /// Cuts evaluated.
     pub(crate) n_evaluated: u64,
@@ -56,7 +56,8 @@ impl CutSolver {
     /// Of a problem, by the same numbering of samples as the search that asks.
     pub fn new(problem: &Problem, switches: Switches) -> Self {
         let smaller = if switches.merging { merged(problem) } else { None };
-        let samples = Samples::new(smaller.as_ref().map_or(problem, |(smaller, _)| smaller));
+        let problem = smaller.as_ref().map_or(problem, |(smaller, _)| smaller);
+        let samples = Samples::new(problem).in_units_of(problem);
         Self { view: View::root(&samples), samples, switches }
     }
 

@@ -37,6 +37,19 @@ pub(crate) struct Known {
 }
 
 impl Known {
+    /// The same in another unit.
+    pub(crate) fn map_costs(mut self, to: impl Fn(i64) -> i64) -> Self {
+        let mapped = |incumbent: &mut FeatureIncumbent| {
+            if incumbent.cost != FeatureIncumbent::NOTHING.cost {
+                incumbent.cost = to(incumbent.cost);
+            }
+        };
+        self.order.iter_mut().chain(&mut self.incumbents).for_each(mapped);
+        self.cuts.iter_mut().for_each(|cut| cut.bounds = cut.bounds.map(&to));
+        (self.whole, self.bound, self.best.0) = (to(self.whole), to(self.bound), to(self.best.0));
+        self
+    }
+
     /// Refuse what cannot be: numbers out of range, cuts that are none, bounds above what one leaf costs.
     pub(crate) fn check(&self, samples: &Samples, view: &View, depth: usize, n_sensors: usize) -> Result<(), String> {
         let p = samples.p;

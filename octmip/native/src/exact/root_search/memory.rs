@@ -4,6 +4,7 @@
 
 use crate::costs::ClassCosts;
 use crate::exact::samples::label_sets::{WIDTH, most_width};
+use crate::exact::samples::unit::unit;
 use crate::exact::stumps::width;
 use crate::exact::switches::Switches;
 use crate::problem::Problem;
@@ -54,8 +55,8 @@ fn stumps(problem: &Problem, switches: &Switches) -> f64 {
         return 8.0 * p;
     }
     let costs = ClassCosts::of(problem);
-    let most = |i: usize| problem.weights[i] * costs.most(problem.labels[i] as usize);
-    let total_range: i64 = (0..problem.n).map(most).sum();
+    let range = |i: usize| problem.weights[i] * costs.range(problem.labels[i] as usize);
+    let total_range = (0..problem.n).map(range).sum::<i64>() / unit(problem, &costs);
     let rows = problem.n_classes as f64;
     // One label a bucket: a third of the samples where the difference of two labels is one row, else a sixth.
     let differences = if problem.n_classes == 2 { n / 3.0 * 5.0 } else { 0.0 };

@@ -49,6 +49,7 @@ pub(crate) struct Run<'a, 's> {
     pub(crate) supervision: Supervision,
     /// Bytes of the tables that do not grow.
     pub(crate) tables: f64,
+    /// What no tree avoids, in the problem's unit; every other cost here is in that of the samples.
     pub(crate) base: i64,
     /// Objective (above the base) of the best tree, and where it comes from.
     pub(crate) best: (i64, Best),
@@ -87,9 +88,9 @@ impl<'a, 's> Run<'a, 's> {
             elsewhere: None,
         };
         if let Some((objective, _)) = &options.incumbent
-            && objective - base <= run.best.0
+            && samples.counted(objective - base) <= run.best.0
         {
-            run.best = (objective - base, Best::Given);
+            run.best = (samples.counted(objective - base), Best::Given);
         }
         if let Some(Known { best: (cost, tree), .. }) = &run.known
             && *cost < run.best.0
@@ -142,7 +143,7 @@ impl Run<'_, '_> {
             (result, search.incumbents)
         };
         let (result, incumbents) = self.supervision.run(work, || {
-            self.poll(keep_going, self.progress(self.best.0 + self.base, self.base), self.tables);
+            self.poll(keep_going, self.progress(self.best.0, 0), self.tables);
         });
         if let Some((cost, plan)) = result.best
             && cost < self.best.0
@@ -168,7 +169,7 @@ impl Run<'_, '_> {
         let frontier =
             Frontier::new(samples, switches, &self.control, view, depth, incumbents, whole, upper, known.as_ref())
                 .by_rounds_of(self.elsewhere.map_or(0, |elsewhere| elsewhere.round));
-        let (base, tables, before, control) = (self.base, self.tables, self.tree(), &self.control);
+        let (tables, before, control) = (self.tables, self.tree(), &self.control);
         let state_now = || {
             let (_, bound) = frontier.progress();
             let best = frontier.best().map(|(cost, plan)| (cost, plan.tree(samples, view)));
@@ -183,6 +184,7 @@ impl Run<'_, '_> {
                 n_nodes: control.n_evaluated(),
                 sets: None,
             }
+            .map_costs(|cost| samples.cost(cost))
         };
         let elsewhere = self.elsewhere;
         let work = || match elsewhere {
@@ -199,7 +201,7 @@ impl Run<'_, '_> {
         let mut due = std::mem::take(&mut self.due);
         self.supervision.run_all(n_threads, work, || {
             let (cost, bound) = frontier.progress();
-            let progress = self.progress(cost + base, if is_last { bound + base } else { base });
+            let progress = self.progress(cost, if is_last { bound } else { 0 });
             self.poll(
                 &mut |state| keep_going(state) && due.save(false, &state_now),
                 progress,
@@ -220,8 +222,9 @@ impl Run<'_, '_> {
         (bound.min(cost), frontier.incumbents())
     }
 
-    /// Progress with a bound, the evaluated cuts counted so far.
+    /// Progress with an objective and a bound above the base, the evaluated cuts counted so far.
     pub(crate) fn progress(&self, objective: i64, bound: i64) -> Progress {
+        let [objective, bound] = [objective, bound].map(|cost| self.base + self.samples.cost(cost));
         Progress { seconds: 0.0, objective, bound, n_nodes: self.control.n_evaluated() }
     }
 
@@ -245,8 +248,8 @@ impl Run<'_, '_> {
 
     /// Tree, bound and reason at the end.
     pub(crate) fn outcome(self) -> Outcome {
-        let objective = self.base + self.best.0;
-        let bound = self.base + self.bound.min(self.best.0);
+        let objective = self.base + self.samples.cost(self.best.0);
+        let bound = self.base + self.samples.cost(self.bound.min(self.best.0));
         let tree = self.tree();
         let stop =
             if bound >= objective { Stop::Optimal } else { self.supervision.reason().unwrap_or(Stop::Interrupted) };

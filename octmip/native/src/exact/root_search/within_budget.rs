@@ -17,7 +17,8 @@ impl Run<'_, '_> {
                 return;
             }
         } else {
-            let given = self.options.incumbent.as_ref().map(|(objective, _)| objective - self.base);
+            let given =
+                self.options.incumbent.as_ref().map(|(objective, _)| self.samples.counted(objective - self.base));
             let leaf = self.view.leaf();
             self.best = match given {
                 Some(cost) if cost <= leaf => (cost, Best::Given),
@@ -28,7 +29,7 @@ impl Run<'_, '_> {
             return;
         }
         let (samples, upper, tables) = (self.samples, self.best.0, self.tables);
-        let (base, bound) = (self.base, self.bound);
+        let bound = self.bound;
         let mut sets = Sets::new(problem, samples, self.options.switches, &self.control, Some(&relaxed), upper);
         if let Some(open) = &open {
             sets = sets.go_on(open);
@@ -47,13 +48,14 @@ impl Run<'_, '_> {
                 n_nodes: control.n_evaluated(),
                 sets: Some(sets.open()),
             }
+            .map_costs(|cost| samples.cost(cost))
         };
         let mut due = std::mem::take(&mut self.due);
         self.supervision.run_all(
             self.options.n_threads.max(1),
             || sets.work(),
             || {
-                let progress = self.progress(sets.best().0 + base, bound + base);
+                let progress = self.progress(sets.best().0, bound);
                 self.poll(
                     &mut |state| keep_going(state) && due.save(false, &state_now),
                     progress,
