@@ -157,8 +157,12 @@ def search(
     *,
     n_restarts: int,
     n_perturbations: int,
+    checkpoint: tuple[float, Callable[[tuple[Any, ...]], None], tuple[Any, ...] | None] | None = None,
 ) -> tuple[list[NodeRow], int, int, str, int]:
-    """Return node table, objective, bound, stop and number of visited nodes; the incumbent is a tree to begin with."""
+    """Return node table, objective, bound, stop and number of visited nodes; the incumbent is a tree to begin with.
+
+    Checkpoint: seconds between two times that finished turns are handed out, who takes them, those of an earlier run.
+    """
 
 def branch_and_bound(
     problem: Problem,
@@ -209,8 +213,12 @@ def two_feature_branch_and_bound(
     progress: NativeProgress | None = None,
     *,
     whole_coefficients: int | None = None,
+    checkpoint: tuple[float, Callable[[tuple[Any, ...]], None], tuple[Any, ...] | None] | None = None,
 ) -> tuple[list[NodeRow], int, int, str, int]:
-    """Return node table, objective, bound, stop and number of nodes; the incumbent is the cost of a feasible tree."""
+    """Return node table, objective, bound, stop and number of nodes; the incumbent is the cost of a feasible tree.
+
+    Checkpoint: seconds between two times that the open nodes are handed out, who takes them, those of an earlier run.
+    """
 
 def two_feature_prunes() -> list[str]:
     """Return the names of all prunes and bounds of the two-feature core."""

@@ -38,7 +38,7 @@ from octmip.formats.tree_file import leaf_counts, read_tree_file, record_tree, t
 from octmip.pseudo_boolean import check_possible, is_pseudo_boolean
 from octmip.report.text import solution_text, tree_text
 from octmip.solution import ProofError, Solution
-from octmip.solver import ASSISTANTS, solve
+from octmip.solver import ASSISTANTS, chosen_method, solve
 from octmip.tradeoff import beside_cart
 
 EXAMPLES = """\
@@ -104,10 +104,10 @@ def run(arguments: argparse.Namespace) -> int:
         return solve_numbers(arguments, limits)
     options = _options(arguments)
     question = ask(arguments)
-    if arguments.checkpoint and (arguments.method not in ("auto", "exact") or question.problem.split != "axis"):
+    if arguments.checkpoint and chosen_method(question.problem, arguments.method) not in ("exact", "search"):
         raise DataError(
-            f"--checkpoint keeps proofs of method 'exact' for axis-aligned trees; got method {arguments.method!r} with "
-            f"split {question.problem.split!r}; leave it out"
+            f"--checkpoint keeps what methods 'exact' and 'search' have found; got method {arguments.method!r}; "
+            "leave it out"
         )
     if is_pseudo_boolean(arguments.proof):
         check_possible(question.problem, arguments.proof)

@@ -1,100 +1,72 @@
-"""What a long proof has proven so far, in a file: a killed search goes on where it was last saved.
+"""Checkpoints: what a long search has found so far, in a file, from which a killed one goes on.
 
-Line 1 names the format and the sha256 of line 2, a JSON object: to which problem, question, grid and version it
-belongs, what was spent, the best tree, and the solved cuts of the root with lower bounds of both sides (`KnownRow`).
-Written whole or not at all. The sum finds accidents, not forgers: a resumed search believes the bounds of its file, so
-that a proof which was resumed rests on whoever kept the file. A proof log does not: its search begins again.
+Line 1 names the format and the sha256 of line 2, a JSON object: to which method, problem, question and version it
+belongs, and the state of the search (`exact_state`, `search_keeper`, `two_feature_keeper`). Written whole or not at
+all. The sum finds accidents, not forgers: a resumed search believes the bounds of its file, so that a proof which was
+resumed rests on whoever kept the file. A proof log does not: its search begins again.
 """
 
 import hashlib
 import json
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, TypeVar
 
-from octmip.encoding import IntegerCosts, NodeRow
-from octmip.errors import DataError
+from octmip import _native
+from octmip.encoding import NodeRow
+from octmip.errors import DataError, ProblemError
 from octmip.formats.files import PathLike, read_bytes, write_bytes
+from octmip.formats.problem_file import question_digest
+from octmip.problem import Problem
 
-FIRST = "octmip-checkpoint 2"
+T = TypeVar("T")
+FIRST = "octmip-checkpoint 3"
 MOST = 2**63 - 1
+MEANING = {
+    "version": "version of octmip",
+    "method": "method",
+    "data": "samples, labels and weights",
+    "question": "depth, costs, limits and sensors",
+    "options": "options of the search",
+    "off": "prunes",
+}
+"""What an entry says to which search a checkpoint belongs."""
+CHECKPOINT_SECONDS = 60.0
+"""Seconds between two checkpoints."""
 
-Pair = tuple[int, int]
 
+def checked_every(every: float | None) -> float:
+    """Return the seconds between two checkpoints, `CHECKPOINT_SECONDS` where none are given.
 
-class KnownRow(NamedTuple):
-    """What is proven of the root, as the native core hands it out and takes it back; costs on its grid, above the base.
-
-    Attributes
-    ----------
-    level
-        depth of the trees that are searched.
-    whole
-        bound of the trees one level shallower.
-    order, incumbents
-        (cost, cut) of each feature's best tree, one level shallower and at this level.
-    cuts
-        solved cuts: feature, samples left of it, bounds of both sides.
-    bound
-        of all trees.
-    best
-        objective, the base included, and rows of the best tree.
-    sets
-        open sets of sensors (held, banned); None without a budget.
-    n_nodes
-        cuts evaluated.
+    Raises
+    ------
+    ProblemError
+        it is no finite number of 0 or more.
     """
-
-    level: int
-    whole: int
-    order: list[Pair]
-    incumbents: list[Pair]
-    cuts: list[tuple[int, int, int, int]]
-    bound: int
-    best: tuple[int, list[NodeRow]]
-    sets: list[tuple[list[bool], list[bool]]] | None
-    n_nodes: int
+    every = CHECKPOINT_SECONDS if every is None else every
+    if not 0 <= every < math.inf:
+        raise ProblemError(f"every is {every!r} seconds; expected a finite number of 0 or more; give one")
+    return every
 
 
-@dataclass(frozen=True, slots=True)
-class Kept:
-    """The state of a search.
-
-    Attributes
-    ----------
-    seconds
-        wall time spent [s], of all the searches before it too.
-    n_nodes
-        cuts evaluated, likewise.
-    bound
-        proven lower bound; -inf without one.
-    tree
-        rows of the best tree of the problem; None without one.
-    grid
-        rows of the tree from which the whole-numbered costs were made; None: of one leaf.
-    known
-        what is proven of the root; None before its search has begun.
-    """
-
-    seconds: float
-    n_nodes: int
-    bound: float
-    tree: Sequence[NodeRow] | None
-    grid: Sequence[NodeRow] | None
-    known: KnownRow | None
+def resumed_from(seconds: float, n_nodes: int) -> dict[str, object]:
+    """Return what earlier searches have spent, for the details of a solution."""
+    return {"resumed_from": {"seconds": seconds, "nodes": n_nodes}}
 
 
-def grid_digest(costs: IntegerCosts) -> str:
-    """Return the sha256 of whole-numbered costs."""
-    sha = hashlib.sha256(repr((costs.exponent, costs.penalty, costs.costs.shape)).encode())
-    for array in (costs.weights, costs.rows, costs.costs):
-        sha.update(array.astype("<i8").tobytes())
-    return sha.hexdigest()
+def identity_of(problem: Problem, method: str, options: str = "") -> dict[str, str]:
+    """Return the entries that say to which search a checkpoint belongs."""
+    return {
+        "version": _native.__version__,
+        "method": method,
+        "data": problem.digest(),
+        "question": question_digest(problem),
+        "options": options,
+    }
 
 
-def write_checkpoint(path: PathLike, identity: Mapping[str, str], kept: Kept) -> None:
+def write_checkpoint(path: PathLike, identity: Mapping[str, str], state: Mapping[str, Any]) -> None:
     """Write a checkpoint, whole or not at all.
 
     Raises
@@ -102,25 +74,19 @@ def write_checkpoint(path: PathLike, identity: Mapping[str, str], kept: Kept) ->
     DataError
         the file cannot be written.
     """
-    content = dict(identity) | {
-        "seconds": kept.seconds,
-        "nodes": kept.n_nodes,
-        "bound": kept.bound.hex(),
-        "tree": kept.tree,
-        "grid tree": kept.grid,
-        "known": kept.known,
-    }
-    line = json.dumps(content, separators=(",", ":")).encode()
+    line = json.dumps(dict(identity) | dict(state), separators=(",", ":")).encode()
     write_bytes(path, f"{FIRST} {hashlib.sha256(line).hexdigest()}\n".encode() + line + b"\n")
 
 
-def read_checkpoint(path: PathLike, identity: Mapping[str, str]) -> tuple[Kept, str] | None:
-    """Return what a checkpoint holds and the digest of its grid; None where there is no file.
+def read_checkpoint(
+    path: PathLike, identity: Mapping[str, str], state_of: Callable[[Mapping[str, Any]], T]
+) -> T | None:
+    """Return the state of a search that a checkpoint holds, as `state_of` reads it; None where there is no file.
 
     Raises
     ------
     DataError
-        the file cannot be read, is damaged, or belongs to another problem, question or version.
+        the file cannot be read, is damaged, or belongs to another problem, question, method or version.
     """
     if not Path(path).exists():
         return None
@@ -133,7 +99,7 @@ def read_checkpoint(path: PathLike, identity: Mapping[str, str]) -> tuple[Kept, 
     try:
         content = json.loads(line)
         _check_identity(path, content, identity)
-        return _kept(content), str(content["grid"])
+        return state_of(content)
     except (ValueError, KeyError, TypeError, AttributeError, OverflowError, RecursionError) as error:
         raise unusable(path, f"holds something else than a search writes ({error!r})") from error
 
@@ -144,67 +110,60 @@ def unusable(path: PathLike, reason: str) -> DataError:
 
 
 def _check_identity(path: PathLike, content: Any, identity: Mapping[str, str]) -> None:
-    meaning = {
-        "version": "version of octmip",
-        "data": "samples, labels and weights",
-        "question": "depth, costs, limits and sensors",
-        "off": "prunes",
-    }
     for name, wanted in identity.items():
-        if name in meaning and content[name] != wanted:
-            got = f"{meaning[name]} {content[name]!r}; expected {wanted!r}"
+        if name in MEANING and content[name] != wanted:
+            got = f"{MEANING[name]} {content[name]!r}; expected {wanted!r}"
             raise unusable(path, f"belongs to another search: it has the {got}")
 
 
-def _kept(content: Mapping[str, Any]) -> Kept:
-    seconds, bound = float(content["seconds"]), float.fromhex(content["bound"])
-    if not (math.isfinite(seconds) and seconds >= 0) or math.isnan(bound) or bound == math.inf:
-        raise ValueError(f"seconds {seconds}, bound {bound}")
-    tree, grid = (None if content[name] is None else _rows(content[name]) for name in ("tree", "grid tree"))
-    known = None if content["known"] is None else _known(content["known"])
-    return Kept(seconds, _whole(content["nodes"]), bound, tree, grid, known)
+def seconds_of(content: Mapping[str, Any]) -> float:
+    """Return the entry "seconds" of a checkpoint: wall time spent by all searches before [s]."""
+    seconds = float(content["seconds"])
+    if not (math.isfinite(seconds) and seconds >= 0):
+        raise ValueError(f"seconds {seconds}")
+    return seconds
 
 
-def _known(row: Any) -> KnownRow:
-    row = KnownRow(*row)
-    objective, rows = row.best
-    return KnownRow(
-        level=_whole(row.level),
-        whole=_whole(row.whole),
-        order=[(_whole(cost), _whole(place)) for cost, place in row.order],
-        incumbents=[(_whole(cost), _whole(place)) for cost, place in row.incumbents],
-        cuts=[(_whole(f), _whole(k), _whole(left), _whole(right)) for f, k, left, right in row.cuts],
-        bound=_whole(row.bound),
-        best=(_whole(objective), _rows(rows)),
-        sets=None if row.sets is None else [(_flags(held), _flags(banned)) for held, banned in row.sets],
-        n_nodes=_whole(row.n_nodes),
-    )
+def tree_rows(rows: Any, *, has_planes: bool = False) -> list[NodeRow]:
+    """Return the rows of a tree: every row but the first is the child of one before it, once.
 
-
-def _rows(rows: Any) -> list[NodeRow]:
-    """Return the rows of an axis-aligned tree: every row but the first is the child of one before it, once."""
+    Raises
+    ------
+    ValueError, TypeError
+        they are none, or have planes where trees are axis-aligned.
+    """
     found: list[NodeRow] = []
     children: list[int] = []
     for number, (kind, feature, cut, left, right, label, terms, offset) in enumerate(rows):
-        if _whole(kind) > 1 or terms or offset:
-            raise ValueError(f"row {number} is neither a leaf nor a split over one feature")
-        if kind == 1:
-            if not number < _whole(left) or not number < _whole(right):
+        if whole(kind) > 1 + has_planes or (kind != 2 and (terms or offset)):
+            raise ValueError(f"row {number} is neither a leaf nor a split of such a tree")
+        if kind > 0:
+            if not number < whole(left) or not number < whole(right):
                 raise ValueError(f"row {number} has the children {left} and {right}")
             children += [left, right]
-        found.append((kind, _whole(feature), _whole(cut), left, right, _whole(label), [], 0.0))
+        plane = [(whole(j), finite(value)) for j, value in terms]
+        found.append((kind, whole(feature), whole(cut), left, right, whole(label), plane, finite(offset)))
     if sorted(children) != list(range(1, len(found))) or not found:
         raise ValueError(f"{len(found)} rows are no tree")
     return found
 
 
-def _flags(flags: Any) -> list[bool]:
-    if not all(isinstance(flag, bool) for flag in flags):
-        raise ValueError("sets of sensors are not true and false")
-    return list(flags)
+def flag(value: Any) -> bool:
+    """Return true or false, refused where it is neither."""
+    if not isinstance(value, bool):
+        raise ValueError(f"{value!r} is neither true nor false")
+    return value
 
 
-def _whole(number: Any) -> int:
-    if not isinstance(number, int) or isinstance(number, bool) or not 0 <= number <= MOST:
-        raise ValueError(f"{number!r} is no whole number of 0 or more within 63 bits")
+def finite(number: Any) -> float:
+    """Return a finite number, refused where it is none."""
+    if not isinstance(number, (int, float)) or isinstance(number, bool) or not math.isfinite(number):
+        raise ValueError(f"{number!r} is no finite number")
+    return float(number)
+
+
+def whole(number: Any, most: int = MOST) -> int:
+    """Return a whole number of 0 or more, refused where it is none or larger than `most`."""
+    if not isinstance(number, int) or isinstance(number, bool) or not 0 <= number <= most:
+        raise ValueError(f"{number!r} is no whole number of 0 or more up to {most}")
     return number

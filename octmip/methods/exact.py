@@ -27,7 +27,8 @@ from octmip.encoding import (
 )
 from octmip.errors import ProblemError, SolverError
 from octmip.formats.files import check_writable
-from octmip.methods.checkpoint import KnownRow, unusable
+from octmip.methods.checkpoint import CHECKPOINT_SECONDS, checked_every, resumed_from, unusable
+from octmip.methods.exact_state import KnownRow
 from octmip.methods.keeper import Found, Keeper
 from octmip.methods.native_call import (
     feasible_incumbent,
@@ -47,8 +48,6 @@ from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop
 from octmip.tree import Node, centred
 
 SOLVER = "exact"
-CHECKPOINT_SECONDS = 60.0
-"""Seconds between two checkpoints."""
 
 
 def branch_and_bound(
@@ -109,9 +108,7 @@ def branch_and_bound(
     """
     started = time.perf_counter()
     _check(problem, n_jobs)
-    every = CHECKPOINT_SECONDS if every is None else every
-    if not 0 <= every < math.inf:
-        raise ProblemError(f"every is {every!r} seconds; expected a finite number of 0 or more; give one")
+    every = checked_every(every)
     start = feasible_incumbent(problem, incumbent)
     if proof is not None:
         check_writable(proof)
@@ -201,7 +198,7 @@ class _Search:
     def resumed_from(self) -> dict[str, object]:
         """What earlier searches have spent, for the details of a solution."""
         spent = None if self.keeper is None else self.keeper.spent
-        return {} if spent is None else {"resumed_from": {"seconds": spent.seconds, "nodes": spent.n_nodes}}
+        return {} if spent is None else resumed_from(spent.seconds, spent.n_nodes)
 
     def _save(self, costs: IntegerCosts, known: KnownRow | None) -> None:
         """Write the checkpoint: what is known of the root, the best tree within the budget, what was spent."""

@@ -6,12 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from octmip import _native
 from octmip.encoding import IntegerCosts, NodeRow, Ranks, integer_costs, rows_from_tree, tree_from_rows
 from octmip.errors import ProblemError
 from octmip.formats.files import check_writable
-from octmip.formats.problem_file import question_digest
-from octmip.methods.checkpoint import Kept, KnownRow, grid_digest, read_checkpoint, unusable, write_checkpoint
+from octmip.methods.checkpoint import identity_of, read_checkpoint, unusable, write_checkpoint
+from octmip.methods.exact_state import Kept, KnownRow, grid_digest, kept_of, state_of
 from octmip.methods.native_call import feasible_incumbent, switched_off
 from octmip.problem import Problem
 from octmip.tree import Node
@@ -47,7 +46,7 @@ class Keeper:
             it cannot be read or written, is damaged, or belongs to another search.
         """
         check_writable(self.path)
-        found = read_checkpoint(self.path, self._identity())
+        found = read_checkpoint(self.path, self._identity(), lambda content: (kept_of(content), str(content["grid"])))
         if found is None:
             return None
         self.spent, digest = found
@@ -78,15 +77,10 @@ class Keeper:
             grid=None if found.grid is None else rows_from_tree(found.grid, self.ranks),
             known=found.known,
         )
-        write_checkpoint(self.path, self._identity() | {"grid": grid_digest(costs)}, kept)
+        write_checkpoint(self.path, self._identity(), {"grid": grid_digest(costs)} | state_of(kept))
 
     def _identity(self) -> dict[str, str]:
-        return {
-            "version": _native.__version__,
-            "data": self.problem.digest(),
-            "question": question_digest(self.problem),
-            "off": " ".join(sorted(self.off)),
-        }
+        return identity_of(self.problem, "exact") | {"off": " ".join(sorted(self.off))}
 
     def _known(self, costs: IntegerCosts, row: KnownRow | None) -> KnownRow | None:
         """Return the root's state with the cost of its best tree counted again."""

@@ -17,13 +17,16 @@ Source: Bertsimas & Dunn (2019), Machine Learning Under a Modern Optimization Le
 import math
 import time
 from collections.abc import Callable
+from pathlib import Path
 
 from octmip import _native
 from octmip.encoding import integer_costs, native_problem, rows_from_tree, tree_from_rows
 from octmip.errors import ProblemError
+from octmip.methods.checkpoint import checked_every, resumed_from
 from octmip.methods.merging import merged
 from octmip.methods.native_call import better, feasible_incumbent, native_progress, relabelled, remaining
 from octmip.methods.polish import polished
+from octmip.methods.search_keeper import FinishedTurns, SearchKeeper
 from octmip.problem import Problem
 from octmip.solution import Limits, ProgressCallback, Solution, Stop
 from octmip.tree import Node, centred, simplify, without_empty_sides
@@ -47,6 +50,8 @@ def local_search(
     progress: ProgressCallback | None = None,
     restarts: int | None = None,
     perturbations: int | None = None,
+    checkpoint: str | Path | None = None,
+    every: float | None = None,
 ) -> Solution:
     """Return the best tree that a local search finds.
 
@@ -62,6 +67,9 @@ def local_search(
             restarts are chosen a quarter of that with hyperplanes, none without; twice that for the last); by default
             as `restarts`. With `restarts=1, perturbations=0` the answer is quick: one descent and exact blocks of two
             levels.
+        checkpoint: file in which finished turns of restarts are kept, and at the end; where it exists the search goes
+            on from it, and ends with the tree of one that never stopped (unless time or nodes are limited).
+        every: seconds between two checkpoints, 0 or more; by default `CHECKPOINT_SECONDS`.
 
     Returns
     -------
@@ -70,7 +78,10 @@ def local_search(
     Raises
     ------
     ProblemError
-        `restarts` or `n_jobs` is below 1, `perturbations` below 0, or the incumbent is no tree of this problem.
+        `restarts` or `n_jobs` is below 1, `perturbations` or `every` below 0, or the incumbent is no tree of this
+        problem.
+    DataError
+        the checkpoint cannot be read or written, or belongs to another search.
     """
     for name, value, least in (("restarts", restarts, 1), ("n_jobs", n_jobs, 1), ("perturbations", perturbations, 0)):
         if value is not None and value < least:
@@ -79,6 +90,13 @@ def local_search(
     searched, ranks = merged(problem)
     effort, costs = _effort(searched), integer_costs(searched)
     first = None if known is None else rows_from_tree(without_empty_sides(known, searched.features), ranks)
+    n_restarts = effort[0] if restarts is None else restarts
+    n_perturbations = effort[1] if perturbations is None else perturbations
+    keeper = None
+    if checkpoint is not None:
+        options = seed % 2**64, n_restarts, n_perturbations, first
+        keeper = SearchKeeper(problem, searched, ranks, checkpoint, checked_every(every), options, start)
+    turns = None if keeper is None else keeper.read()
     rows, _, _, stop, n_nodes = _native.search(
         native_problem(searched, ranks, costs),
         first,
@@ -87,8 +105,9 @@ def local_search(
         n_jobs,
         seed % 2**64,
         native_progress(progress, costs),
-        n_restarts=effort[0] if restarts is None else restarts,
-        n_perturbations=effort[1] if perturbations is None else perturbations,
+        n_restarts=n_restarts,
+        n_perturbations=n_perturbations,
+        checkpoint=None if keeper is None else (keeper.every, lambda row: keeper.write(FinishedTurns(*row)), turns),
     )
     latest = start + limits.seconds + GRACE
     tree = _finished(searched, tree_from_rows(rows, ranks), lambda: time.perf_counter() < latest)
@@ -103,6 +122,7 @@ def local_search(
         solver="search",
         version=_native.__version__,
         seed=seed,
+        details={} if turns is None or keeper is None else resumed_from(keeper.spent, turns.n_visits),
     )
 
 

@@ -28,6 +28,7 @@ from octmip.encoding import (
 )
 from octmip.errors import CertificateError, ProblemError
 from octmip.formats.files import check_writable
+from octmip.methods.checkpoint import checked_every, resumed_from, unusable
 from octmip.methods.native_call import (
     better,
     feasible_incumbent,
@@ -38,6 +39,7 @@ from octmip.methods.native_call import (
     whole_cost,
     write_log,
 )
+from octmip.methods.two_feature_keeper import Nodes, TwoFeatureKeeper
 from octmip.problem import Problem
 from octmip.proof import check_proof, log_header
 from octmip.pseudo_boolean import check_possible, is_pseudo_boolean
@@ -59,6 +61,8 @@ def two_feature_branch_and_bound(
     proof: str | Path | None = None,
     check_log: bool = True,
     whole_coefficients: int | None = None,
+    checkpoint: str | Path | None = None,
+    every: float | None = None,
 ) -> Solution:
     """Return a proven optimal tree, or the best tree and the bound when a limit is reached.
 
@@ -74,6 +78,9 @@ def two_feature_branch_and_bound(
             written unchecked.
         whole_coefficients: lines get whole-numbered coefficients of at most this size wherever some part the node's
             samples alike. A wish; `Problem.integer_normals` is a condition.
+        checkpoint: file in which the open nodes of a proof of depth 2 are kept, and at the end; where it exists the
+            search goes on from it, and the bound rests on it (`details["resumed_from"]`).
+        every: seconds between two checkpoints, 0 or more; by default `CHECKPOINT_SECONDS`.
 
     Raises
     ------
@@ -83,29 +90,44 @@ def two_feature_branch_and_bound(
         the proof was interrupted, or rounding leaves no room for it: no log is written; the error holds the
         solution.
     DataError
-        the log cannot be written.
+        the log cannot be written, or the checkpoint cannot be read or written or belongs to another search.
     """
-    _check(problem, n_jobs)
+    _check(problem, n_jobs, checkpoint)
     if proof is not None:
         check_writable(proof)
     if proof is not None and is_pseudo_boolean(proof):
         check_possible(problem, proof)  # refuses: those proofs are of axis-aligned trees
     start, known = time.perf_counter(), feasible_incumbent(problem, incumbent)
-    ranks, costs = rank_features(problem), integer_costs(problem, known)
+    ranks, keeper, nodes, first = rank_features(problem), None, None, known
+    if checkpoint is not None:
+        options = seed % 2**64, whole_coefficients, *sorted(switched_off())
+        keeper = TwoFeatureKeeper(problem, ranks, checkpoint, checked_every(every), options, start, known)
+        nodes = keeper.read()
+        first = keeper.incumbent
+    costs = integer_costs(problem, first)
     native = native_problem(problem, ranks, costs)
-    rows, _, bound, stop, n_nodes = _native.two_feature_branch_and_bound(
+    call = (
         native,
-        None if known is None else whole_cost(problem, costs, known),
+        None if first is None else whole_cost(problem, costs, first),
         # What was spent on ranks counts, too.
         remaining(limits, start),
         n_jobs,
         seed % 2**64,
         switched_off(),
         native_progress(progress, costs),
-        whole_coefficients=whole_coefficients,
     )
+    try:
+        rows, _, bound, stop, n_nodes = _native.two_feature_branch_and_bound(
+            *call,
+            whole_coefficients=whole_coefficients,
+            checkpoint=None if keeper is None else (keeper.every, lambda row: keeper.write(costs, Nodes(*row)), nodes),
+        )
+    except ValueError as error:
+        if keeper is None or not str(error).startswith("known: "):
+            raise
+        raise unusable(keeper.path, f"holds {str(error).removeprefix('known: ')}") from error
     found = _centred(relabelled(problem, tree_from_rows(rows, ranks)), problem.features)
-    tree, objective = better(problem, found, known)
+    tree, objective = better(problem, better(problem, found, first)[0], known)
     lower = costs.value(bound)
     # Unless a limit ended the search, only rounding is left between bound and tree: a proof where it hides no sample.
     tolerance = max(0.0, closing_tolerance(problem, objective, lower)) if stop == Stop.OPTIMAL else 0.0
@@ -121,7 +143,8 @@ def two_feature_branch_and_bound(
         version=_native.__version__,
         seed=seed,
         tolerance=tolerance,
-        details=_details(problem, is_open=not met and stop == "finished"),
+        details=_details(problem, is_open=not met and stop == "finished")
+        | ({} if keeper is None or nodes is None else resumed_from(keeper.spent, nodes.n_nodes)),
     )
     if proof is not None:
         _write_proof(problem, native, costs, bound, (solution, n_jobs, check_log), Path(proof))
@@ -144,7 +167,7 @@ def _details(problem: Problem, *, is_open: bool) -> dict[str, object]:
     return details | {"numerically_undecided": is_open}
 
 
-def _check(problem: Problem, n_jobs: int) -> None:
+def _check(problem: Problem, n_jobs: int, checkpoint: str | Path | None) -> None:
     if problem.depth > MOST_DEPTH:
         raise ProblemError(
             f"depth is {problem.depth} but two-feature trees are proven to depth {MOST_DEPTH}; take method='search'"
@@ -155,6 +178,10 @@ def _check(problem: Problem, n_jobs: int) -> None:
         )
     if n_jobs < 1:
         raise ProblemError(f"n_jobs is {n_jobs}; expected 1 or more")
+    if checkpoint is not None and problem.depth < 2:
+        raise ProblemError(
+            "a two-feature proof of depth 1 is one scan, of which nothing can be kept; leave checkpoint out"
+        )
 
 
 def _write_proof(

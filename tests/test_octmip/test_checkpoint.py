@@ -18,7 +18,7 @@ from benchmarks.oracles.strategies import random_problem, wide_problem
 from octmip import Limits, Problem, certify, solve
 from octmip.cli import main
 from octmip.errors import DataError, ProblemError
-from octmip.methods import exact
+from octmip.methods import checkpoint
 from octmip.methods.checkpoint import FIRST
 from octmip.methods.exact import branch_and_bound
 from octmip.solution import Stop
@@ -44,7 +44,7 @@ def resumed(problem, path, n_jobs=1):
 @pytest.fixture
 def often(monkeypatch):
     """Write a checkpoint whenever somebody looks."""
-    monkeypatch.setattr(exact, "CHECKPOINT_SECONDS", 0.0)
+    monkeypatch.setattr(checkpoint, "CHECKPOINT_SECONDS", 0.0)
 
 
 @pytest.mark.usefixtures("often")
@@ -92,13 +92,12 @@ def test_a_finished_search_is_not_made_again(tmp_path):
 CHILD = """
 import sys
 import numpy as np
-from octmip.methods import exact
+from octmip.methods.exact import branch_and_bound
 from octmip.problem import Problem
-exact.CHECKPOINT_SECONDS = 0.02
 rng = np.random.default_rng(3)
 problem = Problem(rng.normal(size=(200, 6)), rng.integers(0, 3, 200), depth=3)
 print("ready", flush=True)
-solution = exact.branch_and_bound(problem, checkpoint=sys.argv[1])
+solution = branch_and_bound(problem, checkpoint=sys.argv[1], every=0.02)
 print(solution.objective, solution.bound, solution.stop, bool(solution.details.get("resumed_from")))
 """
 
@@ -200,11 +199,13 @@ def test_a_place_that_cannot_be_written_is_refused_before_the_search(tmp_path):
 
 def test_other_methods_have_no_checkpoint(tmp_path, capsys):
     with pytest.raises(ProblemError, match="takes no option 'checkpoint'"):
-        solve(hard(), "search", options={"checkpoint": tmp_path / "kept"})
+        solve(hard(), "cart", options={"checkpoint": tmp_path / "kept"})
     table = tmp_path / "table.csv"
     table.write_text("a,b,y\n1,2,0\n2,1,1\n3,3,0\n")
     command = ["solve", str(table), "--label", "y", "--depth", "1", "--checkpoint", str(tmp_path / "kept")]
-    assert main([*command, "--method", "search"]) != 0
-    assert "--checkpoint keeps proofs of method 'exact'" in capsys.readouterr().err
-    assert main(command) == 0
-    assert (tmp_path / "kept").exists()
+    assert main([*command, "--method", "cart"]) != 0
+    assert "--checkpoint keeps what methods 'exact' and 'search' have found" in capsys.readouterr().err
+    for method in ("exact", "search"):
+        (tmp_path / "kept").unlink(missing_ok=True)
+        assert main([*command, "--method", method]) == 0
+        assert (tmp_path / "kept").exists()

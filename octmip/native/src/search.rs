@@ -8,6 +8,7 @@
 mod axis;
 mod gains;
 mod greedy;
+pub(crate) mod known;
 mod local_search;
 mod logistic;
 mod options;
@@ -20,6 +21,7 @@ mod soft_tree;
 mod tree;
 mod watch;
 
+use std::cell::RefCell;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::channel;
@@ -30,6 +32,7 @@ use crate::exact::samples::Samples;
 use crate::problem::Problem;
 use crate::tree::Tree;
 
+use crate::search::known::{Kept, Known, Saver, Turn};
 use crate::search::prepared::Prepared;
 use crate::search::restart::{Restart, Round};
 use crate::search::watch::{TRIVIAL_BOUND, Watch};
@@ -53,27 +56,50 @@ pub fn search(
     limits: Limits,
     keep_going: KeepGoing,
 ) -> Outcome {
+    go_on(problem, options, start, limits, (None, None), keep_going)
+}
+
+/// The same from the turns that an earlier search has finished, handing out those that are every so often.
+pub(crate) fn go_on(
+    problem: &Problem,
+    options: Options,
+    start: Option<&Tree>,
+    limits: Limits,
+    (known, saver): (Option<Known>, Option<Saver<'_>>),
+    keep_going: KeepGoing,
+) -> Outcome {
     let prepared = Prepared::new(problem);
     let samples = Samples::new(problem);
     let watch = Watch::new(limits);
     let new = |k| Restart::new(&prepared, &samples, &watch, options.seed, k);
+    let from = |turn: &Turn| {
+        let mut restart = new(turn.number);
+        restart.take_up(turn);
+        restart
+    };
     let rounds = Round::all(options, start, problem);
-    let mut turn = |restarts, round| run(restarts, round, options.n_threads, &watch, &mut *keep_going);
-    let mut restarts: Vec<Restart> = Vec::new();
-    for first in (0..options.n_restarts.max(1)).step_by(GROUP) {
-        let group = (first..options.n_restarts.max(1).min(first + GROUP)).map(new);
-        let mut begun = turn(group.collect(), &rounds[0]);
+    let mut kept = Kept::new(known, saver);
+    let n = options.n_restarts.max(1);
+    watch.found(i64::MAX, kept.known.n_visits);
+    let mut best: Option<Restart> = kept.known.best.as_ref().map(from);
+    let mut turn = |restarts, round: usize, kept: &mut Kept<'_>| {
+        run(restarts, (round, &rounds[round]), options.n_threads, &watch, kept, &mut *keep_going)
+    };
+    for first in (kept.known.first..n).step_by(GROUP) {
+        let group = (first..n.min(first + GROUP)).map(new);
+        let mut begun = turn(group.collect(), 0, &mut kept);
         let others = begun.split_off(begun.len().div_ceil(GOES_ON_ONE_IN));
-        restarts.extend(turn(begun, &rounds[1]));
-        restarts.extend(others);
-        restarts.sort_by_key(Restart::rank);
+        let gone_on = turn(begun, 1, &mut kept);
+        best = best.into_iter().chain(gone_on).chain(others).min_by_key(Restart::rank);
         if watch.has_best() || !watch.goes_on(0) {
             break;
         }
+        if let Some(best) = best.as_ref().filter(|_| first + GROUP < n) {
+            kept.next_group(first + GROUP, best.turn());
+        }
     }
-    let last = restarts.drain(..1).collect();
-    restarts = turn(last, &rounds[2]);
-    let best = restarts.swap_remove(0);
+    let best = turn(best.into_iter().collect(), 2, &mut kept).swap_remove(0);
+    kept.save(true, watch.n_visits());
     Outcome {
         tree: best.state.to_tree(&prepared.prices),
         objective: best.objective,
@@ -86,23 +112,33 @@ pub fn search(
     }
 }
 
-/// Give every restart its turn in a round, in order, on so many threads; returns them from best to worst.
+/// Give every restart its turn in a round, in order, on so many threads, those aside that have had it; returns them from
+/// best to worst.
 fn run<'a>(
     mut restarts: Vec<Restart<'a>>,
-    round: &Round,
+    (number, round): (usize, &Round),
     n_threads: usize,
     watch: &Watch,
+    kept: &mut Kept<'_>,
     keep_going: KeepGoing,
 ) -> Vec<Restart<'a>> {
     let n = restarts.len();
-    for (place, restart) in restarts.iter_mut().enumerate() {
+    let mut done = Vec::with_capacity(n);
+    let mut waiting: Vec<Mutex<Option<Restart>>> = Vec::with_capacity(n);
+    for (place, mut restart) in restarts.drain(..).enumerate() {
         restart.place = place;
+        match kept.known.rounds[number].iter().find(|turn| turn.number == restart.number) {
+            Some(turn) => {
+                restart.take_up(turn);
+                done.push(restart);
+            }
+            None => waiting.push(Mutex::new(Some(restart))),
+        }
     }
-    let waiting: Vec<Mutex<Option<Restart>>> = restarts.into_iter().map(|restart| Mutex::new(Some(restart))).collect();
     let next = AtomicUsize::new(0);
     std::thread::scope(|scope| {
         let (sender, receiver) = channel();
-        for _ in 0..n_threads.clamp(1, n) {
+        for _ in 0..n_threads.clamp(1, n.max(1)) {
             let (sender, waiting, next) = (sender.clone(), &waiting, &next);
             scope.spawn(move || {
                 while let Some(slot) = waiting.get(next.fetch_add(1, Ordering::Relaxed)) {
@@ -110,14 +146,24 @@ fn run<'a>(
                     let Some(mut restart) = slot.lock().ok().and_then(|mut slot| slot.take()) else {
                         continue;
                     };
-                    restart.run(round);
-                    let _ = sender.send(restart);
+                    let is_whole = restart.run(round);
+                    let _ = sender.send((restart, is_whole));
                 }
             });
         }
         drop(sender);
-        let mut done = Vec::with_capacity(n);
-        watch.supervision.wait(&receiver, POLL, |restart| done.push(restart), || watch.look(&mut *keep_going));
+        let kept = RefCell::new(kept);
+        let take = |(restart, is_whole): (Restart<'a>, bool)| {
+            if is_whole {
+                kept.borrow_mut().finish(number, restart.turn());
+            }
+            done.push(restart);
+        };
+        let poll = || {
+            let goes_on = kept.borrow_mut().save(false, watch.n_visits());
+            watch.look(&mut |state| keep_going(state) && goes_on);
+        };
+        watch.supervision.wait(&receiver, POLL, take, poll);
         done.sort_by_key(Restart::rank);
         done
     })

@@ -24,6 +24,7 @@ use depth_two::solve_depth_two;
 use instance::Instance;
 use line_tree::{LineTree, to_tree};
 use loss::INFEASIBLE;
+use nodes::queue::{Saved, Saver};
 use options::Options;
 use stumps::depth_one::best_single;
 
@@ -32,13 +33,24 @@ use stumps::depth_one::best_single;
 /// The bound holds for every tree whose lines are taken in exact arithmetic over the values as given. Returns None for
 /// deeper trees.
 pub fn solve(problem: &Problem, options: &Options, keep_going: KeepGoing) -> Option<Outcome> {
+    go_on(problem, options, (None, None), keep_going)
+}
+
+/// The same from the state of an earlier search of the problem with the same options, handing out its own every so
+/// often; None where it is no such state, too.
+pub(crate) fn go_on(
+    problem: &Problem,
+    options: &Options,
+    kept: (Option<&Saved>, Option<Saver<'_>>),
+    keep_going: KeepGoing,
+) -> Option<Outcome> {
     let supervision = Supervision::new(options.limits);
     let mut instance = Instance::new(problem);
     instance.switches = options.switches;
     instance.preferred = options.whole_coefficients;
     match problem.depth {
         1 => Some(solve_depth_one(problem, &instance, &supervision, keep_going)),
-        2 => Some(solve_depth_two(problem, &instance, &supervision, options, keep_going)),
+        2 => solve_depth_two(problem, &instance, &supervision, options, kept, keep_going),
         _ => None,
     }
 }

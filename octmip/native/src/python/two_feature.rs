@@ -1,20 +1,30 @@
 //! The two-feature core's functions.
 
+use std::time::Instant;
+
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 
 use crate::python::problem::PyProblem;
+use crate::python::rows::{NodeRow, rows_from_tree, tree_from_rows};
 use crate::python::run::{Found, LimitValues, found, limits, supervised, switches, written};
+use crate::two_feature::nodes::queue::{Saved, Saver};
 use crate::two_feature::options::Options;
 use crate::two_feature::switches::Switches;
-use crate::two_feature::{proof, solve};
+use crate::two_feature::{go_on, proof};
+
+/// The state of a search: bytes, most slope intervals of a dual plane, the best tree's cost and rows, bound, nodes.
+type StateRow = (Py<PyBytes>, usize, Option<(i64, Vec<NodeRow>)>, i64, u64);
+/// Seconds between two times that the state is handed out, who takes it, the state of an earlier search.
+type Checkpoint = (f64, Py<PyAny>, Option<StateRow>);
 
 /// The best tree whose splits have up to two features, and a bound. `incumbent` is the cost of a feasible tree:
 /// trees of this cost and more are of no interest.
 #[allow(clippy::too_many_arguments)]
 #[pyfunction]
 #[pyo3(signature = (problem, incumbent, limit_values, n_threads, seed=0, off=Vec::new(), progress=None, *,
-    whole_coefficients=None))]
+    whole_coefficients=None, checkpoint=None))]
 fn two_feature_branch_and_bound(
     py: Python<'_>,
     problem: &PyProblem,
@@ -25,14 +35,41 @@ fn two_feature_branch_and_bound(
     off: Vec<String>,
     progress: Option<Py<PyAny>>,
     whole_coefficients: Option<i64>,
+    checkpoint: Option<Checkpoint>,
 ) -> PyResult<Found> {
     let switches = switches(Switches::without(&off))?;
     let limits = limits(limit_values);
     let options = Options { limits, n_threads, known: incumbent, seed, switches, whole_coefficients };
-    let outcome = supervised(py, progress.as_ref(), |keep_going| solve(&problem.inner, &options, keep_going))?;
-    let outcome =
-        outcome.ok_or_else(|| PyValueError::new_err(format!("depth is {}; expected 1 or 2", problem.inner.depth)))?;
-    Ok(found(&outcome))
+    if !(1..=2).contains(&problem.inner.depth) {
+        return Err(PyValueError::new_err(format!("depth is {}; expected 1 or 2", problem.inner.depth)));
+    }
+    let (every, taker, row) = checkpoint.map_or((0.0, None, None), |(every, taker, row)| (every, Some(taker), row));
+    let kept = row.map(|row| saved_from_row(py, row)).transpose()?;
+    let mut unsaved = None;
+    let outcome = supervised(py, progress.as_ref(), |keep_going| {
+        let mut save = |saved: &Saved| hand_out(taker.as_ref(), saved, &mut unsaved);
+        let saver = taker.is_some().then_some(Saver { every, saved: Instant::now(), save: &mut save });
+        go_on(&problem.inner, &options, (kept.as_ref(), saver), keep_going)
+    })?;
+    let outcome = outcome.ok_or_else(|| PyValueError::new_err("known: no state of such a search"))?;
+    unsaved.map_or_else(|| Ok(found(&outcome)), Err)
+}
+
+/// Give Python the state; what it raises stops the search and is kept.
+fn hand_out(taker: Option<&Py<PyAny>>, saved: &Saved, unsaved: &mut Option<PyErr>) -> bool {
+    let Some(taker) = taker else { return true };
+    let best = saved.best.as_ref().map(|(tree, cost)| (*cost, rows_from_tree(tree)));
+    let taken = Python::attach(|py| {
+        let state = PyBytes::new(py, &saved.state).unbind();
+        let row: StateRow = (state, saved.n_intervals, best, saved.bound, saved.n_nodes);
+        taker.call1(py, (row,)).map(|_| ())
+    });
+    taken.map_err(|raised| *unsaved = Some(raised)).is_ok()
+}
+
+fn saved_from_row(py: Python<'_>, (state, n_intervals, best, bound, n_nodes): StateRow) -> PyResult<Saved> {
+    let best = best.map(|(cost, rows)| Ok::<_, PyErr>((tree_from_rows(rows)?, cost))).transpose()?;
+    Ok(Saved { state: state.as_bytes(py).to_vec(), n_intervals, best, bound, n_nodes })
 }
 
 /// Names of all prunes and bounds of the two-feature core.

@@ -3,6 +3,7 @@
 use crate::exact::samples::Samples;
 use crate::problem::Problem;
 use crate::search::greedy::BuildOptions;
+use crate::search::known::Turn;
 use crate::search::local_search::LocalSearch;
 use crate::search::options::Options;
 use crate::search::prepared::Prepared;
@@ -71,8 +72,10 @@ pub(crate) struct Restart<'a> {
     prepared: &'a Prepared<'a>,
     watch: &'a Watch,
     local_search: LocalSearch<'a>,
+    samples: &'a Samples,
     seed: u64,
     has_begun: bool,
+    is_best: bool,
 }
 
 impl<'a> Restart<'a> {
@@ -95,8 +98,36 @@ impl<'a> Restart<'a> {
             prepared,
             watch,
             local_search: LocalSearch::new(prepared, samples, watch, stream),
+            samples,
             seed,
             has_begun: false,
+            is_best: false,
+        }
+    }
+
+    /// Take up a finished turn, this restart's own or one that an earlier search has kept: all that the next turn
+    /// begins from.
+    pub(crate) fn take_up(&mut self, turn: &Turn) {
+        self.local_search = LocalSearch::new(self.prepared, self.samples, self.watch, turn.stream);
+        self.local_search.deep_tries = turn.deep_tries;
+        self.state = State::from_tree(self.prepared.problem, &turn.tree);
+        self.objective = self.state.objective(&self.prepared.prices);
+        self.has_begun = true;
+        self.is_best = turn.is_best;
+        self.local_search.report(self.objective);
+        if self.is_best {
+            self.watch.is_best(self.place);
+        }
+    }
+
+    /// What the next turn begins from.
+    pub(crate) fn turn(&self) -> Turn {
+        Turn {
+            number: self.number,
+            stream: self.local_search.rng.get_seed(),
+            deep_tries: self.local_search.deep_tries,
+            is_best: self.is_best,
+            tree: self.state.to_tree(&self.prepared.prices),
         }
     }
 
@@ -105,11 +136,12 @@ impl<'a> Restart<'a> {
         (self.objective, self.number)
     }
 
-    /// Take a turn; nothing once the restarts before it are out of reach, or a limit is.
-    pub(crate) fn run(&mut self, round: &Round) {
+    /// Take a turn; nothing once the restarts before it are out of reach, or a limit is. Returns whether it was a whole
+    /// one.
+    pub(crate) fn run(&mut self, round: &Round) -> bool {
         self.local_search.take_place(self.place);
         if !self.local_search.goes_on() {
-            return;
+            return false;
         }
         self.local_search.blocks.work = round.work;
         self.local_search.deepest = round.deepest;
@@ -125,9 +157,10 @@ impl<'a> Restart<'a> {
         self.settle_deep(round.deep.iter().flat_map(|works| [(3, works[0]), (4, works[1])]));
         self.objective = self.state.objective(&self.prepared.prices);
         self.local_search.report(self.objective);
-        if self.local_search.is_best(&self.state, self.objective) {
-            self.watch.is_best(self.place);
-        }
+        let is_whole = self.local_search.goes_on();
+        self.is_best = self.local_search.is_best(&self.state, self.objective);
+        self.take_up(&self.turn());
+        is_whole
     }
 
     /// Settle with blocks of so many levels and so much work, one after the other.

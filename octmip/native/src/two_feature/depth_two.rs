@@ -14,7 +14,7 @@ use crate::two_feature::loss::INFEASIBLE;
 use crate::two_feature::nodes::first_trees::first_tree;
 use crate::two_feature::nodes::known::Known;
 use crate::two_feature::nodes::node::{Child, Node, SearchContext};
-use crate::two_feature::nodes::queue::Queue;
+use crate::two_feature::nodes::queue::{Queue, Saved, Saver};
 use crate::two_feature::options::Options;
 use crate::two_feature::regions::slope_interval::{GROUP, SlopeInterval};
 
@@ -29,49 +29,58 @@ const MOST_BEGUN: usize = 8;
 /// The slope intervals that the nodes of one affordable set share.
 type Intervals = Arc<Vec<SlopeInterval>>;
 
-/// Find the best tree of depth 2 or less; see `Options` for what is known.
+/// Find the best tree of depth 2 or less; see `Options` for what is known. `kept` is the state of an earlier search of the
+/// same problem with the same options; None where it is not.
 pub(crate) fn solve_depth_two(
     problem: &Problem,
     instance: &Instance,
     supervision: &Supervision,
     options: &Options,
+    (kept, saver): (Option<&Saved>, Option<Saver<'_>>),
     keep_going: KeepGoing,
-) -> Outcome {
+) -> Option<Outcome> {
     let leaf = to_tree(problem, instance, &LineTree::Leaf);
     let (tree, objective) = leaf.unwrap_or((Tree::leaf(0), INFEASIBLE));
-    let n_intervals = affordable_intervals(instance, supervision.limits().memory);
+    let affordable = affordable_intervals(instance, supervision.limits().memory);
+    let n_intervals = kept.map_or(affordable, |kept| kept.n_intervals);
     let sets = affordable_sets(problem);
-    let (Some(sets), true) = (sets, n_intervals >= LEAST_INTERVALS) else {
-        return Outcome { tree, objective, bound: 0, stop: Stop::Memory, n_nodes: 0 };
+    let (Some(sets), true) = (sets, (LEAST_INTERVALS..=affordable).contains(&n_intervals)) else {
+        return Some(Outcome { tree, objective, bound: 0, stop: Stop::Memory, n_nodes: 0 });
     };
     let floor = floor_of(instance);
     let upper = options.known.unwrap_or(objective).min(objective);
     let prepare = || {
         let context = SearchContext::new(problem, instance, n_intervals, supervision.flag())?;
         let intervals: Vec<Intervals> = sets.iter().map(|set| intervals_of(&context, set)).collect();
-        let first = first_trees(&context, &intervals, options.seed, floor);
+        let first = match kept {
+            None => first_trees(&context, &intervals, options.seed, floor),
+            Some(_) => Vec::new(), // the kept search has had them
+        };
         Some((context, intervals, first))
     };
     let state = Progress { seconds: 0.0, objective: upper, bound: 0, n_nodes: 0 };
     let Some((context, intervals, first)) = supervision.run(prepare, || supervision.poll(&mut *keep_going, state))
     else {
         let stop = supervision.reason().unwrap_or(Stop::Interrupted);
-        return Outcome { tree, objective, bound: floor.min(upper), stop, n_nodes: 0 };
+        return Some(Outcome { tree, objective, bound: floor.min(upper), stop, n_nodes: 0 });
     };
     let roots = intervals.iter().flat_map(|intervals| roots_of(&context, intervals, floor));
     let known = Known::new(instance, sets.len());
     let mut queue = Queue::new(&context, supervision, options.n_threads, roots.collect(), upper, known);
+    if let Some(kept) = kept {
+        queue = queue.go_on(kept)?;
+    }
     for line_tree in &first {
         queue.offer(line_tree);
     }
     let stop = match supervision.reason() {
         Some(reason) => reason,
-        None => queue.run(keep_going),
+        None => queue.run(saver, keep_going),
     };
     let bound = queue.bound();
     let (best, n_nodes) = queue.into_best();
     let (tree, objective) = best.unwrap_or((tree, objective));
-    Outcome { tree, objective, bound, stop, n_nodes }
+    Some(Outcome { tree, objective, bound, stop, n_nodes })
 }
 
 /// Number of slope intervals of each dual plane whose tables take half the memory.

@@ -6,3 +6,4 @@ pub(crate) mod first_trees;
 pub(crate) mod known;
 pub(crate) mod node;
 pub(crate) mod queue;
+pub(crate) mod state;

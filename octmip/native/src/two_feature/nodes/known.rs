@@ -8,6 +8,7 @@ use std::collections::VecDeque;
 
 use crate::two_feature::geometry::line::Line;
 use crate::two_feature::instance::Instance;
+use crate::two_feature::nodes::state::{Reader, Writer};
 
 /// Most sets and lines that are kept, the youngest, also in proportion to the dual planes.
 const MOST_SETS: usize = 3000;
@@ -75,6 +76,30 @@ impl Known {
             spares_wide: switches.spared,
             n_nodes: 0,
         }
+    }
+
+    /// Write what is known.
+    pub(crate) fn write(&self, out: &mut Writer) {
+        out.list(self.sets.iter(), |out, (set, bound)| {
+            set.iter().for_each(|&word| out.number(word));
+            out.signed(*bound);
+        });
+        out.list(self.lines.iter(), Writer::line);
+        out.signed(self.credit);
+        out.number(self.n_nodes);
+    }
+
+    /// Read it again; whether it was there.
+    pub(crate) fn read(&mut self, from: &mut Reader<'_>) -> Option<()> {
+        let n_words = self.n.div_ceil(64);
+        let set = |from: &mut Reader<'_>| {
+            let set = (0..n_words).map(|_| from.number()).collect::<Option<Bits>>()?;
+            Some((set, from.cost()?))
+        };
+        self.sets = from.list(set)?.into();
+        self.lines = from.list(Reader::line)?.into();
+        (self.credit, self.n_nodes) = (from.cost()?.min(CREDIT), from.count()?);
+        Some(())
     }
 
     fn bits(&self, parts: [&[u32]; 2]) -> Bits {

@@ -31,6 +31,8 @@ pub(crate) struct SearchContext<'a> {
     pub(crate) problem: &'a Problem,
     /// Coordinates, labels, costs.
     pub(crate) instance: &'a Instance,
+    /// Most slope intervals of a dual plane.
+    pub(crate) n_intervals: usize,
     /// Tables of the dual planes.
     pub(crate) dual_planes: Vec<DualPlane>,
     /// All samples.
@@ -52,7 +54,14 @@ impl<'a> SearchContext<'a> {
             let is_going = !stop.load(Ordering::Relaxed);
             is_going.then(|| DualPlane::new(&instance.plane, features, n_intervals))
         });
-        Some(Self { problem, instance, dual_planes: tables.collect::<Option<_>>()?, all: instance.all(), stop })
+        Some(Self {
+            problem,
+            instance,
+            n_intervals,
+            dual_planes: tables.collect::<Option<_>>()?,
+            all: instance.all(),
+            stop,
+        })
     }
 }
 

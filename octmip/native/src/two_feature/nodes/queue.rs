@@ -11,6 +11,7 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
+use std::time::Instant;
 
 use crate::control::{KeepGoing, Progress, Stop};
 use crate::supervise::Supervision;
@@ -18,6 +19,7 @@ use crate::tree::Tree;
 use crate::two_feature::line_tree::{LineTree, to_tree};
 use crate::two_feature::nodes::known::Known;
 use crate::two_feature::nodes::node::{Child, Node, Processed, SearchContext};
+use crate::two_feature::nodes::state::{Reader, Writer};
 
 /// Nodes of a batch.
 const BATCH: usize = 64;
@@ -25,6 +27,30 @@ const BATCH: usize = 64;
 const NODE_BYTES: u64 = 600;
 /// Number of batches between two measurements of the memory.
 const BATCHES_PER_LOOK: u64 = 8;
+
+/// A search between two batches.
+pub(crate) struct Saved {
+    /// All but its best tree (`state`).
+    pub(crate) state: Vec<u8>,
+    /// Most slope intervals of a dual plane.
+    pub(crate) n_intervals: usize,
+    /// The best tree of the search's own, and its cost.
+    pub(crate) best: Option<(Tree, i64)>,
+    /// Proven bound.
+    pub(crate) bound: i64,
+    /// Nodes processed.
+    pub(crate) n_nodes: u64,
+}
+
+/// Taker of the state, every so often.
+pub(crate) struct Saver<'a> {
+    /// Seconds between two times.
+    pub(crate) every: f64,
+    /// When it was last given.
+    pub(crate) saved: Instant,
+    /// Takes it; `false` means stop now.
+    pub(crate) save: &'a mut dyn FnMut(&Saved) -> bool,
+}
 
 /// A search over nodes.
 pub(crate) struct Queue<'a> {
@@ -81,10 +107,47 @@ impl<'a> Queue<'a> {
     }
 
     fn push(&mut self, root: Node) {
-        let id = self.n_made;
         self.n_made += 1;
+        self.push_as(self.n_made - 1, root);
+    }
+
+    fn push_as(&mut self, id: u64, root: Node) {
         self.waiting.push(Reverse((root.key, Reverse(id))));
         self.nodes.insert(id, root);
+    }
+
+    /// The state between two batches, the best tree left out.
+    fn state(&self) -> Vec<u8> {
+        let mut out = Writer::default();
+        [self.n_made, self.n_nodes, self.n_batches].into_iter().for_each(|number| out.number(number));
+        [self.target, self.undecided, self.upper].into_iter().for_each(|number| out.signed(number));
+        self.known.write(&mut out);
+        let mut waiting: Vec<u64> = self.nodes.keys().copied().collect();
+        waiting.sort_unstable();
+        out.list(waiting.iter(), |out, id| {
+            out.number(*id);
+            out.node(&self.nodes[id]);
+        });
+        out.list(self.aside.iter(), Writer::node);
+        out.into_bytes()
+    }
+
+    /// The search that has this state; None where the bytes are none of such a search.
+    pub(crate) fn go_on(mut self, kept: &Saved) -> Option<Self> {
+        let from = &mut Reader::new(&kept.state, self.context);
+        (self.n_made, self.n_nodes, self.n_batches) = (from.count()?, from.count()?, from.count()?);
+        (self.target, self.undecided) = (from.cost()?, from.signed()?);
+        let upper = from.cost()?;
+        let is_cost = (0..=self.upper).contains(&upper);
+        self.upper = upper;
+        self.known.read(from)?;
+        let waiting = from.list(|from| Some((from.number()?, from.node()?)))?;
+        self.aside = from.list(Reader::node)?;
+        let is_right = is_cost && from.is_at_end() && waiting.iter().all(|(id, _)| *id < self.n_made);
+        self.waiting = waiting.iter().map(|(id, node)| Reverse((node.key, Reverse(*id)))).collect();
+        self.nodes = waiting.into_iter().collect();
+        self.best = kept.best.clone();
+        (is_right && self.nodes.len() == self.waiting.len()).then_some(self)
     }
 
     /// The proven bound.
@@ -116,8 +179,28 @@ impl<'a> Queue<'a> {
         (self.best, self.n_nodes)
     }
 
-    /// Search until the bound meets the best tree or a limit is met.
-    pub(crate) fn run(&mut self, keep_going: KeepGoing) -> Stop {
+    /// Search until the bound meets the best tree or a limit is met, handing out the state every so often and at the
+    /// end.
+    pub(crate) fn run(&mut self, mut saver: Option<Saver<'_>>, keep_going: KeepGoing) -> Stop {
+        let stop = self.search(&mut saver, keep_going);
+        if let Some(saver) = &mut saver {
+            self.save(saver);
+        }
+        stop
+    }
+
+    fn save(&self, saver: &mut Saver<'_>) -> bool {
+        saver.saved = Instant::now();
+        (saver.save)(&Saved {
+            state: self.state(),
+            n_intervals: self.context.n_intervals,
+            best: self.best.clone(),
+            bound: self.bound(),
+            n_nodes: self.n_nodes,
+        })
+    }
+
+    fn search(&mut self, saver: &mut Option<Saver<'_>>, keep_going: KeepGoing) -> Stop {
         loop {
             let bound = self.bound();
             if bound >= self.upper {
@@ -125,6 +208,11 @@ impl<'a> Queue<'a> {
             }
             if let Some(stop) = self.limit_met(bound) {
                 return stop;
+            }
+            if let Some(saver) = saver.as_mut().filter(|saver| saver.saved.elapsed().as_secs_f64() >= saver.every)
+                && !self.save(saver)
+            {
+                return Stop::Interrupted;
             }
             let batch = self.next_batch();
             if batch.is_empty() {
@@ -136,7 +224,7 @@ impl<'a> Queue<'a> {
             }
             let results = self.process(&batch, keep_going);
             if let Some(stop) = self.supervision.reason() {
-                batch.into_iter().for_each(|root| self.push(root));
+                batch.into_iter().for_each(|(id, root)| self.push_as(id, root));
                 return stop;
             }
             self.n_nodes += batch.len() as u64;
@@ -156,14 +244,14 @@ impl<'a> Queue<'a> {
         gap.or_else(|| self.supervision.spent(self.n_nodes, self.bytes as f64))
     }
 
-    fn next_batch(&mut self) -> Vec<Node> {
+    fn next_batch(&mut self) -> Vec<(u64, Node)> {
         let mut batch = Vec::with_capacity(BATCH);
         while batch.len() < BATCH {
             let Some(Reverse((key, Reverse(id)))) = self.waiting.pop() else {
                 break;
             };
             match self.nodes.remove(&id) {
-                Some(root) if key < self.target.min(self.upper) => batch.push(root),
+                Some(root) if key < self.target.min(self.upper) => batch.push((id, root)),
                 // The target fell when a better tree was found.
                 Some(root) if key < self.upper => self.aside.push(root),
                 _ => {}
@@ -214,11 +302,11 @@ impl<'a> Queue<'a> {
     }
 
     /// Process a batch in several threads; results come in the order of the batch.
-    fn process(&self, batch: &[Node], keep_going: KeepGoing) -> Vec<Processed> {
+    fn process(&self, batch: &[(u64, Node)], keep_going: KeepGoing) -> Vec<Processed> {
         let state = Progress {
             seconds: 0.0,
             objective: self.upper,
-            bound: self.bound().min(batch.iter().map(|root| root.key).min().unwrap_or(i64::MAX)),
+            bound: self.bound().min(batch.iter().map(|(_, root)| root.key).min().unwrap_or(i64::MAX)),
             n_nodes: self.n_nodes,
         };
         let next = AtomicUsize::new(0);
@@ -226,7 +314,7 @@ impl<'a> Queue<'a> {
         let work = || {
             let mut position = next.fetch_add(1, Ordering::Relaxed);
             while position < batch.len() && !self.supervision.is_stopped() {
-                let root = batch[position].clone();
+                let root = batch[position].1.clone();
                 let result = self.context.process(root, self.target, self.upper, &self.known);
                 if let Ok(mut slot) = slots[position].lock() {
                     *slot = result;

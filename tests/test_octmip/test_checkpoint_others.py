@@ -1,0 +1,202 @@
+"""Searches and two-feature proofs in pieces: the tree, bound and nodes of the run that never stopped."""
+
+import base64
+import hashlib
+import json
+import random
+import signal
+import struct
+import subprocess
+import sys
+import time
+import zlib
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from benchmarks.oracles.strategies import random_problem
+from octmip import Limits, Problem, certify
+from octmip.errors import DataError, ProblemError
+from octmip.methods.checkpoint import FIRST
+from octmip.methods.search import local_search
+from octmip.methods.two_feature import two_feature_branch_and_bound
+from octmip.solution import Stop
+
+OFTEN = {"every": 0.0}
+
+
+def samples(n=90, p=4, **options):
+    rng = np.random.default_rng([63, n, p])
+    return Problem(rng.normal(size=(n, p)), rng.integers(0, 3, n), **options)
+
+
+def lines(n=40, p=3, **options):
+    return samples(n, p, depth=2, split="hyperplane", split_size=2, **options)
+
+
+def in_pieces(run, problem, path, seconds, **options):
+    """Return the last solution of searches that a clock ends, each going on from the one before, and their number."""
+    for number in range(1, 200):
+        found = run(problem, checkpoint=path, limits=Limits(seconds=seconds * number), **OFTEN, **options)
+        if found.stop is not Stop.TIME:
+            return found, number
+    raise AssertionError("no end")
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"depth": 4},
+        {"depth": 3, "sensor_budget": 2, "leaf_size": 3},
+        {"depth": 3, "split": "hyperplane", "leaf_penalty": 0.5},
+        {"depth": 2, "split": "hyperplane", "split_size": 2},
+    ],
+)
+def test_a_search_in_pieces_ends_with_the_tree_of_one_search(options, tmp_path):
+    problem, effort = samples(**options), {"seed": 5, "restarts": 11, "perturbations": 6}
+    whole = local_search(problem, **effort)
+    last, _ = in_pieces(local_search, problem, tmp_path / "kept", whole.seconds / 4, n_jobs=2, **effort)
+    assert (last.tree, last.objective, last.stop) == (whole.tree, whole.objective, whole.stop)
+    again = local_search(problem, checkpoint=tmp_path / "kept", **effort)
+    assert (again.tree, again.details["resumed_from"]["nodes"]) == (whole.tree, again.n_nodes)
+
+
+def test_small_searches_of_every_kind_believe_their_own_checkpoints(tmp_path):
+    for seed in range(40):
+        problem, path = random_problem(np.random.default_rng([64, seed])), tmp_path / str(seed)
+        once = local_search(problem, seed=seed)
+        first, second = (local_search(problem, seed=seed, checkpoint=path, **OFTEN) for _ in range(2))
+        assert first.tree == second.tree == once.tree, f"seed {seed}"
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {},
+        {"leaf_penalty": 0.75},
+        {"sensor_budget": 2},
+        {"costs": np.array([[0, 0.1, 0.2], [0.1, 0, 0.1], [0.3, 0.2, 0]])},
+    ],
+)
+def test_a_two_feature_proof_in_pieces_makes_the_nodes_of_one_proof(options, tmp_path):
+    problem = lines(**options)
+    whole = two_feature_branch_and_bound(problem)
+    last, n_pieces = in_pieces(two_feature_branch_and_bound, problem, tmp_path / "kept", whole.seconds / 6, n_jobs=2)
+    assert n_pieces > 1
+    assert (last.tree, last.objective, last.bound) == (whole.tree, whole.objective, whole.bound)
+    assert (last.stop, last.n_nodes) == (whole.stop, whole.n_nodes)
+    certify(problem, last)
+
+
+CHILD = """
+import sys
+import numpy as np
+from octmip.methods.two_feature import two_feature_branch_and_bound
+from octmip.problem import Problem
+rng = np.random.default_rng([63, 70, 3])
+problem = Problem(rng.normal(size=(70, 3)), rng.integers(0, 3, 70), depth=2, split="hyperplane", split_size=2)
+print("ready", flush=True)
+solution = two_feature_branch_and_bound(problem, checkpoint=sys.argv[1], every=0.02)
+print(solution.objective, solution.bound, solution.n_nodes, bool(solution.details.get("resumed_from")))
+"""
+
+
+def test_a_two_feature_proof_killed_at_any_moment_goes_on_to_the_same_nodes(tmp_path):
+    command, moments = [sys.executable, "-c", CHILD, str(tmp_path / "kept")], random.Random(0)
+    for _ in range(3):
+        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as child:
+            child.stdout.readline()
+            time.sleep(moments.uniform(0.1, 0.2))
+            child.send_signal(signal.SIGKILL)
+    assert (tmp_path / "kept").exists()
+    last = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()[1:]
+    whole = two_feature_branch_and_bound(lines(70))
+    assert last == [str(whole.objective), str(whole.bound), str(whole.n_nodes), "True"]
+
+
+@pytest.fixture
+def kept(tmp_path):
+    """Return a problem and the checkpoint of a two-feature proof of it that was cut off."""
+    path = tmp_path / "kept"
+    two_feature_branch_and_bound(lines(), limits=Limits(nodes=200), checkpoint=path)
+    return lines(), path
+
+
+def test_a_checkpoint_of_another_run_is_refused(kept, tmp_path):
+    problem, path = kept
+    for change, complaint in (({"leaf_penalty": 1.0}, "depth, costs"), ({"weights": np.full(40, 2.0)}, "samples")):
+        with pytest.raises(DataError, match=f"belongs to another search: it has the {complaint}"):
+            two_feature_branch_and_bound(replace(problem, **change), checkpoint=path)
+    with pytest.raises(DataError, match="belongs to another search: it has the options of the search"):
+        two_feature_branch_and_bound(problem, seed=1, checkpoint=path)
+    with pytest.raises(DataError, match="belongs to another search: it has the method 'two-feature exact'"):
+        local_search(problem, checkpoint=path)
+    with pytest.raises(ProblemError, match="of which nothing can be kept"):
+        two_feature_branch_and_bound(replace(problem, depth=1), checkpoint=tmp_path / "one")
+    local_search(problem, seed=1, checkpoint=tmp_path / "search")
+    for options in ({"seed": 2}, {"seed": 1, "restarts": 3}, {"seed": 1, "perturbations": 3}):
+        with pytest.raises(DataError, match="belongs to another search: it has the options of the search"):
+            local_search(problem, checkpoint=tmp_path / "search", **options)
+
+
+def rewritten(path, edit):
+    """Change the content of a checkpoint and make its sum right again."""
+    content = json.loads(path.read_bytes().split(b"\n")[1])
+    edit(content)
+    line = json.dumps(content).encode()
+    path.write_bytes(f"{FIRST} {hashlib.sha256(line).hexdigest()}\n".encode() + line + b"\n")
+
+
+def with_numbers(edit):
+    """Return a change of the numbers in a two-feature checkpoint's nodes."""
+
+    def change(content):
+        state = zlib.decompress(base64.b85decode(content["nodes"][0]))
+        numbers = list(struct.unpack(f"<{len(state) // 8}q", state))
+        edit(numbers)
+        content["nodes"][0] = base64.b85encode(zlib.compress(struct.pack(f"<{len(numbers)}q", *numbers))).decode()
+
+    return change
+
+
+@pytest.mark.parametrize(
+    "edit",
+    [
+        with_numbers(lambda numbers: numbers.pop()),
+        with_numbers(lambda numbers: numbers.append(0)),
+        with_numbers(lambda numbers: numbers.__setitem__(0, -1)),
+        with_numbers(lambda numbers: numbers.__setitem__(5, 2**62)),
+        with_numbers(lambda numbers: numbers.__setitem__(6, 2**40)),
+        lambda content: content["nodes"].__setitem__(0, "no bytes"),
+        lambda content: content["nodes"].__setitem__(1, -3),
+        lambda content: content["nodes"].__setitem__(2, [0, [[0, 0, 0, 0, 0, 1, [], 0.0]]]),
+        lambda content: content.update(incumbent=[[0, 0, 0, 0, 0, 77, [], 0.0]]),
+        lambda content: content.update(grid="0"),
+        lambda content: content.pop("nodes"),
+    ],
+)
+def test_nodes_that_cannot_be_are_refused(kept, edit):
+    problem, path = kept
+    rewritten(path, edit)
+    with pytest.raises(DataError, match=f"checkpoint {path} (holds|claims) .*; give another file, or remove this one"):
+        two_feature_branch_and_bound(problem, checkpoint=path)
+
+
+@pytest.mark.parametrize(
+    "edit",
+    [
+        lambda content: content["turns"].__setitem__(0, -1),
+        lambda content: content["turns"][1][0][0].__setitem__(1, 2**65),
+        lambda content: content["turns"][1][0][0].__setitem__(3, 1),
+        lambda content: content["turns"][1][0][0].__setitem__(4, [[0, 0, 0, 0, 0, 99, [], 0.0]]),
+        lambda content: content["turns"][1].pop(),
+        lambda content: content.update(seconds=-1.0),
+    ],
+)
+def test_turns_that_cannot_be_are_refused(edit, tmp_path):
+    problem, path = samples(depth=2), tmp_path / "kept"
+    local_search(problem, checkpoint=path)
+    rewritten(path, edit)
+    with pytest.raises(DataError, match=f"checkpoint {path} holds .*; give another file, or remove this one"):
+        local_search(problem, checkpoint=path)
