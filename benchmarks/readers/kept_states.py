@@ -1,7 +1,11 @@
 """The readers of what a search keeps: checkpoints, and the proof logs of regression trees."""
 
+import base64
 import hashlib
+import json
+import zlib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -9,8 +13,10 @@ import pandas as pd
 from benchmarks.readers.file_reader import Reader, run
 from benchmarks.readers.mangling import Generator, mangled_bytes, mangled_json, mangled_tokens
 from octmip.certificate import certify
-from octmip.methods.checkpoint import FIRST
+from octmip.methods.checkpoint.envelope import FIRST
 from octmip.methods.exact import branch_and_bound
+from octmip.methods.search import local_search
+from octmip.methods.two_feature import two_feature_branch_and_bound
 from octmip.problem import Problem
 from octmip.proof import check_proof
 from octmip.regression.exact import exact_regression
@@ -49,6 +55,54 @@ def read_kept(rng: Generator, folder: Path) -> None:
     certify(problem, branch_and_bound(problem, limits=Limits(seconds=2), checkpoint=folder / "search.kept"))
 
 
+def _lined(number: int) -> Problem:
+    """Return a problem over lines: odd numbers have prices and a budget."""
+    rng = np.random.default_rng([95, number])
+    features, labels = rng.normal(size=(40, 3)).round(2), rng.integers(0, 3, 40)
+    options: dict[str, Any] = {"leaf_penalty": 0.5, "sensor_budget": 2} if number % 2 else {}
+    return Problem(features, labels, depth=2, split="hyperplane", split_size=2, **options)
+
+
+def make_lines_checkpoint(number: int, folder: Path) -> None:
+    """Write the checkpoint of a two-feature proof that a limit ended."""
+    two_feature_branch_and_bound(_lined(number), limits=Limits(nodes=130), checkpoint=folder / "lines.kept")
+    (folder / "number").write_text(str(number))
+
+
+def mangled_nodes(rng: Generator, content: bytes) -> bytes:
+    """Return a checkpoint with bytes of its nodes changed by somebody who packs them again, or any other entry."""
+    if rng.random() < 0.4:
+        return mangled_checkpoint(rng, content)
+    entries = json.loads(content.split(b"\n")[1])
+    state = mangled_bytes(rng, zlib.decompress(base64.b85decode(entries["nodes"][0])))
+    entries["nodes"][0] = base64.b85encode(zlib.compress(state)).decode("ascii")
+    line = json.dumps(entries).encode()
+    return f"{FIRST} {hashlib.sha256(line).hexdigest()}\n".encode() + line + b"\n"
+
+
+def read_lines_kept(rng: Generator, folder: Path) -> None:
+    """Go on from the checkpoint of a two-feature proof, and certify the tree."""
+    problem = _lined(int((folder / "number").read_text()))
+    certify(problem, two_feature_branch_and_bound(problem, limits=Limits(seconds=2), checkpoint=folder / "lines.kept"))
+
+
+def _sought(number: int) -> Problem:
+    """Return a problem for the local search: odd numbers of lines."""
+    return _lined(number) if number % 2 else _searched(2 * number + 1)
+
+
+def make_search_checkpoint(number: int, folder: Path) -> None:
+    """Write the checkpoint of a search that has come to its end; some of its turns may be changed or left out."""
+    local_search(_sought(number), restarts=10, perturbations=2, checkpoint=folder / "turns.kept")
+    (folder / "number").write_text(str(number))
+
+
+def read_turns(rng: Generator, folder: Path) -> None:
+    """Go on from the checkpoint of a search, and certify the tree."""
+    problem, path = _sought(int((folder / "number").read_text())), folder / "turns.kept"
+    certify(problem, local_search(problem, restarts=10, perturbations=2, limits=Limits(seconds=2), checkpoint=path))
+
+
 def make_regression_log(number: int, folder: Path) -> None:
     """Write a regression tree, the log of its bound and its table; odd numbers count absolute errors."""
     rng = np.random.default_rng([94, number])
@@ -73,5 +127,7 @@ def read_regression_log(rng: Generator, folder: Path) -> None:
 
 KEPT = {
     "checkpoint": Reader(make_checkpoint, "search.kept", mangled_checkpoint, read_kept),
+    "checkpoint of lines": Reader(make_lines_checkpoint, "lines.kept", mangled_nodes, read_lines_kept),
+    "checkpoint of a search": Reader(make_search_checkpoint, "turns.kept", mangled_checkpoint, read_turns),
     "regression proof log": Reader(make_regression_log, "proof.log", mangled_tokens, read_regression_log),
 }

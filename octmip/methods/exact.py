@@ -27,9 +27,9 @@ from octmip.encoding import (
 )
 from octmip.errors import ProblemError, SolverError
 from octmip.formats.files import check_writable
-from octmip.methods.checkpoint import CHECKPOINT_SECONDS, checked_every, resumed_from, unusable
-from octmip.methods.exact_state import KnownRow
-from octmip.methods.keeper import Found, Keeper
+from octmip.methods.checkpoint.envelope import CHECKPOINT_SECONDS, checked_every, resumed_from, unusable
+from octmip.methods.checkpoint.exact_keeper import Found, Keeper
+from octmip.methods.checkpoint.exact_state import KnownRow
 from octmip.methods.native_call import (
     feasible_incumbent,
     native_progress,

@@ -22,11 +22,11 @@ from pathlib import Path
 from octmip import _native
 from octmip.encoding import integer_costs, native_problem, rows_from_tree, tree_from_rows
 from octmip.errors import ProblemError
-from octmip.methods.checkpoint import checked_every, resumed_from
+from octmip.methods.checkpoint.envelope import checked_every, resumed_from
+from octmip.methods.checkpoint.search_keeper import FinishedTurns, SearchKeeper
 from octmip.methods.merging import merged
 from octmip.methods.native_call import better, feasible_incumbent, native_progress, relabelled, remaining
 from octmip.methods.polish import polished
-from octmip.methods.search_keeper import FinishedTurns, SearchKeeper
 from octmip.problem import Problem
 from octmip.solution import Limits, ProgressCallback, Solution, Stop
 from octmip.tree import Node, centred, simplify, without_empty_sides

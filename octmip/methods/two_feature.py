@@ -28,7 +28,8 @@ from octmip.encoding import (
 )
 from octmip.errors import CertificateError, ProblemError
 from octmip.formats.files import check_writable
-from octmip.methods.checkpoint import checked_every, resumed_from, unusable
+from octmip.methods.checkpoint.envelope import checked_every, resumed_from, unusable
+from octmip.methods.checkpoint.two_feature_keeper import Nodes, TwoFeatureKeeper
 from octmip.methods.native_call import (
     better,
     feasible_incumbent,
@@ -39,7 +40,6 @@ from octmip.methods.native_call import (
     whole_cost,
     write_log,
 )
-from octmip.methods.two_feature_keeper import Nodes, TwoFeatureKeeper
 from octmip.problem import Problem
 from octmip.proof import check_proof, log_header
 from octmip.pseudo_boolean import check_possible, is_pseudo_boolean

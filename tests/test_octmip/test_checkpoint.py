@@ -18,8 +18,8 @@ from benchmarks.oracles.strategies import random_problem, wide_problem
 from octmip import Limits, Problem, certify, solve
 from octmip.cli import main
 from octmip.errors import DataError, ProblemError
-from octmip.methods import checkpoint
-from octmip.methods.checkpoint import FIRST
+from octmip.methods.checkpoint import envelope
+from octmip.methods.checkpoint.envelope import FIRST
 from octmip.methods.exact import branch_and_bound
 from octmip.solution import Stop
 
@@ -44,7 +44,7 @@ def resumed(problem, path, n_jobs=1):
 @pytest.fixture
 def often(monkeypatch):
     """Write a checkpoint whenever somebody looks."""
-    monkeypatch.setattr(checkpoint, "CHECKPOINT_SECONDS", 0.0)
+    monkeypatch.setattr(envelope, "CHECKPOINT_SECONDS", 0.0)
 
 
 @pytest.mark.usefixtures("often")

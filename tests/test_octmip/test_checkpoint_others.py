@@ -18,7 +18,7 @@ import pytest
 from benchmarks.oracles.strategies import random_problem
 from octmip import Limits, Problem, certify
 from octmip.errors import DataError, ProblemError
-from octmip.methods.checkpoint import FIRST
+from octmip.methods.checkpoint.envelope import FIRST
 from octmip.methods.search import local_search
 from octmip.methods.two_feature import two_feature_branch_and_bound
 from octmip.solution import Stop

@@ -21,7 +21,7 @@ All readers of the two packages, each a line of the table:
     femlib.dataset.published_strains            published table
     femlib.rom.ReducedModel.load_file           reduced model; ReducedWing.load_file reads by it
     femlib.wing.export.calculix.read_gauges     result of CalculiX
-    octmip.methods.checkpoint.read_checkpoint   checkpoint, its sum corrected after most changes
+    octmip.methods.checkpoint                   checkpoints of three kinds, the sum corrected after most changes
     octmip.proof.check_proof                    proof log of regression trees; with certify --proof
     octmip.gap.doors.table.table_twin           table of a twin, .csv and .parquet, and its card
     octmip.gap.doors.deck.deck_twin             deck of a twin, and its card

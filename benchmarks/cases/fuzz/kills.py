@@ -1,8 +1,9 @@
 """What a killed process leaves: proofs that go on from their checkpoints, files that are whole or not there.
 
-Proofs: `octmip solve --checkpoint` of mammography at depth 4 (some twenty processor seconds) is killed (SIGKILL) at a
-random moment after its start, started again, killed again, five times, and then left to its end: tree, objective and
-bound must be those of a proof that nobody killed. Ten such chains are fifty kills. Files: a process that writes one
+Runs: `octmip solve --checkpoint` of each of `RUNS` (a proof, a two-feature proof, a search) is killed (SIGKILL) at a
+random moment of its life, started again, killed again, five times, and then left to its end: tree, objective, bound and
+stop must be those of a run that nobody killed. Ten such chains of the proof are fifty kills, four of each of the others
+twenty. Files: a process that writes one
 kind of file again and again is killed at a random moment, fifty times a kind: the file must be whole, as a reader finds
 it, or not be there.
 """
@@ -12,10 +13,11 @@ import json
 import multiprocessing
 import random
 import tempfile
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from multiprocessing.process import BaseProcess
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -33,10 +35,27 @@ from octmip.methods.exact import branch_and_bound
 from octmip.problem import Problem
 from octmip.report.markdown import markdown_table
 
-N_CHAINS, KILLS_A_CHAIN, N_KILLS = 10, 5, 50
-SET, DEPTH = "mammography", 4
-LATEST = 6.0
-"""Seconds of a proof's life in which it is killed."""
+KILLS_A_CHAIN, N_KILLS = 5, 50
+
+
+class Case(NamedTuple):
+    """A run that is killed: its name, set, arguments, and number of chains of kills."""
+
+    name: str
+    data: str
+    words: tuple[str, ...]
+    n_chains: int
+
+
+LINES = ("--split", "hyperplane", "--split-size", "2")
+RUNS = (
+    Case("proof of mammography, depth 4", "mammography", ("--depth", "4"), 10),
+    Case(
+        "two-feature proof of blood-transfusion", "blood-transfusion", (*LINES, "--depth", "2", "--method", "exact"), 4
+    ),
+    Case("search of digits, depth 6", "optical-recognition-digits", ("--depth", "6", "--method", "search"), 2),
+    Case("search with lines of mammography, depth 4", "mammography", (*LINES, "--depth", "4"), 2),
+)
 
 FORK = multiprocessing.get_context("fork")
 """Processes that have imported all: a kill shall meet the work, not the start."""
@@ -44,20 +63,28 @@ FORK = multiprocessing.get_context("fork")
 
 def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
     """Yield a line for each chain of kills, and for each kind of file; there is no limit, one process at a time."""
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        write_data(SET, folder / "data.csv")
-        whole = Proof(folder, DEPTH).end()
-        for chain in range(N_CHAINS):
-            proof = Proof(folder, DEPTH, folder / f"kept{chain}")
-            rng = random.Random(chain)
-            lived = [proof.killed_after(rng.uniform(0.0, LATEST)) for _ in range(KILLS_A_CHAIN)]
-            last = proof.end()
-            same = all(last[key] == whole[key] for key in ("tree", "objective", "bound", "stop"))
-            yield {"size": f"proof, chain {chain}", "seed": chain, "kills": sum(lived), "bad": int(not same)}
+    for case in RUNS:
+        yield from chains(case)
     for kind in WRITERS:
         bad = [seed for seed in range(N_KILLS) if not is_whole_or_absent(kind, seed)]
         yield {"size": f"file: {kind}", "seed": 0, "kills": N_KILLS, "bad": len(bad), "seeds": bad}
+
+
+def chains(case: Case) -> Iterator[Line]:
+    """Yield a line for each chain of kills of a run, each within half of the life of one that nobody kills."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        write_data(case.data, folder / "data.csv")
+        began = time.perf_counter()
+        whole = Proof(folder, case.words).end()
+        life = time.perf_counter() - began
+        for chain in range(case.n_chains):
+            proof = Proof(folder, case.words, folder / f"kept{chain}")
+            rng = random.Random(chain)
+            lived = [proof.killed_after(rng.uniform(0.0, life / 2)) for _ in range(KILLS_A_CHAIN)]
+            last = proof.end()
+            same = all(last[key] == whole[key] for key in ("tree", "objective", "bound", "stop"))
+            yield {"size": case.name, "seed": chain, "kills": sum(lived), "bad": int(not same), "seconds": life}
 
 
 def write_data(name: str, path: Path) -> None:
@@ -68,22 +95,12 @@ def write_data(name: str, path: Path) -> None:
 
 
 class Proof:
-    """A proof by the command, in a process of its own."""
+    """A run of the command, in a process of its own."""
 
-    def __init__(self, folder: Path, depth: int, kept: Path | None = None) -> None:
+    def __init__(self, folder: Path, words: Sequence[str], kept: Path | None = None) -> None:
         checkpoint = [] if kept is None else ["--checkpoint", str(kept), "--every", "0.2"]
-        words = [
-            "solve",
-            str(folder / "data.csv"),
-            "--label",
-            "label",
-            "--depth",
-            str(depth),
-            "--seconds",
-            "3600",
-            "--json",
-        ]
-        self._words = [*words, *checkpoint]
+        data = str(folder / "data.csv")
+        self._words = ["solve", data, "--label", "label", "--seconds", "3600", "--json", *words, *checkpoint]
         self._out = folder / "out.json"
 
     def _start(self) -> BaseProcess:
@@ -194,14 +211,12 @@ def is_whole_or_absent(kind: str, seed: int) -> bool:
 
 
 def summary(lines: Sequence[Line]) -> str:
-    """Return kills and what they broke, a row for the proofs and for each kind of file."""
-    proofs = [line for line in lines if line["size"].startswith("proof")]
-    rows = [
-        {
-            "what": f"proof of {SET} at depth {DEPTH}, {len(proofs)} chains",
-            "kills": sum(line["kills"] for line in proofs),
-            "bad": sum(line["bad"] for line in proofs),
-        }
-    ]
-    rows += [{"what": line["size"], "kills": line["kills"], "bad": line["bad"]} for line in lines if line not in proofs]
+    """Return kills and what they broke, a row for each run and for each kind of file."""
+    rows = []
+    for case in RUNS:
+        own = [line for line in lines if line["size"] == case.name]
+        kills, bad = (sum(line[key] for line in own) for key in ("kills", "bad"))
+        rows.append({"what": f"{case.name}, {len(own)} chains", "kills": kills, "bad": bad})
+    files = [line for line in lines if line["size"].startswith("file: ")]
+    rows += [{"what": line["size"], "kills": line["kills"], "bad": line["bad"]} for line in files]
     return markdown_table(rows)

@@ -112,7 +112,7 @@ pub(crate) fn go_on(
     }
 }
 
-/// Give every restart its turn in a round, in order, on so many threads, those aside that have had it; returns them from
+/// Give every restart its turn in a round, in order, on so many threads, but those that have had it; returns them from
 /// best to worst.
 fn run<'a>(
     mut restarts: Vec<Restart<'a>>,

@@ -1,7 +1,7 @@
 //! What a search has finished, small enough to be kept: turns of restarts. A later search takes it up and ends with the
 //! tree that this one would have ended with.
 //!
-//! A restart begins each turn from its tree, its random stream and its counts of deep blocks alone (`Restart::from_turn`),
+//! A restart begins each turn from its tree, random stream and counts of deep blocks alone (`Restart::take_up`),
 //! whether it had the turn before in this process or in an earlier one. Turns that were under way are done again.
 
 use std::time::Instant;

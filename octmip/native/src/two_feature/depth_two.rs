@@ -29,8 +29,8 @@ const MOST_BEGUN: usize = 8;
 /// The slope intervals that the nodes of one affordable set share.
 type Intervals = Arc<Vec<SlopeInterval>>;
 
-/// Find the best tree of depth 2 or less; see `Options` for what is known. `kept` is the state of an earlier search of the
-/// same problem with the same options; None where it is not.
+/// Find the best tree of depth 2 or less; see `Options` for what is known. `kept` is the state of an earlier search of
+/// the same problem with the same options; None where it is not.
 pub(crate) fn solve_depth_two(
     problem: &Problem,
     instance: &Instance,

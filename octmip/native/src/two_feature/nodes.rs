@@ -5,5 +5,6 @@ pub(crate) mod branching;
 pub(crate) mod first_trees;
 pub(crate) mod known;
 pub(crate) mod node;
+pub(crate) mod numbers;
 pub(crate) mod queue;
 pub(crate) mod state;

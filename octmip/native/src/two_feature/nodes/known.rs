@@ -8,7 +8,7 @@ use std::collections::VecDeque;
 
 use crate::two_feature::geometry::line::Line;
 use crate::two_feature::instance::Instance;
-use crate::two_feature::nodes::state::{Reader, Writer};
+use crate::two_feature::nodes::numbers::{Reader, Writer};
 
 /// Most sets and lines that are kept, the youngest, also in proportion to the dual planes.
 const MOST_SETS: usize = 3000;

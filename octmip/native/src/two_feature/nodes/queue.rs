@@ -19,7 +19,8 @@ use crate::tree::Tree;
 use crate::two_feature::line_tree::{LineTree, to_tree};
 use crate::two_feature::nodes::known::Known;
 use crate::two_feature::nodes::node::{Child, Node, Processed, SearchContext};
-use crate::two_feature::nodes::state::{Reader, Writer};
+use crate::two_feature::nodes::numbers::{Reader, Writer};
+use crate::two_feature::nodes::state::{ReadTables, WrittenTables};
 
 /// Nodes of a batch.
 const BATCH: usize = 64;
@@ -124,25 +125,27 @@ impl<'a> Queue<'a> {
         self.known.write(&mut out);
         let mut waiting: Vec<u64> = self.nodes.keys().copied().collect();
         waiting.sort_unstable();
+        let mut tables = WrittenTables::default();
         out.list(waiting.iter(), |out, id| {
             out.number(*id);
-            out.node(&self.nodes[id]);
+            tables.write(out, &self.nodes[id]);
         });
-        out.list(self.aside.iter(), Writer::node);
+        out.list(self.aside.iter(), |out, node| tables.write(out, node));
         out.into_bytes()
     }
 
     /// The search that has this state; None where the bytes are none of such a search.
     pub(crate) fn go_on(mut self, kept: &Saved) -> Option<Self> {
-        let from = &mut Reader::new(&kept.state, self.context);
+        let from = &mut Reader::new(&kept.state, self.context.instance.plane.p);
         (self.n_made, self.n_nodes, self.n_batches) = (from.count()?, from.count()?, from.count()?);
         (self.target, self.undecided) = (from.cost()?, from.signed()?);
         let upper = from.cost()?;
         let is_cost = (0..=self.upper).contains(&upper);
         self.upper = upper;
         self.known.read(from)?;
-        let waiting = from.list(|from| Some((from.number()?, from.node()?)))?;
-        self.aside = from.list(Reader::node)?;
+        let mut tables = ReadTables::new(self.context);
+        let waiting = from.list(|from| Some((from.number()?, tables.read(from)?)))?;
+        self.aside = from.list(|from| tables.read(from))?;
         let is_right = is_cost && from.is_at_end() && waiting.iter().all(|(id, _)| *id < self.n_made);
         self.waiting = waiting.iter().map(|(id, node)| Reverse((node.key, Reverse(*id)))).collect();
         self.nodes = waiting.into_iter().collect();

@@ -22,7 +22,8 @@ from octmip.problem import Problem
 
 T = TypeVar("T")
 FIRST = "octmip-checkpoint 3"
-MOST = 2**63 - 1
+MOST, INDEX = 2**63 - 1, 2**32 - 1
+"""Largest whole numbers and indices that the native core takes."""
 MEANING = {
     "version": "version of octmip",
     "method": "method",
@@ -134,15 +135,16 @@ def tree_rows(rows: Any, *, has_planes: bool = False) -> list[NodeRow]:
     """
     found: list[NodeRow] = []
     children: list[int] = []
-    for number, (kind, feature, cut, left, right, label, terms, offset) in enumerate(rows):
-        if whole(kind) > 1 + has_planes or (kind != 2 and (terms or offset)):
+    for number, (*places, terms, offset) in enumerate(rows):
+        kind, feature, cut, left, right, label = (whole(place, INDEX) for place in places)
+        if kind > 1 + has_planes or (kind != 2 and (terms or offset)):
             raise ValueError(f"row {number} is neither a leaf nor a split of such a tree")
         if kind > 0:
-            if not number < whole(left) or not number < whole(right):
+            if not number < left or not number < right:
                 raise ValueError(f"row {number} has the children {left} and {right}")
             children += [left, right]
-        plane = [(whole(j), finite(value)) for j, value in terms]
-        found.append((kind, whole(feature), whole(cut), left, right, whole(label), plane, finite(offset)))
+        plane = [(whole(j, INDEX), finite(value)) for j, value in terms]
+        found.append((kind, feature, cut, left, right, label, plane, finite(offset)))
     if sorted(children) != list(range(1, len(found))) or not found:
         raise ValueError(f"{len(found)} rows are no tree")
     return found

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 from octmip.encoding import IntegerCosts, NodeRow, Ranks, integer_costs, rows_from_tree, tree_from_rows
 from octmip.errors import ProblemError
 from octmip.formats.files import PathLike, check_writable
-from octmip.methods.checkpoint import (
+from octmip.methods.checkpoint.envelope import (
     identity_of,
     read_checkpoint,
     seconds_of,
@@ -24,7 +24,7 @@ from octmip.methods.checkpoint import (
     whole,
     write_checkpoint,
 )
-from octmip.methods.exact_state import grid_digest
+from octmip.methods.checkpoint.exact_state import grid_digest
 from octmip.methods.native_call import feasible_incumbent
 from octmip.problem import Problem
 from octmip.tree import Node

@@ -9,8 +9,8 @@ from pathlib import Path
 from octmip.encoding import IntegerCosts, NodeRow, Ranks, integer_costs, rows_from_tree, tree_from_rows
 from octmip.errors import ProblemError
 from octmip.formats.files import check_writable
-from octmip.methods.checkpoint import identity_of, read_checkpoint, unusable, write_checkpoint
-from octmip.methods.exact_state import Kept, KnownRow, grid_digest, kept_of, state_of
+from octmip.methods.checkpoint.envelope import identity_of, read_checkpoint, unusable, write_checkpoint
+from octmip.methods.checkpoint.exact_state import Kept, KnownRow, grid_digest, kept_of, state_of
 from octmip.methods.native_call import feasible_incumbent, switched_off
 from octmip.problem import Problem
 from octmip.tree import Node

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from octmip.encoding import IntegerCosts, NodeRow
-from octmip.methods.checkpoint import flag, seconds_of, tree_rows, whole
+from octmip.methods.checkpoint.envelope import flag, seconds_of, tree_rows, whole
 
 Pair = tuple[int, int]
 

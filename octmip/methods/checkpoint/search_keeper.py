@@ -13,7 +13,8 @@ from typing import Any, NamedTuple
 from octmip.encoding import NodeRow, Ranks, tree_from_rows
 from octmip.errors import ProblemError
 from octmip.formats.files import PathLike, check_writable
-from octmip.methods.checkpoint import (
+from octmip.methods.checkpoint.envelope import (
+    INDEX,
     flag,
     identity_of,
     read_checkpoint,
@@ -128,4 +129,6 @@ class SearchKeeper:
     def _turn(self, turn: Any) -> Turn:
         number, stream, (helped, tried), is_best, rows = turn
         rows = tree_rows(rows, has_planes=self.problem.split != "axis")
-        return Turn(whole(number), whole(stream, STREAM), (whole(helped), whole(tried)), flag(is_best), rows)
+        return Turn(
+            whole(number), whole(stream, STREAM), (whole(helped, INDEX), whole(tried, INDEX)), flag(is_best), rows
+        )
