@@ -17,6 +17,7 @@ Source: Bertsimas & Dunn (2019), Machine Learning Under a Modern Optimization Le
 import math
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 from octmip import _native
@@ -97,11 +98,12 @@ def local_search(
         options = seed % 2**64, n_restarts, n_perturbations, first
         keeper = SearchKeeper(problem, searched, ranks, checkpoint, checked_every(every), options, start)
     turns = None if keeper is None else keeper.read()
+    before = 0 if turns is None else turns.n_visits
     rows, _, _, stop, n_nodes = _native.search(
         native_problem(searched, ranks, costs),
         first,
         # What was spent on ranks counts, too.
-        remaining(limits, start),
+        remaining(replace(limits, nodes=limits.nodes + before), start),
         n_jobs,
         seed % 2**64,
         native_progress(progress, costs),
@@ -118,11 +120,11 @@ def local_search(
         bound=0.0 if objective == 0 else -math.inf,
         stop=_stop(stop, objective),
         seconds=time.perf_counter() - start,
-        n_nodes=n_nodes,
+        n_nodes=n_nodes - before,
         solver="search",
         version=_native.__version__,
         seed=seed,
-        details={} if turns is None or keeper is None else resumed_from(keeper.spent, turns.n_visits),
+        details={} if turns is None or keeper is None else resumed_from(keeper.spent, before),
     )
 
 

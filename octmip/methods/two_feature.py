@@ -104,13 +104,14 @@ def two_feature_branch_and_bound(
         keeper = TwoFeatureKeeper(problem, ranks, checkpoint, checked_every(every), options, start, known)
         nodes = keeper.read()
         first = keeper.incumbent
+    before = 0 if nodes is None else nodes.n_nodes
     costs = integer_costs(problem, first)
     native = native_problem(problem, ranks, costs)
     call = (
         native,
         None if first is None else whole_cost(problem, costs, first),
         # What was spent on ranks counts, too.
-        remaining(limits, start),
+        remaining(replace(limits, nodes=limits.nodes + before), start),
         n_jobs,
         seed % 2**64,
         switched_off(),
@@ -138,13 +139,13 @@ def two_feature_branch_and_bound(
         bound=lower,
         stop=Stop.OPTIMAL if met else _open_stop(problem, stop),
         seconds=time.perf_counter() - start,
-        n_nodes=n_nodes,
+        n_nodes=n_nodes - before,
         solver="two-feature exact",
         version=_native.__version__,
         seed=seed,
         tolerance=tolerance,
         details=_details(problem, is_open=not met and stop == "finished")
-        | ({} if keeper is None or nodes is None else resumed_from(keeper.spent, nodes.n_nodes)),
+        | ({} if keeper is None or nodes is None else resumed_from(keeper.spent, before)),
     )
     if proof is not None:
         _write_proof(problem, native, costs, bound, (solution, n_jobs, check_log), Path(proof))

@@ -49,7 +49,7 @@ def often(monkeypatch):
 
 @pytest.mark.usefixtures("often")
 @pytest.mark.parametrize(
-    ("options", "n_jobs"), [({}, 2), ({"leaf_penalty": 1.0}, 1), ({"leaf_size": 4}, 1), ({"sensor_budget": 2}, 2)]
+    ("options", "n_jobs"), [({}, 2), ({"leaf_penalty": 1.0}, 1), ({"leaf_size": 4}, 1), ({"sensor_budget": 3}, 2)]
 )
 def test_a_search_in_pieces_ends_where_one_search_does(options, n_jobs, tmp_path):
     problem = hard(**options)

@@ -101,7 +101,7 @@ def read_checkpoint(
         content = json.loads(line)
         _check_identity(path, content, identity)
         return state_of(content)
-    except (ValueError, KeyError, TypeError, AttributeError, OverflowError, RecursionError) as error:
+    except (ValueError, LookupError, TypeError, AttributeError, OverflowError, RecursionError) as error:
         raise unusable(path, f"holds something else than a search writes ({error!r})") from error
 
 

@@ -33,25 +33,25 @@ use stumps::depth_one::best_single;
 /// The bound holds for every tree whose lines are taken in exact arithmetic over the values as given. Returns None for
 /// deeper trees.
 pub fn solve(problem: &Problem, options: &Options, keep_going: KeepGoing) -> Option<Outcome> {
-    go_on(problem, options, (None, None), keep_going)
+    go_on(problem, options, (None, None), keep_going).ok()
 }
 
 /// The same from the state of an earlier search of the problem with the same options, handing out its own every so
-/// often; None where it is no such state, too.
+/// often; an error says why there is no search: other depths, or no such state.
 pub(crate) fn go_on(
     problem: &Problem,
     options: &Options,
     kept: (Option<&Saved>, Option<Saver<'_>>),
     keep_going: KeepGoing,
-) -> Option<Outcome> {
+) -> Result<Outcome, String> {
     let supervision = Supervision::new(options.limits);
     let mut instance = Instance::new(problem);
     instance.switches = options.switches;
     instance.preferred = options.whole_coefficients;
     match problem.depth {
-        1 => Some(solve_depth_one(problem, &instance, &supervision, keep_going)),
+        1 => Ok(solve_depth_one(problem, &instance, &supervision, keep_going)),
         2 => solve_depth_two(problem, &instance, &supervision, options, kept, keep_going),
-        _ => None,
+        depth => Err(format!("depth {depth}; expected 1 or 2")),
     }
 }
 

@@ -51,7 +51,7 @@ fn two_feature_branch_and_bound(
         let saver = taker.is_some().then_some(Saver { every, saved: Instant::now(), save: &mut save });
         go_on(&problem.inner, &options, (kept.as_ref(), saver), keep_going)
     })?;
-    let outcome = outcome.ok_or_else(|| PyValueError::new_err("known: no state of such a search"))?;
+    let outcome = outcome.map_err(|reason| PyValueError::new_err(format!("known: {reason}")))?;
     unsaved.map_or_else(|| Ok(found(&outcome)), Err)
 }
 

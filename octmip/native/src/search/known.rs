@@ -72,9 +72,9 @@ impl<'a> Kept<'a> {
         self.is_saved = false;
     }
 
-    /// Hand out what is new, now or if it is time; whether to go on.
+    /// Hand out what is known, now or if there is something new and it is time; whether to go on.
     pub(crate) fn save(&mut self, now: bool, n_visits: u64) -> bool {
-        let Some(saver) = self.saver.as_mut().filter(|_| !self.is_saved) else { return true };
+        let Some(saver) = self.saver.as_mut().filter(|_| now || !self.is_saved) else { return true };
         if !now && self.saved.elapsed().as_secs_f64() < saver.every {
             return true;
         }

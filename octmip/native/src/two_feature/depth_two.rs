@@ -30,7 +30,7 @@ const MOST_BEGUN: usize = 8;
 type Intervals = Arc<Vec<SlopeInterval>>;
 
 /// Find the best tree of depth 2 or less; see `Options` for what is known. `kept` is the state of an earlier search of
-/// the same problem with the same options; None where it is not.
+/// the same problem with the same options; an error says why it is not.
 pub(crate) fn solve_depth_two(
     problem: &Problem,
     instance: &Instance,
@@ -38,14 +38,17 @@ pub(crate) fn solve_depth_two(
     options: &Options,
     (kept, saver): (Option<&Saved>, Option<Saver<'_>>),
     keep_going: KeepGoing,
-) -> Option<Outcome> {
+) -> Result<Outcome, String> {
     let leaf = to_tree(problem, instance, &LineTree::Leaf);
     let (tree, objective) = leaf.unwrap_or((Tree::leaf(0), INFEASIBLE));
     let affordable = affordable_intervals(instance, supervision.limits().memory);
     let n_intervals = kept.map_or(affordable, |kept| kept.n_intervals);
     let sets = affordable_sets(problem);
-    let (Some(sets), true) = (sets, (LEAST_INTERVALS..=affordable).contains(&n_intervals)) else {
-        return Some(Outcome { tree, objective, bound: 0, stop: Stop::Memory, n_nodes: 0 });
+    if n_intervals > affordable {
+        return Err(format!("tables of {n_intervals} slope intervals, and memory for {affordable}"));
+    }
+    let (Some(sets), true) = (sets, n_intervals >= LEAST_INTERVALS) else {
+        return Ok(Outcome { tree, objective, bound: 0, stop: Stop::Memory, n_nodes: 0 });
     };
     let floor = floor_of(instance);
     let upper = options.known.unwrap_or(objective).min(objective);
@@ -62,13 +65,13 @@ pub(crate) fn solve_depth_two(
     let Some((context, intervals, first)) = supervision.run(prepare, || supervision.poll(&mut *keep_going, state))
     else {
         let stop = supervision.reason().unwrap_or(Stop::Interrupted);
-        return Some(Outcome { tree, objective, bound: floor.min(upper), stop, n_nodes: 0 });
+        return Ok(Outcome { tree, objective, bound: floor.min(upper), stop, n_nodes: 0 });
     };
     let roots = intervals.iter().flat_map(|intervals| roots_of(&context, intervals, floor));
     let known = Known::new(instance, sets.len());
     let mut queue = Queue::new(&context, supervision, options.n_threads, roots.collect(), upper, known);
     if let Some(kept) = kept {
-        queue = queue.go_on(kept)?;
+        queue = queue.go_on(kept).ok_or("nodes that are none of such a search")?;
     }
     for line_tree in &first {
         queue.offer(line_tree);
@@ -80,7 +83,7 @@ pub(crate) fn solve_depth_two(
     let bound = queue.bound();
     let (best, n_nodes) = queue.into_best();
     let (tree, objective) = best.unwrap_or((tree, objective));
-    Some(Outcome { tree, objective, bound, stop, n_nodes })
+    Ok(Outcome { tree, objective, bound, stop, n_nodes })
 }
 
 /// Number of slope intervals of each dual plane whose tables take half the memory.
