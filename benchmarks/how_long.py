@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from sklearn.datasets import make_classification
 
 from benchmarks.cpu import cpu_limit, cpu_seconds
+from benchmarks.main_program import run_main
 from octmip import Problem, solve
 from octmip.plot.style import DISTINCT, INK, quiet_frame
 
@@ -107,4 +108,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run_main(main)

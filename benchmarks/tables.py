@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable
+from pathlib import Path
 from typing import Any
 
 Line = dict[str, Any]
@@ -86,3 +87,12 @@ def _verdicts(rows: list[dict[str, Line]], ours: str, peer: str) -> list[str]:
     names = [next(iter(row.values()))["size"] for row in slower]
     lines.append(f"Slower than {peer} where it needs more than 0.02 s: {', '.join(names) or 'nowhere'}.")
     return lines
+
+
+def whole_lines(path: Path) -> list[str]:
+    """Return the lines of a file that a run adds to, none where it is missing; one that was cut off is removed."""
+    text = path.read_text() if path.exists() else ""
+    whole = text[: text.rfind("\n") + 1]
+    if whole != text:
+        path.write_text(whole)
+    return whole.splitlines()

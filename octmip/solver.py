@@ -26,8 +26,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Protocol, cast
 
+from octmip import _native
 from octmip.certificate import certify, checked_leaf_index
 from octmip.errors import CertificateError, ProblemError, SolverError
+from octmip.formats.solves_file import SolvesFile, key_of
 from octmip.problem import Problem
 from octmip.regression.problem import RegressionProblem
 from octmip.run import NO_OPTIONS, Run
@@ -143,7 +145,9 @@ def solve(
         what the method's own solver takes beyond all this, for instance ``restarts`` of the search. The
         mixed-integer methods take ``assist`` too, some of `ASSISTANTS`: "exact" proves for at most a fifth of the
         time first and its bound enters the model (`details["lower_bound_given"]`); "search" goes on in a thread of
-        its own and hands over better trees, so which of several optimal trees comes back may vary.
+        its own and hands over better trees, so which of several optimal trees comes back may vary. Every method takes
+        ``solves``, the name of a file: a solve that stands there is not made again, others are added when they are
+        finished, so that a study of many solves goes on where it was killed.
 
     Raises
     ------
@@ -190,7 +194,11 @@ def solve_run(problem: Problem, run: Run, incumbent: Node | Solution | None = No
     ------
     ProblemError, SolverError
         as `solve`.
+    DataError
+        the file of the option ``solves`` cannot be read or written.
     """
+    if "solves" in run.options:
+        return _kept_solve(problem, run, incumbent)
     name = chosen_method(problem, run.method)
     first = _checked_incumbent(problem, incumbent)
     # Loaded before the clock starts: its import is not the solver's time.
@@ -198,6 +206,19 @@ def solve_run(problem: Problem, run: Run, incumbent: Node | Solution | None = No
     start = time.perf_counter()
     solution = _result(_Call(problem, run, start), name, first)
     return _checked(problem, replace(solution, seconds=time.perf_counter() - start))
+
+
+def _kept_solve(problem: Problem, run: Run, incumbent: Node | Solution | None) -> Solution:
+    """Return the solution that a file of solves has, or make it and add it there."""
+    asked = replace(run, options={name: value for name, value in run.options.items() if name != "solves"})
+    kept, key = SolvesFile(run.options["solves"], _native.__version__), key_of(problem, asked, incumbent)
+    found = kept.find(problem, key)
+    if found is not None:
+        return _checked(problem, found)
+    solution = solve_run(problem, asked, incumbent)
+    if solution.stop is not Stop.INTERRUPTED:
+        kept.keep(problem, key, solution)
+    return solution
 
 
 def chosen_method(problem: Problem, method: str) -> str:

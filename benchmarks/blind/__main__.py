@@ -2,20 +2,24 @@
 
 Three steps, each its own function: the cases are sealed, diagnosed by processes that know the campaigns' folder
 alone, and only then are the keys opened. Without --seed the seed comes from the clock, so no code can have been made
-for it. A run with --out that was stopped goes on where it was when it is started again.
+for it. A run that was stopped goes on where it was when it is started again with the same arguments: in the folder of
+--out, or else in the one under results/blind that is not finished.
 """
 
 import argparse
 import multiprocessing
 import os
 import signal
-import tempfile
+import sys
 import time
 from pathlib import Path
 
 from benchmarks.blind.assets.families import FAMILIES, available
 from benchmarks.blind.cases import SETS
-from benchmarks.blind.run import Plan, run
+from benchmarks.blind.run import Plan, begun_seed, run
+
+SETS_FOLDER = Path("results/blind")
+"""Sets of runs without --out."""
 
 
 def main() -> None:
@@ -34,7 +38,9 @@ def main() -> None:
     parser.add_argument("--asset-mesh", type=float, default=1.3, help="refinement of femlib's asset")
     parser.add_argument("--twin-mesh", type=float, default=1.0, help="refinement of the twin")
     options = parser.parse_args()
-    seed = int(time.time()) if options.seed is None else options.seed
+    folder = options.out or unfinished(SETS_FOLDER, options.seed)
+    seed = options.seed if options.seed is not None else begun_seed(folder) or int(time.time())
+    print(f"{folder}: {'goes on' if begun_seed(folder) else 'begins'} with seed {seed}", file=sys.stderr)
     plan = Plan(
         seed,
         options.cases,
@@ -49,8 +55,14 @@ def main() -> None:
         not options.no_limit,
     )
     signal.signal(signal.SIGTERM, _stop)
-    with tempfile.TemporaryDirectory() as scratch:
-        print(run(options.out or Path(scratch) / "set", plan))
+    print(run(folder, plan))
+
+
+def unfinished(sets: Path, seed: int | None) -> Path:
+    """Return the folder of a set that was begun, with this seed if one is given, and not finished; else a new one."""
+    begun = sorted(path.parent for path in sets.glob("*/plan.json") if not (path.parent / "tables.md").exists())
+    same = [folder for folder in begun if seed is None or begun_seed(folder) == seed]
+    return same[0] if same else sets / str(int(time.time()) if seed is None else seed)
 
 
 def _stop(*_: object) -> None:

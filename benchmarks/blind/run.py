@@ -18,6 +18,7 @@ from benchmarks.blind.sealing import Key, seal
 from benchmarks.blind.sound import sound_tables
 from benchmarks.blind.tables import all_tables, foreign
 from benchmarks.blind.trees import Retraining, recovered, tree_figures
+from benchmarks.tables import whole_lines
 from octmip.gap.retrain import Recovery
 
 
@@ -76,13 +77,31 @@ def run(folder: Path, plan: Plan) -> str:
 
 
 def _settled(folder: Path, plan: Plan) -> Plan:
-    """Return the plan of a set that was begun, otherwise write this one down."""
+    """Return the plan of a set that was begun, otherwise write this one down; only the number of processes may differ.
+
+    Raises
+    ------
+    SystemExit
+        the set that was begun has another plan.
+    """
     path = folder / "plan.json"
-    if path.exists():
-        begun = json.loads(path.read_text())
-        return Plan(**{**begun, "families": tuple(begun["families"]), "jobs": plan.jobs})
-    path.write_text(json.dumps(asdict(plan)))
-    return plan
+    if not path.exists():
+        path.write_text(json.dumps(asdict(plan)))
+        return plan
+    begun = Plan(**{**(held := json.loads(path.read_text())), "families": tuple(held["families"]), "jobs": plan.jobs})
+    other = [name for name, value in asdict(begun).items() if value != asdict(plan)[name]]
+    if other:
+        raise SystemExit(
+            f"{folder} holds a set that was begun with {other[0]} {asdict(begun)[other[0]]!r}; got "
+            f"{asdict(plan)[other[0]]!r}; give the same plan, or another folder (--out)"
+        )
+    return begun
+
+
+def begun_seed(folder: Path) -> int | None:
+    """Return the seed of the set that was begun in a folder, None where there is none."""
+    path = folder / "plan.json"
+    return int(json.loads(path.read_text())["seed"]) if path.exists() else None
 
 
 def _seal(folder: Path, keys: Path, plan: Plan) -> None:
@@ -108,11 +127,7 @@ def _diagnose(folder: Path, plan: Plan) -> list[Found]:
 
 def _written(path: Path) -> list[list[Found]]:
     """Return the cases that an earlier run finished; a last line that was cut off is taken out of the file."""
-    if not path.exists():
-        return []
-    whole = [line for line in path.read_text().splitlines(keepends=True) if line.endswith("\n")]
-    path.write_text("".join(whole))
-    return [json.loads(line) for line in whole]
+    return [json.loads(line) for line in whole_lines(path)]
 
 
 def _answers(tasks: Sequence[Task], jobs: int) -> Iterator[list[Found]]:

@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from benchmarks.data import published
+from benchmarks.main_program import run_main
 from octmip import Problem, solve
 from octmip.drift import solve as solve_drift
 from octmip.drift import worst_case
@@ -72,4 +73,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run_main(main)

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from benchmarks.instances.catalogue import INSTANCES, Instance
 from benchmarks.instances.known import known, markdown
+from benchmarks.main_program import run_main
 from octmip.mip.highs import highs
 from octmip.mip.rows import Rows
 
@@ -98,4 +99,4 @@ def write_cip(path: Path) -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    run_main(main)

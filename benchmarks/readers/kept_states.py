@@ -127,7 +127,10 @@ def read_regression_log(rng: Generator, folder: Path) -> None:
 
 KEPT = {
     "checkpoint": Reader(make_checkpoint, "search.kept", mangled_checkpoint, read_kept),
-    "checkpoint of lines": Reader(make_lines_checkpoint, "lines.kept", mangled_nodes, read_lines_kept),
-    "checkpoint of a search": Reader(make_search_checkpoint, "turns.kept", mangled_checkpoint, read_turns),
     "regression proof log": Reader(make_regression_log, "proof.log", mangled_tokens, read_regression_log),
 }
+RESUMED = {
+    "checkpoint of lines": Reader(make_lines_checkpoint, "lines.kept", mangled_nodes, read_lines_kept),
+    "checkpoint of a search": Reader(make_search_checkpoint, "turns.kept", mangled_checkpoint, read_turns),
+}
+"""Apart, as a reader's files are drawn by its place among all: these are the last."""

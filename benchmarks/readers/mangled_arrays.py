@@ -86,6 +86,13 @@ def _columns(rng: Generator, n: int, pa: Any) -> tuple[Any, ...]:
     )
 
 
+def _mangled_words(rng: Generator, words: bytes) -> bytes:
+    try:
+        return mangled_json(rng, words)
+    except ValueError:  # mangled before, and no JSON any more
+        return mangled_bytes(rng, words)
+
+
 def mangled_archive(rng: Generator, content: bytes) -> bytes:
     """Return a NumPy archive with one or two of its members replaced, lost, repeated or packed."""
     with zipfile.ZipFile(io.BytesIO(content)) as held:
@@ -95,7 +102,7 @@ def mangled_archive(rng: Generator, content: bytes) -> bytes:
         at, action = int(rng.integers(len(members))), int(rng.integers(12))
         name, array = members[at]
         if name == "words.npy" and rng.random() < 0.7:
-            words = mangled_json(rng, str(_loaded(array)).encode()).decode("utf-8", "replace")
+            words = _mangled_words(rng, str(_loaded(array)).encode()).decode("utf-8", "replace")
             members[at] = (name, _saved(np.array(words)))
         elif action < 8:
             members[at] = (name, _other_array(rng, array))

@@ -17,6 +17,7 @@ import numpy as np
 from scipy.linalg import eigh
 
 from benchmarks.data import tip_test, vibration_test
+from benchmarks.main_program import run_main
 from benchmarks.real.telling import picture_path, show_causes
 from femlib.arrays import FloatArray
 from femlib.assembly import Mode, natural_modes, point_masses
@@ -313,4 +314,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run_main(main)

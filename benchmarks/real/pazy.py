@@ -15,6 +15,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from benchmarks.data import SHARED
+from benchmarks.main_program import run_main
 from benchmarks.real.telling import picture_path, show_causes
 from femlib.arrays import FloatArray
 from octmip.gap import CHAIN, Campaign, Diagnosis, diagnose
@@ -193,4 +194,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run_main(main)

@@ -16,6 +16,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PathCollection
 
 from benchmarks.data import SHARED
+from benchmarks.main_program import run_main
 from benchmarks.real.geometry import placing_effects
 from benchmarks.real.telling import picture_path, show_causes
 from femlib.arrays import FloatArray
@@ -214,4 +215,4 @@ def show_where(found: Diagnosis) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run_main(main)

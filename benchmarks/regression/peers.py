@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from sklearn.tree import DecisionTreeRegressor
 
 from benchmarks.data import SHARED, published
+from benchmarks.main_program import run_main
 from benchmarks.regression.samples import made_up
 from octmip import Limits, RegressionProblem, solve
 
@@ -71,4 +72,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run_main(main)

@@ -47,6 +47,7 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
         "methods.native_call": 5,
         "methods.merging": 5,
         "methods.ties": 5,
+        "formats.solves_file": 5,
         "formats.tree_file": 5,
         "formats.regression_file": 5,
         "proof": 5,

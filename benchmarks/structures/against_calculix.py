@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.main_program import run_main
 from femlib.export.calculix_results import read_frequencies
 from femlib.structure import Structure
 from femlib.structure.calculix import read_gauges, write_deck
@@ -93,4 +94,4 @@ def words(state: Mapping[str, float]) -> str:
 
 
 if __name__ == "__main__":
-    main()
+    run_main(main)

@@ -20,6 +20,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 
+from benchmarks.main_program import run_main
 from benchmarks.structures.against_calculix import PAGES, page_names
 from femlib.structure.vtu import face_strains
 
@@ -79,4 +80,4 @@ def draw(name: str, names: dict[str, Any], state: dict[str, float]) -> Any:
 
 
 if __name__ == "__main__":
-    main()
+    run_main(main)

@@ -9,6 +9,7 @@ import matplotlib
 
 matplotlib.use("Agg")  # no display is needed, nor looked for
 
+from benchmarks.main_program import run_main
 from benchmarks.uav.complexity.cells import bayes_limits, study_cells
 from benchmarks.uav.complexity.lines import run
 from benchmarks.uav.complexity.report import write_complexity
@@ -59,4 +60,4 @@ def _parser() -> argparse.ArgumentParser:
 
 
 if __name__ == "__main__":
-    main()
+    run_main(main)

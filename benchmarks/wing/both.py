@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.data import SHARED, tip_test, vibration_test
+from benchmarks.main_program import run_main
 from benchmarks.wing.against_published import SEEDS, frequencies, least_errors
 from femlib.dataset import MeanStrains, published_strains, simulated_strains
 from femlib.wing import Wing, tapered_wing, uav_wing
@@ -104,4 +105,4 @@ def _row(name: str, cells: list[str]) -> str:
 
 
 if __name__ == "__main__":
-    main()
+    run_main(main)

@@ -12,6 +12,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+from benchmarks.main_program import run_main
 from benchmarks.wing.calculix import run_deck
 from femlib.wing import Wing, buckle, uav_wing
 from femlib.wing.export.calculix import write_deck
@@ -68,4 +69,4 @@ def _listed(factors: list[float]) -> str:
 
 
 if __name__ == "__main__":
-    main()
+    run_main(main)

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.cpu import Stopwatch
+from benchmarks.main_program import run_main
 from femlib.assembly import natural_modes
 from femlib.wing import Wing, bend, inertial_load, tapered_wing, uav_wing, vortex_lattice
 from femlib.wing.export.calculix import read_gauges, write_deck
@@ -138,4 +139,4 @@ def print_changes(names: tuple[str, ...], ours: Floats, theirs: Floats, usable: 
 
 
 if __name__ == "__main__":
-    main()
+    run_main(main)

@@ -9,6 +9,7 @@ import argparse
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.main_program import run_main
 from femlib.wing import Wing, inertial_load, uav_wing, vortex_lattice
 from femlib.wing.effects import wing_effects
 
@@ -61,4 +62,4 @@ def effects(wing: Wing) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run_main(main)

@@ -11,6 +11,7 @@ import time
 import numpy as np
 
 from benchmarks.cpu import Stopwatch
+from benchmarks.main_program import run_main
 from benchmarks.wing.damages import random_states
 from femlib.rom import reduce_modes
 from femlib.wing import mass_matrix, uav_wing, vibrate
@@ -53,4 +54,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run_main(main)

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from benchmarks.cpu import Stopwatch
 from benchmarks.data import SHARED, tip_test, vibration_test
+from benchmarks.main_program import run_main
 from benchmarks.wing.design import EDGES, WingDesign
 from femlib.calibration import (
     Calibration,
@@ -160,4 +161,4 @@ def _state(table: MeanStrains, parameter: str, level: int) -> Floats:
 
 
 if __name__ == "__main__":
-    main()
+    run_main(main)

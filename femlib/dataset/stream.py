@@ -21,6 +21,7 @@ from threadpoolctl import threadpool_limits
 from femlib.arrays import FloatArray, IntArray
 from femlib.checked import names, taken, whole
 from femlib.dataset.history import history_pieces
+from femlib.dataset.kept_strains import KeptStrains
 from femlib.dataset.parquet import GROUP_ROWS, parquet_file, pyarrow_modules, write_groups
 from femlib.dataset.plan import MapsStrains, Plan, SampledModel, StrainMap, described, fitted
 from femlib.dataset.sampling import Load, Sampling
@@ -127,6 +128,7 @@ def stream_dataset(
     *,
     history: Sequence[str | Path | pd.DataFrame] = (),
     n_jobs: int | None = None,
+    kept: str | Path | None = None,
 ) -> StoredDataset:
     """Write noisy readings of every state under every load to a Parquet file, and return it, opened.
 
@@ -150,11 +152,15 @@ def stream_dataset(
         Tables of historical readings to append (see `femlib.dataset.history`), noise as it is.
     n_jobs : int, optional
         States solved at a time, as joblib counts; None: what `joblib.parallel_config` says, else one.
+    kept : str or Path, optional
+        Folder for the strains of solved states, made where it is missing: after a kill the same call solves only the
+        states that are missing, and writes the file that one call would have written. Workers on other machines need
+        it on a disk that they share. Remove it afterwards.
 
     Raises
     ------
     InputError
-        If the path cannot be written to, or model, library, sampling and history do not fit.
+        If the path or the folder cannot be written to, or model, library, sampling and history do not fit.
     """
     if isinstance(history, str | Path | pd.DataFrame):
         raise InputError("history is one table; expected a list of tables; put it in a list")
@@ -162,11 +168,12 @@ def stream_dataset(
         raise InputError(f"n_jobs is {n_jobs!r}; expected a whole number other than 0; -1 is all processors")
     plan = fitted(model, library, Sampling() if sampling is None else sampling)
     with threadpool_limits(1):
-        pieces = chain(_simulated(plan, n_jobs), _historical(plan, history))
-        return _store(path, pieces, described(plan, len(history)))
+        side = described(plan, len(history))
+        solved = None if kept is None else KeptStrains(Path(kept), side)
+        return _store(path, chain(_simulated(plan, n_jobs, solved), _historical(plan, history)), side)
 
 
-def _simulated(plan: Plan, n_jobs: int | None) -> Iterator[pd.DataFrame]:
+def _simulated(plan: Plan, n_jobs: int | None, kept: KeptStrains | None) -> Iterator[pd.DataFrame]:
     """Yield the simulated rows; the states' strains are solved a wave of tasks at a time."""
     loads = plan.sampling.loads
     maps = [_strain_map(plan.model, load) for load in loads]
@@ -176,9 +183,14 @@ def _simulated(plan: Plan, n_jobs: int | None) -> Iterator[pd.DataFrame]:
         for begin in range(0, n_states, WAVE * step):
             firsts = range(begin, min(begin + WAVE * step, n_states), step)
             tasks = [(first, plan.states(first, min(first + step, n_states))) for first in firsts]
-            solved = parallel(delayed(_strains)(maps, states) for _, states in tasks)
-            for (first, _), strains in zip(tasks, solved, strict=True):
-                yield from _rows(plan, first, strains[:, :, plan.kept])
+            known = (
+                {} if kept is None else {first: found for first, _ in tasks if (found := kept.find(first)) is not None}
+            )
+            missing = [(first, states) for first, states in tasks if first not in known]
+            solved = parallel(delayed(_kept_strains)(maps, first, states, kept) for first, states in missing)
+            known |= {first: strains for (first, _), strains in zip(missing, solved, strict=True)}
+            for first, _ in tasks:
+                yield from _rows(plan, first, known[first][:, :, plan.kept])
 
 
 def _strain_map(model: SampledModel, load: Load) -> StrainMap:
@@ -191,6 +203,13 @@ def _strains(maps: Sequence[StrainMap], states: FloatArray) -> FloatArray:
     """Return the strains (n_loads, n_states, n_gauges): the work of one task."""
     with threadpool_limits(1):
         return np.stack([strain_map(states) for strain_map in maps])
+
+
+def _kept_strains(maps: Sequence[StrainMap], first: int, states: FloatArray, kept: KeptStrains | None) -> FloatArray:
+    strains = _strains(maps, states)
+    if kept is not None:
+        kept.keep(first, strains)
+    return strains
 
 
 def _rows(plan: Plan, first: int, strains: FloatArray) -> Iterator[pd.DataFrame]:

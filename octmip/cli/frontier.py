@@ -53,6 +53,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     group.add_argument("--folds", metavar="K", type=int, help="also cross-validate on K folds (depth, penalty)")
     group.add_argument("--out", metavar="FILE", help=f"draw the frontier in this file, one of {', '.join(PICTURES)}")
+    group.add_argument(
+        "--checkpoint",
+        metavar="FILE",
+        help="keep every finished solve in this file: the same command again makes only those that are missing",
+    )
     add_problem_arguments(parser)
     add_run_arguments(parser)
     add_cluster_argument(parser)
@@ -66,11 +71,14 @@ def run(arguments: argparse.Namespace) -> int:
             raise DataError(f"--out {arguments.out} is no picture; expected one of {', '.join(PICTURES)}")
         importlib.import_module("octmip.plot")  # matplotlib is an extra: missing, it is named before the work
         check_writable(arguments.out)
+    if arguments.checkpoint:
+        check_writable(arguments.checkpoint)
     if arguments.folds is not None and arguments.over == "budget":
         raise DataError("--folds chooses a depth and a penalty; expected --over depth or --over penalty")
     question = ask(arguments)
     problem = question.problem
-    with cluster_of(arguments, problem) as options, ProgressLine() as progress:
+    kept = {"solves": arguments.checkpoint} if arguments.checkpoint else {}
+    with cluster_of(arguments, problem) as shared, ProgressLine() as progress:
         points = trace_frontier(
             problem,
             arguments.over,
@@ -80,13 +88,13 @@ def run(arguments: argparse.Namespace) -> int:
             seed=arguments.seed,
             n_jobs=arguments.threads,
             progress=progress,
-            options=options,
+            options=kept | shared,
         )
     rows = [_row(arguments.over, point) for point in points]
     if arguments.out:
         _draw(arguments, points)
     is_cut = points[-1].solution.stop is Stop.INTERRUPTED
-    choice = None if arguments.folds is None or is_cut else _choice(arguments, problem, limits)
+    choice = None if arguments.folds is None or is_cut else _choice(arguments, problem, limits, kept)
     if choice is not None:
         for row, point in zip(rows, points, strict=True):
             step = choice.step_at(point.problem.depth, point.problem.leaf_penalty / problem.baseline)
@@ -128,10 +136,12 @@ def _shown(row: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _choice(arguments: argparse.Namespace, problem: Problem, limits: Limits) -> Choice:
+def _choice(arguments: argparse.Namespace, problem: Problem, limits: Limits, kept: dict[str, str]) -> Choice:
     """Return what cross-validation chooses, its folds in so many threads."""
     with ElapsedLine("cross-validating"), parallel_config(backend="threading", n_jobs=arguments.threads):
-        return choose_tree(problem, folds=arguments.folds, method=arguments.method, limits=limits, seed=arguments.seed)
+        return choose_tree(
+            problem, folds=arguments.folds, method=arguments.method, limits=limits, seed=arguments.seed, options=kept
+        )
 
 
 def _chosen(choice: Choice) -> dict[str, Any]:

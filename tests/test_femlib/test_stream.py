@@ -115,6 +115,26 @@ def test_threads_and_processes_write_the_same_rows_as_one_job(tiny: Wing, tmp_pa
         assert other.about["sha256"] == alone.about["sha256"]
 
 
+def test_a_stream_that_was_stopped_solves_only_what_is_missing(tmp_path: Path) -> None:
+    whole = stream_dataset(tmp_path / "whole.parquet", Slope(), library(), noisy())
+    with pytest.raises(KeyboardInterrupt):
+        stream_dataset(tmp_path / "data.parquet", Broken(7), library(), noisy(), kept=tmp_path / "kept")
+    held = len(list((tmp_path / "kept").glob("strains-*")))
+    assert not (tmp_path / "data.parquet").exists()
+    assert held == 3  # two loads each, the fourth broken off
+    n_tasks = len(range(0, len(library()), min(stream.MOST_TASK_STATES, -(-len(library()) // stream.LEAST_TASKS))))
+    model = Broken(2 * (n_tasks - held))
+    again = stream_dataset(tmp_path / "data.parquet", model, library(), noisy(), kept=tmp_path / "kept")
+    assert again.about["sha256"] == whole.about["sha256"]
+    assert model.left == 0
+    damaged = next((tmp_path / "kept").glob("strains-*"))
+    damaged.write_bytes(damaged.read_bytes()[:-1])
+    with pytest.raises(InputError, match="is damaged; remove it"):
+        stream_dataset(tmp_path / "data.parquet", Slope(), library(), noisy(), kept=tmp_path / "kept")
+    with pytest.raises(InputError, match="holds strains of another dataset"):
+        stream_dataset(tmp_path / "data.parquet", Slope(), library(), noisy(seed=8), kept=tmp_path / "kept")
+
+
 def test_a_dask_cluster_writes_the_same_rows_as_one_job(tiny: Wing, tmp_path: Path) -> None:
     distributed = pytest.importorskip("distributed", reason="dask is not installed (pip install distributed)")
     alone = wing_rows(tiny, tmp_path / "alone.parquet")

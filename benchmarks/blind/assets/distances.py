@@ -12,6 +12,7 @@ import numpy as np
 
 from benchmarks.blind.assets.asset import PARAMETERS, Asset
 from benchmarks.blind.assets.families import FAMILIES, available, made
+from benchmarks.main_program import run_main
 from femlib.wing import Wing, tapered_wing
 
 
@@ -54,4 +55,4 @@ def distance(asset: Asset, wing: Wing) -> tuple[float, float, float, float, floa
 
 
 if __name__ == "__main__":
-    main()
+    run_main(main)

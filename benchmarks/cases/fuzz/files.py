@@ -50,7 +50,7 @@ from joblib import Parallel, delayed
 
 from benchmarks.readers.femlib import FEMLIB
 from benchmarks.readers.file_reader import Reader
-from benchmarks.readers.kept_states import KEPT
+from benchmarks.readers.kept_states import KEPT, RESUMED
 from benchmarks.readers.mangled_arrays import CANARY
 from benchmarks.readers.mangling import mangled_bytes, pick
 from benchmarks.readers.octmip import OCTMIP
@@ -60,7 +60,7 @@ from benchmarks.tables import Line
 from femlib.errors import FemlibError
 from octmip.errors import OctmipError
 
-READERS = OCTMIP | FEMLIB | KEPT | TWINS | STRUCTURES
+READERS = OCTMIP | FEMLIB | KEPT | TWINS | STRUCTURES | RESUMED
 STREAM = 50  # of seeds: file i of a reader is drawn from default_rng([STREAM, number of the reader, i])
 N_FILES, CHUNK = 10_000, 50
 SLOWEST, HANGING = 2.0, 60  # seconds: of the processor, and of the clock before it counts as hanging

@@ -23,6 +23,7 @@ from octmip.near_sets import near_optimal
 from octmip.problem import Problem
 from octmip.regression.problem import RegressionProblem
 from octmip.report.markdown import markdown_table
+from octmip.set_certificate import certify_set
 from octmip.solution import Limits
 from octmip.solver import solve
 
@@ -68,9 +69,11 @@ def numbers(rng: Generator) -> None:
 
 
 def counted(rng: Generator) -> None:
-    """Count the trees near the optimum."""
-    problem = Problem(rng.integers(0, 5, (40, 3)).astype(float), rng.integers(0, 2, 40), depth=2)
-    near_optimal(problem, within=1.0)
+    """Count the trees near the optimum; an enumeration counts them again."""
+    problem = Problem(rng.integers(0, 4, (30, 3)).astype(float), rng.integers(0, 2, 30), depth=2)
+    found = near_optimal(problem, within=1.0)
+    if certify_set(problem, found, found.best(3)) is None:
+        raise AssertionError("a set of trees this small is counted again")
 
 
 def mixed_integer(rng: Generator) -> None:

@@ -5,6 +5,7 @@ import json
 from collections.abc import Sequence
 from pathlib import Path
 
+from benchmarks.main_program import run_main
 from benchmarks.real.damper.answers import ACCUSED, WORTH, SeriesVerdict, answers, diagnose_tests
 from benchmarks.real.damper.picture import picture
 from benchmarks.real.damper.series import read_folder
@@ -51,4 +52,4 @@ def main(words: Sequence[str] | None = None) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run_main(main)

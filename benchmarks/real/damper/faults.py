@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.main_program import run_main
 from benchmarks.real.damper.accused import accused
 from benchmarks.real.damper.series import Recording, read_folder
 from femlib.arrays import FloatArray
@@ -127,4 +128,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run_main(main)

@@ -5,6 +5,7 @@ import time
 from pathlib import Path
 
 from benchmarks.data import SHARED
+from benchmarks.main_program import run_main
 from benchmarks.uav.complexity.cells import OBJECTIVES, bayes_limits, pair_limits, paper_cells, study_cells
 from benchmarks.uav.complexity.lines import run
 from benchmarks.uav.complexity.report import write_complexity
@@ -52,4 +53,4 @@ def _parser() -> argparse.ArgumentParser:
 
 
 if __name__ == "__main__":
-    main()
+    run_main(main)

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from joblib import Parallel, delayed
 
-from benchmarks.tables import Line
+from benchmarks.tables import Line, whole_lines
 from benchmarks.uav.complexity.cells import Cell, effort_of, run_cells
 from femlib.dataset import MeanStrains, Recipe
 from octmip import _native
@@ -51,8 +51,7 @@ def _column(cell: Cell) -> tuple[object, ...]:
 
 
 def _read(kept: Path) -> dict[str, Line]:
-    text = kept.read_text() if kept.exists() else ""
-    return {line.pop("key"): line for line in map(json.loads, text.splitlines())}
+    return {line.pop("key"): line for line in map(json.loads, whole_lines(kept))}
 
 
 def _key(cell: Cell, means: MeanStrains, recipe: Recipe, restarts: int) -> str:

@@ -6,6 +6,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
+from benchmarks.main_program import run_main
 from benchmarks.uav.mission.aircraft import Aircraft, build_aircraft
 from benchmarks.uav.mission.filter_study import filter_rows
 from benchmarks.uav.mission.flight import recorded
@@ -66,4 +67,4 @@ def _parser() -> argparse.ArgumentParser:
 
 
 if __name__ == "__main__":
-    main()
+    run_main(main)

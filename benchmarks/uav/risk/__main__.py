@@ -5,6 +5,7 @@ import time
 from pathlib import Path
 
 from benchmarks.data import SHARED
+from benchmarks.main_program import run_main
 from benchmarks.uav.risk.decisions import Row, decision_rows, state_rows
 from benchmarks.uav.risk.leaves import Trust, trust
 from benchmarks.uav.risk.tables import decision_table, trust_table
@@ -51,4 +52,4 @@ def _parser() -> argparse.ArgumentParser:
 
 
 if __name__ == "__main__":
-    main()
+    run_main(main)

@@ -4,6 +4,7 @@ import argparse
 import time
 from pathlib import Path
 
+from benchmarks.main_program import run_main
 from benchmarks.uav.sensing import budget, failure, frontier, placement, sequential
 from octmip.formats.files import write_bytes
 
@@ -40,4 +41,4 @@ def _parser() -> argparse.ArgumentParser:
 
 
 if __name__ == "__main__":
-    main()
+    run_main(main)
