@@ -79,7 +79,7 @@ Fixpoint check_cases (q : question) (w : numbers) (all : list place) (samples : 
 (** Check a log of a question: the bound that it proves is [value / down] in units of weight times cost. *)
 Definition check (q : question) (w : numbers) (claim : Z) (log : cases) : checked Z :=
   let all := places (length (sensors q)) (rows q) in
-  match samples_of q w all 0 (rows q) (its_rows w) (its_weights w) with
+  match samples_of (width_of w) q w all 0 (rows q) (its_rows w) (its_weights w) with
   | Refused line why => Refused line why
   | Ok samples =>
       ensure (is_penalty_below q w && is_proper q) (penalty_line w) PenaltyAbove

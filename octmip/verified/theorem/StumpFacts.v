@@ -2,7 +2,7 @@
 
 From Coq Require Import ZArith List Bool Permutation Sorting.Sorted Lia Arith.
 Import ListNotations.
-From octmip Require Import Samples Sums Trees Inequalities Stumps ScanFacts.
+From octmip Require Import Samples Sums PackFacts Trees Inequalities Stumps BlockFacts ScanFacts.
 Open Scope Z_scope.
 Local Arguments Z.add : simpl never.
 Local Arguments Z.sub : simpl never.
@@ -68,11 +68,12 @@ Lemma sound_perm l l' : Permutation l l' -> all_sound r l -> all_sound r l'.
 Proof. intros P S. unfold all_sound in *. eapply Permutation_Forall; eauto. Qed.
 
 Theorem one_part l orders most : all_sound r l -> all_orders l orders ->
-  let p := Part (joined gains l []) (total reach l) (Z.of_nat (length l)) (Z.of_nat (leaf_size r)) in
-  top (joined gains l []) + penalty r <= most -> (forall c o, In (c, o) orders -> is_cap p c o most) ->
+  top (joined gains l []) + penalty r <= most ->
+  (forall c o, In (c, o) orders ->
+    is_cap (joined gains l []) (total (fun _ => 1) l) (Z.of_nat (leaf_size r)) c o most) ->
   bounds r 1 l (total worst l + penalty r - most).
 Proof.
-  intros S [O R] p M H.
+  intros S [O R] M H.
   apply node.
   - apply leaf_cost; auto. lia.
   - intros c th C W1 W2. destruct (R c C) as (o & I).
@@ -99,12 +100,12 @@ Proof.
     destruct (upper c th o) as [|s l2] eqn:EU; [simpl in NU; lia|].
     assert (X := lower_keys c th o x). rewrite EL in X. specialize (X (in_elt _ _ _)).
     assert (Y := upper_keys c th o s). rewrite EU in Y. specialize (Y (or_introl eq_refl)).
-    assert (F : saving (all_gains p) (joined gains (l1 ++ [x]) []) <= most).
+    assert (F : saving (joined gains l []) (joined gains (l1 ++ [x]) []) <= most).
     { apply (H c o I l1 x s l2).
       - rewrite E at 1. rewrite EL, <- app_assoc. reflexivity.
       - lia.
-      - rewrite <- EL. simpl. simpl length in NU, NE. lia. }
-    rewrite <- EL in F. simpl all_gains in F. lia.
+      - rewrite <- EL, !total_one. simpl length in NU, NE. lia. }
+    rewrite <- EL in F. lia.
 Qed.
 
 Definition orders_of (f : list sample -> list sample) (orders : list (nat * list sample)) :=
@@ -124,52 +125,167 @@ Proof.
   unfold all_sound. rewrite !Forall_forall. intros S s I. apply filter_In in I. apply S. tauto.
 Qed.
 
-Lemma parts_of_spec place is_low samples : all_sound r samples -> forall edges previous,
-  nested is_low previous edges ->
-  Forall2 (fun edge c => let kept := part_of place edge is_low samples in
-    its_edge c = edge /\ its_worst c = total worst kept /\ found c = top (joined gains kept []) + penalty r /\
-    its_part c = Part (joined gains kept []) (total reach kept) (Z.of_nat (length kept)) (Z.of_nat (leaf_size r))) edges
-    (parts_of (penalty r) (Z.of_nat (leaf_size r)) place is_low edges (so_far place is_low previous samples)).
+(** * Both sides of the edges *)
+
+Section Sides.
+Variable w : Z.
+Hypothesis w_nonneg : 0 <= w.
+Variable place : sample -> Z.
+Variable samples : list sample.
+Hypothesis samples_pack : Forall (packs (n_labels r) w) samples.
+Hypothesis samples_fit : total reach samples < 2 ^ w.
+
+Definition part_with (its_gains count : Z) : part :=
+  Part its_gains count (Z.of_nat (leaf_size r)) (n_labels r) w (2 ^ w - 1).
+
+(** What is known of a side when some orders are counted. *)
+Record side_is (edge : Z) (is_low : bool) (seen : list (nat * list sample)) (s : side_sums) : Prop := {
+  part_is : its_part s = part_with (total packed (part_of place edge is_low samples))
+    (total (fun _ => 1) (part_of place edge is_low samples));
+  worst_is : its_worst s = total worst (part_of place edge is_low samples);
+  found_leaf : top (joined gains (part_of place edge is_low samples) []) + penalty r <= found s;
+  found_cuts : forall c l, In (c, l) seen ->
+    is_cap (joined gains (part_of place edge is_low samples) [])
+      (total (fun _ => 1) (part_of place edge is_low samples)) (Z.of_nat (leaf_size r)) c (part_of place edge is_low l) (found s)
+}.
+
+Lemma part_packs edge is_low l : Forall (packs (n_labels r) w) l ->
+  Forall (packs (n_labels r) w) (part_of place edge is_low l).
 Proof.
-  intros S. induction edges as [|edge edges IH]; intros previous N; cbn [parts_of]; [constructor|].
-  destruct N as [N0 N]. rewrite so_far_part by exact N0. rewrite sums_spec, !Z.add_0_l. constructor.
-  - simpl. auto.
-  - apply (IH (Some edge)), N.
+  rewrite !Forall_forall. intros F s I. apply filter_In in I. apply F. tauto.
+Qed.
+
+Lemma part_fits edge is_low l : Forall (packs (n_labels r) w) l -> total reach l < 2 ^ w ->
+  total reach (part_of place edge is_low l) < 2 ^ w.
+Proof.
+  intros F R. rewrite (total_sides reach place edge) in R.
+  assert (A := reach_nonneg _ _ (packs_sound _ _ _ (part_packs edge true l F))).
+  assert (B := reach_nonneg _ _ (packs_sound _ _ _ (part_packs edge false l F))). destruct is_low; lia.
+Qed.
+
+Lemma sum_below_spec edge : forall l g m c, sum_below edge (map (fun s => (place s, s)) l) g m c =
+  let low := part_of place edge true l in (g + total packed low, m + total worst low, c + total (fun _ => 1) low).
+Proof.
+  unfold part_of. induction l as [|s l IH]; intros g m c; cbn [map sum_below filter]; cbv zeta.
+  - simpl. rewrite !Z.add_0_r. reflexivity.
+  - rewrite !is_in_low. destruct (place s <=? edge); cbn [total]; rewrite IH; cbv zeta; [|reflexivity].
+    rewrite <- !Z.add_assoc. reflexivity.
+Qed.
+
+Lemma side_of_spec edge is_low :
+  let kept := part_of place edge is_low samples in
+  side_is edge is_low []
+    (side_of (penalty r) (part_with (total packed kept) (total (fun _ => 1) kept)) (total worst kept)).
+Proof.
+  cbv zeta. constructor; [reflexivity|reflexivity| |intros c l []]. simpl. apply Z.add_le_mono_r.
+  assert (H := saved_packed (n_labels r) w w_nonneg (part_of place edge is_low samples) []).
+  unfold saved_by. simpl in *. rewrite H; auto using part_packs, part_fits, Z.pow_pos_nonneg.
+  - unfold saving. rewrite top_gap_of_none. simpl. lia.
+  - apply Z.pow_pos_nonneg; lia.
+Qed.
+
+Record cut_is (edge : Z) (seen : list (nat * list sample)) (c : cut_sums) : Prop := {
+  edge_is : its_edge c = edge;
+  low_is : side_is edge true seen (low c);
+  high_is : side_is edge false seen (high c)
+}.
+
+Lemma cut_of_spec edge :
+  cut_is edge [] (cut_of (penalty r) (Z.of_nat (leaf_size r)) (n_labels r) w (map (fun s => (place s, s)) samples)
+    (total packed samples) (total worst samples) (total (fun _ => 1) samples) edge).
+Proof.
+  unfold cut_of. rewrite sum_below_spec. cbv zeta. rewrite !Z.add_0_l.
+  rewrite (total_sides packed place edge samples), (total_sides worst place edge samples),
+    (total_sides (fun _ => 1) place edge samples).
+  rewrite !(Z.add_comm (total _ (part_of place edge true samples))), !Z.add_simpl_r.
+  constructor; [reflexivity|apply side_of_spec|apply side_of_spec].
+Qed.
+
+Lemma scan_side_spec edge is_low seen c l blocks ls s : side_is edge is_low seen s -> Permutation samples l ->
+  concat ls = l -> Forall2 (is_parted place edge c) blocks ls ->
+  side_is edge is_low (seen ++ [(c, l)]) (scan_side edge is_low blocks s).
+Proof.
+  intros [P W L C] O E B.
+  assert (F : fit (n_labels r) w (part_of place edge is_low l)).
+  { assert (Q : Forall (packs (n_labels r) w) l) by (eapply Permutation_Forall; eauto).
+    assert (T : total reach l < 2 ^ w) by (rewrite <- (total_perm _ _ _ O); exact samples_fit).
+    split; [apply part_packs, Q|apply part_fits; assumption]. }
+  destruct (scan_start (n_labels r) w w_nonneg (its_part s) (part_of place edge is_low samples)
+    (part_packs _ _ _ samples_pack) (part_fits _ _ _ samples_pack samples_fit) ltac:(rewrite P; reflexivity)
+    place edge is_low c l blocks ls (found s) E B F) as [M H].
+  constructor; simpl; [exact P|exact W|lia|]. intros c' l' I. apply in_app_or in I. destruct I as [I|[I|[]]].
+  - specialize (C c' l' I). unfold is_cap in *. intros. eapply Z.le_trans; [|exact M]. eapply C; eauto.
+  - injection I as <- <-. rewrite P in H |- *. exact H.
+Qed.
+
+Lemma scan_cut_spec edge seen c l cut : cut_is edge seen cut -> Permutation samples l ->
+  cut_is edge (seen ++ [(c, l)]) (scan_cut (blocks_of place (keyed c l)) cut).
+Proof.
+  intros [E L H] P. destruct (blocks_of_spec place c l) as (ls & EL & B).
+  assert (B' : Forall2 (is_parted place edge c) (map (fun b => (b, below edge b)) (blocks_of place (keyed c l))) ls).
+  { clear -B. induction B as [|b x bs xs I F IH]; constructor; auto. split; [exact I|]. apply (below_spec place c), I. }
+  unfold scan_cut. rewrite E.
+  constructor; [reflexivity|eapply scan_side_spec; eauto|eapply scan_side_spec; eauto].
+Qed.
+
+Lemma fold_cuts : forall (orders seen : list (nat * list sample)) edges cuts,
+  Forall (fun o => Permutation samples (snd o)) orders -> Forall2 (fun edge c => cut_is edge seen c) edges cuts ->
+  Forall2 (fun edge c => cut_is edge (seen ++ orders) c) edges
+    (fold_left (scan_order place) (map (fun o => keyed (fst o) (snd o)) orders) cuts).
+Proof.
+  induction orders as [|[c l] orders IH]; intros seen edges cuts P F; simpl; [rewrite app_nil_r; exact F|].
+  inversion P as [|? ? P0 P1]; subst.
+  replace (seen ++ (c, l) :: orders) with ((seen ++ [(c, l)]) ++ orders) by (rewrite <- app_assoc; reflexivity).
+  apply IH; [exact P1|]. unfold scan_order. clear IH P P1.
+  induction F; simpl; constructor; auto. apply scan_cut_spec; assumption.
+Qed.
+
+Lemma side_bound edge is_low orders s : all_sound r samples -> all_orders samples orders ->
+  side_is edge is_low orders s ->
+  bounds r 1 (part_of place edge is_low samples) (its_worst s + penalty r - found s).
+Proof.
+  intros S O [P W L C]. rewrite W.
+  apply (one_part _ (orders_of (part_of place edge is_low) orders));
+    [apply sound_filter, S|apply all_orders_part, O|exact L|].
+  intros c o I. apply in_map_iff in I. destruct I as ([c' l] & X & I). injection X as <- <-. apply (C c' l I).
+Qed.
+
+End Sides.
+
+Lemma common_width_spec samples w : all_sound r samples -> common_width samples = Some w ->
+  0 <= w /\ Forall (packs (n_labels r) w) samples /\ total reach samples < 2 ^ w.
+Proof.
+  intros S H. unfold common_width in H. destruct samples as [|s samples].
+  { assert (E : w = 0) by congruence. subst w. split; [lia|]. split; [constructor|simpl; lia]. }
+  destruct (forallb _ _) eqn:F; [|discriminate]. cbn [andb] in H.
+  destruct (Z.ltb_spec (total reach (s :: samples)) (2 ^ width s)) as [L|]; [|discriminate]. injection H as <-.
+  assert (P : Forall (packs (n_labels r) (width s)) (s :: samples)).
+  { rewrite forallb_forall in F. unfold all_sound in S. rewrite Forall_forall in S |- *. intros x I.
+    split; [apply S, I|apply Z.eqb_eq, F, I]. }
+  split; [|split; [exact P|exact L]]. inversion S as [|? ? S0 _]; subst. apply (width_nonneg _ _ S0).
 Qed.
 
 (** All parts that are counted are bounded. *)
-Theorem stumps_spec place is_low samples orders edges : all_sound r samples -> all_orders samples orders ->
-  Forall2 (fun edge b => bounds r 1 (part_of place edge is_low samples) b) edges
-    (stumps (penalty r) (Z.of_nat (leaf_size r)) place is_low edges samples
-      (map (fun o => run_of place (fst o) (snd o)) orders)).
+Theorem stumps_spec place samples orders edges : all_sound r samples -> all_orders samples orders ->
+  Forall2 (fun edge both => bounds r 1 (part_of place edge true samples) (fst both) /\
+      bounds r 1 (part_of place edge false samples) (snd both)) edges
+    (stumps (penalty r) (Z.of_nat (leaf_size r)) (n_labels r) place edges samples
+      (map (fun o => keyed (fst o) (snd o)) orders)).
 Proof.
-  intros S O. unfold stumps. destruct (are_nested is_low edges) eqn:N.
-  - apply are_nested_spec in N.
-    assert (OS : Forall (fun o => Forall (sound (n_labels r)) (snd o)) orders).
-    { destruct O as [O _]. rewrite Forall_forall in O |- *. intros o I.
-      apply (sound_perm samples (snd o)); [apply O, I|exact S]. }
-    assert (A := parts_of_spec place is_low samples S edges None N). simpl in A.
-    set (parts := parts_of _ _ place is_low edges samples) in *.
-    assert (E : map its_edge parts = edges).
-    { clear -A. induction A as [|e c es cs (E & _) F IH]; simpl; congruence. }
-    assert (DS : Forall (fun o => Forall (fun b => describes place is_low b (snd o)) parts) orders).
-    { destruct O as [O _]. rewrite Forall_forall in O |- *. intros o I. destruct (O o I) as [P _]. clear -A P.
-      induction A as [|e c es cs (E1 & _ & _ & E4) F IH]; constructor; auto.
-      unfold describes. rewrite E4, E1. simpl. apply Z.eq_le_incl, total_perm, filter_perm, Permutation_sym, P. }
-    assert (B := fold_parts_spec (n_labels r) place is_low orders parts OS ltac:(rewrite E; exact N) DS).
-    set (parts' := fold_left _ _ _) in *. clearbody parts'. clear E N DS. clearbody parts.
-    revert parts' B. induction A as [|e c es cs (E1 & E2 & E3 & E4) F IH]; intros parts' B;
-      inversion B as [|? c' ? cs' Q T]; subst;
-      simpl; constructor; [|apply IH, T].
-    destruct Q as (G1 & G2 & G3 & M & H). rewrite G3, E2.
-    apply (one_part _ (orders_of (part_of place (its_edge c) is_low) orders)).
-    + apply sound_filter, S.
-    + apply all_orders_part, O.
-    + rewrite <- E3. exact M.
-    + intros i o I. apply in_map_iff in I. destruct I as ([i' l] & X & I). injection X as <- <-.
-      specialize (H i' l I). unfold caps in H. rewrite E4 in H. exact H.
-  - clear N. induction edges as [|edge edges IH]; simpl; constructor; auto.
-    apply bounds_zero; [exact penalty_nonneg|]. apply sound_filter, S.
+  intros S O. unfold stumps. destruct (common_width samples) as [w|] eqn:CW.
+  - destruct (common_width_spec samples w S CW) as (W & P & T).
+    assert (OP : Forall (fun o => Permutation samples (snd o)) orders).
+    { destruct O as [O _]. eapply Forall_impl; [|exact O]. intros o [Q _]. exact Q. }
+    assert (A : Forall2 (fun edge c => cut_is w place samples edge [] c) edges
+      (map (cut_of (penalty r) (Z.of_nat (leaf_size r)) (n_labels r) w (map (fun s => (place s, s)) samples)
+        (total packed samples) (total worst samples) (total (fun _ => 1) samples)) edges)).
+    { clear CW. induction edges; simpl; constructor; auto. apply cut_of_spec; assumption. }
+    assert (B := fold_cuts w W place samples P T orders [] edges _ OP A). simpl in B.
+    set (cuts := fold_left _ _ _) in *. clearbody cuts. clear A.
+    induction B as [|edge c es cs [E L H] F IH]; simpl; constructor; auto.
+    simpl. split; apply (side_bound w place samples edge _ orders); assumption.
+  - clear CW. induction edges as [|edge edges IH]; simpl; constructor; auto.
+    simpl. split; apply bounds_zero; try exact penalty_nonneg; apply sound_filter, S.
 Qed.
 
 End Rules.
