@@ -45,7 +45,8 @@ Definition may_read_column (q : question) (ds : decisions) (all : list place) (c
   match nth_error all column_ with Some p => may_read_place q ds p | None => false end.
 
 Definition rules_of (q : question) (w : numbers) (ds : decisions) (all : list place) : rules :=
-  Rules (n_classes q) (fewest q) (its_penalty w) (may_read_column q ds all).
+  Rules (n_classes q) (fewest q) (its_penalty w) (may_read_column q ds all)
+    (has_several_prices (table w)).
 
 Definition columns_in_play (q : question) (ds : decisions) (all : list place) (samples : list sample) : list column :=
   map (fun column_ => unsolved column_ (sorted column_ samples))

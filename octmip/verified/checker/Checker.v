@@ -149,9 +149,10 @@ Fixpoint check_cuts (line : Z) (column_ : nat) (bound n place : Z) (last : optio
 
 Definition check_column (line : Z) (depth : nat) (bound bound_of_all : Z) (c : column) : checked Z :=
   let count := label_count (n_labels r) (pred depth) in
+  let sets := label_sets (with_sets r) (n_labels r) (pred depth) in
   let may_grow := Nat.eqb (leaf_size r) 1 in
-  let left := side count may_grow (order c) (map fst (solved c)) bound_of_all in
-  let right := side count may_grow (rev' (order c)) (rev' (map snd (solved c))) bound_of_all in
+  let left := side count sets may_grow (order c) (map fst (solved c)) bound_of_all in
+  let right := side count sets may_grow (rev' (order c)) (rev' (map snd (solved c))) bound_of_all in
   check_cuts line (index c) bound (total (fun _ => 1) (order c)) 0 None (order c) left (rev' right).
 
 Fixpoint check_columns (line : Z) (depth : nat) (bound bound_of_all : Z) (all : list column) : checked Z :=

@@ -56,6 +56,14 @@ Fixpoint samples_of (its_width : Z) (q : question) (w : numbers) (all : list pla
   | _, _, _ => Refused (costs_line w) WrongLengths
   end.
 
+(** Whether some row of the table, of the class of its place, has more prices than that of its own label and a higher one
+    of all others. *)
+Definition has_several_prices (costs_ : list (list Z)) : bool :=
+  let is_plain := fun '(own, its_prices) =>
+    let others := without own its_prices in
+    (or_zero (least others) =? top others) && (nth own its_prices 0 <=? top others) in
+  negb (forallb is_plain (combine (seq 0 (length costs_)) costs_)).
+
 (** What the rows cost besides. *)
 Fixpoint base_total (w : numbers) (xs : list row) : Z :=
   match xs with [] => 0 | x :: rest => base_of w x + base_total w rest end.

@@ -53,7 +53,7 @@ Lemma check_column_spec line d bound all c v samples :
 Proof.
   intros S [[P SS] [L SV]] A C left edge right CUT WL WR. unfold check_column in C.
   rewrite !rev'_rev in C. simpl pred in C. rewrite total_one in C.
-  set (ls := side _ _ (order c) _ _) in C. set (rs := side _ _ (rev (order c)) _ _) in C.
+  set (ls := side _ _ _ (order c) _ _) in C. set (rs := side _ _ _ (rev (order c)) _ _) in C.
   assert (So : all_sound r (order c)) by (eapply sound_perm; eauto).
   assert (Sr : all_sound r (rev (order c))) by (eapply sound_perm; [apply Permutation_rev|exact So]).
   assert (AL : along (bounds r d) [] (order c) ls).

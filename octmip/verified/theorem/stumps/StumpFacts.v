@@ -146,7 +146,8 @@ Record side_is (edge : Z) (is_low : bool) (seen : list (nat * list sample)) (s :
   found_leaf : top (joined gains (part_of place edge is_low samples) []) + penalty r <= found s;
   found_cuts : forall c l, In (c, l) seen ->
     is_cap (joined gains (part_of place edge is_low samples) [])
-      (total (fun _ => 1) (part_of place edge is_low samples)) (Z.of_nat (leaf_size r)) c (part_of place edge is_low l) (found s)
+      (total (fun _ => 1) (part_of place edge is_low samples)) (Z.of_nat (leaf_size r)) c
+      (part_of place edge is_low l) (found s)
 }.
 
 Lemma part_packs edge is_low l : Forall (packs (n_labels r) w) l ->
