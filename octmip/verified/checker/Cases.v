@@ -45,7 +45,8 @@ Definition may_read_column (q : question) (ds : decisions) (all : list place) (c
   match nth_error all column_ with Some p => may_read_place q ds p | None => false end.
 
 Definition rules_of (q : question) (w : numbers) (ds : decisions) (all : list place) : rules :=
-  Rules (n_classes q) (fewest q) (its_penalty w) (may_read_column q ds all).
+  Rules (n_classes q) (fewest q) (its_penalty w) (may_read_column q ds all)
+    (has_several_prices (table w)).
 
 Definition columns_in_play (q : question) (ds : decisions) (all : list place) (samples : list sample) : list column :=
   map (fun column_ => unsolved column_ (sorted column_ samples))
@@ -79,7 +80,7 @@ Fixpoint check_cases (q : question) (w : numbers) (all : list place) (samples : 
 (** Check a log of a question: the bound that it proves is [value / down] in units of weight times cost. *)
 Definition check (q : question) (w : numbers) (claim : Z) (log : cases) : checked Z :=
   let all := places (length (sensors q)) (rows q) in
-  match samples_of q w all 0 (rows q) (its_rows w) (its_weights w) with
+  match samples_of (width_of w) q w all 0 (rows q) (its_rows w) (its_weights w) with
   | Refused line why => Refused line why
   | Ok samples =>
       ensure (is_penalty_below q w && is_proper q) (penalty_line w) PenaltyAbove

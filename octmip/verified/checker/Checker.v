@@ -78,16 +78,31 @@ Variable r : rules.
 Let leaf_z := Z.of_nat (leaf_size r).
 
 (** The cost of the cheapest leaf. *)
-Definition one_leaf (samples : list sample) : Z :=
-  let '(gained, most, _) := sums samples [] 0 0 in most - top gained.
+Fixpoint gains_of (samples : list sample) (gained : list Z) : list Z :=
+  match samples with [] => gained | s :: rest => gains_of rest (add gained (gains s)) end.
+Definition one_leaf (samples : list sample) : Z := total worst samples - top (gains_of samples []).
 
-(** The samples in the order of each column, their places those of one column. *)
-Definition runs_of (place : sample -> Z) (all : list column) : list run :=
-  map (fun c => run_of place (index c) (order c)) all.
+(** The columns, those of the records first, in their order: the sooner much is found to be saved, the less has to be
+    looked at. *)
+Definition is_named (records : list record) (c : column) : bool :=
+  existsb (fun own => match own with Record _ column_ _ => Nat.eqb (index c) column_ end) records.
+Fixpoint named (records : list record) (all : list column) : list column :=
+  match records with
+  | [] => []
+  | Record _ column_ _ :: rest =>
+      match column_of column_ all with Some c => c :: named rest all | None => named rest all end
+  end.
+Definition by_records (records : list record) (all : list column) : list column :=
+  let first := firstn (length all) records in
+  named first all ++ filter (fun c => negb (is_named first c)) all.
 
-Definition stumps_of (place : sample -> Z) (samples : list sample) (runs : list run) (is_lower : bool)
-    (edges : list Z) : list Z :=
-  stumps (penalty r) leaf_z place is_lower edges samples runs.
+(** The samples in the order of each column, with their keys. *)
+Definition with_keys (all : list column) : list (list (Z * sample)) :=
+  map (fun c => map (fun s => (key (index c) s, s)) (order c)) all.
+
+Definition stumps_of (place : sample -> Z) (samples : list sample) (orders : list (list (Z * sample)))
+    (edges : list Z) : list (Z * Z) :=
+  stumps (penalty r) leaf_z (n_labels r) place edges samples orders.
 
 (** The cuts of a record: of each the number of samples to its left, and the key of the last of them. *)
 Fixpoint read_cuts (line : Z) (column_ : nat) (steps : list step) (place : Z) (last : option Z) (rest : list sample)
@@ -103,18 +118,16 @@ Fixpoint read_cuts (line : Z) (column_ : nat) (steps : list step) (place : Z) (l
       end
   end.
 
-Fixpoint solve_all (c : column) (cuts : list (Z * Z)) (left right : list Z) : column :=
-  match cuts, left, right with
-  | (place, _) :: cuts', l :: left', r_ :: right' => solve_all (solve_cut c place (l, r_)) cuts' left' right'
-  | _, _, _ => c
+Fixpoint solve_all (c : column) (cuts : list (Z * Z)) (sides : list (Z * Z)) : column :=
+  match cuts, sides with
+  | (place, _) :: cuts', both :: sides' => solve_all (solve_cut c place both) cuts' sides'
+  | _, _ => c
   end.
 
 (** Count both sides of the cuts of a column. *)
-Definition count_cuts (samples : list sample) (runs : list run) (c : column) (cuts : list (Z * Z)) : column :=
-  let edges := map snd cuts in
-  let left := stumps_of (key (index c)) samples runs true (rev' edges) in
-  let right := stumps_of (key (index c)) samples runs false edges in
-  solve_all c cuts (rev' left) right.
+Definition count_cuts (samples : list sample) (orders : list (list (Z * sample))) (c : column) (cuts : list (Z * Z))
+    : column :=
+  solve_all c cuts (stumps_of (key (index c)) samples orders (map snd cuts)).
 
 (** The columns of the samples on one side of a cut. *)
 Definition columns_of (column_ : nat) (edge : Z) (is_left : bool) (all : list column) : list column :=
@@ -136,9 +149,10 @@ Fixpoint check_cuts (line : Z) (column_ : nat) (bound n place : Z) (last : optio
 
 Definition check_column (line : Z) (depth : nat) (bound bound_of_all : Z) (c : column) : checked Z :=
   let count := label_count (n_labels r) (pred depth) in
+  let sets := label_sets (with_sets r) (n_labels r) (pred depth) in
   let may_grow := Nat.eqb (leaf_size r) 1 in
-  let left := side count may_grow (order c) (map fst (solved c)) bound_of_all in
-  let right := side count may_grow (rev' (order c)) (rev' (map snd (solved c))) bound_of_all in
+  let left := side count sets may_grow (order c) (map fst (solved c)) bound_of_all in
+  let right := side count sets may_grow (rev' (order c)) (rev' (map snd (solved c))) bound_of_all in
   check_cuts line (index c) bound (total (fun _ => 1) (order c)) 0 None (order c) left (rev' right).
 
 Fixpoint check_columns (line : Z) (depth : nat) (bound bound_of_all : Z) (all : list column) : checked Z :=
@@ -152,22 +166,23 @@ Fixpoint check_columns (line : Z) (depth : nat) (bound bound_of_all : Z) (all : 
   end.
 
 (** Read the records of a node whose sides are counted. *)
-Fixpoint count_records (samples : list sample) (all : list column) (records : list record) : checked (list column) :=
+Fixpoint count_records (samples : list sample) (orders : list (list (Z * sample))) (all : list column)
+    (records : list record) : checked (list column) :=
   match records with
   | [] => Ok all
   | Record line column_ steps :: records' =>
       match column_of column_ all with
       | None =>
           match steps with
-          | [] => count_records samples all records'
+          | [] => count_records samples orders all records'
           | Step distance _ :: _ => Refused line (NoSuchCut column_ distance)
           end
       | Some c =>
           match read_cuts line column_ steps 0 None (order c) [] with
           | Refused line why => Refused line why
           | Ok cuts =>
-              let counted := count_cuts samples (runs_of (key column_) all) c cuts in
-              count_records samples (replace counted all) records'
+              let counted := count_cuts samples orders c cuts in
+              count_records samples orders (replace counted all) records'
           end
       end
   end.
@@ -239,9 +254,10 @@ Definition solve_below (samples : list sample) (all : list column) (of_all : opt
 
 Definition count_below (samples : list sample) (all : list column) (records : list record)
     : checked (Z * list column) :=
-  match count_records samples all records with
+  let orders := with_keys (by_records records all) in
+  match count_records samples orders all records with
   | Refused line why => Refused line why
-  | Ok all' => Ok (hd 0 (stumps_of (fun _ => 0) samples (runs_of (fun _ => 0) all) true [0]), all')
+  | Ok all' => Ok (fst (hd (0, 0) (stumps_of (fun _ => 0) samples orders [0])), all')
   end.
 
 End Nodes.

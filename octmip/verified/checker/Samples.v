@@ -11,7 +11,8 @@ Open Scope Z_scope.
     - [gains]: by label, what it saves of [worst]; labels beyond the list save nothing.
     - [reach]: no label saves more.
     - [sure]: every label costs as much.
-    - [more]: by label; a label costs [sure] and the [more] of every other label. *)
+    - [more]: by label; a label costs [sure] and the [more] of every other label.
+    - [packed]: the gains in one number, [width] bits each. *)
 Record sample := Sample {
   keys : list Z;
   prices : list Z;
@@ -19,7 +20,9 @@ Record sample := Sample {
   gains : list Z;
   reach : Z;
   sure : Z;
-  more : list Z
+  more : list Z;
+  width : Z;
+  packed : Z
 }.
 
 Definition key (column : nat) (s : sample) : Z := nth column (keys s) 0.
@@ -64,6 +67,20 @@ Fixpoint top_gap (u v : list Z) : Z :=
   | x :: u' => match v with [] => top u | y :: v' => Z.max (x - y) (top_gap u' v') end
   end.
 
+(** Vectors in one number, so that one addition adds them: the entries as digits of base [2 ^ its_width]. *)
+Fixpoint pack (its_width : Z) (v : list Z) : Z :=
+  match v with [] => 0 | x :: v' => x + pack its_width v' * 2 ^ its_width end.
+
+(** [top gone + top_gap all gone] of two packed vectors of [n] entries; [mask] is [2 ^ its_width - 1]. *)
+Fixpoint saved (n : nat) (its_width mask all gone most most_gap : Z) : Z :=
+  match n with
+  | O => most + most_gap
+  | S n' =>
+      let x := Z.land gone mask in
+      saved n' its_width mask (Z.shiftr all its_width) (Z.shiftr gone its_width)
+        (Z.max most x) (Z.max most_gap (Z.land all mask - x))
+  end.
+
 (** A vector without its zeros at the end. *)
 Definition trimmed (v : list Z) : list Z :=
   fold_right (fun x rest => match rest with [] => if x =? 0 then [] else [x] | _ => x :: rest end) [] v.
@@ -83,11 +100,12 @@ Fixpoint without (place : nat) (v : list Z) : list Z :=
 Definition or_zero (v : option Z) : Z := match v with Some x => x | None => 0 end.
 
 (** A sample from its keys, its prices and the label that is thought to be the right one. *)
-Definition sample_of (its_keys its_prices : list Z) (favourite : nat) : sample :=
+Definition sample_of (its_width : Z) (its_keys its_prices : list Z) (favourite : nat) : sample :=
   let most := top its_prices in
   let cheapest := or_zero (least its_prices) in
   let extra := or_zero (least (without favourite its_prices)) - cheapest in
-  {| keys := its_keys; prices := its_prices; worst := most;
-     gains := trimmed (map (fun x => most - x) its_prices);
+  let its_gains := trimmed (map (fun x => most - x) its_prices) in
+  {| keys := its_keys; prices := its_prices; worst := most; gains := its_gains;
      reach := most - cheapest; sure := cheapest;
-     more := if extra <=? 0 then [] else repeat 0 favourite ++ [extra] |}.
+     more := if extra <=? 0 then [] else repeat 0 favourite ++ [extra];
+     width := its_width; packed := pack its_width its_gains |}.

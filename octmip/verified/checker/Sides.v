@@ -22,11 +22,36 @@ Definition label_count (n_labels depth : nat) : option nat :=
 Definition spread (count : option nat) (joined : list Z) : Z :=
   match count with None => 0 | Some c => last (least_sums (repeat 0 (S c)) joined) 0 end.
 
+(** All sets of so many of some labels. *)
+Fixpoint subsets (size : nat) (labels : list nat) : list (list nat) :=
+  match labels, size with
+  | [], _ | _, O => [[]]
+  | label :: rest, S size' =>
+      if Nat.leb (length labels) size then [labels] else subsets size rest ++ map (cons label) (subsets size' rest)
+  end.
+
+(** Whether there are no more than 64 of them. *)
+Definition are_few (n size : nat) : bool :=
+  let next := fun sets i => if 64 <? sets then sets else sets * Z.of_nat (n - i) / Z.of_nat (S i) in
+  fold_left next (seq 0 (Nat.min size (n - size))) 1 <=? 64.
+
+(** The sets of labels that a tree of [depth] levels may give, if they are gone through. *)
+Definition label_sets (is_wanted : bool) (n_labels depth : nat) : list (list nat) :=
+  match label_count n_labels depth with
+  | Some count => if is_wanted && are_few n_labels count then subsets count (seq 0 n_labels) else []
+  | None => []
+  end.
+
+(** What a sample costs at least under each set. *)
+Definition set_costs (sets : list (list nat)) (s : sample) : list Z :=
+  map (fun set => or_zero (least (map (fun label => price label s) set))) sets.
+
 (** Growing: bounds of the first 0, 1, ... samples of an order. [known] are the bounds of solved cuts by the number of
     samples, from 1 to all but one, and [bound_of_all] is that of all. The first samples cost [before] by a solved cut,
-    those that joined since then [surely] and their spread. *)
-Fixpoint grow (count : option nat) (may_grow : bool) (bound_of_all : Z)
-    (rest : list sample) (known : list Z) (now before surely : Z) (joined : list Z) : list Z :=
+    those that joined since then [surely] and their spread, or the least under a set of labels. *)
+Fixpoint grow (count : option nat) (sets : list (list nat)) (may_grow : bool) (bound_of_all : Z)
+    (rest : list sample) (known : list Z) (now before surely : Z) (joined by_set : list Z)
+    : list Z :=
   now ::
   match rest with
   | [] => []
@@ -34,10 +59,11 @@ Fixpoint grow (count : option nat) (may_grow : bool) (bound_of_all : Z)
       let own := match rest' with [] => bound_of_all | _ => match known with [] => 0 | b :: _ => b end end in
       let joined' := add joined (more s) in
       let surely' := surely + sure s in
-      let grown := before + surely' + spread count joined' in
+      let by_set' := add by_set (set_costs sets s) in
+      let grown := before + Z.max (surely' + spread count joined') (or_zero (least by_set')) in
       if may_grow && (grown <? own)
-      then grow count may_grow bound_of_all rest' (tl known) own own 0 []
-      else grow count may_grow bound_of_all rest' (tl known) (Z.max grown own) before surely' joined'
+      then grow count sets may_grow bound_of_all rest' (tl known) own own 0 [] []
+      else grow count sets may_grow bound_of_all rest' (tl known) (Z.max grown own) before surely' joined' by_set'
   end.
 
 (** Shrinking: each bound is raised to the next one, less what the sample between them costs at most. *)
@@ -51,6 +77,6 @@ Fixpoint shrink (rest : list sample) (bounds : list Z) : list Z :=
   | _, _ => bounds
   end.
 
-Definition side (count : option nat) (may_grow : bool) (order : list sample) (known : list Z) (bound_of_all : Z)
-    : list Z :=
-  shrink order (grow count may_grow bound_of_all order known 0 0 0 []).
+Definition side (count : option nat) (sets : list (list nat)) (may_grow : bool) (order : list sample) (known : list Z)
+    (bound_of_all : Z) : list Z :=
+  shrink order (grow count sets may_grow bound_of_all order known 0 0 0 [] []).

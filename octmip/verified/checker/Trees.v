@@ -47,8 +47,8 @@ Definition cost (penalty : Z) (t : tree) (samples : list sample) : Z := penalty 
 Definition is_legal (n_labels : nat) (may_read : nat -> bool) (t : tree) : Prop :=
   Forall (fun column => may_read column = true) (columns t) /\ Forall (fun label => (label < n_labels)%nat) (labels t).
 
-(** Rules of the trees that are wanted. *)
-Record rules := Rules { n_labels : nat; leaf_size : nat; penalty : Z; may_read : nat -> bool }.
+(** Rules of the trees that are wanted, and whether sets of labels are gone through for their bounds. *)
+Record rules := Rules { n_labels : nat; leaf_size : nat; penalty : Z; may_read : nat -> bool; with_sets : bool }.
 
 (** No tree of [depth] levels at most costs less than [bound]. *)
 Definition bounds (r : rules) (depth : nat) (samples : list sample) (bound : Z) : Prop :=

@@ -35,7 +35,11 @@ Fixpoint first_above (q : question) (w : numbers) (x : row) (label : nat) (its_p
 Definition prices_of (q : question) (costs_of_row : list Z) (its_weight : Z) : list Z :=
   map (fun label => its_weight * nth label costs_of_row 0) (seq 0 (n_classes q)).
 
-Fixpoint samples_of (q : question) (w : numbers) (all : list place) (i : nat)
+(** So many bits that the gains of all samples fit in them. Whether they do is looked at where they are added. *)
+Definition width_of (w : numbers) : Z :=
+  Z.log2 (sum (map Z.abs (its_weights w)) * top (map top (table w))) + 1.
+
+Fixpoint samples_of (its_width : Z) (q : question) (w : numbers) (all : list place) (i : nat)
     (xs : list row) (table_rows : list nat) (weights : list Z) : checked (list sample) :=
   match xs, table_rows, weights with
   | [], [], [] => Ok []
@@ -44,13 +48,21 @@ Fixpoint samples_of (q : question) (w : numbers) (all : list place) (i : nat)
       match first_above q w x 0 its_prices with
       | Some label => Refused (costs_line w) (AboveTheTrueCost i label)
       | None =>
-          match samples_of q w all (S i) xs' table_rows' weights' with
+          match samples_of its_width q w all (S i) xs' table_rows' weights' with
           | Refused line why => Refused line why
-          | Ok rest => Ok (sample_of (keys_of all x) its_prices table_row :: rest)
+          | Ok rest => Ok (sample_of its_width (keys_of all x) its_prices table_row :: rest)
           end
       end
   | _, _, _ => Refused (costs_line w) WrongLengths
   end.
+
+(** Whether some row of the table, of the class of its place, has more prices than that of its own label and a higher one
+    of all others. *)
+Definition has_several_prices (costs_ : list (list Z)) : bool :=
+  let is_plain := fun '(own, its_prices) =>
+    let others := without own its_prices in
+    (or_zero (least others) =? top others) && (nth own its_prices 0 <=? top others) in
+  negb (forallb is_plain (combine (seq 0 (length costs_)) costs_)).
 
 (** What the rows cost besides. *)
 Fixpoint base_total (w : numbers) (xs : list row) : Z :=

@@ -18,6 +18,13 @@ module Words = struct
       if (word x lxor word y) land (word x lxor difference) >= 0 then (Obj.magic difference : Z.t) else Z.sub x y
     else Z.sub x y
 
+  let logand x y = if is_word x && is_word y then (Obj.magic (word x land word y) : Z.t) else Z.logand x y
+
+  (* Division by a power of two, rounded down. *)
+  let shifted_right x n =
+    if is_word x && is_word n && 0 <= word n && word n < 63 then (Obj.magic (word x asr word n) : Z.t)
+    else Z.shift_right x (Z.to_int n)
+
   let leq x y = if is_word x && is_word y then word x <= word y else Z.leq x y
   let lt x y = if is_word x && is_word y then word x < word y else Z.lt x y
   let equal x y = if is_word x && is_word y then word x = word y else Z.equal x y

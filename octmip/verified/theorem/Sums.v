@@ -121,6 +121,14 @@ Proof.
   - destruct i; [reflexivity|]. apply IH.
 Qed.
 
+Lemma trimmed_length v : (length (trimmed v) <= length v)%nat.
+Proof.
+  induction v as [|x v IH]; [simpl; lia|].
+  assert (E : trimmed (x :: v) = match trimmed v with [] => if x =? 0 then [] else [x] | _ => x :: trimmed v end)
+    by reflexivity.
+  rewrite E. destruct (trimmed v) as [|y w]; [destruct (x =? 0)|]; simpl in *; lia.
+Qed.
+
 (** * The numbers of a sample *)
 
 (** What the checker believes of a sample, for labels below [n_labels]. *)
@@ -130,7 +138,10 @@ Record sound (n_labels : nat) (s : sample) : Prop := {
   worst_nonneg : 0 <= worst s;
   gain_range : forall label, 0 <= gain label s <= reach s;
   more_nonneg : Forall (fun x => 0 <= x) (more s);
-  price_more : forall label, (label < n_labels)%nat -> sure s + outside [label] (more s) <= price label s
+  price_more : forall label, (label < n_labels)%nat -> sure s + outside [label] (more s) <= price label s;
+  width_nonneg : 0 <= width s;
+  gains_length : (length (gains s) <= n_labels)%nat;
+  packed_gains : packed s = pack (width s) (gains s)
 }.
 
 Lemma price_le_worst n s label : sound n s -> (label < n)%nat -> price label s <= worst s.
@@ -178,16 +189,16 @@ Proof.
     + change (beyond_first [S label]) with [label]. rewrite IH. reflexivity.
 Qed.
 
-Theorem sample_of_sound its_keys its_prices favourite :
-  Forall (fun x => 0 <= x) its_prices -> sound (length its_prices) (sample_of its_keys its_prices favourite).
+Theorem sample_of_sound its_width its_keys its_prices favourite : 0 <= its_width ->
+  Forall (fun x => 0 <= x) its_prices -> sound (length its_prices) (sample_of its_width its_keys its_prices favourite).
 Proof.
-  intros P.
+  intros W P.
   assert (N : forall label, 0 <= nth label its_prices 0).
   { intros label. destruct (Nat.lt_ge_cases label (length its_prices)) as [L|L].
     - rewrite Forall_forall in P. apply P, nth_In, L.
     - rewrite nth_overflow; lia. }
   assert (G : forall label, (label < length its_prices)%nat ->
-    gain label (sample_of its_keys its_prices favourite) = top its_prices - nth label its_prices 0).
+    gain label (sample_of its_width its_keys its_prices favourite) = top its_prices - nth label its_prices 0).
   { intros label L. unfold gain, sample_of; simpl. rewrite nth_trimmed.
     rewrite nth_indep with (d' := top its_prices - 0) by (rewrite map_length; exact L).
     apply (map_nth (fun x => top its_prices - x)). }
@@ -212,5 +223,9 @@ Proof.
       lia|].
     rewrite outside_one. destruct (Nat.eqb_spec label favourite); [lia|].
     destruct (without_spec favourite its_prices label) as (j & J & E); [lia|lia|].
-    assert (W := least_spec _ j J). lia.
+    assert (M := least_spec _ j J). lia.
+  - exact W.
+  - unfold sample_of; simpl. assert (T := trimmed_length (map (fun x => top its_prices - x) its_prices)).
+    rewrite map_length in T. exact T.
+  - reflexivity.
 Qed.
