@@ -26,7 +26,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Protocol, cast
 
-from octmip import _native
 from octmip.certificate import certify, checked_leaf_index
 from octmip.errors import CertificateError, ProblemError, SolverError
 from octmip.formats.solves_file import SolvesFile, key_of
@@ -211,7 +210,8 @@ def solve_run(problem: Problem, run: Run, incumbent: Node | Solution | None = No
 def _kept_solve(problem: Problem, run: Run, incumbent: Node | Solution | None) -> Solution:
     """Return the solution that a file of solves has, or make it and add it there."""
     asked = replace(run, options={name: value for name, value in run.options.items() if name != "solves"})
-    kept, key = SolvesFile(run.options["solves"], _native.__version__), key_of(problem, asked, incumbent)
+    version = importlib.import_module("octmip._native").__version__  # only here: the package begins without it
+    kept, key = SolvesFile(run.options["solves"], version), key_of(problem, asked, incumbent)
     found = kept.find(problem, key)
     if found is not None:
         return _checked(problem, found)

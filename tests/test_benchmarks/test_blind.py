@@ -185,7 +185,9 @@ def test_a_set_that_was_stopped_goes_on_where_it_was(folder, monkeypatch):
     asked = []
     monkeypatch.setattr(blind, "answer", lambda task: asked.append(task.name) or json.loads(last))
     path.write_text("".join([*before, last[:50]]))
-    text = blind.run(folder, blind.Plan(seed=99, count=3, jobs=1))
+    begun = json.loads((folder / "plan.json").read_text())
+    plan = blind.Plan(**begun | {"families": tuple(begun["families"]), "jobs": 1})
+    text = blind.run(folder, plan)
     assert asked == [json.loads(last)[0]["name"]]
     assert path.read_text() == whole
     assert text.startswith(f"Seed 11, {len(whole.splitlines())} cases")  # the plan is the set's own
