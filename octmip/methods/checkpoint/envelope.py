@@ -101,6 +101,8 @@ def read_checkpoint(
         content = json.loads(line)
         _check_identity(path, content, identity)
         return state_of(content)
+    except DataError:
+        raise
     except (ValueError, LookupError, TypeError, AttributeError, OverflowError, RecursionError) as error:
         raise unusable(path, f"holds something else than a search writes ({error!r})") from error
 

@@ -33,6 +33,10 @@ LEVEL = 1
 """Of the compression: nodes shrink to a fifth, and faster than a disk takes them."""
 
 
+MOST_PACKED = 100
+"""Times its size that a packed state may unpack to, at most."""
+
+
 class Nodes(NamedTuple):
     """The state of a search: bytes, intervals of slopes, best cost and rows, bound, nodes; costs on its grid."""
 
@@ -123,9 +127,12 @@ def _content(content: Mapping[str, Any]) -> tuple[float, str, list[NodeRow] | No
     state, n_intervals, best, bound, n_nodes = content["nodes"]
     incumbent = content["incumbent"]
     try:
-        found = zlib.decompress(base64.b85decode(state))
+        packed, unpacker = base64.b85decode(state), zlib.decompressobj()
+        found = unpacker.decompress(packed, MOST_PACKED * len(packed))
     except zlib.error as error:
         raise ValueError(f"its nodes cannot be unpacked: {error}") from error
+    if not unpacker.eof:
+        raise ValueError(f"its nodes unpack to more than {MOST_PACKED} times their size")
     nodes = Nodes(
         found,
         whole(n_intervals),

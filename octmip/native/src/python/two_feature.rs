@@ -48,7 +48,7 @@ fn two_feature_branch_and_bound(
     let mut unsaved = None;
     let outcome = supervised(py, progress.as_ref(), |keep_going| {
         let mut save = |saved: &Saved| hand_out(taker.as_ref(), saved, &mut unsaved);
-        let saver = taker.is_some().then_some(Saver { every, saved: Instant::now(), save: &mut save });
+        let saver = taker.is_some().then_some(Saver { every, saved: Instant::now(), pause: 0.0, save: &mut save });
         go_on(&problem.inner, &options, (kept.as_ref(), saver), keep_going)
     })?;
     let outcome = outcome.map_err(|reason| PyValueError::new_err(format!("known: {reason}")))?;

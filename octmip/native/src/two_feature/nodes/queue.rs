@@ -49,6 +49,8 @@ pub(crate) struct Saver<'a> {
     pub(crate) every: f64,
     /// When it was last given.
     pub(crate) saved: Instant,
+    /// Seconds that it is left alone after that.
+    pub(crate) pause: f64,
     /// Takes it; `false` means stop now.
     pub(crate) save: &'a mut dyn FnMut(&Saved) -> bool,
 }
@@ -193,14 +195,18 @@ impl<'a> Queue<'a> {
     }
 
     fn save(&self, saver: &mut Saver<'_>) -> bool {
-        saver.saved = Instant::now();
-        (saver.save)(&Saved {
+        let begun = Instant::now();
+        let goes_on = (saver.save)(&Saved {
             state: self.state(),
             n_intervals: self.context.n_intervals,
             best: self.best.clone(),
             bound: self.bound(),
             n_nodes: self.n_nodes,
-        })
+        });
+        // A large state takes long to write: a tenth of the time at most.
+        saver.pause = 9.0 * begun.elapsed().as_secs_f64();
+        saver.saved = Instant::now();
+        goes_on
     }
 
     fn search(&mut self, saver: &mut Option<Saver<'_>>, keep_going: KeepGoing) -> Stop {
@@ -212,7 +218,8 @@ impl<'a> Queue<'a> {
             if let Some(stop) = self.limit_met(bound) {
                 return stop;
             }
-            if let Some(saver) = saver.as_mut().filter(|saver| saver.saved.elapsed().as_secs_f64() >= saver.every)
+            if let Some(saver) =
+                saver.as_mut().filter(|saver| saver.saved.elapsed().as_secs_f64() >= saver.every.max(saver.pause))
                 && !self.save(saver)
             {
                 return Stop::Interrupted;
