@@ -86,11 +86,12 @@ def _columns(rng: Generator, n: int, pa: Any) -> tuple[Any, ...]:
     )
 
 
-def _mangled_words(rng: Generator, words: bytes) -> bytes:
+def _mangled_words(rng: Generator, array: bytes) -> bytes:
     try:
-        return mangled_json(rng, words)
-    except ValueError:  # mangled before, and no JSON any more
-        return mangled_bytes(rng, words)
+        words = mangled_json(rng, str(_loaded(array)).encode())
+    except ValueError:  # mangled before: no array or no JSON any more
+        return mangled_bytes(rng, array)
+    return _saved(np.array(words.decode("utf-8", "replace")))
 
 
 def mangled_archive(rng: Generator, content: bytes) -> bytes:
@@ -102,8 +103,7 @@ def mangled_archive(rng: Generator, content: bytes) -> bytes:
         at, action = int(rng.integers(len(members))), int(rng.integers(12))
         name, array = members[at]
         if name == "words.npy" and rng.random() < 0.7:
-            words = _mangled_words(rng, str(_loaded(array)).encode()).decode("utf-8", "replace")
-            members[at] = (name, _saved(np.array(words)))
+            members[at] = (name, _mangled_words(rng, array))
         elif action < 8:
             members[at] = (name, _other_array(rng, array))
         elif action == 8:
