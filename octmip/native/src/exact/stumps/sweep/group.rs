@@ -43,6 +43,8 @@ impl<T: Lane, const N: usize> WithSimd for &mut Group<'_, T, N> {
             (0, 5) => self.sweep::<5>(),
             (0, 6) => self.sweep::<6>(),
             (0, _) => self.sweep_any(),
+            // Unrolled products of 64 bits are slower than loops (48 against 38 us an evaluated cut of mu2).
+            _ if size_of::<T>() > 4 => self.sweep_any_profiles(),
             (3, 3) => self.sweep_profiles::<3>(),
             (4, 4) => self.sweep_profiles::<4>(),
             (5, 5) => self.sweep_profiles::<5>(),

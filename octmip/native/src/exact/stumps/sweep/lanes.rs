@@ -124,10 +124,10 @@ pub(super) fn sub<T: Lane, const N: usize>(a: &Row<T, N>, b: &Row<T, N>) -> Row<
 
 #[inline(always)]
 pub(super) fn max<T: Lane, const N: usize>(a: &Row<T, N>, b: &Row<T, N>) -> Row<T, N> {
-    zip(a, b, |x, y| if x > y { x } else { y })
+    zip(a, b, Ord::max)
 }
 
 #[inline(always)]
 pub(super) fn min<T: Lane, const N: usize>(a: &Row<T, N>, b: &Row<T, N>) -> Row<T, N> {
-    zip(a, b, |x, y| if x < y { x } else { y })
+    zip(a, b, Ord::min)
 }
