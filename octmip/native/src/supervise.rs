@@ -23,9 +23,13 @@ pub struct Supervision {
 }
 
 impl Supervision {
-    /// A search that begins now.
+    /// A search that begins now; without any time it is stopped before a worker begins, however fast that one is.
     pub fn new(limits: Limits) -> Self {
-        Self { started: Instant::now(), limits, flag: Arc::default(), reason: OnceLock::new() }
+        let begun = Self { started: Instant::now(), limits, flag: Arc::default(), reason: OnceLock::new() };
+        if limits.seconds <= 0.0 {
+            begun.stop(Stop::Time);
+        }
+        begun
     }
 
     /// When to stop early.
@@ -154,11 +158,19 @@ mod tests {
 
     #[test]
     fn the_first_reason_stays_and_sets_the_flag() {
-        let supervision = Supervision::new(Limits { seconds: 0.0, ..Limits::default() });
+        let supervision = Supervision::new(Limits { seconds: 1e-9, ..Limits::default() });
+        assert!(!supervision.is_stopped());
         supervision.poll(&mut |_| false, STATE);
         assert!(supervision.check_time());
         assert!(supervision.is_stopped());
         assert_eq!(supervision.reason(), Some(Stop::Interrupted));
+    }
+
+    #[test]
+    fn without_time_it_is_stopped_before_it_begins() {
+        let supervision = Supervision::new(Limits { seconds: 0.0, ..Limits::default() });
+        assert!(supervision.is_stopped());
+        assert_eq!(supervision.reason(), Some(Stop::Time));
     }
 
     #[test]
