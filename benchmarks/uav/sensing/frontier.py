@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Literal
 
 from benchmarks.cpu import cpu_seconds
-from benchmarks.uav.sensing.readings import installed, problem_of, readings
+from benchmarks.uav.sensing.readings import clear_of_regions, installed, problem_of, readings
 from femlib.dataset import Dataset
 from octmip import Limits, Problem
 from octmip.report.markdown import markdown_table
@@ -38,17 +38,21 @@ def report(source: str, folder: Path, seeds: int, is_smoke: bool) -> str:
 
 
 def axis_rows(data: Dataset, depth: int) -> list[Row]:
-    """Return the proven frontiers over number and cost."""
+    """Return the proven frontiers over number and cost, and over number without the candidates beside a region."""
     problem = _priced(problem_of(data, "mu2", depth, data.gauges), data)
+    clear = problem_of(data, "mu2", depth, clear_of_regions(data))
     rows = _axis_rows(problem, "number", NUMBERS[depth])
-    return rows + (_axis_rows(problem, "cost", COSTS) if depth == 2 else [])
+    rows += _axis_rows(problem, "cost", COSTS) if depth == 2 else []
+    return rows + _axis_rows(clear, "number", NUMBERS[depth], ", 60 mm clear")
 
 
-def _axis_rows(problem: Problem, over: Literal["number", "cost"], values: Sequence[float]) -> list[Row]:
+def _axis_rows(
+    problem: Problem, over: Literal["number", "cost"], values: Sequence[float], of_which: str = ""
+) -> list[Row]:
     before = cpu_seconds()
     points = placement_frontier(problem, over, values, limits=Limits(seconds=AXIS_SECONDS))
     cpu = cpu_seconds() - before
-    return [_row(f"1, {over}", point, cpu) for point in points]
+    return [_row(f"1, {over}{of_which}", point, cpu) for point in points]
 
 
 def hyperplane_rows(data: Dataset, depth: int, is_smoke: bool) -> list[Row]:

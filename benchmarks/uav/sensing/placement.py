@@ -3,7 +3,7 @@
 mu2 (the hard label), at most four features per split, trained for the MAE by the cost matrix |mu_i - mu_k|. The tree
 over all candidates gives the number of gauges that it reads; every other way of choosing gets as many. At each depth
 the trees of every set of gauges are searched with the same effort. At depths 4 and 5 only the paper's comparison is
-made: candidates against installed.
+made, candidates against installed, and the one without the candidates beside a damage region.
 """
 
 import hashlib
@@ -23,6 +23,7 @@ from benchmarks.uav.report import write_figure
 from benchmarks.uav.sensing.picture import placement_figure
 from benchmarks.uav.sensing.readings import (
     candidate_wing,
+    clear_of_regions,
     installed,
     mean_absolute_error,
     mean_strains,
@@ -44,7 +45,8 @@ GREEDY_ROWS = 400
 # The paper's train MAE at depth 3, four features per split: the installed gauges, all candidates.
 PAPER = {"installed": 11.64, "candidates": 9.89}
 STARTED = "candidates, from D-optimal"  # the search over all candidates begins at the D-optimal choice's tree
-CHOICES = ("candidates", "installed", "D-optimal", STARTED, "random", "greedy", "highest strain")
+CLEAR = "candidates, 60 mm clear"  # of every damage region
+CHOICES = ("candidates", "installed", CLEAR, "D-optimal", STARTED, "random", "greedy", "highest strain")
 
 
 class Line(TypedDict):
@@ -109,7 +111,7 @@ def run_seed(seed: int, depth: int, is_smoke: bool, kept: Path | None) -> dict[C
 
 def cells(seed: int, depth: int) -> list[Cell]:
     """Return the cells of one seed and depth, the tree over all candidates first."""
-    choices = CHOICES if depth == COMPARED_DEPTH else CHOICES[:2]
+    choices = CHOICES if depth == COMPARED_DEPTH else CHOICES[:3]
     return [
         Cell(choice, depth, seed, number)
         for choice in choices
@@ -163,6 +165,7 @@ def choose(cell: Cell, problem: Problem, data: Dataset, n_gauges: int) -> tuple[
     ways: dict[str, Callable[[], tuple[str, ...]]] = {
         "candidates": lambda: data.gauges,
         "installed": lambda: installed(data),
+        CLEAR: lambda: clear_of_regions(data),
         "highest strain": lambda: by_reading(problem, n_gauges),
         "D-optimal": lambda: by_information(problem, n_gauges, sensitivities(data)).sensors,
         "greedy": lambda: by_tree(problem, n_gauges, rows=GREEDY_ROWS, seed=cell.seed),

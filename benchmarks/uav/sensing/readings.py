@@ -15,6 +15,8 @@ from octmip.tree import Node, predict
 
 LABELS = ("mu1", "mu2")
 LEVELS = (0, 20, 40, 60, 80)
+CLEARANCE = 0.06
+"""Least distance from a damage region [m], along span or chord: its edge is felt about as far as region 2 is wide."""
 SMOKE = Recipe(samples_per_state=8)
 
 
@@ -40,6 +42,25 @@ def readings(source: str, seed: int, is_smoke: bool) -> Dataset:
 def installed(data: Dataset) -> tuple[str, ...]:
     """Return the gauges that are on the wing and usable: 20."""
     return tuple(name for name in data.gauges if name.startswith("g"))
+
+
+def clear_of_regions(data: Dataset) -> tuple[str, ...]:
+    """Return the usable gauges that are at least `CLEARANCE` from every damage region along the span or the chord."""
+    wing = candidate_wing()
+    gauges, planform = wing.gauges, wing.planform
+    distances = [
+        np.maximum(
+            _outside(gauges.eta, region.eta_min, region.eta_max) * planform.span,
+            _outside(gauges.chord_fraction, region.chord_min, region.chord_max) * planform.chord(gauges.eta),
+        )
+        for region in wing.regions
+    ]
+    near = {name for name, d in zip(gauges.names, np.min(distances, axis=0), strict=True) if d < CLEARANCE}
+    return tuple(name for name in data.gauges if name not in near)
+
+
+def _outside(values: NDArray[np.float64], low: float, high: float) -> NDArray[np.float64]:
+    return np.maximum(np.maximum(low - values, values - high), 0.0)
 
 
 def problem_of(
