@@ -43,7 +43,7 @@ def axis_rows(data: Dataset, depth: int) -> list[Row]:
     clear = problem_of(data, "mu2", depth, clear_of_regions(data))
     rows = _axis_rows(problem, "number", NUMBERS[depth])
     rows += _axis_rows(problem, "cost", COSTS) if depth == 2 else []
-    return rows + _axis_rows(clear, "number", NUMBERS[depth], ", 60 mm clear")
+    return rows + _axis_rows(clear, "number", NUMBERS[depth], ", 40 mm clear")
 
 
 def _axis_rows(

@@ -45,7 +45,7 @@ GREEDY_ROWS = 400
 # The paper's train MAE at depth 3, four features per split: the installed gauges, all candidates.
 PAPER = {"installed": 11.64, "candidates": 9.89}
 STARTED = "candidates, from D-optimal"  # the search over all candidates begins at the D-optimal choice's tree
-CLEAR = "candidates, 60 mm clear"  # of every damage region
+CLEAR = "candidates, 40 mm clear"  # of every damage region
 CHOICES = ("candidates", "installed", CLEAR, "D-optimal", STARTED, "random", "greedy", "highest strain")
 
 

@@ -15,8 +15,8 @@ from octmip.tree import Node, predict
 
 LABELS = ("mu1", "mu2")
 LEVELS = (0, 20, 40, 60, 80)
-CLEARANCE = 0.06
-"""Least distance from a damage region [m], along span or chord: its edge is felt about as far as region 2 is wide."""
+CLEARANCE = 0.04
+"""Distance from a damage region [m], along span or chord, below which a candidate reads the region's edge itself."""
 SMOKE = Recipe(samples_per_state=8)
 
 
@@ -45,7 +45,7 @@ def installed(data: Dataset) -> tuple[str, ...]:
 
 
 def clear_of_regions(data: Dataset) -> tuple[str, ...]:
-    """Return the usable gauges that are at least `CLEARANCE` from every damage region along the span or the chord."""
+    """Return the usable gauges without the candidates that are less than `CLEARANCE` from a damage region."""
     wing = candidate_wing()
     gauges, planform = wing.gauges, wing.planform
     distances = [
@@ -56,7 +56,7 @@ def clear_of_regions(data: Dataset) -> tuple[str, ...]:
         for region in wing.regions
     ]
     near = {name for name, d in zip(gauges.names, np.min(distances, axis=0), strict=True) if d < CLEARANCE}
-    return tuple(name for name in data.gauges if name not in near)
+    return tuple(name for name in data.gauges if name not in near or name in installed(data))
 
 
 def _outside(values: NDArray[np.float64], low: float, high: float) -> NDArray[np.float64]:
