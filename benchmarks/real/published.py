@@ -20,7 +20,7 @@ from benchmarks.main_program import run_main
 from benchmarks.real.geometry import placing_effects
 from benchmarks.real.telling import picture_path, show_causes
 from femlib.arrays import FloatArray
-from femlib.wing import WingTwin, uav_twin
+from femlib.wing import WingTwin, reduced_twin, tapered_wing, uav_twin
 from octmip.gap import CHAIN, Addition, AugmentedTwin, Campaign, Diagnosis, diagnose
 from octmip.gap.inference.discrepancy import Discrepancy
 from octmip.gap.twins.cached import CachedTwin
@@ -117,17 +117,16 @@ def rounds_of(
         yield found, additions, current
 
 
-def picture(twin: WingTwin, corrected: Twin, path: str) -> None:
-    """Draw the residuals of the 24 gauges on the wing, pristine and with mu1 = 60 %, mu2 = 20 %, before and after."""
+def picture(models: Mapping[str, WingTwin], path: str) -> None:
+    """Draw the residuals of the 24 gauges on each wing, pristine and with mu1 = 60 %, mu2 = 20 %."""
     table = means()
     figure, axes = plt.subplots(2, 2, figsize=(11, 5.2), layout="constrained", sharex=True, sharey=True)
-    models: dict[str, Twin] = {"femlib's wing": twin, "calibrated, with the effects found": corrected}
-    used = [k for k, name in enumerate(twin.gauges) if name not in INSIDE]
     drawn = []
     for column, (mu1, mu2) in enumerate(((0, 0), (60, 20))):
         for row, (title, model) in enumerate(models.items()):
+            used = [k for k, name in enumerate(model.gauges) if name not in INSIDE]
             apart = table[mu1, mu2, 3.0] - model.predict({"mu1": mu1 / 100, "mu2": mu2 / 100}, 3.0)
-            drawn.append(_residuals(axes[row, column], twin, apart))
+            drawn.append(_residuals(axes[row, column], model, apart))
             rms = np.sqrt(np.mean(apart[used] ** 2))
             axes[row, column].set_title(f"{title}, mu1 = {mu1} %, mu2 = {mu2} %: {rms:.0f} rms of 20", fontsize=9)
     axes[0, 0].invert_yaxis()
@@ -173,31 +172,26 @@ def main() -> None:
     found = diagnose(campaign(STATES[1:], INSIDE), twin, commissioning=pristine)
     show_where(found)
     show_causes(found)
-    best: Twin = whole
     for title, library in libraries(whole).items():
         for words, states, run in (("", STATES, None), (", pristine rows known", STATES[1:], pristine)):
-            last = show_rounds(f"{title}{words}", whole, library, campaign(states, INSIDE), run)
-            best = last if run is not None else best
+            show_rounds(f"{title}{words}", whole, library, campaign(states, INSIDE), run)
     if path:
-        picture(whole, best, path)
+        picture({"tapered_wing": reduced_twin(tapered_wing()), "uav_wing": whole}, path)
 
 
 def show_rounds(
     title: str, whole: WingTwin, library: Mapping[str, Effect], readings: Campaign, run: Campaign | None
-) -> Twin:
-    """Print what each round adds and the held-out gap after it; return the twin that came closest."""
+) -> None:
+    """Print what each round adds and the held-out gap after it."""
     before = held_out_gap(whole, readings.gauges)
     print(f"\n20 gauges, {title}: {before:.1f} microstrain on held-out states")
-    corrected: list[tuple[float, Twin]] = [(before, whole)]
-    for found, additions, current in rounds_of(readings, whole, library, run):
-        if run is not None and len(corrected) == 1:
+    for n_rounds, (found, additions, current) in enumerate(rounds_of(readings, whole, library, run)):
+        if run is not None and n_rounds == 0:
             alone = AugmentedTwin(whole, (), current.calibration, current.calibration_load)
-            corrected.append((held_out_gap(alone, readings.gauges), alone))
-            print(f"  calibration alone: {corrected[-1][0]:.1f} microstrain")
-        told = ", ".join(f"{a.effect.name} {a.place} {a.size:.3g} {a.effect.unit}" for a in additions)
-        corrected.append((held_out_gap(current, readings.gauges), current))
-        print(f"  {told or 'no cause'}: {corrected[-1][0]:.1f} microstrain; {_rest(found)}", flush=True)
-    return min(corrected, key=lambda pair: pair[0])[1]
+            print(f"  calibration alone: {held_out_gap(alone, readings.gauges):.1f} microstrain")
+        added = ", ".join(f"{a.effect.name} {a.place} {a.size:.3g} {a.effect.unit}" for a in additions)
+        gap = held_out_gap(current, readings.gauges)
+        print(f"  {added or 'no cause'}: {gap:.1f} microstrain; {_rest(found)}", flush=True)
 
 
 def _rest(found: Diagnosis) -> str:

@@ -1,6 +1,6 @@
 """The fit of `femlib.wing.uav_wing` to the published data, and what it predicts of readings that it did not see.
 
-    python -m benchmarks.wing.published [--refinement R] [--draws 3] [--edges]
+    python -m benchmarks.wing.published [--refinement R] [--draws 3] [--edges] [--pristine-sd 0.03]
 
 Strains of the undamaged wing and of 40 and 80 % loss in either region (increments), tip stiffness, weight and both
 measured frequencies are fitted; the levels 20 and 60 % never are. Each draw holds out six of the 20 gauges besides.
@@ -76,9 +76,10 @@ def main() -> None:
     parser.add_argument("--refinement", type=float, default=1.0)
     parser.add_argument("--draws", type=int, default=3)
     parser.add_argument("--edges", action="store_true", help="move the regions' edges along the chord")
+    parser.add_argument("--pristine-sd", type=float, default=PRISTINE_SD, help="share of each pristine strain")
     options = parser.parse_args()
     watch, table = Stopwatch(), published_strains(SHARED / "uav" / "strains.csv")
-    structure, seen = wing_design(options.refinement), observations(table)
+    structure, seen = wing_design(options.refinement), observations(table, options.pristine_sd)
     parameters = (*PARAMETERS, *MOVING_EDGES) if options.edges else PARAMETERS
     everything = calibrate(structure, parameters, seen, UNSEEN)
     print(
@@ -106,11 +107,11 @@ def wing_design(refinement: float) -> WingDesign:
     return WingDesign(wing, {"sound": ("", 0.0), **states}, edges, masses)
 
 
-def observations(table: MeanStrains) -> list[Observation]:
+def observations(table: MeanStrains, pristine_sd: float = PRISTINE_SD) -> list[Observation]:
     """Return strains, increments, tip compliance, frequencies and weight with their standard deviations."""
     usable = table.is_usable
     sound = _state(table, "", 0)
-    sd = np.where(usable, PRISTINE_SD * sound, LEFT_OUT_SD)
+    sd = np.where(usable, pristine_sd * sound, LEFT_OUT_SD)
     found: list[Observation] = [OutputReading("pristine", "sound", "lift", "gauges", sound, sd, labels=table.gauges)]
     for name in EDGES:
         for level in LEVELS:

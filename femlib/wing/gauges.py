@@ -60,6 +60,12 @@ class GaugeSet:
         """Span and chord fractions (n, 2)."""
         return np.stack([self.eta, self.chord_fraction], axis=1)
 
+    def distances(self, region: DamageRegion, planform: Planform) -> FloatArray:
+        """Return the distance of each gauge from a damage region in the plane of the wing [m], 0 inside (n,)."""
+        along = _outside(self.eta, region.eta_min, region.eta_max) * planform.span
+        across = _outside(self.chord_fraction, region.chord_min, region.chord_max) * planform.chord(self.eta)
+        return np.hypot(along, across)
+
     def strain_gauges(self, patches: tuple[str, ...], side: float) -> list[StrainGauge]:
         """Return the gauges for `patches` of the top skin; those in a region look in the region's patch alone.
 
@@ -69,6 +75,10 @@ class GaugeSet:
             StrainGauge(name, point, SPANWISE, (region,) if region else patches, side)
             for name, point, region in zip(self.names, self.position, self.regions, strict=True)
         ]
+
+
+def _outside(values: FloatArray, low: float, high: float) -> FloatArray:
+    return np.maximum(np.maximum(low - values, values - high), 0.0)
 
 
 def installed_places() -> FloatArray:

@@ -135,6 +135,15 @@ def test_of_82_gauges_67_lie_outside_the_damage_regions(coarse: Wing) -> None:
     assert int(coarse.gauges.is_usable.sum()) == 67
 
 
+def test_a_gauges_distance_from_a_region_is_that_along_the_skin(coarse: Wing) -> None:
+    gauges, region = coarse.gauges, coarse.regions[1]
+    distance = dict(zip(gauges.names, gauges.distances(region, coarse.planform), strict=True))
+    assert distance["c41"] == pytest.approx((2 / 3 - (0.19 + 10 * 0.6 / 13)) * coarse.span)
+    assert distance["g13"] == pytest.approx((0.4 - 0.22163) * coarse.planform.chord(gauges.eta[12]), rel=0.05)
+    is_inside = [name in {"R2"} for name in gauges.regions]
+    assert np.array_equal(np.array(list(distance.values())) == 0.0, is_inside)
+
+
 def test_the_model_hash_tells_models_apart(tiny: Wing, coarse: Wing) -> None:
     assert tiny.model_hash == uav_wing(refinement=0.3).model_hash
     assert tiny.model_hash != uav_wing(candidates=True, refinement=0.3).model_hash

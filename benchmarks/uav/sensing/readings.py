@@ -16,7 +16,7 @@ from octmip.tree import Node, predict
 LABELS = ("mu1", "mu2")
 LEVELS = (0, 20, 40, 60, 80)
 CLEARANCE = 0.04
-"""Distance from a damage region [m], along span or chord, below which a candidate reads the region's edge itself."""
+"""Distance from a damage region [m] below which a candidate reads the region's edge itself."""
 SMOKE = Recipe(samples_per_state=8)
 
 
@@ -47,20 +47,9 @@ def installed(data: Dataset) -> tuple[str, ...]:
 def clear_of_regions(data: Dataset) -> tuple[str, ...]:
     """Return the usable gauges without the candidates that are less than `CLEARANCE` from a damage region."""
     wing = candidate_wing()
-    gauges, planform = wing.gauges, wing.planform
-    distances = [
-        np.maximum(
-            _outside(gauges.eta, region.eta_min, region.eta_max) * planform.span,
-            _outside(gauges.chord_fraction, region.chord_min, region.chord_max) * planform.chord(gauges.eta),
-        )
-        for region in wing.regions
-    ]
-    near = {name for name, d in zip(gauges.names, np.min(distances, axis=0), strict=True) if d < CLEARANCE}
+    distances = np.min([wing.gauges.distances(region, wing.planform) for region in wing.regions], axis=0)
+    near = {name for name, d in zip(wing.gauges.names, distances, strict=True) if d < CLEARANCE}
     return tuple(name for name in data.gauges if name not in near or name in installed(data))
-
-
-def _outside(values: NDArray[np.float64], low: float, high: float) -> NDArray[np.float64]:
-    return np.maximum(np.maximum(low - values, values - high), 0.0)
 
 
 def problem_of(
