@@ -22,6 +22,7 @@ from octmip.sensing import (
     with_surrogates,
 )
 from octmip.sensing.failure import robust
+from octmip.solution import Stop
 from octmip.tree import HyperplaneSplit, Leaf, Split, predict
 
 
@@ -113,6 +114,24 @@ def test_hyperplanes_are_made_robust_by_search():
     ordinary = asked.probabilities @ asked.objectives(solve(problem).tree)
     assert certify_failures(asked, solve_expected(asked)).expected <= ordinary
     assert certify_failures(asked, solve_worst(asked, rounds=2)).worst >= solve_worst(asked, rounds=2).bound
+
+
+def test_a_limit_returns_no_tree_that_expects_more_than_the_ordinary_one(monkeypatch):
+    readings, level, _ = gauges(80, 4)
+    problem = Problem(readings, level, depth=2)
+    asked = FailureProblem(problem, failures(problem))
+    ordinary = solve(problem)
+
+    def cut_off(one, *given, **named):
+        if one is problem:
+            return ordinary
+        leaf = Leaf(0)
+        return replace(ordinary, tree=leaf, objective=one.objective(leaf), bound=0.0, stop=Stop.TIME)
+
+    monkeypatch.setattr(robust, "solve", cut_off)
+    found = solve_expected(asked, limits=Limits(seconds=1.0))
+    assert found.tree == ordinary.tree
+    assert certify_failures(asked, found).expected == pytest.approx(asked.probabilities @ asked.objectives(found.tree))
 
 
 def test_two_failures_together_are_one_scenario():
