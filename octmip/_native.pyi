@@ -144,7 +144,7 @@ NativeProgress = Callable[[float, int, int, int], None]  # seconds, objective, b
 NodeRow = tuple[int, int, int, int, int, int, list[tuple[int, float]], float]
 __version__: str
 
-def dense_ranks(features: NDArray[np.float64]) -> tuple[NDArray[np.uint32], list[NDArray[np.float64]]]:
+def dense_ranks(features: NDArray[np.float64]) -> tuple[NDArray[np.uint32], list[int]]:
     """Return ranks (n_features, n_samples) of features (n_samples, n_features), and each feature's distinct values."""
 
 def search(

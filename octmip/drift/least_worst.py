@@ -277,11 +277,9 @@ class _NativeDrift:
     def of(cls, problem: Problem, bands: Bands, off: int) -> "_NativeDrift":
         """Rank lowest, true and highest readings together."""
         n = problem.n_samples
-        together, values = _native.dense_ranks(
-            np.ascontiguousarray(np.vstack([bands.low, problem.features, bands.high]))
-        )
-        low, true, high = (np.ascontiguousarray(together[:, k * n : (k + 1) * n]) for k in range(3))
-        ranks, costs = Ranks(true, tuple(values)), integer_costs(problem, None)
+        together = Ranks.of(np.vstack([bands.low, problem.features, bands.high]))
+        low, true, high = (np.ascontiguousarray(together.ranks[:, k * n : (k + 1) * n]) for k in range(3))
+        ranks, costs = Ranks(true, together.values), integer_costs(problem, None)
         row = low, high, min(off, len(problem.sensors)), problem.n_classes
         return cls(problem, bands, off, native_problem(problem, ranks, costs), row, ranks, costs)
 

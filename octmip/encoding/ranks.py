@@ -18,8 +18,9 @@ A tree over the columns is a tree in which each split has a side for missing rea
 docs/theory/missing.md. All that searches, counts and proves does so over columns; `octmip.encoding.rows` translates.
 """
 
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +30,46 @@ from octmip.encoding.costs import IntegerCosts
 from octmip.problem import Problem
 from octmip.problem_values import refuse_gaps
 from octmip.tree import SIDES, Side
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DistinctValues(Sequence[NDArray[np.float64]]):
+    """The distinct values of each column, ascending, made when they are asked for: a tree asks for few columns.
+
+    Attributes
+    ----------
+    columns
+        (n_samples, n_columns) what was ranked.
+    ranks
+        (n_columns, n_samples) its dense ranks.
+    n_values
+        (n_columns,) how many distinct values each column has.
+    """
+
+    columns: NDArray[np.float64]
+    ranks: NDArray[np.uint32]
+    n_values: tuple[int, ...]
+    _made: dict[int, NDArray[np.float64]] = field(default_factory=dict, repr=False)
+
+    def __len__(self) -> int:
+        return len(self.n_values)
+
+    @overload
+    def __getitem__(self, column: int) -> NDArray[np.float64]: ...
+    @overload
+    def __getitem__(self, column: slice) -> Sequence[NDArray[np.float64]]: ...
+    def __getitem__(self, column: int | slice) -> NDArray[np.float64] | Sequence[NDArray[np.float64]]:
+        if isinstance(column, slice):
+            return [self[k] for k in range(len(self))[column]]
+        column = range(len(self))[column]
+        if column not in self._made:
+            values = np.empty(self.n_values[column])
+            values[self.ranks[column]] = self.columns[:, column]
+            self._made[column] = values + 0.0  # of 0.0 and -0.0, which are equal, the first
+        return self._made[column]
+
+    def __iter__(self) -> Iterator[NDArray[np.float64]]:
+        return (self[column] for column in range(len(self)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,14 +90,30 @@ class Ranks:
     """
 
     ranks: NDArray[np.uint32]
-    values: tuple[NDArray[np.float64], ...]
+    values: DistinctValues
     feature_of: tuple[int, ...] | None = None
     missing: tuple[Side | None, ...] | None = None
+
+    @classmethod
+    def of(
+        cls,
+        columns: NDArray[np.float64],
+        feature_of: tuple[int, ...] | None = None,
+        missing: tuple[Side | None, ...] | None = None,
+    ) -> "Ranks":
+        """Return the dense ranks of columns (n_samples, n_columns) without gaps."""
+        ranks, n_values = _native.dense_ranks(np.ascontiguousarray(columns))
+        return cls(ranks, DistinctValues(columns, ranks, tuple(n_values)), feature_of, missing)
 
     @property
     def n_columns(self) -> int:
         """Number of columns."""
         return len(self.values)
+
+    @property
+    def n_values(self) -> tuple[int, ...]:
+        """Number of distinct values of each column (n_columns,)."""
+        return self.values.n_values
 
     def feature(self, column: int) -> int:
         """Return the feature that a column reads."""
@@ -77,8 +134,7 @@ def rank_features(problem: Problem) -> Ranks:
     """Return the dense ranks of every feature of a problem, two columns for each that lacks readings."""
     with_gaps = problem.features_with_gaps if problem.gaps else ()
     if not with_gaps:
-        ranks, values = _native.dense_ranks(problem.features)
-        return Ranks(ranks, tuple(values))
+        return Ranks.of(problem.features)
     n_columns = [2 if feature in with_gaps else 1 for feature in range(problem.n_features)]
     feature_of = tuple(np.repeat(np.arange(problem.n_features), n_columns).tolist())
     missing = tuple(side for count in n_columns for side in (SIDES if count == 2 else (None,)))
@@ -86,8 +142,7 @@ def rank_features(problem: Problem) -> Ranks:
     for column, side in enumerate(missing):
         if side is not None:
             columns[np.isnan(columns[:, column]), column] = -np.inf if side == "left" else np.inf
-    ranks, values = _native.dense_ranks(np.ascontiguousarray(columns))
-    return Ranks(ranks, tuple(values), feature_of, missing)
+    return Ranks.of(columns, feature_of, missing)
 
 
 def native_problem(problem: Problem, ranks: Ranks, costs: IntegerCosts) -> _native.Problem:
@@ -112,7 +167,7 @@ def native_arguments(problem: Problem, ranks: Ranks, costs: IntegerCosts) -> tup
     feature_of = [ranks.feature(column) for column in range(ranks.n_columns)]
     return (
         ranks.ranks,
-        [len(values) for values in ranks.values],
+        list(ranks.n_values),
         costs.rows.astype(np.uint32),
         costs.weights,
         costs.costs,

@@ -80,7 +80,7 @@ class _GreedyBuilder:
         usable = [
             j
             for j in range(self.problem.n_features)
-            if self.problem.is_allowed((j,)) and len(self.ranks.values[self.column(j)]) > 1
+            if self.problem.is_allowed((j,)) and self.ranks.n_values[self.column(j)] > 1
         ]
         return np.array(usable, dtype=np.int64)
 

@@ -63,7 +63,7 @@ def _taken(problem: Problem, rows: NDArray[np.intp], weights: NDArray[np.float64
 def _groups(ranks: Ranks, codes: NDArray[np.int64]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Return the group of equal samples that each row belongs to, in the order of the values, and a row of each."""
     key, size = np.zeros(len(codes), dtype=np.int64), 1
-    columns = [(column, len(values)) for column, values in zip(ranks.ranks, ranks.values, strict=True)]
+    columns = list(zip(ranks.ranks, ranks.n_values, strict=True))
     for column, n_values in [*columns, (codes, int(codes.max()) + 1)]:
         if size * n_values > MOST_KEY:
             distinct, key = np.unique(key, return_inverse=True)

@@ -287,7 +287,7 @@ def _interval(ranks: Ranks, column: int, cuts: range, trees: int | None) -> Root
 
 def _whole_column(column: int, ranks: Ranks) -> list[RootInterval]:
     """Return the intervals of all cuts of a column that no other column has."""
-    n_cuts, side = len(ranks.values[column]) - 1, ranks.side(column)
+    n_cuts, side = ranks.n_values[column] - 1, ranks.side(column)
     gap = [range(1)] if side == "left" else []  # the same cut as the last one of the column that ranks gaps above
     rest = range(1, n_cuts) if side == "left" else range(n_cuts - 1) if side == "right" else range(n_cuts)
     return [_interval(ranks, column, cuts, None) for cuts in (*gap, rest) if cuts]

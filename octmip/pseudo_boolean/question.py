@@ -105,7 +105,7 @@ def question_of(problem: Problem) -> tuple[Question, IntegerCosts, Ranks]:
     costs = integer_costs(problem)
     prices = _prices(problem, costs)
     ranks = rank_features(problem)
-    n_ranks = np.array([len(values) for values in ranks.values], dtype=np.int64)
+    n_ranks = np.array(ranks.n_values, dtype=np.int64)
     columns = tuple(j for j in range(ranks.n_columns) if n_ranks[j] > 1 and _may_be_read(problem, ranks.feature(j)))
     sensors = np.array([problem.sensor_index[ranks.feature(j)] for j in columns], dtype=np.int64)
     counted = np.flatnonzero(prices)

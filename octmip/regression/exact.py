@@ -124,8 +124,7 @@ class _Search:
     leaf: float = field(init=False)
 
     def __post_init__(self) -> None:
-        ranks, values = _native.dense_ranks(self.problem.features)
-        self.ranks = Ranks(ranks, tuple(values))
+        self.ranks = Ranks.of(self.problem.features)
         self.grid = Grid.of(self.problem)
         self.leaf = self.problem.baseline
 
@@ -175,7 +174,7 @@ class _Search:
         grid, problem = self.grid, self.problem
         rows, bound, stop, n_cuts = _native.regression(
             self.ranks.ranks,
-            [len(values) for values in self.ranks.values],
+            list(self.ranks.n_values),
             (grid.targets, grid.weights, grid.squares, grid.grain),
             (problem.loss == "absolute", grid.penalty, problem.depth, problem.leaf_size, self._allowed(part)),
             None if math.isinf(self.room) else self.room,

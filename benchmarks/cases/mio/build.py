@@ -52,13 +52,12 @@ def _ways(problem: Problem, planes: Problem, start: Node) -> dict[str, Callable[
 
 def _through_pyomo(problem: Problem) -> None:
     """State OCT in Pyomo and let HiGHS read what Pyomo writes."""
-    import highspy
+    from octmip.mip.highs.worker import SilentHighs
 
     with tempfile.TemporaryDirectory() as folder:
         path = str(Path(folder) / "oct.mps")
         paper.paper_model(problem).write(path)
-        reader = highspy.Highs()
-        reader.setOptionValue("output_flag", False)
+        reader = SilentHighs()
         reader.readModel(path)
 
 

@@ -46,7 +46,7 @@ class Cuts:
     @classmethod
     def of(cls, ranks: Ranks, features: NDArray[np.int64]) -> "Cuts":
         """Return the cuts of some features, in their order."""
-        n_values = np.array([len(ranks.values[j]) for j in features], dtype=np.int64)
+        n_values = np.array([ranks.n_values[j] for j in features], dtype=np.int64)
         first = np.cumsum(n_values) - n_values
         place = np.repeat(np.arange(len(features)), n_values)
         rank = np.arange(len(place)) - first[place]

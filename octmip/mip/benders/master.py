@@ -133,6 +133,6 @@ def _rows(bounds: Bounds, places: NDArray[np.int64], leaf: float) -> tuple[Rows,
     rows.add("split_or_not", 1, 1, (d, 1.0), (unsplit, 1.0))
     for j, column in zip(features, a, strict=True):
         rows.add("feature", 0, 0, (x[feature == j], 1.0), (column, -1.0))
-    n_ranks = np.array([len(values) for values in bounds.ranks.values], dtype=np.float64)
+    n_ranks = np.array(bounds.ranks.n_values, dtype=np.float64)
     rows.add("threshold", 0, 0, (x, (rank + 1) / n_ranks[feature]), (b, -1.0))
     return rows, feature, {int(j): int(column) for j, column in zip(features, a, strict=True)}

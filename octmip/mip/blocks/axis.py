@@ -24,7 +24,7 @@ def require_axis(problem: Problem, method: str) -> None:
 
 def n_cuts(ranks: Ranks) -> list[int]:
     """Return the number of cuts of each feature: its number of values less one."""
-    return [len(values) - 1 for values in ranks.values]
+    return [n_values - 1 for n_values in ranks.n_values]
 
 
 def usable_features(problem: Problem, ranks: Ranks) -> list[int]:

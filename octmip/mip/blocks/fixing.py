@@ -85,7 +85,7 @@ def admissible_cuts(
 
 def _boundaries(problem: Problem, ranks: Ranks, j: int) -> NDArray[np.int64]:
     """Return the cuts of feature j whose two neighbouring values are not all of one same class."""
-    present = np.zeros((len(ranks.values[j]), problem.n_classes), dtype=bool)
+    present = np.zeros((ranks.n_values[j], problem.n_classes), dtype=bool)
     present[ranks.ranks[j], problem.codes] = True
     only = np.where(present.sum(axis=1) == 1, present.argmax(axis=1), -1)
     return np.flatnonzero((only[:-1] != only[1:]) | (only[:-1] < 0))
@@ -127,7 +127,7 @@ class _Pairs:
     @property
     def sizes(self) -> NDArray[np.int64]:
         """(n_usable,) number of values of each usable feature."""
-        return np.array([len(self.ranks.values[j]) for j in self.usable])
+        return np.array([self.ranks.n_values[j] for j in self.usable])
 
     @property
     def n_values(self) -> int:

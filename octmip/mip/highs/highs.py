@@ -23,7 +23,9 @@ from octmip.mip.highs.process import START, Worker, lent_worker, resident_bytes
 from octmip.mip.rows import Rows
 from octmip.solution import Limits, Progress, ProgressCallback, Stop
 
-VERSION: str = highspy.Highs().version()
+VERSION: str = ".".join(
+    str(part) for part in (highspy.HIGHS_VERSION_MAJOR, highspy.HIGHS_VERSION_MINOR, highspy.HIGHS_VERSION_PATCH)
+)
 POLL = 0.02  # seconds between two looks at Ctrl-C and progress
 GRACE = 0.5  # seconds that HiGHS has to end by itself once it is asked to
 

@@ -66,6 +66,15 @@ def write_frame(stream: BinaryIO, frame: tuple[Any, ...]) -> None:
     stream.flush()
 
 
+class SilentHighs(highspy.Highs):
+    """HiGHS without a word: from 1.16 on it prints its name when callbacks are enabled, which its constructor does."""
+
+    def enableCallbacks(self) -> None:  # noqa: N802 - HiGHS's name
+        """Be silent before anything else is asked."""
+        self.setOptionValue("output_flag", False)
+        super().enableCallbacks()
+
+
 def load(model: dict[str, Any]) -> highspy.Highs | None:
     """Return a silent HiGHS that holds a model, None when it refuses it."""
     lp = highspy.HighsLp()
@@ -79,7 +88,7 @@ def load(model: dict[str, Any]) -> highspy.Highs | None:
     lp.integrality_ = [kinds[i] for i in model["is_integer"].tolist()]
     if "names" in model:
         lp.col_names_, lp.row_names_ = model["names"]
-    highs = highspy.Highs()
+    highs = SilentHighs()
     highs.setOptionValue("output_flag", False)
     return None if highs.passModel(lp) == highspy.HighsStatus.kError else highs
 

@@ -101,7 +101,7 @@ mod tests {
             n: 3,
             p: 1,
             n_classes: 3,
-            ranks: vec![0, 1, 2],
+            ranks: vec![0, 1, 2].into(),
             n_ranks: vec![3],
             labels: vec![0, 1, 2],
             weights: vec![1, 2, 3],

@@ -75,9 +75,9 @@ class Core:
         problem = self.sequential.problem
         chosen = np.arange(problem.n_samples) if rows is None else rows
         features = np.ascontiguousarray(problem.features[chosen])
-        ranks, values = _native.dense_ranks(features)
+        ranks = Ranks.of(features)
         asked = _native.SequentialProblem(
-            ranks,
+            ranks.ranks,
             np.ascontiguousarray(self.paid[chosen]),
             self.sequential.counts[chosen],
             self.sequential.delay_costs[chosen],
@@ -88,7 +88,7 @@ class Core:
         )
         allowance = (limits.seconds, limits.gap, limits.nodes, limits.memory)
         table, bound, stop, n_cuts = _native.sequential(asked, room, allowance)
-        tree = None if table is None else centred(tree_from_rows(table, Ranks(ranks, tuple(values))), features)
+        tree = None if table is None else centred(tree_from_rows(table, ranks), features)
         return CoreResult(tree, bound, stop, n_cuts)
 
     def _shape(self, depth: int) -> tuple[float, int, int, list[int], list[bool], list[int]]:

@@ -1,5 +1,7 @@
 //! A classification problem over dense ranks, with integer weights and costs.
 
+use std::sync::Arc;
+
 /// A fault of a problem, with its numbers.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ProblemError(pub String);
@@ -15,8 +17,8 @@ pub struct Problem {
     pub p: usize,
     /// Number of classes.
     pub n_classes: usize,
-    /// Dense ranks, feature-major: the rank of sample `i` in feature `f` is `ranks[f * n + i]`.
-    pub ranks: Vec<u32>,
+    /// Dense ranks, feature-major: the rank of sample `i` in feature `f` is `ranks[f * n + i]`; a search shares them.
+    pub ranks: Arc<Vec<u32>>,
     /// Number of distinct values of each feature (`p`).
     pub n_ranks: Vec<u32>,
     /// Class of each sample (`n`).

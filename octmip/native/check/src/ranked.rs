@@ -1,5 +1,7 @@
 //! A question with the whole numbers of a log, as the checkers count it.
 
+use std::sync::Arc;
+
 use crate::input::question::Question;
 use crate::log::whole_costs::WholeCosts;
 use crate::problem::{Planes, Problem};
@@ -19,7 +21,7 @@ pub(crate) fn problem_of(question: &Question, costs: &WholeCosts) -> Problem {
         n: question.n,
         p: columns.len(),
         n_classes: costs.n_rows,
-        ranks,
+        ranks: Arc::new(ranks),
         n_ranks,
         labels: costs.rows.clone(),
         weights: costs.weights.clone(),

@@ -235,7 +235,7 @@ pub(crate) mod tests {
             n,
             p,
             n_classes,
-            ranks,
+            ranks: ranks.into(),
             n_ranks: vec![8; p],
             labels: (0..n).map(|_| rng.u32(0..3)).collect(),
             weights: (0..n).map(|_| rng.i64(0..4)).collect(),

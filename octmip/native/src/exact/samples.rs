@@ -15,6 +15,8 @@ pub(crate) mod label_sets;
 pub(crate) mod merging;
 pub(crate) mod unit;
 
+use std::sync::Arc;
+
 use crate::costs::ClassCosts;
 use crate::exact::samples::unit::{common_divisor, rounded_up, unit};
 use crate::problem::Problem;
@@ -34,9 +36,9 @@ pub(crate) struct Samples {
     /// The problem's index of each usable feature (`p`).
     pub(crate) features: Vec<u32>,
     /// Dense ranks, feature-major (`p * n`).
-    pub(crate) ranks: Vec<u32>,
+    pub(crate) ranks: Arc<Vec<u32>>,
     /// Sample ids in the order of each feature, ties by id (`p * n`).
-    pub(crate) order: Vec<u32>,
+    pub(crate) order: Arc<Vec<u32>>,
     /// Cost range of each sample (`n`).
     pub(crate) ranges: Vec<i64>,
     /// Smallest cost of each sample, which no tree avoids (`n`).
@@ -72,20 +74,23 @@ impl Samples {
         let features: Vec<u32> =
             (0..problem.p).filter(|&f| problem.allowed[f] && problem.n_ranks[f] > 1).map(|f| f as u32).collect();
         let n = problem.n;
-        let mut ranks = Vec::with_capacity(features.len() * n);
         let mut order = Vec::with_capacity(features.len() * n);
         for &f in &features {
-            let values = problem.feature(f as usize);
-            ranks.extend_from_slice(values);
-            order.extend(sorted_by_rank(values, problem.n_ranks[f as usize]));
+            order.extend(sorted_by_rank(problem.feature(f as usize), problem.n_ranks[f as usize]));
         }
+        // The ranks of a large problem are not copied where every feature is usable.
+        let ranks = if features.len() == problem.p {
+            problem.ranks.clone()
+        } else {
+            Arc::new(features.iter().flat_map(|&f| problem.feature(f as usize)).copied().collect())
+        };
         let mut samples = Self {
             n,
             p: features.len(),
             n_labels: 0,
             features,
             ranks,
-            order,
+            order: Arc::new(order),
             ranges: Vec::with_capacity(n),
             base: Vec::with_capacity(n),
             is_single: true,
@@ -218,8 +223,8 @@ impl Samples {
 
     /// The same samples with only these of the usable features.
     pub(crate) fn with_features(&self, usable: &[usize]) -> Self {
-        let pick = |lists: &[u32]| -> Vec<u32> {
-            usable.iter().flat_map(|&f| lists[f * self.n..(f + 1) * self.n].iter().copied()).collect()
+        let pick = |lists: &[u32]| -> Arc<Vec<u32>> {
+            Arc::new(usable.iter().flat_map(|&f| lists[f * self.n..(f + 1) * self.n].iter().copied()).collect())
         };
         Self {
             p: usable.len(),

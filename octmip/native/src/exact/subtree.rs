@@ -61,7 +61,7 @@ mod tests {
             n,
             p,
             n_classes: 3,
-            ranks: (0..n * p).map(|_| next(40)).collect(),
+            ranks: (0..n * p).map(|_| next(40)).collect::<Vec<_>>().into(),
             n_ranks: vec![40; p],
             labels: (0..n).map(|_| next(3)).collect(),
             weights: vec![1; n],

@@ -1,5 +1,7 @@
 //! The samples that reach a node: one list of ids per feature, each in the order of that feature.
 
+use std::sync::Arc;
+
 use crate::exact::samples::Samples;
 
 /// Samples of a node. The cut at position `k` of feature `f` sends the first `k` samples of list `f` left.
@@ -7,8 +9,8 @@ use crate::exact::samples::Samples;
 pub(crate) struct View {
     /// Number of samples.
     pub(crate) len: usize,
-    /// Sample ids, list after list (`p * len`).
-    pub(crate) lists: Vec<u32>,
+    /// Sample ids, list after list (`p * len`); those of all samples are shared.
+    pub(crate) lists: Arc<Vec<u32>>,
     /// Gain of predicting each label for all of them (`n_labels`).
     pub(crate) totals: Vec<i64>,
     /// Sum of their cost ranges.
@@ -29,7 +31,7 @@ impl View {
         for &i in ids {
             chosen[i as usize] = true;
         }
-        let lists = samples.order.iter().copied().filter(|&i| chosen[i as usize]).collect();
+        let lists = Arc::new(samples.order.iter().copied().filter(|&i| chosen[i as usize]).collect());
         let mut view = Self { len: ids.len(), lists, ..Self::default() };
         view.recount(samples, ids.iter().copied());
         view
@@ -65,23 +67,25 @@ impl View {
             marks[i as usize] = position >= k;
         }
         let sizes = [k, self.len - k];
-        for (side, view) in sides.iter_mut().enumerate() {
-            view.len = sizes[side];
-            view.lists.resize(samples.p * sizes[side] + 1, 0); // one more: the branchless partition writes ahead
+        let [left, right] = sides.each_mut().map(|view| Arc::make_mut(&mut view.lists));
+        for (lists, size) in [&mut *left, &mut *right].into_iter().zip(sizes) {
+            lists.resize(samples.p * size + 1, 0); // one more: the branchless partition writes ahead
         }
-        let [left, right] = sides;
         for g in 0..samples.p {
             let (mut to_left, mut to_right) = (g * k, g * (self.len - k));
             for &i in self.list(g) {
                 let is_right = marks[i as usize];
-                left.lists[to_left] = i;
-                right.lists[to_right] = i;
+                left[to_left] = i;
+                right[to_right] = i;
                 to_left += usize::from(!is_right);
                 to_right += usize::from(is_right);
             }
         }
+        for (lists, size) in [left, right].into_iter().zip(sizes) {
+            lists.truncate(samples.p * size);
+        }
         for (side, view) in sides.iter_mut().enumerate() {
-            view.lists.truncate(samples.p * sizes[side]);
+            view.len = sizes[side];
             let ids = if side == 0 { &self.list(f)[..k] } else { &self.list(f)[k..] };
             view.recount(samples, ids.iter().copied());
         }

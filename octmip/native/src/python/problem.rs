@@ -58,7 +58,7 @@ impl PyProblem {
             n,
             p,
             n_classes: costs.shape()[0],
-            ranks: ranks.as_slice()?.to_vec(),
+            ranks: ranks.as_slice()?.to_vec().into(),
             n_ranks,
             labels: labels.as_slice()?.to_vec(),
             weights: weights.as_slice()?.to_vec(),

@@ -1,6 +1,7 @@
 //! Random small problems, their optima by trying every tree, and the cost of a tree counted sample by sample.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use _native::problem::{Planes, Problem};
 use _native::tree::{Node, Tree};
@@ -71,7 +72,9 @@ fn problem_of(question: &Question) -> Problem {
         n: question.n,
         p: question.p,
         n_classes: question.n_classes,
-        ranks: (0..question.p).flat_map(|f| column(f).map(move |x| (f, x))).map(|(f, x)| rank(f, x)).collect(),
+        ranks: Arc::new(
+            (0..question.p).flat_map(|f| column(f).map(move |x| (f, x))).map(|(f, x)| rank(f, x)).collect(),
+        ),
         n_ranks: distinct.iter().map(|values| values.len() as u32).collect(),
         labels: question.labels.clone(),
         weights: question.weights.iter().map(|&weight| weight as i64).collect(),

@@ -127,7 +127,7 @@ mod tests {
             n,
             p: 1,
             n_classes: n,
-            ranks: (0..n as u32).collect(),
+            ranks: (0..n as u32).collect::<Vec<_>>().into(),
             n_ranks: vec![n as u32],
             labels: (0..n as u32).collect(),
             weights: vec![1; n],

@@ -17,14 +17,16 @@ const SLOTS: [f64; 3] = [16.0, 8.0, 4.0];
 pub(crate) fn bytes(problem: &Problem, n_threads: usize, switches: &Switches) -> f64 {
     let (n, p) = (problem.n as f64, problem.p as f64);
     let lists = 4.0 * n * p;
-    let samples = 2.0 * lists + 28.0 * n;
+    // The samples in the order of each feature; the ranks are the problem's own where every feature is usable.
+    let is_whole = (0..problem.p).all(|f| problem.allowed[f] && problem.n_ranks[f] > 1);
+    let samples = if is_whole { lists } else { 2.0 * lists } + 28.0 * n;
     let own = thread(problem, switches);
     if problem.depth < 3 {
-        return samples + lists + own;
+        return samples + own;
     }
     let is_tight = problem.sensor_cost.iter().sum::<f64>() > problem.sensor_limit;
-    let copies = if is_tight { samples + lists } else { 0.0 };
-    samples + lists + n_threads as f64 * own + (p * axis(problem, problem.depth)).max(n_threads as f64 * copies)
+    let copies = if is_tight { 2.0 * lists + 28.0 * n } else { 0.0 };
+    samples + n_threads as f64 * own + (p * axis(problem, problem.depth)).max(n_threads as f64 * copies)
 }
 
 /// Workspaces of one thread: the samples on both sides at every level above the last two, cuts, stumps.

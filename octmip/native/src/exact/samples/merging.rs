@@ -3,6 +3,8 @@
 //! Every tree sends equal samples to one leaf, so both problems have the same trees at the same cost. It does not hold
 //! where leaves have a least size, as samples are counted there. Only features that a split may use are compared.
 
+use std::sync::Arc;
+
 use crate::problem::Problem;
 
 /// Rows that must go for the smaller problem to be worth its memory: one in so many.
@@ -22,10 +24,11 @@ pub(crate) fn merged(problem: &Problem) -> Option<(Problem, Vec<u32>)> {
         weights[to as usize] += own;
         rows[to as usize] += 1;
     }
+    // Features that no split may use keep their rows, though not all their values: nothing reads them.
+    let ranks = (0..problem.p).flat_map(|f| kept.iter().map(move |&i| problem.feature(f)[i])).collect();
     let smaller = Problem {
         n: kept.len(),
-        // Features that no split may use keep their rows, though not all their values: nothing reads them.
-        ranks: (0..problem.p).flat_map(|f| kept.iter().map(move |&i| problem.feature(f)[i])).collect(),
+        ranks: Arc::new(ranks),
         labels: kept.iter().map(|&i| problem.labels[i]).collect(),
         weights: kept.iter().map(|&i| weights[i]).collect(),
         n_ranks: problem.n_ranks.clone(),
@@ -86,7 +89,7 @@ mod tests {
             n: rows.len(),
             p: 2,
             n_classes: 2,
-            ranks: (0..2).flat_map(|f| rows.iter().map(move |row| row[f])).collect(),
+            ranks: (0..2).flat_map(|f| rows.iter().map(move |row| row[f])).collect::<Vec<_>>().into(),
             n_ranks: vec![3, 3],
             labels: labels.to_vec(),
             weights: weights.to_vec(),
@@ -106,7 +109,7 @@ mod tests {
     fn equal_samples_of_a_class_become_one_where_the_first_was() {
         let given = problem(&[[0, 2], [1, 1], [0, 2], [0, 2]], &[0, 1, 0, 1], &[2, 3, 5, 7]);
         let (found, rows) = merged(&given).expect("fewer");
-        assert_eq!((found.n, found.ranks), (3, vec![0, 1, 0, 2, 1, 2]));
+        assert_eq!((found.n, found.ranks.to_vec()), (3, vec![0, 1, 0, 2, 1, 2]));
         assert_eq!((found.labels, found.weights, rows), (vec![0, 1, 1], vec![7, 3, 7], vec![2, 1, 1]));
     }
 

@@ -102,7 +102,7 @@ impl DualPlanes {
 /// The values in units of their own, on a grid where they lie so close that the splitting of regions would not end.
 fn plane_of(problem: &Problem, own: &Values) -> Plane {
     let mut ranker = Ranker::default();
-    let (mut values, mut ranks) = (Vec::with_capacity(problem.n * problem.p), problem.ranks.clone());
+    let (mut values, mut ranks) = (Vec::with_capacity(problem.n * problem.p), problem.ranks.to_vec());
     for (f, ranks) in ranks.chunks_mut(problem.n).enumerate() {
         let column: Vec<f64> = own.rows().map(|row| row[f]).collect();
         match on_grid(&column) {

@@ -196,7 +196,7 @@ mod tests {
             n: rows.len(),
             p: 2,
             n_classes: 2,
-            ranks: vec![0; 2 * rows.len()],
+            ranks: vec![0; 2 * rows.len()].into(),
             n_ranks: vec![1; 2],
             labels: vec![0; rows.len()],
             weights: vec![1; rows.len()],
