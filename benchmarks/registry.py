@@ -13,6 +13,7 @@ FAMILIES = {
     "exact_budget": "benchmarks.cases.exact.budget",
     "exact_call": "benchmarks.cases.exact.call",
     "exact_growth": "benchmarks.cases.exact.growth",
+    "exact_large": "benchmarks.cases.exact.large",
     "exact_proofs": "benchmarks.cases.exact.proofs",
     "veripb": "benchmarks.cases.exact.veripb",
     "exact_cluster": "benchmarks.cases.exact.cluster",

@@ -32,9 +32,9 @@ from octmip.problem_values import refuse_gaps
 from octmip.tree import SIDES, Side
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(slots=True, eq=False)
 class DistinctValues(Sequence[NDArray[np.float64]]):
-    """The distinct values of each column, ascending, made when they are asked for: a tree asks for few columns.
+    """The distinct values of each column, ascending, made when first asked for: a tree asks for few columns.
 
     Attributes
     ----------

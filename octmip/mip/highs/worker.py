@@ -69,10 +69,14 @@ def write_frame(stream: BinaryIO, frame: tuple[Any, ...]) -> None:
 class SilentHighs(highspy.Highs):
     """HiGHS without a word: from 1.16 on it prints its name when callbacks are enabled, which its constructor does."""
 
+    def __init__(self) -> None:
+        super().__init__()  # type: ignore[no-untyped-call] # HiGHS has no annotations
+        self.setOptionValue("output_flag", False)
+
     def enableCallbacks(self) -> None:  # noqa: N802 - HiGHS's name
         """Be silent before anything else is asked."""
         self.setOptionValue("output_flag", False)
-        super().enableCallbacks()
+        super().enableCallbacks()  # type: ignore[no-untyped-call] # as above
 
 
 def load(model: dict[str, Any]) -> highspy.Highs | None:
@@ -89,7 +93,6 @@ def load(model: dict[str, Any]) -> highspy.Highs | None:
     if "names" in model:
         lp.col_names_, lp.row_names_ = model["names"]
     highs = SilentHighs()
-    highs.setOptionValue("output_flag", False)
     return None if highs.passModel(lp) == highspy.HighsStatus.kError else highs
 
 
