@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 from matplotlib import rc_context
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from benchmarks.data import three_classes
 from benchmarks.tables import Line
 from octmip.methods.exact import branch_and_bound
 from octmip.problem import Problem
@@ -39,17 +39,9 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
                     break
 
 
-def samples(n: int, p: int) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Return normal features (n, p) and three classes by a tree of three of them, a tenth of the labels drawn again."""
-    rng = np.random.default_rng(0)
-    features = rng.normal(size=(n, p))
-    score = (features[:, 0] > 0.3).astype(int) + (features[:, 1] > -0.5) * (features[:, 2] > 0)
-    return features, np.where(rng.random(n) < 0.1, rng.integers(0, 3, n), score)
-
-
 def _measured(n: int, p: int, depth: int, limit: float) -> Line:
-    features, labels = samples(n, p)
-    problem = Problem(features, labels, depth=depth)
+    table = three_classes(n, p)
+    problem = Problem(table.features, table.labels, depth=depth)
     usage, start = resource.getrusage(resource.RUSAGE_SELF), time.perf_counter()
     solution = branch_and_bound(problem, limits=Limits(seconds=limit))
     after = resource.getrusage(resource.RUSAGE_SELF)

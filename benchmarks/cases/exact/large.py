@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from sklearn.tree import DecisionTreeClassifier
 
-from benchmarks.cases.exact.growth import samples
 from benchmarks.cpu import cpu_seconds
+from benchmarks.data import three_classes
 from benchmarks.tables import Line
 from octmip import Limits, Problem, predict
 from octmip.methods.exact import branch_and_bound
@@ -39,7 +39,8 @@ def results(limit: float, threads: Sequence[int], sizes: Sequence[tuple[int, int
 
 def measured(n: int, p: int, way: str, limit: float) -> Line:
     """Return errors, outcome, seconds and memory of one way."""
-    features, labels = samples(n, p)
+    made = three_classes(n, p)
+    features, labels = made.features, made.labels
     table = _megabytes()
     before, start = cpu_seconds(), time.perf_counter()
     outcome, errors, labels_of = WAYS[way](features, labels, limit)
