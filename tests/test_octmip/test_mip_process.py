@@ -199,3 +199,20 @@ print([name for name in sys.modules if name.startswith("pyomo")])
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["[]"]
+
+
+def test_masters_are_solved_beside_others_who_use_highs_with_other_threads():
+    program = """
+import highspy, numpy as np
+from octmip.mip.benders.solver import solve_benders
+from octmip.problem import Problem
+other = highspy.Highs()
+other.setOptionValue("output_flag", False)
+other.addVar(0.0, 1.0)
+other.run()  # with as many threads as HiGHS takes by itself
+rng = np.random.default_rng(0)
+features = rng.normal(size=(60, 3)).round(1)
+print(solve_benders(Problem(features, (features.sum(axis=1) > 0).astype(int), depth=2)).stop)
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert done.stdout.split()[-1:] == ["optimal"], done.stderr

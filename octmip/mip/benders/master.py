@@ -102,7 +102,7 @@ class Master:
 
     def _solved(self) -> int | None:
         """Return the place of the cut that the optimum makes; None where it makes none."""
-        self._highs.run()
+        self._highs.run_beside_others()
         status = self._highs.getModelStatus()
         if status != highspy.HighsModelStatus.kOptimal:
             status = self._solved_anew()
@@ -116,7 +116,7 @@ class Master:
         self._highs.clearSolver()
         for option, value in ANEW.items():
             self._highs.setOptionValue(option, value)
-        self._highs.run()
+        self._highs.run_beside_others()
         for option in ANEW:
             self._highs.setOptionValue(option, OPTIONS[option])
         return self._highs.getModelStatus()

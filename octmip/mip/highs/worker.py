@@ -78,8 +78,17 @@ class SilentHighs(highspy.Highs):
         self.setOptionValue("output_flag", False)
         super().enableCallbacks()  # type: ignore[no-untyped-call] # as above
 
+    def run_beside_others(self) -> None:
+        """Run in a process in which others may use HiGHS: its threads are the process's.
 
-def load(model: dict[str, Any]) -> highspy.Highs | None:
+        From 1.16 on a run that asks for another number of them than the first one ends with an error.
+        """
+        if self.run() == highspy.HighsStatus.kError:
+            self.setOptionValue("threads", 0)  # as many as there are
+            self.run()
+
+
+def load(model: dict[str, Any]) -> SilentHighs | None:
     """Return a silent HiGHS that holds a model, None when it refuses it."""
     lp = highspy.HighsLp()
     lp.num_col_, lp.num_row_ = len(model["cost"]), len(model["row_lower"])

@@ -98,7 +98,7 @@ class Separator:
         return found
 
     def _solved(self, slack: float) -> Band:
-        self._highs.run()
+        self._highs.run_beside_others()
         status = self._highs.getModelStatus()
         if status != highspy.HighsModelStatus.kOptimal:
             raise SolverError(f"HiGHS ends the model of a band with {status.name}; expected an optimum")
