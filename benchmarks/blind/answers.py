@@ -194,10 +194,9 @@ def _features(diagnosis: Diagnosis) -> list[float]:
     loads = model.load_factors
     z = model.residual / np.sqrt(np.diag(model.covariance))
     n = len(model.inputs.order)
-    at_rest = [float(z[(model.gauge == g) & (loads == 0)].mean()) if (loads == 0).any() else 0.0 for g in range(n)]
-    loaded = [float(z[(model.gauge == g) & (loads > 0)].mean()) if (loads > 0).any() else 0.0 for g in range(n)]
-    features: list[float] = np.nan_to_num([*at_rest, *loaded]).tolist()
-    return features
+    # A gauge that is left out at a load (clipped, say) has no residual there.
+    parts = [z[(model.gauge == g) & at] for at in (loads == 0, loads > 0) for g in range(n)]
+    return [float(part.mean()) if len(part) else 0.0 for part in parts]
 
 
 def group_lasso(diagnosis: Diagnosis) -> str:
