@@ -139,8 +139,8 @@ def test_a_gauges_distance_from_a_region_is_that_along_the_skin(coarse: Wing) ->
     gauges, region = coarse.gauges, coarse.regions[1]
     distance = dict(zip(gauges.names, gauges.distances(region, coarse.planform), strict=True))
     assert distance["c41"] == pytest.approx((2 / 3 - (0.19 + 10 * 0.6 / 13)) * coarse.span)
-    assert distance["g13"] == pytest.approx((0.4 - 0.22163) * coarse.planform.chord(gauges.eta[12]), rel=0.05)
-    is_inside = [name in {"R2"} for name in gauges.regions]
+    assert distance["g14"] == pytest.approx((0.4 - 0.22163) * coarse.planform.chord(gauges.eta[13]))
+    is_inside = [name == "R2" for name in gauges.regions]
     assert np.array_equal(np.array(list(distance.values())) == 0.0, is_inside)
 
 

@@ -134,6 +134,24 @@ def test_a_limit_returns_no_tree_that_expects_more_than_the_ordinary_one(monkeyp
     assert certify_failures(asked, found).expected == pytest.approx(asked.probabilities @ asked.objectives(found.tree))
 
 
+def test_an_interrupt_of_the_ordinary_problem_ends_the_rest(monkeypatch):
+    readings, level, _ = gauges(80, 4)
+    problem = Problem(readings, level, depth=2)
+    asked = FailureProblem(problem, failures(problem))
+    given = []
+
+    def interrupted(one, method, limits, **named):
+        given.append(limits.seconds)
+        leaf = Leaf(0)
+        stop = Stop.INTERRUPTED if one is problem else Stop.TIME
+        return replace(ordinary, tree=leaf, objective=one.objective(leaf), bound=0.0, stop=stop)
+
+    ordinary = solve(problem)
+    monkeypatch.setattr(robust, "solve", interrupted)
+    assert solve_expected(asked, limits=Limits(seconds=10.0)).stop is Stop.INTERRUPTED
+    assert given == [2.0, 0.0]
+
+
 def test_two_failures_together_are_one_scenario():
     readings, level, _ = gauges(60, 4)
     problem = Problem(readings, level, depth=1)

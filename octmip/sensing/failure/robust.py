@@ -57,8 +57,12 @@ def solve_expected(
     usual = None
     if math.isfinite(limits.seconds):
         usual = solve(asked.problem, method, replace(limits, seconds=limits.seconds / 5), seed=seed, n_jobs=n_jobs)
-    left = replace(limits, seconds=max(0.0, limits.seconds - (time.perf_counter() - start)))
+    is_interrupted = usual is not None and usual.stop is Stop.INTERRUPTED
+    spent = math.inf if is_interrupted else time.perf_counter() - start
+    left = limits if usual is None else replace(limits, seconds=max(0.0, limits.seconds - spent))
     found = _better(stacked, solve(stacked, method, left, seed=seed, n_jobs=n_jobs), usual)
+    if is_interrupted and found.stop is not Stop.OPTIMAL:
+        found = replace(found, stop=Stop.INTERRUPTED)
     objective, bound = found.objective / scale, math.nextafter(found.bound / scale, -math.inf)
     tolerance = 0.0
     if found.bound == found.objective:
@@ -69,7 +73,10 @@ def solve_expected(
         tolerance = tolerance if tolerance < asked.least_saving(over_worst=False) else 0.0
     stop = Stop.NUMERICS if found.stop is Stop.OPTIMAL and bound < objective - tolerance else found.stop
     details = {**found.details, "over": "expected"}
-    return replace(found, objective=objective, bound=bound, stop=stop, tolerance=tolerance, details=details)
+    seconds = time.perf_counter() - start
+    return replace(
+        found, objective=objective, bound=bound, stop=stop, tolerance=tolerance, details=details, seconds=seconds
+    )
 
 
 def _better(stacked: Problem, found: Solution, usual: Solution | None) -> Solution:
