@@ -38,13 +38,18 @@ def _seconds_of_running_children() -> float:
     """Return the CPU seconds of the children that still run, by Linux's /proc; 0 elsewhere."""
     ticks = 0
     for thread in Path("/proc/self/task").glob("*/children"):
-        for child in thread.read_text().split():
-            try:
-                fields = Path(f"/proc/{child}/stat").read_text().rpartition(")")[2].split()
-            except (FileNotFoundError, ProcessLookupError):  # ended since
-                continue
-            ticks += int(fields[11]) + int(fields[12])
+        for child in _read(thread).split():
+            fields = _read(Path(f"/proc/{child}/stat")).rpartition(")")[2].split()
+            ticks += int(fields[11]) + int(fields[12]) if fields else 0
     return ticks / os.sysconf("SC_CLK_TCK")
+
+
+def _read(path: Path) -> str:
+    """Return the text of a file of /proc, none where its thread or process has ended since."""
+    try:
+        return path.read_text()
+    except (FileNotFoundError, ProcessLookupError):
+        return ""
 
 
 class Stopwatch:

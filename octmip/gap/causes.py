@@ -13,6 +13,7 @@ from itertools import permutations
 
 import numpy as np
 
+from octmip.gap.campaign.wandering import moves_together
 from octmip.gap.effects.words import words_at
 from octmip.gap.inference.candidates import SCALES
 from octmip.gap.inference.confounding import SEPARABLE, confounded_with, confounders
@@ -184,13 +185,16 @@ def with_misfit(
 
     Evidence only compares: the best of a library that lacks the truth is still the best. Where the chance of what the
     best cause leaves is below `MISFIT`, all causes of the library lose in proportion to that chance, and the unknown
-    gains what they lose; the less so, the more of the gap on held-out readings the best cause closes.
+    gains what they lose; the less so, the more of the gap on held-out readings the best cause closes. Likewise where
+    what gauges share wanders: the noise then takes what no effect explains.
     """
     if best is None:
         return found, unknown_probability
     chance = closing.p_after if closing is not None else chance_of_rest(best.judged.model, best.judged.fit)
     closed = closing.closed if closing is not None and np.isfinite(closing.closed) else 0.0
     kept = min(1.0, chance / MISFIT) ** float(np.clip((1.0 - closed) / (1.0 - EXPLAINED), 0.0, 1.0))
+    inputs = best.judged.model.inputs
+    kept *= 1.0 - moves_together(inputs.noise, inputs.averages)
     unknown = 1.0 - (1.0 - unknown_probability) * kept
     if kept == 1.0:
         return found, unknown_probability

@@ -9,13 +9,14 @@ from benchmarks.cases.gap.noise import Beam as Cantilever
 from benchmarks.cases.gap.noise import drawn
 from octmip.gap import diagnose
 from octmip.gap.campaign.averages import averages_of, moments_of
+from octmip.gap.campaign.memory import memories_of
 from octmip.gap.campaign.noise import least_moment
 from octmip.gap.campaign.noise_estimate import estimate_noise
-from octmip.gap.campaign.wandering import PRIOR, transition, wanders_of
+from octmip.gap.campaign.wandering import PRIOR, moves_together, transition, wanders_of
 from octmip.gap.inference.inputs import prepare
 from octmip.gap.location import noise_variance
 from octmip.report.diagnosis.words import noise_lines
-from tests.test_octmip.beam_twin import Beam, measured
+from tests.test_octmip.beam_twin import ETA, Beam, measured
 
 TWIN = Beam()
 SD, STEP = 31.6, 0.022
@@ -121,3 +122,56 @@ def test_what_does_not_grow_with_the_load_stays_out_of_the_calibration():
 def test_a_run_that_wanders_beside_a_calm_campaign_is_not_doubted():
     kind = "random walk, slow"
     assert not diagnose(drawn(kind, 0), Cantilever(), commissioning=drawn(kind, 1)).doubts
+
+
+def sun(cycles, phase, size, middle, width):
+    """A field over a part of the beam that comes and goes so many times in a campaign of four loads."""
+    shape = size * np.exp(-(((ETA - middle) / width) ** 2))
+    return lambda state, load, time: shape * np.sin(2 * np.pi * cycles * time / 1200.0 + phase)
+
+
+@pytest.mark.parametrize(
+    ("cycles", "phase", "size", "is_shared"), [(0.93, 0.83, 19.0, False), (1.73, 5.66, 31.0, True)]
+)
+def test_what_comes_and_goes_is_unexplained_and_no_sound_asset(cycles, phase, size, is_shared):
+    """Before: two effects of the library (.65), and a sound asset with readings that wander (.99)."""
+    campaign = measured(4001, sun(cycles, phase, size, 0.5, 0.25))
+    diagnosis = diagnose(campaign, TWIN, commissioning=measured(5001))
+    assert diagnosis.which[0].effects == ("unknown",)
+    assert diagnosis.unknown_probability > 0.95
+    inputs = diagnosis.posterior.model.inputs
+    assert (moves_together(diagnosis.noise, inputs.averages) > 0.5) == is_shared
+
+
+def test_walks_of_single_gauges_do_not_move_together(sound):
+    inputs = sound.posterior.model.inputs
+    assert moves_together(sound.noise, inputs.averages) == 0.0
+
+
+def stepping(height=0.5, dwell=40.0):
+    """White noise with steps up and down, of each gauge by itself, which go on from load to load."""
+    side = [None]
+
+    def noise(rng, shape, load):
+        start = rng.integers(2, size=shape[1]) if side[0] is None else side[0]
+        sides = start + np.cumsum(rng.random(shape) < 1.0 / dwell, axis=0)
+        side[0] = sides[-1]
+        return SD * (rng.standard_normal(shape) + height * (-1.0) ** sides)
+
+    return noise
+
+
+def test_the_memory_of_readings_is_weighed_where_repeats_leave_it_open():
+    stepped = estimate_noise(measured(21, noise=stepping()))
+    memories = memories_of(stepped, 50)
+    assert len(memories) > 1
+    assert sum(one.share for one in memories) == pytest.approx(1.0, abs=0.01)
+    means = [one.noise.parts[0].of_mean(50) * np.trace(one.noise.parts[0].covariance) for one in memories]
+    assert max(means) > 1.5 * min(means)
+    assert min(means) < stepped.parts[0].of_mean(50) * np.trace(stepped.parts[0].covariance) < max(means)
+
+
+def test_white_readings_are_looked_at_as_white_first():
+    first = memories_of(estimate_noise(measured(1)), 50)[0]
+    assert first.share > 0.9
+    assert first.noise.parts[0].serial.white_probability > 0.99

@@ -32,8 +32,14 @@ At .15 a faint pattern that no library holds was taken for a walk (docs/gap/nois
 with a mild walk beside a calm run was accused."""
 ALIKE = 0.8
 """Probability that campaign and commissioning run wander alike; else each as far as it does."""
+SHARED_BY = 2.0
+"""Gauges, counted by their variance (sum squared over sum of squares), beyond which a pattern is shared."""
 RANDOM_WALK = "random_walk"
 """Name of the finding."""
+CORRELATED = "correlated_noise"
+"""Name of the finding that readings remember each other."""
+CERTAIN = 0.99
+"""Probability of a memory from which it is a finding."""
 
 EDGES = STEPS[::WIDTH]
 """Smallest variance of a step over that of a white reading of every size."""
@@ -86,6 +92,22 @@ def transition(one: Wander, other: Wander) -> float:
     return float(ALIKE * alike + (1.0 - ALIKE) * PRIOR[list(other.sizes)].sum())
 
 
+def moves_together(noise: Noise, averages: Sequence[AveragedCell]) -> float:
+    """Return the probability that a pattern that gauges share wanders so far that means move by more than they scatter.
+
+    A supply, lead wires or a temperature does that: no noise of the gauges, and no effect with a size.
+    """
+    last = max(averages, key=lambda average: float(average.moments.mean()))
+    found = 0.0
+    for part in noise.parts[1:]:
+        spread = np.diag(part.covariance)
+        is_shared = float(spread.sum()) ** 2 > SHARED_BY * float(np.sum(spread**2))
+        moved = part.serial.step_variance * least_moment(last.moments, last.moments)
+        if is_shared and moved > part.serial.of_mean(len(last.rows)):
+            found = max(found, part.serial.walk_probability)
+    return found
+
+
 def _numbers(serial: Serial) -> NDArray[np.int64]:
     """Return which size of `PRIOR` each point of the posterior has (n_points,)."""
     ratio = serial.walk / np.maximum(serial.white, 1e-300)
@@ -104,19 +126,20 @@ def _wander(noise: Noise, serial: Serial, number: NDArray[np.int64], sizes: tupl
     still = sizes if 0 not in sizes else (0,)
     weight = np.where(number > 0, serial.weight * WALKS / SINGLE[2], serial.weight * (1.0 - WALKS) / (1.0 - SINGLE[2]))
     share = float(weight[np.isin(number, sizes)].sum() / weight.sum())
-    return Wander(_with(noise, given(serial, np.isin(number, still))), share, sizes)
+    return Wander(with_memory(noise, given(serial, np.isin(number, still))), share, sizes)
 
 
-def _with(noise: Noise, serial: Serial) -> Noise:
+def with_memory(noise: Noise, serial: Serial) -> Noise:
     """Return the noise with this memory of what single gauges have."""
     own = noise.parts[0]
     covariance = own.covariance * (serial.variance / own.serial.variance)
     part = NoisePart(covariance, serial, own.excess)
     others = [name for name in noise.findings if name != RANDOM_WALK]
+    remembers = CORRELATED not in others and float(serial.weight @ (serial.remembering > 0.0)) > CERTAIN
     wanders = serial.step_variance > 0.0 or any(part.serial.walk_probability > 0.5 for part in noise.parts[1:])
     return replace(
         noise,
         covariance=noise.covariance - own.covariance + covariance,
         parts=(part, *noise.parts[1:]),
-        findings=(*others, *[RANDOM_WALK] * wanders),
+        findings=(*others, *[CORRELATED] * remembers, *[RANDOM_WALK] * wanders),
     )

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from octmip.errors import DataError
 from octmip.gap.campaign.averages import AveragedCell, averages_of
 from octmip.gap.campaign.campaign import Campaign, Cell
+from octmip.gap.campaign.memory import memories_of
 from octmip.gap.campaign.noise import Noise
 from octmip.gap.campaign.wandering import Wander, transition, wanders_of
 from octmip.gap.channels.checks import calm, checked
@@ -186,6 +187,8 @@ def prepare(
     known = commissioning if isinstance(commissioning, Discrepancy) else run
     averages = averages_of(campaign, any(getattr(effect, "uses_time", False) for effect in effects.values()))
     variants, of_discrepancy = _variants(known, asked, noise, averages, reference)
+    typical = int(np.median([len(cell.rows) for cell in campaign.cells]))
+    variants = tuple(own for variant in variants for own in _of_memory(variant, typical))
     candidates = candidates_of(effects, asked, campaign.gauges, odds)
     inputs = Inputs(
         campaign=campaign,
@@ -240,6 +243,12 @@ def _beside_run(
     highest = max(variant.log_share for variant in found)
     kept = [replace(v, log_share=v.log_share - highest) for v in found if v.log_share > highest - UNLIKELY]
     return tuple(sorted(kept, key=lambda variant: -variant.log_share)), notes
+
+
+def _of_memory(variant: Variant, n: int) -> list[Variant]:
+    """Return a variant for every size of the variance of a mean of n readings that the repeats leave open."""
+    found = memories_of(variant.noise, n)
+    return [replace(variant, noise=one.noise, log_share=variant.log_share + float(np.log(one.share))) for one in found]
 
 
 _WITHOUT_RUN = (

@@ -53,6 +53,8 @@ MOST_DIFFERENCES = 5
 FAINT = 0.3
 """Standard deviations that a wide gauge must be able to move a reading; others make no difference."""
 _LOG_WIDE = float(np.log(WIDE_SHARE / (1.0 - WIDE_SHARE)))
+MOST_MEMORIES = 2
+"""Sizes of the memory of readings that do not wander that are looked at."""
 MOST_WALKS = 2
 """Sizes of a walk of the readings that are looked at."""
 WITH_UNKNOWN = 30
@@ -152,8 +154,9 @@ def _variants(inputs: Inputs, states: Floats) -> list[Variant]:
     logs = [max(value for value, _ in _by_level(model)) for model in models]
     found = [(log + variant.log_share, variant) for log, variant in zip(logs, inputs.variants, strict=True)]
     found.sort(key=lambda item: -item[0])
-    still = [item for item in found if not item[1].wanders][:1]
-    least = max([value for value, _ in still] + [found[0][0] - LEVEL_BEHIND])
+    still = [item for item in found if not item[1].wanders][:MOST_MEMORIES]
+    least = max([value for value, _ in still[:1]] + [found[0][0] - LEVEL_BEHIND])
+    still = [item for item in still if item[0] > still[0][0] - LEVEL_BEHIND]
     walks = [item for item in found if item[1].wanders and item[0] >= least][:MOST_WALKS]
     return [variant for _, variant in sorted([*still, *walks], key=lambda item: -item[0])]
 

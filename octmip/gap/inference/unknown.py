@@ -1,9 +1,9 @@
 """The unknown: a discrepancy that no effect of the library describes, as a hypothesis with its own evidence.
 
 The asset shows an extra field tau * s * u over the gauges, s their scales (`Discrepancy.scale`), u ~ N(0, kernel), with
-the load as L^0, L^1 or L^2. The kernel is white over the gauges or smooth along the structure, one field in all tests,
-or white with a field of its own in each test. With the whitened field's singular values s and the residual's components
-c,
+the load as L^0, L^1 or L^2, or with the time of reading in one of three courses. The kernel is white over the gauges or
+smooth along the structure, one field in all tests, or white with a field of its own in each test. With the whitened
+field's singular values s and the residual's components c,
 
     log BF = sum (c^2 q - log(1 + tau^2 s^2)) / 2,   q = tau^2 s^2 / (1 + tau^2 s^2).
 
@@ -11,7 +11,7 @@ Source: Kennedy and O'Hagan (2001), "Bayesian calibration of computer models", J
 discrepancy as a Gaussian process), here with a few fixed scales summed with equal weight instead of a fitted one.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,16 +30,28 @@ FIELD_WORDS = {
     "smooth": "a smooth field",
     "rough in each test": "a rough field of its own in each test",
 }
-POWERS = (0, 1, 2)
-LOAD_WORDS = ("constant in load", "proportional to the load", "growing with the load squared")
+LOADS: Mapping[str, Callable[[Floats], Floats]] = {
+    "constant in load": np.ones_like,
+    "proportional to the load": lambda x: x,
+    "growing with the load squared": lambda x: x**2,
+}
+"""Courses over the load, as a share of the greatest one."""
+TIMES: Mapping[str, Callable[[Floats], Floats]] = {
+    "growing with time": lambda x: x,
+    "that comes and goes with time": lambda x: 4.0 * x * (1.0 - x),
+    "that changes its sign with time": lambda x: 12.0 * np.sqrt(3.0) * x * (1.0 - x) * (0.5 - x),
+}
+"""Courses over the campaign's time, from 0 to 1: a sun, a supply, lead wires. Each is 1 at most."""
 SIZES = (0.003, 0.01, 0.03, 0.1)
 """Sd of the field over the scale of the readings at the greatest load."""
+MOMENTS = 4
+"""Averages of different times from which a course over time is told from one over the load."""
 SMOOTH = 0.3
 """Length over which a smooth field varies, as a share of the structure's extent."""
 
 
-Kind = tuple[str, int, float]
-"""Name, power of the load and size."""
+Kind = tuple[str, str, float]
+"""Name of the field, words for its course, and size."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -88,16 +100,16 @@ class _Field:
 
 def weigh_unknown(model: LinearModel) -> Unknown:
     """Return the evidence of an unknown field, and the inference in which it is allowed for."""
-    fields = {(name, power): field for name, root in _roots(model).items() for power, field in _fields(model, root)}
-    kinds: list[Kind] = [(name, power, size) for name, power in fields for size in SIZES]
-    values = np.array([fields[name, power].log_factor(size) for name, power, size in kinds])
+    fields = {(name, course): field for name, root in _roots(model).items() for course, field in _fields(model, root)}
+    kinds: list[Kind] = [(name, course, size) for name, course in fields for size in SIZES]
+    values = np.array([fields[name, course].log_factor(size) for name, course, size in kinds])
     best = int(np.argmax(values))
-    name, power, size = kinds[best]
-    field = fields[name, power]
+    name, course, size = kinds[best]
+    field = fields[name, course]
     return Unknown(
         float(logsumexp(values)) - float(np.log(len(kinds))),
         float(np.log(len(kinds))),
-        f"{FIELD_WORDS[name]}, {LOAD_WORDS[power]}, of about {100 * size:g} % of the readings",
+        f"{FIELD_WORDS[name]}, {course}, of about {100 * size:g} % of the readings",
         Inference(with_errors(model, field.u * (field.s * size))),
     )
 
@@ -120,10 +132,20 @@ def _roots(model: LinearModel) -> dict[str, Floats]:
     return found
 
 
-def _fields(model: LinearModel, root: Floats) -> Iterator[tuple[int, "_Field"]]:
-    """Return the whitened field of a root by power of the load."""
+def _fields(model: LinearModel, root: Floats) -> Iterator[tuple[str, "_Field"]]:
+    """Return the whitened field of a root by its course."""
+    for course, factor in _courses(model).items():
+        u, s, _ = np.linalg.svd(model.whiten(factor[:, None] * root), full_matrices=False)
+        yield course, _Field(u, s, u.T @ model.whitened.residual)
+
+
+def _courses(model: LinearModel) -> dict[str, Floats]:
+    """Return the factor (n,) of every course at the model's rows; those over time where there are enough of them."""
     inputs = model.inputs
-    share = np.array([inputs.share_of_reference(load) for load in inputs.loads])[model.average][:, None]
-    for power in POWERS:
-        u, s, _ = np.linalg.svd(model.whiten(share**power * root), full_matrices=False)
-        yield power, _Field(u, s, u.T @ model.whitened.residual)
+    share = np.array([inputs.share_of_reference(load) for load in inputs.loads])
+    moments = np.array([average.moments.mean() for average in inputs.averages])
+    found = {name: course(share)[model.average] for name, course in LOADS.items()}
+    if len(np.unique(moments)) >= MOMENTS:
+        at = (moments - moments.min()) / np.ptp(moments)
+        found |= {name: course(at)[model.average] for name, course in TIMES.items()}
+    return found

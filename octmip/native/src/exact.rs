@@ -20,5 +20,5 @@ pub(crate) mod view;
 
 pub use effort::Control;
 pub use proof::write as write_proof;
-pub use root_search::{Options, solve};
+pub use root_search::{Options, one_level_deeper, solve};
 pub use switches::Switches;

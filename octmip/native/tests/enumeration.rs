@@ -66,6 +66,32 @@ fn exact_trees_cost_what_the_best_of_all_trees_does() {
 }
 
 #[test]
+fn the_best_trees_of_one_level_fewer_bound_all_trees() {
+    // Four samples of four classes: 3 errors of a leaf, 2 of a split, none of two levels.
+    assert_eq!([(3, 0), (2, 1)].map(|(errors, level)| exact::one_level_deeper(errors, level, 4, 0)), [2, 0]);
+    let mut n_above = 0;
+    for (depth, seed) in (1..=3).flat_map(|depth| (0..4 * N_CASES).map(move |seed| (depth, seed))) {
+        let drawn = |levels| {
+            let rng = &mut fastrand::Rng::with_seed(70_000 + seed);
+            let case = if seed % 2 == 0 { random_case(rng, depth, 1) } else { case_of_many_labels(rng, depth) };
+            Problem { depth: levels, ..case.problem }
+        };
+        let problem = drawn(depth);
+        let prices = |i: usize| (0..problem.n_classes).map(move |k| (i, k));
+        let cost = |(i, k): (usize, usize)| problem.weights[i] * problem.cost(problem.labels[i] as usize, k);
+        let least = |i: usize| prices(i).map(cost).min().unwrap_or(0);
+        let base: i64 = (0..problem.n).map(least).sum();
+        let range: i64 = (0..problem.n).map(|i| prices(i).map(cost).max().unwrap_or(0) - least(i)).sum();
+        let shallower = optimum(&drawn(depth - 1)) - base;
+        let bound = exact::one_level_deeper(shallower, depth - 1, range, problem.penalty);
+        let best = optimum(&problem) - base;
+        assert!(bound <= best, "depth {depth}, seed {seed}: {bound} > {best}");
+        n_above += usize::from(bound > 0);
+    }
+    assert!(n_above > 0);
+}
+
+#[test]
 fn two_feature_trees_cost_what_the_best_of_all_trees_does() {
     for depth in 1..=2 {
         for (seed, Case { problem, question }) in cases(depth, 2) {

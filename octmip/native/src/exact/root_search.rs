@@ -21,7 +21,7 @@ use elsewhere::Elsewhere;
 use known::{Known, Saver};
 use run::Run;
 
-pub use run::Options;
+pub use run::{Options, one_level_deeper};
 
 /// The best tree of the problem, and a bound.
 pub fn solve(problem: &Problem, options: &Options, keep_going: KeepGoing<'_>) -> Outcome {

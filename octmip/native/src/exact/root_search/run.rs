@@ -126,12 +126,19 @@ impl Run<'_, '_> {
             return;
         }
         for level in first..=depth {
+            self.bound = self.bound.max(self.deeper(whole, level - 1, depth));
             if self.supervision.reason().is_some() {
                 return;
             }
-            (whole, incumbents) = self.deep(level, level == depth, &incumbents, whole, keep_going);
+            (whole, incumbents) = self.deep(level, depth, &incumbents, whole, keep_going);
             self.known = None;
         }
+    }
+
+    /// What no tree of `depth` avoids, where none of `level` costs less than `bound`.
+    fn deeper(&self, bound: i64, level: usize, depth: usize) -> i64 {
+        let next = |bound, level| one_level_deeper(bound, level, self.view.total_range, self.samples.penalty);
+        (level..depth).fold(bound, next).max(0)
     }
 
     /// Depth one or two, by one thread; a bound of that depth's trees, and each feature's incumbent.
@@ -157,11 +164,12 @@ impl Run<'_, '_> {
     fn deep(
         &mut self,
         depth: usize,
-        is_last: bool,
+        last: usize,
         incumbents: &[FeatureIncumbent],
         whole: i64,
         keep_going: KeepGoing<'_>,
     ) -> (i64, Vec<FeatureIncumbent>) {
+        let is_last = depth == last;
         let (samples, view, switches) = (self.samples, self.view, self.options.switches);
         // The incumbent may be deeper than this level: the level's own trees are asked for up to the last level's cost.
         let upper = self.best.0;
@@ -199,9 +207,10 @@ impl Run<'_, '_> {
         };
         let n_threads = if elsewhere.is_some() { frontier.round() } else { self.options.n_threads.max(1) };
         let mut due = std::mem::take(&mut self.due);
+        let shown = |(cost, bound): (i64, i64)| self.deeper(bound, depth, last).max(self.bound).min(cost);
         self.supervision.run_all(n_threads, work, || {
             let (cost, bound) = frontier.progress();
-            let progress = self.progress(cost, if is_last { bound } else { 0 });
+            let progress = self.progress(cost, shown((cost, bound)));
             self.poll(
                 &mut |state| keep_going(state) && due.save(false, &state_now),
                 progress,
@@ -211,13 +220,11 @@ impl Run<'_, '_> {
         if is_last || self.supervision.reason().is_some() {
             due.save(true, &state_now);
         }
-        self.due = due;
         let (cost, bound) = frontier.progress();
+        self.bound = shown((cost, bound));
+        self.due = due;
         if let Some((cost, plan)) = frontier.best() {
             self.best = (cost, Best::Plan(plan));
-        }
-        if is_last {
-            self.bound = bound;
         }
         (bound.min(cost), frontier.incumbents())
     }
@@ -255,4 +262,14 @@ impl Run<'_, '_> {
             if bound >= objective { Stop::Optimal } else { self.supervision.reason().unwrap_or(Stop::Interrupted) };
         Outcome { tree, objective, bound, stop, n_nodes: self.control.n_evaluated() }
     }
+}
+
+/// What no tree of `level + 1` costs less than, where none of `level` costs less than `bound`; may be negative.
+///
+/// Put the better leaf in the place of each split of the last level: what those leaves gain is halved at most, no other
+/// leaf loses, and the tree is one level less deep. So cost(level) <= (cost(level + 1) + range) / 2, and half a penalty
+/// more for each split above the last level, of which there are fewer than 2^level.
+pub fn one_level_deeper(bound: i64, level: usize, range: i64, penalty: i64) -> i64 {
+    let splits = penalty.saturating_mul((1 << level.min(20)) - 1);
+    bound.saturating_mul(2).saturating_sub(range).saturating_sub(splits)
 }
