@@ -9,6 +9,13 @@ fn scale<T: Lane, const N: usize>(a: &Row<T, N>, by: T) -> Row<T, N> {
     zip(a, a, |x, _| x.times(by))
 }
 
+/// A value that the compiler takes by itself. Of 32 bits it else works across labels and profiles, by gathers and
+/// shuffles, and not across lanes (three times as long).
+#[inline(always)]
+fn by_itself<T: Lane, V>(value: V) -> V {
+    if size_of::<T>() == 4 { std::hint::black_box(value) } else { value }
+}
+
 impl<T: Lane, const N: usize> Group<'_, T, N> {
     /// Rows are profiles, and samples of a profile gain in several labels; as many profiles as labels.
     #[inline(always)]
@@ -28,20 +35,21 @@ impl<T: Lane, const N: usize> Group<'_, T, N> {
             let mut high = [T::default(); N];
             let mut count = [T::default(); N];
             for profile in 0..K {
-                count = add(&count, &scale(&bucket[profile], ranges[profile]));
+                count = add(&count, &scale(&bucket[profile], by_itself::<T, _>(ranges[profile])));
                 for c in 0..K {
-                    run[c] = add(&run[c], &scale(&bucket[profile], gains[profile][c]));
+                    run[c] = add(&run[c], &scale(&bucket[profile], by_itself::<T, _>(gains[profile][c])));
                 }
             }
             for c in 0..K {
-                low = max(&low, &run[c]);
-                high = max(&high, &sub(&totals[c], &run[c]));
+                let (run, total) = (by_itself::<T, _>(&run[c]), by_itself::<T, _>(&totals[c]));
+                low = max(&low, run);
+                high = max(&high, &sub(total, run));
             }
             let mut minor = [T::MAX; N];
             for spans in self.spans.as_chunks::<K>().0 {
                 let mut left = [T::default(); N];
                 for profile in 0..K {
-                    left = add(&left, &scale(&bucket[profile], spans[profile]));
+                    left = add(&left, &scale(&bucket[profile], by_itself::<T, _>(spans[profile])));
                 }
                 minor = min(&minor, &left);
             }
