@@ -16,7 +16,7 @@ from octmip.gap.campaign.wandering import with_memory
 
 WIDTH = 1.6
 """Ratio of the variances of a mean from one size to the next."""
-LEAST = 1e-3
+LEAST = 0.01
 """Probability of a size after the repeats, below which it is left out."""
 
 
