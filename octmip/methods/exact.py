@@ -117,6 +117,8 @@ def branch_and_bound(
     ranks = rank_features(problem)
     keeper = None if checkpoint is None else Keeper(problem, ranks, checkpoint, started)
     search = _Search(problem, limits, n_jobs, progress, started, ranks, keeper, every)
+    if proof is not None:  # a log has no line for that bound, and to search it out takes longer than the limit
+        search.off = [*search.off, "level_below"]
     with ExitStack() as stack:
         if cluster is not None:
             is_open = isinstance(cluster, Cluster)

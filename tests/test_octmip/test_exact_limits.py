@@ -9,7 +9,9 @@ import pytest
 from octmip import _native, certify
 from octmip.encoding import integer_costs, native_problem, rank_features
 from octmip.methods.exact import branch_and_bound
+from octmip.methods.native_call import without
 from octmip.problem import Problem
+from octmip.proof import check_proof
 from octmip.solution import Limits, Stop
 
 
@@ -35,6 +37,20 @@ def hard(n_features: int = 12, **options: object) -> Problem:
     generator = np.random.default_rng(5)
     features, labels = generator.normal(size=(400, n_features)), generator.integers(0, 3, 400)
     return Problem(features, labels, depth=4, **options)
+
+
+def test_a_search_that_is_stopped_keeps_the_bound_of_the_level_below(tmp_path) -> None:
+    generator = np.random.default_rng(3)
+    features, labels = generator.normal(size=(900, 10)), generator.integers(0, 6, 900)
+    below = branch_and_bound(Problem(features, labels, depth=3))
+    problem, limits = Problem(features, labels, depth=4), Limits(nodes=below.n_nodes / 2)
+    stopped = branch_and_bound(problem, limits=limits)
+    assert stopped.stop is Stop.NODES
+    assert 0.0 < stopped.bound <= 2.0 * below.objective - 900.0
+    with without("level_below"):
+        assert branch_and_bound(problem, limits=limits).bound == 0.0
+    logged = branch_and_bound(problem, limits=limits, proof=tmp_path / "log")
+    assert logged.bound == check_proof(problem, tmp_path / "log").bound == 0.0
 
 
 def table_bytes(problem: Problem, n_jobs: int = 1) -> float:
@@ -63,7 +79,9 @@ import ctypes, sys
 import numpy as np
 from octmip import _native
 from octmip.encoding import integer_costs, native_problem, rank_features
+from octmip.methods.native_call import without
 from octmip.problem import Problem
+from octmip.proof import check_proof
 n, p, classes, depth, threads, seconds = map(int, sys.argv[1:7])
 generator = np.random.default_rng(0)
 problem = Problem(generator.normal(size=(n, p)), generator.integers(0, classes, n), depth=depth)

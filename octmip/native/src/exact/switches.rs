@@ -11,6 +11,8 @@ crate::switches::switches! {
     label_count,
     /// Solve one level shallower first.
     shallower_first,
+    /// Show the bound that follows from trees of one level fewer.
+    level_below,
     /// Solve children beyond what their own cut needs.
     slack,
     /// Take features in the order of their incumbents one level lower.

@@ -137,6 +137,9 @@ impl Run<'_, '_> {
 
     /// What no tree of `depth` avoids, where none of `level` costs less than `bound`.
     fn deeper(&self, bound: i64, level: usize, depth: usize) -> i64 {
+        if level < depth && !self.options.switches.level_below {
+            return 0;
+        }
         let next = |bound, level| one_level_deeper(bound, level, self.view.total_range, self.samples.penalty);
         (level..depth).fold(bound, next).max(0)
     }
