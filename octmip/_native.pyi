@@ -183,8 +183,17 @@ def branch_and_bound(
     it the threads of this process solve the cuts.
     """
 
-def prove(problem: Problem, claim: int) -> str | None:
-    """Return the body of a log that proves a claim, None when stopped or when the claim does not hold."""
+def prove(
+    problem: Problem,
+    claim: int,
+    n_threads: int = 1,
+    *,
+    submit: tuple[Callable[[int, Any], Any], int] | None = None,
+) -> str | None:
+    """Return the body of a log that proves a claim, None when stopped or when the claim does not hold.
+
+    The same for any number of threads; `submit` as for `branch_and_bound`, to a `CutSolver` that logs.
+    """
 
 def exact_bytes(problem: Problem, n_threads: int) -> float:
     """Return the bytes that the tables of an exact search may take, its queues left out."""
@@ -196,8 +205,8 @@ class CutSolver:
         """Take the problem, the prunes that are switched off by name."""
         ...
 
-    def solve(self, level: int, row: Any) -> Any:
-        """Solve a cut of the root of trees of `level` levels; None when Ctrl-C stopped it."""
+    def solve(self, level: int, row: Any, is_logged: bool = False) -> Any:
+        """Solve a cut of the root of trees of `level` levels, with its lines of a log; None when Ctrl-C stopped it."""
         ...
 
 def prunes() -> list[str]:

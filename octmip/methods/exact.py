@@ -7,13 +7,14 @@ docs/theory/exact.md. Categorical features: one column of 0/1 for each category,
 
 import math
 import time
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from octmip import _native
-from octmip.cluster import Cluster, open_cluster
+from octmip.cluster import Cluster, Future, open_cluster
 from octmip.encoding import (
     IntegerCosts,
     Ranks,
@@ -124,11 +125,9 @@ def branch_and_bound(
             is_open = isinstance(cluster, Cluster)
             search.cluster = cluster if is_open else stack.enter_context(open_cluster(cluster, n_jobs))
         search.search(start)
-    ties = dict(UNBROKEN)
-    if break_ties and search.stop is Stop.OPTIMAL:
-        ties = search.smaller()
-    if proof is not None:
-        search.bound = search.write_proof(Path(proof))
+        ties = search.smaller() if break_ties and search.stop is Stop.OPTIMAL else dict(UNBROKEN)
+        if proof is not None:
+            search.bound = search.write_proof(Path(proof))
     assert search.tree is not None
     return Solution(
         tree=problem.with_sides(search.tree),
@@ -210,10 +209,7 @@ class _Search:
 
     def _search_grid(self, costs: IntegerCosts) -> Stop:
         native = native_problem(self.problem, self.ranks, costs)
-        submit = None
-        if self.cluster is not None:
-            share = submitter(self.cluster, native_arguments(self.problem, self.ranks, costs), self.off)
-            submit = share, self.cluster.round_size
+        submit = self._submit(costs, self.off)
         now = time.perf_counter()
         began = self.started if self.n_nodes else now
         before = Progress(now - began, self.objective, self.bound, self.n_nodes)
@@ -275,13 +271,22 @@ class _Search:
         self._keep(smaller)
         return ties if self.tree is smaller else dict(UNBROKEN)
 
+    def _submit(
+        self, costs: IntegerCosts, off: Sequence[str], *, is_logged: bool = False
+    ) -> tuple[Callable[[int, Any], Future], int] | None:
+        """Return what submits cuts of the root to the cluster's workers, and how many in a round; None without one."""
+        if self.cluster is None:
+            return None
+        arguments = native_arguments(self.problem, self.ranks, costs)
+        return submitter(self.cluster, arguments, off, is_logged=is_logged), self.cluster.round_size
+
     def write_proof(self, path: Path) -> float:
         """Write a log that proves the best bound of this search, and return that bound."""
         assert self.proven is not None
         native, costs, claim = self.proven
         if is_pseudo_boolean(path):
             return self._write_pseudo_boolean(path, costs.value(claim))
-        body = _native.prove(native, claim)
+        body = _native.prove(native, claim, self.n_jobs, submit=self._submit(costs, [], is_logged=True))
         if body is None:
             raise SolverError(f"the proof of the bound {costs.value(claim)} was interrupted; {path} is not written")
         write_log(path, log_header(self.problem, costs, claim) + body + "end\n")

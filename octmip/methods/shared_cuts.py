@@ -41,20 +41,25 @@ def shared_problem(arguments: tuple[Any, ...], off: Sequence[str]) -> SharedProb
     return SharedProblem(hashlib.sha256(content).hexdigest(), content)
 
 
-def submitter(cluster: Cluster, arguments: tuple[Any, ...], off: Sequence[str]) -> Callable[[int, Any], Future]:
-    """Return what submits a cut of a problem: called by the native core with the level and the cut."""
+def submitter(
+    cluster: Cluster, arguments: tuple[Any, ...], off: Sequence[str], *, is_logged: bool = False
+) -> Callable[[int, Any], Future]:
+    """Return what submits a cut of a problem: called by the native core with the level and the cut.
+
+    With `is_logged` the answer holds the cut's lines of a proof log.
+    """
     shared = cluster.share(shared_problem(arguments, off))
-    return lambda level, cut: cluster.submit(solve_cut, shared, level, cut)
+    return lambda level, cut: cluster.submit(solve_cut, shared, level, cut, is_logged)
 
 
-def solve_cut(problem: SharedProblem, level: int, cut: Any) -> Any:
+def solve_cut(problem: SharedProblem, level: int, cut: Any, is_logged: bool = False) -> Any:
     """Solve a cut; done by a worker."""
     if problem.digest not in _kept:
         _kept[problem.digest] = _solver(problem.content)
         while len(_kept) > MOST_KEPT:
             _kept.popitem(last=False)
     _kept.move_to_end(problem.digest)
-    solved = _kept[problem.digest].solve(level, cut)
+    solved = _kept[problem.digest].solve(level, cut, is_logged)
     if solved is None:
         raise KeyboardInterrupt
     return solved

@@ -17,6 +17,7 @@ from octmip.cluster import Cluster, open_cluster
 from octmip.errors import DataError, SolverError
 from octmip.methods.exact import branch_and_bound
 from octmip.methods.shared_cuts import shared_problem, solve_cut
+from octmip.proof import check_proof
 
 
 @pytest.fixture(scope="module")
@@ -39,6 +40,31 @@ def test_tree_bound_and_cuts_are_those_of_one_machine(client: Client, options: d
     shared = branch_and_bound(problem, cluster=client)
     assert (shared.tree, shared.bound, shared.stop) == (alone.tree, alone.bound, Stop.OPTIMAL)
     assert shared.n_nodes == alone.n_nodes
+
+
+@pytest.mark.parametrize("options", [{}, {"leaf_size": 4}, {"sensor_budget": 2}, {"costs": np.arange(9).reshape(3, 3)}])
+def test_the_parts_of_a_log_are_joined_and_checked(client: Client, tmp_path, options: dict[str, object]) -> None:
+    problem = hard(150, **options)
+    alone, threads, shared = (tmp_path / name for name in ("alone", "threads", "shared"))
+    found = branch_and_bound(problem, proof=alone)
+    branch_and_bound(problem, n_jobs=3, proof=threads)
+    branch_and_bound(problem, cluster=client, proof=shared)
+    assert alone.read_bytes() == threads.read_bytes() == shared.read_bytes()
+    assert check_proof(problem, shared).bound == found.objective
+
+
+def test_a_worker_that_is_killed_while_a_log_is_written(client: Client, tmp_path) -> None:
+    problem = hard(1200, 3)
+    alone = branch_and_bound(problem)
+    done: list[object] = []
+    written = lambda: done.append(branch_and_bound(problem, incumbent=alone, cluster=client, proof=tmp_path / "log"))  # noqa: E731
+    worker = threading.Thread(target=written)
+    worker.start()
+    time.sleep(1.2 * alone.seconds)
+    os.kill(next(iter(client.run(os.getpid).values())), signal.SIGKILL)
+    worker.join()
+    assert [solution.bound for solution in done] == [alone.objective]
+    assert check_proof(problem, tmp_path / "log").bound == alone.objective
 
 
 def test_a_worker_that_is_killed_costs_no_result(client: Client) -> None:

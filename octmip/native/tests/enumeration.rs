@@ -30,7 +30,10 @@ fn log_of(question: &Question, claim: i64, body: &str) -> String {
 /// The solver's log proves the optimum and not one more, on any number of threads.
 fn assert_proves(problem: &Problem, question: &Question, best: i64, switches: exact::Switches, seed: u64) {
     let name = format!("depth {}, seed {seed}", problem.depth);
-    let body = exact::write_proof(problem, best, switches, &exact::Control::new()).expect("a proof");
+    let [body, by_three] = [1, 3].map(|n_threads| {
+        exact::write_proof(problem, best, switches, &exact::Control::new(), n_threads).expect("a proof")
+    });
+    assert_eq!(body, by_three, "{name}");
     for n_threads in [1, 2] {
         let report = check(question, &log_of(question, best, &body), n_threads);
         assert_eq!(report.map(|report| report.bound), Ok(best as f64), "{name}");

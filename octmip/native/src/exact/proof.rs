@@ -7,58 +7,127 @@
 use crate::exact::effort::Control;
 use crate::exact::node::log::Log;
 use crate::exact::node::search::Search;
+use crate::exact::root_search::elsewhere::Elsewhere;
+use crate::exact::root_search::frontier::Frontier;
 use crate::exact::root_search::sensor_sets::{Relaxed, Sets};
 use crate::exact::samples::Samples;
-use crate::exact::samples::merging::merged;
 use crate::exact::switches::Switches;
 use crate::exact::view::View;
 use crate::log::Body;
 use crate::problem::Problem;
 
+/// Who solves the cuts of the root while a log is written.
+#[derive(Clone, Copy)]
+pub(crate) enum Helpers<'a> {
+    /// So many threads of this process.
+    Threads(usize),
+    /// Other processes, but under a budget of sensors, where this one's only thread does.
+    Elsewhere(&'a Elsewhere<'a>),
+}
+
 /// The body of a log that proves `claim`, None if it was stopped or the claim does not hold.
-pub fn write(problem: &Problem, claim: i64, switches: Switches, control: &Control) -> Option<String> {
-    let smaller = if switches.merging { merged(problem) } else { None };
-    let samples = match smaller {
-        Some((smaller, rows)) => Samples::new(&smaller).in_units_of(&smaller).of_rows(rows),
-        None => Samples::new(problem).in_units_of(problem),
-    };
+///
+/// It is the same for any number of threads.
+pub fn write(problem: &Problem, claim: i64, switches: Switches, control: &Control, n_threads: usize) -> Option<String> {
+    write_by(problem, claim, switches, control, Helpers::Threads(n_threads))
+}
+
+/// The same with others to solve the cuts of the root.
+pub(crate) fn write_by(
+    problem: &Problem,
+    claim: i64,
+    switches: Switches,
+    control: &Control,
+    helpers: Helpers<'_>,
+) -> Option<String> {
+    let samples = Samples::in_few_rows(problem, &switches);
     let upper = samples.counted(claim - samples.base.iter().sum::<i64>());
     let mut out = Body::default();
     if problem.sensor_cost.iter().sum::<f64>() > problem.sensor_limit {
+        let n_threads = if let Helpers::Threads(n_threads) = helpers { n_threads } else { 1 };
         let sets = Sets::new(problem, &samples, switches, control, None, upper);
-        sets.prove(&mut out)?;
+        sets.prove(&mut out, n_threads)?;
     } else {
-        out.append(&record(&samples, switches, control, problem.depth, upper)?);
+        out.append(&record(&samples, switches, control, problem.depth, upper, helpers)?);
     }
     (!control.is_stopped()).then(|| out.into_lines())
 }
 
 /// The record that no tree over these features costs less than `upper` above the base, as the samples count.
-pub(crate) fn record(
+fn record(
     samples: &Samples,
     switches: Switches,
     control: &Control,
     depth: usize,
     upper: i64,
+    helpers: Helpers<'_>,
 ) -> Option<String> {
     let view = View::root(samples);
-    let mut search = Search::new(samples, switches, control, depth);
-    search.log = Some(Log::default());
-    let result = search.solve(&view, depth, upper, i64::MIN);
-    let record = search.log.as_mut().and_then(Log::take);
-    record.filter(|_| result.lower >= upper && !control.is_stopped())
+    let logging = |depth| {
+        let mut search = Search::new(samples, switches, control, depth);
+        search.log = Some(Log::default());
+        search
+    };
+    let mut search = logging(depth);
+    if depth < 3 || search.is_settled(&view, depth, upper) {
+        let result = search.solve(&view, depth, upper, i64::MIN);
+        let record = search.log.as_mut().and_then(Log::take);
+        return record.filter(|_| result.lower >= upper && !control.is_stopped());
+    }
+    let shallower = search.solve(&view, depth - 1, view.leaf() + 1, i64::MIN);
+    let log = search.log.as_mut()?;
+    log.shallower();
+    let below = log.take_lines();
+    let whole = shallower.lower;
+    if control.is_stopped() || view.leaf().min(shallower.cost(i64::MAX)) < upper {
+        return None; // a tree of fewer levels costs less
+    }
+    let frontier = Frontier::new(samples, switches, control, &view, depth, &search.incumbents, whole, upper, None)
+        .by_rounds_of(if let Helpers::Elsewhere(elsewhere) = helpers { elsewhere.round } else { 0 });
+    match helpers {
+        Helpers::Threads(n_threads) => std::thread::scope(|scope| {
+            for _ in 0..n_threads.max(1) {
+                scope.spawn(|| {
+                    let mut search = logging(depth);
+                    if depth == 3 {
+                        search.prepare(&view);
+                    }
+                    frontier.work(&mut search);
+                });
+            }
+        }),
+        Helpers::Elsewhere(elsewhere) => {
+            let frontier = &frontier;
+            std::thread::scope(|scope| {
+                for _ in 0..frontier.round() {
+                    scope.spawn(move || frontier.work_by(|cut| elsewhere.solve(depth, cut, control)));
+                }
+            });
+        }
+    }
+    if control.is_stopped() || frontier.best().is_some() {
+        return None;
+    }
+    let mut log = Log::default();
+    let outer = log.open();
+    log.append(&below);
+    log.append(&frontier.records());
+    let base: i64 = samples.base.iter().sum();
+    log.close(outer, depth, samples.leaf_size, base + samples.cost(upper));
+    log.take()
 }
 
 impl Sets<'_> {
     /// Write the tree of decisions over sensors, a record at each leaf; None when it cannot be proven.
-    fn prove(&self, out: &mut Body) -> Option<()> {
+    fn prove(&self, out: &mut Body, n_threads: usize) -> Option<()> {
         let mut open = self.take_open();
         while let Some(choice) = open.pop() {
             match self.relax(&choice, self.best().0) {
                 Relaxed::Closed(features) => {
                     let samples = self.samples.with_features(&features);
                     let depth = self.problem.depth;
-                    out.append(&record(&samples, self.switches, self.control, depth, self.best().0)?);
+                    let helpers = Helpers::Threads(n_threads);
+                    out.append(&record(&samples, self.switches, self.control, depth, self.best().0, helpers)?);
                 }
                 Relaxed::Within(..) => return None,
                 Relaxed::Breaking(sensors) => {

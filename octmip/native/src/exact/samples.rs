@@ -18,7 +18,9 @@ pub(crate) mod unit;
 use std::sync::Arc;
 
 use crate::costs::ClassCosts;
+use crate::exact::samples::merging::merged;
 use crate::exact::samples::unit::{common_divisor, rounded_up, unit};
+use crate::exact::switches::Switches;
 use crate::problem::Problem;
 
 use directions::doubled_spans;
@@ -126,6 +128,15 @@ impl Samples {
     /// and not less than the other.
     pub(crate) fn counted(&self, cost: i64) -> i64 {
         rounded_up(cost, self.unit)
+    }
+
+    /// The samples of a problem, equal ones merged where that is on.
+    pub(crate) fn in_few_rows(problem: &Problem, switches: &Switches) -> Self {
+        let smaller = if switches.merging { merged(problem) } else { None };
+        match smaller {
+            Some((smaller, rows)) => Self::new(&smaller).in_units_of(&smaller).of_rows(rows),
+            None => Self::new(problem).in_units_of(problem),
+        }
     }
 
     /// The same where each sample is so many rows (`n`) of a larger problem: a log counts those.

@@ -11,7 +11,7 @@ use crate::costs::base_cost;
 use crate::exact::effort::Control;
 use crate::exact::node::result::{FeatureIncumbent, Solved};
 use crate::exact::node::search::Cut;
-use crate::exact::proof::write;
+use crate::exact::proof::{Helpers, write_by};
 use crate::exact::root_search::elsewhere::{CutSolver, Elsewhere, SolvedCut};
 use crate::exact::root_search::known::{Held, Known, Saver};
 use crate::exact::root_search::memory;
@@ -90,8 +90,8 @@ fn branch_and_bound(
 
 /// A cut of the root to be solved: usable feature, samples left of it, bounds of both sides, target, slack.
 type CutRow = (usize, usize, i64, i64, i64, i64);
-/// A solved cut: bounds of both sides, cost above the base and rows of the tree, evaluated cuts.
-type SolvedRow = (i64, i64, Option<(i64, Vec<NodeRow>)>, u64);
+/// A solved cut: bounds of both sides, cost above the base and rows of the tree, evaluated cuts, lines of a log.
+type SolvedRow = (i64, i64, Option<(i64, Vec<NodeRow>)>, u64, String);
 
 /// Time between two looks at a future.
 const LOOK: Duration = Duration::from_millis(2);
@@ -107,10 +107,10 @@ fn ask_for(submit: &Py<PyAny>, level: usize, cut: &Cut, control: &Control) -> Py
         }
         std::thread::sleep(LOOK);
     }
-    let (left, right, tree, n_evaluated): SolvedRow =
+    let (left, right, tree, n_evaluated, record): SolvedRow =
         Python::attach(|py| future.call_method0(py, "result")?.extract(py))?;
     let tree = tree.map(|(cost, rows)| Ok::<_, PyErr>((cost, tree_from_rows(rows)?))).transpose()?;
-    Ok(Some(SolvedCut { bounds: [left, right], tree, n_evaluated }))
+    Ok(Some(SolvedCut { bounds: [left, right], tree, n_evaluated, record }))
 }
 
 /// A problem ready for cuts of its root to be solved, in a process that helps another one's search.
@@ -126,8 +126,9 @@ impl PyCutSolver {
         Ok(Self { inner: CutSolver::new(&problem.inner, switches(Switches::without(&off))?) })
     }
 
-    /// Solve a cut at a level; None when Ctrl-C stopped it.
-    fn solve(&self, py: Python<'_>, level: usize, row: CutRow) -> PyResult<Option<SolvedRow>> {
+    /// Solve a cut at a level, with what a log says of it if one is written; None when Ctrl-C stopped it.
+    #[pyo3(signature = (level, row, is_logged=false))]
+    fn solve(&self, py: Python<'_>, level: usize, row: CutRow, is_logged: bool) -> PyResult<Option<SolvedRow>> {
         let (feature, position, left, right, target, slack) = row;
         let cut = Cut { feature, position, bounds: [left, right], target, slack };
         if !self.inner.has(&cut) {
@@ -137,11 +138,12 @@ impl PyCutSolver {
         let state = Progress { seconds: 0.0, objective: 0, bound: 0, n_nodes: 0 };
         let solved = supervised(py, None, |keep_going| {
             let control = Control::reading(supervision.flag());
-            supervision.run(|| self.inner.solve(level, &cut, &control), || supervision.poll(&mut *keep_going, state))
+            let work = || self.inner.solve(level, &cut, is_logged, &control);
+            supervision.run(work, || supervision.poll(&mut *keep_going, state))
         })?;
         Ok(solved.map(|solved| {
             let tree = solved.tree.map(|(cost, tree)| (cost, rows_from_tree(&tree)));
-            (solved.bounds[0], solved.bounds[1], tree, solved.n_evaluated)
+            (solved.bounds[0], solved.bounds[1], tree, solved.n_evaluated, solved.record)
         }))
     }
 }
@@ -185,12 +187,47 @@ fn known_from_row(row: KnownRow, base: i64) -> PyResult<Known> {
     })
 }
 
-/// The body of a log that proves `claim`; None when it was stopped, or the claim does not hold.
+/// The body of a log that proves `claim`; None when it was stopped, or the claim does not hold. `submit` as for
+/// `branch_and_bound`, to somebody who logs.
 #[pyfunction]
-#[pyo3(signature = (problem, claim))]
-fn prove(py: Python<'_>, problem: &PyProblem, claim: i64) -> PyResult<Option<String>> {
-    written(py, claim, |supervision| {
-        write(&problem.inner, claim, Switches::default(), &Control::reading(supervision.flag()))
+#[pyo3(signature = (problem, claim, n_threads=1, *, submit=None))]
+fn prove(
+    py: Python<'_>,
+    problem: &PyProblem,
+    claim: i64,
+    n_threads: usize,
+    submit: Option<(Py<PyAny>, usize)>,
+) -> PyResult<Option<String>> {
+    let failed = Mutex::new(None);
+    let body = written(py, claim, |supervision| {
+        let control = Control::reading(supervision.flag());
+        let ask = |level: usize, cut: &Cut, control: &Control| {
+            ask_or_note(submit.as_ref(), level, cut, control, &failed, supervision)
+        };
+        let elsewhere = Elsewhere { ask: &ask, round: submit.as_ref().map_or(0, |(_, round)| *round) };
+        let helpers = if submit.is_some() { Helpers::Elsewhere(&elsewhere) } else { Helpers::Threads(n_threads) };
+        write_by(&problem.inner, claim, Switches::default(), &control, helpers)
+    })?;
+    match failed.into_inner().unwrap_or_else(PoisonError::into_inner) {
+        Some(raised) => Err(raised),
+        None => Ok(body),
+    }
+}
+
+/// Ask for a cut; what is raised is noted and stops the search.
+fn ask_or_note(
+    submit: Option<&(Py<PyAny>, usize)>,
+    level: usize,
+    cut: &Cut,
+    control: &Control,
+    failed: &Mutex<Option<PyErr>>,
+    supervision: &Supervision,
+) -> Option<SolvedCut> {
+    let (submit, _) = submit?;
+    ask_for(submit, level, cut, control).unwrap_or_else(|raised| {
+        failed.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(raised);
+        supervision.halt();
+        None
     })
 }
 

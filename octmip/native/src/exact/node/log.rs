@@ -16,10 +16,20 @@ impl Log {
         std::mem::take(&mut self.body)
     }
 
+    /// Add records that were written elsewhere.
+    pub(crate) fn append(&mut self, lines: &str) {
+        self.body.append(lines);
+    }
+
     /// Close a node: every tree of `depth` levels with leaves of `leaf_size` costs `bound` or more.
     pub(crate) fn close(&mut self, outer: Body, depth: usize, leaf_size: usize, bound: i64) {
         let body = std::mem::replace(&mut self.body, outer).into_lines();
         self.last = Some(format!("N {depth} {leaf_size} {}\n{body}E\n", bound.max(0)));
+    }
+
+    /// The lines written since the node in work was opened, or since they were taken last.
+    pub(crate) fn take_lines(&mut self) -> String {
+        std::mem::take(&mut self.body).into_lines()
     }
 
     /// Leave a node without a record.

@@ -35,6 +35,8 @@ pub(crate) struct Children {
     pub(crate) bounds: [i64; 2],
     /// Cost and plan when both were found, the cut itself included.
     pub(crate) tree: Option<(i64, Plan)>,
+    /// What a log says of them, where one is written of the root's cuts one by one.
+    pub(crate) record: String,
 }
 
 /// Buffers of one level of the recursion.
@@ -114,10 +116,8 @@ impl<'a> Search<'a> {
         if upper <= floor {
             return NodeResult::none(floor);
         }
-        let leaf = view.leaf();
-        let is_leaf_best = leaf <= floor.max(self.samples.penalty) || self.samples.n_labels == 1;
-        if depth == 0 || is_leaf_best || view.len < 2 * self.samples.leaf_size || self.samples.p == 0 {
-            return NodeResult::cheapest(leaf, Plan::Leaf, upper);
+        if self.is_leaf_best(view, depth, floor) {
+            return NodeResult::cheapest(view.leaf(), Plan::Leaf, upper);
         }
         if self.label_bound(view, depth) >= upper {
             return NodeResult::none(upper);
@@ -262,7 +262,7 @@ impl<'a> Search<'a> {
             let budget = cut.target + cut.slack - bounds[1 - side];
             let result = self.solve(&sides[side], depth - 1, budget, bounds[side]);
             if self.is_stopped() {
-                return Children { bounds: cut.bounds, tree: None };
+                return Children { bounds: cut.bounds, tree: None, record: String::new() };
             }
             bounds[side] = bounds[side].max(result.lower);
             plans[side] = result.best;
@@ -281,7 +281,25 @@ impl<'a> Search<'a> {
             }
             _ => None,
         };
-        Children { bounds, tree }
+        Children { bounds, tree, record: String::new() }
+    }
+
+    /// The same, with the lines of the log where one is written: a cut of the root by itself.
+    pub(crate) fn root_children(&mut self, view: &View, depth: usize, cut: &Cut, sides: &mut [View; 2]) -> Children {
+        let children = self.children(view, depth, cut, sides);
+        let record = self.log.as_mut().map_or_else(String::new, Log::take_lines);
+        self.report_effort();
+        Children { record, ..children }
+    }
+
+    /// Whether a tree of this depth is known, or known not to be below `upper`, without a look at its cuts.
+    pub(crate) fn is_settled(&self, view: &View, depth: usize, upper: i64) -> bool {
+        self.is_leaf_best(view, depth, 0) || self.label_bound(view, depth) >= upper
+    }
+
+    fn is_leaf_best(&self, view: &View, depth: usize, floor: i64) -> bool {
+        let is_cheap = view.leaf() <= floor.max(self.samples.penalty) || self.samples.n_labels == 1;
+        depth == 0 || is_cheap || view.len < 2 * self.samples.leaf_size || self.samples.p == 0
     }
 
     /// Add the cuts evaluated here to those of the other threads.

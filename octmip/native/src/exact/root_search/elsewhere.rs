@@ -5,10 +5,10 @@
 //! with its process is asked for again.
 
 use crate::exact::effort::Control;
+use crate::exact::node::log::Log;
 use crate::exact::node::plan::Plan;
 use crate::exact::node::search::{Children, Cut, Search};
 use crate::exact::samples::Samples;
-use crate::exact::samples::merging::merged;
 use crate::exact::switches::Switches;
 use crate::exact::view::View;
 use crate::problem::Problem;
@@ -23,6 +23,8 @@ pub(crate) struct SolvedCut {
     pub(crate) tree: Option<(i64, Tree)>,
     /// Cuts evaluated.
     pub(crate) n_evaluated: u64,
+    /// What a log says of it, where one is written.
+    pub(crate) record: String,
 }
 
 /// Asks for the solution of a cut at a level (depth of the trees), until a stop; None when it was stopped.
@@ -41,7 +43,8 @@ impl Elsewhere<'_> {
     pub(crate) fn solve(&self, level: usize, cut: &Cut, control: &Control) -> Option<Children> {
         let solved = (self.ask)(level, cut, control)?;
         control.add(solved.n_evaluated);
-        Some(Children { bounds: solved.bounds, tree: solved.tree.map(|(cost, tree)| (cost, Plan::Whole(tree))) })
+        let tree = solved.tree.map(|(cost, tree)| (cost, Plan::Whole(tree)));
+        Some(Children { bounds: solved.bounds, tree, record: solved.record })
     }
 }
 
@@ -55,22 +58,21 @@ pub struct CutSolver {
 impl CutSolver {
     /// Of a problem, by the same numbering of samples as the search that asks.
     pub fn new(problem: &Problem, switches: Switches) -> Self {
-        let smaller = if switches.merging { merged(problem) } else { None };
-        let problem = smaller.as_ref().map_or(problem, |(smaller, _)| smaller);
-        let samples = Samples::new(problem).in_units_of(problem);
+        let samples = Samples::in_few_rows(problem, &switches);
         Self { view: View::root(&samples), samples, switches }
     }
 
-    /// The children of a cut at a level; None when it was stopped.
-    pub(crate) fn solve(&self, level: usize, cut: &Cut, control: &Control) -> Option<SolvedCut> {
+    /// The children of a cut at a level, with what a log says of them where it is asked for; None when it was stopped.
+    pub(crate) fn solve(&self, level: usize, cut: &Cut, is_logged: bool, control: &Control) -> Option<SolvedCut> {
         let mut search = Search::new(&self.samples, self.switches, control, level);
+        search.log = is_logged.then(Log::default);
         if level == 3 {
             search.prepare(&self.view);
         }
-        let children = search.children(&self.view, level, cut, &mut [View::default(), View::default()]);
-        search.report_effort();
-        let tree = children.tree.map(|(cost, plan)| (cost, plan.tree(&self.samples, &self.view)));
-        (!control.is_stopped()).then(|| SolvedCut { bounds: children.bounds, tree, n_evaluated: control.n_evaluated() })
+        let Children { bounds, tree, record } =
+            search.root_children(&self.view, level, cut, &mut [View::default(), View::default()]);
+        let tree = tree.map(|(cost, plan)| (cost, plan.tree(&self.samples, &self.view)));
+        (!control.is_stopped()).then(|| SolvedCut { bounds, tree, n_evaluated: control.n_evaluated(), record })
     }
 
     /// Whether a cut is one of this problem.

@@ -62,6 +62,8 @@ struct State {
     solved: Vec<(usize, usize)>,
     cost: i64,
     plan: Option<Plan>,
+    /// What a log says of the cuts that are entered.
+    records: Vec<String>,
 }
 
 /// The root's search, shared by the threads.
@@ -146,6 +148,7 @@ impl<'a> Frontier<'a> {
             solved,
             cost: upper,
             plan: None,
+            records: Vec::new(),
         };
         let changed = Condvar::new();
         Self { samples, switches, control, view, depth, features, round: ROUND, state: Mutex::new(state), changed }
@@ -210,14 +213,15 @@ impl<'a> Frontier<'a> {
         entered.chain(back).collect()
     }
 
+    /// What a log says of the cuts that are entered, in their order: the same for any number of threads.
+    pub(crate) fn records(&self) -> String {
+        self.lock().records.concat()
+    }
+
     /// Work until nothing is open or the search is stopped.
     pub(crate) fn work(&self, search: &mut Search<'_>) {
         let mut sides = [View::default(), View::default()];
-        self.work_by(|cut| {
-            let children = search.children(self.view, self.depth, cut, &mut sides);
-            search.report_effort();
-            Some(children)
-        });
+        self.work_by(|cut| Some(search.root_children(self.view, self.depth, cut, &mut sides)));
     }
 
     /// The same with somebody else to solve the cuts; who returns None has stopped.
@@ -293,6 +297,9 @@ impl<'a> Frontier<'a> {
 
     fn enter(&self, state: &mut State, task: &Task, children: Children) {
         state.solved.push((task.place, task.k));
+        if !children.record.is_empty() {
+            state.records.push(children.record);
+        }
         let axis = &mut state.axes[task.place];
         [axis.left[task.k], axis.right[task.k]] = children.bounds;
         let Interval { a, b, low, high } = task.interval;
