@@ -41,7 +41,9 @@ TIMES: Mapping[str, Callable[[Floats], Floats]] = {
     "that comes and goes with time": lambda x: 4.0 * x * (1.0 - x),
     "that changes its sign with time": lambda x: 12.0 * np.sqrt(3.0) * x * (1.0 - x) * (0.5 - x),
 }
-"""Courses over the campaign's time, from 0 to 1: a sun, a supply, lead wires. Each is 1 at most."""
+"""Courses over the campaign's time, from 0 to 1: a sun, a supply, lead wires. Each is 1 at most.
+
+Of smooth fields alone: a rough one that goes with time is what gauges do that wander each by itself."""
 SIZES = (0.003, 0.01, 0.03, 0.1)
 """Sd of the field over the scale of the readings at the greatest load."""
 MOMENTS = 4
@@ -100,7 +102,11 @@ class _Field:
 
 def weigh_unknown(model: LinearModel) -> Unknown:
     """Return the evidence of an unknown field, and the inference in which it is allowed for."""
-    fields = {(name, course): field for name, root in _roots(model).items() for course, field in _fields(model, root)}
+    over_load, over_time = _courses(model)
+    fields = {}
+    for name, root in _roots(model).items():
+        courses = over_load | over_time if name == "smooth" else over_load
+        fields |= {(name, course): field for course, field in _fields(model, root, courses)}
     kinds: list[Kind] = [(name, course, size) for name, course in fields for size in SIZES]
     values = np.array([fields[name, course].log_factor(size) for name, course, size in kinds])
     best = int(np.argmax(values))
@@ -132,20 +138,20 @@ def _roots(model: LinearModel) -> dict[str, Floats]:
     return found
 
 
-def _fields(model: LinearModel, root: Floats) -> Iterator[tuple[str, "_Field"]]:
+def _fields(model: LinearModel, root: Floats, courses: Mapping[str, Floats]) -> Iterator[tuple[str, "_Field"]]:
     """Return the whitened field of a root by its course."""
-    for course, factor in _courses(model).items():
+    for course, factor in courses.items():
         u, s, _ = np.linalg.svd(model.whiten(factor[:, None] * root), full_matrices=False)
         yield course, _Field(u, s, u.T @ model.whitened.residual)
 
 
-def _courses(model: LinearModel) -> dict[str, Floats]:
-    """Return the factor (n,) of every course at the model's rows; those over time where there are enough of them."""
+def _courses(model: LinearModel) -> tuple[dict[str, Floats], dict[str, Floats]]:
+    """Return the factor (n,) of every course at the model's rows: over the load, and over time where there is enough."""
     inputs = model.inputs
     share = np.array([inputs.share_of_reference(load) for load in inputs.loads])
     moments = np.array([average.moments.mean() for average in inputs.averages])
-    found = {name: course(share)[model.average] for name, course in LOADS.items()}
-    if len(np.unique(moments)) >= MOMENTS:
-        at = (moments - moments.min()) / np.ptp(moments)
-        found |= {name: course(at)[model.average] for name, course in TIMES.items()}
-    return found
+    over_load = {name: course(share)[model.average] for name, course in LOADS.items()}
+    if len(np.unique(moments)) < MOMENTS:
+        return over_load, {}
+    at = (moments - moments.min()) / np.ptp(moments)
+    return over_load, {name: course(at)[model.average] for name, course in TIMES.items()}
