@@ -146,7 +146,7 @@ def _fields(model: LinearModel, root: Floats, courses: Mapping[str, Floats]) -> 
 
 
 def _courses(model: LinearModel) -> tuple[dict[str, Floats], dict[str, Floats]]:
-    """Return the factor (n,) of every course at the model's rows: over the load, and over time where there is enough."""
+    """Return the factor (n,) of every course at the model's rows: over the load, and over time if there is enough."""
     inputs = model.inputs
     share = np.array([inputs.share_of_reference(load) for load in inputs.loads])
     moments = np.array([average.moments.mean() for average in inputs.averages])
