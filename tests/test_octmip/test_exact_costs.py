@@ -104,3 +104,17 @@ def test_costs_that_are_multiples_but_for_rounding_are_counted_in_whole_numbers(
         assert (solution.stop, solution.n_nodes) == (plain.stop, plain.n_nodes), f"seed {seed}"
         assert certify(problem, solution).objective - solution.bound <= 1e-9 * solution.objective, f"seed {seed}"
         assert check_proof(problem, path).bound == solution.bound, f"seed {seed}"
+
+
+@pytest.mark.parametrize("top", [1, 6, 100_000])
+@pytest.mark.parametrize("n_classes", [7, 8, 9, 10, 11])
+def test_many_classes_cost_the_same_by_histograms_and_by_walks(n_classes: int, top: int) -> None:
+    rng = np.random.default_rng([n_classes, top])
+    features, labels = rng.normal(size=(160, 4)).round(1), rng.integers(0, n_classes, 160)
+    costs = rng.integers(1, top + 1, (n_classes, n_classes)) * (1 - np.eye(n_classes))
+    problem = Problem(features, labels, depth=2, costs=costs)
+    with without("buckets"):
+        walked = branch_and_bound(problem)
+    found = branch_and_bound(problem)
+    assert found.is_optimal
+    assert found.objective == walked.objective == problem.objective(found.tree)

@@ -42,6 +42,10 @@ impl<T: Lane, const N: usize> WithSimd for &mut Group<'_, T, N> {
             (0, 4) => self.sweep::<4>(),
             (0, 5) => self.sweep::<5>(),
             (0, 6) => self.sweep::<6>(),
+            (0, 7) => self.sweep::<7>(),
+            (0, 8) => self.sweep::<8>(),
+            (0, 9) => self.sweep::<9>(),
+            (0, 10) => self.sweep::<10>(),
             (0, _) => self.sweep_any(),
             // Unrolled products of 64 bits are slower than loops (48 against 38 us an evaluated cut of mu2).
             _ if size_of::<T>() > 4 => self.sweep_any_profiles(),
@@ -49,6 +53,10 @@ impl<T: Lane, const N: usize> WithSimd for &mut Group<'_, T, N> {
             (4, 4) => self.sweep_profiles::<4>(),
             (5, 5) => self.sweep_profiles::<5>(),
             (6, 6) => self.sweep_profiles::<6>(),
+            (7, 7) => self.sweep_profiles::<7>(),
+            (8, 8) => self.sweep_profiles::<8>(),
+            (9, 9) => self.sweep_profiles::<9>(),
+            (10, 10) => self.sweep_profiles::<10>(),
             _ => self.sweep_any_profiles(),
         }
     }
