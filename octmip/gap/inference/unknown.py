@@ -103,7 +103,7 @@ class _Field:
 def weigh_unknown(model: LinearModel) -> Unknown:
     """Return the evidence of an unknown field, and the inference in which it is allowed for."""
     over_load, over_time = _courses(model)
-    fields = {}
+    fields: dict[tuple[str, str], _Field] = {}
     for name, root in _roots(model).items():
         courses = over_load | over_time if name == "smooth" else over_load
         fields |= {(name, course): field for course, field in _fields(model, root, courses)}
