@@ -189,7 +189,8 @@ def _client(distributed: Any, where: str, n_workers: int | None) -> Iterator[Any
 
 
 def _local(distributed: Any, n_workers: int) -> Any:
-    options = {"n_workers": n_workers, "threads_per_worker": 1, "dashboard_address": None, "host": "127.0.0.1"}
+    # Any free port: without an address the scheduler takes 8787, and a second cluster on one machine is refused.
+    options = {"n_workers": n_workers, "threads_per_worker": 1, "dashboard_address": "127.0.0.1:0", "host": "127.0.0.1"}
     try:
         return distributed.LocalCluster(**options, silence_logs=logging.ERROR)
     except RuntimeError as error:

@@ -138,7 +138,7 @@ def test_a_stream_that_was_stopped_solves_only_what_is_missing(tmp_path: Path) -
 def test_a_dask_cluster_writes_the_same_rows_as_one_job(tiny: Wing, tmp_path: Path) -> None:
     distributed = pytest.importorskip("distributed", reason="dask is not installed (pip install distributed)")
     alone = wing_rows(tiny, tmp_path / "alone.parquet")
-    cluster = distributed.LocalCluster(n_workers=1, processes=False, dashboard_address=None)
+    cluster = distributed.LocalCluster(n_workers=1, processes=False, dashboard_address="127.0.0.1:0")
     with cluster, distributed.Client(cluster), joblib.parallel_config(backend="dask"):
         other = wing_rows(tiny, tmp_path / "dask.parquet")
     assert other.about["sha256"] == alone.about["sha256"]

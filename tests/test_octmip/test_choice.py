@@ -123,7 +123,7 @@ def test_folds_come_out_the_same_in_threads_in_processes_and_alone():
 def test_folds_run_on_a_dask_cluster():
     distributed = pytest.importorskip("distributed", reason="dask is not installed (pip install distributed)")
     alone = choose_tree(COSTLY, folds=3, method="cart")
-    cluster = distributed.LocalCluster(n_workers=1, processes=False, dashboard_address=None)
+    cluster = distributed.LocalCluster(n_workers=1, processes=False, dashboard_address="127.0.0.1:0")
     with cluster, distributed.Client(cluster), joblib.parallel_config(backend="dask"):
         other = choose_tree(COSTLY, folds=3, method="cart")
     assert other.steps == alone.steps

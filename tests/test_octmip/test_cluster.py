@@ -23,7 +23,7 @@ from octmip.proof import check_proof
 @pytest.fixture(scope="module")
 def client() -> Iterator[Client]:
     """Two processes with one thread each, on the loopback."""
-    options = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None, "host": "127.0.0.1"}
+    options = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": "127.0.0.1:0", "host": "127.0.0.1"}
     with LocalCluster(**options, silence_logs=50) as cluster, Client(cluster) as client:
         yield client
 
@@ -94,6 +94,12 @@ def test_the_command_takes_the_address_of_a_scheduler(client: Client, tmp_path, 
     assert main(["frontier", *words, "--over", "depth"]) == 0
     assert main(["solve", *words, "--method", "search"]) == 2
     assert "--cluster is for proofs of method 'exact'" in capsys.readouterr().err
+
+
+def test_two_clusters_start_on_one_machine() -> None:
+    """Before: the second was refused, as its scheduler took the same port."""
+    with open_cluster("local", 1) as one, open_cluster("local", 1) as other:
+        assert one is not other
 
 
 def test_nobody_at_an_address_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
