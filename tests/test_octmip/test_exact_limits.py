@@ -79,9 +79,7 @@ import ctypes, sys
 import numpy as np
 from octmip import _native
 from octmip.encoding import integer_costs, native_problem, rank_features
-from octmip.methods.native_call import without
 from octmip.problem import Problem
-from octmip.proof import check_proof
 n, p, classes, depth, threads, seconds = map(int, sys.argv[1:7])
 generator = np.random.default_rng(0)
 problem = Problem(generator.normal(size=(n, p)), generator.integers(0, classes, n), depth=depth)

@@ -1,6 +1,6 @@
 //! The exact core's functions.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use pyo3::exceptions::PyValueError;
@@ -62,26 +62,17 @@ fn branch_and_bound(
     let mut unsaved = None;
     let (every, taker, row) = checkpoint.map_or((0.0, None, None), |(every, taker, row)| (every, Some(taker), row));
     let known = row.map(|row| known_from_row(row, base)).transpose()?;
-    let failed = Mutex::new(None);
-    let ask = |level: usize, cut: &Cut, control: &Control| {
-        let (submit, _) = submit.as_ref()?;
-        let answer = ask_for(submit, level, cut, control);
-        answer.unwrap_or_else(|raised| {
-            failed.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(raised);
-            None
-        })
-    };
-    let elsewhere = Elsewhere { ask: &ask, round: submit.as_ref().map_or(0, |(_, round)| *round) };
-    let elsewhere = submit.is_some().then_some(&elsewhere);
+    let workers = submit.map(Workers::new);
+    let ask = |level: usize, cut: &Cut, control: &Control| workers.as_ref()?.ask(level, cut, control);
+    let elsewhere = workers.as_ref().map(|workers| Elsewhere { ask: &ask, round: workers.round });
     let outcome = supervised(py, progress.as_ref(), |keep_going| {
         let mut save = |known: &Known| hand_out(taker.as_ref(), known, base, &mut unsaved);
         let saver = taker.is_some().then_some(Saver { every, save: &mut save });
-        let has_failed = || failed.lock().unwrap_or_else(PoisonError::into_inner).is_some();
-        go_on(&problem.inner, &options, known, saver, elsewhere, &mut |state| keep_going(state) && !has_failed())
+        let has_failed = || workers.as_ref().is_some_and(Workers::has_failed);
+        let mut keep_going = |state| keep_going(state) && !has_failed();
+        go_on(&problem.inner, &options, known, saver, elsewhere.as_ref(), &mut keep_going)
     })?;
-    if let Some(error) = failed.lock().unwrap_or_else(PoisonError::into_inner).take() {
-        return Err(error);
-    }
+    workers.map_or(Ok(()), Workers::finish)?;
     if let Some(error) = unsaved {
         return Err(error);
     }
@@ -111,6 +102,41 @@ fn ask_for(submit: &Py<PyAny>, level: usize, cut: &Cut, control: &Control) -> Py
         Python::attach(|py| future.call_method0(py, "result")?.extract(py))?;
     let tree = tree.map(|(cost, rows)| Ok::<_, PyErr>((cost, tree_from_rows(rows)?))).transpose()?;
     Ok(Some(SolvedCut { bounds: [left, right], tree, n_evaluated, record }))
+}
+
+/// Whoever solves cuts of the root for this process: what submits a cut to them, how many are asked for in a round, and
+/// the first error that one of them raised.
+struct Workers {
+    submit: Py<PyAny>,
+    round: usize,
+    failed: Mutex<Option<PyErr>>,
+}
+
+impl Workers {
+    fn new((submit, round): (Py<PyAny>, usize)) -> Self {
+        Self { submit, round, failed: Mutex::new(None) }
+    }
+
+    /// A cut that one of them solved; None when it was stopped or has failed.
+    fn ask(&self, level: usize, cut: &Cut, control: &Control) -> Option<SolvedCut> {
+        ask_for(&self.submit, level, cut, control).unwrap_or_else(|raised| {
+            self.lock().get_or_insert(raised);
+            None
+        })
+    }
+
+    fn has_failed(&self) -> bool {
+        self.lock().is_some()
+    }
+
+    /// Raise the error, if there is one.
+    fn finish(self) -> PyResult<()> {
+        self.failed.into_inner().unwrap_or_else(PoisonError::into_inner).map_or(Ok(()), Err)
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Option<PyErr>> {
+        self.failed.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
 /// A problem ready for cuts of its root to be solved, in a process that helps another one's search.
@@ -198,37 +224,22 @@ fn prove(
     n_threads: usize,
     submit: Option<(Py<PyAny>, usize)>,
 ) -> PyResult<Option<String>> {
-    let failed = Mutex::new(None);
+    let workers = submit.map(Workers::new);
     let body = written(py, claim, |supervision| {
         let control = Control::reading(supervision.flag());
         let ask = |level: usize, cut: &Cut, control: &Control| {
-            ask_or_note(submit.as_ref(), level, cut, control, &failed, supervision)
+            let solved = workers.as_ref()?.ask(level, cut, control);
+            if solved.is_none() {
+                supervision.halt();
+            }
+            solved
         };
-        let elsewhere = Elsewhere { ask: &ask, round: submit.as_ref().map_or(0, |(_, round)| *round) };
-        let helpers = if submit.is_some() { Helpers::Elsewhere(&elsewhere) } else { Helpers::Threads(n_threads) };
+        let elsewhere = workers.as_ref().map(|workers| Elsewhere { ask: &ask, round: workers.round });
+        let helpers = elsewhere.as_ref().map_or(Helpers::Threads(n_threads), Helpers::Elsewhere);
         write_by(&problem.inner, claim, Switches::default(), &control, helpers)
     })?;
-    match failed.into_inner().unwrap_or_else(PoisonError::into_inner) {
-        Some(raised) => Err(raised),
-        None => Ok(body),
-    }
-}
-
-/// Ask for a cut; what is raised is noted and stops the search.
-fn ask_or_note(
-    submit: Option<&(Py<PyAny>, usize)>,
-    level: usize,
-    cut: &Cut,
-    control: &Control,
-    failed: &Mutex<Option<PyErr>>,
-    supervision: &Supervision,
-) -> Option<SolvedCut> {
-    let (submit, _) = submit?;
-    ask_for(submit, level, cut, control).unwrap_or_else(|raised| {
-        failed.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(raised);
-        supervision.halt();
-        None
-    })
+    workers.map_or(Ok(()), Workers::finish)?;
+    Ok(body)
 }
 
 /// Bytes that the tables of a search may take, its queues left out.

@@ -54,7 +54,7 @@ pub(crate) fn supervised<T: Send>(
     error.map_or(Ok(result), Err)
 }
 
-/// The body of a log that proves `claim`, written by one thread that Ctrl-C stops.
+/// The body of a log that proves `claim`; Ctrl-C stops whoever writes it.
 pub(crate) fn written<T: Send>(
     py: Python<'_>,
     claim: i64,
