@@ -20,6 +20,8 @@ from benchmarks.blind.run import Plan, begun_seed, run
 
 SETS_FOLDER = Path("results/blind")
 """Sets of runs without --out."""
+LEAST_FAMILIES = 3
+"""For a rotation."""
 
 
 def main() -> None:
@@ -37,7 +39,14 @@ def main() -> None:
     parser.add_argument("--no-limit", action="store_true", help="leave out the limit of information")
     parser.add_argument("--asset-mesh", type=float, default=1.3, help="refinement of femlib's asset")
     parser.add_argument("--twin-mesh", type=float, default=1.0, help="refinement of the twin")
+    parser.add_argument("--rotate", action="store_true", help="constants settled on two other families, in turn")
     options = parser.parse_args()
+    if options.cases < 1:
+        parser.error(f"--cases is {options.cases}; expected 1 or more")
+    if options.rotate and len(options.family or available()) < LEAST_FAMILIES:
+        parser.error(
+            f"--rotate needs {LEAST_FAMILIES} families or more: constants come from two, the cases from others"
+        )
     folder = options.out or unfinished(SETS_FOLDER, options.seed)
     seed = options.seed if options.seed is not None else begun_seed(folder) or int(time.time())
     print(f"{folder}: {'goes on' if begun_seed(folder) else 'begins'} with seed {seed}", file=sys.stderr)
@@ -53,6 +62,7 @@ def main() -> None:
         options.twin_mesh,
         options.strata,
         not options.no_limit,
+        options.rotate,
     )
     signal.signal(signal.SIGTERM, _stop)
     print(run(folder, plan))

@@ -3,9 +3,10 @@
 import hashlib
 import importlib
 import time
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, TypedDict
+from typing import Any, TypedDict, cast
 
 import numpy as np
 
@@ -13,15 +14,24 @@ import femlib
 import octmip
 from femlib.wing import WingTwin, tapered_wing
 from femlib.wing.effects import wing_effects
-from octmip.gap import AugmentedTwin, Campaign, Diagnosis, diagnose, read_campaign
+from octmip.gap import AugmentedTwin, Campaign, Diagnosis, Differences, Odds, diagnose, read_campaign
+from octmip.gap.diagnosis import library_of
 from octmip.gap.twins.cached import CachedTwin
 from octmip.report.diagnosis.as_json import as_object
-from octmip.twin import amounts_of
+from octmip.twin import Effect, amounts_of
 
 HELD_LOAD = 2.5
 MOST_PROBABLE = 6
 """Causes that are written down."""
 _twins: dict[float, CachedTwin] = {}
+
+
+@dataclass(frozen=True)
+class Constants:
+    """Constants of a diagnosis: differences of two models, and the error of the trace of each effect by name."""
+
+    differences: Differences
+    trace_errors: Mapping[str, float]
 
 
 @dataclass(frozen=True)
@@ -40,6 +50,8 @@ class Task:
         whether to diagnose once more without the commissioning run.
     lasso
         whether to ask a group lasso too.
+    constants
+        of the diagnosis, where they are not its own.
     """
 
     place: Path
@@ -47,6 +59,7 @@ class Task:
     refinement: float = 1.0
     without: bool = True
     lasso: bool = False
+    constants: Constants | None = None
 
 
 class ParameterRecord(TypedDict):
@@ -131,7 +144,11 @@ def answer(task: Task) -> list[Found]:
 
 def _diagnosed(task: Task, model: CachedTwin, campaign: Campaign, run: Campaign | None) -> Found:
     start = time.process_time()
-    diagnosis = diagnose(campaign, model, commissioning=run)
+    odds, effects = Odds(), None
+    if task.constants is not None:
+        odds, errors = Odds(differences=task.constants.differences), task.constants.trace_errors
+        effects = {name: with_error(effect, errors.get(name)) for name, effect in library_of(model, campaign).items()}
+    diagnosis = diagnose(campaign, model, effects, commissioning=run, odds=odds)
     seconds = time.process_time() - start
     written = as_object(diagnosis)
     is_calibrated = run is not None
@@ -154,6 +171,11 @@ def _diagnosed(task: Task, model: CachedTwin, campaign: Campaign, run: Campaign 
         "lasso": group_lasso(diagnosis) if task.lasso and is_calibrated else None,
         "augmented": _augmented(diagnosis, model, campaign),
     }
+
+
+def with_error(effect: Effect, error: float | None) -> Effect:
+    """Return an effect whose trace has another error; itself where none was settled."""
+    return effect if error is None else cast(Effect, replace(cast(Any, effect), signature_error=error))
 
 
 def _correction(diagnosis: Diagnosis, model: CachedTwin) -> list[float]:

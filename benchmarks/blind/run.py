@@ -6,13 +6,15 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import asdict, dataclass
+from itertools import combinations
 from pathlib import Path
 
-from benchmarks.blind.answers import Found, Task, answer, code
+from benchmarks.blind.answers import Constants, Found, Task, answer, code, twin
 from benchmarks.blind.assets.families import available, made
 from benchmarks.blind.assets.shells import REFINEMENT
 from benchmarks.blind.limit.limits import limits
 from benchmarks.blind.reliability import draw
+from benchmarks.blind.rotation.constants import settled
 from benchmarks.blind.score import Pair, open_keys
 from benchmarks.blind.sealing import Key, seal
 from benchmarks.blind.sound import sound_tables
@@ -40,6 +42,9 @@ class Plan:
         refinements.
     limit
         whether the limit of information is computed.
+    rotate
+        whether each case is diagnosed with constants settled on two families that it does not belong to, every pair of
+        them in turn.
     strata
         of `cases.SETS`: "main", or "sound" for assets with which nothing is wrong.
     """
@@ -55,12 +60,13 @@ class Plan:
     twin_mesh: float = 1.0
     strata: str = "main"
     limit: bool = True
+    rotate: bool = False
 
 
 def run(folder: Path, plan: Plan) -> str:
     """Seal, diagnose, open, score; return the tables in Markdown, which also stand in `folder/tables.md`."""
     folder.mkdir(parents=True, exist_ok=True)
-    keys = folder.resolve().parent / f"{folder.name}.keys.json"
+    keys = _keys(folder)
     plan = _settled(folder, plan)
     clock = [time.time()]
     if not (folder / "seals.json").exists():
@@ -74,6 +80,11 @@ def run(folder: Path, plan: Plan) -> str:
     text = "\n\n".join([_heading(plan, len(answers), clock), *tables])
     (folder / "tables.md").write_text(text + "\n")
     return text
+
+
+def _keys(folder: Path) -> Path:
+    """Return the file of the answers of a set."""
+    return folder.resolve().parent / f"{folder.name}.keys.json"
 
 
 def _settled(folder: Path, plan: Plan) -> Plan:
@@ -114,7 +125,8 @@ def _diagnose(folder: Path, plan: Plan) -> list[Found]:
     path = folder / "diagnoses.jsonl"
     cases = _written(path)
     done = {lines[0]["name"] for lines in cases}
-    tasks = [task for task in _tasks(folder, plan) if task.name not in done]
+    constants = _rotated(folder, plan) if plan.rotate else {}
+    tasks = [task for task in _tasks(folder, plan, constants) if task.name not in done]
     with path.open("a") as file:
         for found in _answers(tasks, plan.jobs):
             file.write(json.dumps(found) + "\n")
@@ -139,8 +151,21 @@ def _answers(tasks: Sequence[Task], jobs: int) -> Iterator[list[Found]]:
             yield future.result()
 
 
-def _tasks(folder: Path, plan: Plan) -> list[Task]:
+def _rotated(folder: Path, plan: Plan) -> dict[str, list[Constants]]:
+    """Return by family the constants settled on each two of the others."""
+    keys, model = _keys(folder), twin(plan.twin_mesh)
+    assets = {name: made(name, plan.seed, keys, plan.asset_mesh, plan.jobs) for name in plan.families}
+    pairs = {pair: settled([assets[name] for name in pair], model) for pair in combinations(plan.families, 2)}
+    return {name: [found for pair, found in pairs.items() if name not in pair] for name in plan.families}
+
+
+def _tasks(folder: Path, plan: Plan, constants: Mapping[str, Sequence[Constants]]) -> list[Task]:
     """Return one task per case; unknown to it are seed, truths and keys."""
+
+    def own(k: int, path: Path) -> Constants | None:
+        known = constants.get(path.parents[1].name, ())
+        return known[k // len(plan.families) % len(known)] if known else None
+
     paths = sorted(folder.glob("*/campaigns/*.csv"), key=lambda path: path.stem)
     return [
         Task(
@@ -149,6 +174,7 @@ def _tasks(folder: Path, plan: Plan) -> list[Task]:
             plan.twin_mesh,
             without=k < round(plan.without * len(paths)),
             lasso=k % max(1, len(paths) // max(1, plan.lasso)) == 0 and plan.lasso > 0,
+            constants=own(k, path),
         )
         for k, path in enumerate(paths)
     ]

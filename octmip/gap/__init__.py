@@ -7,6 +7,7 @@ from octmip.gap.diagnosis import Diagnosis, diagnose, rounds
 from octmip.gap.doors.function import FunctionTwin, function_twin
 from octmip.gap.effects import CHAIN
 from octmip.gap.effects.simple import SimpleEffect
+from octmip.gap.odds import Differences, Odds
 from octmip.gap.twins.augmented import Addition, AugmentedTwin
 from octmip.gap.twins.cached import CachedTwin
 
@@ -18,7 +19,9 @@ __all__ = [
     "Campaign",
     "Cell",
     "Diagnosis",
+    "Differences",
     "FunctionTwin",
+    "Odds",
     "Recorded",
     "SimpleEffect",
     "diagnose",

@@ -26,6 +26,7 @@ from octmip.gap.campaign.campaign import Campaign, Cell
 from octmip.gap.campaign.noise import Noise
 from octmip.gap.campaign.wandering import Wander
 from octmip.gap.inference.discrepancy import LEVEL_PRIOR, LEVELS, Discrepancy, spread_levels, uncalibrated
+from octmip.gap.odds import Differences
 from octmip.gap.twins.cached import CachedTwin
 from octmip.twin import Load
 
@@ -128,7 +129,7 @@ class RunEvidence:
         return found, total
 
 
-def read_run(run: Campaign, twin: CachedTwin, wanders: Sequence[Wander], load: Load) -> RunEvidence:
+def read_run(run: Campaign, twin: CachedTwin, wanders: Sequence[Wander], load: Load, usual: Differences) -> RunEvidence:
     """Return what a run says of the gauges of its noise, at the reference load `load`, under every wander.
 
     Raises
@@ -138,7 +139,7 @@ def read_run(run: Campaign, twin: CachedTwin, wanders: Sequence[Wander], load: L
     """
     _check_run(run)
     gauges = wanders[0].noise.gauges
-    prior = uncalibrated(twin, gauges, load)
+    prior = uncalibrated(twin, gauges, load, usual)
     rows = _Rows.of(run, twin, gauges, load, prior)
     if not rows.phi.any():
         raise DataError("the commissioning run holds readings at zero load only; expected two loads or more")

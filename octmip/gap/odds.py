@@ -13,6 +13,55 @@ UNKNOWN_BESIDE = 3
 
 
 @dataclass(frozen=True, slots=True)
+class Differences:
+    """How far two honest models of one structure lie apart before any effect: relative standard deviations.
+
+    They are those of level 1; how far twin and asset lie apart is learnt as a factor of 0.5 to 4 on all of them
+    (`octmip.gap.inference.discrepancy`). The defaults were measured between models of a wing (docs/gap/sealed.md).
+
+    Attributes
+    ----------
+    common
+        of what all gauges have in common.
+    smooth
+        of what varies along the structure.
+    own
+        of each gauge by itself.
+    floor
+        of each gauge, over the rms of its unit's readings: gauges of little strain differ by more.
+    damage
+        of the change that damage makes.
+    wide_share
+        share of gauges that are wide: at the edge of a damage two models' fields have unlike slopes.
+    wide_damage, wide_own
+        what damage changes and the healthy reading differ by at a wide gauge, beside the others.
+
+    Raises
+    ------
+    DataError
+        a negative number, or a share that is not below 1.
+    """
+
+    common: float = 0.010
+    smooth: float = 0.007
+    own: float = 0.007
+    floor: float = 0.003
+    damage: float = 0.04
+    wide_share: float = 0.05
+    wide_damage: float = 0.16
+    wide_own: float = 0.03
+
+    def __post_init__(self) -> None:
+        for name in self.__slots__:
+            value, most = getattr(self, name), 1.0 if name == "wide_share" else float("inf")
+            if not (isfinite(value) and 0.0 < value < most):
+                raise DataError(
+                    f"differences {name} is {value}; expected a number above 0{' and below 1' if most == 1.0 else ''}: "
+                    "a share of the readings, 0.01 for 1 %"
+                )
+
+
+@dataclass(frozen=True, slots=True)
 class Odds:
     """Prior probabilities of a diagnosis.
 
@@ -29,6 +78,8 @@ class Odds:
         that a commissioning run was taken with a fault of its own, or of another asset.
     effects
         by name, how many times as probable an effect is as one that is not named here; 0 leaves it out.
+    differences
+        between two honest models of the structure.
 
     Raises
     ------
@@ -41,6 +92,7 @@ class Odds:
     misstated: float = 0.01
     wrong_run: float = 0.02
     effects: Mapping[str, float] = field(default_factory=dict)
+    differences: Differences = Differences()
 
     def __post_init__(self) -> None:
         if not 1 <= len(self.count) <= MOST_EFFECTS + 1:

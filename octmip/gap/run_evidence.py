@@ -153,7 +153,7 @@ def _with_own_walk(before: LinearModel, of: Inputs, kernels: list[Floats]) -> _P
 
 
 def _kernels(inputs: Inputs) -> list[Floats]:
-    prior = uncalibrated(inputs.twin, inputs.campaign.gauges, inputs.reference)
+    prior = uncalibrated(inputs.twin, inputs.campaign.gauges, inputs.reference, inputs.odds.differences)
     return [prior.at(level).covariance for level in LEVELS]
 
 

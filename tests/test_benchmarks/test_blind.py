@@ -14,7 +14,7 @@ import pytest
 
 from benchmarks.blind import run as blind
 from benchmarks.blind import trees
-from benchmarks.blind.answers import Task, answer
+from benchmarks.blind.answers import Task, answer, twin, with_error
 from benchmarks.blind.assets import calculix
 from benchmarks.blind.assets.beam.asset import BeamAsset
 from benchmarks.blind.assets.families import made
@@ -202,9 +202,28 @@ def test_the_campaigns_tell_no_answer(folder):
 
 
 def test_a_task_names_neither_seed_nor_keys(folder):
-    (task, *_) = blind._tasks(folder, blind.Plan(11))
-    assert set(Task.__dataclass_fields__) == {"place", "name", "refinement", "without", "lasso"}
+    (task, *_) = blind._tasks(folder, blind.Plan(11), {})
+    assert set(Task.__dataclass_fields__) == {"place", "name", "refinement", "without", "lasso", "constants"}
     assert not any(word in str(task) for word in ("keys", "seed"))
+
+
+def test_constants_are_settled_on_two_other_families_in_turn(folder, strips, families, monkeypatch):
+    own, other, _ = families
+    assets = {"femlib": own, "calculix": other, "beam": strips}
+    monkeypatch.setattr(blind, "made", lambda name, *_: assets[name])
+    plan = blind.Plan(11, families=tuple(assets), twin_mesh=0.3)
+    constants = blind._rotated(folder, plan)
+    alike, apart = constants["beam"][0], constants["femlib"][0]
+    assert len(constants["beam"]) == len(constants["femlib"]) == 1
+    assert alike.differences.common < 0.005
+    assert apart.differences.damage > 3.0 * alike.differences.damage
+    assert apart.trace_errors["torsion"] > alike.trace_errors["torsion"]
+    assert "gauge_bias" not in apart.trace_errors
+    tasks = blind._tasks(folder, plan, constants)
+    assert all(task.constants is alike for task in tasks)
+    torsion = twin(0.3).effects["torsion"]
+    assert with_error(torsion, 0.9).signature_error == 0.9
+    assert with_error(torsion, None) is torsion
 
 
 def is_package(module):

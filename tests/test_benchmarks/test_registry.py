@@ -2,6 +2,7 @@
 
 import pytest
 
+from benchmarks.blind.__main__ import main as blind_main
 from benchmarks.case import Case
 from benchmarks.cases.exact import large
 from benchmarks.data import SHARED, numeric_sets, published, synthetic_uav
@@ -86,3 +87,14 @@ def test_the_table_says_where_the_peer_was_stopped_or_ours_is_slower():
 
 def test_the_table_shows_a_disagreement():
     assert "DISAGREE: 3, 4" in race_table([line("octmip", 0.1), line("pycontree", 2.0, objective=4.0)])
+
+
+@pytest.mark.parametrize(("arguments", "message"), [
+    (["--cases", "0"], "--cases is 0; expected 1 or more"),
+    (["--rotate", "--family", "beam", "--family", "femlib"], "--rotate needs 3 families"),
+])  # fmt: skip
+def test_a_plan_that_cannot_be_is_refused(arguments, message, monkeypatch, capsys):
+    monkeypatch.setattr("sys.argv", ["blind", *arguments])
+    with pytest.raises(SystemExit):
+        blind_main()
+    assert message in capsys.readouterr().err

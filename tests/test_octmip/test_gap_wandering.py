@@ -143,6 +143,17 @@ def test_what_comes_and_goes_is_unexplained_and_no_sound_asset(cycles, phase, si
     assert (moves_together(diagnosis.noise, inputs.averages) > 0.5) == is_shared
 
 
+@pytest.mark.parametrize("course", [np.sign, np.cbrt, lambda load: np.tanh(load / 0.6), lambda load: min(load, 1.2)])
+def test_joints_that_stick_are_unexplained_and_no_sound_asset(course):
+    """Before: a sound asset with readings that wander (.98), whatever the way in which friction sets in."""
+    rng = np.random.default_rng(4)
+    held = rng.choice([-1.0, 1.0], 20) * rng.uniform(0.6, 1.4, 20)
+    campaign = measured(904, lambda state, load, time: 16.0 * held * course(load) / course(3.0))
+    diagnosis = diagnose(campaign, TWIN, commissioning=measured(1904))
+    assert diagnosis.which[0].effects == ("unknown",)
+    assert diagnosis.unknown_probability > 0.95
+
+
 def test_walks_of_single_gauges_do_not_move_together(sound):
     inputs = sound.posterior.model.inputs
     assert moves_together(sound.noise, inputs.averages) == 0.0

@@ -5,13 +5,14 @@ the size of the healthy prediction relative to the greatest load, d a pattern ov
 of the change that damage makes. How far two honest models of one structure lie apart is not known beforehand: all
 relative errors share one factor, the **level**, with a prior over `LEVELS`. At level l
 
-    d ~ N(0, l^2 K),   K = COMMON^2 f f' + SMOOTH^2 (f f') o k + OWN^2 diag(f^2) + (FLOOR s)^2
+    d ~ N(0, l^2 K),   K = common^2 f f' + smooth^2 (f f') o k + own^2 diag(f^2) + (floor s)^2
 
-with k a correlation along the structure and s the scale of readings of one unit. A commissioning run gives d gauge by
+with k a correlation along the structure, s the scale of readings of one unit, and the standard deviations those of
+`octmip.gap.odds.Differences`. A commissioning run gives d gauge by
 gauge, its covariance, and the level (`octmip.gap.commissioning`).
 
-A gauge may be **wide**, with probability `WIDE_SHARE`: its own error of what damage changes has the sd `WIDE_DAMAGE`
-beyond that, and of the healthy reading, where no run has measured it, `WIDE_OWN`.
+A gauge may be **wide**, with probability `wide_share`: its own error of what damage changes has the sd `wide_damage`
+beyond that, and of the healthy reading, where no run has measured it, `wide_own`.
 Source: Kennedy and O'Hagan (2001), "Bayesian calibration of computer models", J. R. Statist. Soc. B 63, for a
 discrepancy with a prior of its own; the level and its prior are this project's.
 """
@@ -23,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp
 
+from octmip.gap.odds import Differences
 from octmip.gap.twins.cached import CachedTwin
 from octmip.twin import Load
 
@@ -34,23 +36,6 @@ LEVEL_PRIOR = (0.12, 0.20, 0.25, 0.20, 0.12, 0.07, 0.04)
 """Their probabilities before any reading."""
 ALIKE = 2.0
 """The level of what damage and effects change lies within this factor (one sd) of that of the healthy strains."""
-COMMON = 0.010
-"""Relative sd of the part common to all gauges. Measured between two codes on one wing: 0.6 to 0.9 %."""
-SMOOTH = 0.007
-"""Relative sd of the part that varies along the structure."""
-OWN = 0.007
-"""Relative sd of the part of each gauge. Measured between two codes, with the smooth part: 0.8 to 1.0 %."""
-FLOOR = 0.003
-"""Sd of the part of each gauge over the rms of its unit's readings: gauges of little strain differ by more."""
-DAMAGE = 0.04
-"""Relative sd of the change that damage makes: on meshes of 30k degrees of freedom it is known to some per cent."""
-WIDE_DAMAGE = 0.16
-"""The same at a wide gauge, where two models' fields have unlike slopes: four times as much. Two pairs of models of one
-wing that differ by .03 and .12 elsewhere differ there by .13 and .5."""
-WIDE_OWN = 0.03
-"""Relative sd of healthy readings at such a gauge."""
-WIDE_SHARE = 0.05
-"""Share of such gauges: 1 of 20 in each of the three pairs."""
 UNEVEN = 1e-3
 """Chance below which a run is taken as not proportional to the load."""
 HALF = 0.5
@@ -78,7 +63,9 @@ class Discrepancy:
     level
         factor on relative differences that these numbers hold for.
     wide
-        positions of the gauges whose own errors are those of `WIDE_DAMAGE` and `WIDE_OWN`.
+        positions of the gauges whose own errors are those of `wide_damage` and `wide_own`.
+    usual
+        what two honest models differ by at level 1.
     log_levels
         levels that are possible, each with the log of its probability.
     is_calibrated
@@ -97,6 +84,7 @@ class Discrepancy:
     healthy: Floats
     damage: float
     level: float
+    usual: Differences
     log_levels: tuple[tuple[float, float], ...]
     is_calibrated: bool
     p_value: float = 1.0
@@ -112,20 +100,20 @@ class Discrepancy:
     def at(self, level: float, wide: tuple[int, ...] = ()) -> "Discrepancy":
         """Return the difference at another level, with other wide gauges; what a commissioning run measured stays."""
         if self.is_calibrated:
-            return replace(self, damage=DAMAGE * level, level=level, wide=wide)
+            return replace(self, damage=self.usual.damage * level, level=level, wide=wide)
         covariance = (level / self.level) ** 2 * (self.covariance - self._own_tails(self.wide))
         covariance = covariance + self._own_tails(wide)
-        return replace(self, covariance=covariance, damage=DAMAGE * level, level=level, wide=wide)
+        return replace(self, covariance=covariance, damage=self.usual.damage * level, level=level, wide=wide)
 
     def _own_tails(self, wide: tuple[int, ...]) -> Floats:
         """Return what wide gauges add to the covariance (n_gauges, n_gauges) of healthy readings."""
         tails = np.zeros(len(self.healthy))
-        tails[list(wide)] = (WIDE_OWN * self.healthy[list(wide)]) ** 2
+        tails[list(wide)] = (self.usual.wide_own * self.healthy[list(wide)]) ** 2
         return np.diag(tails)
 
     def damage_tails(self, gauge: NDArray[np.int64]) -> Floats:
         """Return the relative sd (n,) that what damage changes at some gauges has beyond `damage`: 0 where not wide."""
-        return np.asarray(np.where(np.isin(gauge, self.wide), WIDE_DAMAGE * self.level, 0.0))
+        return np.asarray(np.where(np.isin(gauge, self.wide), self.usual.wide_damage * self.level, 0.0))
 
     def share(self, healthy: Floats, reference: Floats) -> float:
         """Return phi: the signed size of a healthy prediction relative to the one at the reference load."""
@@ -133,13 +121,13 @@ class Discrepancy:
         return float((healthy / self.scale) @ relative / (relative @ relative))
 
 
-def uncalibrated(twin: CachedTwin, gauges: Sequence[str], load: Load) -> Discrepancy:
+def uncalibrated(twin: CachedTwin, gauges: Sequence[str], load: Load, usual: Differences) -> Discrepancy:
     """Return the difference to expect at the reference load from the twin alone."""
     healthy = twin.predict({}, load)[[twin.gauges.index(name) for name in gauges]]
     prior = tuple(zip(LEVELS, np.log(LEVEL_PRIOR).tolist(), strict=True))
     scale = scale_of(twin, gauges, load)
-    unit = _unit_covariance(twin, gauges, healthy, scale)
-    return Discrepancy(np.zeros(len(healthy)), unit, scale, healthy, DAMAGE, 1.0, prior, False)
+    unit = _unit_covariance(twin, gauges, healthy, scale, usual)
+    return Discrepancy(np.zeros(len(healthy)), unit, scale, healthy, usual.damage, 1.0, usual, prior, False)
 
 
 def scale_of(twin: CachedTwin, gauges: Sequence[str], load: Load) -> Floats:
@@ -168,10 +156,12 @@ def along(twin: CachedTwin, gauges: Sequence[str], length: float) -> Floats:
     return np.asarray(np.exp(-0.5 * distance**2))
 
 
-def _unit_covariance(twin: CachedTwin, gauges: Sequence[str], healthy: Floats, scale: Floats) -> Floats:
+def _unit_covariance(
+    twin: CachedTwin, gauges: Sequence[str], healthy: Floats, scale: Floats, usual: Differences
+) -> Floats:
     """Return K, the covariance of d at level 1."""
-    common = COMMON**2 + SMOOTH**2 * along(twin, gauges, LENGTH)
-    own = (OWN * healthy) ** 2 + (FLOOR * scale) ** 2
+    common = usual.common**2 + usual.smooth**2 * along(twin, gauges, LENGTH)
+    own = (usual.own * healthy) ** 2 + (usual.floor * scale) ** 2
     return np.asarray(common * np.outer(healthy, healthy) + np.diag(own))
 
 

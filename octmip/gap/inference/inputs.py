@@ -186,7 +186,7 @@ def prepare(
     reference = _reference(campaign, run, asked)
     known = commissioning if isinstance(commissioning, Discrepancy) else run
     averages = averages_of(campaign, any(getattr(effect, "uses_time", False) for effect in effects.values()))
-    variants, of_discrepancy = _variants(known, asked, noise, averages, reference)
+    variants, of_discrepancy = _variants(known, asked, noise, averages, reference, odds)
     typical = int(np.median([len(cell.rows) for cell in campaign.cells]))
     variants = tuple(own for variant in variants for own in _of_memory(variant, typical))
     candidates = candidates_of(effects, asked, campaign.gauges, odds)
@@ -214,6 +214,7 @@ def _variants(
     noise: Noise,
     averages: Sequence[AveragedCell],
     reference: Load,
+    odds: Odds,
 ) -> tuple[tuple[Variant, ...], list[str]]:
     """Return what twin and asset differ by before any effect, and the noise, for every size of a walk.
 
@@ -221,19 +222,19 @@ def _variants(
     """
     wanders = wanders_of(noise, averages)
     if isinstance(known, Campaign):
-        return _beside_run(known, twin, noise, wanders, reference)
-    usual = uncalibrated(twin, noise.gauges, reference) if known is None else known
+        return _beside_run(known, twin, noise, wanders, reference, odds)
+    usual = uncalibrated(twin, noise.gauges, reference, odds.differences) if known is None else known
     found = tuple(Variant(wander.noise, usual, float(np.log(wander.share))) for wander in wanders)
     return found, [_WITHOUT_RUN] if known is None else []
 
 
 def _beside_run(
-    run: Campaign, twin: CachedTwin, noise: Noise, wanders: Sequence[Wander], reference: Load
+    run: Campaign, twin: CachedTwin, noise: Noise, wanders: Sequence[Wander], reference: Load, odds: Odds
 ) -> tuple[tuple[Variant, ...], list[str]]:
     """Return a variant for every size of the campaign's walk; the run wanders likewise, or as far as it does itself."""
     of_run, notes = noise_of_run(run, noise)
     own = wanders_of(of_run, averages_of(run, split=False))
-    evidence = read_run(run, twin, own, reference)
+    evidence = read_run(run, twin, own, reference, odds.differences)
     repeats = np.array([one.log_likelihood if run.has_repeats else 0.0 for one in own])
     found = []
     for wander in wanders:

@@ -19,7 +19,6 @@ import numpy as np
 import scipy.linalg as linalg
 from numpy.typing import NDArray
 
-from octmip.gap.inference.discrepancy import WIDE_DAMAGE, WIDE_OWN
 from octmip.gap.inference.inputs import Inputs
 from octmip.gap.inference.signatures import signatures_of
 from octmip.twin import Load
@@ -248,9 +247,9 @@ def tail_of(model: LinearModel, gauge: int) -> Floats:
     """Return a whitened root (n, r) of what the covariance gains where a gauge is wide, or nearly so: one state's."""
     known = model.inputs.discrepancy
     here = model.gauge == gauge
-    columns = [np.where(here, WIDE_DAMAGE * known.level * model.change, 0.0)]
+    columns = [np.where(here, known.usual.wide_damage * known.level * model.change, 0.0)]
     if not known.is_calibrated:
-        columns.append(np.where(here, WIDE_OWN * known.healthy[gauge] * model.share, 0.0))
+        columns.append(np.where(here, known.usual.wide_own * known.healthy[gauge] * model.share, 0.0))
     return model.whiten(np.column_stack(columns))
 
 

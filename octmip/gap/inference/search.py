@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp
 
-from octmip.gap.inference.discrepancy import WIDE_SHARE
 from octmip.gap.inference.evidence import Members, extensions
 from octmip.gap.inference.hypotheses import Hypothesis, likely_sets, log_count, log_prior
 from octmip.gap.inference.inference import Inference
@@ -52,7 +51,6 @@ MOST_DIFFERENCES = 5
 """Levels, with wide gauges and without, that are looked at."""
 FAINT = 0.3
 """Standard deviations that a wide gauge must be able to move a reading; others make no difference."""
-_LOG_WIDE = float(np.log(WIDE_SHARE / (1.0 - WIDE_SHARE)))
 MOST_MEMORIES = 2
 """Sizes of the memory of readings that do not wander that are looked at."""
 MOST_WALKS = 2
@@ -183,13 +181,15 @@ def _with_wide(model: LinearModel, value: float, start: Difference) -> list[tupl
     """Return a difference with the gauges made wide, one after the other, that raise what it weighs most."""
     found: list[tuple[float, Difference]] = []
     difference, at = start, at_level(model, start.level)
+    share = model.inputs.discrepancy.usual.wide_share
+    log_wide = float(np.log(share / (1.0 - share)))
     for _ in range(MOST_WIDE):
         roots = {g: tail_of(at, g) for g in range(len(model.inputs.order)) if g not in difference.wide}
         tried = {g: _value(with_errors(at, root)) for g, root in roots.items() if np.abs(root).max(initial=0.0) > FAINT}
         if not tried:
             break
         g = max(tried, key=lambda g: tried[g])
-        difference = Difference(start.level, (*difference.wide, g), difference.log_share + _LOG_WIDE)
+        difference = Difference(start.level, (*difference.wide, g), difference.log_share + log_wide)
         own = tried[g] + difference.log_share
         if own < value - LEVEL_BEHIND:
             break

@@ -13,7 +13,6 @@ import scipy.linalg as linalg
 from numpy.typing import NDArray
 from scipy.special import ndtr
 
-from octmip.gap.inference.discrepancy import DAMAGE
 from octmip.gap.inference.evidence import Fit
 from octmip.gap.inference.inputs import Inputs
 from octmip.gap.inference.linear_model import OPEN_STATE, STEP, LinearModel, alike_gauges, linearise
@@ -141,7 +140,7 @@ def _node_logs(inputs: Inputs, group: tuple[int, ...], nodes: Floats) -> Floats:
     healthy = model.predicted[rows]
     y = healthy + model.residual[rows]
     gauge = model.gauge[rows]
-    same = (inputs.discrepancy.typical_level * DAMAGE) ** 2 * alike_gauges(gauge)
+    same = (inputs.discrepancy.typical_level * inputs.discrepancy.usual.damage) ** 2 * alike_gauges(gauge)
     diagonal = np.diag_indices(len(rows))
     logs = []
     for row in _changes(model, rows, nodes):

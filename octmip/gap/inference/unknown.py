@@ -32,10 +32,13 @@ FIELD_WORDS = {
 }
 LOADS: Mapping[str, Callable[[Floats], Floats]] = {
     "constant in load": np.ones_like,
+    "there as soon as there is load": np.sign,
+    "growing with the root of the load": lambda x: np.sign(x) * np.sqrt(np.abs(x)),
     "proportional to the load": lambda x: x,
     "growing with the load squared": lambda x: x**2,
 }
-"""Courses over the load, as a share of the greatest one."""
+"""Courses over the load, as a share of the greatest one: joints that stick and slip, backlash and friction go with its
+sign or with a root of it, and readings that wander took what no course described (docs/gap/noise.md)."""
 TIMES: Mapping[str, Callable[[Floats], Floats]] = {
     "growing with time": lambda x: x,
     "that comes and goes with time": lambda x: 4.0 * x * (1.0 - x),

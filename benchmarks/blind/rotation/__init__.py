@@ -1,0 +1,1 @@
+"""Constants settled on some families of assets, to be judged on others."""
