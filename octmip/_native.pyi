@@ -144,7 +144,26 @@ NativeProgress = Callable[[float, int, int, int], None]  # seconds, objective, b
 NodeRow = tuple[int, int, int, int, int, int, list[tuple[int, float]], float]
 __version__: str
 
-def dense_ranks(features: NDArray[np.float64]) -> tuple[NDArray[np.uint32], list[int]]:
+class RankTable:
+    """Dense ranks of every feature, held once by the core and by all problems that are made of it."""
+
+    def __init__(self, ranks: NDArray[np.uint32]) -> None:
+        """Copy ranks (n_features, n_samples)."""
+        ...
+
+    def column(self, feature: int) -> NDArray[np.uint32]:
+        """Return a copy of the ranks (n_samples,) of a feature."""
+        ...
+
+    def array(self) -> NDArray[np.uint32]:
+        """Return a copy of all ranks (n_features, n_samples)."""
+        ...
+
+    def of_rows(self, rows: NDArray[np.int64]) -> RankTable:
+        """Return the ranks of some samples."""
+        ...
+
+def dense_ranks(features: NDArray[np.float64]) -> tuple[RankTable, list[int]]:
     """Return ranks (n_features, n_samples) of features (n_samples, n_features), and each feature's distinct values."""
 
 def search(

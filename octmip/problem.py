@@ -41,7 +41,7 @@ class Problem:
     ----------
     features
         (n_samples, n_features) float64, NaN where a reading is missing, never infinite; a data frame gives
-        its names too.
+        its names too. A copy, but of a float64 array with memory of its own that nobody can write to.
     labels
         (n_samples,) class of each sample, as values of `class_names`; an array or a series.
     depth

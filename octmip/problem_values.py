@@ -1,7 +1,7 @@
 """The values that a problem is given, each checked and returned as the type that `Problem` keeps."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,7 +18,7 @@ def names_of_columns(features: object) -> tuple[str, ...] | None:
 
 
 def features_of(values: ArrayLike, *, gaps: bool = False) -> NDArray[np.float64]:
-    """Return the features (n_samples, n_features) of an array or a data frame as a float64 copy.
+    """Return the features (n_samples, n_features) of an array or a data frame as float64.
 
     With `gaps` a reading may be missing (NaN, of a data frame also NA or None), and is NaN of one bit pattern.
 
@@ -116,7 +116,10 @@ def distinct_labels(labels: NDArray[Any]) -> tuple[list[Any], NDArray[np.int64]]
 
 
 def numbers_of(values: ArrayLike, name: str, n_dimensions: int, *, gaps: bool = False) -> NDArray[np.float64]:
-    """Return a float64 copy of finite numbers; with `gaps` some may be missing, NaN of one bit pattern.
+    """Return finite numbers as float64; with `gaps` some may be missing, NaN of one bit pattern.
+
+    A copy, but of an array that is float64 already and that nobody can write to (`array.flags.writeable` False, its
+    memory its own): a table of 10^6 rows is then held once.
 
     Raises
     ------
@@ -124,13 +127,16 @@ def numbers_of(values: ArrayLike, name: str, n_dimensions: int, *, gaps: bool = 
         some value is no finite number (nor, with `gaps`, missing), or the number of dimensions is another.
     """
     try:
-        array = np.array(values, dtype=np.float64)
+        array = values if _is_settled(values) else np.array(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise ProblemError(f"{name} cannot be read as numbers ({error}); encode text as numbers first") from error
     if array.ndim != n_dimensions:
         raise ProblemError(f"{name} has {array.ndim} dimensions; expected {n_dimensions}")
+    is_wrong = ~np.isfinite(array)
+    if not is_wrong.any():
+        return array
     is_missing = np.isnan(array)
-    is_wrong = np.isinf(array) if gaps else ~np.isfinite(array)
+    is_wrong = is_wrong & ~is_missing if gaps else is_wrong
     if is_wrong.any():
         place = ", ".join(str(int(i)) for i in np.argwhere(is_wrong)[0])
         what = (
@@ -141,9 +147,19 @@ def numbers_of(values: ArrayLike, name: str, n_dimensions: int, *, gaps: bool = 
         raise ProblemError(
             f"{name}[{place}] is {what[0]} ({int(is_wrong.sum())} in all); expected {what[1]}; drop or fill them"
         )
-    if is_missing.any():
-        array[is_missing] = np.nan
+    if not array.flags.writeable:
+        if (array[is_missing].view(np.int64) == np.float64(np.nan).view(np.int64)).all():
+            return array
+        array = array.copy()
+    array[is_missing] = np.nan
     return array
+
+
+def _is_settled(values: object) -> TypeGuard[NDArray[np.float64]]:
+    """Return whether values are float64 in memory of their own that nobody can write to."""
+    if type(values) is not np.ndarray or values.dtype != np.float64:
+        return False
+    return not values.flags.writeable and values.flags.owndata
 
 
 def number_of(value: float, name: str) -> float:

@@ -279,7 +279,7 @@ class _NativeDrift:
         n = problem.n_samples
         together = Ranks.of(np.vstack([bands.low, problem.features, bands.high]))
         low, true, high = (np.ascontiguousarray(together.ranks[:, k * n : (k + 1) * n]) for k in range(3))
-        ranks, costs = Ranks(true, together.values), integer_costs(problem, None)
+        ranks, costs = Ranks(_native.RankTable(true), together.values), integer_costs(problem, None)
         row = low, high, min(off, len(problem.sensors)), problem.n_classes
         return cls(problem, bands, off, native_problem(problem, ranks, costs), row, ranks, costs)
 

@@ -40,14 +40,14 @@ class DistinctValues(Sequence[NDArray[np.float64]]):
     ----------
     columns
         (n_samples, n_columns) what was ranked.
-    ranks
-        (n_columns, n_samples) its dense ranks.
+    table
+        its dense ranks.
     n_values
         (n_columns,) how many distinct values each column has.
     """
 
     columns: NDArray[np.float64]
-    ranks: NDArray[np.uint32]
+    table: _native.RankTable
     n_values: tuple[int, ...]
     _made: dict[int, NDArray[np.float64]] = field(default_factory=dict, repr=False)
 
@@ -64,7 +64,7 @@ class DistinctValues(Sequence[NDArray[np.float64]]):
         column = range(len(self))[column]
         if column not in self._made:
             values = np.empty(self.n_values[column])
-            values[self.ranks[column]] = self.columns[:, column]
+            values[self.table.column(column)] = self.columns[:, column]
             self._made[column] = values + 0.0  # of 0.0 and -0.0, which are equal, the first
         return self._made[column]
 
@@ -78,8 +78,8 @@ class Ranks:
 
     Attributes
     ----------
-    ranks
-        (n_columns, n_samples) uint32, C-contiguous.
+    table
+        the ranks as the native core holds them.
     values
         for each column its distinct values, ascending: ``features[i, j] == values[j][ranks[j, i]]``; what stands for
         missing readings is -inf in a column that ranks them below, inf in one that ranks them above.
@@ -89,10 +89,11 @@ class Ranks:
         (n_columns,) the side to which every cut of a column sends missing readings, None where none is missing.
     """
 
-    ranks: NDArray[np.uint32]
+    table: _native.RankTable
     values: DistinctValues
     feature_of: tuple[int, ...] | None = None
     missing: tuple[Side | None, ...] | None = None
+    _whole: list[NDArray[np.uint32]] = field(default_factory=list, init=False, repr=False)
 
     @classmethod
     def of(
@@ -102,8 +103,19 @@ class Ranks:
         missing: tuple[Side | None, ...] | None = None,
     ) -> "Ranks":
         """Return the dense ranks of columns (n_samples, n_columns) without gaps."""
-        ranks, n_values = _native.dense_ranks(np.ascontiguousarray(columns))
-        return cls(ranks, DistinctValues(columns, ranks, tuple(n_values)), feature_of, missing)
+        table, n_values = _native.dense_ranks(np.ascontiguousarray(columns))
+        return cls(table, DistinctValues(columns, table, tuple(n_values)), feature_of, missing)
+
+    @property
+    def ranks(self) -> NDArray[np.uint32]:
+        """All ranks (n_columns, n_samples) uint32, a copy of the core's, made once; `column` takes less memory."""
+        if not self._whole:
+            self._whole.append(self.table.array())
+        return self._whole[0]
+
+    def column(self, column: int) -> NDArray[np.uint32]:
+        """Return the ranks of one column (n_samples,)."""
+        return self._whole[0][column] if self._whole else self.table.column(column)
 
     @property
     def n_columns(self) -> int:
@@ -166,7 +178,7 @@ def native_arguments(problem: Problem, ranks: Ranks, costs: IntegerCosts) -> tup
     """
     feature_of = [ranks.feature(column) for column in range(ranks.n_columns)]
     return (
-        ranks.ranks,
+        ranks.table,
         list(ranks.n_values),
         costs.rows.astype(np.uint32),
         costs.weights,

@@ -100,8 +100,11 @@ class _GreedyBuilder:
         classifier = DecisionTreeClassifier(
             max_depth=problem.depth, min_samples_leaf=problem.leaf_size, random_state=self.seed
         )
-        columns = self.ranks.ranks[[self.column(j) for j in features.tolist()]].T.astype(np.float32)
-        columns[np.isnan(self.problem.features[:, features])] = np.nan
+        columns = np.empty((problem.n_samples, len(features)), dtype=np.float32)
+        for k, feature in enumerate(features.tolist()):
+            columns[:, k] = self.ranks.column(self.column(feature))
+            if problem.gaps:
+                columns[np.isnan(problem.features[:, feature]), k] = np.nan
         with warnings.catch_warnings():  # scikit-learn doubts that so many classes are classes
             warnings.filterwarnings("ignore", message="The number of unique classes", category=UserWarning)
             classifier.fit(columns, problem.codes, sample_weight=problem.weights)
@@ -130,7 +133,7 @@ class _GreedyBuilder:
         self, grown: sklearn.tree._tree.Tree, node: int, feature: int, rows: NDArray[np.int64]
     ) -> tuple[Split | None, NDArray[np.bool_]]:
         """Return scikit-learn's split of some rows with leaves below, and which go left; None where a side is small."""
-        ranks, values = self.ranks.ranks[self.column(feature), rows], self.ranks.values[self.column(feature)]
+        ranks, values = self.ranks.column(self.column(feature))[rows], self.ranks.values[self.column(feature)]
         is_missing, missing = self.lacks(feature, rows), None
         left = ranks <= grown.threshold[node]
         if is_missing.any():

@@ -9,6 +9,7 @@ size of 2 and more counts samples: then they stay apart, and only their order is
 """
 
 from dataclasses import replace
+from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,7 +42,7 @@ def merged(problem: Problem) -> tuple[Problem, Ranks]:
         rows, weights = first, np.zeros(problem.n_samples)
         weights[first] = np.bincount(group, problem.weights)
     # Every distinct value is still there, so the ranks stay.
-    return _taken(problem, rows, weights), replace(ranks, ranks=np.ascontiguousarray(ranks.ranks[:, rows]))
+    return _taken(problem, rows, weights), replace(ranks, table=ranks.table.of_rows(rows))
 
 
 def _weighted(problem: Problem) -> NDArray[np.intp]:
@@ -63,8 +64,8 @@ def _taken(problem: Problem, rows: NDArray[np.intp], weights: NDArray[np.float64
 def _groups(ranks: Ranks, codes: NDArray[np.int64]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Return the group of equal samples that each row belongs to, in the order of the values, and a row of each."""
     key, size = np.zeros(len(codes), dtype=np.int64), 1
-    columns = list(zip(ranks.ranks, ranks.n_values, strict=True))
-    for column, n_values in [*columns, (codes, int(codes.max()) + 1)]:
+    columns = ((ranks.column(k).astype(np.int64), ranks.n_values[k]) for k in range(ranks.n_columns))
+    for column, n_values in chain(columns, [(codes, int(codes.max()) + 1)]):
         if size * n_values > MOST_KEY:
             distinct, key = np.unique(key, return_inverse=True)
             size = len(distinct)

@@ -11,7 +11,7 @@ import pandas as pd
 import pytest
 from distributed import Client, LocalCluster
 
-from octmip import Limits, Problem, Stop
+from octmip import Limits, Problem, Stop, _native
 from octmip.cli import main
 from octmip.cluster import Cluster, open_cluster
 from octmip.errors import DataError, SolverError
@@ -139,7 +139,7 @@ def test_a_task_that_is_lost_each_time_is_given_up(client: Client, monkeypatch: 
 
 def test_a_cut_of_another_problem_is_refused() -> None:
     arguments = (
-        np.zeros((1, 3), np.uint32),
+        _native.RankTable(np.zeros((1, 3), np.uint32)),
         [1],
         np.zeros(3, np.uint32),
         np.ones(3, np.int64),

@@ -201,6 +201,7 @@ def _problem(
     if arguments.costs:
         classes = sorted(set(labels.tolist()))
         settings |= {"costs": read_costs(arguments.costs, classes), "class_names": classes}
+    features.flags.writeable = False  # the problem keeps it, and makes no copy
     return Problem(
         features,
         labels,

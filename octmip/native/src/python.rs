@@ -23,6 +23,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<check::PyQuestion>()?;
     module.add_class::<regression::PyRegressionQuestion>()?;
     module.add_class::<near_optimal::NearProblem>()?;
+    module.add_class::<ranks::PyRankTable>()?;
     module.add_function(wrap_pyfunction!(ranks::dense_ranks, module)?)?;
     module.add_function(wrap_pyfunction!(search::py_search, module)?)?;
     module.add_function(wrap_pyfunction!(sequential::sequential, module)?)?;

@@ -14,6 +14,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::problem::{Planes, Problem};
+use crate::python::ranks::PyRankTable;
 use crate::sequential::SequentialProblem;
 
 /// Data of hyperplane splits: values (n, p), split_size, groups, integer_normals.
@@ -33,7 +34,7 @@ impl PyProblem {
         sensor_cost, sensor_limit, allowed, planes=None))]
     #[allow(clippy::too_many_arguments)]
     fn new(
-        ranks: PyReadonlyArray2<'_, u32>,
+        ranks: PyRef<'_, PyRankTable>,
         n_ranks: Vec<u32>,
         labels: PyReadonlyArray1<'_, u32>,
         weights: PyReadonlyArray1<'_, i64>,
@@ -47,7 +48,6 @@ impl PyProblem {
         allowed: Vec<bool>,
         planes: Option<PlaneArguments<'_>>,
     ) -> PyResult<Self> {
-        let (p, n) = (ranks.shape()[0], ranks.shape()[1]);
         let planes = planes
             .map(|(values, split_size, groups, integer_normals)| {
                 let values = values.as_slice()?.to_vec();
@@ -55,10 +55,10 @@ impl PyProblem {
             })
             .transpose()?;
         let inner = Problem {
-            n,
-            p,
+            n: ranks.n,
+            p: ranks.p,
             n_classes: costs.shape()[0],
-            ranks: ranks.as_slice()?.to_vec().into(),
+            ranks: ranks.ranks.clone(),
             n_ranks,
             labels: labels.as_slice()?.to_vec(),
             weights: weights.as_slice()?.to_vec(),
