@@ -4,11 +4,12 @@ from typing import TYPE_CHECKING, Any
 
 from octmip.certificate import Certificate, certify
 from octmip.errors import OctmipError
+from octmip.prediction import predict, predict_values
 from octmip.problem import Problem
 from octmip.regression.problem import RegressionProblem
 from octmip.solution import Limits, Progress, Solution, Stop
 from octmip.solver import solve
-from octmip.tree import HyperplaneSplit, Leaf, Split, ValueLeaf, predict, predict_values
+from octmip.tree import HyperplaneSplit, Leaf, Split, ValueLeaf
 
 if TYPE_CHECKING:
     from octmip.estimator import OptimalTreeClassifier, OptimalTreeRegressor

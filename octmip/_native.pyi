@@ -166,6 +166,16 @@ class RankTable:
 def dense_ranks(features: NDArray[np.float64]) -> tuple[RankTable, list[int]]:
     """Return ranks (n_features, n_samples) of features (n_samples, n_features), and each feature's distinct values."""
 
+def reached_nodes(
+    lists: tuple[list[int], list[float], list[list[int]], list[bool | None], int],
+    rows: NDArray[np.float64] | NDArray[np.float32],
+) -> NDArray[np.uint32] | None:
+    """Return the node that each row (n_samples, n_features), C-contiguous, ends at after as many steps as levels.
+
+    Lists: feature, threshold, children and whether a missing reading goes right, by node. None: a reading is missing
+    and its split has no side for it.
+    """
+
 def search(
     problem: Problem,
     incumbent: list[NodeRow] | None,

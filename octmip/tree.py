@@ -172,11 +172,11 @@ def _sides_of_readings(
         values = features[rows, split.feature]
         if split.threshold is None:
             return np.full(len(values), split.missing == "right"), np.isnan(values)
-        return np.less_equal(values, split.threshold), np.isnan(values)
-    total = np.zeros_like(features[rows, split.features[0]])
+        return np.less_equal(values, np.float64(split.threshold)), np.isnan(values)  # of float32: not rounded
+    total = np.zeros(len(features[rows, split.features[0]]))
     with np.errstate(over="ignore", invalid="ignore"):  # beyond float64 is inf; inf - inf is no number and goes right
         for feature, coefficient in zip(split.features, split.coefficients, strict=True):
-            total += coefficient * features[rows, feature]
+            total += np.float64(coefficient) * features[rows, feature]
     is_number = np.isfinite(total).all()
     return total <= split.offset, np.zeros(len(total), dtype=bool) if is_number else lacks_reading(
         split, features, rows
@@ -219,17 +219,20 @@ def predict(tree: Node, features: NDArray[np.float64]) -> NDArray[np.int64]:
     return labels[leaf_index(tree, features)]
 
 
-def predict_values(tree: Node, features: NDArray[np.float64]) -> NDArray[np.float64]:
+def predict_values(
+    tree: Node, features: NDArray[np.float64], reached: NDArray[np.int64] | None = None
+) -> NDArray[np.float64]:
     """Return the number that a regression tree predicts for every row of `features`, shape (n_samples,).
 
-    The products of a linear leaf are rounded to float64 and added from the first feature to the last.
+    The products of a linear leaf are rounded to float64 and added from the first feature to the last. Whoever knows the
+    leaf of every row gives it as `reached` (n_samples,).
 
     Raises
     ------
     TreeError
         a leaf predicts a class, not a number; or a prediction is beyond float64.
     """
-    reached, values = leaf_index(tree, features), np.zeros(len(features))
+    reached, values = leaf_index(tree, features) if reached is None else reached, np.zeros(len(features))
     for k, leaf in enumerate(leaves(tree)):
         if not isinstance(leaf, ValueLeaf):
             raise TreeError(f"leaf {k} (from the left) predicts a class; expected a regression tree, with numbers")
@@ -237,7 +240,7 @@ def predict_values(tree: Node, features: NDArray[np.float64]) -> NDArray[np.floa
         values[rows] = leaf.value
         with np.errstate(over="ignore", invalid="ignore"):
             for feature, coefficient in zip(leaf.features, leaf.coefficients, strict=True):
-                values[rows] += coefficient * features[rows, feature]
+                values[rows] += np.float64(coefficient) * features[rows, feature]
     beyond = np.flatnonzero(~np.isfinite(values))
     if beyond.size:
         raise TreeError(

@@ -19,6 +19,7 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
         "tree": 1,
         "twin": 1,
         "problem_values": 1,
+        "prediction": 2,
         "problem": 2,
         "solution": 2,
         "formats.columns": 2,
@@ -97,6 +98,7 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
     "native": {
         "check": 0,
         "ranks": 0,
+        "reached": 0,
         "tree": 0,
         "costs": 1,
         "control": 1,

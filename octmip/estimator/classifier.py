@@ -26,12 +26,12 @@ from octmip.estimator.settings import (
     sensors_of,
     threads_of,
 )
+from octmip.prediction import predict
 from octmip.problem import MAX_DEPTH, Problem
 from octmip.problem_values import whole_of
 from octmip.run import Method
 from octmip.solution import Limits, Solution, Stop
 from octmip.solver import solve
-from octmip.tree import predict
 from octmip.uncertainty import LeafDistribution
 
 

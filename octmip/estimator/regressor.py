@@ -15,11 +15,12 @@ from octmip.estimator.fitted import SolvedTree
 from octmip.estimator.proof import warn_unproven
 from octmip.estimator.samples import learn_samples, read_samples
 from octmip.estimator.settings import RandomState, leaf_size_of, seed_of, sensors_of, threads_of
+from octmip.prediction import predict_values
 from octmip.problem_values import whole_of
 from octmip.regression.problem import MAX_DEPTH, Loss, RegressionProblem
 from octmip.solution import Limits, Stop
 from octmip.solver import solve
-from octmip.tree import condition, predict_values, prediction, tree_lines
+from octmip.tree import condition, prediction, tree_lines
 
 
 class OptimalTreeRegressor(SolvedTree, RegressorMixin, BaseEstimator):  # type: ignore[misc]

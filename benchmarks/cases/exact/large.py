@@ -1,7 +1,8 @@
-"""A million rows: time and memory of a proof, of searches and of scikit-learn's tree, and predictions a second.
+"""A million rows: time and memory of a proof, of searches, of scikit-learn's tree and of the first tree of a boosting.
 
-The data are those of `exact_growth`. Each row is measured in a process of its own: processor seconds of the call alone,
-and the largest resident memory up to its end, the table itself included.
+The data are those of `exact_growth`, in a table that nobody can write to, as the command hands it over. Each row is
+measured in a process of its own: processor seconds of the call alone, the largest resident memory up to its end, the
+table itself included, and predictions a second.
 """
 
 import multiprocessing
@@ -12,6 +13,7 @@ from concurrent.futures import ProcessPoolExecutor
 
 import numpy as np
 from numpy.typing import NDArray
+from sklearn.ensemble import HistGradientBoostingClassifier
 from sklearn.tree import DecisionTreeClassifier
 
 from benchmarks.cpu import cpu_seconds
@@ -41,6 +43,7 @@ def measured(n: int, p: int, way: str, limit: float) -> Line:
     """Return errors, outcome, seconds and memory of one way."""
     made = three_classes(n, p)
     features, labels = made.features, made.labels
+    features.flags.writeable = False
     table = _megabytes()
     before, start = cpu_seconds(), time.perf_counter()
     outcome, errors, labels_of = WAYS[way](features, labels, limit)
@@ -87,12 +90,26 @@ def _sklearn(depth: int) -> Callable[[Floats, Classes, float], Answer]:
     return answer
 
 
+def _boosted(depth: int) -> Callable[[Floats, Classes, float], Answer]:
+    def answer(features: Floats, labels: Classes, limit: float) -> Answer:
+        del limit
+        boosting = HistGradientBoostingClassifier(
+            max_iter=1, learning_rate=1.0, max_depth=depth, max_leaf_nodes=None, early_stopping=False, random_state=0
+        )
+        boosting.fit(features, labels)
+        return "a tree a class", int((boosting.predict(features) != labels).sum()), boosting.predict
+
+    return answer
+
+
 WAYS: dict[str, Callable[[Floats, Classes, float], Answer]] = {
     "proof, depth 2": _proof,
     "search, depth 4": _search(4),
     "scikit-learn, depth 4": _sklearn(4),
+    "boosting's first trees, depth 4": _boosted(4),
     "search, depth 8": _search(8),
     "scikit-learn, depth 8": _sklearn(8),
+    "boosting's first trees, depth 8": _boosted(8),
 }
 
 

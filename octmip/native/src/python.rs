@@ -6,6 +6,7 @@ mod exact;
 mod near_optimal;
 mod problem;
 mod ranks;
+mod reached;
 mod regression;
 mod rows;
 mod run;
@@ -25,6 +26,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<near_optimal::NearProblem>()?;
     module.add_class::<ranks::PyRankTable>()?;
     module.add_function(wrap_pyfunction!(ranks::dense_ranks, module)?)?;
+    module.add_function(wrap_pyfunction!(reached::reached_nodes, module)?)?;
     module.add_function(wrap_pyfunction!(search::py_search, module)?)?;
     module.add_function(wrap_pyfunction!(sequential::sequential, module)?)?;
     module.add_function(wrap_pyfunction!(regression::regression, module)?)?;
