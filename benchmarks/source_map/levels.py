@@ -98,7 +98,6 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
     "native": {
         "check": 0,
         "ranks": 0,
-        "reached": 0,
         "tree": 0,
         "costs": 1,
         "control": 1,

@@ -93,7 +93,6 @@ class Ranks:
     values: DistinctValues
     feature_of: tuple[int, ...] | None = None
     missing: tuple[Side | None, ...] | None = None
-    _whole: list[NDArray[np.uint32]] = field(default_factory=list, init=False, repr=False)
 
     @classmethod
     def of(
@@ -108,14 +107,12 @@ class Ranks:
 
     @property
     def ranks(self) -> NDArray[np.uint32]:
-        """All ranks (n_columns, n_samples) uint32, a copy of the core's, made once; `column` takes less memory."""
-        if not self._whole:
-            self._whole.append(self.table.array())
-        return self._whole[0]
+        """All ranks (n_columns, n_samples) uint32: a copy of the core's each time; `column` copies less."""
+        return self.table.array()
 
     def column(self, column: int) -> NDArray[np.uint32]:
         """Return the ranks of one column (n_samples,)."""
-        return self._whole[0][column] if self._whole else self.table.column(column)
+        return self.table.column(column)
 
     @property
     def n_columns(self) -> int:

@@ -102,7 +102,7 @@ class Bounds:
 
     def is_left(self, cut: Cut) -> NDArray[np.bool_]:
         """Return which samples a cut sends left, (n_samples,)."""
-        return np.asarray(self.ranks.ranks[cut.feature] <= cut.rank)
+        return np.asarray(self.ranks.column(cut.feature) <= cut.rank)
 
     def learn(
         self, samples: NDArray[np.bool_], price: float, *, within: bool = False, sensor: int | None = None

@@ -50,7 +50,7 @@ class ClassCount:
     def left_of_cuts(self, j: int) -> NDArray[np.float64]:
         """Return the class weights left of each cut of feature j, shape (n_cuts, n_profiles)."""
         shape = (self.ranks.n_values[j], self.prices.n_profiles)
-        flat = self.ranks.ranks[j].astype(np.int64) * shape[1] + self.prices.profile
+        flat = self.ranks.column(j).astype(np.int64) * shape[1] + self.prices.profile
         weights = np.bincount(flat, self.prices.weights, shape[0] * shape[1]).reshape(shape)
         return np.asarray(weights.cumsum(axis=0)[:-1])
 

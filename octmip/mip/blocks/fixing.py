@@ -86,7 +86,7 @@ def admissible_cuts(
 def _boundaries(problem: Problem, ranks: Ranks, j: int) -> NDArray[np.int64]:
     """Return the cuts of feature j whose two neighbouring values are not all of one same class."""
     present = np.zeros((ranks.n_values[j], problem.n_classes), dtype=bool)
-    present[ranks.ranks[j], problem.codes] = True
+    present[ranks.column(j), problem.codes] = True
     only = np.where(present.sum(axis=1) == 1, present.argmax(axis=1), -1)
     return np.flatnonzero((only[:-1] != only[1:]) | (only[:-1] < 0))
 
@@ -102,7 +102,7 @@ def _fix_pairs(admissible: dict[int, Cuts], pairs: "_Pairs", better: float, chec
         payable = pairs.payable_with(j)
         for cut in cuts:
             check()
-            is_left = pairs.ranks.ranks[j] <= cut
+            is_left = pairs.ranks.column(j) <= cut
             left, most_left = pairs.earned(is_left, payable)
             right, most_right = pairs.earned(~is_left, payable)
             room = pairs.counts.worst + pairs.counts.prices.penalty - better  # what a better tree must earn more than

@@ -54,7 +54,7 @@ class Thresholds:
         shape = (len(samples), max(len(self.S[m]), 1))
         columns, ones = np.zeros(shape, dtype=np.int64), np.zeros(shape)
         for place, (j, S) in enumerate(self.S[m].items()):
-            at = np.searchsorted(self.cuts[m][j], self.ranks.ranks[j, samples])
+            at = np.searchsorted(self.cuts[m][j], self.ranks.column(j)[samples])
             inside = at < len(S)
             columns[inside, place], ones[inside, place] = S[at[inside]], 1.0
         return columns, ones

@@ -12,7 +12,6 @@ pub mod exact;
 mod log;
 pub mod near_optimal;
 pub mod ranks;
-pub mod reached;
 pub mod regression;
 pub mod search;
 pub mod sequential;

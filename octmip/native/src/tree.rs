@@ -1,5 +1,7 @@
 //! Trees as a flat table of nodes, root first.
 
+pub(crate) mod reached;
+
 /// One node. A sample goes left when `rank <= cut`, or when `terms . x <= offset`.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Node {

@@ -4,7 +4,7 @@ use numpy::{IntoPyArray, PyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::reached::ThresholdTree;
+use crate::tree::reached::ThresholdTree;
 
 /// Features, thresholds, children, whether missing readings go right, levels.
 pub(crate) type TreeLists = (Vec<u32>, Vec<f64>, Vec<[u32; 2]>, Vec<Option<bool>>, usize);
