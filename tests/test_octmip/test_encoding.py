@@ -1,5 +1,7 @@
 """Ranks and whole costs: the way to the native core loses nothing that a proof rests on, and the way back is exact."""
 
+import pickle
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -22,6 +24,18 @@ def test_ranks_point_to_the_values():
     assert ranks.values[0].tolist() == [0.5, 1.5, 4.0]
     for j in range(2):
         assert (ranks.values[j][ranks.ranks[j]] == problem.features[:, j]).all()
+
+
+def test_ranks_of_rows_are_taken_by_the_core_and_survive_a_journey():
+    table = rank_features(Problem([[0.5, 1], [0.5, 0], [1.5, 0], [4.0, 0]], [0, 1, 0, 1], depth=1)).table
+    taken = table.of_rows(np.array([3, 0]))
+    assert taken.array().tolist() == [[2, 0], [0, 1]]
+    assert pickle.loads(pickle.dumps(taken)).array().tolist() == taken.array().tolist()
+    assert taken.column(1).tolist() == [0, 1]
+    with pytest.raises(IndexError, match="row 4 of 4"):
+        table.of_rows(np.array([4]))
+    with pytest.raises(IndexError, match="feature 2 of 2"):
+        table.column(2)
 
 
 def test_a_cut_comes_back_as_the_midpoint_of_its_neighbours():

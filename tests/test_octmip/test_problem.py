@@ -224,3 +224,16 @@ def test_a_problem_shows_its_size_and_settings_and_no_arrays():
     assert repr(problem()) == "Problem(4 samples, 3 features, 2 classes, depth=2, split='axis')"
     asked = problem(leaf_size=2, leaf_penalty=0.5, weights=[1, 2, 1, 1], costs=[[0, 2], [1, 0]], sensor_budget=2)
     assert repr(asked).endswith("split='axis', leaf_size=2, leaf_penalty=0.5, sensor_budget=2, weighted, with costs)")
+
+
+def test_a_table_that_nobody_can_write_to_is_not_copied():
+    table, labels = np.array([[0.0, np.nan], [1.0, 2.0]]), [0, 1]
+    assert not np.shares_memory(Problem(table, labels, depth=1).features, table)
+    table.flags.writeable = False
+    problem = Problem(table, labels, depth=1)
+    assert problem.features is table
+    assert replace(problem, depth=2).features is table
+    assert not np.shares_memory(Problem(table[:], labels, depth=1).features, table), "its base may be written to"
+    odd = np.array([[0.0, -np.nan], [1.0, 2.0]])
+    odd.flags.writeable = False
+    assert np.array_equal(Problem(odd, labels, depth=1).features.view(np.int64), table.view(np.int64))

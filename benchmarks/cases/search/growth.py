@@ -26,7 +26,7 @@ from octmip.methods.search import local_search
 from octmip.problem import Problem
 from octmip.solution import Solution, Stop
 
-SAMPLES = (1_000, 10_000, 100_000)
+SAMPLES = (1_000, 10_000, 100_000, 1_000_000)
 DEPTH = 4
 REPEATS = 3
 SHORT = 10_000  # longer runs are measured once
