@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from math import isfinite
+from math import hypot, isfinite
 
 from octmip.errors import DataError
 
@@ -59,6 +59,11 @@ class Differences:
                     f"differences {name} is {value}; expected a number above 0{' and below 1' if most == 1.0 else ''}: "
                     "a share of the readings, 0.01 for 1 %"
                 )
+
+    @property
+    def spread(self) -> float:
+        """Relative standard deviation of a healthy reading at level 1."""
+        return hypot(self.common, self.smooth, self.own)
 
 
 @dataclass(frozen=True, slots=True)

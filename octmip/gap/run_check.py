@@ -16,15 +16,15 @@ from octmip.gap.inference.discrepancy import Discrepancy
 from octmip.gap.inference.inputs import prepare
 from octmip.gap.inference.posterior import Posterior, attribute
 from octmip.gap.inference.states import state_posterior
-from octmip.gap.odds import Odds
+from octmip.gap.odds import Differences, Odds
 from octmip.gap.run_evidence import wrong_run
 from octmip.gap.twins.cached import CachedTwin
 from octmip.twin import Effect
 
-UNUSUAL = 2.0
-"""Level of differences between models from which a run is looked at more closely."""
-TOO_FAR = 3.2
-"""Mean level from which no two models of one structure differ so much."""
+UNUSUAL = 2.0 * Differences().spread
+"""Relative difference of healthy readings, one sd, from which a run is looked at more closely: .028."""
+TOO_FAR = 3.2 * Differences().spread
+"""The same from which no two models of one structure differ so much, whatever is said to be usual: .045."""
 POSSIBLE = 0.1
 """Probability from which a run that may be wrong is mentioned."""
 LIKELY = 0.5
@@ -59,7 +59,8 @@ def check_of(
     odds: Odds,
 ) -> RunCheck:
     """Return what speaks against a commissioning run that left the discrepancy `known`."""
-    if known.uneven <= LIKELY and known.own_level < UNUSUAL:
+    apart = known.own_level * known.usual.spread
+    if known.uneven <= LIKELY and apart < UNUSUAL:
         return RunCheck()
     inputs, _ = prepare(run, twin, effects, None, noise_sd, odds=odds)
     posterior = attribute(inputs, is_quick=True)
@@ -67,7 +68,7 @@ def check_of(
     first = causes_of(posterior)[0]
     if misstated > LIKELY and MISSTATED in first.effects:
         return RunCheck((f"{_LEAD}: its readings are those of {_state_of(first)}; it is left out.",), False)
-    if known.own_level > TOO_FAR:
+    if apart > TOO_FAR:
         return RunCheck((f"{_LEAD}: it differs from the twin by more than two models do; it is left out.",), False)
     if known.uneven > LIKELY and first.effects and first.probability > LIKELY:
         return RunCheck((f"{_LEAD}: it does not grow with the load as the twin does ({_called(first)}).",))

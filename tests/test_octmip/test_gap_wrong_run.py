@@ -7,7 +7,7 @@ import pytest
 
 from octmip.errors import DataError
 from octmip.gap import diagnose
-from octmip.gap.odds import Odds
+from octmip.gap.odds import Differences, Odds
 from tests.test_octmip.beam_twin import Beam, measured
 
 TWIN = Beam()
@@ -55,3 +55,14 @@ def test_the_odds_of_a_wrong_run_are_an_argument():
     assert not diagnose(measured(21000), TWIN, commissioning=run, odds=Odds(wrong_run=1e-6)).doubts
     with pytest.raises(DataError, match="wrong_run"):
         Odds(wrong_run=-0.1)
+
+
+def test_a_run_is_left_out_for_what_it_differs_by_and_not_for_what_is_called_usual():
+    """Before: where little was called usual, a run that differs by 2 % was left out, and clear effects with it."""
+    usual = Differences(common=0.003, smooth=0.003, own=0.003)
+    warm = measured(21003, lambda state, load, time: np.full(20, 30.0), mesh=0.02)
+    diagnosis = diagnose(warm, TWIN, commissioning=measured(31004, mesh=0.02), odds=Odds(differences=usual))
+    assert not diagnosis.doubts
+    assert "temperature_uniform" in diagnosis.which[0].effects
+    with pytest.raises(DataError, match=r"differences own is -0\.1; expected a number above 0"):
+        Differences(own=-0.1)
