@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip import tree as reference
-from octmip.tree import Leaf, Node, Split, depth, leaf_index, leaves, nodes
+from octmip.errors import TreeError
+from octmip.tree import Leaf, Node, Split, depth, features_used, leaf_index, leaves, nodes
 
 LEAST_ROWS = 1000
 """Rows below which the lists of the tree take longer than the predictions."""
@@ -25,7 +26,7 @@ def predict(tree: Node, features: NDArray[np.float64]) -> NDArray[np.int64]:
     Raises
     ------
     TreeError
-        a reading that a split asks for is missing (NaN), and it has no side for it.
+        a reading that a split asks for is missing (NaN), and it has no side for it; or its column is not there.
     """
     labels = np.array([leaf.label for leaf in leaves(tree)], dtype=np.int64)
     return labels[reached_leaves(tree, features)]
@@ -46,11 +47,17 @@ def predict_values(tree: Node, features: NDArray[np.float64]) -> NDArray[np.floa
 
 def reached_leaves(tree: Node, features: NDArray[np.float64]) -> NDArray[np.int64]:
     """Return for every row of `features` (n_samples, n_features) the position of its leaf in `leaves(tree)`."""
+    used = features_used(tree)
+    if np.ndim(features) == 2 and used and max(used) >= np.shape(features)[1]:
+        raise TreeError(
+            f"features has {np.shape(features)[1]} columns, but the tree asks for feature {max(used)} "
+            "(counted from 0); expected the columns of training in their order; give all of them"
+        )
     is_plain = isinstance(features, np.ndarray) and features.ndim == 2 and features.dtype in (np.float64, np.float32)
     if not is_plain or len(features) < LEAST_ROWS or not features.flags.c_contiguous:
         return leaf_index(tree, features)
     every = list(nodes(tree))
-    if any(not isinstance(node, Leaf | Split) for node in every):
+    if isinstance(tree, Leaf) or any(not isinstance(node, Leaf | Split) for node in every):
         return leaf_index(tree, features)
     from octmip import _native  # the core is loaded by whoever needs it
 

@@ -344,8 +344,9 @@ def _best_stump(problem: Problem, ranks: Ranks, sensor: int, rows: NDArray[np.in
     each = problem.weights[rows, None] * problem.costs[problem.codes[rows]]
     for column in [c for c in range(ranks.n_columns) if problem.sensor_index[ranks.feature(c)] == sensor]:
         feature = ranks.feature(column)
-        order = np.argsort(ranks.column(column)[rows], kind="stable")
-        values = ranks.column(column)[rows[order]].astype(np.int64)
+        own = ranks.column(column)[rows]
+        order = np.argsort(own, kind="stable")
+        values = own[order].astype(np.int64)
         k = np.flatnonzero(np.diff(values) > 0) + 1
         k = k[(k >= problem.leaf_size) & (len(rows) - k >= problem.leaf_size)]
         if len(k) == 0 or not problem.is_allowed((feature,)):

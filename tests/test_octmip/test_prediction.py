@@ -58,6 +58,17 @@ def test_a_missing_reading_without_a_side_is_refused_in_the_same_words():
         octmip.predict(Split(1, 0.5, Leaf(0), Leaf(1)), rows)
 
 
+@pytest.mark.parametrize("n", [4, LEAST_ROWS])
+def test_a_table_that_lacks_a_column_is_refused_in_words(n):
+    """Before: "index 3 is out of bounds", without a word of what to do."""
+    with pytest.raises(TreeError, match="features has 2 columns, but the tree asks for feature 3"):
+        octmip.predict(Split(3, 0.5, Leaf(0), Leaf(1)), np.zeros((n, 2)))
+
+
+def test_a_leaf_asks_for_nothing():
+    assert octmip.predict(Leaf(2), np.zeros((LEAST_ROWS, 0))).tolist() == [2] * LEAST_ROWS
+
+
 def test_numbers_are_those_of_the_reference():
     rows = np.random.default_rng(0).normal(size=(LEAST_ROWS, 3))
     tree = Split(2, 0.1, ValueLeaf(1.5, (0,), (2.0,)), ValueLeaf(-1.0, (), ()))

@@ -8,8 +8,8 @@ relative errors share one factor, the **level**, with a prior over `LEVELS`. At 
     d ~ N(0, l^2 K),   K = common^2 f f' + smooth^2 (f f') o k + own^2 diag(f^2) + (floor s)^2
 
 with k a correlation along the structure, s the scale of readings of one unit, and the standard deviations those of
-`octmip.gap.odds.Differences`. A commissioning run gives d gauge by
-gauge, its covariance, and the level (`octmip.gap.commissioning`).
+`octmip.gap.odds.Differences`. A commissioning run gives d gauge by gauge, its covariance, and the level
+(`octmip.gap.commissioning`).
 
 A gauge may be **wide**, with probability `wide_share`: its own error of what damage changes has the sd `wide_damage`
 beyond that, and of the healthy reading, where no run has measured it, `wide_own`.
