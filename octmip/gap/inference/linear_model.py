@@ -243,6 +243,16 @@ def at_level(model: LinearModel, level: float, wide: tuple[int, ...] = ()) -> Li
     )
 
 
+def log_none_at(model: LinearModel, level: float) -> float:
+    """Return the log evidence of no effect at another level: a small part of what `at_level` makes."""
+    discrepancy = model.inputs.discrepancy.at(level, ())
+    rows = (model.average, model.gauge)
+    own = replace(model.inputs, discrepancy=discrepancy)
+    covariance = _covariance(own, model.states, rows, model.share, model.change, model.tangents, model.noise)
+    factor = np.asarray(np.linalg.cholesky(covariance), dtype=np.float64)
+    return _log_density(factor, linalg.solve_triangular(factor, model.residual, lower=True, check_finite=False))
+
+
 def tail_of(model: LinearModel, gauge: int) -> Floats:
     """Return a whitened root (n, r) of what the covariance gains where a gauge is wide, or nearly so: one state's."""
     known = model.inputs.discrepancy
@@ -265,9 +275,13 @@ def _whitened(factor: Floats, signatures: Floats, residual: Floats, tangents: Fl
     stacked = linalg.solve_triangular(factor, stacked, lower=True, overwrite_b=True, check_finite=False)
     white, last, open_ = np.split(stacked, [signatures.shape[1], signatures.shape[1] + 1], axis=1)
     left = last[:, 0]
+    return Whitened(white, left, _log_density(factor, left)), open_
+
+
+def _log_density(factor: Floats, white: Floats) -> float:
+    """Return the log density of a normal residual, whitened (n,) by the Cholesky factor of its covariance."""
     log_det = float(np.log(np.diag(factor)).sum())
-    log_none = -0.5 * float(left @ left) - log_det - 0.5 * len(left) * np.log(2 * np.pi)
-    return Whitened(white, left, log_none), open_
+    return -0.5 * float(white @ white) - log_det - 0.5 * len(white) * float(np.log(2 * np.pi))
 
 
 def _ask_together(inputs: Inputs, states: Floats) -> None:

@@ -17,7 +17,7 @@ from octmip.gap.inference.evidence import Members, extensions
 from octmip.gap.inference.hypotheses import Hypothesis, likely_sets, log_count, log_prior
 from octmip.gap.inference.inference import Inference
 from octmip.gap.inference.inputs import Inputs, Variant
-from octmip.gap.inference.linear_model import LinearModel, at_level, linearise, tail_of
+from octmip.gap.inference.linear_model import LinearModel, at_level, linearise, log_none_at, tail_of
 from octmip.gap.inference.signature_error import with_errors
 from octmip.gap.inference.states import STATE_RESOLUTION, distance, log_box, moved_states
 from octmip.gap.inference.unknown import weigh_unknown
@@ -219,9 +219,11 @@ def nothing_else(inputs: Inputs, states: Floats) -> Weighed:
     tried = []
     for variant in inputs.variants:
         model = linearise(inputs.under(variant), states)
-        shares = [(level, log_share + variant.log_share) for level, log_share in variant.discrepancy.log_levels]
-        tried += [(at_level(model, level), log_share) for level, log_share in shares]
-    at, log_share = max(tried, key=lambda item: item[0].log_none + item[1])
+        for level, log_share in variant.discrepancy.log_levels:
+            shared = log_share + variant.log_share
+            tried.append((log_none_at(model, level) + shared, shared, model, level))
+    _, log_share, model, level = max(tried, key=lambda item: item[0])
+    at = at_level(model, level)
     own = Inference(at)
     box = log_box(at, own.fit(()))
     return Weighed((), False, at.log_none + log_share + box + log_prior(inputs, ()), own)
