@@ -16,7 +16,7 @@ from octmip.cli import main
 from octmip.cluster import Cluster, open_cluster
 from octmip.errors import DataError, SolverError
 from octmip.methods.exact import branch_and_bound
-from octmip.methods.shared_cuts import shared_problem, solve_cut
+from octmip.methods.shared_work import shared_problem, solve_cut
 from octmip.proof import check_proof
 
 
