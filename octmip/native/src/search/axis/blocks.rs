@@ -88,13 +88,13 @@ impl<'a> Blocks<'a> {
 
     /// Whether a block has shown that no tree of the problem costs less.
     pub(crate) fn has_proven(&self, state: &State, cost: i64) -> bool {
-        let key = (self.prepared.problem.depth, fingerprint(&state.samples(0)), None);
+        let key = (self.prepared.problem.depth, fingerprint(state.samples(0).iter()), None);
         self.proven.get(&key).is_some_and(|&bound| bound >= cost)
     }
 
     /// The best tree below `upper`; none where an earlier call has shown that there is none, or work ran out.
     fn best(&mut self, samples: &[u32], levels: usize, upper: i64, mask: Mask) -> Option<Tree> {
-        let key = (levels, fingerprint(samples), mask.map(<[bool]>::to_vec));
+        let key = (levels, fingerprint(samples.iter()), mask.map(<[bool]>::to_vec));
         let work = if levels < 3 { f64::INFINITY } else { self.work };
         let is_known = self.proven.get(&key).is_some_and(|&bound| bound >= upper);
         let is_vain = self.given_up.get(&key).is_some_and(|&(spent, at)| work <= spent && upper >= at);
@@ -132,11 +132,11 @@ impl<'a> Blocks<'a> {
 
 /// A number that distinguishes sets of samples, whatever their order. Two sets that share it would cost a move, no
 /// more.
-fn fingerprint(samples: &[u32]) -> u64 {
+pub(crate) fn fingerprint<'s>(samples: impl Iterator<Item = &'s u32>) -> u64 {
     let mixed = |&i: &u32| {
         let z = (u64::from(i) + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
         let z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
         (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB)
     };
-    samples.iter().map(mixed).fold(samples.len() as u64, u64::wrapping_add)
+    samples.map(mixed).fold(0, |sum, mixed| sum.wrapping_add(mixed).wrapping_add(1))
 }
