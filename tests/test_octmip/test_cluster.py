@@ -114,7 +114,17 @@ def test_the_command_takes_the_address_of_a_scheduler(client: Client, tmp_path, 
 )
 def test_what_a_cluster_does_not_share_is_named(tmp_path, capsys, words: list[str], named: str) -> None:
     (tmp_path / "data.csv").write_text("a,b,y\n1,2,0\n2,1,1\n")
-    given = ["solve", str(tmp_path / "data.csv"), "--label", "y", "--depth", "2", *words, "--cluster", "tcp://127.0.0.1:9"]
+    given = [
+        "solve",
+        str(tmp_path / "data.csv"),
+        "--label",
+        "y",
+        "--depth",
+        "2",
+        *words,
+        "--cluster",
+        "tcp://127.0.0.1:9",
+    ]
     assert main(given) == 2
     assert f"got {named}, done by the process that asks" in capsys.readouterr().err
 

@@ -5,7 +5,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 
 use crate::exact::samples::Samples;
 use crate::search::axis::blocks::{Blocks, Mask, fingerprint};
-use crate::search::axis::scan::{Aim, best_cut};
+use crate::search::axis::scan::{Aim, best_cut, leading_features};
 use crate::search::gains::tally::{Tally, Worth};
 use crate::search::greedy::{BuildOptions, GreedyBuilder};
 use crate::search::planes::plane_search::PlaneSearch;
@@ -219,10 +219,12 @@ impl<'a> LocalSearch<'a> {
         let price = self.prepared.prices.price(state.nodes[v as usize].rule.size() as i64);
         let present = self.view.present(&mut self.tally, price);
         let features = Allowance::at(self.prepared.problem, state, v).axis_features();
-        let scratch = (&mut self.tally, &mut self.node_order);
         let (problem, orders) = (self.prepared.problem, &self.prepared.orders);
         let supervisor = self.plane.supervisor;
         let go_on = &|| supervisor.goes_on();
+        let scratch = (&mut self.tally, &mut self.node_order);
+        let features = leading_features(problem, orders, &self.view, features, scratch, go_on);
+        let scratch = (&mut self.tally, &mut self.node_order);
         let found = best_cut(problem, orders, &self.view, &features, (Aim::Gain, present), scratch, go_on);
         let helped = found.is_some();
         if let Some((rule, _)) = found {

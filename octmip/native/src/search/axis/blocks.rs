@@ -17,8 +17,8 @@ pub(crate) struct Blocks<'a> {
     control: &'a Control,
     /// Samples x features that one block of three levels and more may look at before it is given up.
     pub(crate) work: f64,
-    /// Costs below which no tree lies, by levels, samples and features.
-    proven: HashMap<Key, i64>,
+    /// Costs below which no tree lies, by levels, samples and features, and a tree of that cost where one was found.
+    proven: HashMap<Key, (i64, Option<Tree>)>,
     /// The most work that was spent on a block without success, with the cost that it was to beat.
     given_up: HashMap<Key, (f64, i64)>,
     /// The samples as read through the last mask.
@@ -89,16 +89,20 @@ impl<'a> Blocks<'a> {
     /// Whether a block has shown that no tree of the problem costs less.
     pub(crate) fn has_proven(&self, state: &State, cost: i64) -> bool {
         let key = (self.prepared.problem.depth, fingerprint(state.samples(0).iter()), None);
-        self.proven.get(&key).is_some_and(|&bound| bound >= cost)
+        self.proven.get(&key).is_some_and(|&(bound, _)| bound >= cost)
     }
 
     /// The best tree below `upper`; none where an earlier call has shown that there is none, or work ran out.
     fn best(&mut self, samples: &[u32], levels: usize, upper: i64, mask: Mask) -> Option<Tree> {
         let key = (levels, fingerprint(samples.iter()), mask.map(<[bool]>::to_vec));
         let work = if levels < 3 { f64::INFINITY } else { self.work };
-        let is_known = self.proven.get(&key).is_some_and(|&bound| bound >= upper);
+        match self.proven.get(&key) {
+            Some(&(bound, _)) if bound >= upper => return None,
+            Some((_, Some(tree))) => return Some(tree.clone()),
+            _ => (),
+        }
         let is_vain = self.given_up.get(&key).is_some_and(|&(spent, at)| work <= spent && upper >= at);
-        if is_known || is_vain || work == 0.0 {
+        if is_vain || work == 0.0 {
             return None;
         }
         let columns = if self.samples.is_single { 1.0 } else { MANY_COLUMNS };
@@ -110,13 +114,13 @@ impl<'a> Blocks<'a> {
             Some(mask) => self.masked(mask),
         };
         let found = best_subtree(encoded, control, samples, levels, upper, most);
-        let cost = found.tree.as_ref().map_or(upper, |found| found.0);
+        let (cost, tree) = found.tree.map_or((upper, None), |(cost, tree)| (cost, Some(tree)));
         if found.is_proof {
-            self.proven.insert(key, cost);
+            self.proven.insert(key, (cost, tree.clone()));
         } else {
             self.given_up.insert(key, (work, cost));
         }
-        found.tree.map(|(_, tree)| tree)
+        tree
     }
 
     fn masked(&mut self, mask: &[bool]) -> &Samples {
