@@ -224,8 +224,8 @@ def branch_and_bound(
 
     `incumbent`: objective and node table of a feasible tree. `checkpoint`: seconds between two states, who takes them,
     the state to begin with (see `octmip.methods.checkpoint`) or None. `submit`: gives a cut of the root at a level to
-    somebody with a `CutSolver` and returns a future, with the number of cuts in a round (0: as on one machine); without
-    it the threads of this process solve the cuts.
+    somebody with a `CutSolver` and returns a future, with the number of cuts in work at once (0: as on one machine);
+    without it the threads of this process solve the cuts.
     """
 
 def prove(

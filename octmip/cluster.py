@@ -55,9 +55,9 @@ class Cluster:
     client
         of the cluster.
     round_size
-        cuts of a proof that are in work at once; the next are chosen when all are back. 0: as many as on one machine,
-        8, so that tree and evaluated cuts are the same. More workers than that need larger rounds: then the bound is
-        the same, but another of the best trees may be found.
+        cuts of a proof that are in work at once. 0: as many as on one machine, 5, so that tree and evaluated cuts are
+        the same. More workers than that need more: then the bound is the same, but another of the best trees may be
+        found.
     n_lost
         tasks that were lost with their workers and sent again by this side; Dask itself does more of that.
     """
@@ -74,11 +74,12 @@ class Cluster:
     @property
     def n_threads(self) -> int:
         """Tasks that all workers together do at once now; 1 where there is no worker yet."""
-        return max(1, sum(worker["nthreads"] for worker in self._workers.values()))
+        return max(1, sum(int(worker["nthreads"]) for worker in self._workers.values()))
 
     @property
     def _workers(self) -> Mapping[str, Any]:
-        return self.client.scheduler_info(n_workers=-1)["workers"]
+        workers: Mapping[str, Any] = self.client.scheduler_info(n_workers=-1)["workers"]
+        return workers
 
     def share(self, value: object) -> "Shared":
         """Return a value that each worker gets once, as an argument of tasks."""

@@ -272,7 +272,7 @@ class _Search:
     def _submit(
         self, costs: IntegerCosts, off: Sequence[str], *, is_logged: bool = False
     ) -> tuple[Callable[[int, Any], Future], int] | None:
-        """Return what submits cuts of the root to the cluster's workers, and how many in a round; None without one."""
+        """Return what submits cuts of the root to a cluster's workers, and how many at once; None without one."""
         if self.cluster is None:
             return None
         arguments = native_arguments(self.problem, self.ranks, costs)

@@ -2,7 +2,7 @@
 
 Measured: the same problem by one thread, and by `octmip.cluster` with one and two processes of this machine; trees,
 bounds and evaluated cuts must be the same. Simulated: the cuts of a search are solved one after the other by one
-thread, with the processor seconds of each; 8 (the search of one machine), 64 and 512 cuts in work at once. Cuts go to
+thread, with the processor seconds of each; 5 (the search of one machine), 64 and 512 cuts in work at once. Cuts go to
 workers in their order, each to the first that is free, and a cut is there once all but so many before it are back.
 Assumed: workers as fast as this machine, `OVERHEAD` seconds a task to send and to fetch it, and what is not a task
 (depths one and two, choosing cuts) done by the process that asks, as long as it was measured here.
@@ -36,7 +36,9 @@ from octmip.solution import Limits, Solution
 
 OVERHEAD = 0.005
 """Seconds to send a task and to fetch its result; Dask's scheduler is said to take below a millisecond of them."""
-SIZES = (8, 64, 512)
+USUAL = 5
+"""Cuts in work at once on one machine."""
+SIZES = (USUAL, 64, 512)
 WORKERS = (1, 2, 8, 32, 128, 1000)
 CASES: tuple[tuple[str, int, float], ...] = (
     ("mu2", 3, 0.0),

@@ -81,8 +81,7 @@ fn turn_from_row((number, stream, (helped, tried), is_best, rows): TurnRow) -> P
 }
 
 fn known_from_row((first, rounds, best, n_visits): KnownRow) -> PyResult<Known> {
-    let [begun, gone_on, last] =
-        rounds.map(|turns| turns.into_iter().map(turn_from_row).collect::<PyResult<Vec<_>>>());
+    let [begun, gone_on, last] = rounds.map(|turns| turns.into_iter().map(turn_from_row).collect::<PyResult<Vec<_>>>());
     let best = best.map(turn_from_row).transpose()?;
     Ok(Known { first, rounds: [begun?, gone_on?, last?], best, n_visits })
 }

@@ -22,22 +22,14 @@ impl Workers {
     }
 
     /// The result of a task; None when it was given up, as `waits` says, or has failed.
-    pub(crate) fn ask<T>(
-        &self,
-        arguments: impl for<'py> PyCallArgs<'py>,
-        waits: &dyn Fn() -> bool,
-    ) -> Option<T>
+    pub(crate) fn ask<T>(&self, arguments: impl for<'py> PyCallArgs<'py>, waits: &dyn Fn() -> bool) -> Option<T>
     where
         T: for<'a, 'py> FromPyObject<'a, 'py, Error = PyErr>,
     {
         self.checked(self.result(arguments, waits)).flatten()
     }
 
-    fn result<T>(
-        &self,
-        arguments: impl for<'py> PyCallArgs<'py>,
-        waits: &dyn Fn() -> bool,
-    ) -> PyResult<Option<T>>
+    fn result<T>(&self, arguments: impl for<'py> PyCallArgs<'py>, waits: &dyn Fn() -> bool) -> PyResult<Option<T>>
     where
         T: for<'a, 'py> FromPyObject<'a, 'py, Error = PyErr>,
     {

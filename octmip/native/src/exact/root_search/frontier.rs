@@ -46,7 +46,7 @@ impl Open {
 
 /// Cuts that are chosen and not yet entered: enough to keep a few threads busy, few enough that little is searched for
 /// want of what they will show.
-const WINDOW: usize = 8;
+const WINDOW: usize = 5;
 
 /// Features whose best cut of one level fewer is solved first: its trees are near the best, and found at once.
 const N_FIRST: usize = 3;
