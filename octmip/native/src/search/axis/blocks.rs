@@ -35,7 +35,7 @@ const WORTH_TWO: f64 = 3e7;
 /// Work of evaluating a cut however few the samples are, in samples x features.
 const CUT_ALONE: f64 = 2e4;
 /// Factor of the work of a cut where a sample gains in several columns of the cost matrix.
-const MANY_COLUMNS: f64 = 3.0;
+const MANY_COLUMNS: f64 = 8.0;
 
 impl<'a> Blocks<'a> {
     /// Blocks of a problem, given up as soon as `control` says stop.
