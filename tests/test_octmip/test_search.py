@@ -177,7 +177,7 @@ def test_search_is_never_worse_than_cart_and_finds_its_lost_class_on_the_publish
 
 def test_features_of_many_samples_are_compared_on_a_part_and_the_best_one_is_found():
     rng = np.random.default_rng(0)
-    features = rng.normal(size=(30_000, 6))
+    features = rng.normal(size=(30_000, 40))  # too many for exact blocks, so that the node is visited
     noisy = rng.random(30_000) < 0.1
     problem = Problem(features, (features[:, 4] > 0.3) ^ noisy, depth=1)
     found = local_search(problem, restarts=1, perturbations=0, incumbent=Split(2, 0.0, Leaf(0), Leaf(1)))
