@@ -187,11 +187,27 @@ def search(
     n_restarts: int,
     n_perturbations: int,
     checkpoint: tuple[float, Callable[[tuple[Any, ...]], None], tuple[Any, ...] | None] | None = None,
+    submit: tuple[Callable[[Any, Any], Any], int] | None = None,
 ) -> tuple[list[NodeRow], int, int, str, int]:
     """Return node table, objective, bound, stop and number of visited nodes; the incumbent is a tree to begin with.
 
     Checkpoint: seconds between two times that finished turns are handed out, who takes them, those of an earlier run.
+    `submit`: gives a turn of a restart and the limits that are left to somebody with a `TurnSolver` and returns a
+    future, with the number of turns that are asked for at once; without it the threads of this process take the turns.
     """
+
+class TurnSolver:
+    """A problem ready for turns of its restarts, in a process that helps another one's search."""
+
+    def __new__(
+        cls, problem: Problem, incumbent: list[NodeRow] | None, seed: int, n_restarts: int, n_perturbations: int
+    ) -> TurnSolver:
+        """Take the problem, incumbent and options of the search that asks."""
+        ...
+
+    def take(self, row: Any, limit_values: LimitValues, progress: NativeProgress | None = None) -> Any:
+        """Take a turn within limits; return it, the nodes visited, and whether no limit has ended it."""
+        ...
 
 def branch_and_bound(
     problem: Problem,
@@ -208,8 +224,8 @@ def branch_and_bound(
 
     `incumbent`: objective and node table of a feasible tree. `checkpoint`: seconds between two states, who takes them,
     the state to begin with (see `octmip.methods.checkpoint`) or None. `submit`: gives a cut of the root at a level to
-    somebody with a `CutSolver` and returns a future, with the number of cuts in a round (0: as on one machine); without
-    it the threads of this process solve the cuts.
+    somebody with a `CutSolver` and returns a future, with the number of cuts in work at once (0: as on one machine);
+    without it the threads of this process solve the cuts.
     """
 
 def prove(

@@ -11,7 +11,8 @@ it is open: `open_cluster` sets joblib's backend.
 import contextlib
 import logging
 import os
-from collections.abc import Callable, Iterator
+import threading
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from importlib import import_module
 from typing import Any, Protocol
@@ -32,6 +33,10 @@ class Future(Protocol):
         """Whether its result is there, or it has failed."""
         ...
 
+    def wait(self, seconds: float) -> bool:
+        """Wait for its end, so long at most; return `done()`."""
+        ...
+
     def result(self) -> Any:
         """Return the result; raise what the task raised."""
         ...
@@ -50,9 +55,9 @@ class Cluster:
     client
         of the cluster.
     round_size
-        cuts of a proof that are in work at once; the next are chosen when all are back. 0: as many as on one machine,
-        8, so that tree and evaluated cuts are the same. More workers than that need larger rounds: then the bound is
-        the same, but another of the best trees may be found.
+        cuts of a proof that are in work at once. 0: as many as on one machine, 5, so that tree and evaluated cuts are
+        the same. More workers than that need more: then the bound is the same, but another of the best trees may be
+        found.
     n_lost
         tasks that were lost with their workers and sent again by this side; Dask itself does more of that.
     """
@@ -64,7 +69,17 @@ class Cluster:
     @property
     def n_workers(self) -> int:
         """Number of workers now."""
-        return len(self.client.scheduler_info()["workers"])
+        return len(self._workers)
+
+    @property
+    def n_threads(self) -> int:
+        """Tasks that all workers together do at once now; 1 where there is no worker yet."""
+        return max(1, sum(int(worker["nthreads"]) for worker in self._workers.values()))
+
+    @property
+    def _workers(self) -> Mapping[str, Any]:
+        workers: Mapping[str, Any] = self.client.scheduler_info(n_workers=-1)["workers"]
+        return workers
 
     def share(self, value: object) -> "Shared":
         """Return a value that each worker gets once, as an argument of tasks."""
@@ -101,12 +116,21 @@ class _Task:
     arguments: tuple[object, ...]
     future: Any = None
     n_lost: int = field(default=0)
+    woken: threading.Event = field(default_factory=threading.Event)
 
     def __post_init__(self) -> None:
         self._send()
 
     def _send(self) -> None:
         self.future = self.cluster.client.submit(self.function, self.shared.held, *self.arguments, pure=False)
+        self.future.add_done_callback(lambda _: self.woken.set())
+
+    def wait(self, seconds: float) -> bool:
+        """Wait for its end, so long at most; return `done()`."""
+        if not self.done():
+            self.woken.wait(seconds)
+            self.woken.clear()
+        return self.done()
 
     def done(self) -> bool:
         """Whether it has ended; a task that was lost is sent again and has not."""
@@ -136,6 +160,17 @@ class _Task:
 
     def cancel(self) -> object:
         return self.future.cancel()
+
+
+def is_given_up() -> bool:
+    """Whether the task that runs here, in a worker, was cancelled: Dask ends no task that has begun."""
+    distributed = import_module("distributed")
+    try:
+        worker = distributed.get_worker()
+        task = worker.state.tasks.get(worker.get_current_task())
+    except (ValueError, KeyError):  # no worker, or no task
+        return False
+    return task is None or task.state == "cancelled"
 
 
 def _is_killed(future: Any) -> bool:
@@ -168,6 +203,23 @@ def open_cluster(where: str | Any, n_workers: int | None = None) -> Iterator[Clu
         )
         stack.enter_context(import_module("joblib").parallel_config(backend="dask", n_jobs=-1))
         yield Cluster(client)
+
+
+@contextlib.contextmanager
+def opened(options: Mapping[str, Any], n_workers: int | None = None) -> Iterator[Mapping[str, Any]]:
+    """Return a solver's options with an open cluster where they name one, so that several solves share it.
+
+    Raises
+    ------
+    DataError, MissingExtraError
+        as `open_cluster`.
+    """
+    where = options.get("cluster")
+    if where is None or isinstance(where, Cluster):
+        yield options
+        return
+    with open_cluster(where, n_workers) as cluster:
+        yield {**options, "cluster": cluster}
 
 
 @contextlib.contextmanager

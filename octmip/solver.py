@@ -27,6 +27,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Protocol, cast
 
 from octmip.certificate import certify, checked_leaf_index
+from octmip.cluster import opened
 from octmip.errors import CertificateError, ProblemError, SolverError
 from octmip.formats.solves_file import SolvesFile, key_of
 from octmip.problem import Problem
@@ -141,7 +142,8 @@ def solve(
     progress
         called now and then with the state of the solver.
     options
-        what the method's own solver takes beyond all this, for instance ``restarts`` of the search. The
+        what the method's own solver takes beyond all this, for instance ``restarts`` of the search, or ``cluster``
+        of the search and of exact axis-aligned proofs: other processes that do their work (`octmip.cluster`). The
         mixed-integer methods take ``assist`` too, some of `ASSISTANTS`: "exact" proves for at most a fifth of the
         time first and its bound enters the model (`details["lower_bound_given"]`); "search" goes on in a thread of
         its own and hands over better trees, so which of several optimal trees comes back may vary. Every method takes
@@ -203,7 +205,8 @@ def solve_run(problem: Problem, run: Run, incumbent: Node | Solution | None = No
     # Loaded before the clock starts: its import is not the solver's time.
     _check_options(name, _registration(problem, name).load(), run.options)
     start = time.perf_counter()
-    solution = _result(_Call(problem, run, start), name, first)
+    with opened(run.options, run.n_jobs) as options:
+        solution = _result(_Call(problem, replace(run, options=options), start), name, first)
     return _checked(problem, replace(solution, seconds=time.perf_counter() - start))
 
 
@@ -320,7 +323,8 @@ def _first_tree(call: _Call, name: str) -> Solution:
         axis = replace(call.problem, split="axis", split_size=None, integer_normals=None)
         return replace(call, problem=axis).solve("exact", None, share=SEARCH_SHARE)
     try:
-        return call.solve("search", None, share=SEARCH_SHARE, options={"restarts": FIRST_RESTARTS})
+        shared = {key: value for key, value in call.run.options.items() if key == "cluster"}
+        return call.solve("search", None, share=SEARCH_SHARE, options=shared | {"restarts": FIRST_RESTARTS})
     except KeyboardInterrupt:
         return replace(call.solve("cart", None), stop=Stop.INTERRUPTED)
 

@@ -44,7 +44,7 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
         "regression.search": 5,
         "certificate": 4,
         "methods.checkpoint": 6,
-        "methods.shared_cuts": 6,
+        "methods.shared_work": 6,
         "methods.native_call": 5,
         "methods.merging": 5,
         "methods.ties": 5,

@@ -12,7 +12,7 @@ from octmip.errors import DataError
 from octmip.formats.messages import shown
 from octmip.problem import Problem
 from octmip.solution import Limits
-from octmip.solver import METHODS
+from octmip.solver import METHODS, chosen_method
 
 MOST_THREADS = 1024
 
@@ -111,8 +111,8 @@ def add_cluster_argument(group: argparse._ActionsContainer) -> None:
     group.add_argument(
         "--cluster",
         metavar="ADDRESS",
-        help="solve the root's cuts on the workers of a Dask scheduler (tcp://host:8786), or of this machine: local "
-        "(as many processes as --threads); exact, axis, from depth 3 on",
+        help="share the work among the workers of a Dask scheduler (tcp://host:8786), or of this machine: local (as "
+        "many processes as --threads); axis-aligned proofs from depth 3 on (exact), restarts of search",
     )
 
 
@@ -123,15 +123,17 @@ def cluster_of(arguments: argparse.Namespace, problem: Problem) -> Iterator[dict
     Raises
     ------
     DataError
-        another method or kind of split than exact and axis, or nobody answers at the address.
+        a method that a cluster does not help, or nobody answers at the address.
     """
     if arguments.cluster is None:
         yield {}
         return
-    if arguments.method not in ("auto", "exact") or problem.split != "axis":
+    method = chosen_method(problem, arguments.method)
+    if method != "search" and (method != "exact" or problem.split != "axis"):
+        kind = "proofs of splits over two features" if method == "exact" else f"method {method!r}"
         raise DataError(
-            f"--cluster is for proofs of method 'exact' for axis-aligned trees; got method {arguments.method!r} with "
-            f"split {problem.split!r}; leave it out"
+            "--cluster shares axis-aligned proofs (exact) and restarts of the local search (search); got "
+            f"{kind}, done by the process that asks; leave it out, or take --threads"
         )
     with open_cluster(arguments.cluster, arguments.threads) as cluster:
         yield {"cluster": cluster}

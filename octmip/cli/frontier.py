@@ -6,6 +6,7 @@ per unit of weight, and the best pair of depth and penalty is chosen.
 """
 
 import argparse
+import contextlib
 import importlib
 import io
 from pathlib import Path
@@ -78,8 +79,30 @@ def run(arguments: argparse.Namespace) -> int:
     question = ask(arguments)
     problem = question.problem
     kept = {"solves": arguments.checkpoint} if arguments.checkpoint else {}
-    with cluster_of(arguments, problem) as shared, ProgressLine() as progress:
-        points = trace_frontier(
+    with cluster_of(arguments, problem) as shared:
+        points = _points(arguments, problem, values, limits, kept | shared)
+        is_cut = points[-1].solution.stop is Stop.INTERRUPTED
+        choice = None if arguments.folds is None or is_cut else _choice(arguments, problem, limits, kept | shared)
+    rows = [_row(arguments.over, point) for point in points]
+    if arguments.out:
+        _draw(arguments, points)
+    if choice is not None:
+        for row, point in zip(rows, points, strict=True):
+            step = choice.step_at(point.problem.depth, point.problem.leaf_penalty / problem.baseline)
+            row["held_out"] = step.validation_cost
+    _show(arguments, question, rows, choice)
+    return 0
+
+
+def _points(
+    arguments: argparse.Namespace,
+    problem: Problem,
+    values: list[float] | None,
+    limits: Limits,
+    options: dict[str, Any],
+) -> list[Point]:
+    with ProgressLine() as progress:
+        return trace_frontier(
             problem,
             arguments.over,
             values,
@@ -88,19 +111,8 @@ def run(arguments: argparse.Namespace) -> int:
             seed=arguments.seed,
             n_jobs=arguments.threads,
             progress=progress,
-            options=kept | shared,
+            options=options,
         )
-    rows = [_row(arguments.over, point) for point in points]
-    if arguments.out:
-        _draw(arguments, points)
-    is_cut = points[-1].solution.stop is Stop.INTERRUPTED
-    choice = None if arguments.folds is None or is_cut else _choice(arguments, problem, limits, kept)
-    if choice is not None:
-        for row, point in zip(rows, points, strict=True):
-            step = choice.step_at(point.problem.depth, point.problem.leaf_penalty / problem.baseline)
-            row["held_out"] = step.validation_cost
-    _show(arguments, question, rows, choice)
-    return 0
 
 
 def _show(arguments: argparse.Namespace, question: Question, rows: list[dict[str, Any]], choice: Choice | None) -> None:
@@ -136,11 +148,14 @@ def _shown(row: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _choice(arguments: argparse.Namespace, problem: Problem, limits: Limits, kept: dict[str, str]) -> Choice:
-    """Return what cross-validation chooses, its folds in so many threads."""
-    with ElapsedLine("cross-validating"), parallel_config(backend="threading", n_jobs=arguments.threads):
+def _choice(arguments: argparse.Namespace, problem: Problem, limits: Limits, options: dict[str, Any]) -> Choice:
+    """Return what cross-validation chooses, its folds by the workers of a cluster, or in so many threads."""
+    with ElapsedLine("cross-validating"), contextlib.ExitStack() as stack:
+        # A file of solves is this process's own: whoever keeps one takes the folds here.
+        if "cluster" not in options or "solves" in options:
+            stack.enter_context(parallel_config(backend="threading", n_jobs=arguments.threads))
         return choose_tree(
-            problem, folds=arguments.folds, method=arguments.method, limits=limits, seed=arguments.seed, options=kept
+            problem, folds=arguments.folds, method=arguments.method, limits=limits, seed=arguments.seed, options=options
         )
 
 

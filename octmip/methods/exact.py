@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from octmip import _native
-from octmip.cluster import Cluster, Future, open_cluster
+from octmip.cluster import Cluster, Future, opened
 from octmip.encoding import (
     IntegerCosts,
     Ranks,
@@ -40,7 +40,7 @@ from octmip.methods.native_call import (
     whole_cost,
     write_log,
 )
-from octmip.methods.shared_cuts import submitter
+from octmip.methods.shared_work import submitter
 from octmip.methods.ties import UNBROKEN, Effort, break_ties
 from octmip.problem import Problem
 from octmip.proof import log_header
@@ -121,9 +121,7 @@ def branch_and_bound(
     if proof is not None:  # a log has no line for that bound, and to search it out takes longer than the limit
         search.off = [*search.off, "level_below"]
     with ExitStack() as stack:
-        if cluster is not None:
-            is_open = isinstance(cluster, Cluster)
-            search.cluster = cluster if is_open else stack.enter_context(open_cluster(cluster, n_jobs))
+        search.cluster = stack.enter_context(opened({"cluster": cluster}, n_jobs))["cluster"]
         search.search(start)
         ties = search.smaller() if break_ties and search.stop is Stop.OPTIMAL else dict(UNBROKEN)
         if proof is not None:
@@ -274,7 +272,7 @@ class _Search:
     def _submit(
         self, costs: IntegerCosts, off: Sequence[str], *, is_logged: bool = False
     ) -> tuple[Callable[[int, Any], Future], int] | None:
-        """Return what submits cuts of the root to the cluster's workers, and how many in a round; None without one."""
+        """Return what submits cuts of the root to a cluster's workers, and how many at once; None without one."""
         if self.cluster is None:
             return None
         arguments = native_arguments(self.problem, self.ranks, costs)

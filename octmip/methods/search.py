@@ -19,15 +19,18 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from octmip import _native
-from octmip.encoding import integer_costs, native_problem, rows_from_tree, tree_from_rows
+from octmip.cluster import Cluster, opened
+from octmip.encoding import integer_costs, native_arguments, rows_from_tree, tree_from_rows
 from octmip.errors import ProblemError
 from octmip.methods.checkpoint.envelope import checked_every, resumed_from
 from octmip.methods.checkpoint.search_keeper import FinishedTurns, SearchKeeper
 from octmip.methods.merging import merged
 from octmip.methods.native_call import better, feasible_incumbent, native_progress, relabelled, remaining
 from octmip.methods.polish import polished
+from octmip.methods.shared_work import turn_submitter
 from octmip.problem import Problem
 from octmip.solution import Limits, ProgressCallback, Solution, Stop
 from octmip.tree import Node, centred, simplify, without_empty_sides
@@ -53,6 +56,7 @@ def local_search(
     perturbations: int | None = None,
     checkpoint: str | Path | None = None,
     every: float | None = None,
+    cluster: Any = None,
 ) -> Solution:
     """Return the best tree that a local search finds.
 
@@ -71,6 +75,9 @@ def local_search(
         checkpoint: file in which finished turns of restarts are kept, and at the end; where it exists the search goes
             on from it, and ends with the tree of one that never stopped (unless time or nodes are limited).
         every: seconds between two checkpoints, 0 or more; by default `CHECKPOINT_SECONDS`.
+        cluster: processes that take the restarts' turns: "local" (`n_jobs` of them), the address of a Dask scheduler,
+            a Dask client or an open `octmip.cluster.Cluster`. The tree is that of one machine. Ctrl-C returns the best
+            of the turns that are finished.
 
     Returns
     -------
@@ -95,22 +102,27 @@ def local_search(
     n_perturbations = effort[1] if perturbations is None else perturbations
     keeper = None
     if checkpoint is not None:
-        options = seed % 2**64, n_restarts, n_perturbations, first
-        keeper = SearchKeeper(problem, searched, ranks, checkpoint, checked_every(every), options, start)
+        effort_of = seed % 2**64, n_restarts, n_perturbations, first
+        keeper = SearchKeeper(problem, searched, ranks, checkpoint, checked_every(every), effort_of, start)
     turns = None if keeper is None else keeper.read()
     before = 0 if turns is None else turns.n_visits
-    rows, _, _, stop, n_nodes = _native.search(
-        native_problem(searched, ranks, costs),
-        first,
-        # What was spent on ranks counts, too.
-        remaining(replace(limits, nodes=limits.nodes + before), start),
-        n_jobs,
-        seed % 2**64,
-        native_progress(progress, costs),
-        n_restarts=n_restarts,
-        n_perturbations=n_perturbations,
-        checkpoint=None if keeper is None else (keeper.every, lambda row: keeper.write(FinishedTurns(*row)), turns),
-    )
+    with opened({"cluster": cluster}, n_jobs) as options:
+        shared: Cluster | None = options["cluster"]
+        arguments = native_arguments(searched, ranks, costs)
+        turn = first, seed % 2**64, (n_restarts, n_perturbations)
+        rows, _, _, stop, n_nodes = _native.search(
+            _native.Problem(*arguments),
+            first,
+            # What was spent on ranks counts, too.
+            remaining(replace(limits, nodes=limits.nodes + before), start),
+            n_jobs,
+            seed % 2**64,
+            native_progress(progress, costs),
+            n_restarts=n_restarts,
+            n_perturbations=n_perturbations,
+            checkpoint=None if keeper is None else (keeper.every, lambda row: keeper.write(FinishedTurns(*row)), turns),
+            submit=None if shared is None else (turn_submitter(shared, arguments, *turn), shared.n_threads),
+        )
     latest = start + limits.seconds + GRACE
     tree = _finished(searched, tree_from_rows(rows, ranks), lambda: time.perf_counter() < latest)
     tree, objective = better(problem, problem.with_sides(tree), known)

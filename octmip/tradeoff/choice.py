@@ -26,6 +26,7 @@ import numpy as np
 from joblib import Parallel, delayed
 from numpy.typing import NDArray
 
+from octmip.cluster import opened
 from octmip.errors import ProblemError
 from octmip.problem import Problem
 from octmip.run import NO_OPTIONS, Run
@@ -167,7 +168,7 @@ def choose_tree(
     n_jobs
         folds at a time, as joblib counts them; None: what `joblib.parallel_config` says, else one.
     options
-        of the method, for instance ``restarts`` of the search.
+        of the method, for instance ``restarts`` of the search; or ``cluster``, whose workers take the folds.
 
     Raises
     ------
@@ -184,15 +185,18 @@ def choose_tree(
         raise ProblemError(f"rule is {rule!r} with {len(pairs)} folds; expected 'least', or 'one_se' with 2 or more")
     trace = delayed(trace_depths)
     parts = [part_of(problem, rows, f"the training rows of fold {k}") for k, (rows, _) in enumerate(pairs)]
-    settings = {"method": method, "limits": limits, "most_solves": most_solves, "seed": seed, "options": options}
-    *of_folds, paths = Parallel(n_jobs=n_jobs)(trace(part, levels, **settings) for part in (*parts, problem))
-    if any(path.is_interrupted for traced in (*of_folds, paths) for path in traced):
-        raise KeyboardInterrupt
-    steps = tuple(step for d, path in enumerate(paths) for step in _steps(path, [f[d] for f in of_folds], pairs))
-    chosen = _chosen(steps, rule)
-    final = replace(problem, depth=chosen.depth, leaf_penalty=chosen.alpha * problem.baseline)
-    known = paths[levels.index(chosen.depth)].best_at(final.leaf_penalty).tree
-    solution = solve_run(final, Run(method, limits, seed, options=options), known)
+    # A fold is one task of a cluster, and is not divided any further.
+    own = {name: value for name, value in options.items() if name != "cluster"}
+    settings = {"method": method, "limits": limits, "most_solves": most_solves, "seed": seed, "options": own}
+    with opened(options, n_jobs) as shared:
+        *of_folds, paths = Parallel(n_jobs=n_jobs)(trace(part, levels, **settings) for part in (*parts, problem))
+        if any(path.is_interrupted for traced in (*of_folds, paths) for path in traced):
+            raise KeyboardInterrupt
+        steps = tuple(step for d, path in enumerate(paths) for step in _steps(path, [f[d] for f in of_folds], pairs))
+        chosen = _chosen(steps, rule)
+        final = replace(problem, depth=chosen.depth, leaf_penalty=chosen.alpha * problem.baseline)
+        known = paths[levels.index(chosen.depth)].best_at(final.leaf_penalty).tree
+        solution = solve_run(final, Run(method, limits, seed, options=shared), known)
     return Choice(final, solution, chosen, steps, tuple(paths), fold_numbers(problem, pairs), rule)
 
 

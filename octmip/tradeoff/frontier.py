@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
+from octmip.cluster import opened
 from octmip.errors import ProblemError
 from octmip.problem import Problem
 from octmip.run import NO_OPTIONS, Run
@@ -68,7 +69,8 @@ def trace_frontier(
 
     Ctrl-C ends the frontier: the points so far come back, the last one interrupted. Without values the penalties are
     those at which another tree is best, which takes about two more solves per point. `options` are the method's own,
-    for instance ``restarts`` of the search.
+    for instance ``restarts`` of the search, or ``cluster``: each solve is then shared by its workers, one solve after
+    the other.
 
     Raises
     ------
@@ -88,6 +90,12 @@ def frontier_run(problem: Problem, over: Over, values: Sequence[float] | None, r
     """
     if over not in OVERS:
         raise ProblemError(f"over is {over!r}; expected one of {', '.join(OVERS)}")
+    with opened(run.options, run.n_jobs) as options:
+        points = _points(problem, over, values, replace(run, options=options))
+    return points if over == "penalty" else _with_bounds_of_wider_limits(points)
+
+
+def _points(problem: Problem, over: Over, values: Sequence[float] | None, run: Run) -> list[Point]:
     points: list[Point] = []
     for value, tree in _starts(problem, over, values, run):
         here = _problem_at(problem, over, value)
@@ -96,7 +104,7 @@ def frontier_run(problem: Problem, over: Over, values: Sequence[float] | None, r
         points.append(Point(value, here, solution))
         if solution.stop is Stop.INTERRUPTED:
             break
-    return points if over == "penalty" else _with_bounds_of_wider_limits(points)
+    return points
 
 
 def _starts(problem: Problem, over: Over, values: Sequence[float] | None, run: Run) -> list[tuple[float, Node | None]]:

@@ -21,6 +21,7 @@ from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Any
 
+from octmip.cluster import opened
 from octmip.errors import ProblemError
 from octmip.problem import Problem
 from octmip.run import NO_OPTIONS, Run
@@ -160,11 +161,12 @@ def trace_run(
     if most_solves < 1:
         raise ProblemError(f"most_solves is {most_solves}; expected 1 or more; raise it")
     free = replace(problem, leaf_penalty=0.0)
-    tracer = _Tracer(free, run)
-    for tree in (Leaf(int(free.class_costs().argmin())), *incumbents):
-        tracer.add(tree)
-    go = tracer.by_splits if chosen_method(problem, run.method) in BY_SPLITS else tracer.by_penalty
-    is_whole = go(most_solves)
+    with opened(run.options, run.n_jobs) as options:
+        tracer = _Tracer(free, replace(run, options=options))
+        for tree in (Leaf(int(free.class_costs().argmin())), *incumbents):
+            tracer.add(tree)
+        go = tracer.by_splits if chosen_method(problem, run.method) in BY_SPLITS else tracer.by_penalty
+        is_whole = go(most_solves)
     return tracer.path(is_whole)
 
 

@@ -1,23 +1,27 @@
 """A proof shared over processes: the tree, bound and evaluated cuts of one machine, also when a worker is killed."""
 
+import json
 import os
 import signal
 import threading
 import time
 from collections.abc import Iterator
+from unittest.mock import patch
 
 import numpy as np
 import pandas as pd
 import pytest
 from distributed import Client, LocalCluster
 
-from octmip import Limits, Problem, Stop, _native
+from octmip import Limits, Problem, Progress, Solution, Stop, _native, solve
 from octmip.cli import main
 from octmip.cluster import Cluster, open_cluster
 from octmip.errors import DataError, SolverError
 from octmip.methods.exact import branch_and_bound
-from octmip.methods.shared_cuts import shared_problem, solve_cut
+from octmip.methods.search import local_search
+from octmip.methods.shared_work import shared_problem, solve_cut
 from octmip.proof import check_proof
+from octmip.tradeoff import choose_tree, trace_frontier
 
 
 @pytest.fixture(scope="module")
@@ -85,15 +89,134 @@ def test_a_worker_that_is_killed_costs_no_result(client: Client) -> None:
 
 
 def test_the_command_takes_the_address_of_a_scheduler(client: Client, tmp_path, capsys) -> None:
-    problem = hard(100)
+    problem = hard(40)
     frame = pd.DataFrame(problem.features, columns=list("abcde")).assign(y=problem.codes)
     frame.to_csv(tmp_path / "data.csv", index=False)
     words = [str(tmp_path / "data.csv"), "--label", "y", "--depth", "3", "--cluster", client.scheduler.address]
     assert main(["solve", *words]) == 0
     assert "optimal" in capsys.readouterr().out
-    assert main(["frontier", *words, "--over", "depth"]) == 0
-    assert main(["solve", *words, "--method", "search"]) == 2
-    assert "--cluster is for proofs of method 'exact'" in capsys.readouterr().err
+    assert main(["solve", *words, "--method", "search"]) == 0
+    assert "proves nothing about other trees" in capsys.readouterr().out
+    assert main(["frontier", *words, "--over", "depth", "--folds", "2", "--json"]) == 0
+    shared = json.loads(capsys.readouterr().out)
+    assert main(["frontier", *words[:-2], "--over", "depth", "--folds", "2", "--json"]) == 0
+    alone = json.loads(capsys.readouterr().out)
+    assert [row["tree"] for row in shared["rows"]] == [row["tree"] for row in alone["rows"]]
+    assert shared["chosen"] == alone["chosen"]
+
+
+@pytest.mark.parametrize(
+    ("words", "named"),
+    [
+        (["--method", "flow"], "method 'flow'"),
+        (["--method", "exact", "--split-size", "2", "--depth", "1"], "proofs of splits over two features"),
+    ],
+)
+def test_what_a_cluster_does_not_share_is_named(tmp_path, capsys, words: list[str], named: str) -> None:
+    (tmp_path / "data.csv").write_text("a,b,y\n1,2,0\n2,1,1\n")
+    given = [
+        "solve",
+        str(tmp_path / "data.csv"),
+        "--label",
+        "y",
+        "--depth",
+        "2",
+        *words,
+        "--cluster",
+        "tcp://127.0.0.1:9",
+    ]
+    assert main(given) == 2
+    assert f"got {named}, done by the process that asks" in capsys.readouterr().err
+
+
+SEARCHES = [
+    ({"depth": 4}, {"restarts": 9, "perturbations": 8}),
+    ({"split": "hyperplane"}, {"restarts": 3, "perturbations": 4}),
+    ({"split": "hyperplane", "split_size": 2, "depth": 2}, {"restarts": 3, "perturbations": 4}),
+    ({"costs": np.arange(9).reshape(3, 3), "sensor_budget": 2}, {"restarts": 11, "perturbations": 4}),
+]
+
+
+@pytest.mark.parametrize(("options", "effort"), SEARCHES)
+def test_the_tree_of_a_search_is_that_of_one_machine(client: Client, options: dict[str, object], effort: dict) -> None:
+    problem = hard(120, **({"depth": 3} | options))
+    alone = local_search(problem, seed=3, **effort)
+    shared = local_search(problem, seed=3, cluster=client, **effort)
+    assert (shared.tree, shared.n_nodes, shared.stop) == (alone.tree, alone.n_nodes, Stop.FINISHED)
+    threads = local_search(problem, seed=3, n_jobs=3, **effort)
+    assert (threads.tree, threads.n_nodes) == (alone.tree, alone.n_nodes)
+
+
+def test_groups_of_restarts_are_begun_at_once_and_end_with_the_tree_of_one_machine(client: Client) -> None:
+    """More workers than a group has restarts: several groups at once, also where one of them ends the search."""
+    for problem, restarts in ((hard(120), 30), (hard(30, 4), 30), (hard(60, 4), 30)):
+        alone = local_search(problem, restarts=restarts, perturbations=2)
+        with patch.object(Cluster, "n_threads", 25):
+            shared = local_search(problem, restarts=restarts, perturbations=2, cluster=client)
+        assert (shared.tree, shared.objective) == (alone.tree, alone.objective)
+
+
+def test_a_worker_that_is_killed_in_a_search_costs_no_result(client: Client) -> None:
+    problem = hard(900, 4)
+    alone = local_search(problem)
+    shared: list[Solution] = []
+    worker = threading.Thread(target=lambda: shared.append(local_search(problem, cluster=client)))
+    worker.start()
+    time.sleep(0.3 * alone.seconds)
+    os.kill(next(iter(client.run(os.getpid).values())), signal.SIGKILL)
+    worker.join()
+    assert [(found.tree, found.n_nodes) for found in shared] == [(alone.tree, alone.n_nodes)]
+
+
+def test_limits_progress_and_control_c_of_a_shared_search(client: Client) -> None:
+    problem = hard(4000, 5)
+    reports: list[Progress] = []
+    start = time.perf_counter()
+    found = local_search(problem, cluster=client, limits=Limits(seconds=1.5), progress=reports.append)
+    assert (found.stop, time.perf_counter() - start < 6) == (Stop.TIME, True)
+    assert found.objective < 0.9 * problem.baseline  # what the workers had when time ran out
+    assert reports
+    assert local_search(problem, cluster=client, limits=Limits(nodes=50)).stop is Stop.NODES
+
+    def stop(_: Progress) -> None:
+        if time.perf_counter() - start > 1:
+            signal.raise_signal(signal.SIGINT)
+
+    start = time.perf_counter()
+    assert local_search(problem, cluster=client, progress=stop).stop is Stop.INTERRUPTED
+    # Turns that nobody waits for are given up by the workers, which are free for others.
+    assert client.submit(len, "free", pure=False, priority=-1).result(timeout=5) == 4
+
+
+def test_a_search_goes_on_from_the_checkpoint_of_another_number_of_workers(client: Client, tmp_path) -> None:
+    problem = hard(300, 4)
+    alone, kept = local_search(problem, restarts=20), tmp_path / "kept"
+    with patch.object(Cluster, "n_threads", 25):
+        options = {"restarts": 20, "checkpoint": kept, "every": 0.0}
+        local_search(problem, **options, cluster=client, limits=Limits(nodes=alone.n_nodes / 2))
+    assert local_search(problem, restarts=20, checkpoint=kept).tree == alone.tree
+
+
+@pytest.mark.parametrize(("over", "method"), [("depth", "exact"), ("budget", "search"), ("penalty", "search")])
+def test_the_points_of_a_frontier_are_those_of_one_machine(client: Client, over: str, method: str) -> None:
+    problem = hard(60)
+    run = {"method": method, "options": {} if method == "exact" else {"restarts": 2, "perturbations": 2}}
+    alone = trace_frontier(problem, over, **run)
+    shared = trace_frontier(problem, over, **(run | {"options": run["options"] | {"cluster": client}}))
+    assert [(point.value, point.solution.tree) for point in shared] == [
+        (point.value, point.solution.tree) for point in alone
+    ]
+
+
+def test_folds_are_taken_by_the_workers_that_the_options_name(client: Client) -> None:
+    problem = hard(40, 2)
+    shared = choose_tree(problem, folds=2, most_solves=3, options={"cluster": client})
+    assert shared.table() == choose_tree(problem, folds=2, most_solves=3).table()
+
+
+def test_a_deep_proof_has_its_first_tree_from_the_workers(client: Client) -> None:
+    problem = hard(14, 5)
+    assert solve(problem, options={"cluster": client}).tree == solve(problem).tree
 
 
 def test_two_clusters_start_on_one_machine() -> None:

@@ -14,6 +14,7 @@ from benchmarks.oracles.strategies import random_problem
 from octmip import Leaf, Limits, Problem, Split, Stop, certify
 from octmip.errors import ProblemError
 from octmip.methods.cart import greedy_tree
+from octmip.methods.exact import branch_and_bound
 from octmip.methods.search import local_search
 
 NOISE = np.random.default_rng(1)
@@ -172,3 +173,13 @@ def test_search_is_never_worse_than_cart_and_finds_its_lost_class_on_the_publish
         assert objective <= greedy_tree(problem).objective
         escaped += objective < 60  # a lost class costs about 350 of the 1750 samples
     assert escaped >= 19
+
+
+def test_features_of_many_samples_are_compared_on_a_part_and_the_best_one_is_found():
+    rng = np.random.default_rng(0)
+    features = rng.normal(size=(30_000, 40))  # too many for exact blocks, so that the node is visited
+    noisy = rng.random(30_000) < 0.1
+    problem = Problem(features, (features[:, 4] > 0.3) ^ noisy, depth=1)
+    found = local_search(problem, restarts=1, perturbations=0, incumbent=Split(2, 0.0, Leaf(0), Leaf(1)))
+    assert found.tree.feature == 4
+    assert found.objective == branch_and_bound(problem).objective

@@ -13,6 +13,7 @@ mod run;
 mod search;
 mod sequential;
 mod two_feature;
+mod workers;
 
 use pyo3::prelude::*;
 
@@ -25,6 +26,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<regression::PyRegressionQuestion>()?;
     module.add_class::<near_optimal::NearProblem>()?;
     module.add_class::<ranks::PyRankTable>()?;
+    module.add_class::<search::PyTurnSolver>()?;
     module.add_function(wrap_pyfunction!(ranks::dense_ranks, module)?)?;
     module.add_function(wrap_pyfunction!(reached::reached_nodes, module)?)?;
     module.add_function(wrap_pyfunction!(search::py_search, module)?)?;

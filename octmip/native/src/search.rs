@@ -3,9 +3,10 @@
 //! Independent restarts (`restart`), each a descent from a tree of its own and perturbations of its local optimum, in
 //! groups: all of a group begin, the better ones go on; the best of all groups goes on longest. A restart's random
 //! stream depends on the seed and its number alone, rounds end together, and the best restart of lowest number wins, so
-//! that one seed gives one tree whatever the number of threads.
+//! that one seed gives one tree whatever the number of threads, or of the processes that take turns (`elsewhere`).
 
 mod axis;
+pub(crate) mod elsewhere;
 mod gains;
 mod greedy;
 pub(crate) mod known;
@@ -32,8 +33,9 @@ use crate::exact::samples::Samples;
 use crate::problem::Problem;
 use crate::tree::Tree;
 
+use crate::search::elsewhere::Elsewhere;
 use crate::search::known::{Kept, Known, Saver, Turn};
-use crate::search::prepared::Prepared;
+use crate::search::prepared::{Made, Prepared};
 use crate::search::restart::{Restart, Round};
 use crate::search::watch::{TRIVIAL_BOUND, Watch};
 
@@ -56,19 +58,21 @@ pub fn search(
     limits: Limits,
     keep_going: KeepGoing,
 ) -> Outcome {
-    go_on(problem, options, start, limits, (None, None), keep_going)
+    go_on(problem, options, start, limits, (None, None), None, keep_going)
 }
 
-/// The same from the turns that an earlier search has finished, handing out those that are every so often.
+/// The same from the turns that an earlier search has finished, handing out those that are every so often; `elsewhere`
+/// takes the turns where there is one, else the threads of this process.
 pub(crate) fn go_on(
     problem: &Problem,
     options: Options,
     start: Option<&Tree>,
     limits: Limits,
     (known, saver): (Option<Known>, Option<Saver<'_>>),
+    elsewhere: Option<&Elsewhere<'_>>,
     keep_going: KeepGoing,
 ) -> Outcome {
-    let prepared = Prepared::new(problem);
+    let prepared = Prepared { problem, made: &Made::new(problem) };
     let samples = Samples::new(problem);
     let watch = Watch::new(limits);
     let new = |k| Restart::new(&prepared, &samples, &watch, options.seed, k);
@@ -83,19 +87,23 @@ pub(crate) fn go_on(
     watch.found(i64::MAX, kept.known.n_visits);
     let mut best: Option<Restart> = kept.known.best.as_ref().map(from);
     let mut turn = |restarts, round: usize, kept: &mut Kept<'_>| {
-        run(restarts, (round, &rounds[round]), options.n_threads, &watch, kept, &mut *keep_going)
+        let takers = Takers { round: &rounds[round], n_threads: options.n_threads, elsewhere };
+        run(restarts, round, takers, &watch, kept, &mut *keep_going)
     };
-    for first in (kept.known.first..n).step_by(GROUP) {
-        let group = (first..n.min(first + GROUP)).map(new);
-        let mut begun = turn(group.collect(), 0, &mut kept);
-        let others = begun.split_off(begun.len().div_ceil(GOES_ON_ONE_IN));
-        let gone_on = turn(begun, 1, &mut kept);
+    // Groups know nothing of one another, and the first whose best cannot be beaten has the best of lowest number:
+    // so many processes as there are do several at once, and end with the same tree.
+    let at_once = GROUP * elsewhere.map_or(1, |elsewhere| elsewhere.n_at_once.div_ceil(GROUP).max(1));
+    for first in (kept.known.first..n).step_by(at_once) {
+        let last = n.min(first + at_once);
+        let begun = turn((first..last).map(new).collect(), 0, &mut kept);
+        let (going_on, others) = best_of_each_group(begun, first);
+        let gone_on = turn(going_on, 1, &mut kept);
         best = best.into_iter().chain(gone_on).chain(others).min_by_key(Restart::rank);
         if watch.has_best() || !watch.goes_on(0) {
             break;
         }
-        if let Some(best) = best.as_ref().filter(|_| first + GROUP < n) {
-            kept.next_group(first + GROUP, best.turn());
+        if let Some(best) = best.as_ref().filter(|_| last < n) {
+            kept.next_group(last, best.turn());
         }
     }
     let best = turn(best.into_iter().collect(), 2, &mut kept).swap_remove(0);
@@ -112,12 +120,52 @@ pub(crate) fn go_on(
     }
 }
 
-/// Give every restart its turn in a round, in order, on so many threads, but those that have had it; returns them from
-/// best to worst.
+/// The restarts of each group that go on, group after group, and the others; all come from best to worst, the first of
+/// them with the number `first`.
+fn best_of_each_group(begun: Vec<Restart>, first: usize) -> (Vec<Restart>, Vec<Restart>) {
+    let mut groups: Vec<Vec<Restart>> = Vec::new();
+    for restart in begun {
+        let group = (restart.number - first) / GROUP;
+        groups.resize_with(groups.len().max(group + 1), Vec::new);
+        groups[group].push(restart);
+    }
+    let (mut going_on, mut others) = (Vec::new(), Vec::new());
+    for mut group in groups {
+        others.extend(group.split_off(group.len().div_ceil(GOES_ON_ONE_IN)));
+        going_on.extend(group);
+    }
+    (going_on, others)
+}
+
+/// Who takes the turns of a round: threads of this process, or other processes.
+#[derive(Clone, Copy)]
+struct Takers<'t> {
+    round: &'t Round<'t>,
+    n_threads: usize,
+    elsewhere: Option<&'t Elsewhere<'t>>,
+}
+
+impl Takers<'_> {
+    /// Turns that are taken at once.
+    fn n_at_once(&self) -> usize {
+        self.elsewhere.map_or(self.n_threads, |elsewhere| elsewhere.n_at_once)
+    }
+
+    /// Have a turn taken; whether it was a whole one.
+    fn take(&self, restart: &mut Restart, number: usize) -> bool {
+        match self.elsewhere {
+            Some(elsewhere) => restart.run_elsewhere(number, elsewhere.ask),
+            None => restart.run(self.round),
+        }
+    }
+}
+
+/// Give every restart its turn in a round, in order, as many at once as there are takers, but those that have had it;
+/// returns them from best to worst.
 fn run<'a>(
     mut restarts: Vec<Restart<'a>>,
-    (number, round): (usize, &Round),
-    n_threads: usize,
+    number: usize,
+    takers: Takers,
     watch: &Watch,
     kept: &mut Kept<'_>,
     keep_going: KeepGoing,
@@ -129,6 +177,7 @@ fn run<'a>(
         restart.place = place;
         match kept.known.rounds[number].iter().find(|turn| turn.number == restart.number) {
             Some(turn) => {
+                restart.keep_turn_before();
                 restart.take_up(turn);
                 done.push(restart);
             }
@@ -138,7 +187,7 @@ fn run<'a>(
     let next = AtomicUsize::new(0);
     std::thread::scope(|scope| {
         let (sender, receiver) = channel();
-        for _ in 0..n_threads.clamp(1, n.max(1)) {
+        for _ in 0..takers.n_at_once().clamp(1, n.max(1)) {
             let (sender, waiting, next) = (sender.clone(), &waiting, &next);
             scope.spawn(move || {
                 while let Some(slot) = waiting.get(next.fetch_add(1, Ordering::Relaxed)) {
@@ -146,7 +195,7 @@ fn run<'a>(
                     let Some(mut restart) = slot.lock().ok().and_then(|mut slot| slot.take()) else {
                         continue;
                     };
-                    let is_whole = restart.run(round);
+                    let is_whole = takers.take(&mut restart, number);
                     let _ = sender.send((restart, is_whole));
                 }
             });
@@ -164,6 +213,7 @@ fn run<'a>(
             watch.look(&mut |state| keep_going(state) && goes_on);
         };
         watch.supervision.wait(&receiver, POLL, take, poll);
+        done.iter_mut().for_each(Restart::take_back_if_beaten);
         done.sort_by_key(Restart::rank);
         done
     })

@@ -83,7 +83,7 @@ fn record(
         return None; // a tree of fewer levels costs less
     }
     let frontier = Frontier::new(samples, switches, control, &view, depth, &search.incumbents, whole, upper, None)
-        .by_rounds_of(if let Helpers::Elsewhere(elsewhere) = helpers { elsewhere.round } else { 0 });
+        .by_windows_of(if let Helpers::Elsewhere(elsewhere) = helpers { elsewhere.round } else { 0 });
     match helpers {
         Helpers::Threads(n_threads) => std::thread::scope(|scope| {
             for _ in 0..n_threads.max(1) {
@@ -99,7 +99,7 @@ fn record(
         Helpers::Elsewhere(elsewhere) => {
             let frontier = &frontier;
             std::thread::scope(|scope| {
-                for _ in 0..frontier.round() {
+                for _ in 0..frontier.size() {
                     scope.spawn(move || frontier.work_by(|cut| elsewhere.solve(depth, cut, control)));
                 }
             });

@@ -1,8 +1,5 @@
 //! The exact core's functions.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::time::Duration;
-
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -20,6 +17,7 @@ use crate::exact::switches::Switches;
 use crate::python::problem::PyProblem;
 use crate::python::rows::{NodeRow, rows_from_tree, tree_from_rows};
 use crate::python::run::{Found, LimitValues, found, limits, supervised, switches, written};
+use crate::python::workers::Workers;
 use crate::supervise::Supervision;
 
 /// State of a search: level, bound of one level fewer, best cost and cut of each feature one level lower and at this
@@ -62,9 +60,9 @@ fn branch_and_bound(
     let mut unsaved = None;
     let (every, taker, row) = checkpoint.map_or((0.0, None, None), |(every, taker, row)| (every, Some(taker), row));
     let known = row.map(|row| known_from_row(row, base)).transpose()?;
-    let workers = submit.map(Workers::new);
-    let ask = |level: usize, cut: &Cut, control: &Control| workers.as_ref()?.ask(level, cut, control);
-    let elsewhere = workers.as_ref().map(|workers| Elsewhere { ask: &ask, round: workers.round });
+    let (workers, round) = submit.map_or((None, 0), |(submit, round)| (Some(Workers::new(submit)), round));
+    let ask = |level: usize, cut: &Cut, control: &Control| ask_for(workers.as_ref()?, level, cut, control);
+    let elsewhere = workers.as_ref().map(|_| Elsewhere { ask: &ask, round });
     let outcome = supervised(py, progress.as_ref(), |keep_going| {
         let mut save = |known: &Known| hand_out(taker.as_ref(), known, base, &mut unsaved);
         let saver = taker.is_some().then_some(Saver { every, save: &mut save });
@@ -84,59 +82,13 @@ type CutRow = (usize, usize, i64, i64, i64, i64);
 /// A solved cut: bounds of both sides, cost above the base and rows of the tree, evaluated cuts, lines of a log.
 type SolvedRow = (i64, i64, Option<(i64, Vec<NodeRow>)>, u64, String);
 
-/// Time between two looks at a future.
-const LOOK: Duration = Duration::from_millis(2);
-
-/// Submit a cut, wait for its future, cancel it when the search is stopped.
-fn ask_for(submit: &Py<PyAny>, level: usize, cut: &Cut, control: &Control) -> PyResult<Option<SolvedCut>> {
+/// A cut that one of the workers solved; None when it was stopped or has failed.
+fn ask_for(workers: &Workers, level: usize, cut: &Cut, control: &Control) -> Option<SolvedCut> {
     let row: CutRow = (cut.feature, cut.position, cut.bounds[0], cut.bounds[1], cut.target, cut.slack);
-    let future = Python::attach(|py| submit.call1(py, (level, row)))?;
-    while !Python::attach(|py| future.call_method0(py, "done")?.extract::<bool>(py))? {
-        if control.is_stopped() {
-            Python::attach(|py| future.call_method0(py, "cancel"))?;
-            return Ok(None);
-        }
-        std::thread::sleep(LOOK);
-    }
-    let (left, right, tree, n_evaluated, record): SolvedRow =
-        Python::attach(|py| future.call_method0(py, "result")?.extract(py))?;
-    let tree = tree.map(|(cost, rows)| Ok::<_, PyErr>((cost, tree_from_rows(rows)?))).transpose()?;
-    Ok(Some(SolvedCut { bounds: [left, right], tree, n_evaluated, record }))
-}
-
-/// Whoever solves cuts of the root for this process: what submits a cut to them, how many are asked for in a round, and
-/// the first error that one of them raised.
-struct Workers {
-    submit: Py<PyAny>,
-    round: usize,
-    failed: Mutex<Option<PyErr>>,
-}
-
-impl Workers {
-    fn new((submit, round): (Py<PyAny>, usize)) -> Self {
-        Self { submit, round, failed: Mutex::new(None) }
-    }
-
-    /// A cut that one of them solved; None when it was stopped or has failed.
-    fn ask(&self, level: usize, cut: &Cut, control: &Control) -> Option<SolvedCut> {
-        ask_for(&self.submit, level, cut, control).unwrap_or_else(|raised| {
-            self.lock().get_or_insert(raised);
-            None
-        })
-    }
-
-    fn has_failed(&self) -> bool {
-        self.lock().is_some()
-    }
-
-    /// Raise the error, if there is one.
-    fn finish(self) -> PyResult<()> {
-        self.failed.into_inner().unwrap_or_else(PoisonError::into_inner).map_or(Ok(()), Err)
-    }
-
-    fn lock(&self) -> MutexGuard<'_, Option<PyErr>> {
-        self.failed.lock().unwrap_or_else(PoisonError::into_inner)
-    }
+    let solved: SolvedRow = workers.ask((level, row), &|| !control.is_stopped())?;
+    let (left, right, tree, n_evaluated, record) = solved;
+    let tree = workers.checked(tree.map(|(cost, rows)| Ok((cost, tree_from_rows(rows)?))).transpose())?;
+    Some(SolvedCut { bounds: [left, right], tree, n_evaluated, record })
 }
 
 /// A problem ready for cuts of its root to be solved, in a process that helps another one's search.
@@ -224,17 +176,17 @@ fn prove(
     n_threads: usize,
     submit: Option<(Py<PyAny>, usize)>,
 ) -> PyResult<Option<String>> {
-    let workers = submit.map(Workers::new);
+    let (workers, round) = submit.map_or((None, 0), |(submit, round)| (Some(Workers::new(submit)), round));
     let body = written(py, claim, |supervision| {
         let control = Control::reading(supervision.flag());
         let ask = |level: usize, cut: &Cut, control: &Control| {
-            let solved = workers.as_ref()?.ask(level, cut, control);
+            let solved = ask_for(workers.as_ref()?, level, cut, control);
             if solved.is_none() {
                 supervision.halt();
             }
             solved
         };
-        let elsewhere = workers.as_ref().map(|workers| Elsewhere { ask: &ask, round: workers.round });
+        let elsewhere = workers.as_ref().map(|_| Elsewhere { ask: &ask, round });
         let helpers = elsewhere.as_ref().map_or(Helpers::Threads(n_threads), Helpers::Elsewhere);
         write_by(&problem.inner, claim, Switches::default(), &control, helpers)
     })?;

@@ -1,8 +1,11 @@
 //! Descent to a local optimum: visits to single nodes with the rest of the tree fixed, exact blocks at the bottom.
 
+use std::collections::HashSet;
+use std::hash::{DefaultHasher, Hash, Hasher};
+
 use crate::exact::samples::Samples;
-use crate::search::axis::blocks::{Blocks, Mask};
-use crate::search::axis::scan::{Aim, best_cut};
+use crate::search::axis::blocks::{Blocks, Mask, fingerprint};
+use crate::search::axis::scan::{Aim, best_cut, leading_features};
 use crate::search::gains::tally::{Tally, Worth};
 use crate::search::greedy::{BuildOptions, GreedyBuilder};
 use crate::search::planes::plane_search::PlaneSearch;
@@ -33,6 +36,8 @@ pub(crate) struct LocalSearch<'a> {
     pub(crate) has_planes: bool,
     /// Nodes visited since the last report.
     n_visits: u64,
+    /// Visits by axis-aligned moves that have not helped.
+    vain: HashSet<u64>,
 }
 
 /// One visit in so many offers a hyperplane's place to an axis-aligned cut.
@@ -56,6 +61,7 @@ impl<'a> LocalSearch<'a> {
             deep_tries: [0, 0],
             has_planes: prepared.has_planes(),
             n_visits: 0,
+            vain: HashSet::new(),
         }
     }
 
@@ -158,13 +164,46 @@ impl<'a> LocalSearch<'a> {
         helped
     }
 
-    /// Give node `v`, `level` levels below the root, the best rule there is, or remove it; whether that helped.
+    /// Improve node `v`, `level` levels below the root; whether that helped.
     fn visit(&mut self, state: &mut State, v: u32, level: usize) -> bool {
         self.n_visits += 1;
         let is_leaf = state.is_leaf(v);
         if is_leaf && level >= self.prepared.problem.depth {
             return false;
         }
+        if self.has_planes {
+            return self.improve(state, v);
+        }
+        // Without planes no move at a node draws a random number: the same visit again would help as little.
+        let key = self.visit_key(state, v);
+        if self.vain.contains(&key) {
+            return false;
+        }
+        let helped = self.improve(state, v);
+        if !helped && self.goes_on() {
+            self.vain.insert(key);
+        }
+        helped
+    }
+
+    /// A number that distinguishes visits: the samples of the node, the tree below it, the features it may read. Two
+    /// visits that share it would cost a move, no more.
+    fn visit_key(&self, state: &State, v: u32) -> u64 {
+        let mut hasher = DefaultHasher::new();
+        for node in state.below(v) {
+            state.nodes[node as usize].rule.hash(&mut hasher);
+        }
+        let samples = state.leaves(v).into_iter().flat_map(|leaf| &state.nodes[leaf as usize].samples);
+        fingerprint(samples).hash(&mut hasher);
+        if self.prepared.problem.sensor_limit.is_finite() {
+            Allowance::at(self.prepared.problem, state, v).axis_features().hash(&mut hasher);
+        }
+        hasher.finish()
+    }
+
+    /// Give node `v` the best rule there is, or remove it; whether that helped.
+    fn improve(&mut self, state: &mut State, v: u32) -> bool {
+        let is_leaf = state.is_leaf(v);
         self.view.look(self.prepared.problem, &self.prepared.prices, state, v);
         if self.remove(state, v) {
             return true;
@@ -180,10 +219,12 @@ impl<'a> LocalSearch<'a> {
         let price = self.prepared.prices.price(state.nodes[v as usize].rule.size() as i64);
         let present = self.view.present(&mut self.tally, price);
         let features = Allowance::at(self.prepared.problem, state, v).axis_features();
-        let scratch = (&mut self.tally, &mut self.node_order);
         let (problem, orders) = (self.prepared.problem, &self.prepared.orders);
         let supervisor = self.plane.supervisor;
         let go_on = &|| supervisor.goes_on();
+        let scratch = (&mut self.tally, &mut self.node_order);
+        let features = leading_features(problem, orders, &self.view, features, scratch, go_on);
+        let scratch = (&mut self.tally, &mut self.node_order);
         let found = best_cut(problem, orders, &self.view, &features, (Aim::Gain, present), scratch, go_on);
         let helped = found.is_some();
         if let Some((rule, _)) = found {

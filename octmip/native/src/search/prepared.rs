@@ -4,6 +4,7 @@ pub(crate) mod dual_planes;
 pub(crate) mod orders;
 pub(crate) mod values;
 
+use std::ops::Deref;
 use std::sync::OnceLock;
 
 use crate::problem::Problem;
@@ -14,10 +15,17 @@ use crate::search::prepared::values::{Terms, Values};
 use crate::search::tree::rule::{AxisCut, Rule};
 
 /// A problem prepared for searching.
-#[derive(Debug)]
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct Prepared<'a> {
     /// The problem.
     pub(crate) problem: &'a Problem,
+    /// What is made of it.
+    pub(crate) made: &'a Made,
+}
+
+/// What is made of a problem, apart from it, so that whoever keeps the problem can keep this, too.
+#[derive(Debug)]
+pub(crate) struct Made {
     /// Its gains.
     pub(crate) prices: Prices,
     /// Its samples in every feature's order.
@@ -35,15 +43,22 @@ pub(crate) struct Prepared<'a> {
     dual_planes: OnceLock<Option<DualPlanes>>,
 }
 
-impl<'a> Prepared<'a> {
+impl Deref for Prepared<'_> {
+    type Target = Made;
+
+    fn deref(&self) -> &Made {
+        self.made
+    }
+}
+
+impl Made {
     /// Prepare a problem.
-    pub(crate) fn new(problem: &'a Problem) -> Self {
+    pub(crate) fn new(problem: &Problem) -> Self {
         let values = Values::new(problem);
         let (means, deviations) = moments(&values, problem.n, problem.p);
         let standardised = standardise(&values, &means, &deviations);
         let (prices, orders) = (Prices::new(problem), Orders::new(problem));
         Self {
-            problem,
             prices,
             orders,
             values,
@@ -54,7 +69,9 @@ impl<'a> Prepared<'a> {
             dual_planes: OnceLock::new(),
         }
     }
+}
 
+impl Prepared<'_> {
     /// Tables of the lines over pairs of features, where they are not too large.
     pub(crate) fn dual_planes(&self) -> Option<&DualPlanes> {
         self.dual_planes.get_or_init(|| DualPlanes::new(self.problem, &self.values)).as_ref()

@@ -2,6 +2,7 @@
 
 use crate::exact::samples::Samples;
 use crate::problem::Problem;
+use crate::search::elsewhere::{Ask, Wanted};
 use crate::search::greedy::BuildOptions;
 use crate::search::known::Turn;
 use crate::search::local_search::LocalSearch;
@@ -76,6 +77,8 @@ pub(crate) struct Restart<'a> {
     seed: u64,
     has_begun: bool,
     is_best: bool,
+    /// What the turn before this round's has left; None where it had not begun.
+    before: Option<Turn>,
 }
 
 impl<'a> Restart<'a> {
@@ -102,6 +105,7 @@ impl<'a> Restart<'a> {
             seed,
             has_begun: false,
             is_best: false,
+            before: None,
         }
     }
 
@@ -136,12 +140,34 @@ impl<'a> Restart<'a> {
         (self.objective, self.number)
     }
 
+    /// Keep what the turn before has left.
+    pub(crate) fn keep_turn_before(&mut self) {
+        self.before = self.has_begun.then(|| self.turn());
+    }
+
+    /// Once a restart before it cannot be beaten, it is as if it had had no turn: it may have been stopped in this one
+    /// or not, and with a single thread it never begins.
+    pub(crate) fn take_back_if_beaten(&mut self) {
+        if !self.watch.is_beaten(self.place) {
+            return;
+        }
+        match self.before.take() {
+            Some(turn) => self.take_up(&turn),
+            None => {
+                let place = self.place;
+                *self = Self::new(self.prepared, self.samples, self.watch, self.seed, self.number);
+                self.place = place;
+            }
+        }
+    }
+
     /// Take a turn; nothing once the restarts before it are out of reach, or a limit is. Returns whether it was a whole
     /// one.
     pub(crate) fn run(&mut self, round: &Round) -> bool {
+        self.keep_turn_before();
         self.local_search.take_place(self.place);
-        if !self.local_search.goes_on() {
-            return false;
+        if self.is_best || !self.local_search.goes_on() {
+            return self.is_best;
         }
         self.local_search.blocks.work = round.work;
         self.local_search.deepest = round.deepest;
@@ -161,6 +187,21 @@ impl<'a> Restart<'a> {
         self.is_best = self.local_search.is_best(&self.state, self.objective);
         self.take_up(&self.turn());
         is_whole
+    }
+
+    /// Take a turn in another process; whether it came back, and whole. Otherwise the restart stays as it was.
+    pub(crate) fn run_elsewhere(&mut self, round: usize, ask: &Ask) -> bool {
+        self.keep_turn_before();
+        self.local_search.take_place(self.place);
+        if self.is_best || !self.local_search.goes_on() {
+            return self.is_best;
+        }
+        let before = self.before.as_ref();
+        let wanted = Wanted { round, number: self.number, before, limits: self.watch.left() };
+        let Some(taken) = ask(wanted, &|| self.watch.waits(self.place)) else { return false };
+        self.watch.found(i64::MAX, taken.n_visits);
+        self.take_up(&taken.turn);
+        taken.is_whole
     }
 
     /// Settle with blocks of so many levels and so much work, one after the other.

@@ -10,6 +10,9 @@ use crate::supervise::Supervision;
 /// The bound that needs no search: no cost is negative.
 pub(crate) const TRIVIAL_BOUND: i64 = 0;
 
+/// Seconds beyond the time limit in which answers of other processes are waited for.
+const LATE: f64 = 2.0;
+
 /// The shared state of a running search.
 #[derive(Debug)]
 pub(crate) struct Watch {
@@ -61,6 +64,28 @@ impl Watch {
             && self.supervision.reason().is_none()
             && place < self.first_optimal.load(Ordering::Relaxed)
             && self.supervision.spent(self.n_visits(), 0.0).is_none()
+    }
+
+    /// Whether a turn that another process takes for the restart at this place is still waited for. The time limit ends
+    /// it there, and its answer takes a moment longer.
+    pub(crate) fn waits(&self, place: usize) -> bool {
+        let supervision = &self.supervision;
+        supervision.seconds() < supervision.limits().seconds + LATE
+            && supervision.reason().is_none_or(|reason| reason == Stop::Time)
+            && place < self.first_optimal.load(Ordering::Relaxed)
+            && supervision.spent(self.n_visits(), 0.0).is_none()
+    }
+
+    /// What is left of the limits.
+    pub(crate) fn left(&self) -> Limits {
+        let limits = self.supervision.limits();
+        let (seconds, nodes) = (limits.seconds - self.supervision.seconds(), limits.nodes - self.n_visits() as f64);
+        Limits { seconds, nodes, ..*limits }
+    }
+
+    /// Whether a restart at this place of its round may have been stopped by one that cannot be beaten.
+    pub(crate) fn is_beaten(&self, place: usize) -> bool {
+        self.first_optimal.load(Ordering::Relaxed) < place
     }
 
     /// A tree of this objective is known, and so many nodes were visited since the last report.

@@ -1,6 +1,6 @@
 //! The cuts of a root solved by other processes: what goes out, what comes back, and the solver at the other end.
 //!
-//! The search at this end is the one that threads do: rounds of as many cuts, chosen before a round and entered in
+//! The search at this end is the one that threads do: as many cuts in work at once, chosen and entered in the same
 //! order after it. So tree, bound and evaluated cuts are the same wherever the cuts are solved, and a cut that is lost
 //! with its process is asked for again.
 
@@ -34,7 +34,7 @@ pub(crate) type Ask<'a> = dyn Fn(usize, &Cut, &Control) -> Option<SolvedCut> + S
 pub(crate) struct Elsewhere<'a> {
     /// Asks one of them, and waits.
     pub(crate) ask: &'a Ask<'a>,
-    /// Cuts of a round; 0: as many as on one machine.
+    /// Cuts in work at once; 0: as many as on one machine.
     pub(crate) round: usize,
 }
 

@@ -3,11 +3,12 @@
 //! The least bound over the open intervals and those in work bounds every tree not yet seen: it rises during the
 //! search.
 //!
-//! Work is handed out in rounds of a fixed number of cuts, chosen before the round and entered in order after it. So
-//! what is searched, and which tree is found, does not depend on the number of threads or on their speed.
+//! Results are entered in the order in which their cuts were chosen, and a cut is chosen when all but the last few
+//! before it are entered, always as many. So what is searched, and which tree is found, does not depend on the number
+//! of threads or on their speed, and nobody waits for a slow cut until as many more are done.
 
 use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use std::collections::{BinaryHeap, VecDeque};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
@@ -43,8 +44,9 @@ impl Open {
     }
 }
 
-/// Cuts of a round: enough to keep a few threads busy, few enough that an incumbent found in it costs little.
-const ROUND: usize = 8;
+/// Cuts that are chosen and not yet entered: enough to keep a few threads busy, few enough that little is searched for
+/// want of what they will show.
+const WINDOW: usize = 5;
 
 /// Features whose best cut of one level fewer is solved first: its trees are near the best, and found at once.
 const N_FIRST: usize = 3;
@@ -52,11 +54,13 @@ const N_FIRST: usize = 3;
 struct State {
     axes: Vec<Axis>,
     heap: BinaryHeap<Reverse<Open>>,
-    /// The cuts of this round, those not yet handed out, and what came back.
-    round: Vec<Task>,
+    /// The cuts that are chosen and not yet entered, in order, and how many were entered before them.
+    window: VecDeque<Task>,
+    n_entered: usize,
+    /// Cuts that were handed out.
     n_handed_out: usize,
-    results: Vec<Option<Children>>,
-    is_finished: bool,
+    /// Cuts that are chosen before any result is there.
+    n_first: usize,
     incumbents: Vec<FeatureIncumbent>,
     /// Places of the features and cuts that are entered.
     solved: Vec<(usize, usize)>,
@@ -74,20 +78,20 @@ pub(crate) struct Frontier<'a> {
     view: &'a View,
     depth: usize,
     features: Vec<usize>,
-    /// Cuts of a round.
-    round: usize,
+    /// Most cuts in the window.
+    size: usize,
     state: Mutex<State>,
     changed: Condvar,
 }
 
-/// A cut of a round.
-#[derive(Debug, Clone, Copy)]
+/// A cut of the window, and what came back.
 struct Task {
     place: usize,
     k: usize,
     interval: Interval,
     bound: i64,
     cut: Cut,
+    result: Option<Children>,
 }
 
 impl<'a> Frontier<'a> {
@@ -107,7 +111,7 @@ impl<'a> Frontier<'a> {
     ) -> Self {
         let mut features: Vec<usize> = (0..samples.p).collect();
         features.sort_by_key(|&f| incumbents.get(f).map_or(i64::MAX, |incumbent| incumbent.cost));
-        let (mut heap, mut axes, mut round) = (BinaryHeap::new(), Vec::new(), Vec::new());
+        let (mut heap, mut axes, mut window) = (BinaryHeap::new(), Vec::new(), VecDeque::new());
         let mut solved = Vec::new();
         for (place, &f) in features.iter().enumerate() {
             let mut axis = Axis::default();
@@ -123,26 +127,27 @@ impl<'a> Frontier<'a> {
                 let open = Open::new(bound, place, interval);
                 let best = incumbents.get(f).filter(|_| place < N_FIRST && known.is_none());
                 match best.and_then(|incumbent| axis.cut_at(incumbent.position)) {
-                    Some(k) => round.push(Task {
+                    Some(k) => window.push_back(Task {
                         place,
                         k,
                         interval,
                         bound,
                         cut: cut(&axis, f, &interval, k, upper - samples.penalty, &switches),
+                        result: None,
                     }),
                     None => heap.push(Reverse(open)),
                 }
             }
             axes.push(axis);
         }
-        let results = round.iter().map(|_| None).collect();
+        let n_first = window.len();
         let state = State {
             axes,
             heap,
-            round,
+            window,
+            n_entered: 0,
             n_handed_out: 0,
-            results,
-            is_finished: false,
+            n_first,
             incumbents: known
                 .map_or_else(|| vec![FeatureIncumbent::NOTHING; samples.p], |known| known.incumbents.clone()),
             solved,
@@ -151,18 +156,18 @@ impl<'a> Frontier<'a> {
             records: Vec::new(),
         };
         let changed = Condvar::new();
-        Self { samples, switches, control, view, depth, features, round: ROUND, state: Mutex::new(state), changed }
+        Self { samples, switches, control, view, depth, features, size: WINDOW, state: Mutex::new(state), changed }
     }
 
-    /// The same with so many cuts in a round, at least as many as by default: other cuts are searched, and one of the
-    /// best trees is found as ever.
-    pub(crate) fn by_rounds_of(self, round: usize) -> Self {
-        Self { round: round.max(ROUND), ..self }
+    /// The same with so many cuts in work at once, at least as many as by default: other cuts are searched, and one of
+    /// the best trees is found as ever.
+    pub(crate) fn by_windows_of(self, size: usize) -> Self {
+        Self { size: size.max(WINDOW), ..self }
     }
 
-    /// Cuts of a round.
-    pub(crate) fn round(&self) -> usize {
-        self.round
+    /// Most cuts in work at once.
+    pub(crate) fn size(&self) -> usize {
+        self.size
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {
@@ -173,7 +178,7 @@ impl<'a> Frontier<'a> {
     pub(crate) fn progress(&self) -> (i64, i64) {
         let state = self.lock();
         let open = state.heap.peek().map_or(i64::MAX, |Reverse(open)| open.bound);
-        let in_work = state.round.iter().map(|task| task.bound).min();
+        let in_work = state.window.iter().map(|task| task.bound).min();
         let bound = in_work.unwrap_or(i64::MAX).min(open);
         (state.cost, bound.min(state.cost))
     }
@@ -183,11 +188,11 @@ impl<'a> Frontier<'a> {
         self.lock().heap.capacity() * size_of::<Reverse<Open>>()
     }
 
-    /// The best tree below the budget, of the cuts of the round that are back included.
+    /// The best tree below the budget, of the cuts that are back and not yet entered included.
     pub(crate) fn best(&self) -> Option<(i64, Plan)> {
         let state = self.lock();
         let entered = state.plan.as_ref().map(|plan| (state.cost, plan));
-        let back = state.results.iter().flatten().filter_map(|children| children.tree.as_ref());
+        let back = state.window.iter().filter_map(|task| task.result.as_ref()?.tree.as_ref());
         let below = back.map(|(cost, plan)| (*cost, plan)).filter(|(cost, _)| *cost < state.cost);
         let best = entered.into_iter().chain(below).min_by_key(|(cost, _)| *cost);
         best.map(|(cost, plan)| (cost, plan.clone()))
@@ -198,7 +203,7 @@ impl<'a> Frontier<'a> {
         self.lock().incumbents.clone()
     }
 
-    /// The solved cuts, those of the round that are back included.
+    /// The solved cuts, those that are back and not yet entered included.
     pub(crate) fn solved(&self) -> Vec<Solved> {
         let state = self.lock();
         let entered = state.solved.iter().map(|&(place, k)| {
@@ -206,8 +211,8 @@ impl<'a> Frontier<'a> {
             let bounds = [axis.left[k], axis.right[k]];
             Solved { feature: self.features[place], position: axis.positions[k] as usize, bounds }
         });
-        let back = state.round.iter().zip(&state.results).filter_map(|(task, children)| {
-            let bounds = children.as_ref()?.bounds;
+        let back = state.window.iter().filter_map(|task| {
+            let bounds = task.result.as_ref()?.bounds;
             Some(Solved { feature: task.cut.feature, position: task.cut.position, bounds })
         });
         entered.chain(back).collect()
@@ -226,31 +231,31 @@ impl<'a> Frontier<'a> {
 
     /// The same with somebody else to solve the cuts; who returns None has stopped.
     pub(crate) fn work_by(&self, mut solve: impl FnMut(&Cut) -> Option<Children>) {
-        while let Some((index, task)) = self.next() {
-            let children = solve(&task.cut);
-            if children.is_none() || self.control.is_stopped() {
-                break; // what was found may be no proof: the round is never entered, its bounds stand
+        while let Some((number, cut)) = self.next() {
+            let Some(children) = solve(&cut) else { break };
+            if self.control.is_stopped() {
+                break; // what was found may be no proof: it is never entered, the cut's bounds stand
             }
-            self.lock().results[index] = children;
-            self.changed.notify_all();
+            self.take(number, children);
         }
         self.changed.notify_all();
     }
 
-    /// The next cut of the round, or of the next round once all of this one are back; None at the end.
-    fn next(&self) -> Option<(usize, Task)> {
+    /// The number and place of the next cut, once there is one; None at the end.
+    fn next(&self) -> Option<(usize, Cut)> {
         let mut state = self.lock();
         loop {
-            if self.control.is_stopped() || state.is_finished {
+            if state.n_first == 0 {
+                self.fill(&mut state);
+            }
+            if self.control.is_stopped() || state.window.is_empty() {
                 return None;
             }
-            if let Some(&task) = state.round.get(state.n_handed_out) {
+            let number = state.n_handed_out;
+            if let Some(task) = state.window.get(number - state.n_entered) {
+                let cut = task.cut;
                 state.n_handed_out += 1;
-                return Some((state.n_handed_out - 1, task));
-            }
-            if state.results.iter().all(Option::is_some) {
-                self.turn(&mut state);
-                continue;
+                return Some((number, cut));
             }
             // Woken by results; looks up now and then, as nobody wakes it when the search is stopped.
             let waited = self.changed.wait_timeout(state, Duration::from_millis(20));
@@ -258,20 +263,30 @@ impl<'a> Frontier<'a> {
         }
     }
 
-    /// Enter a round's results and choose the next.
-    fn turn(&self, state: &mut State) {
-        let (round, results) = (std::mem::take(&mut state.round), std::mem::take(&mut state.results));
-        for (task, children) in round.iter().zip(results.into_iter().flatten()) {
-            self.enter(state, task, children);
+    /// Take a result, and enter those that are next in order. After each of them the window is filled again, so that
+    /// what is known when a cut is chosen depends on its number alone. The first cuts, whose trees are near the best,
+    /// are all entered before others are chosen.
+    fn take(&self, number: usize, children: Children) {
+        let mut state = self.lock();
+        let index = number - state.n_entered;
+        state.window[index].result = Some(children);
+        while let Some(Task { result: Some(_), .. }) = state.window.front() {
+            let Some(task) = state.window.pop_front() else { break };
+            state.n_entered += 1;
+            self.enter(&mut state, task);
+            if state.n_entered >= state.n_first {
+                self.fill(&mut state);
+            }
         }
-        while state.round.len() < self.round
+        self.changed.notify_all();
+    }
+
+    fn fill(&self, state: &mut State) {
+        while state.window.len() < self.size
             && let Some(task) = self.pop(state)
         {
-            state.round.push(task);
+            state.window.push_back(task);
         }
-        state.results.resize_with(state.round.len(), || None);
-        state.n_handed_out = 0;
-        state.is_finished = state.round.is_empty();
     }
 
     fn pop(&self, state: &mut State) -> Option<Task> {
@@ -290,12 +305,14 @@ impl<'a> Frontier<'a> {
                 interval,
                 bound: open.bound,
                 cut: cut(axis, self.features[open.place], &interval, k, target, &self.switches),
+                result: None,
             });
         }
         None
     }
 
-    fn enter(&self, state: &mut State, task: &Task, children: Children) {
+    fn enter(&self, state: &mut State, task: Task) {
+        let Some(children) = task.result else { return };
         state.solved.push((task.place, task.k));
         if !children.record.is_empty() {
             state.records.push(children.record);

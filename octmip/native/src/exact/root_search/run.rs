@@ -179,7 +179,7 @@ impl Run<'_, '_> {
         let known = self.known.take();
         let frontier =
             Frontier::new(samples, switches, &self.control, view, depth, incumbents, whole, upper, known.as_ref())
-                .by_rounds_of(self.elsewhere.map_or(0, |elsewhere| elsewhere.round));
+                .by_windows_of(self.elsewhere.map_or(0, |elsewhere| elsewhere.round));
         let (tables, before, control) = (self.tables, self.tree(), &self.control);
         let state_now = || {
             let (_, bound) = frontier.progress();
@@ -208,7 +208,7 @@ impl Run<'_, '_> {
                 frontier.work(&mut search);
             }
         };
-        let n_threads = if elsewhere.is_some() { frontier.round() } else { self.options.n_threads.max(1) };
+        let n_threads = if elsewhere.is_some() { frontier.size() } else { self.options.n_threads.max(1) };
         let mut due = std::mem::take(&mut self.due);
         let shown = |(cost, bound): (i64, i64)| self.deeper(bound, depth, last).max(self.bound).min(cost);
         self.supervision.run_all(n_threads, work, || {

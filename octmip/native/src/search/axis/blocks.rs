@@ -17,8 +17,8 @@ pub(crate) struct Blocks<'a> {
     control: &'a Control,
     /// Samples x features that one block of three levels and more may look at before it is given up.
     pub(crate) work: f64,
-    /// Costs below which no tree lies, by levels, samples and features.
-    proven: HashMap<Key, i64>,
+    /// Costs below which no tree lies, by levels, samples and features, and a tree of that cost where one was found.
+    proven: HashMap<Key, (i64, Option<Tree>)>,
     /// The most work that was spent on a block without success, with the cost that it was to beat.
     given_up: HashMap<Key, (f64, i64)>,
     /// The samples as read through the last mask.
@@ -88,17 +88,21 @@ impl<'a> Blocks<'a> {
 
     /// Whether a block has shown that no tree of the problem costs less.
     pub(crate) fn has_proven(&self, state: &State, cost: i64) -> bool {
-        let key = (self.prepared.problem.depth, fingerprint(&state.samples(0)), None);
-        self.proven.get(&key).is_some_and(|&bound| bound >= cost)
+        let key = (self.prepared.problem.depth, fingerprint(state.samples(0).iter()), None);
+        self.proven.get(&key).is_some_and(|&(bound, _)| bound >= cost)
     }
 
     /// The best tree below `upper`; none where an earlier call has shown that there is none, or work ran out.
     fn best(&mut self, samples: &[u32], levels: usize, upper: i64, mask: Mask) -> Option<Tree> {
-        let key = (levels, fingerprint(samples), mask.map(<[bool]>::to_vec));
+        let key = (levels, fingerprint(samples.iter()), mask.map(<[bool]>::to_vec));
         let work = if levels < 3 { f64::INFINITY } else { self.work };
-        let is_known = self.proven.get(&key).is_some_and(|&bound| bound >= upper);
+        match self.proven.get(&key) {
+            Some(&(bound, _)) if bound >= upper => return None,
+            Some((_, Some(tree))) => return Some(tree.clone()),
+            _ => (),
+        }
         let is_vain = self.given_up.get(&key).is_some_and(|&(spent, at)| work <= spent && upper >= at);
-        if is_known || is_vain || work == 0.0 {
+        if is_vain || work == 0.0 {
             return None;
         }
         let columns = if self.samples.is_single { 1.0 } else { MANY_COLUMNS };
@@ -110,13 +114,13 @@ impl<'a> Blocks<'a> {
             Some(mask) => self.masked(mask),
         };
         let found = best_subtree(encoded, control, samples, levels, upper, most);
-        let cost = found.tree.as_ref().map_or(upper, |found| found.0);
+        let (cost, tree) = found.tree.map_or((upper, None), |(cost, tree)| (cost, Some(tree)));
         if found.is_proof {
-            self.proven.insert(key, cost);
+            self.proven.insert(key, (cost, tree.clone()));
         } else {
             self.given_up.insert(key, (work, cost));
         }
-        found.tree.map(|(_, tree)| tree)
+        tree
     }
 
     fn masked(&mut self, mask: &[bool]) -> &Samples {
@@ -132,11 +136,11 @@ impl<'a> Blocks<'a> {
 
 /// A number that distinguishes sets of samples, whatever their order. Two sets that share it would cost a move, no
 /// more.
-fn fingerprint(samples: &[u32]) -> u64 {
+pub(crate) fn fingerprint<'s>(samples: impl Iterator<Item = &'s u32>) -> u64 {
     let mixed = |&i: &u32| {
         let z = (u64::from(i) + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
         let z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
         (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB)
     };
-    samples.iter().map(mixed).fold(samples.len() as u64, u64::wrapping_add)
+    samples.map(mixed).fold(0, |sum, mixed| sum.wrapping_add(mixed).wrapping_add(1))
 }

@@ -15,6 +15,41 @@ pub(crate) enum Aim {
     Purity,
 }
 
+/// Samples of a node from which on the features are compared by a part of them, about so many, before the leading ones
+/// are scanned with all.
+const MANY_SAMPLES: usize = 25_000;
+const PART: usize = 8_000;
+const LEADING: usize = 3;
+
+/// The features that are worth a scan of all samples, ascending: all of them where the samples are few.
+///
+/// At 10^5 samples of 20 features scans took half of a restart, and most features lose by far on a part already.
+pub(crate) fn leading_features(
+    problem: &Problem,
+    orders: &Orders,
+    view: &NodeView,
+    features: Vec<u32>,
+    (tally, node_order): (&mut Tally, &mut NodeOrder),
+    go_on: &dyn Fn() -> bool,
+) -> Vec<u32> {
+    if view.samples.len() < MANY_SAMPLES || features.len() <= LEADING {
+        return features;
+    }
+    let part = view.every(view.samples.len() / PART);
+    let floor = Worth { gain: i64::MIN / 2, purity: 0.0 };
+    let mut found = Vec::with_capacity(features.len());
+    for &f in &features {
+        let scratch = (&mut *tally, &mut *node_order);
+        if let Some((_, worth)) = best_cut(problem, orders, &part, &[f], (Aim::Gain, floor), scratch, go_on) {
+            found.push((worth, f));
+        }
+    }
+    found.sort_by(|(a, _), (b, _)| b.gain.cmp(&a.gain).then(b.purity.total_cmp(&a.purity)));
+    let mut leading: Vec<u32> = found.into_iter().take(LEADING).map(|(_, f)| f).collect();
+    leading.sort_unstable();
+    if leading.is_empty() { features } else { leading }
+}
+
 /// Scan every cut of the features given, as far as the caller lets it go on; return the best rule that beats `floor`.
 ///
 /// One pass per feature: all samples start on the right and cross to the left in the feature's order; a cut is judged

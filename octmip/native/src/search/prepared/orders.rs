@@ -47,9 +47,17 @@ pub(crate) struct NodeOrder {
 
 const ABSENT: u32 = u32::MAX;
 
+/// Whether so many samples of `n` are sorted by themselves.
+fn sorts_its_own(n: usize, samples: &[u32]) -> bool {
+    samples.len() * 8 <= n
+}
+
 impl NodeOrder {
     /// Take up the samples of a node.
     pub(crate) fn enter(&mut self, n: usize, samples: &[u32]) {
+        if sorts_its_own(n, samples) {
+            return;
+        }
         self.position.clear();
         self.position.resize(n, ABSENT);
         for (j, &i) in samples.iter().enumerate() {
@@ -60,7 +68,7 @@ impl NodeOrder {
     /// Order the samples by feature `f`.
     pub(crate) fn sort(&mut self, problem: &Problem, orders: &Orders, samples: &[u32], f: u32) {
         self.order.clear();
-        if samples.len() * 8 > problem.n {
+        if !sorts_its_own(problem.n, samples) {
             let positions = orders.of(f).iter().map(|&i| self.position[i as usize]);
             self.order.extend(positions.filter(|&j| j != ABSENT));
             return;

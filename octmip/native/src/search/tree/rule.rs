@@ -1,5 +1,7 @@
 //! The rule of a split: a cut of one feature, or a hyperplane.
 
+use std::hash::{Hash, Hasher};
+
 use crate::problem::Problem;
 
 /// The rule of a node, which sends its samples left or right.
@@ -21,6 +23,19 @@ pub(crate) enum Rule {
         /// Largest projection that goes left.
         offset: f64,
     },
+}
+
+impl Hash for Rule {
+    fn hash<H: Hasher>(&self, hasher: &mut H) {
+        match self {
+            Self::Leaf => 0_u8.hash(hasher),
+            Self::Axis { feature, cut } => (1_u8, feature, cut).hash(hasher),
+            Self::Plane { terms, offset } => {
+                (2_u8, offset.to_bits()).hash(hasher);
+                terms.iter().for_each(|(feature, weight)| (feature, weight.to_bits()).hash(hasher));
+            }
+        }
+    }
 }
 
 impl Rule {

@@ -66,6 +66,18 @@ impl NodeView {
         self.members.extend(self.samples.iter().map(member));
     }
 
+    /// The same node seen by every `step`-th of its samples.
+    pub(crate) fn every(&self, step: usize) -> Self {
+        Self {
+            v: self.v,
+            samples: self.samples.iter().step_by(step).copied().collect(),
+            members: self.members.iter().step_by(step).copied().collect(),
+            is_left: self.is_left.iter().step_by(step).copied().collect(),
+            leaves: self.leaves.clone(),
+            ..*self
+        }
+    }
+
     /// Number of slots.
     pub(crate) fn n_slots(&self) -> usize {
         self.leaves.len()
