@@ -3,7 +3,7 @@
 use crate::exact::samples::Samples;
 use crate::exact::stumps::aligned::Aligned;
 use crate::exact::stumps::place::Place;
-use crate::exact::stumps::sweep::{Difference, Group, Lane, STRIDE};
+use crate::exact::stumps::sweep::{Difference, Distinct, Group, Lane, STRIDE};
 use crate::exact::stumps::table::{Shape, Table};
 use crate::exact::view::View;
 
@@ -46,6 +46,8 @@ pub(crate) struct Histogram<T: Lane, const N: usize, const S: usize> {
     /// The same over `STRIDE` buckets.
     pub(crate) tops: Vec<[T; N]>,
     runs: Vec<[T; N]>,
+    /// Whether the bounds of the last pass were lowered.
+    pub(crate) is_tight: bool,
     /// Samples left of the cut; None: not yet put back for this feature.
     k: Option<usize>,
     group: usize,
@@ -61,6 +63,7 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
             caps: Vec::new(),
             tops: Vec::new(),
             runs: Vec::new(),
+            is_tight: false,
             k: None,
             group,
         }
@@ -162,7 +165,30 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
             reach: [T::default(); N],
         };
         arch.dispatch(&mut group);
+        self.is_tight = false;
         (group.best, group.reach)
+    }
+
+    /// Lower the bounds of what lies inside the buckets, where they are above the gains of both sides that are `known`:
+    /// the largest that is left on each side.
+    pub(crate) fn tighten(&mut self, arch: pulp::Arch, totals: &[[T; N]], known: [i64; 2]) -> [i64; 2] {
+        let histogram: &[T] = pulp::bytemuck::cast_slice(self.pairs.get());
+        let mut left = known.map(|gain| T::narrow(gain));
+        arch.dispatch(&mut Distinct {
+            histogram: &histogram.as_chunks::<N>().0[..self.open.len() * totals.len()],
+            totals,
+            runs: &self.runs,
+            known: std::array::from_fn(|lane| left[lane % 2]),
+            caps: &mut self.caps,
+            tops: &mut self.tops,
+        });
+        self.is_tight = true;
+        for top in &self.tops {
+            for lane in 0..N {
+                left[lane % 2] = left[lane % 2].max(top[lane]);
+            }
+        }
+        left.map(Lane::widen)
     }
 
     /// The vector pass over differences: by lane, the best gain, which no stump surpasses.
