@@ -52,7 +52,7 @@ impl View {
     /// Use the samples in the order of feature `f` once: no list is kept for it.
     pub(crate) fn with_list<R>(&self, f: usize, used: impl FnOnce(&[u32]) -> R) -> R {
         match &self.on_demand {
-            Some(lists) => used(&lists.holding(f).held()),
+            Some(lists) => used(lists.holding(f).held()),
             None => used(self.list(f)),
         }
     }
