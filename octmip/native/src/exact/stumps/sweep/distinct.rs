@@ -7,9 +7,9 @@ use super::lanes::{Lane, Row, add, max, min, sub};
 
 /// Lowers the bounds of the buckets of one group of features, where samples gain in one label each.
 ///
-/// A stump that predicts one label on both sides is a leaf, and counted as such. One inside a bucket that predicts l left
-/// and r right, l and r different, gains at most `gain of l left of the bucket's end + gain of r right of its start`,
-/// as gains grow with the set. Where one label prevails on both sides of a bucket, that is far below what is gained at
+/// A stump that predicts one label on both sides is a leaf, and counted as such. One inside a bucket that predicts l
+/// left and r right, l and r different, gains at most `gain of l left of the bucket's end + gain of r right of its
+/// start`, as gains grow with the set. Where one label prevails on both sides of a bucket, that is far below what is gained at
 /// its edges, and the bucket is not walked.
 pub(crate) struct Distinct<'a, T, const N: usize> {
     /// Histogram (`n_buckets * labels`).
