@@ -9,8 +9,8 @@ use super::lanes::{Lane, Row, add, max, min, sub};
 ///
 /// A stump that predicts one label on both sides is a leaf, and counted as such. One inside a bucket that predicts l
 /// left and r right, l and r different, gains at most `gain of l left of the bucket's end + gain of r right of its
-/// start`, as gains grow with the set. Where one label prevails on both sides of a bucket, that is far below what is gained at
-/// its edges, and the bucket is not walked.
+/// start`, as gains grow with the set. Where one label prevails on both sides of a bucket, that is far below what is
+/// gained at its edges, and the bucket is not walked.
 pub(crate) struct Distinct<'a, T, const N: usize> {
     /// Histogram (`n_buckets * labels`).
     pub(crate) histogram: &'a [Row<T, N>],
