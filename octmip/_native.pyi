@@ -163,7 +163,7 @@ class RankTable:
         """Return the ranks of some samples."""
         ...
 
-def dense_ranks(features: NDArray[np.float64]) -> tuple[RankTable, list[int]]:
+def dense_ranks(features: NDArray[np.float64] | NDArray[np.float32]) -> tuple[RankTable, list[int]]:
     """Return ranks (n_features, n_samples) of features (n_samples, n_features), and each feature's distinct values."""
 
 def reached_nodes(

@@ -17,8 +17,10 @@ from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
 from octmip.problem_values import (
+    KEPT,
     distinct_labels,
     features_of,
+    in_blocks,
     labels_of,
     names_of_columns,
     number_of,
@@ -41,7 +43,8 @@ class Problem:
     ----------
     features
         (n_samples, n_features) float64, NaN where a reading is missing, never infinite; a data frame gives
-        its names too. A copy, but of a float64 array with memory of its own that nobody can write to.
+        its names too. A copy, but of an array with memory of its own that nobody can write to: such a float64
+        array is kept as it is, with split "axis" also a float32 one, which stands for its values as float64.
     labels
         (n_samples,) class of each sample, as values of `class_names`; an array or a series.
     depth
@@ -122,7 +125,8 @@ class Problem:
 
     def _set_samples(self) -> None:
         given = self.feature_names if self.feature_names is not None else names_of_columns(self.features)
-        features = features_of(self.features, gaps=True)
+        kept = KEPT if self.split == "axis" else KEPT[:1]
+        features = features_of(self.features, gaps=True, kept=kept)
         if min(features.shape) == 0:
             raise ProblemError(f"features has shape {features.shape}; expected at least one sample and one feature")
         self._set("features", features)
@@ -265,12 +269,15 @@ class Problem:
     @property
     def n_missing(self) -> int:
         """Number of readings that are missing."""
-        return int(np.isnan(self.features).sum())
+        return sum(int(np.isnan(block).sum()) for block in in_blocks(self.features))
 
     @property
     def features_with_gaps(self) -> tuple[int, ...]:
         """The features of which some reading is missing, ascending."""
-        return tuple(np.flatnonzero(np.isnan(self.features).any(axis=0)).tolist())
+        with_gaps = np.zeros(self.n_features, dtype=np.bool_)
+        for block in in_blocks(self.features):
+            with_gaps |= np.isnan(block).any(axis=0)
+        return tuple(np.flatnonzero(with_gaps).tolist())
 
     @property
     def n_classes(self) -> int:
@@ -378,6 +385,7 @@ class Problem:
         sha = hashlib.sha256()
         for array in (self.features, self.codes, self.weights):
             sha.update(str(array.shape).encode())
-            sha.update(np.ascontiguousarray(array).tobytes())
+            for block in in_blocks(array):  # float32 readings as the float64 that they stand for
+                sha.update(block.astype(np.float64 if block.dtype.kind == "f" else block.dtype).tobytes())
         sha.update(repr([str(name) for name in self.class_names]).encode())
         return sha.hexdigest()

@@ -1,6 +1,6 @@
 """The values that a problem is given, each checked and returned as the type that `Problem` keeps."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, TypeGuard
 
 import numpy as np
@@ -17,10 +17,24 @@ def names_of_columns(features: object) -> tuple[str, ...] | None:
     return tuple(str(name) for name in columns)
 
 
-def features_of(values: ArrayLike, *, gaps: bool = False) -> NDArray[np.float64]:
+BLOCK = 1 << 20
+"""Numbers of a block."""
+
+KEPT = (np.float64, np.float32)
+"""Types of a table of readings that nobody can write to which a problem of axis-aligned trees keeps as it is.
+
+A float32 table stands for its values as float64, of which every one is exact: whoever adds readings, or takes a
+midpoint, makes float64 of a column first (`octmip.tree` compares without).
+"""
+
+
+def features_of(
+    values: ArrayLike, *, gaps: bool = False, kept: tuple[type[np.floating[Any]], ...] = KEPT[:1]
+) -> NDArray[np.float64]:
     """Return the features (n_samples, n_features) of an array or a data frame as float64.
 
-    With `gaps` a reading may be missing (NaN, of a data frame also NA or None), and is NaN of one bit pattern.
+    With `gaps` a reading may be missing (NaN, of a data frame also NA or None), and is NaN of one bit pattern. An array
+    that nobody can write to stays as it is where it is of a type of `kept`.
 
     Raises
     ------
@@ -29,7 +43,7 @@ def features_of(values: ArrayLike, *, gaps: bool = False) -> NDArray[np.float64]
     """
     names = names_of_columns(values)
     if names is None:
-        return numbers_of(values, "features", 2, gaps=gaps)
+        return numbers_of(values, "features", 2, gaps=gaps, kept=kept)
     columns = [_numbers_of_column(values, j) for j in range(len(names))]
     wrong = [name for name, column in zip(names, columns, strict=True) if not _are_usable(column, gaps)]
     if wrong:
@@ -115,11 +129,18 @@ def distinct_labels(labels: NDArray[Any]) -> tuple[list[Any], NDArray[np.int64]]
     return present, np.array([position[value] for value in values], dtype=np.int64)
 
 
-def numbers_of(values: ArrayLike, name: str, n_dimensions: int, *, gaps: bool = False) -> NDArray[np.float64]:
+def numbers_of(
+    values: ArrayLike,
+    name: str,
+    n_dimensions: int,
+    *,
+    gaps: bool = False,
+    kept: tuple[type[np.floating[Any]], ...] = KEPT[:1],
+) -> NDArray[np.float64]:
     """Return finite numbers as float64; with `gaps` some may be missing, NaN of one bit pattern.
 
-    A copy, but of an array that is float64 already and that nobody can write to (`array.flags.writeable` False, its
-    memory its own): a table of 10^6 rows is then held once.
+    A copy, but of an array of a type of `kept` that nobody can write to (`array.flags.writeable` False, its memory its
+    own): a table of 10^6 rows is then held once.
 
     Raises
     ------
@@ -127,14 +148,14 @@ def numbers_of(values: ArrayLike, name: str, n_dimensions: int, *, gaps: bool = 
         some value is no finite number (nor, with `gaps`, missing), or the number of dimensions is another.
     """
     try:
-        array = values if _is_settled(values) else np.array(values, dtype=np.float64)
+        array = values if _is_settled(values, kept) else np.array(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise ProblemError(f"{name} cannot be read as numbers ({error}); encode text as numbers first") from error
     if array.ndim != n_dimensions:
         raise ProblemError(f"{name} has {array.ndim} dimensions; expected {n_dimensions}")
-    is_wrong = ~np.isfinite(array)
-    if not is_wrong.any():
+    if all(np.isfinite(block).all() for block in in_blocks(array)):
         return array
+    is_wrong = ~np.isfinite(array)
     is_missing = np.isnan(array)
     is_wrong = is_wrong & ~is_missing if gaps else is_wrong
     if is_wrong.any():
@@ -148,16 +169,23 @@ def numbers_of(values: ArrayLike, name: str, n_dimensions: int, *, gaps: bool = 
             f"{name}[{place}] is {what[0]} ({int(is_wrong.sum())} in all); expected {what[1]}; drop or fill them"
         )
     if not array.flags.writeable:
-        if (array[is_missing].view(np.int64) == np.float64(np.nan).view(np.int64)).all():
+        missing = array[is_missing]
+        if missing.tobytes() == np.full_like(missing, np.nan).tobytes():
             return array
         array = array.copy()
     array[is_missing] = np.nan
     return array
 
 
-def _is_settled(values: object) -> TypeGuard[NDArray[np.float64]]:
-    """Return whether values are float64 in memory of their own that nobody can write to."""
-    if type(values) is not np.ndarray or values.dtype != np.float64:
+def in_blocks(array: NDArray[Any]) -> Iterator[NDArray[Any]]:
+    """Yield an array in blocks of rows: what is made of a table need not be as large as the table."""
+    rows = max(1, BLOCK // max(1, array[:1].size))
+    return (array[start : start + rows] for start in range(0, len(array), rows))
+
+
+def _is_settled(values: object, kept: tuple[type[np.floating[Any]], ...]) -> TypeGuard[NDArray[np.float64]]:
+    """Return whether values are of a type of `kept`, in memory of their own that nobody can write to."""
+    if type(values) is not np.ndarray or values.dtype not in kept:
         return False
     return not values.flags.writeable and values.flags.owndata
 

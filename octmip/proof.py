@@ -130,7 +130,7 @@ def checker_question(problem: Problem) -> _native.Question:
     groups = problem.allowed_splits
     is_hyperplane = problem.split == "hyperplane"
     return _native.Question(
-        np.ascontiguousarray(problem.features),
+        np.ascontiguousarray(problem.features, dtype=np.float64),
         problem.codes.astype(np.uint32),
         np.ascontiguousarray(problem.weights),
         np.ascontiguousarray(problem.costs),

@@ -296,18 +296,18 @@ def features_used(tree: Node) -> tuple[int, ...]:
 
 def without_empty_sides(tree: Node, features: NDArray[np.float64]) -> Node:
     """Return the tree without splits that send all the rows of `features` (n_samples, n_features) to one side."""
-    if isinstance(tree, Leaf):
-        return tree
-    left = goes_left(tree, features)
-    if left.all():
-        return without_empty_sides(tree.left, features)
-    if not left.any():
-        return without_empty_sides(tree.right, features)
-    return replace(
-        tree,
-        left=without_empty_sides(tree.left, features[left]),
-        right=without_empty_sides(tree.right, features[~left]),
-    )
+
+    def taken(node: Node, rows: NDArray[np.int64]) -> Node:  # row numbers: rows themselves would be the table again
+        if isinstance(node, Leaf):
+            return node
+        left = goes_left(node, features, rows)
+        if left.all():
+            return taken(node.left, rows)
+        if not left.any():
+            return taken(node.right, rows)
+        return replace(node, left=taken(node.left, rows[left]), right=taken(node.right, rows[~left]))
+
+    return taken(tree, np.arange(len(features)))
 
 
 def centred(tree: Node, features: NDArray[np.float64]) -> Node:
@@ -315,17 +315,21 @@ def centred(tree: Node, features: NDArray[np.float64]) -> Node:
 
     Every split must part the rows of `features` (n_samples, n_features); hyperplanes stay as they are.
     """
-    if isinstance(tree, Leaf):
-        return tree
-    goes = goes_left(tree, features)
-    left, right = centred(tree.left, features[goes]), centred(tree.right, features[~goes])
-    if isinstance(tree, HyperplaneSplit):
-        return replace(tree, left=left, right=right)
-    values = features[:, tree.feature]
-    below, above = (side[~np.isnan(side)] for side in (values[goes], values[~goes]))
-    if not len(below) or not len(above):  # what parts these rows is that some lack the reading
-        return Split(tree.feature, None, left, right, missing="left" if len(above) else "right")
-    return replace(tree, threshold=midpoint(float(below.max()), float(above.min())), left=left, right=right)
+
+    def moved(node: Node, rows: NDArray[np.int64]) -> Node:
+        if isinstance(node, Leaf):
+            return node
+        goes = goes_left(node, features, rows)
+        left, right = moved(node.left, rows[goes]), moved(node.right, rows[~goes])
+        if isinstance(node, HyperplaneSplit):
+            return replace(node, left=left, right=right)
+        values = features[rows, node.feature]
+        below, above = (side[~np.isnan(side)] for side in (values[goes], values[~goes]))
+        if not len(below) or not len(above):  # what parts these rows is that some lack the reading
+            return Split(node.feature, None, left, right, missing="left" if len(above) else "right")
+        return replace(node, threshold=midpoint(float(below.max()), float(above.min())), left=left, right=right)
+
+    return moved(tree, np.arange(len(features)))
 
 
 def with_sides_for_gaps(tree: Node, features: NDArray[np.float64], weights: NDArray[np.float64]) -> Node:

@@ -78,7 +78,7 @@ def _steps(problem: Problem, tree: Node, bands: Bands, feature: int) -> Floats:
     own = [s.threshold for s in splits(tree) if isinstance(s, Split) and s.feature == feature]
     # A split without a threshold asks whether the reading is missing, and none is here.
     thresholds = sorted({threshold for threshold in own if threshold is not None})
-    values = problem.features[:, feature]
+    values = problem.features[:, feature].astype(np.float64)
     least, most = -float(bands.below[feature]), float(bands.above[feature])
     return np.stack([np.full(len(values), least), *(first_beyond(values, t, least, most) for t in thresholds)])
 
@@ -108,7 +108,7 @@ def _floats(keys: NDArray[np.int64]) -> Floats:
 
 
 def _shifted(values: Floats, features: Sequence[int], errors: Sequence[float]) -> Floats:
-    out = values.copy()
+    out = values.astype(np.float64)
     for feature, error in zip(features, errors, strict=True):
         out[:, feature] += error
     return out
@@ -129,7 +129,7 @@ def _worst(
             for step, k in zip(steps, numbers, strict=True)
         ]
         rows = np.flatnonzero(np.all([np.isfinite(b) & (b < e) for b, e in zip(begins, ends, strict=True)], axis=0))
-        shifted = problem.features[rows]
+        shifted = problem.features[rows].astype(np.float64)
         for feature, begin in zip(features, begins, strict=True):
             shifted[:, feature] += begin[rows]
         paid = problem.weights[rows] * problem.costs[problem.codes[rows], predict(tree, shifted)]

@@ -102,7 +102,7 @@ class Ranks:
         missing: tuple[Side | None, ...] | None = None,
     ) -> "Ranks":
         """Return the dense ranks of columns (n_samples, n_columns) without gaps."""
-        table, n_values = _native.dense_ranks(np.ascontiguousarray(columns))
+        table, n_values = _native.dense_ranks(columns)
         return cls(table, DistinctValues(columns, table, tuple(n_values)), feature_of, missing)
 
     @property

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from octmip.formats.files import PathLike, write_bytes
 from octmip.problem import Problem
+from octmip.problem_values import in_blocks
 
 FORMAT, VERSION = "octmip-problem", 2
 
@@ -91,4 +92,5 @@ def _add(sha: "hashlib._Hash", name: str, values: NDArray[Any]) -> None:
     """Feed a field: its name and length as text, its numbers as 8 bytes each, the lowest first."""
     kind = "<f8" if values.dtype.kind == "f" else "<i8"
     sha.update(f"{name} {values.size}\n".encode())
-    sha.update(values.astype(kind).tobytes())
+    for block in in_blocks(values):
+        sha.update(block.astype(kind).tobytes())

@@ -177,3 +177,12 @@ def test_random_bands_reach_all_kinds() -> None:
     assert any(not given for given in bands)
     assert any(given and max(map(max, given.values())) > 1 for given in bands)  # type: ignore[type-var]
     assert n_splits(solve(five_values(), 0.1).solution.tree or Leaf(0)) == 1
+
+
+def test_readings_of_float32_drift_as_their_values_of_float64_do() -> None:
+    values = np.array([[1.0], [2.0]], dtype=np.float32)
+    values.flags.writeable = False
+    tree = Split(0, 1 + 1e-9, Leaf(0), Leaf(1))  # 1 + 2e-9 is 1 in float32, and would stay left
+    found = worst_case(Problem(values, [0, 1], depth=1), tree, 2e-9)
+    assert found.constant is not None
+    assert (found.worst, found.constant.cost) == (1, 1)

@@ -7,8 +7,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from octmip import HyperplaneSplit, Leaf, Problem, Split, predict
+from octmip import HyperplaneSplit, Leaf, Problem, Split, certify, predict, problem_values
 from octmip.errors import ProblemError
+from octmip.formats.problem_file import data_digest
+from octmip.methods.exact import branch_and_bound
+from octmip.tree import splits
 
 FEATURES = np.arange(12.0).reshape(4, 3)
 LABELS = ["b", "a", "b", "a"]
@@ -237,3 +240,45 @@ def test_a_table_that_nobody_can_write_to_is_not_copied():
     odd = np.array([[0.0, -np.nan], [1.0, 2.0]])
     odd.flags.writeable = False
     assert np.array_equal(Problem(odd, labels, depth=1).features.view(np.int64), table.view(np.int64))
+
+
+def single(features):
+    """Return the values as a float32 table that nobody can write to."""
+    table = np.array(features, dtype=np.float32)
+    table.flags.writeable = False
+    return table
+
+
+@pytest.mark.parametrize("missing", [False, True])
+def test_a_float32_table_is_kept_and_stands_for_its_values_as_float64(missing):
+    rng = np.random.default_rng(4)
+    values = rng.normal(size=(300, 3)).astype(np.float32)
+    values[:, 0] = np.repeat(np.float32(1) + np.arange(3, dtype=np.float32) * np.finfo(np.float32).eps, 100)
+    values[5, 1] = np.nan if missing else 0.0
+    labels = (values[:, 0] > 1) * 1 + (rng.random(300) < 0.1)
+    narrow = Problem(single(values), labels, depth=2)
+    wide = Problem(values.astype(np.float64), labels, depth=2)
+    assert (narrow.features.dtype, wide.features.dtype) == (np.float32, np.float64)
+    assert (narrow.digest(), data_digest(narrow)) == (wide.digest(), data_digest(wide))
+    found, known = branch_and_bound(narrow), branch_and_bound(wide)
+    assert (found.tree, found.objective, found.n_nodes) == (known.tree, known.objective, known.n_nodes)
+    assert certify(narrow, found) == certify(wide, known)
+    # between two neighbours of float32: float32 has no threshold there
+    assert any(split.threshold not in values for split in splits(found.tree))
+
+
+def test_only_axis_aligned_splits_and_tables_that_nobody_writes_to_keep_float32():
+    table = single(FEATURES)
+    assert Problem(table, LABELS, depth=2).features is table
+    assert Problem(table, LABELS, depth=2, split="hyperplane").features.dtype == np.float64
+    assert Problem(table.copy(), LABELS, depth=2).features.dtype == np.float64
+    assert Problem(FEATURES, LABELS, depth=2, weights=np.ones(4, dtype=np.float32)).weights.dtype == np.float64
+
+
+def test_a_table_is_read_in_blocks_of_rows(monkeypatch):
+    whole = problem().digest()
+    gaps = np.array([[0.0, np.nan], [1.0, 2.0], [np.nan, np.nan]])
+    monkeypatch.setattr(problem_values, "BLOCK", 2)
+    assert problem().digest() == whole
+    p = Problem(gaps, [0, 1, 1], depth=1)
+    assert (p.n_missing, p.features_with_gaps) == (3, (0, 1))

@@ -23,6 +23,7 @@ from octmip import Limits, Problem, predict
 from octmip.methods.exact import branch_and_bound
 from octmip.methods.search import local_search
 
+FLOAT32 = "proof, depth 2, float32 table"
 SIZES = ((1_000_000, 10), (1_000_000, 50))
 Floats = NDArray[np.float64]
 Classes = NDArray[np.int64]
@@ -42,7 +43,8 @@ def results(limit: float, threads: Sequence[int], sizes: Sequence[tuple[int, int
 def measured(n: int, p: int, way: str, limit: float) -> Line:
     """Return errors, outcome, seconds and memory of one way."""
     made = three_classes(n, p)
-    features, labels = made.features, made.labels
+    features, labels = made.features.astype(np.float32 if way == FLOAT32 else np.float64, copy=False), made.labels
+    del made
     features.flags.writeable = False
     table = _megabytes()
     before, start = cpu_seconds(), time.perf_counter()
@@ -104,6 +106,7 @@ def _boosted(depth: int) -> Callable[[Floats, Classes, float], Answer]:
 
 WAYS: dict[str, Callable[[Floats, Classes, float], Answer]] = {
     "proof, depth 2": _proof,
+    FLOAT32: _proof,
     "search, depth 4": _search(4),
     "scikit-learn, depth 4": _sklearn(4),
     "boosting's first trees, depth 4": _boosted(4),

@@ -135,7 +135,7 @@ class Columns:
         """Return the features of a table's rows, shape (n_rows, n_features), NaN where a number is missing.
 
         Columns are found by name, others are left alone. A text that training had not gets the answer "no" to each
-        question for its value; `unseen` names such texts.
+        question for its value; `unseen` names such texts. Where every column is float32, so are the features.
 
         A tree that has a side for missing readings at every split takes missing numbers in any column: `gaps`, by
         default whether some column lacked numbers in training.
@@ -153,7 +153,9 @@ class Columns:
             try:
                 if column.name not in position:
                     raise DataError("is not in the table; spell it as in training")
-                blocks.append(_encoded(column, read_cells(frame.iloc[:, position[column.name]]), takes_gaps))
+                given = frame.iloc[:, position[column.name]]
+                block = _encoded(column, read_cells(given), takes_gaps)
+                blocks.append(block.astype(np.float32) if given.dtype == np.float32 else block)
             except DataError as error:
                 reasons[column.name] = str(error)
         if reasons:

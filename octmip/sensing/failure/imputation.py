@@ -27,7 +27,7 @@ class Imputation:
     @classmethod
     def fit(cls, features: Floats) -> "Imputation":
         """Return the imputation learnt from features (n_samples, n_features) without gaps."""
-        return cls(features.mean(axis=0), np.atleast_2d(np.cov(features, rowvar=False)))
+        return cls(features.mean(axis=0, dtype=np.float64), np.atleast_2d(np.cov(features, rowvar=False)))
 
     def impute(self, features: Floats) -> Floats:
         """Return features (n, n_features) with every NaN replaced; a row without any reading becomes the mean.

@@ -163,7 +163,7 @@ class FailureProblem:
         if number == 0:
             return whole
         scenario = self.scenarios[number - 1]
-        columns, out = self.columns(scenario), whole.copy()
+        columns, out = self.columns(scenario), whole.astype(np.float64)
         if scenario.fault.kind == "stuck":
             out[:, columns] = scenario.fault.size
         elif scenario.fault.kind == "drift":

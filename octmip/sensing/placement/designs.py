@@ -33,7 +33,7 @@ QUICK_NODES = 10  # visits to a node: the trial trees of a forward selection are
 def by_reading(problem: Problem, budget: float) -> tuple[str, ...]:
     """Return the sensors of highest mean absolute reading (of a sensor's features the highest)."""
     strength = np.zeros(len(problem.sensors))
-    np.maximum.at(strength, problem.sensor_index, np.abs(problem.features).mean(axis=0))
+    np.maximum.at(strength, problem.sensor_index, np.abs(problem.features).mean(axis=0, dtype=np.float64))
     return _affordable(problem, np.argsort(-strength, kind="stable"), budget)
 
 

@@ -47,7 +47,9 @@ pub(crate) fn go_on<'s>(
     }
     let smaller = if options.switches.merging { merged(problem) } else { None };
     let problem = smaller.as_ref().map_or(problem, |(smaller, _)| smaller);
-    let samples = Samples::new(problem).in_units_of(problem);
+    let samples =
+        if has_lists_on_demand(problem, options) { Samples::without_order(problem) } else { Samples::new(problem) };
+    let samples = samples.in_units_of(problem);
     let view = View::root(&samples);
     let known = known.map(|known| known.map_costs(|cost| samples.counted(cost)));
     if let Some(known) = &known {
@@ -59,6 +61,16 @@ pub(crate) fn go_on<'s>(
         run.keep_budget(keep_going);
     }
     Ok(run.outcome())
+}
+
+/// Values of a table whose lists are worth less than their memory.
+const LARGE: usize = 1 << 22;
+
+/// Whether the samples in the order of a feature are wanted one feature after the other only.
+fn has_lists_on_demand(problem: &Problem, options: &Options) -> bool {
+    let is_tight = problem.sensor_cost.iter().sum::<f64>() > problem.sensor_limit;
+    let has_buckets = options.switches.buckets && problem.leaf_size == 1;
+    problem.depth <= 2 && has_buckets && !is_tight && problem.n * problem.p >= LARGE
 }
 
 /// The incumbent or the best leaf, and the cost that no tree avoids: what is known where memory is too small to search.

@@ -12,6 +12,7 @@
 
 pub(crate) mod directions;
 pub(crate) mod label_sets;
+pub(crate) mod lists;
 pub(crate) mod merging;
 pub(crate) mod unit;
 
@@ -39,7 +40,7 @@ pub(crate) struct Samples {
     pub(crate) features: Vec<u32>,
     /// Dense ranks, feature-major (`p * n`).
     pub(crate) ranks: Arc<Vec<u32>>,
-    /// Sample ids in the order of each feature, ties by id (`p * n`).
+    /// Sample ids in the order of each feature, ties by id (`p * n`); empty where they are made on demand.
     pub(crate) order: Arc<Vec<u32>>,
     /// Cost range of each sample (`n`).
     pub(crate) ranges: Vec<i64>,
@@ -73,13 +74,19 @@ pub(crate) struct Samples {
 impl Samples {
     /// Encode a validated problem; features that are not allowed or constant are left out.
     pub(crate) fn new(problem: &Problem) -> Self {
+        let samples = Self::without_order(problem);
+        let mut order = Vec::with_capacity(samples.p * samples.n);
+        for (f, &feature) in samples.features.iter().enumerate() {
+            order.extend(sorted_by_rank(samples.ranks_of(f), problem.n_ranks[feature as usize]));
+        }
+        Self { order: Arc::new(order), ..samples }
+    }
+
+    /// The same without the samples in the order of each feature.
+    pub(crate) fn without_order(problem: &Problem) -> Self {
         let features: Vec<u32> =
             (0..problem.p).filter(|&f| problem.allowed[f] && problem.n_ranks[f] > 1).map(|f| f as u32).collect();
         let n = problem.n;
-        let mut order = Vec::with_capacity(features.len() * n);
-        for &f in &features {
-            order.extend(sorted_by_rank(problem.feature(f as usize), problem.n_ranks[f as usize]));
-        }
         // The ranks of a large problem are not copied where every feature is usable.
         let ranks = if features.len() == problem.p {
             problem.ranks.clone()
@@ -92,7 +99,7 @@ impl Samples {
             n_labels: 0,
             features,
             ranks,
-            order: Arc::new(order),
+            order: Arc::default(),
             ranges: Vec::with_capacity(n),
             base: Vec::with_capacity(n),
             is_single: true,

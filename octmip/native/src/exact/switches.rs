@@ -19,6 +19,8 @@ crate::switches::switches! {
     feature_order,
     /// StumpSolver from histograms, not from walks along the lists.
     buckets,
+    /// Lower the bounds of buckets that may hide a better stump, before they are walked.
+    distinct_labels,
     /// Pass over groups of features that cannot hold the best stump.
     group_skip,
     /// Search on equal samples merged.

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::exact::samples::Samples;
+use crate::exact::samples::lists::ListsOnDemand;
 
 /// Samples of a node. The cut at position `k` of feature `f` sends the first `k` samples of list `f` left.
 #[derive(Debug, Clone, Default)]
@@ -11,6 +12,8 @@ pub(crate) struct View {
     pub(crate) len: usize,
     /// Sample ids, list after list (`p * len`); those of all samples are shared.
     pub(crate) lists: Arc<Vec<u32>>,
+    /// The lists of all samples, where they are made when they are asked for; `lists` is empty then.
+    on_demand: Option<ListsOnDemand>,
     /// Gain of predicting each label for all of them (`n_labels`).
     pub(crate) totals: Vec<i64>,
     /// Sum of their cost ranges.
@@ -20,7 +23,8 @@ pub(crate) struct View {
 impl View {
     /// All the samples.
     pub(crate) fn root(samples: &Samples) -> Self {
-        let mut view = Self { len: samples.n, lists: samples.order.clone(), ..Self::default() };
+        let on_demand = samples.order.is_empty().then(|| ListsOnDemand::new(samples));
+        let mut view = Self { len: samples.n, lists: samples.order.clone(), on_demand, ..Self::default() };
         view.recount(samples, 0..samples.n as u32);
         view
     }
@@ -39,14 +43,40 @@ impl View {
 
     /// The samples in the order of feature `f`.
     pub(crate) fn list(&self, f: usize) -> &[u32] {
-        &self.lists[f * self.len..(f + 1) * self.len]
+        match &self.on_demand {
+            Some(lists) => lists.kept(f),
+            None => &self.lists[f * self.len..(f + 1) * self.len],
+        }
+    }
+
+    /// Use the samples in the order of feature `f` once: no list is kept for it.
+    pub(crate) fn with_list<R>(&self, f: usize, used: impl FnOnce(&[u32]) -> R) -> R {
+        match &self.on_demand {
+            Some(lists) => used(lists.holding(f).held()),
+            None => used(self.list(f)),
+        }
+    }
+
+    /// The same view while the list of feature `f` is asked for many times; None where all lists are there.
+    pub(crate) fn holding(&self, f: usize) -> Option<Self> {
+        let lists = self.on_demand.as_ref()?;
+        Some(Self { on_demand: Some(lists.holding(f)), ..self.clone() })
+    }
+
+    /// Use all sample ids, in some order.
+    pub(crate) fn with_ids<R>(&self, used: impl FnOnce(&[u32]) -> R) -> R {
+        match &self.on_demand {
+            Some(lists) => used(&lists.ids().collect::<Vec<u32>>()),
+            None => used(self.list(0)),
+        }
     }
 
     /// All sample ids, in some order.
     pub(crate) fn ids<'a>(&'a self, samples: &Samples) -> Box<dyn Iterator<Item = u32> + 'a> {
-        match samples.p {
-            0 => Box::new(0..self.len as u32), // without features nothing is ever split
-            _ => Box::new(self.list(0).iter().copied()),
+        match &self.on_demand {
+            Some(lists) => Box::new(lists.ids()),
+            None if samples.p == 0 => Box::new(0..self.len as u32), // without features nothing is ever split
+            None => Box::new(self.list(0).iter().copied()),
         }
     }
 
@@ -59,6 +89,20 @@ impl View {
     pub(crate) fn best_label(&self) -> usize {
         let best = self.total_range - self.leaf();
         self.totals.iter().position(|&gain| gain == best).unwrap_or(0)
+    }
+
+    /// The samples on one side of the cut at position `k` of feature `f`.
+    pub(crate) fn side(&self, samples: &Samples, f: usize, k: usize, side: usize) -> Self {
+        let ids = self.with_list(f, |list| if side == 0 { list[..k].to_vec() } else { list[k..].to_vec() });
+        let mut is_here = vec![false; samples.n];
+        ids.iter().for_each(|&i| is_here[i as usize] = true);
+        let mut view = Self { len: ids.len(), ..Self::default() };
+        match &self.on_demand {
+            Some(lists) => view.on_demand = Some(lists.part(is_here)),
+            None => view.lists = Arc::new(self.lists.iter().copied().filter(|&i| is_here[i as usize]).collect()),
+        }
+        view.recount(samples, ids.into_iter());
+        view
     }
 
     /// Fill `sides` with the samples left and right of the cut at position `k` of feature `f`.

@@ -2,10 +2,12 @@
 
 use std::sync::Arc;
 
+use numpy::ndarray::ArrayView2;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
 
+use crate::python::reached::Rows;
 use crate::ranks::Ranker;
 
 /// Dense ranks of every feature, held once: problems share them, and Python reads them column by column.
@@ -53,10 +55,16 @@ impl PyRankTable {
     }
 }
 
-/// Rank every feature of a table (n, p); how many distinct values each has.
+/// Rank every feature of a table (n, p) of either precision; how many distinct values each has.
 #[pyfunction]
-pub fn dense_ranks(features: PyReadonlyArray2<'_, f64>) -> PyResult<(PyRankTable, Vec<usize>)> {
-    let features = features.as_array();
+pub(crate) fn dense_ranks(features: Rows<'_>) -> PyResult<(PyRankTable, Vec<usize>)> {
+    match features {
+        Rows::Double(features) => ranks_of(features.as_array()),
+        Rows::Single(features) => ranks_of(features.as_array()),
+    }
+}
+
+fn ranks_of<T: Copy + Into<f64>>(features: ArrayView2<'_, T>) -> PyResult<(PyRankTable, Vec<usize>)> {
     let (n, p) = (features.nrows(), features.ncols());
     if n == 0 {
         return Err(PyValueError::new_err("there are no samples to rank"));
@@ -64,6 +72,7 @@ pub fn dense_ranks(features: PyReadonlyArray2<'_, f64>) -> PyResult<(PyRankTable
     let mut ranks = vec![0; n * p];
     let mut ranker = Ranker::default();
     let columns = features.columns().into_iter().zip(ranks.chunks_exact_mut(n));
-    let n_values = columns.map(|(column, row)| ranker.rank(column.iter().copied(), row).len()).collect();
+    let n_values =
+        columns.map(|(column, row)| ranker.rank(column.iter().map(|&value| value.into()), row).len()).collect();
     Ok((PyRankTable { p, n, ranks: Arc::new(ranks) }, n_values))
 }

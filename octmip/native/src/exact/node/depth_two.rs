@@ -49,6 +49,8 @@ impl Search<'_> {
         best: &mut NodeResult,
     ) {
         let samples = self.samples;
+        let holding = view.holding(f);
+        let view = holding.as_ref().unwrap_or(view);
         let mut axis = std::mem::take(&mut self.axis);
         let mut positions = std::mem::take(&mut self.positions);
         axis.lay(samples, view, f, 2, whole, &self.switches);

@@ -44,10 +44,11 @@ impl Plan {
             },
             Self::Split { feature, cut, sides } => {
                 let ranks = samples.ranks_of(*feature);
-                let k = view.list(*feature).partition_point(|&i| ranks[i as usize] <= *cut);
-                let mut views = [View::default(), View::default()];
-                view.split(samples, *feature, k, &mut vec![false; samples.n], &mut views);
-                let [left, right] = [0, 1].map(|side| sides[side].tree(samples, &views[side]));
+                let k = view.with_list(*feature, |list| list.partition_point(|&i| ranks[i as usize] <= *cut));
+                let [left, right] = [0, 1].map(|side| {
+                    let part = view.side(samples, *feature, k, side);
+                    sides[side].tree(samples, &part)
+                });
                 Tree::join(samples.features[*feature], *cut, &left, &right)
             }
             Self::Whole(tree) => tree.clone(),
@@ -59,7 +60,7 @@ impl Plan {
 fn best_stump(samples: &Samples, view: &View) -> Option<(usize, u32)> {
     let mut best: Option<(i64, usize, u32)> = None;
     for f in 0..samples.p {
-        let found = best_cut(samples, view.list(f), f, &view.totals, view.len, |_| true);
+        let found = view.with_list(f, |list| best_cut(samples, list, f, &view.totals, view.len, |_| true));
         if let Some(found) = found.filter(|found| best.is_none_or(|(gain, _, _)| found.gain > gain)) {
             best = Some((found.gain, f, found.cut));
         }

@@ -20,6 +20,7 @@ pub(crate) struct Buckets<T: Lane, const N: usize, const S: usize> {
     pub(super) shape: Shape,
     pub(super) profiles: Profiles<T>,
     skips: bool,
+    tightens: bool,
     pub(super) tables: [Table; 2],
     /// 0: the table shared with other views, 1: the view's own.
     pub(super) used: usize,
@@ -47,6 +48,7 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
             shape: Shape { slots: S, rows, has_differences: samples.is_single && samples.n_labels == 2 },
             profiles,
             skips: switches.group_skip,
+            tightens: switches.distinct_labels && samples.is_single,
             tables: [Table::default(), Table::default()],
             used: 1,
             groups: (0..samples.p.div_ceil(S)).map(Histogram::new).collect(),
@@ -116,6 +118,16 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
         histogram.sweep(self.arch, &self.lane_totals, &self.profiles)
     }
 
+    /// Lower what a group may reach inside its buckets on both sides; whether that was still to be done.
+    pub(super) fn tighten(&mut self, group: usize, known: [i64; 2], reach: &mut [i64; 2]) -> bool {
+        if !self.tightens || self.groups[group].is_tight {
+            return false;
+        }
+        let left = self.groups[group].tighten(self.arch, &self.lane_totals, known);
+        *reach = [0, 1].map(|side| reach[side].min(left[side]));
+        true
+    }
+
     /// Sweep a group: its best gain joins `sides.best`, the gain that it may reach is returned.
     fn visit(&mut self, group: usize, sides: &mut Sides) -> [i64; 2] {
         let (best, reach) = self.sweep(group);
@@ -178,6 +190,7 @@ impl<T: Lane, const N: usize, const S: usize> StumpSolver for Buckets<T, N, S> {
             }
             let mut reachable = [0, reach.iter().skip(1).step_by(2).map(|r| r.widen()).max().unwrap_or(0)];
             if reachable[1] > sides.best[1] {
+                self.tighten(group, sides.best, &mut reachable);
                 self.refine(samples, &place, (group, 1), &mut sides, &mut reachable, i64::MAX);
             }
             self.reaches.push(reachable);

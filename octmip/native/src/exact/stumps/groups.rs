@@ -2,8 +2,9 @@
 
 use crate::exact::samples::Samples;
 use crate::exact::stumps::aligned::Aligned;
+use crate::exact::stumps::cells::{Cell, Cells};
 use crate::exact::stumps::place::Place;
-use crate::exact::stumps::sweep::{Difference, Group, Lane, STRIDE};
+use crate::exact::stumps::sweep::{Difference, Distinct, Group, Lane, STRIDE};
 use crate::exact::stumps::table::{Shape, Table};
 use crate::exact::view::View;
 
@@ -46,6 +47,8 @@ pub(crate) struct Histogram<T: Lane, const N: usize, const S: usize> {
     /// The same over `STRIDE` buckets.
     pub(crate) tops: Vec<[T; N]>,
     runs: Vec<[T; N]>,
+    /// Whether the bounds of the last pass were lowered.
+    pub(crate) is_tight: bool,
     /// Samples left of the cut; None: not yet put back for this feature.
     k: Option<usize>,
     group: usize,
@@ -61,6 +64,7 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
             caps: Vec::new(),
             tops: Vec::new(),
             runs: Vec::new(),
+            is_tight: false,
             k: None,
             group,
         }
@@ -95,8 +99,7 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
             }
         }
         self.k = None;
-        let ids = view.list(0);
-        self.apply(samples, table, ids, 1, T::enter);
+        view.with_ids(|ids| self.apply(samples, table, ids, 1, T::enter));
         self.start.clone_from(&self.pairs);
         self.k = Some(0);
     }
@@ -123,22 +126,39 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
 
     /// Apply a change to all slots for every sample of `ids`.
     fn apply(&mut self, samples: &Samples, table: &Table, ids: &[u32], sign: i64, change: impl Fn(i64) -> T::Pair) {
+        match &table.cells {
+            Cells::Narrow(cells) => self.apply_to(cells, samples, table, ids, sign, change),
+            Cells::Wide(cells) => self.apply_to(cells, samples, table, ids, sign, change),
+        }
+    }
+
+    fn apply_to<C: Cell>(
+        &mut self,
+        cells: &[C],
+        samples: &Samples,
+        table: &Table,
+        ids: &[u32],
+        sign: i64,
+        change: impl Fn(i64) -> T::Pair,
+    ) {
         let first = self.group * samples.n * S;
-        let (offsets, _) = table.offsets[first..first + samples.n * S].as_chunks::<S>();
+        let (cells, _) = cells[first..first + samples.n * S].as_chunks::<S>();
         let used = (samples.p - self.group * S).min(S);
-        let pairs = self.pairs.get_mut();
+        let (pairs, _) = self.pairs.get_mut().as_chunks_mut::<S>();
         for &i in ids {
             let is_second = table.is_difference && samples.profile[i as usize] == 1;
             let sign = if is_second { -sign } else { sign };
             let by = change(sign * samples.multiplicity[i as usize]);
-            let row = &offsets[i as usize];
+            let row = &cells[i as usize];
             if used == S {
-                for &offset in row {
-                    pairs[offset as usize] = T::change(pairs[offset as usize], by);
+                for (slot, cell) in row.iter().enumerate() {
+                    let pair = &mut pairs[cell.index()][slot];
+                    *pair = T::change(*pair, by);
                 }
             } else {
-                for &offset in &row[..used] {
-                    pairs[offset as usize] = T::change(pairs[offset as usize], by);
+                for (slot, cell) in row[..used].iter().enumerate() {
+                    let pair = &mut pairs[cell.index()][slot];
+                    *pair = T::change(*pair, by);
                 }
             }
         }
@@ -162,7 +182,30 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
             reach: [T::default(); N],
         };
         arch.dispatch(&mut group);
+        self.is_tight = false;
         (group.best, group.reach)
+    }
+
+    /// Lower the bounds of what lies inside the buckets, where they are above the gains of both sides that are `known`:
+    /// the largest that is left on each side.
+    pub(crate) fn tighten(&mut self, arch: pulp::Arch, totals: &[[T; N]], known: [i64; 2]) -> [i64; 2] {
+        let histogram: &[T] = pulp::bytemuck::cast_slice(self.pairs.get());
+        let mut left = known.map(|gain| T::narrow(gain));
+        arch.dispatch(&mut Distinct {
+            histogram: &histogram.as_chunks::<N>().0[..self.open.len() * totals.len()],
+            totals,
+            runs: &self.runs,
+            known: std::array::from_fn(|lane| left[lane % 2]),
+            caps: &mut self.caps,
+            tops: &mut self.tops,
+        });
+        self.is_tight = true;
+        for top in &self.tops {
+            for lane in 0..N {
+                left[lane % 2] = left[lane % 2].max(top[lane]);
+            }
+        }
+        left.map(Lane::widen)
     }
 
     /// The vector pass over differences: by lane, the best gain, which no stump surpasses.

@@ -29,6 +29,11 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
                 return;
             }
             let group = widest[side].1;
+            let mut lowered = self.reaches[first + group];
+            if self.tighten(group, sides.best, &mut lowered) {
+                self.reaches[first + group] = lowered;
+                continue;
+            }
             let other = gains[1 - side];
             let mut reach = [other, other];
             self.refine(samples, place, (group, side), sides, &mut reach, threshold);

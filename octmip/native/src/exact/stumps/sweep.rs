@@ -4,12 +4,14 @@
 //! of the machine at hand. Integer arithmetic, so every width gives the same numbers.
 
 mod difference;
+mod distinct;
 mod edge;
 mod group;
 mod lanes;
 mod profiles;
 
 pub(crate) use difference::Difference;
+pub(crate) use distinct::Distinct;
 pub(crate) use edge::STRIDE;
 pub(crate) use group::Group;
 pub(crate) use lanes::Lane;

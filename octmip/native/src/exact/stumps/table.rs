@@ -1,16 +1,17 @@
 //! Buckets: runs of neighbouring values of a feature, so that a set's stumps are seen at the edges of runs first.
 
 use crate::exact::samples::Samples;
+use crate::exact::stumps::cells::Cells;
 use crate::exact::view::View;
 
-/// Bucket of every sample in every feature, as an offset into a histogram.
+/// Bucket of every sample in every feature, as a cell of a histogram.
 ///
 /// The histogram is laid out `[group][bucket][row][slot]`; a slot holds the two sides of a feature. The features with
 /// the best stumps share the first groups, so that later groups can often be passed over.
 #[derive(Debug, Default)]
 pub(crate) struct Table {
-    /// Offset of sample `i` in slot `s` of group `g`, its own row included: `offsets[(g * n + i) * slots + s]`.
-    pub(crate) offsets: Vec<u32>,
+    /// Cell `bucket * rows + row` of sample `i` in slot `s` of group `g`, at `(g * n + i) * slots + s`.
+    pub(crate) cells: Cells,
     /// Smallest rank in each bucket (`p * n_buckets`), past the largest for buckets without values.
     pub(crate) edges: Vec<u32>,
     /// Whether a bucket holds two values or more (`p * n_buckets`).
@@ -60,7 +61,6 @@ impl Table {
     pub(crate) fn lay(&mut self, samples: &Samples, view: &View, shape: Shape, most: usize) {
         let p = samples.p;
         self.len = view.len;
-        self.offsets.resize(p.div_ceil(shape.slots) * samples.n * shape.slots, 0);
         if self.feature_of_slot.len() != p {
             self.feature_of_slot = (0..p).collect();
             self.slot_of_feature = (0..p).collect();
@@ -88,12 +88,14 @@ impl Table {
         let ends = std::mem::take(&mut self.ends);
         let longest = ends.iter().map(Vec::len).max().unwrap_or(1);
         self.n_buckets = longest.next_multiple_of(8);
+        let n_slots = samples.p.div_ceil(shape.slots) * shape.slots;
+        self.cells.make_room(n_slots * samples.n, self.n_buckets * self.rows(shape));
         self.edges.clear();
         self.edges.resize(samples.p * self.n_buckets, u32::MAX);
         self.is_open.clear();
         self.is_open.resize(samples.p * self.n_buckets, false);
         for (f, ends) in ends.iter().enumerate() {
-            self.lay_feature(samples, view.list(f), f, shape, ends);
+            view.with_list(f, |list| self.lay_feature(samples, list, f, shape, ends));
         }
         self.ends = ends;
     }
@@ -114,7 +116,7 @@ impl Table {
     fn lay_feature(&mut self, samples: &Samples, list: &[u32], f: usize, shape: Shape, ends: &[u32]) {
         let ranks = samples.ranks_of(f);
         let slot = self.slot_of_feature[f];
-        let stride = self.rows(shape) * shape.slots;
+        let rows = self.rows(shape);
         let first = slot / shape.slots * samples.n * shape.slots + slot % shape.slots;
         let mut start = 0;
         for (bucket, &end) in ends.iter().enumerate() {
@@ -122,11 +124,11 @@ impl Table {
             let rank = ranks[members[0] as usize];
             self.edges[f * self.n_buckets + bucket] = if bucket == 0 { 0 } else { rank };
             self.is_open[f * self.n_buckets + bucket] = ranks[members[members.len() - 1] as usize] != rank;
-            let offset = slot % shape.slots + bucket * stride;
-            for &i in members {
-                let row = if self.is_difference { 0 } else { samples.profile[i as usize] as usize };
-                self.offsets[first + i as usize * shape.slots] = (offset + row * shape.slots) as u32;
-            }
+            let is_difference = self.is_difference;
+            self.cells.set(members.iter().map(|&i| {
+                let row = if is_difference { 0 } else { samples.profile[i as usize] as usize };
+                (first + i as usize * shape.slots, bucket * rows + row)
+            }));
             start = end as usize;
         }
     }
@@ -241,7 +243,7 @@ fn mark_all(
     ends: &mut [Vec<u32>],
 ) -> bool {
     ends.iter_mut().enumerate().all(|(f, ends)| {
-        mark_ends(samples, view.list(f), f, (quota, longest, most), ends);
+        view.with_list(f, |list| mark_ends(samples, list, f, (quota, longest, most), ends));
         ends.len() <= most
     })
 }
