@@ -161,6 +161,7 @@ impl SearchContext<'_> {
                 hopeless: self.least_to_reach(partition, s, reach[1 - s], target - price),
                 dead: self.least_to_reach(partition, s, other, upper - price),
                 less: 0,
+                most: None,
             };
             let mut intervals = root.children[s].intervals.to_vec();
             let result = self.solve_stump(&root.children[s], task, &mut intervals);
@@ -212,7 +213,7 @@ impl SearchContext<'_> {
             if result.lower > task.floor {
                 notes.add([&partition.sides[s], &partition.open], result.lower.min(child.struck), result.line);
             }
-            child.keep_intervals_below(intervals, dead, switches);
+            self.keep_wide_intervals(child, intervals, dead, &partition.wide[s]);
             let bound = root.children[0].wide.0 + root.children[1].wide.0 - most + price;
             root.key = root.key.max(bound);
             if root.key >= target || (result.incumbent < task.hopeless && switches.hopeless) {
@@ -230,7 +231,7 @@ impl SearchContext<'_> {
     }
 
     /// The stump of a child with all open samples, to be solved as far as the cutoff.
-    fn wide_task<'p>(
+    pub(crate) fn wide_task<'p>(
         &self,
         root: &Node,
         partition: &'p Partition,
@@ -250,6 +251,7 @@ impl SearchContext<'_> {
             // True of every child with leaves of the full size. A log speaks of children that lack samples (where no
             // interval is struck off), and may only say so where one sample fills a leaf.
             less: if keeps_bound { partition.open_most } else { INFEASIBLE },
+            most: self.most(&root.children[s], partition, s),
         }
     }
 

@@ -1,6 +1,7 @@
 //! Histograms of a slope interval, from which all its regions are bounded at once.
 
 use crate::two_feature::regions::dual_plane::REGIONS;
+use crate::two_feature::regions::slope_interval::SlopeInterval;
 use crate::two_feature::weighted_samples::WeightedSamples;
 
 /// A sample as a histogram counts it: the place where the regions of its class begin, and its weight.
@@ -68,4 +69,25 @@ pub(crate) struct Limits {
     pub(crate) dead: i64,
     /// Reduction of a bound for it to hold for fewer samples.
     pub(crate) less: i64,
+    /// What intervals may save is known, and learnt.
+    pub(crate) most: Option<Most>,
+}
+
+/// The most that samples can cost: all at hand, and those of them that the gains of intervals speak of.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Most {
+    pub(crate) all: i64,
+    pub(crate) known: i64,
+}
+
+impl Limits {
+    /// What a split of the samples at hand in an interval costs at least, as far as is known.
+    pub(crate) fn at_least(&self, interval: &SlopeInterval) -> i64 {
+        self.most.map_or(interval.bound, |most| interval.bound.max(most.known - interval.gain))
+    }
+
+    /// What a split saves at most where it costs `bound` at least, and saves no more than `gain`.
+    pub(crate) fn gain(&self, gain: i64, bound: i64) -> i64 {
+        self.most.map_or(gain, |most| gain.min(most.all - bound))
+    }
 }

@@ -69,12 +69,13 @@ impl StumpSearch<'_> {
         limits: Limits,
         found: &mut Vec<SlopeInterval>,
     ) -> i64 {
-        if interval.bound >= self.current.min(limits.dead) || self.is_stopped() {
+        if limits.at_least(&interval) >= self.current || interval.bound >= limits.dead || self.is_stopped() {
             found.push(interval);
             return INFEASIBLE;
         }
         let (from, n) = (interval.first as usize, interval.n_intervals as usize);
         let mut bound = self.scan(dual_plane, (from, from + n), n == 1);
+        let gain = limits.gain(interval.gain, bound);
         let begin = found.len();
         if bound < self.current && n > 1 {
             let length = n.div_ceil(4);
@@ -82,7 +83,7 @@ impl StumpSearch<'_> {
             let raised = interval.bound.max(bound - limits.less);
             bound = firsts.fold(INFEASIBLE, |least, first| {
                 let (n_intervals, first) = (length.min(n - first) as u16, interval.first + first as u16);
-                let part = SlopeInterval { first, n_intervals, bound: raised, ..interval };
+                let part = SlopeInterval { first, n_intervals, bound: raised, gain, ..interval };
                 least.min(self.scan_intervals(dual_plane, part, limits, found))
             });
             if bound < self.current.min(limits.dead) {
@@ -90,9 +91,10 @@ impl StumpSearch<'_> {
             }
         }
         // None of them matters now: they are one again.
-        let parts = found.drain(begin..).map(|part| part.bound).min();
-        let known = parts.unwrap_or(interval.bound.max(bound - limits.less));
-        found.push(SlopeInterval { bound: known, ..interval });
+        let alone = (interval.bound.max(bound - limits.less), gain);
+        let parts = found.drain(begin..).map(|part| (part.bound, part.gain));
+        let (least, gain) = parts.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or(alone);
+        found.push(SlopeInterval { bound: least, gain, ..interval });
         bound
     }
 }
