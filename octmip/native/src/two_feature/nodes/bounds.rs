@@ -198,6 +198,10 @@ impl SearchContext<'_> {
         let (price, most) = (self.price(root), partition.open_most);
         let switches = self.instance.switches;
         self.raise_wide_by_labels(root, partition);
+        let learns = self.is_time_to_learn(root.n_learnt, partition);
+        if learns {
+            root.n_learnt = partition.open.len();
+        }
         for s in [0, 1] {
             let owed = target - price + most;
             let task = self.wide_task(root, partition, s, [owed - root.children[1 - s].wide.0, owed - reach[1 - s]]);
@@ -213,7 +217,7 @@ impl SearchContext<'_> {
             if result.lower > task.floor {
                 notes.add([&partition.sides[s], &partition.open], result.lower.min(child.struck), result.line);
             }
-            self.keep_wide_intervals(child, intervals, dead, &partition.wide[s]);
+            self.keep_wide_intervals(child, intervals, dead, (&partition.wide[s], learns));
             let bound = root.children[0].wide.0 + root.children[1].wide.0 - most + price;
             root.key = root.key.max(bound);
             if root.key >= target || (result.incumbent < task.hopeless && switches.hopeless) {

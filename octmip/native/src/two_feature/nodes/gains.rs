@@ -35,8 +35,8 @@ impl SearchContext<'_> {
     /// Learn the gains of the intervals of both children for all nodes inside, without solving any stump.
     pub(crate) fn learn_gains(&self, root: &mut Node, partition: &Partition, notes: &Notes<'_>) {
         let switches = self.instance.switches;
-        let is_time = partition.open.len() * FEWER <= root.n_learnt;
-        if !(switches.gains && switches.wide && is_time && notes.is_wide_worth_while()) {
+        let is_time = self.is_time_to_learn(root.n_learnt, partition);
+        if !(switches.wide && is_time && notes.is_wide_worth_while()) {
             return;
         }
         root.n_learnt = partition.open.len();
@@ -52,18 +52,23 @@ impl SearchContext<'_> {
         }
     }
 
+    /// Whether so few samples are open that scanning for all nodes inside pays.
+    pub(crate) fn is_time_to_learn(&self, n_learnt: usize, partition: &Partition) -> bool {
+        self.instance.switches.gains && partition.open.len() * FEWER <= n_learnt
+    }
+
     /// Keep the intervals after the bound of a child with all open samples, if that says enough that is new.
     pub(crate) fn keep_wide_intervals(
         &self,
         child: &mut Child,
         intervals: Vec<SlopeInterval>,
         dead: i64,
-        ids: &[u32],
+        (ids, learns): (&[u32], bool),
     ) {
         let switches = self.instance.switches;
         let n_alive = intervals.iter().filter(|interval| interval.bound < dead).count();
         // A copy in every node is too much memory; those that learn gains have one for all nodes inside.
-        if !switches.gains || n_alive * 4 <= child.intervals.len() * 3 {
+        if !switches.gains || learns || n_alive * 4 <= child.intervals.len() * 3 {
             child.keep_intervals_below(intervals, dead, switches);
             child.narrow_within(ids);
         }
@@ -81,4 +86,72 @@ impl Child {
 
 fn holds(set: &[u64], i: u32) -> bool {
     set[i as usize / 64] >> (i % 64) & 1 == 1
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::AtomicBool;
+
+    use fastrand::Rng;
+
+    use super::*;
+    use crate::problem::{Planes, Problem};
+    use crate::two_feature::depth_two::intervals_of;
+    use crate::two_feature::instance::Instance;
+    use crate::two_feature::nodes::known::Known;
+    use crate::two_feature::regions::region::split;
+
+    fn random_problem(seed: u64) -> Problem {
+        let (mut rng, n, k) = (Rng::with_seed(seed), 90, 3);
+        let values = (0..2 * n).map(|_| rng.f64()).collect();
+        Problem {
+            n,
+            p: 2,
+            n_classes: k,
+            ranks: (0..2 * n as u32).collect::<Vec<u32>>().into(),
+            n_ranks: vec![2 * n as u32; 2],
+            labels: (0..n).map(|_| rng.u32(0..k as u32)).collect(),
+            weights: (0..n).map(|_| rng.i64(1..4)).collect(),
+            costs: (0..k * k).map(|at| if at % (k + 1) == 0 { 0 } else { rng.i64(1..6) }).collect(),
+            penalty: rng.i64(0..3),
+            depth: 2,
+            leaf_size: 1,
+            sensor_of_feature: vec![0, 1],
+            sensor_cost: vec![1.0; 2],
+            sensor_limit: f64::INFINITY,
+            allowed: vec![true; 2],
+            planes: Some(Planes { values, split_size: 2, groups: None, integer_normals: None }),
+        }
+    }
+
+    #[test]
+    fn no_split_of_fewer_samples_saves_more_than_its_interval_was_found_to() {
+        let stop = AtomicBool::new(false);
+        let mut n_compared = 0;
+        for seed in 0..3 {
+            let problem = random_problem(seed);
+            let instance = Instance::new(&problem);
+            let context = SearchContext::new(&problem, &instance, 16, &stop).unwrap();
+            let intervals = intervals_of(&context, &[true; 2]);
+            let (features, place) = (context.dual_planes[2].features, context.dual_planes[2].region((2, 9), (20, 50)));
+            let children = [0, 1].map(|_| Child::new(intervals.clone(), problem.n));
+            let mut node = Node { dual_plane: 2, region: place, key: 0, children, n_learnt: 2 * problem.n };
+            let around = context.partition(features, &place);
+            context.learn_gains(&mut node, &around, &Notes::new(&Known::new(&instance, 1)));
+            for region in split(&instance.plane, features, &place, &around.open, None) {
+                let inside = context.partition(features, &region);
+                for (s, child) in node.children.iter().enumerate() {
+                    let most = context.most(child, &inside, s).unwrap();
+                    let leaf = instance.loss.leaf(&inside.wide_tallies[s]).0;
+                    for interval in child.intervals.iter() {
+                        let task = StumpTask { most: None, ..context.wide_task(&node, &inside, s, [INFEASIBLE, 0]) };
+                        let lower = context.solve_stump(child, task, &mut vec![*interval]).lower;
+                        assert!(lower == leaf || lower >= most.known - interval.gain, "{lower} {most:?} {interval:?}");
+                        n_compared += usize::from(lower < leaf && interval.gain < INFEASIBLE);
+                    }
+                }
+            }
+        }
+        assert!(n_compared > 20, "{n_compared}");
+    }
 }

@@ -18,26 +18,28 @@ impl StumpSearch<'_> {
     pub(crate) fn scan(&mut self, dual_plane: &DualPlane, (from, to): (usize, usize), keeps: bool) -> i64 {
         let loss = self.samples.loss;
         let room = &mut self.histograms;
-        let n_regions = room.bounds.len();
+        let n_regions = room.regions(to - from);
+        let n_entries = n_regions * loss.lanes();
         let need = (self.need > 1).then_some(self.need);
         room.count(dual_plane.bins(from), dual_plane.bins(to), need.map(|_| loss.k * n_regions));
         let sweep = Sweep {
             loss,
             total: &self.total,
-            low: &mut room.low,
-            high: &mut room.high,
+            low: &mut room.low[..n_entries],
+            high: &mut room.high[..n_entries],
             need,
-            bounds: &mut room.bounds,
-            running: &mut room.running,
+            bounds: &mut room.bounds[..n_regions],
+            running: &mut room.running[..n_regions],
         };
         room.arch.dispatch(sweep);
         let price = self.samples.price(dual_plane.features);
-        let lowest = room.bounds.iter().fold(INFEASIBLE, |least, &bound| least.min(bound));
+        let bounds = &room.bounds[..n_regions];
+        let lowest = bounds.iter().fold(INFEASIBLE, |least, &bound| least.min(bound));
         if lowest + price >= self.current {
             return (lowest + price).min(INFEASIBLE);
         }
         let mut least = INFEASIBLE;
-        for (bin, bound) in room.bounds.iter().enumerate() {
+        for (bin, bound) in bounds.iter().enumerate() {
             let bound = (bound + price).min(INFEASIBLE);
             if bound >= least.max(self.current) {
                 continue;
