@@ -3,9 +3,9 @@
 //! With most(S) the sum of the largest costs of a set, a split saves most(S) - cost(S). Of a subset T it saves no more:
 //! cost(S) <= cost(T) + most(S without T), as the same split and labels serve S, and no leaf has shrunk; so
 //! most(T) - cost(T) <= most(S) - cost(S). The largest saving that an interval was once found to hold for the samples
-//! of a child with all open ones therefore holds in every node inside, where these samples have become fewer. In costs:
-//! cost(T) >= most(T) - gain, and where T has samples beyond those that the gain speaks of, cost(T) is no less than that
-//! of those within.
+//! of a child with all open ones therefore holds in every node inside, where these samples have become fewer. In
+//! costs: cost(T) >= most(T) - gain, and where T has samples beyond those that the gain speaks of, cost(T) is no less
+//! than that of those within.
 //!
 //! Most nodes are bounded but once, by samples settled and open together, and a full scan of all dual planes is what
 //! that costs. One scan of a node around them tells which intervals can matter in any of them.

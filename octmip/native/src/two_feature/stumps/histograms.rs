@@ -4,7 +4,7 @@ use crate::two_feature::regions::dual_plane::REGIONS;
 use crate::two_feature::regions::slope_interval::SlopeInterval;
 use crate::two_feature::weighted_samples::WeightedSamples;
 
-/// So many intervals at a time have fewest regions, and runs of two to these powers are one there and in smaller groups.
+/// So many intervals at a time have fewest regions; runs of two to these powers are one there and in smaller groups.
 const MANY: usize = 8;
 const MOST_MERGED: u32 = 2;
 const SOME_MERGED: u32 = 1;
