@@ -8,8 +8,11 @@ rounded to a grid. Coordinates scaled to [0, 1] settle all samples that keep 2^-
 parted in whole numbers of as many bits as it takes. A dichotomy that no float64 line makes with that much room is
 numerically undecided: it counts for the bound but is not returned, and `Stop.NUMERICS` and
 `Solution.details["numerically_undecided"]` report it. See docs/theory/two-feature.md.
+
+Trees of depth 3 are not searched: the best tree of depth 2 is, and what it costs bounds them.
 """
 
+import math
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -43,10 +46,11 @@ from octmip.methods.native_call import (
 from octmip.problem import Problem
 from octmip.proof import check_proof, log_header
 from octmip.pseudo_boolean import check_possible, is_pseudo_boolean
-from octmip.solution import Limits, ProgressCallback, ProofError, Solution, Stop
+from octmip.solution import Limits, Progress, ProgressCallback, ProofError, Solution, Stop
 from octmip.tree import HyperplaneSplit, Leaf, Node, Split, goes_left, midpoint
 
 MOST_DEPTH = 2
+MOST_BOUNDED_DEPTH = 3
 MOST_FEATURES = 2
 
 
@@ -67,7 +71,9 @@ def two_feature_branch_and_bound(
     """Return a proven optimal tree, or the best tree and the bound when a limit is reached.
 
     Args:
-        problem: of depth 1 or 2 and at most two features per split (`split_size=2`, or no more than two features).
+        problem: of depth 1 or 2 and at most two features per split (`split_size=2`, or no more than two features). Of
+            depth 3, the result is the better of the incumbent and the best tree of depth 2, with the bound that follows
+            from this one's.
         limits: when to stop early.
         incumbent: a tree of this problem; the result is never worse.
         seed: has no effect on the optimum; kept in the solution.
@@ -93,11 +99,18 @@ def two_feature_branch_and_bound(
         the log cannot be written, or the checkpoint cannot be read or written or belongs to another search.
     """
     _check(problem, n_jobs, checkpoint)
+    if problem.depth > MOST_DEPTH and (proof is not None or checkpoint is not None):
+        raise ProblemError(
+            f"depth is {problem.depth} but proof logs and checkpoints of two-feature trees end at depth {MOST_DEPTH}; "
+            "leave them out"
+        )
     if proof is not None:
         check_writable(proof)
     if proof is not None and is_pseudo_boolean(proof):
         check_possible(problem, proof)  # refuses: those proofs are of axis-aligned trees
     start, known = time.perf_counter(), feasible_incumbent(problem, incumbent)
+    if problem.depth > MOST_DEPTH:
+        return _bounded(problem, known, start, progress, (limits, seed, n_jobs))
     ranks, keeper, nodes, first = rank_features(problem), None, None, known
     if checkpoint is not None:
         options = seed % 2**64, whole_coefficients, *sorted(switched_off())
@@ -153,6 +166,54 @@ def two_feature_branch_and_bound(
     return solution
 
 
+def _bounded(
+    problem: Problem, known: Node | None, start: float, progress: ProgressCallback | None, run: tuple[Limits, int, int]
+) -> Solution:
+    """Return the better of a known tree and the best of a level fewer, with the bound that follows from this one's."""
+    level = replace(problem, depth=problem.depth - 1)
+    objective = math.inf if known is None else problem.objective(known)
+
+    def deeper(state: Progress) -> None:
+        if progress is not None:
+            bound = _one_level_deeper(problem, state.bound)
+            progress(replace(state, bound=bound, objective=min(objective, state.objective)))
+
+    limits, seed, n_jobs = run
+    shallower = two_feature_branch_and_bound(level, limits=limits, seed=seed, n_jobs=n_jobs, progress=deeper)
+    assert shallower.tree is not None
+    tree, objective = better(problem, shallower.tree, known)
+    bound = _one_level_deeper(problem, shallower.bound)
+    open_stop = Stop.FINISHED if shallower.is_optimal else shallower.stop
+    return replace(
+        shallower,
+        tree=tree,
+        objective=objective,
+        bound=bound,
+        stop=Stop.OPTIMAL if bound >= objective else open_stop,
+        seconds=time.perf_counter() - start,
+        tolerance=0.0,
+        details={**shallower.details, "bound": "from the trees of one level fewer"},
+    )
+
+
+def _one_level_deeper(problem: Problem, bound: float) -> float:
+    """Return a bound of the problem's trees from one of the trees of a level fewer.
+
+    Proof. Let M be the sum of w_i max_k c_ik, what all samples cost at most, and call M - cost what the leaves of a
+    tree save; every leaf saves 0 or more. Put the better leaf in the place of each split of the last level, with its
+    label: it keeps what it saved, which is half of what the two saved together, or more; all other leaves keep theirs;
+    no leaf has shrunk, no feature or sensor is new. So a tree of one level fewer saves half as much at least, and costs
+    e <= M - saved / 2 + P, P the price of its splits. The deeper tree pays these splits too: it costs
+    M - saved + P >= 2 e - M - P, and P is at most that of 2^level - 1 lines.
+    """
+    dearest = problem.weights * problem.costs.max(axis=1)[problem.codes]
+    n_splits: int = 2 ** (problem.depth - 1) - 1
+    most = math.fsum(dearest) + 2 * problem.leaf_penalty * n_splits
+    # Where numbers are not whole, five of them are rounded by half a unit in the last place of the largest.
+    rounding = 0.0 if float(most).is_integer() and float(bound).is_integer() else 3 * math.ulp(2 * most)
+    return max(0.0, 2 * bound - most - rounding)
+
+
 def _open_stop(problem: Problem, stop: str) -> Stop:
     """Return why a search that did not meet its bound ended: a limit, or all nodes done and rounding in the way."""
     if stop not in ("optimal", "finished"):
@@ -169,9 +230,10 @@ def _details(problem: Problem, *, is_open: bool) -> dict[str, object]:
 
 
 def _check(problem: Problem, n_jobs: int, checkpoint: str | Path | None) -> None:
-    if problem.depth > MOST_DEPTH:
+    if problem.depth > MOST_BOUNDED_DEPTH:
         raise ProblemError(
-            f"depth is {problem.depth} but two-feature trees are proven to depth {MOST_DEPTH}; take method='search'"
+            f"depth is {problem.depth} but two-feature trees are proven to depth {MOST_DEPTH} and bounded to depth "
+            f"{MOST_BOUNDED_DEPTH}; take method='search'"
         )
     if problem.max_split_size > MOST_FEATURES:
         raise ProblemError(

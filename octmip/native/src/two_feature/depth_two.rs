@@ -123,6 +123,7 @@ pub(crate) fn intervals_of(context: &SearchContext<'_>, set: &[bool]) -> Interva
                 first,
                 n_intervals: group.min(n - first),
                 bound: 0,
+                gain: INFEASIBLE,
             }));
         }
     }
@@ -137,7 +138,8 @@ fn roots_of(context: &SearchContext<'_>, intervals: &Intervals, floor: i64) -> V
             dual_plane: interval.dual_plane,
             region: context.dual_planes[interval.dual_plane as usize].whole(),
             key: floor,
-            children: [Child::new(intervals.clone()), Child::new(intervals.clone())],
+            children: [0, 1].map(|_| Child::new(intervals.clone(), context.all.len())),
+            n_learnt: context.all.len(),
         })
         .collect()
 }

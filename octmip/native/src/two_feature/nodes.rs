@@ -3,6 +3,7 @@
 pub(crate) mod bounds;
 pub(crate) mod branching;
 pub(crate) mod first_trees;
+pub(crate) mod gains;
 pub(crate) mod known;
 pub(crate) mod node;
 pub(crate) mod numbers;

@@ -82,7 +82,7 @@ impl Writer<'_> {
         instance.switches.dead_intervals = false;
         // The checker knows one node at a time: what it can count easily is what is best for the one node.
         let switches = &mut instance.switches;
-        (switches.spared, switches.known_sets, switches.known_lines) = (false, false, false);
+        (switches.spared, switches.known_sets, switches.known_lines, switches.gains) = (false, false, false, false);
         instance.dual_planes.clear();
         for f in 0..q.p {
             let seconds = (0..=q.p).filter(|&g| g != f && (g == q.p || may_read(g)));
@@ -106,12 +106,13 @@ impl Writer<'_> {
         let work = || {
             let mut dual_plane = next.fetch_add(1, Ordering::Relaxed);
             while dual_plane < sections.len() && !self.stop.load(Ordering::Relaxed) {
-                let child = Child::new(intervals.clone());
+                let child = Child::new(intervals.clone(), self.problem.n);
                 let root = Node {
                     dual_plane: dual_plane as u32,
                     region: context.dual_planes[dual_plane].whole(),
                     key: 0,
                     children: [child.clone(), child],
+                    n_learnt: 0,
                 };
                 let (f, g) = context.dual_planes[dual_plane].features;
                 let known = Known::new(instance, 1);

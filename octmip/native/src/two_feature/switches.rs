@@ -13,6 +13,8 @@ crate::switches::switches! {
     dead_intervals,
     /// A bound of a set of samples also bounds sets that differ in few.
     known_sets,
+    /// What splits of an interval save of a set is no less than what they save of its subsets.
+    gains,
     /// Splits that were best in other nodes are tried first.
     known_lines,
     /// The bound of settled and open samples together is left out while it closes few nodes.

@@ -161,6 +161,7 @@ impl SearchContext<'_> {
                 hopeless: self.least_to_reach(partition, s, reach[1 - s], target - price),
                 dead: self.least_to_reach(partition, s, other, upper - price),
                 less: 0,
+                most: None,
             };
             let mut intervals = root.children[s].intervals.to_vec();
             let result = self.solve_stump(&root.children[s], task, &mut intervals);
@@ -197,6 +198,10 @@ impl SearchContext<'_> {
         let (price, most) = (self.price(root), partition.open_most);
         let switches = self.instance.switches;
         self.raise_wide_by_labels(root, partition);
+        let learns = self.is_time_to_learn(root.n_learnt, partition);
+        if learns {
+            root.n_learnt = partition.open.len();
+        }
         for s in [0, 1] {
             let owed = target - price + most;
             let task = self.wide_task(root, partition, s, [owed - root.children[1 - s].wide.0, owed - reach[1 - s]]);
@@ -212,7 +217,7 @@ impl SearchContext<'_> {
             if result.lower > task.floor {
                 notes.add([&partition.sides[s], &partition.open], result.lower.min(child.struck), result.line);
             }
-            child.keep_intervals_below(intervals, dead, switches);
+            self.keep_wide_intervals(child, intervals, dead, (&partition.wide[s], learns));
             let bound = root.children[0].wide.0 + root.children[1].wide.0 - most + price;
             root.key = root.key.max(bound);
             if root.key >= target || (result.incumbent < task.hopeless && switches.hopeless) {
@@ -230,7 +235,7 @@ impl SearchContext<'_> {
     }
 
     /// The stump of a child with all open samples, to be solved as far as the cutoff.
-    fn wide_task<'p>(
+    pub(crate) fn wide_task<'p>(
         &self,
         root: &Node,
         partition: &'p Partition,
@@ -250,6 +255,7 @@ impl SearchContext<'_> {
             // True of every child with leaves of the full size. A log speaks of children that lack samples (where no
             // interval is struck off), and may only say so where one sample fills a leaf.
             less: if keeps_bound { partition.open_most } else { INFEASIBLE },
+            most: self.most(&root.children[s], partition, s),
         }
     }
 

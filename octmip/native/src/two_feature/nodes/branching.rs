@@ -38,11 +38,13 @@ impl SearchContext<'_> {
             done.lessons = notes.lessons;
             return done;
         }
-        done.lessons = notes.lessons;
         if end == End::Stuck {
+            done.lessons = notes.lessons;
             done.undecided = Some(root.key);
             return done;
         }
+        self.learn_gains(&mut root, &partition, &notes);
+        done.lessons = notes.lessons;
         let dual_plane = &self.dual_planes[root.dual_plane as usize];
         let at = dual_plane.middle_boundary(root.region.t0, root.region.t1);
         for region in split(plane, features, &root.region, &partition.open, at) {
@@ -163,6 +165,7 @@ impl SearchContext<'_> {
                 hopeless: 0,
                 dead: cutoff,
                 less: 0,
+                most: None,
             };
             let mut intervals = root.children[s].intervals.to_vec();
             let result = self.solve_stump(&root.children[s], task, &mut intervals);

@@ -97,6 +97,7 @@ impl SearchContext<'_> {
                 hopeless: 0,
                 dead: INFEASIBLE,
                 less: 0,
+                most: None,
             };
             let mut chosen = some_intervals(intervals, draws);
             let samples = self.instance.samples();
@@ -135,6 +136,7 @@ impl SearchContext<'_> {
             hopeless: 0,
             dead: INFEASIBLE,
             less: 0,
+            most: None,
         };
         let mut chosen = some_intervals(intervals, draws);
         best_split(samples, &self.dual_planes, task, [root], &mut chosen, self.stop).line

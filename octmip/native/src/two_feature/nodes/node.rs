@@ -78,12 +78,15 @@ pub(crate) struct Child {
     pub(crate) intervals: Arc<Vec<SlopeInterval>>,
     /// In all other intervals a split costs this much or more.
     pub(crate) struck: i64,
+    /// The samples that the gains of the intervals speak of, one bit each: they hold for all sets within.
+    pub(crate) within: Arc<[u64]>,
 }
 
 impl Child {
     /// A child of which nothing is known but the intervals that may hold its split.
-    pub(crate) fn new(intervals: Arc<Vec<SlopeInterval>>) -> Self {
-        Self { floor: 0, wide: (0, INFEASIBLE), lines: Vec::new(), intervals, struck: INFEASIBLE }
+    pub(crate) fn new(intervals: Arc<Vec<SlopeInterval>>, n_samples: usize) -> Self {
+        let within = vec![u64::MAX; n_samples.div_ceil(64)].into();
+        Self { floor: 0, wide: (0, INFEASIBLE), lines: Vec::new(), intervals, struck: INFEASIBLE, within }
     }
 
     /// Keep a line, the youngest first.
@@ -134,6 +137,8 @@ pub(crate) struct Node {
     pub(crate) key: i64,
     /// Bounds and lines of the children, left and right.
     pub(crate) children: [Child; 2],
+    /// Open samples when gains were last learnt.
+    pub(crate) n_learnt: usize,
 }
 
 /// The aim of a bound.

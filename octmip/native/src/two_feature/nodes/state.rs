@@ -24,9 +24,11 @@ impl WrittenTables {
         let Region { t0, t1, l0, l1, u0, u1 } = node.region;
         [t0, t1, l0, l1, u0, u1].into_iter().for_each(|edge| out.real(edge));
         out.signed(node.key);
+        out.number(node.n_learnt as u64);
         for child in &node.children {
             [child.floor, child.wide.0, child.wide.1, child.struck].into_iter().for_each(|bound| out.signed(bound));
             out.list(child.lines.iter(), Writer::line);
+            child.within.iter().for_each(|&word| out.number(word));
             self.write_table(out, &child.intervals);
         }
     }
@@ -41,6 +43,7 @@ impl WrittenTables {
                 let place = u64::from(interval.dual_plane) << 32 | u64::from(interval.first) << 16;
                 out.number(place | u64::from(interval.n_intervals));
                 out.signed(interval.bound);
+                out.signed(interval.gain);
             });
         }
     }
@@ -63,14 +66,17 @@ impl<'a> ReadTables<'a> {
         let dual_plane = u32::try_from(from.number()?).ok()?;
         let mut edge = || from.real();
         let region = Region { t0: edge()?, t1: edge()?, l0: edge()?, l1: edge()?, u0: edge()?, u1: edge()? };
-        let node = Node { dual_plane, region, key: from.cost()?, children: [self.child(from)?, self.child(from)?] };
+        let (key, n_learnt) = (from.cost()?, from.number()? as usize);
+        let node = Node { dual_plane, region, key, children: [self.child(from)?, self.child(from)?], n_learnt };
         ((dual_plane as usize) < self.context.dual_planes.len()).then_some(node)
     }
 
     fn child(&mut self, from: &mut Reader<'_>) -> Option<Child> {
         let [floor, low, most, struck] = [from.cost()?, from.cost()?, from.cost()?, from.cost()?];
         let lines = from.list(Reader::line)?;
-        Some(Child { floor, wide: (low, most), lines, intervals: self.table(from)?, struck })
+        let n_words = self.context.all.len().div_ceil(64);
+        let within = (0..n_words).map(|_| from.number()).collect::<Option<_>>()?;
+        Some(Child { floor, wide: (low, most), lines, intervals: self.table(from)?, struck, within })
     }
 
     fn table(&mut self, from: &mut Reader<'_>) -> Option<Intervals> {
@@ -85,9 +91,9 @@ impl<'a> ReadTables<'a> {
     fn interval(&self, from: &mut Reader<'_>) -> Option<SlopeInterval> {
         let place = from.number()?;
         let (dual_plane, first, n_intervals) = ((place >> 32) as u32, (place >> 16) as u16, place as u16);
-        let bound = from.cost()?;
+        let (bound, gain) = (from.cost()?, from.signed()?);
         let most = self.context.dual_planes.get(dual_plane as usize)?.n_intervals();
         let is_there = n_intervals > 0 && usize::from(first) + usize::from(n_intervals) <= most;
-        is_there.then_some(SlopeInterval { dual_plane, first, n_intervals, bound })
+        is_there.then_some(SlopeInterval { dual_plane, first, n_intervals, bound, gain })
     }
 }

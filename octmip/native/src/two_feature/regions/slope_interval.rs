@@ -8,6 +8,8 @@ pub(crate) struct SlopeInterval {
     pub(crate) first: u16,
     pub(crate) n_intervals: u16,
     pub(crate) bound: i64,
+    /// What a split in any of them saves at most, of the most that the samples can cost (`nodes/gains.rs`).
+    pub(crate) gain: i64,
 }
 
 /// Neighbouring intervals that are bounded together at first.

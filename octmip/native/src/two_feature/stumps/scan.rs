@@ -18,26 +18,28 @@ impl StumpSearch<'_> {
     pub(crate) fn scan(&mut self, dual_plane: &DualPlane, (from, to): (usize, usize), keeps: bool) -> i64 {
         let loss = self.samples.loss;
         let room = &mut self.histograms;
-        let n_regions = room.bounds.len();
+        let n_regions = room.regions(to - from);
+        let n_entries = n_regions * loss.lanes();
         let need = (self.need > 1).then_some(self.need);
         room.count(dual_plane.bins(from), dual_plane.bins(to), need.map(|_| loss.k * n_regions));
         let sweep = Sweep {
             loss,
             total: &self.total,
-            low: &mut room.low,
-            high: &mut room.high,
+            low: &mut room.low[..n_entries],
+            high: &mut room.high[..n_entries],
             need,
-            bounds: &mut room.bounds,
-            running: &mut room.running,
+            bounds: &mut room.bounds[..n_regions],
+            running: &mut room.running[..n_regions],
         };
         room.arch.dispatch(sweep);
         let price = self.samples.price(dual_plane.features);
-        let lowest = room.bounds.iter().fold(INFEASIBLE, |least, &bound| least.min(bound));
+        let bounds = &room.bounds[..n_regions];
+        let lowest = bounds.iter().fold(INFEASIBLE, |least, &bound| least.min(bound));
         if lowest + price >= self.current {
             return (lowest + price).min(INFEASIBLE);
         }
         let mut least = INFEASIBLE;
-        for (bin, bound) in room.bounds.iter().enumerate() {
+        for (bin, bound) in bounds.iter().enumerate() {
             let bound = (bound + price).min(INFEASIBLE);
             if bound >= least.max(self.current) {
                 continue;
@@ -69,12 +71,13 @@ impl StumpSearch<'_> {
         limits: Limits,
         found: &mut Vec<SlopeInterval>,
     ) -> i64 {
-        if interval.bound >= self.current.min(limits.dead) || self.is_stopped() {
+        if limits.at_least(&interval) >= self.current || interval.bound >= limits.dead || self.is_stopped() {
             found.push(interval);
             return INFEASIBLE;
         }
         let (from, n) = (interval.first as usize, interval.n_intervals as usize);
         let mut bound = self.scan(dual_plane, (from, from + n), n == 1);
+        let gain = limits.gain(interval.gain, bound);
         let begin = found.len();
         if bound < self.current && n > 1 {
             let length = n.div_ceil(4);
@@ -82,7 +85,7 @@ impl StumpSearch<'_> {
             let raised = interval.bound.max(bound - limits.less);
             bound = firsts.fold(INFEASIBLE, |least, first| {
                 let (n_intervals, first) = (length.min(n - first) as u16, interval.first + first as u16);
-                let part = SlopeInterval { first, n_intervals, bound: raised, ..interval };
+                let part = SlopeInterval { first, n_intervals, bound: raised, gain, ..interval };
                 least.min(self.scan_intervals(dual_plane, part, limits, found))
             });
             if bound < self.current.min(limits.dead) {
@@ -90,9 +93,10 @@ impl StumpSearch<'_> {
             }
         }
         // None of them matters now: they are one again.
-        let parts = found.drain(begin..).map(|part| part.bound).min();
-        let known = parts.unwrap_or(interval.bound.max(bound - limits.less));
-        found.push(SlopeInterval { bound: known, ..interval });
+        let alone = (interval.bound.max(bound - limits.less), gain);
+        let parts = found.drain(begin..).map(|part| (part.bound, part.gain));
+        let (least, gain) = parts.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or(alone);
+        found.push(SlopeInterval { bound: least, gain, ..interval });
         bound
     }
 }

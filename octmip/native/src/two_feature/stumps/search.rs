@@ -6,7 +6,7 @@ use crate::two_feature::geometry::line::Line;
 use crate::two_feature::loss::INFEASIBLE;
 use crate::two_feature::regions::realisation::Separability;
 use crate::two_feature::regions::region::Region;
-use crate::two_feature::stumps::histograms::Histograms;
+use crate::two_feature::stumps::histograms::{Histograms, Most};
 use crate::two_feature::weighted_samples::WeightedSamples;
 
 /// The task of the stump solver.
@@ -28,6 +28,8 @@ pub(crate) struct StumpTask<'a> {
     pub(crate) dead: i64,
     /// Reduction of a bound of these samples for it to hold for those that the intervals' bounds speak of.
     pub(crate) less: i64,
+    /// The most that the samples can cost, where gains of intervals are known and learnt.
+    pub(crate) most: Option<Most>,
 }
 
 /// The result: every split outside dead intervals costs at least `lower`; `line` (none: a leaf) costs `incumbent`.

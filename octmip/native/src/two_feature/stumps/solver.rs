@@ -62,7 +62,7 @@ pub(crate) fn best_split(
     if search.incumbent <= task.floor {
         return search.finish(task.floor);
     }
-    let limits = Limits { dead: task.dead, less: task.less };
+    let limits = Limits { dead: task.dead, less: task.less, most: task.most };
     let mut found = Vec::with_capacity(intervals.len() + 16);
     let mut seen = 0;
     for run in intervals.chunk_by(|a, b| a.dual_plane == b.dual_plane) {
