@@ -15,18 +15,22 @@ pub(crate) struct Profiles<T> {
     /// At most (`profiles`); empty likewise.
     pub(crate) ranges: Vec<T>,
     /// Twice the span that is left beside each direction (`directions * profiles`); empty likewise.
-    pub(crate) spans: Vec<T>,
+    pub(crate) spans: Vec<i64>,
+    /// The largest of them (`profiles`); empty likewise.
+    pub(crate) largest_spans: Vec<T>,
 }
 
 impl<T: Lane> Profiles<T> {
     /// Gains of the cost profiles of these samples.
     pub(crate) fn new(samples: &Samples) -> Self {
         let profiles = if samples.is_single { 0 } else { samples.n_profiles() };
+        let largest = |profile| samples.spans.iter().skip(profile).step_by(profiles).copied().max().unwrap_or(0);
         let range = |profile| samples.gains_of(profile).iter().copied().max().unwrap_or(0);
         Self {
             gains: (0..profiles).flat_map(|profile| samples.gains_of(profile)).map(|&gain| T::narrow(gain)).collect(),
             ranges: (0..profiles).map(|profile| T::narrow(range(profile))).collect(),
-            spans: samples.spans.iter().map(|&span| T::narrow(span)).collect(),
+            spans: samples.spans.clone(),
+            largest_spans: (0..profiles).map(|profile| T::narrow(largest(profile))).collect(),
         }
     }
 
@@ -45,6 +49,8 @@ pub(crate) struct Histogram<T: Lane, const N: usize, const S: usize> {
     pub(crate) caps: Vec<[T; N]>,
     /// The same over `STRIDE` buckets.
     pub(crate) tops: Vec<[T; N]>,
+    /// The larger gain of each bucket's two edges, where samples gain in several labels.
+    scores: Vec<[T; N]>,
     runs: Vec<[T; N]>,
     /// Samples left of the cut; None: not yet put back for this feature.
     k: Option<usize>,
@@ -60,6 +66,7 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
             open: Vec::new(),
             caps: Vec::new(),
             tops: Vec::new(),
+            scores: Vec::new(),
             runs: Vec::new(),
             k: None,
             group,
@@ -84,6 +91,7 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
         self.open.clear();
         self.open.resize(b, [T::default(); N]);
         self.caps.resize(b, [T::default(); N]);
+        self.scores.resize(b, [T::default(); N]);
         self.tops.resize(b / STRIDE, [T::default(); N]);
         self.runs.resize(b / STRIDE * samples.n_labels, [T::default(); N]);
         let slots = self.slots(samples.p, shape);
@@ -157,7 +165,8 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
             runs: &mut self.runs,
             gains: &profiles.gains,
             ranges: &profiles.ranges,
-            spans: &profiles.spans,
+            scores: &mut self.scores,
+            spans: &profiles.largest_spans,
             best: [T::default(); N],
             reach: [T::default(); N],
         };
@@ -174,6 +183,22 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
         pass.best
     }
 
+    /// Largest gain inside a bucket on one lane, `cap` that of the last pass.
+    ///
+    /// The pass takes the largest span of each profile beside any direction, all but the largest of these products. So it
+    /// takes no less than is left beside the best direction, which is what this counts.
+    pub(crate) fn cap(&self, lane: usize, bucket: usize, profiles: &Profiles<T>, cap: i64) -> i64 {
+        let rows = profiles.ranges.len();
+        if rows == 0 {
+            return cap;
+        }
+        let histogram: &[T] = pulp::bytemuck::cast_slice(self.pairs.get());
+        let held = |profile: usize| histogram[(bucket * rows + profile) * N + lane].widen();
+        let left = |spans: &[i64]| spans.iter().enumerate().map(|(profile, span)| held(profile) * span).sum::<i64>();
+        let doubled = profiles.spans.chunks_exact(rows).map(left).min().unwrap_or(0);
+        cap.min(self.scores[bucket][lane].widen() + doubled / 2)
+    }
+
     /// Gains left of a bucket's start on one lane, from the last checkpoint of the last pass.
     pub(crate) fn running_sums(&self, lane: usize, bucket: usize, profiles: &Profiles<T>, sums: &mut [i64]) {
         let checkpoint = &self.runs[bucket / STRIDE * sums.len()..][..sums.len()];
@@ -182,12 +207,13 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
         }
         let histogram: &[T] = pulp::bytemuck::cast_slice(self.pairs.get());
         let rows = profiles.rows(sums.len());
-        for row in bucket / STRIDE * STRIDE * rows..bucket * rows {
-            let held = histogram[row * N + lane].widen();
+        let (first, past) = (bucket / STRIDE * STRIDE * rows, bucket * rows);
+        for row in 0..rows {
+            let held = (first..past).step_by(rows).map(|bucket| histogram[(bucket + row) * N + lane].widen()).sum::<i64>();
             if profiles.ranges.is_empty() {
-                sums[row % rows] += held;
+                sums[row] += held;
             } else {
-                let gains = &profiles.gains[row % rows * sums.len()..];
+                let gains = &profiles.gains[row * sums.len()..];
                 for (sum, gain) in sums.iter_mut().zip(gains) {
                     *sum += held * gain.widen();
                 }
