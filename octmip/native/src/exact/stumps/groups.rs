@@ -55,11 +55,13 @@ pub(crate) struct Histogram<T: Lane, const N: usize, const S: usize> {
     /// Samples left of the cut; None: not yet put back for this feature.
     k: Option<usize>,
     group: usize,
+    /// Slots that have a feature.
+    used: usize,
 }
 
 impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
     /// The histogram of one group, empty.
-    pub(crate) fn new(group: usize) -> Self {
+    pub(crate) fn new(group: usize, p: usize) -> Self {
         Self {
             pairs: Aligned::default(),
             start: Aligned::default(),
@@ -70,6 +72,7 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
             runs: Vec::new(),
             k: None,
             group,
+            used: (p - group * S).min(S),
         }
     }
 
@@ -133,19 +136,18 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
     fn apply(&mut self, samples: &Samples, table: &Table, ids: &[u32], sign: i64, change: impl Fn(i64) -> T::Pair) {
         let first = self.group * samples.n * S;
         let (offsets, _) = table.offsets[first..first + samples.n * S].as_chunks::<S>();
-        let used = (samples.p - self.group * S).min(S);
         let pairs = self.pairs.get_mut();
         for &i in ids {
             let is_second = table.is_difference && samples.profile[i as usize] == 1;
             let sign = if is_second { -sign } else { sign };
             let by = change(sign * samples.multiplicity[i as usize]);
             let row = &offsets[i as usize];
-            if used == S {
+            if self.used == S {
                 for &offset in row {
                     pairs[offset as usize] = T::change(pairs[offset as usize], by);
                 }
             } else {
-                for &offset in &row[..used] {
+                for &offset in &row[..self.used] {
                     pairs[offset as usize] = T::change(pairs[offset as usize], by);
                 }
             }
@@ -167,6 +169,7 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
             ranges: &profiles.ranges,
             scores: &mut self.scores,
             spans: &profiles.largest_spans,
+            is_half: 4 * self.used <= N,
             best: [T::default(); N],
             reach: [T::default(); N],
         };

@@ -27,6 +27,8 @@ pub(crate) struct Group<'a, T, const N: usize> {
     pub(crate) ranges: &'a [T],
     /// Twice the largest span that is left of each profile beside a direction (`profiles`); empty likewise.
     pub(crate) spans: &'a [T],
+    /// Whether only the first half of the lanes has features.
+    pub(crate) is_half: bool,
     /// Largest gain seen at an edge, out.
     pub(crate) best: Row<T, N>,
     /// Largest gain that any stump may have, out.
@@ -101,44 +103,69 @@ impl<T: Lane, const N: usize, const K: usize> Reader<T, N, K> for ByLabel {
     }
 }
 
-impl<T: Lane, const N: usize> Group<'_, T, N> {
-    /// The pass over buckets of `K` rows, as many as labels; `reader` knows what they hold.
+/// Running sums of the gains in each label, from one bucket edge to the next.
+struct Sums<T, const N: usize, const K: usize> {
+    totals: [Row<T, N>; K],
+    run: [Row<T, N>; K],
+    edge: Edge<T, N>,
+}
+
+impl<T: Lane, const N: usize, const K: usize> Sums<T, N, K> {
+    #[inline(always)]
+    fn first(whole: &[Row<T, N>]) -> Self {
+        let mut totals = [[T::default(); N]; K];
+        totals.copy_from_slice(whole);
+        Self { totals, run: [[T::default(); N]; K], edge: Edge::first(whole) }
+    }
+
+    /// Pass a bucket on the first so many lanes; returns what it may hide.
     ///
     /// All that is done for a lane stands in one loop over the lanes, which the compiler turns into vectors. Of a loop
     /// for each operation it unrolls the short ones and joins their pieces by shuffles: on AVX2 that took three times
     /// as long.
     #[inline(always)]
+    fn pass<R: Reader<T, N, K>>(
+        &mut self,
+        n_lanes: usize,
+        bucket: &[Row<T, N>; K],
+        open: &Row<T, N>,
+        reader: &R,
+    ) -> Row<T, N> {
+        let mut inside = [T::default(); N];
+        for lane in 0..n_lanes {
+            let Entry { gains, count, minor } = reader.read(bucket, lane);
+            let (mut low, mut high) = (T::default(), T::default());
+            for c in 0..K {
+                let sum = self.run[c][lane].plus(gains[c]);
+                self.run[c][lane] = sum;
+                low = low.max(sum);
+                high = high.max(self.totals[c][lane].minus(sum));
+            }
+            inside[lane] = self.edge.pass(lane, [low, high], count, minor, open[lane]);
+        }
+        inside
+    }
+}
+
+impl<T: Lane, const N: usize> Group<'_, T, N> {
+    /// The pass over buckets of `K` rows, as many as labels; `reader` knows what they hold.
+    #[inline(always)]
     pub(super) fn pass_buckets<const K: usize, R: Reader<T, N, K>>(&mut self, reader: &R) {
-        let mut totals = [[T::default(); N]; K];
-        totals.copy_from_slice(&self.totals[..K]);
-        let mut run = [[T::default(); N]; K];
-        let mut edge = Edge::first(&totals);
+        let mut sums = Sums::<T, N, K>::first(&self.totals[..K]);
         let (buckets, _) = self.histogram.as_chunks::<K>();
         for (b, ((bucket, open), cap)) in buckets.iter().zip(self.open).zip(self.caps.iter_mut()).enumerate() {
             if b % STRIDE == 0 {
-                self.runs[b / STRIDE * K..][..K].copy_from_slice(&run);
+                self.runs[b / STRIDE * K..][..K].copy_from_slice(&sums.run);
             }
-            let mut inside = [T::default(); N];
-            for lane in 0..N {
-                let Entry { gains, count, minor } = reader.read(bucket, lane);
-                let (mut low, mut high) = (T::default(), T::default());
-                for c in 0..K {
-                    let sum = run[c][lane].plus(gains[c]);
-                    run[c][lane] = sum;
-                    low = low.max(sum);
-                    high = high.max(totals[c][lane].minus(sum));
-                }
-                inside[lane] = edge.pass(lane, [low, high], count, minor, open[lane]);
-            }
-            *cap = inside;
+            *cap = if self.is_half { sums.pass(N / 2, bucket, open, reader) } else { sums.pass(N, bucket, open, reader) };
             if R::KEEPS_SCORES {
-                self.scores[b] = edge.larger;
+                self.scores[b] = sums.edge.larger;
             }
             if b % STRIDE == STRIDE - 1 {
-                self.tops[b / STRIDE] = edge.close_stride();
+                self.tops[b / STRIDE] = sums.edge.close_stride();
             }
         }
-        (self.best, self.reach) = (edge.best, edge.reach);
+        (self.best, self.reach) = (sums.edge.best, sums.edge.reach);
     }
 
     /// The same for any number of labels.
