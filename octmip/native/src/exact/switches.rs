@@ -28,3 +28,10 @@ crate::switches::switches! {
     /// The widest vectors of the machine.
     vectors,
 }
+
+impl Switches {
+    /// Without the prunes that the checker of a log does not know.
+    pub(crate) fn of_logs(self) -> Self {
+        Self { set_range: false, ..self }
+    }
+}

@@ -9,6 +9,8 @@
 //!   best tree for the smaller set is feasible on the larger and costs at most the range of the new samples more.
 //! * mixed labels: `e(L(k)) >= e(L(a)) + g(a, k)`, g the least cost of the samples between when only as many labels
 //!   may be predicted as the child has leaves: each of them lands in some leaf of the same tree. Needs monotone.
+//! * set range: the three together for one set of labels at a time, each sample at its most expensive label of the set in
+//!   place of its cost range: `Axis::by_sets`. Needs all of them. A log has no line for it.
 
 use crate::exact::node::result::Solved;
 use crate::exact::samples::Samples;
@@ -55,7 +57,8 @@ pub(crate) struct Axis {
     pub(crate) right: Vec<i64>,
     /// The stump solver's number of each evaluated cut.
     pub(crate) evaluated: Vec<u32>,
-    /// Left of each cut, `width` vectors a cut: cost range of each label, or cost under each set of labels.
+    /// Left of each cut, `width` vectors a cut: cost range of each label, or cost under each set of labels, and the most
+    /// that may be paid under each.
     prefix: Vec<[i32; WIDTH]>,
     width: usize,
     n_cuts: usize,
@@ -95,7 +98,9 @@ impl Axis {
         let sets = samples.label_sets(n_leaves);
         let is_counted = switches.mixed_labels && self.is_monotone && view.total_range < i64::from(i32::MAX);
         (self.counted, self.width) = match sets {
-            Some(sets) if is_counted && switches.cost_range && switches.set_range => (Counted::Ranges, 2 * sets.width()),
+            Some(sets) if is_counted && switches.cost_range && switches.set_range => {
+                (Counted::Ranges, 2 * sets.width())
+            }
             Some(sets) if is_counted => (Counted::Sets, sets.width()),
             None if is_counted && samples.is_single && samples.n_labels > n_leaves => {
                 (Counted::Labels, samples.n_labels.div_ceil(WIDTH))

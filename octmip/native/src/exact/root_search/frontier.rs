@@ -4,7 +4,8 @@
 //! search.
 //!
 //! Work is handed out in rounds of a fixed number of cuts, chosen before the round and entered in order after it. So
-//! what is searched, and which tree is found, does not depend on the number of threads or on their speed.
+//! what is searched, and which tree is found, does not depend on the number of threads or on their speed; but for cuts
+//! in work when a tree turns up that none undercuts, which are counted and forgotten.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -244,6 +245,7 @@ impl<'a> Frontier<'a> {
             if self.control.is_stopped() || state.is_finished {
                 return None;
             }
+            self.drop_rest(&mut state);
             if let Some(&task) = state.round.get(state.n_handed_out) {
                 state.n_handed_out += 1;
                 return Some((state.n_handed_out - 1, task));
@@ -256,6 +258,28 @@ impl<'a> Frontier<'a> {
             let waited = self.changed.wait_timeout(state, Duration::from_millis(20));
             state = waited.unwrap_or_else(PoisonError::into_inner).0;
         }
+    }
+
+    /// Once a cut of the round has a tree that costs no more than the price of its root, the rest of the round and the
+    /// queue are dropped: no tree with a split costs less, and no leaf does, as its cost bounds what is searched for.
+    ///
+    /// Cuts are handed out in order, so all before it are handed out. Those after it are forgotten even where another
+    /// thread has brought them back: the same is entered for any number of threads.
+    fn drop_rest(&self, state: &mut State) {
+        let is_least =
+            |children: &Children| children.tree.as_ref().is_some_and(|(cost, _)| *cost <= self.samples.penalty);
+        let Some(found) = state.results.iter().position(|result| result.as_ref().is_some_and(is_least)) else {
+            return;
+        };
+        if state.results[..state.n_handed_out].iter().all(Option::is_some) {
+            state.round.truncate(found + 1);
+            state.results.truncate(found + 1);
+            state.heap.clear();
+        } else {
+            state.round.truncate(state.n_handed_out);
+            state.results.truncate(state.n_handed_out);
+        }
+        state.n_handed_out = state.round.len();
     }
 
     /// Enter a round's results and choose the next.

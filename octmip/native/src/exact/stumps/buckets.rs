@@ -65,8 +65,8 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
     /// Most buckets of a feature: few where the vector pass is the price, more where walks inside are. Under a cost
     /// matrix more is uncertain inside a bucket, so there are more walks.
     fn most_buckets(&self, len: usize) -> usize {
-        let cheap = std::env::var("CHEAP").ok().and_then(|x| x.parse::<usize>().ok()).unwrap_or(256) / (self.groups.len() * self.shape.rows);
-        let many = if self.profiles.ranges.is_empty() { 2 } else { std::env::var("MANY").ok().and_then(|x| x.parse().ok()).unwrap_or(4) };
+        let cheap = 256 / (self.groups.len() * self.shape.rows);
+        let many = if self.profiles.ranges.is_empty() { 2 } else { 4 };
         cheap.max(64).max(many * len.isqrt())
     }
 

@@ -94,7 +94,7 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
         self.open.clear();
         self.open.resize(b, [T::default(); N]);
         self.caps.resize(b, [T::default(); N]);
-        self.scores.resize(b, [T::default(); N]);
+        self.scores.resize(if samples.is_single { 0 } else { b }, [T::default(); N]);
         self.tops.resize(b / STRIDE, [T::default(); N]);
         self.runs.resize(b / STRIDE * samples.n_labels, [T::default(); N]);
         let slots = self.slots(samples.p, shape);
@@ -212,7 +212,8 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
         let rows = profiles.rows(sums.len());
         let (first, past) = (bucket / STRIDE * STRIDE * rows, bucket * rows);
         for row in 0..rows {
-            let held = (first..past).step_by(rows).map(|bucket| histogram[(bucket + row) * N + lane].widen()).sum::<i64>();
+            let held =
+                (first..past).step_by(rows).map(|bucket| histogram[(bucket + row) * N + lane].widen()).sum::<i64>();
             if profiles.ranges.is_empty() {
                 sums[row] += held;
             } else {

@@ -157,7 +157,8 @@ impl<T: Lane, const N: usize> Group<'_, T, N> {
             if b % STRIDE == 0 {
                 self.runs[b / STRIDE * K..][..K].copy_from_slice(&sums.run);
             }
-            *cap = if self.is_half { sums.pass(N / 2, bucket, open, reader) } else { sums.pass(N, bucket, open, reader) };
+            *cap =
+                if self.is_half { sums.pass(N / 2, bucket, open, reader) } else { sums.pass(N, bucket, open, reader) };
             if R::KEEPS_SCORES {
                 self.scores[b] = sums.edge.larger;
             }
