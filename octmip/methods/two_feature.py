@@ -206,9 +206,9 @@ def _one_level_deeper(problem: Problem, bound: float) -> float:
     e <= M - saved / 2 + P, P the price of its splits. The deeper tree pays these splits too: it costs
     M - saved + P >= 2 e - M - P, and P is at most that of 2^level - 1 lines.
     """
-    dearest = problem.weights * problem.costs.max(axis=1)[problem.codes]
+    highest = problem.weights * problem.costs.max(axis=1)[problem.codes]
     n_splits: int = 2 ** (problem.depth - 1) - 1
-    most = math.fsum(dearest) + 2 * problem.leaf_penalty * n_splits
+    most = math.fsum(highest) + 2 * problem.leaf_penalty * n_splits
     # Where numbers are not whole, five of them are rounded by half a unit in the last place of the largest.
     rounding = 0.0 if float(most).is_integer() and float(bound).is_integer() else 3 * math.ulp(2 * most)
     return max(0.0, 2 * bound - most - rounding)

@@ -64,6 +64,18 @@ def test_the_optimum_stays_with_every_prune_switched_off() -> None:
             assert branch_and_bound(problem).objective == optimum(problem).objective, seed
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_a_tree_that_none_undercuts_ends_the_search_for_any_number_of_threads(seed: int) -> None:
+    rng = np.random.default_rng([5, seed])
+    features = rng.normal(size=(300, 5))
+    is_above = features[:, :3] > np.array([0.2, -0.3, 0.1])
+    problem = Problem(features, is_above.sum(axis=1) % 2, depth=4)
+    alone, shared = branch_and_bound(problem), branch_and_bound(problem, n_jobs=2)
+    assert (alone.objective, alone.bound, alone.stop) == (0, 0, Stop.OPTIMAL)
+    assert (shared.tree, shared.bound) == (alone.tree, 0)
+    assert alone.n_nodes < 600  # 640 to 760 where the round is worked to its end
+
+
 @pytest.mark.parametrize("n_jobs", [1, 2])
 def test_a_sensor_budget_is_kept_and_proven(n_jobs: int) -> None:
     rng = np.random.default_rng(7)

@@ -14,7 +14,7 @@ from octmip.proof import check_proof
 from octmip.solution import Limits
 
 BLOCK = 50
-COST_BOUNDS = ("mixed_labels", "buckets", "cost_range", "vectors")
+COST_BOUNDS = ("mixed_labels", "set_range", "buckets", "cost_range", "vectors")
 
 
 def cost_problem(rng, n, p, depth):
@@ -59,6 +59,39 @@ def test_the_optimum_stays_without_the_bounds_of_costs(first):
         with without(*COST_BOUNDS):
             plain = branch_and_bound(problem)
         assert certify(problem, solution).objective == solution.bound == plain.objective == plain.bound, f"seed {seed}"
+
+
+@pytest.mark.parametrize("off", COST_BOUNDS)
+def test_every_bound_of_costs_is_valid_by_itself(off):
+    for seed in range(24):
+        rng = np.random.default_rng([76, seed])
+        problem = cost_problem(rng, int(rng.integers(60, 120)), int(rng.integers(2, 10)), 3)
+        with without(*(name for name in COST_BOUNDS if name != off)):
+            alone = branch_and_bound(problem)
+        assert alone.objective == alone.bound == branch_and_bound(problem).objective, f"seed {seed}"
+
+
+def test_samples_cost_at_most_what_they_do_under_the_labels_of_one_set():
+    rng = np.random.default_rng(77)
+    labels = np.arange(300) % 5
+    features = labels[:, None] * rng.uniform(0, 1, 6) + rng.normal(size=(300, 6))
+    problem = Problem(features, labels, depth=3, costs=np.abs(np.subtract.outer(np.arange(5), np.arange(5))))
+    with without("set_range"):
+        plain = branch_and_bound(problem)
+    solution = branch_and_bound(problem)
+    assert solution.objective == plain.objective
+    assert solution.n_nodes < 0.95 * plain.n_nodes
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("n_features", [3, 8, 9, 20])
+def test_gains_are_the_same_for_groups_of_few_features_as_by_walks(n_features, seed):
+    problem = cost_problem(np.random.default_rng([78, seed]), 150, n_features, 2)
+    for costs in (problem.costs, 1.0 - np.eye(len(problem.costs))):
+        asked = replace(problem, costs=costs, leaf_size=1)
+        with without("buckets"):
+            plain = branch_and_bound(asked)
+        assert branch_and_bound(asked).objective == plain.objective
 
 
 def in_smaller_units(problem, **options):

@@ -3,13 +3,11 @@
 //! Independent restarts (`restart`), each a descent from a tree of its own and perturbations of its local optimum, in
 //! groups: all of a group begin, the better ones go on; the best of all groups goes on longest. A restart's random
 //! stream depends on the seed and its number alone, rounds end together, and the best restart of lowest number wins, so
-//! that one seed gives one tree whatever the number of threads, or of the processes that take turns (`elsewhere`).
+//! that one seed gives one tree whatever the number of threads, or of the processes that take turns (`turns`).
 
 mod axis;
-pub(crate) mod elsewhere;
 mod gains;
 mod greedy;
-pub(crate) mod known;
 mod local_search;
 mod logistic;
 mod options;
@@ -20,6 +18,7 @@ mod rebuild;
 mod restart;
 mod soft_tree;
 mod tree;
+pub(crate) mod turns;
 mod watch;
 
 use std::cell::RefCell;
@@ -33,10 +32,10 @@ use crate::exact::samples::Samples;
 use crate::problem::Problem;
 use crate::tree::Tree;
 
-use crate::search::elsewhere::Elsewhere;
-use crate::search::known::{Kept, Known, Saver, Turn};
 use crate::search::prepared::{Made, Prepared};
 use crate::search::restart::{Restart, Round};
+use crate::search::turns::elsewhere::Elsewhere;
+use crate::search::turns::known::{Kept, Known, Saver, Turn};
 use crate::search::watch::{TRIVIAL_BOUND, Watch};
 
 pub use options::Options;

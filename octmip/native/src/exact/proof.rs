@@ -40,6 +40,7 @@ pub(crate) fn write_by(
     control: &Control,
     helpers: Helpers<'_>,
 ) -> Option<String> {
+    let switches = switches.of_logs();
     let samples = Samples::in_few_rows(problem, &switches);
     let upper = samples.counted(claim - samples.base.iter().sum::<i64>());
     let mut out = Body::default();

@@ -7,7 +7,9 @@ crate::switches::switches! {
     cost_range,
     /// Samples between two cuts cost what they do with as many labels as leaves.
     mixed_labels,
-    /// The same for a whole node.
+    /// Samples between two cuts cost at most what they do under the labels of one such set.
+    set_range,
+    /// As many labels as leaves, for a whole node.
     label_count,
     /// Solve one level shallower first.
     shallower_first,
@@ -27,4 +29,11 @@ crate::switches::switches! {
     merging,
     /// The widest vectors of the machine.
     vectors,
+}
+
+impl Switches {
+    /// Without the prunes that the checker of a log does not know.
+    pub(crate) fn of_logs(self) -> Self {
+        Self { set_range: false, ..self }
+    }
 }

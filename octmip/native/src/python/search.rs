@@ -7,8 +7,9 @@ use crate::python::problem::PyProblem;
 use crate::python::rows::{NodeRow, rows_from_tree, tree_from_rows};
 use crate::python::run::{Found, LimitValues, found, limits, supervised};
 use crate::python::workers::Workers;
-use crate::search::elsewhere::{Elsewhere, Taken, TurnSolver, Wanted};
-use crate::search::known::{Known, Saver, Turn};
+use crate::search::turns::elsewhere::{Elsewhere, Taken, Wanted};
+use crate::search::turns::known::{Known, Saver, Turn};
+use crate::search::turns::solver::TurnSolver;
 use crate::search::{Options, go_on};
 
 /// A restart after a turn: number, state of its random stream, counts of deep blocks, whether nothing beats its tree,

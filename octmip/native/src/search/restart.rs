@@ -2,14 +2,14 @@
 
 use crate::exact::samples::Samples;
 use crate::problem::Problem;
-use crate::search::elsewhere::{Ask, Wanted};
 use crate::search::greedy::BuildOptions;
-use crate::search::known::Turn;
 use crate::search::local_search::LocalSearch;
 use crate::search::options::Options;
 use crate::search::prepared::Prepared;
 use crate::search::soft_tree::schedule::{Reselection, Schedule};
 use crate::search::tree::state::State;
+use crate::search::turns::elsewhere::{Ask, Wanted};
+use crate::search::turns::known::Turn;
 use crate::search::watch::Watch;
 use crate::tree::Tree;
 

@@ -9,6 +9,8 @@
 //!   best tree for the smaller set is feasible on the larger and costs at most the range of the new samples more.
 //! * mixed labels: `e(L(k)) >= e(L(a)) + g(a, k)`, g the least cost of the samples between when only as many labels
 //!   may be predicted as the child has leaves: each of them lands in some leaf of the same tree. Needs monotone.
+//! * set range: the three together for one set of labels at a time, each sample at its most expensive label of the set
+//!   in place of its cost range: `Axis::by_sets`. Needs all of them. A log has no line for it.
 
 use crate::exact::node::result::Solved;
 use crate::exact::samples::Samples;
@@ -38,6 +40,8 @@ enum Counted {
     Labels,
     /// Cost under each set of labels.
     Sets,
+    /// Cost under each set of labels, and the most it may be there.
+    Ranges,
 }
 
 /// Cuts of a feature in order; the first and the last are the trivial ones that leave a side empty.
@@ -53,7 +57,8 @@ pub(crate) struct Axis {
     pub(crate) right: Vec<i64>,
     /// The stump solver's number of each evaluated cut.
     pub(crate) evaluated: Vec<u32>,
-    /// Left of each cut, `width` vectors a cut: cost range of each label, or cost under each set of labels.
+    /// Left of each cut, `width` vectors a cut: cost range of each label, or cost under each set of labels, and the most
+    /// that may be paid under each.
     prefix: Vec<[i32; WIDTH]>,
     width: usize,
     n_cuts: usize,
@@ -93,6 +98,9 @@ impl Axis {
         let sets = samples.label_sets(n_leaves);
         let is_counted = switches.mixed_labels && self.is_monotone && view.total_range < i64::from(i32::MAX);
         (self.counted, self.width) = match sets {
+            Some(sets) if is_counted && switches.cost_range && switches.set_range => {
+                (Counted::Ranges, 2 * sets.width())
+            }
             Some(sets) if is_counted => (Counted::Sets, sets.width()),
             None if is_counted && samples.is_single && samples.n_labels > n_leaves => {
                 (Counted::Labels, samples.n_labels.div_ceil(WIDTH))
@@ -120,9 +128,10 @@ impl Axis {
                 let mask = &LANE[label % WIDTH];
                 let part = &mut counts[label / WIDTH];
                 *part = std::array::from_fn(|lane| part[lane] + (mask[lane] & range));
-            } else if let Some(sets) = sets.filter(|_| self.counted == Counted::Sets) {
+            } else if let Some(sets) = sets.filter(|_| self.counted != Counted::Nothing) {
                 let multiplicity = samples.multiplicity[i as usize] as i32;
-                for (part, costs) in counts.iter_mut().zip(sets.costs_of(samples.profile[i as usize] as usize)) {
+                let profile = samples.profile[i as usize] as usize;
+                for (part, costs) in counts.iter_mut().zip(sets.costs_of(profile).iter().chain(sets.most_of(profile))) {
                     *part = std::array::from_fn(|lane| part[lane] + multiplicity * costs[lane]);
                 }
             }
@@ -225,6 +234,11 @@ impl Axis {
     /// Lower bounds of both children of cut `k`, from the solved cuts around it.
     pub(crate) fn bounds(&self, interval: &Interval, k: usize) -> (i64, i64) {
         let Interval { a, b, .. } = *interval;
+        if self.counted == Counted::Ranges {
+            let last = self.last();
+            let left = self.by_sets([self.left[b], self.left[a]], [(k, b), (a, k), (0, k)]);
+            return (left, self.by_sets([self.right[a], self.right[b]], [(a, k), (k, b), (k, last)]));
+        }
         let (mut left, mut right) = (0, 0);
         if self.has_range {
             left = self.left[b] - (self.total_range[b] - self.total_range[k]);
@@ -235,6 +249,35 @@ impl Axis {
             right = right.max(self.right[b] + self.mixed(k, b));
         }
         (left.max(0), right.max(0))
+    }
+
+    /// Lower bound of a child from a `larger` set and a `smaller` one, `without` the samples between it and the larger,
+    /// `with` those between it and the smaller, of the samples `own`.
+    ///
+    /// The best tree for the child predicts the labels of some set A of as many as it has leaves. With A known:
+    /// * `e(child) >= e(larger) - most_A(without)`: used on the larger set, each new sample costs at most the most
+    ///   expensive label of A;
+    /// * `e(child) >= e(smaller) + least_A(with)`: used on the smaller set, idle splits removed, it costs `e(smaller)` at
+    ///   least, and the others the cheapest label of A or more;
+    /// * `e(child) >= least_A(own)`.
+    ///
+    /// So the least over all A of the largest of the three.
+    #[inline]
+    fn by_sets(&self, [larger, smaller]: [i64; 2], [without, with, own]: [(usize, usize); 3]) -> i64 {
+        let half = self.width / 2;
+        let at = |cut: usize, part: usize| &self.prefix[cut * self.width + part];
+        let (larger, smaller) = (larger as i32, smaller as i32);
+        let mut least = [i32::MAX; WIDTH];
+        for part in 0..half {
+            let [from, to] = [without.0, without.1].map(|cut| at(cut, half + part));
+            let [low, high] = [with.0, with.1].map(|cut| at(cut, part));
+            let [first, last] = [own.0, own.1].map(|cut| at(cut, part));
+            for set in 0..WIDTH {
+                let bound = (larger - (to[set] - from[set])).max(smaller + high[set] - low[set]);
+                least[set] = least[set].min(bound.max(last[set] - first[set]));
+            }
+        }
+        i64::from(least.into_iter().min().unwrap_or(0)).max(0)
     }
 
     /// Lower bound of the children of any cut of an interval.

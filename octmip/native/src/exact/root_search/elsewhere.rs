@@ -64,7 +64,8 @@ impl CutSolver {
 
     /// The children of a cut at a level, with what a log says of them where it is asked for; None when it was stopped.
     pub(crate) fn solve(&self, level: usize, cut: &Cut, is_logged: bool, control: &Control) -> Option<SolvedCut> {
-        let mut search = Search::new(&self.samples, self.switches, control, level);
+        let switches = if is_logged { self.switches.of_logs() } else { self.switches };
+        let mut search = Search::new(&self.samples, switches, control, level);
         search.log = is_logged.then(Log::default);
         if level == 3 {
             search.prepare(&self.view);

@@ -5,7 +5,8 @@
 //!
 //! Results are entered in the order in which their cuts were chosen, and a cut is chosen when all but the last few
 //! before it are entered, always as many. So what is searched, and which tree is found, does not depend on the number
-//! of threads or on their speed, and nobody waits for a slow cut until as many more are done.
+//! of threads or on their speed, and nobody waits for a slow cut until as many more are done; but cuts in work when a
+//! tree is entered that none undercuts are counted and forgotten.
 
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
@@ -269,7 +270,10 @@ impl<'a> Frontier<'a> {
     fn take(&self, number: usize, children: Children) {
         let mut state = self.lock();
         let index = number - state.n_entered;
-        state.window[index].result = Some(children);
+        let Some(task) = state.window.get_mut(index) else {
+            return; // forgotten
+        };
+        task.result = Some(children);
         while let Some(Task { result: Some(_), .. }) = state.window.front() {
             let Some(task) = state.window.pop_front() else { break };
             state.n_entered += 1;
@@ -335,6 +339,12 @@ impl<'a> Frontier<'a> {
             state.incumbents[task.cut.feature].see(cost, task.cut.position);
             if cost < state.cost {
                 (state.cost, state.plan) = (cost, Some(plan));
+            }
+            if cost <= self.samples.penalty {
+                // No tree with a split costs less than the price of one, and no leaf does, as its cost bounds what is
+                // searched for: the other cuts, in work or not, are forgotten.
+                state.window.clear();
+                state.heap.clear();
             }
         }
     }

@@ -38,13 +38,13 @@ fn thread(problem: &Problem, switches: &Switches) -> f64 {
 }
 
 /// The cuts of a feature: position, total range, bounds of both sides, evaluated cut; and eight at a time, where there
-/// are more labels than a child of this level has leaves, the cost range of each label, or the cost under each set of
-/// labels.
+/// are more labels than a child of this level has leaves, the cost range of each label, or the least and the most that
+/// is paid under each set of labels.
 fn axis(problem: &Problem, level: usize) -> f64 {
     let (k, n_leaves) = (problem.n_classes, 1 << (level - 1).min(20));
     let labels = if k > n_leaves { k.div_ceil(WIDTH) } else { 0 };
     let sets = if is_plain(problem) { 0 } else { most_width(k, n_leaves) };
-    problem.n as f64 * (32.0 + 32.0 * labels.max(sets) as f64)
+    problem.n as f64 * (32.0 + 32.0 * labels.max(2 * sets) as f64)
 }
 
 /// Tables of offsets into histograms, histograms, and what each group may reach by evaluated cut.
@@ -62,7 +62,7 @@ fn stumps(problem: &Problem, switches: &Switches) -> f64 {
     let rows = problem.n_classes as f64;
     // One label a bucket: a third of the samples where the difference of two labels is one row, else a sixth.
     let differences = if problem.n_classes == 2 { n / 3.0 * 5.0 } else { 0.0 };
-    let mixed = (n / 6.0).max(512.0f64.min(n)) * (2.0 * rows + 3.0);
+    let mixed = (n / 6.0).max(512.0f64.min(n)) * (2.0 * rows + 4.0);
     let histogram = VECTOR * mixed.max(differences);
     let widest = width(total_range);
     let (n_tables, widths) = if problem.depth < 3 { (1.0, widest..=widest) } else { (2.0, 0..=widest) };

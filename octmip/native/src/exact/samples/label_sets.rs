@@ -13,6 +13,8 @@ pub(crate) struct LabelSets {
     width: usize,
     /// Cost of one sample of each profile when the cheapest label of each set is predicted (`n_profiles * width`).
     costs: Vec<[i32; WIDTH]>,
+    /// Cost of one sample of each profile when the most expensive label of each set is (`n_profiles * width`).
+    most: Vec<[i32; WIDTH]>,
 }
 
 impl LabelSets {
@@ -25,20 +27,24 @@ impl LabelSets {
     pub(crate) fn new(gains: &[i64], n: usize, n_leaves: usize) -> Option<Self> {
         let width = width(n, n_leaves)?;
         let sets = subsets(n, n_leaves);
-        let mut costs = Vec::with_capacity(gains.len() / n * width);
-        for row in gains.chunks(n) {
-            let best = |labels: &[usize]| labels.iter().map(|&c| row[c]).max().unwrap_or(0);
-            let most = row.iter().copied().max().unwrap_or(0);
-            let cost = |set: usize| i32::try_from(most - best(&sets[set.min(sets.len() - 1)])).ok();
-            for part in 0..width {
-                let mut row = [0; WIDTH];
-                for (lane, held) in row.iter_mut().enumerate() {
-                    *held = cost(part * WIDTH + lane)?;
+        let most_gain = |row: &[i64]| row.iter().copied().max().unwrap_or(0);
+        let best = |row: &[i64], labels: &[usize]| labels.iter().map(|&c| row[c]).max().unwrap_or(0);
+        let worst = |row: &[i64], labels: &[usize]| labels.iter().map(|&c| row[c]).min().unwrap_or(0);
+        let rows = |gain: &dyn Fn(&[i64], &[usize]) -> i64| {
+            let mut costs = Vec::with_capacity(gains.len() / n * width);
+            for row in gains.chunks(n) {
+                for part in 0..width {
+                    let mut vector = [0; WIDTH];
+                    for (lane, held) in vector.iter_mut().enumerate() {
+                        let set = &sets[(part * WIDTH + lane).min(sets.len() - 1)];
+                        *held = i32::try_from(most_gain(row) - gain(row, set)).ok()?;
+                    }
+                    costs.push(vector);
                 }
-                costs.push(row);
             }
-        }
-        Some(Self { width, costs })
+            Some(costs)
+        };
+        Some(Self { width, costs: rows(&best)?, most: rows(&worst)? })
     }
 
     /// Vectors of a row.
@@ -49,6 +55,11 @@ impl LabelSets {
     /// Cost of one sample of a profile under each set.
     pub(crate) fn costs_of(&self, profile: usize) -> &[[i32; WIDTH]] {
         &self.costs[profile * self.width..(profile + 1) * self.width]
+    }
+
+    /// The most that one sample of a profile may cost under each set.
+    pub(crate) fn most_of(&self, profile: usize) -> &[[i32; WIDTH]] {
+        &self.most[profile * self.width..(profile + 1) * self.width]
     }
 }
 

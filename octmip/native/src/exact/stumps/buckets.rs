@@ -51,7 +51,7 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
             tightens: switches.distinct_labels && samples.is_single,
             tables: [Table::default(), Table::default()],
             used: 1,
-            groups: (0..samples.p.div_ceil(S)).map(Histogram::new).collect(),
+            groups: (0..samples.p.div_ceil(S)).map(|group| Histogram::new(group, samples.p)).collect(),
             scores: vec![0; samples.p],
             reaches: Vec::new(),
             k: 0,

@@ -16,18 +16,22 @@ pub(crate) struct Profiles<T> {
     /// At most (`profiles`); empty likewise.
     pub(crate) ranges: Vec<T>,
     /// Twice the span that is left beside each direction (`directions * profiles`); empty likewise.
-    pub(crate) spans: Vec<T>,
+    pub(crate) spans: Vec<i64>,
+    /// The largest of them (`profiles`); empty likewise.
+    pub(crate) largest_spans: Vec<T>,
 }
 
 impl<T: Lane> Profiles<T> {
     /// Gains of the cost profiles of these samples.
     pub(crate) fn new(samples: &Samples) -> Self {
         let profiles = if samples.is_single { 0 } else { samples.n_profiles() };
+        let largest = |profile| samples.spans.iter().skip(profile).step_by(profiles).copied().max().unwrap_or(0);
         let range = |profile| samples.gains_of(profile).iter().copied().max().unwrap_or(0);
         Self {
             gains: (0..profiles).flat_map(|profile| samples.gains_of(profile)).map(|&gain| T::narrow(gain)).collect(),
             ranges: (0..profiles).map(|profile| T::narrow(range(profile))).collect(),
-            spans: samples.spans.iter().map(|&span| T::narrow(span)).collect(),
+            spans: samples.spans.clone(),
+            largest_spans: (0..profiles).map(|profile| T::narrow(largest(profile))).collect(),
         }
     }
 
@@ -46,27 +50,33 @@ pub(crate) struct Histogram<T: Lane, const N: usize, const S: usize> {
     pub(crate) caps: Vec<[T; N]>,
     /// The same over `STRIDE` buckets.
     pub(crate) tops: Vec<[T; N]>,
+    /// The larger gain of each bucket's two edges, where samples gain in several labels.
+    scores: Vec<[T; N]>,
     runs: Vec<[T; N]>,
     /// Whether the bounds of the last pass were lowered.
     pub(crate) is_tight: bool,
     /// Samples left of the cut; None: not yet put back for this feature.
     k: Option<usize>,
     group: usize,
+    /// Slots that have a feature.
+    used: usize,
 }
 
 impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
     /// The histogram of one group, empty.
-    pub(crate) fn new(group: usize) -> Self {
+    pub(crate) fn new(group: usize, p: usize) -> Self {
         Self {
             pairs: Aligned::default(),
             start: Aligned::default(),
             open: Vec::new(),
             caps: Vec::new(),
             tops: Vec::new(),
+            scores: Vec::new(),
             runs: Vec::new(),
             is_tight: false,
             k: None,
             group,
+            used: (p - group * S).min(S),
         }
     }
 
@@ -88,6 +98,7 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
         self.open.clear();
         self.open.resize(b, [T::default(); N]);
         self.caps.resize(b, [T::default(); N]);
+        self.scores.resize(if samples.is_single { 0 } else { b }, [T::default(); N]);
         self.tops.resize(b / STRIDE, [T::default(); N]);
         self.runs.resize(b / STRIDE * samples.n_labels, [T::default(); N]);
         let slots = self.slots(samples.p, shape);
@@ -143,20 +154,19 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
     ) {
         let first = self.group * samples.n * S;
         let (cells, _) = cells[first..first + samples.n * S].as_chunks::<S>();
-        let used = (samples.p - self.group * S).min(S);
         let (pairs, _) = self.pairs.get_mut().as_chunks_mut::<S>();
         for &i in ids {
             let is_second = table.is_difference && samples.profile[i as usize] == 1;
             let sign = if is_second { -sign } else { sign };
             let by = change(sign * samples.multiplicity[i as usize]);
             let row = &cells[i as usize];
-            if used == S {
+            if self.used == S {
                 for (slot, cell) in row.iter().enumerate() {
                     let pair = &mut pairs[cell.index()][slot];
                     *pair = T::change(*pair, by);
                 }
             } else {
-                for (slot, cell) in row[..used].iter().enumerate() {
+                for (slot, cell) in row[..self.used].iter().enumerate() {
                     let pair = &mut pairs[cell.index()][slot];
                     *pair = T::change(*pair, by);
                 }
@@ -177,7 +187,9 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
             runs: &mut self.runs,
             gains: &profiles.gains,
             ranges: &profiles.ranges,
-            spans: &profiles.spans,
+            scores: &mut self.scores,
+            spans: &profiles.largest_spans,
+            is_half: 4 * self.used <= N,
             best: [T::default(); N],
             reach: [T::default(); N],
         };
@@ -217,6 +229,22 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
         pass.best
     }
 
+    /// Largest gain inside a bucket on one lane, `cap` that of the last pass.
+    ///
+    /// The pass takes the largest span of each profile beside any direction, all but the largest of these products. So
+    /// it takes no less than is left beside the best direction, which is what this counts.
+    pub(crate) fn cap(&self, lane: usize, bucket: usize, profiles: &Profiles<T>, cap: i64) -> i64 {
+        let rows = profiles.ranges.len();
+        if rows == 0 {
+            return cap;
+        }
+        let histogram: &[T] = pulp::bytemuck::cast_slice(self.pairs.get());
+        let held = |profile: usize| histogram[(bucket * rows + profile) * N + lane].widen();
+        let left = |spans: &[i64]| spans.iter().enumerate().map(|(profile, span)| held(profile) * span).sum::<i64>();
+        let doubled = profiles.spans.chunks_exact(rows).map(left).min().unwrap_or(0);
+        cap.min(self.scores[bucket][lane].widen() + doubled / 2)
+    }
+
     /// Gains left of a bucket's start on one lane, from the last checkpoint of the last pass.
     pub(crate) fn running_sums(&self, lane: usize, bucket: usize, profiles: &Profiles<T>, sums: &mut [i64]) {
         let checkpoint = &self.runs[bucket / STRIDE * sums.len()..][..sums.len()];
@@ -225,12 +253,14 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
         }
         let histogram: &[T] = pulp::bytemuck::cast_slice(self.pairs.get());
         let rows = profiles.rows(sums.len());
-        for row in bucket / STRIDE * STRIDE * rows..bucket * rows {
-            let held = histogram[row * N + lane].widen();
+        let (first, past) = (bucket / STRIDE * STRIDE * rows, bucket * rows);
+        for row in 0..rows {
+            let held =
+                (first..past).step_by(rows).map(|bucket| histogram[(bucket + row) * N + lane].widen()).sum::<i64>();
             if profiles.ranges.is_empty() {
-                sums[row % rows] += held;
+                sums[row] += held;
             } else {
-                let gains = &profiles.gains[row % rows * sums.len()..];
+                let gains = &profiles.gains[row * sums.len()..];
                 for (sum, gain) in sums.iter_mut().zip(gains) {
                     *sum += held * gain.widen();
                 }

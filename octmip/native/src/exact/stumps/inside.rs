@@ -79,7 +79,10 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
                 for lane in (side..N).step_by(2).filter(|&lane| caps[lane] > least) {
                     let slot = group * self.shape.slots + lane / 2;
                     if slot < p {
-                        self.candidates.push(Candidate { cap: caps[lane].widen(), slot, bucket });
+                        let cap = histogram.cap(lane, bucket, &self.profiles, caps[lane].widen());
+                        if cap > best {
+                            self.candidates.push(Candidate { cap, slot, bucket });
+                        }
                     }
                 }
             }

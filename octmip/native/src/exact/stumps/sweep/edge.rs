@@ -1,6 +1,6 @@
 //! The bounds of a bucket, from the gains at its two edges.
 
-use super::lanes::{Lane, Row, add, max, min, zip};
+use super::lanes::{Lane, Row, max};
 
 /// Buckets between two checkpoints of the running sums.
 pub(crate) const STRIDE: usize = 8;
@@ -12,6 +12,8 @@ pub(super) struct Edge<T, const N: usize> {
     pub(super) best: Row<T, N>,
     pub(super) reach: Row<T, N>,
     top: Row<T, N>,
+    /// The larger gain of the two edges of the bucket passed last.
+    pub(super) larger: Row<T, N>,
 }
 
 impl<T: Lane, const N: usize> Edge<T, N> {
@@ -21,11 +23,11 @@ impl<T: Lane, const N: usize> Edge<T, N> {
         for row in totals {
             high = max(&high, row);
         }
-        Self { high, score: high, best: high, reach: high, top: [T::default(); N] }
+        Self { high, score: high, best: high, reach: high, top: [T::default(); N], larger: high }
     }
 
-    /// Pass a bucket: `low`, `high` the best gain left and right of its end, `count` its cost range, `minor` its cost
-    /// range outside its largest label, or the least span that is left of its gains beside one direction.
+    /// Pass a bucket on one lane: `low`, `high` the best gain left and right of its end, `count` its cost range, `minor`
+    /// its cost range outside its largest label, or the least span that is left of its gains beside one direction.
     ///
     /// A cut inside the bucket has at most the least of these gains (start, end: the bucket's edges):
     /// * `low(end) + high(start)`: gains grow with the set.
@@ -36,25 +38,33 @@ impl<T: Lane, const N: usize> Edge<T, N> {
     ///   the score with them; putting them back gains at most their cost range. For directions: see
     ///   `exact::samples::directions`.
     #[inline(always)]
-    pub(super) fn pass(
+    pub(super) fn pass(&mut self, lane: usize, [low, high]: [T; 2], count: T, minor: T, open: T) -> T {
+        let score = low.plus(high);
+        let before = self.score[lane];
+        let mean = score.plus(count).plus(before).half();
+        let larger = score.max(before);
+        let lifted = larger.plus(minor);
+        self.larger[lane] = larger;
+        let inside = low.plus(self.high[lane]).min(mean).min(lifted).min(open);
+        self.top[lane] = self.top[lane].max(inside);
+        self.best[lane] = self.best[lane].max(score);
+        (self.high[lane], self.score[lane]) = (high, score);
+        inside
+    }
+
+    /// Pass a bucket on all lanes.
+    #[inline(always)]
+    pub(super) fn pass_all(
         &mut self,
-        low: &Row<T, N>,
-        high: &Row<T, N>,
+        [low, high]: &[Row<T, N>; 2],
         count: &Row<T, N>,
         minor: &Row<T, N>,
         open: &Row<T, N>,
         cap: &mut Row<T, N>,
     ) {
-        let score = add(low, high);
-        let cross = add(low, &self.high);
-        let mean = zip(&add(&score, count), &self.score, |a, b| a.plus(b).half());
-        let lifted = add(&max(&score, &self.score), minor);
-        let inside = min(&min(&cross, &mean), &min(&lifted, open));
-        *cap = inside;
-        self.top = max(&self.top, &inside);
-        self.best = max(&self.best, &score);
-        self.high = *high;
-        self.score = score;
+        for lane in 0..N {
+            cap[lane] = self.pass(lane, [low[lane], high[lane]], count[lane], minor[lane], open[lane]);
+        }
     }
 
     /// The largest cap of the last `STRIDE` buckets.

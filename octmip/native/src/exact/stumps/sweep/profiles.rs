@@ -1,64 +1,69 @@
 //! The vector pass where samples gain in several labels: a bucket holds the number of samples of each cost profile.
 
 use super::edge::{Edge, STRIDE};
-use super::group::Group;
-use super::lanes::{Lane, Row, add, max, min, sub, zip};
+use super::group::{Entry, Group, Reader};
+use super::lanes::{Lane, Row, add, max, sub, zip};
 
 #[inline(always)]
 fn scale<T: Lane, const N: usize>(a: &Row<T, N>, by: T) -> Row<T, N> {
     zip(a, a, |x, _| x.times(by))
 }
 
-/// A value that the compiler takes by itself. Of 32 bits it else works across labels and profiles, by gathers and
-/// shuffles, and not across lanes (three times as long).
+/// Rows are profiles, and samples of a profile gain in several labels; as many profiles as labels.
+struct ByProfile<T, const K: usize> {
+    gains: [[T; K]; K],
+    ranges: [T; K],
+    spans: [T; K],
+}
+
+/// What the samples of a bucket add together.
 #[inline(always)]
-fn by_itself<T: Lane, V>(value: V) -> V {
-    if size_of::<T>() == 4 { std::hint::black_box(value) } else { value }
+fn sum<T: Lane, const K: usize>(held: &[T; K], each: &[T; K]) -> T {
+    let mut sum = T::default();
+    for profile in 0..K {
+        sum = sum.plus(held[profile].times(each[profile]));
+    }
+    sum
+}
+
+impl<T: Lane, const N: usize, const K: usize> Reader<T, N, K> for ByProfile<T, K> {
+    const KEEPS_SCORES: bool = true;
+
+    #[inline(always)]
+    #[allow(clippy::needless_range_loop)] // loops of K steps become straight code by their indices
+    fn read(&self, bucket: &[Row<T, N>; K], lane: usize) -> Entry<T, K> {
+        let mut held = [T::default(); K];
+        for profile in 0..K {
+            held[profile] = bucket[profile][lane];
+        }
+        let mut gains = [T::default(); K];
+        for c in 0..K {
+            gains[c] = sum(&held, &self.gains[c]);
+        }
+        let (mut doubled, mut top) = (T::default(), T::default());
+        for profile in 0..K {
+            let span = held[profile].times(self.spans[profile]);
+            doubled = doubled.plus(span);
+            top = top.max(span);
+        }
+        Entry { gains, count: sum(&held, &self.ranges), minor: doubled.minus(top).half() }
+    }
 }
 
 impl<T: Lane, const N: usize> Group<'_, T, N> {
-    /// Rows are profiles, and samples of a profile gain in several labels; as many profiles as labels.
+    /// The pass where there are `K` profiles and labels.
     #[inline(always)]
     pub(super) fn sweep_profiles<const K: usize>(&mut self) {
-        let (mut totals, mut gains, mut ranges) = ([[T::default(); N]; K], [[T::default(); K]; K], [T::default(); K]);
-        totals.copy_from_slice(&self.totals[..K]);
-        gains.copy_from_slice(&self.gains.as_chunks::<K>().0[..K]);
-        ranges.copy_from_slice(&self.ranges[..K]);
-        let mut run = [[T::default(); N]; K];
-        let mut edge = Edge::first(&totals);
-        let (buckets, _) = self.histogram.as_chunks::<K>();
-        for (b, ((bucket, open), cap)) in buckets.iter().zip(self.open).zip(self.caps.iter_mut()).enumerate() {
-            if b % STRIDE == 0 {
-                self.runs[b / STRIDE * K..][..K].copy_from_slice(&run);
-            }
-            let mut low = [T::default(); N];
-            let mut high = [T::default(); N];
-            let mut count = [T::default(); N];
-            for profile in 0..K {
-                count = add(&count, &scale(&bucket[profile], by_itself::<T, _>(ranges[profile])));
-                for c in 0..K {
-                    run[c] = add(&run[c], &scale(&bucket[profile], by_itself::<T, _>(gains[profile][c])));
-                }
-            }
+        let mut gains = [[T::default(); K]; K];
+        for (profile, row) in self.gains.as_chunks::<K>().0.iter().enumerate() {
             for c in 0..K {
-                let (run, total) = (by_itself::<T, _>(&run[c]), by_itself::<T, _>(&totals[c]));
-                low = max(&low, run);
-                high = max(&high, &sub(total, run));
-            }
-            let mut minor = [T::MAX; N];
-            for spans in self.spans.as_chunks::<K>().0 {
-                let mut left = [T::default(); N];
-                for profile in 0..K {
-                    left = add(&left, &scale(&bucket[profile], by_itself::<T, _>(spans[profile])));
-                }
-                minor = min(&minor, &left);
-            }
-            edge.pass(&low, &high, &count, &zip(&minor, &minor, |m, _| m.half()), open, cap);
-            if b % STRIDE == STRIDE - 1 {
-                self.tops[b / STRIDE] = edge.close_stride();
+                gains[c][profile] = row[c];
             }
         }
-        (self.best, self.reach) = (edge.best, edge.reach);
+        let (mut spans, mut ranges) = ([T::default(); K], [T::default(); K]);
+        spans.copy_from_slice(&self.spans[..K]);
+        ranges.copy_from_slice(&self.ranges[..K]);
+        self.pass_buckets(&ByProfile { gains, ranges, spans });
     }
 
     /// The same for any number of profiles and labels.
@@ -84,16 +89,15 @@ impl<T: Lane, const N: usize> Group<'_, T, N> {
                 low = max(&low, run);
                 high = max(&high, &sub(total, run));
             }
-            let mut minor = [T::MAX; N];
-            for spans in self.spans.chunks_exact(self.ranges.len()) {
-                let mut left = [T::default(); N];
-                for (held, span) in bucket.iter().zip(spans) {
-                    left = add(&left, &scale(held, *span));
-                }
-                minor = min(&minor, &left);
+            let (mut doubled, mut top) = ([T::default(); N], [T::default(); N]);
+            for (held, span) in bucket.iter().zip(self.spans) {
+                let span = scale(held, *span);
+                doubled = add(&doubled, &span);
+                top = max(&top, &span);
             }
-            let minor = zip(&minor, &minor, |m, _| m.half());
-            edge.pass(&low, &high, &count, &minor, &self.open[b], &mut self.caps[b]);
+            let minor = zip(&doubled, &top, |doubled, top| doubled.minus(top).half());
+            edge.pass_all(&[low, high], &count, &minor, &self.open[b], &mut self.caps[b]);
+            self.scores[b] = edge.larger;
             if b % STRIDE == STRIDE - 1 {
                 self.tops[b / STRIDE] = edge.close_stride();
             }
