@@ -10,6 +10,7 @@ import resource
 import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +26,8 @@ from octmip.methods.search import local_search
 
 FLOAT32 = "proof, depth 2, float32 table"
 SIZES = ((1_000_000, 10), (1_000_000, 50))
-Floats = NDArray[np.float64]
+Floats = NDArray[Any]
+"""float64, or float32 where so little is read."""
 Classes = NDArray[np.int64]
 Answer = tuple[str, int, Callable[[Floats], object]]
 

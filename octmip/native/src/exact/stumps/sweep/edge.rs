@@ -26,8 +26,9 @@ impl<T: Lane, const N: usize> Edge<T, N> {
         Self { high, score: high, best: high, reach: high, top: [T::default(); N], larger: high }
     }
 
-    /// Pass a bucket on one lane: `low`, `high` the best gain left and right of its end, `count` its cost range, `minor`
-    /// its cost range outside its largest label, or the least span that is left of its gains beside one direction.
+    /// Pass a bucket on one lane: `low`, `high` the best gain left and right of its end, `count` its cost range, and
+    /// `minor` its cost range outside its largest label, or the least span that is left of its gains beside one
+    /// direction.
     ///
     /// A cut inside the bucket has at most the least of these gains (start, end: the bucket's edges):
     /// * `low(end) + high(start)`: gains grow with the set.
