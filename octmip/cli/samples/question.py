@@ -104,9 +104,7 @@ def ask(arguments: argparse.Namespace) -> Question:
     weights = table.numbers([chosen.weights], "weight")[:, 0] if chosen.weights else np.ones(len(labels))
     features, share = columns.encode(table.frame[list(chosen.features)]), getattr(arguments, "holdout", None)
     is_held = np.zeros(len(labels), dtype=np.bool_) if share is None else held_out_rows(labels, share, arguments.seed)
-    if share is None:
-        features.flags.writeable = False  # nobody else has it: the problem keeps it, float32 or not, and copies nothing
-    training = features if share is None else features[~is_held]
+    training = features if share is None else features[~is_held]  # a large table is not copied without need
     problem = _problem(arguments, columns, training, labels[~is_held], weights[~is_held])
     preparation = Preparation(columns, chosen.index, rows)
     held_out = samples_of(problem, features[is_held], labels[is_held], weights[is_held]) if share is not None else None
