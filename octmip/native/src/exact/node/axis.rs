@@ -57,8 +57,8 @@ pub(crate) struct Axis {
     pub(crate) right: Vec<i64>,
     /// The stump solver's number of each evaluated cut.
     pub(crate) evaluated: Vec<u32>,
-    /// Left of each cut, `width` vectors a cut: cost range of each label, or cost under each set of labels, and the most
-    /// that may be paid under each.
+    /// Left of each cut, `width` vectors a cut: cost range of each label, or cost under each set of labels, and the
+    /// most that may be paid under each.
     prefix: Vec<[i32; WIDTH]>,
     width: usize,
     n_cuts: usize,
@@ -257,8 +257,8 @@ impl Axis {
     /// The best tree for the child predicts the labels of some set A of as many as it has leaves. With A known:
     /// * `e(child) >= e(larger) - most_A(without)`: used on the larger set, each new sample costs at most the most
     ///   expensive label of A;
-    /// * `e(child) >= e(smaller) + least_A(with)`: used on the smaller set, idle splits removed, it costs `e(smaller)` at
-    ///   least, and the others the cheapest label of A or more;
+    /// * `e(child) >= e(smaller) + least_A(with)`: used on the smaller set, idle splits removed, it costs `e(smaller)`
+    ///   at least, and the others the cheapest label of A or more;
     /// * `e(child) >= least_A(own)`.
     ///
     /// So the least over all A of the largest of the three.
