@@ -164,7 +164,7 @@ def test_progress_counts_from_the_start_of_solve(registered):
 def test_an_option_that_the_solver_does_not_take_is_refused():
     with pytest.raises(
         ProblemError,
-        match="takes no option 'colour'; expected some of: checkpoint, every, perturbations",
+        match="takes no option 'colour'; expected some of: checkpoint, cluster, every, perturbations",
     ):
         solve(STRIPES, method="search", options={"colour": 1})
     assert solve(STRIPES, method="search", options={"restarts": 2}).objective == 0
