@@ -103,7 +103,8 @@ class Shared:
 
     def send(self) -> None:
         """Send the value to all workers that are there; those that come later fetch it from them."""
-        self.held = self.cluster.client.scatter(self.value, broadcast=True, hash=False)
+        # In a list: of a tuple, named ones too, Dask would send each part by itself.
+        (self.held,) = self.cluster.client.scatter([self.value], broadcast=True, hash=False)
 
 
 @dataclass(slots=True)

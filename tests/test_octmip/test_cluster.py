@@ -240,6 +240,11 @@ def test_what_a_task_raises_is_raised_here(client: Client, monkeypatch: pytest.M
         branch_and_bound(hard(100), cluster=client)
 
 
+def test_a_problem_is_sent_as_one_value_whose_loss_is_seen(client: Client) -> None:
+    shared = Cluster(client).share(shared_problem((1, 2), []))
+    assert shared.held.status == "finished"
+
+
 def test_a_task_that_is_lost_each_time_is_given_up(client: Client, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("octmip.cluster.MOST_LOST", 1)
     cluster = Cluster(client)
