@@ -209,8 +209,10 @@ def _one_level_deeper(problem: Problem, bound: float) -> float:
     highest = problem.weights * problem.costs.max(axis=1)[problem.codes]
     n_splits: int = 2 ** (problem.depth - 1) - 1
     most = math.fsum(highest) + 2 * problem.leaf_penalty * n_splits
-    # Where numbers are not whole, five of them are rounded by half a unit in the last place of the largest.
-    rounding = 0.0 if float(most).is_integer() and float(bound).is_integer() else 3 * math.ulp(2 * most)
+    # Numbers that are not whole, or too large, are rounded: each by half a unit in the last place of the largest.
+    parts = (problem.weights, problem.costs, np.array([problem.leaf_penalty, bound]))
+    is_exact = 2 * most < 2**53 and all((part == np.floor(part)).all() for part in parts)
+    rounding = 0.0 if is_exact else 3 * math.ulp(2 * most)
     return max(0.0, 2 * bound - most - rounding)
 
 
