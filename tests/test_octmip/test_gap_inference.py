@@ -9,7 +9,7 @@ from octmip.errors import DataError
 from octmip.gap import CHAIN, CachedTwin, diagnose
 from octmip.gap.inference.inference import Inference
 from octmip.gap.inference.inputs import prepare
-from octmip.gap.inference.linear_model import linearise
+from octmip.gap.inference.linear_model import at_level, linearise, log_none_at
 from tests.test_octmip.beam_twin import Beam, measured
 
 TWIN = Beam()
@@ -95,3 +95,12 @@ def test_no_load_beyond_the_limits_is_proposed(limits, proposed):
 def test_limits_of_the_load_in_the_wrong_order_are_refused():
     with pytest.raises(DataError, match="the lowest first"):
         diagnose(measured(21, loads=(2.0,)), Beam(), commissioning=COMMISSIONING, load_limits=(3.5, -1.0))
+
+
+@pytest.mark.parametrize("level", [0.5, 4.0])
+def test_the_evidence_of_no_effect_at_a_level_is_that_of_the_whole_model_there(level):
+    campaign = measured(3, states=((0.4, 0.2),))  # how wrong a damage is known depends on the level
+    inputs, _ = prepare(campaign, TWIN, {**CHAIN, **TWIN.effects}, COMMISSIONING)
+    model = linearise(inputs, np.array([cell.state for cell in campaign.cells]))
+    assert log_none_at(model, level) == pytest.approx(at_level(model, level).log_none, abs=1e-9)
+    assert log_none_at(model, level) != pytest.approx(model.log_none, abs=1e-3)
