@@ -13,6 +13,7 @@ FAMILIES = {
     "exact_budget": "benchmarks.cases.exact.budget",
     "exact_anytime": "benchmarks.cases.exact.anytime",
     "exact_call": "benchmarks.cases.exact.call",
+    "exact_flat": "benchmarks.cases.exact.flat",
     "exact_growth": "benchmarks.cases.exact.growth",
     "exact_large": "benchmarks.cases.exact.large",
     "exact_proofs": "benchmarks.cases.exact.proofs",

@@ -25,13 +25,24 @@ pub(crate) fn width(total_range: i64) -> usize {
     usize::from(largest > i16::MAX as i128) + usize::from(largest > i32::MAX as i128)
 }
 
+/// Whether groups of half as many slots hold `p` features in three quarters of the slots, or fewer.
+///
+/// Empty slots take room in the caches, which is what moving samples waits for; more groups take more passes.
+fn is_better_in_halves(p: usize, slots: usize) -> bool {
+    4 * p.next_multiple_of(slots / 2) <= 3 * p.next_multiple_of(slots)
+}
+
 /// The stump solver that fits a set of this total range.
 pub(crate) fn solver(samples: &Samples, total_range: i64, switches: &Switches) -> Box<dyn StumpSolver> {
     if !switches.buckets || samples.leaf_size > 1 {
         return Box::new(Scan::default());
     }
+    let p = samples.p;
     match width(total_range) {
+        0 if p <= 4 => Box::new(Buckets::<i16, 8, 4>::new(samples, switches)),
+        0 if is_better_in_halves(p, 16) => Box::new(Buckets::<i16, 16, 8>::new(samples, switches)),
         0 => Box::new(Buckets::<i16, 32, 16>::new(samples, switches)),
+        1 if is_better_in_halves(p, 8) => Box::new(Buckets::<i32, 8, 4>::new(samples, switches)),
         1 => Box::new(Buckets::<i32, 16, 8>::new(samples, switches)),
         _ => Box::new(Buckets::<i64, 8, 4>::new(samples, switches)),
     }
