@@ -7,8 +7,8 @@ workers in their order, each to the first that is free, and a cut is there once 
 Assumed: workers as fast as this machine, `OVERHEAD` seconds a task to send and to fetch it, and what is not a task
 (depths one and two, choosing cuts) done by the process that asks, as long as it was measured here.
 
-Killed: `--only 'mu2, depth 4' --kills 5 --threads 2` solves the case by so many processes five times, and each time
-one of them is killed at a moment drawn by the number of the run from the time that the proof takes without.
+Killed: `--only 'mu2, depth 4' --kills 5 --threads 2` solves the case by so many processes once more, and kills one of
+them, drawn anew, at each of five moments drawn from the time that the proof takes without.
 """
 
 import heapq
@@ -69,7 +69,8 @@ def results(limit: float, threads: Sequence[int], only: str = "", kills: int = 0
         for count in threads:
             shared, line = _shared(problem, alone, count)
             yield case | {"kind": "measured", **line}
-            yield from (case | _killed(problem, alone, count, kill, shared.seconds) for kill in range(kills))
+            if kills:
+                yield case | _killed(problem, alone, count, kills, shared.seconds)
         if not kills:
             yield from (case | line for line in _simulated(problem))
 
@@ -86,19 +87,25 @@ def _shared(
     return shared, {"workers": count, "seconds": wall, "same": same}
 
 
-def _killed(problem: Problem, alone: Solution, count: int, number: int, seconds: float) -> Line:
-    """Return the line of a proof, of so many seconds, in which one process is killed at a random moment."""
-    drawn = random.Random(number)
-    moment, chosen = drawn.uniform(0.0, seconds), drawn.randrange(count)
+def _killed(problem: Problem, alone: Solution, count: int, kills: int, seconds: float) -> Line:
+    """Return the line of a proof, of so many seconds, during which processes are killed at random moments."""
+    drawn = random.Random(0)
+    moments = sorted(drawn.uniform(0.0, seconds) for _ in range(kills))
+    killed: list[int] = []
+
+    def kill_one(cluster: Cluster) -> None:
+        process = drawn.choice(sorted(cluster.client.run(os.getpid).values()))
+        os.kill(process, signal.SIGKILL)
+        killed.append(process)
 
     def kill(cluster: Cluster) -> None:
-        process = sorted(cluster.client.run(os.getpid).values())[chosen]
-        timer = threading.Timer(moment, os.kill, (process, signal.SIGKILL))
-        timer.daemon = True
-        timer.start()
+        for moment in moments:
+            timer = threading.Timer(moment, kill_one, (cluster,))
+            timer.daemon = True
+            timer.start()
 
     _, line = _shared(problem, alone, count, kill)
-    return {"kind": "killed", "kill": number, "moment": moment, **line}
+    return {"kind": "killed", "kills": len(killed), "moments": [round(moment, 1) for moment in moments], **line}
 
 
 def _simulated(problem: Problem) -> Iterator[Line]:
@@ -198,7 +205,7 @@ def summary(lines: Sequence[Line]) -> str:
             "processes": line["workers"],
             "wall s": round(line["seconds"], 2),
             "one thread, wall s": round(line["alone"], 2),
-            "killed after s": round(line["moment"], 2) if "moment" in line else "",
+            "killed after s": ", ".join(map(str, line.get("moments", ()))),
             "same tree, bound, cuts": "yes" if line["same"] else "NO",
         }
         for line in measured
