@@ -239,6 +239,16 @@ impl Samples {
         &self.gains[profile * self.n_labels..(profile + 1) * self.n_labels]
     }
 
+    /// What a sample costs beside its cheapest prediction when a label is predicted for it.
+    #[inline(always)]
+    pub(crate) fn lost(&self, sample: u32, label: usize) -> i64 {
+        let (i, profile) = (sample as usize, self.profile[sample as usize] as usize);
+        if self.is_single {
+            return if profile == label { 0 } else { self.ranges[i] };
+        }
+        self.ranges[i] - self.multiplicity[i] * self.gains[profile * self.n_labels + label]
+    }
+
     /// The same samples with only these of the usable features.
     pub(crate) fn with_features(&self, usable: &[usize]) -> Self {
         let pick = |lists: &[u32]| -> Arc<Vec<u32>> {

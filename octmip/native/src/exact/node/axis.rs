@@ -30,6 +30,13 @@ const LANE: [[i32; WIDTH]; WIDTH] = {
     masks
 };
 
+/// How much more than others a sample counts in the middle of an interval that loses by its node's best label. Of 0, 1,
+/// 3, 7, 15, 40 the one with the fewest evaluated cuts over 38 sets of the UCI collection.
+const LOST: i64 = 7;
+
+/// Cost range from which on nothing is added for them, as sums might not fit.
+const LARGE: i64 = 1 << 55;
+
 /// Sums along a feature for the bound of mixed labels.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
 enum Counted {
@@ -60,6 +67,10 @@ pub(crate) struct Axis {
     /// Left of each cut, `width` vectors a cut: cost range of each label, or cost under each set of labels, and the
     /// most that may be paid under each.
     prefix: Vec<[i32; WIDTH]>,
+    /// Left of each cut: cost range, and more for what is lost when all samples get the node's best label.
+    spread: Vec<i64>,
+    /// Whether that is counted: one label gains two thirds of the range, or more.
+    is_spread: bool,
     width: usize,
     n_cuts: usize,
     n_leaves: usize,
@@ -111,17 +122,23 @@ impl Axis {
         let counts = &mut vec![[0i32; WIDTH]; self.width][..];
         let (ranks, list) = (samples.ranks_of(f), view.list(f));
         let smallest = samples.leaf_size.max(1);
+        let best = (0..samples.n_labels).max_by_key(|&label| view.totals[label]).unwrap_or(0);
+        self.is_spread = view.total_range < LARGE && 3 * view.leaf() < view.total_range;
+        let mut spread = 0;
         let mut total_range = 0;
         let mut rank = list.first().map_or(0, |&i| ranks[i as usize]);
         self.n_cuts = 0;
-        self.push(0, 0, counts);
+        self.push(0, [0, 0], counts);
         for (k, &i) in list.iter().enumerate() {
             let next = ranks[i as usize];
             if next != rank && k >= smallest && view.len - k >= smallest {
-                self.push(k, total_range, counts);
+                self.push(k, [total_range, spread], counts);
             }
             rank = next;
             total_range += samples.ranges[i as usize];
+            if self.is_spread {
+                spread += samples.ranges[i as usize] + LOST * samples.lost(i, best);
+            }
             if self.counted == Counted::Labels {
                 let label = samples.profile[i as usize] as usize;
                 let range = samples.ranges[i as usize] as i32;
@@ -136,7 +153,7 @@ impl Axis {
                 }
             }
         }
-        self.push(view.len, total_range, counts);
+        self.push(view.len, [total_range, spread], counts);
         let last = self.last();
         (self.evaluated[0], self.evaluated[last]) = (0, 1);
         (self.left[0], self.right[0]) = (0, whole);
@@ -148,17 +165,20 @@ impl Axis {
         let room = self.positions.len().max(n_cuts);
         self.positions.resize(room, 0);
         self.evaluated.resize(room, 0);
-        for list in [&mut self.total_range, &mut self.left, &mut self.right] {
+        for list in [&mut self.total_range, &mut self.spread, &mut self.left, &mut self.right] {
             list.resize(room, 0);
         }
         self.prefix.resize(self.prefix.len().max(room * self.width), [0; WIDTH]);
     }
 
     #[inline(always)]
-    fn push(&mut self, position: usize, total_range: i64, counts: &[[i32; WIDTH]]) {
+    fn push(&mut self, position: usize, [total_range, spread]: [i64; 2], counts: &[[i32; WIDTH]]) {
         let cut = self.n_cuts;
         self.positions[cut] = position as u32;
         self.total_range[cut] = total_range;
+        if self.is_spread {
+            self.spread[cut] = spread;
+        }
         for (part, &count) in counts.iter().enumerate() {
             self.prefix[cut * self.width + part] = count;
         }
@@ -286,9 +306,21 @@ impl Axis {
         bounds.map(|(left, right)| left + right).min().unwrap_or(i64::MAX)
     }
 
+    /// The middle of an interval: of its cuts, or of what they are uncertain by, where one label prevails.
+    ///
+    /// From one cut to the next the children's costs change by samples of other labels, which may lie close together.
+    fn middle(&self, interval: &Interval) -> usize {
+        let Interval { low, high, .. } = *interval;
+        if !self.is_spread {
+            return low + (high - low) / 2;
+        }
+        let ends = self.spread[low] + self.spread[high];
+        low + self.spread[low..high].partition_point(|&spread| 2 * spread < ends)
+    }
+
     /// The open cut nearest the middle of the interval whose children's bounds stay below `target`.
     pub(crate) fn pick(&self, interval: &Interval, target: i64) -> Option<usize> {
-        let middle = interval.low + (interval.high - interval.low) / 2;
+        let middle = self.middle(interval);
         let (left, right) = self.bounds(interval, middle);
         if self.counted == Counted::Nothing || left + right < target {
             return Some(middle);
