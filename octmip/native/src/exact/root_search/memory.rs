@@ -37,9 +37,9 @@ fn thread(problem: &Problem, switches: &Switches) -> f64 {
     sides + axes + 8.0 * n + stumps(problem, switches)
 }
 
-/// The cuts of a feature: position, total range, spread, bounds of both sides, evaluated cut; and eight at a time, where
-/// there are more labels than a child of this level has leaves, the cost range of each label, or the least and the most
-/// that is paid under each set of labels.
+/// The cuts of a feature: position, total range, spread, bounds of both sides, evaluated cut; and eight at a time,
+/// where there are more labels than a child of this level has leaves, the cost range of each label, or the least and
+/// the most that is paid under each set of labels.
 fn axis(problem: &Problem, level: usize) -> f64 {
     let (k, n_leaves) = (problem.n_classes, 1 << (level - 1).min(20));
     let labels = if k > n_leaves { k.div_ceil(WIDTH) } else { 0 };
