@@ -84,10 +84,12 @@ def test_samples_cost_at_most_what_they_do_under_the_labels_of_one_set():
 
 
 @pytest.mark.parametrize("seed", range(4))
-@pytest.mark.parametrize("n_features", [3, 8, 9, 20])
+@pytest.mark.parametrize("n_features", [3, 8, 9, 12, 20])
 def test_gains_are_the_same_for_groups_of_few_features_as_by_walks(n_features, seed):
     problem = cost_problem(np.random.default_rng([78, seed]), 150, n_features, 2)
-    for costs in (problem.costs, 1.0 - np.eye(len(problem.costs))):
+    errors = 1.0 - np.eye(len(problem.costs))
+    large = np.random.default_rng(seed).integers(1, 500, errors.shape) * errors  # sums of 32 bits: groups half as large
+    for costs in (problem.costs, errors, large):
         asked = replace(problem, costs=costs, leaf_size=1)
         with without("buckets"):
             plain = branch_and_bound(asked)

@@ -90,22 +90,21 @@ def _shared(
 def _killed(problem: Problem, alone: Solution, count: int, kills: int, seconds: float) -> Line:
     """Return the line of a proof, of so many seconds, during which processes are killed at random moments."""
     drawn = random.Random(0)
-    moments = sorted(drawn.uniform(0.0, seconds) for _ in range(kills))
-    killed: list[int] = []
+    moments: list[float] = []  # those at which a process was killed: the proof may end before others
 
-    def kill_one(cluster: Cluster) -> None:
+    def kill_one(cluster: Cluster, moment: float) -> None:
         process = drawn.choice(sorted(cluster.client.run(os.getpid).values()))
         os.kill(process, signal.SIGKILL)
-        killed.append(process)
+        moments.append(round(moment, 1))
 
     def kill(cluster: Cluster) -> None:
-        for moment in moments:
-            timer = threading.Timer(moment, kill_one, (cluster,))
+        for moment in sorted(drawn.uniform(0.0, seconds) for _ in range(kills)):
+            timer = threading.Timer(moment, kill_one, (cluster, moment))
             timer.daemon = True
             timer.start()
 
     _, line = _shared(problem, alone, count, kill)
-    return {"kind": "killed", "kills": len(killed), "moments": [round(moment, 1) for moment in moments], **line}
+    return {"kind": "killed", "moments": moments, **line}
 
 
 def _simulated(problem: Problem) -> Iterator[Line]:

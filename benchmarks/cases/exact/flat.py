@@ -34,9 +34,8 @@ def _problem(make: Callable[[np.random.Generator, int], Table], n: int) -> Probl
 
 
 def _waveform(random: np.random.Generator, n: int, *, two_classes: bool = False) -> Table:
-    """Return waveforms: 21 features, 19 of noise alone, two decimals as published; class 0 against the others."""
-    places = np.arange(1, 22)
-    peaks = [np.maximum(6 - abs(places - centre), 0) for centre in (11, 15, 7)]
+    """Return waveforms: 21 features and 19 of noise alone, two decimals; of two classes, class 0 against the others."""
+    peaks = [np.maximum(6 - abs(np.arange(1, 22) - centre), 0) for centre in (11, 15, 7)]
     first, second = np.array(peaks)[[0, 0, 1]], np.array(peaks)[[1, 2, 2]]
     labels, share = random.integers(0, 3, n), random.random((n, 1))
     waves = share * first[labels] + (1 - share) * second[labels] + random.normal(size=(n, 21))

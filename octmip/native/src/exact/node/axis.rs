@@ -394,3 +394,18 @@ impl Axis {
         between - counts.iter().take(self.n_leaves).map(|&count| i64::from(count)).sum::<i64>()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_middle_is_that_of_cuts_or_of_what_they_are_uncertain_by() {
+        let mut axis = Axis { spread: vec![0, 1, 2, 3, 4, 12, 20, 28], ..Axis::default() };
+        let interval = Interval { a: 0, b: 7, low: 1, high: 6 };
+        assert_eq!(axis.middle(&interval), 3);
+        axis.is_spread = true;
+        assert_eq!(axis.middle(&interval), 5);
+        assert_eq!(axis.middle(&Interval { low: 6, ..interval }), 6);
+    }
+}

@@ -9,7 +9,8 @@ use crate::exact::stumps::width;
 use crate::exact::switches::Switches;
 use crate::problem::Problem;
 
-/// A vector of the widest registers, and the features of a group by width of number [bytes, features].
+/// A vector of the widest registers, and the most features of a group by width of number [bytes, features]; smaller
+/// groups are taken only where they need less room.
 const VECTOR: f64 = 64.0;
 const SLOTS: [f64; 3] = [16.0, 8.0, 4.0];
 
