@@ -12,6 +12,7 @@ import contextlib
 import logging
 import os
 import threading
+import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from importlib import import_module
@@ -24,6 +25,10 @@ MOST_LOST = 20
 """Times that one task may be lost with its worker: a task that ends its worker each time would be sent for ever."""
 PATIENCE = "30s"
 """Time in which a scheduler has to answer."""
+PAUSE = 0.2
+"""Seconds before a value that was lost on its way is sent again."""
+RESTART = "300s"
+"""Time in which a process of this machine that was killed is started again: Dask's 15 s end it for ever on a busy one."""
 
 
 class Future(Protocol):
@@ -102,9 +107,40 @@ class Shared:
         self.send()
 
     def send(self) -> None:
-        """Send the value to all workers that are there; those that come later fetch it from them."""
-        # In a list: of a tuple, named ones too, Dask would send each part by itself.
-        (self.held,) = self.cluster.client.scatter([self.value], broadcast=True, hash=False)
+        """Send the value to all workers that are there; those that come later fetch it from them.
+
+        Raises
+        ------
+        SolverError
+            there is no worker, or one ends whenever the value is sent.
+        """
+        for left in reversed(range(MOST_LOST)):
+            try:
+                # In a list: of a tuple, named ones too, Dask would send each part by itself.
+                (self.held,) = self.cluster.client.scatter([self.value], broadcast=True, hash=False)
+            except TimeoutError as error:
+                raise SolverError(
+                    "no worker to send the problem to; expected one at least; start one (dask worker ADDRESS) and run again"
+                ) from error
+            except (OSError, LookupError, ValueError, AssertionError) as error:
+                # What Dask raises, by the moment, when a worker ends while a value is copied from one to the next.
+                if not left:
+                    raise SolverError(
+                        f"the problem was lost on its way to the workers {MOST_LOST} times ({type(error).__name__}); "
+                        "expected workers with memory enough for it; give them more, or use fewer on each machine"
+                    ) from error
+                time.sleep(PAUSE)
+            else:
+                return
+
+    def send_again(self, lost: Any) -> None:
+        """Send the value again for a task that was lost with `lost`, unless that was done since for another task.
+
+        Whether a value is lost cannot be asked of `lost` itself: where the only worker that has it ends before Dask has
+        made its future, the future never hears of it.
+        """
+        if self.held is lost:
+            self.send()
 
 
 @dataclass(slots=True)
@@ -116,6 +152,7 @@ class _Task:
     shared: Shared
     arguments: tuple[object, ...]
     future: Any = None
+    held: Any = None
     n_lost: int = field(default=0)
     woken: threading.Event = field(default_factory=threading.Event)
 
@@ -123,7 +160,8 @@ class _Task:
         self._send()
 
     def _send(self) -> None:
-        self.future = self.cluster.client.submit(self.function, self.shared.held, *self.arguments, pure=False)
+        self.held = self.shared.held
+        self.future = self.cluster.client.submit(self.function, self.held, *self.arguments, pure=False)
         self.future.add_done_callback(lambda _: self.woken.set())
 
     def wait(self, seconds: float) -> bool:
@@ -141,8 +179,7 @@ class _Task:
         if is_lost and self.n_lost < MOST_LOST:
             self.n_lost += 1
             self.cluster.n_lost += 1
-            if self.shared.held.status != "finished":
-                self.shared.send()
+            self.shared.send_again(self.held)
             self._send()
             return False
         return True
@@ -237,6 +274,7 @@ def _client(distributed: Any, where: str, n_workers: int | None) -> Iterator[Any
             yield client
         return
     with contextlib.ExitStack() as stack:
+        stack.enter_context(import_module("dask").config.set({"distributed.deploy.lost-worker-timeout": RESTART}))
         cluster = stack.enter_context(_local(distributed, n_workers or os.cpu_count() or 1))
         yield stack.enter_context(distributed.Client(cluster))
 

@@ -1,5 +1,6 @@
 """A proof shared over processes: the tree, bound and evaluated cuts of one machine, also when a worker is killed."""
 
+import asyncio
 import json
 import os
 import signal
@@ -172,18 +173,19 @@ def test_limits_progress_and_control_c_of_a_shared_search(client: Client) -> Non
     problem = hard(4000, 5)
     reports: list[Progress] = []
     start = time.perf_counter()
-    found = local_search(problem, cluster=client, limits=Limits(seconds=1.5), progress=reports.append)
+    effort = {"restarts": 10_000, "cluster": client}
+    found = local_search(problem, **effort, limits=Limits(seconds=1.5), progress=reports.append)
     assert (found.stop, time.perf_counter() - start < 6) == (Stop.TIME, True)
     assert found.objective < 0.9 * problem.baseline  # what the workers had when time ran out
     assert reports
-    assert local_search(problem, cluster=client, limits=Limits(nodes=50)).stop is Stop.NODES
+    assert local_search(problem, **effort, limits=Limits(nodes=50)).stop is Stop.NODES
 
     def stop(_: Progress) -> None:
         if time.perf_counter() - start > 1:
             signal.raise_signal(signal.SIGINT)
 
     start = time.perf_counter()
-    assert local_search(problem, cluster=client, progress=stop).stop is Stop.INTERRUPTED
+    assert local_search(problem, **effort, progress=stop).stop is Stop.INTERRUPTED
     # Turns that nobody waits for are given up by the workers, which are free for others.
     assert client.submit(len, "free", pure=False, priority=-1).result(timeout=5) == 4
 
@@ -243,6 +245,53 @@ def test_what_a_task_raises_is_raised_here(client: Client, monkeypatch: pytest.M
 def test_a_problem_is_sent_as_one_value_whose_loss_is_seen(client: Client) -> None:
     shared = Cluster(client).share(shared_problem((1, 2), []))
     assert shared.held.status == "finished"
+
+
+def test_a_problem_whose_only_holder_ends_before_it_is_copied_is_sent_again(
+    client: Client, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Dask has made no future by then, which stays "finished": before, each task was lost until it was given up."""
+    scheduler = client.cluster.scheduler
+    copied, n_ended = scheduler.replicate, 0
+
+    async def end_before(keys: list[str], **options: object) -> None:
+        nonlocal n_ended
+        n_ended += 1
+        if n_ended == 1:
+            scheduler.transitions({key: "forgotten" for key in keys}, stimulus_id="the worker has ended")
+            await asyncio.sleep(0.3)  # the client hears of it, and knows of no such future yet
+        elif n_ended == 2:
+            raise KeyError(keys[0])
+        else:
+            await copied(keys=keys, **options)
+
+    monkeypatch.setattr(scheduler, "replicate", end_before)
+    cluster = Cluster(client)
+    shared = cluster.share("shared")
+    assert shared.held.status == "finished"
+    tasks = [cluster.submit(len, shared) for _ in range(3)]
+    for task in tasks:
+        while not task.wait(0.1):
+            pass
+    assert [task.result() for task in tasks] == [6, 6, 6]
+    assert (n_ended, cluster.n_lost) == (3, 3)
+
+
+def test_a_problem_that_never_arrives_is_one_sentence(client: Client, monkeypatch: pytest.MonkeyPatch) -> None:
+    async def lose(keys: list[str], **_: object) -> None:
+        raise KeyError(keys[0])
+
+    monkeypatch.setattr("octmip.cluster.PAUSE", 0)
+    monkeypatch.setattr(client.cluster.scheduler, "replicate", lose)
+    with pytest.raises(SolverError, match="lost on its way to the workers 20 times"):
+        Cluster(client).share("shared")
+
+
+def test_a_cluster_without_a_worker_is_one_sentence() -> None:
+    options = {"n_workers": 0, "dashboard_address": "127.0.0.1:0", "host": "127.0.0.1"}
+    with LocalCluster(**options, silence_logs=50) as empty, Client(empty, timeout="0.5s") as client:
+        with pytest.raises(SolverError, match=r"no worker to send the problem to; expected one at least"):
+            branch_and_bound(hard(30, 2), cluster=client)
 
 
 def test_a_task_that_is_lost_each_time_is_given_up(client: Client, monkeypatch: pytest.MonkeyPatch) -> None:
