@@ -26,9 +26,9 @@ MOST_LOST = 20
 PATIENCE = "30s"
 """Time in which a scheduler has to answer."""
 PAUSE = 0.2
-"""Seconds before a value that was lost on its way is sent again."""
+"""Seconds before what was lost is looked at, or sent, again."""
 RESTART = "300s"
-"""Time in which a process of this machine that was killed is started again: Dask's 15 s end it for ever on a busy one."""
+"""Time in which a killed process of this machine has to be there again; Dask's 15 s are too short on a busy one."""
 
 
 class Future(Protocol):
@@ -107,31 +107,33 @@ class Shared:
         self.send()
 
     def send(self) -> None:
-        """Send the value to all workers that are there; those that come later fetch it from them.
+        """Send the value to one worker; the others fetch it from those that have it.
+
+        Dask would also copy it to all at once, but tries for ever to copy it to a worker that has ended meanwhile.
 
         Raises
         ------
         SolverError
-            there is no worker, or one ends whenever the value is sent.
+            there was no worker from the beginning, or one ends whenever the value is sent.
         """
         for left in reversed(range(MOST_LOST)):
             try:
                 # In a list: of a tuple, named ones too, Dask would send each part by itself.
-                (self.held,) = self.cluster.client.scatter([self.value], broadcast=True, hash=False)
-            except TimeoutError as error:
-                raise SolverError(
-                    "no worker to send the problem to; expected one at least; start one (dask worker ADDRESS) and run again"
-                ) from error
+                (self.held,) = self.cluster.client.scatter([self.value], hash=False)
+                return
             except (OSError, LookupError, ValueError, AssertionError) as error:
-                # What Dask raises, by the moment, when a worker ends while a value is copied from one to the next.
+                # What Dask raises, by the moment, where the worker ends meanwhile.
+                if isinstance(error, TimeoutError) and self.held is None:
+                    raise SolverError(
+                        "no worker to send the problem to; expected one at least; start one (dask worker ADDRESS) and "
+                        "run again"
+                    ) from error
                 if not left:
                     raise SolverError(
                         f"the problem was lost on its way to the workers {MOST_LOST} times ({type(error).__name__}); "
                         "expected workers with memory enough for it; give them more, or use fewer on each machine"
                     ) from error
                 time.sleep(PAUSE)
-            else:
-                return
 
     def send_again(self, lost: Any) -> None:
         """Send the value again for a task that was lost with `lost`, unless that was done since for another task.
@@ -172,29 +174,40 @@ class _Task:
         return self.done()
 
     def done(self) -> bool:
-        """Whether it has ended; a task that was lost is sent again and has not."""
+        """Whether it has ended; a task that was lost has not, and is sent again as soon as there is a worker."""
         if not self.future.done():
             return False
-        is_lost = self.future.status in ("lost", "cancelled") or _is_killed(self.future)
-        if is_lost and self.n_lost < MOST_LOST:
+        if not self._is_lost() or self.n_lost == MOST_LOST:
+            return True
+        if self.cluster.n_workers:
             self.n_lost += 1
             self.cluster.n_lost += 1
             self.shared.send_again(self.held)
             self._send()
-            return False
-        return True
+        return False
 
     def result(self) -> Any:
         """Return the result; raise `SolverError` where it was lost too often, else what the task raised."""
-        try:
-            return self.future.result()
-        except Exception as error:
-            if self.future.status in ("lost", "cancelled") or _is_killed(self.future):
-                raise SolverError(
-                    f"a task was lost with its worker {self.n_lost} times ({type(error).__name__}); expected workers "
-                    "with memory enough for it; give them more, or use fewer on each machine"
-                ) from error
-            raise
+        while True:
+            try:
+                return self.future.result()
+            except Exception as error:
+                if not self._is_lost():
+                    raise
+                if self.n_lost == MOST_LOST:
+                    raise SolverError(
+                        f"a task was lost with its worker {self.n_lost} times ({type(error).__name__}); expected "
+                        "workers with memory enough for it; give them more, or use fewer on each machine"
+                    ) from error
+            # Its worker has ended after the task and before the result was fetched.
+            while not self.wait(PAUSE):
+                pass
+
+    def _is_lost(self) -> bool:
+        status = self.future.status
+        return status in ("lost", "cancelled") or (
+            status == "error" and type(self.future.exception()).__name__ == "KilledWorker"
+        )
 
     def cancel(self) -> object:
         return self.future.cancel()
@@ -209,10 +222,6 @@ def is_given_up() -> bool:
     except (ValueError, KeyError):  # no worker, or no task
         return False
     return task is None or task.state == "cancelled"
-
-
-def _is_killed(future: Any) -> bool:
-    return future.status == "error" and type(future.exception()).__name__ == "KilledWorker"
 
 
 @contextlib.contextmanager

@@ -247,25 +247,25 @@ def test_a_problem_is_sent_as_one_value_whose_loss_is_seen(client: Client) -> No
     assert shared.held.status == "finished"
 
 
-def test_a_problem_whose_only_holder_ends_before_it_is_copied_is_sent_again(
+def test_a_problem_whose_holder_ends_before_dask_has_made_its_future_is_sent_again(
     client: Client, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Dask has made no future by then, which stays "finished": before, each task was lost until it was given up."""
+    """The future stays "finished": before, each task was lost until it was given up."""
     scheduler = client.cluster.scheduler
-    copied, n_ended = scheduler.replicate, 0
+    scatter, n_sent = scheduler.handlers["scatter"], 0
 
-    async def end_before(keys: list[str], **options: object) -> None:
-        nonlocal n_ended
-        n_ended += 1
-        if n_ended == 1:
-            scheduler.transitions({key: "forgotten" for key in keys}, stimulus_id="the worker has ended")
+    async def end_after(**options: object) -> list[str]:
+        nonlocal n_sent
+        n_sent += 1
+        if n_sent == 2:
+            raise KeyError("tcp://the-worker-has-ended")
+        keys = await scatter(**options)
+        if n_sent == 1:
+            scheduler.transitions(dict.fromkeys(keys, "forgotten"), stimulus_id="the worker has ended")
             await asyncio.sleep(0.3)  # the client hears of it, and knows of no such future yet
-        elif n_ended == 2:
-            raise KeyError(keys[0])
-        else:
-            await copied(keys=keys, **options)
+        return keys
 
-    monkeypatch.setattr(scheduler, "replicate", end_before)
+    monkeypatch.setitem(scheduler.handlers, "scatter", end_after)
     cluster = Cluster(client)
     shared = cluster.share("shared")
     assert shared.held.status == "finished"
@@ -274,24 +274,43 @@ def test_a_problem_whose_only_holder_ends_before_it_is_copied_is_sent_again(
         while not task.wait(0.1):
             pass
     assert [task.result() for task in tasks] == [6, 6, 6]
-    assert (n_ended, cluster.n_lost) == (3, 3)
+    assert (n_sent, cluster.n_lost) == (3, 3)
 
 
 def test_a_problem_that_never_arrives_is_one_sentence(client: Client, monkeypatch: pytest.MonkeyPatch) -> None:
-    async def lose(keys: list[str], **_: object) -> None:
-        raise KeyError(keys[0])
+    async def lose(**_: object) -> None:
+        raise OSError("the worker has ended")
 
     monkeypatch.setattr("octmip.cluster.PAUSE", 0)
-    monkeypatch.setattr(client.cluster.scheduler, "replicate", lose)
+    monkeypatch.setitem(client.cluster.scheduler.handlers, "scatter", lose)
     with pytest.raises(SolverError, match="lost on its way to the workers 20 times"):
         Cluster(client).share("shared")
 
 
 def test_a_cluster_without_a_worker_is_one_sentence() -> None:
     options = {"n_workers": 0, "dashboard_address": "127.0.0.1:0", "host": "127.0.0.1"}
-    with LocalCluster(**options, silence_logs=50) as empty, Client(empty, timeout="0.5s") as client:
-        with pytest.raises(SolverError, match=r"no worker to send the problem to; expected one at least"):
-            branch_and_bound(hard(30, 2), cluster=client)
+    with (
+        LocalCluster(**options, silence_logs=50) as empty,
+        Client(empty, timeout="0.5s") as client,
+        pytest.raises(SolverError, match=r"no worker to send the problem to; expected one at least"),
+    ):
+        branch_and_bound(hard(30, 2), cluster=client)
+
+
+def test_a_result_that_is_lost_before_it_is_fetched_is_worked_out_again_when_a_worker_is_there() -> None:
+    options = {"n_workers": 1, "threads_per_worker": 1, "dashboard_address": "127.0.0.1:0", "host": "127.0.0.1"}
+    with LocalCluster(**options, silence_logs=50) as one, Client(one) as client:
+        cluster = Cluster(client)
+        task = cluster.submit(len, cluster.share("shared"))
+        while not task.wait(0.1):
+            pass
+        one.scale(0)
+        while cluster.n_workers:
+            time.sleep(0.05)
+        assert not task.done()
+        assert cluster.n_lost == 0  # nobody to send it to
+        one.scale(1)
+        assert (task.result(), cluster.n_lost) == (6, 1)
 
 
 def test_a_task_that_is_lost_each_time_is_given_up(client: Client, monkeypatch: pytest.MonkeyPatch) -> None:
