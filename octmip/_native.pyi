@@ -246,12 +246,12 @@ def exact_bytes(problem: Problem, n_threads: int) -> float:
 class CutSolver:
     """A problem ready for cuts of its root to be solved, in a process that helps another one's search."""
 
-    def __new__(cls, problem: Problem, off: list[str]) -> CutSolver:
-        """Take the problem, the prunes that are switched off by name."""
+    def __new__(cls, problem: Problem, off: list[str], is_logged: bool) -> CutSolver:
+        """Take the problem, the prunes that are switched off by name, and whether lines of a log are wanted."""
         ...
 
-    def solve(self, level: int, row: Any, is_logged: bool = False) -> Any:
-        """Solve a cut of the root of trees of `level` levels, with its lines of a log; None when Ctrl-C stopped it."""
+    def solve(self, level: int, row: Any) -> Any:
+        """Solve a cut of the root of trees of `level` levels; None when Ctrl-C stopped it."""
         ...
 
 def prunes() -> list[str]:

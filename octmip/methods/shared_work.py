@@ -51,8 +51,8 @@ def submitter(
 
     With `is_logged` the answer holds the cut's lines of a proof log.
     """
-    shared = cluster.share(shared_problem(arguments, sorted(off)))
-    return lambda level, cut: cluster.submit(solve_cut, shared, level, cut, is_logged)
+    shared = cluster.share(shared_problem(arguments, sorted(off), is_logged))
+    return lambda level, cut: cluster.submit(solve_cut, shared, level, cut)
 
 
 def turn_submitter(
@@ -66,9 +66,9 @@ def turn_submitter(
     return lambda turn, limits: cluster.submit(take_turn, shared, turn, limits)
 
 
-def solve_cut(problem: SharedProblem, level: int, cut: Any, is_logged: bool = False) -> Any:
+def solve_cut(problem: SharedProblem, level: int, cut: Any) -> Any:
     """Solve a cut; done by a worker."""
-    solved = _solver(problem, _native.CutSolver).solve(level, cut, is_logged)
+    solved = _solver(problem, _native.CutSolver).solve(level, cut)
     if solved is None:
         raise KeyboardInterrupt
     return solved

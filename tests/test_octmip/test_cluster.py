@@ -341,6 +341,6 @@ def test_a_cut_of_another_problem_is_refused() -> None:
         np.ones(3, np.int64),
         np.eye(2, dtype=np.int64),
     )
-    problem = shared_problem((*arguments, 0, 3, 1, [0], [1.0], 5.0, [True], None), [])
+    problem = shared_problem((*arguments, 0, 3, 1, [0], [1.0], 5.0, [True], None), [], False)
     with pytest.raises(ValueError, match="feature 0 has no cut at 2"):
         solve_cut(problem, 3, (0, 2, 0, 0, 5, 0))

@@ -130,6 +130,49 @@ def test_equal_samples_are_searched_as_one_and_logged_as_many(costs: np.ndarray 
     assert solution.n_nodes < apart.n_nodes * 1.5
 
 
+def unclear(depth: int, n_classes: int = 2, n: int = 500, **options: object) -> Problem:
+    """Rows of which many are equal and of several classes."""
+    rng = np.random.default_rng(7)
+    rows = rng.integers(0, 12, (n // 5, 4)).astype(float)
+    return Problem(rows[rng.integers(0, len(rows), n)], rng.integers(0, n_classes, n), depth=depth, **options)
+
+
+@pytest.mark.parametrize(
+    ("n_classes", "options"),
+    [
+        (2, {}),
+        (3, {}),
+        (2, {"weights": np.arange(1.0, 501.0)}),
+        (2, {"costs": np.array([[1, 4], [2, 0]]), "leaf_penalty": 3.0}),
+        (2, {"sensor_budget": 2}),
+        (3, {"costs": np.arange(9).reshape(3, 3)}),
+    ],
+)
+def test_what_equal_samples_of_all_classes_gain_is_taken_from_the_search_not_from_the_answer(
+    n_classes: int, options: dict[str, object], tmp_path: Path
+) -> None:
+    problem = unclear(3, n_classes, **options)
+    found = branch_and_bound(problem, proof=tmp_path / "log")
+    whole = without("cancelling", problem)
+    assert (found.objective, found.bound, found.stop) == (whole.objective, whole.bound, Stop.OPTIMAL)
+    assert check_proof(problem, tmp_path / "log", bound=found.bound).bound == found.objective
+    kept = tmp_path / "kept"
+    branch_and_bound(problem, checkpoint=kept, limits=Limits(nodes=found.n_nodes / 2))
+    resumed = branch_and_bound(problem, checkpoint=kept)
+    assert (resumed.objective, resumed.bound) == (found.objective, found.bound)
+
+
+def test_equal_samples_of_several_classes_bound_the_cost_at_every_depth() -> None:
+    problem = unclear(6, n=4000)
+    _, group = np.unique(problem.features, axis=0, return_inverse=True)
+    counts = np.zeros((group.max() + 1, 2))
+    np.add.at(counts, (group.ravel(), problem.codes), 1)
+    least = counts.min(axis=1).sum()
+    found = branch_and_bound(problem, limits=Limits(nodes=1))
+    assert found.stop is Stop.NODES
+    assert 1000 < least <= found.bound
+
+
 def test_float64_values_a_millionth_apart_are_told_apart() -> None:
     features = (900 + 1e-6 * np.arange(40))[:, None]
     problem = Problem(features, np.arange(40) >= 17, depth=1)

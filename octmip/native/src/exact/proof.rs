@@ -42,7 +42,7 @@ pub(crate) fn write_by(
 ) -> Option<String> {
     let switches = switches.of_logs();
     let samples = Samples::in_few_rows(problem, &switches);
-    let upper = samples.counted(claim - samples.base.iter().sum::<i64>());
+    let upper = samples.counted(claim - samples.base_cost());
     let mut out = Body::default();
     if problem.sensor_cost.iter().sum::<f64>() > problem.sensor_limit {
         let n_threads = if let Helpers::Threads(n_threads) = helpers { n_threads } else { 1 };
@@ -113,8 +113,7 @@ fn record(
     let outer = log.open();
     log.append(&below);
     log.append(&frontier.records());
-    let base: i64 = samples.base.iter().sum();
-    log.close(outer, depth, samples.leaf_size, base + samples.cost(upper));
+    log.close(outer, depth, samples.leaf_size, samples.base_cost() + samples.cost(upper));
     log.take()
 }
 

@@ -45,13 +45,15 @@ pub(crate) fn go_on<'s>(
     if tables > options.limits.memory {
         return Ok(without_search(problem, options));
     }
-    let smaller = if options.switches.merging { merged(problem) } else { None };
-    let problem = smaller.as_ref().map_or(problem, |(smaller, _)| smaller);
+    let smaller = if options.switches.merging { merged(problem, options.switches.cancelling) } else { None };
+    let avoided = smaller.as_ref().map_or(0, |smaller| smaller.avoided);
+    let problem = smaller.as_ref().map_or(problem, |smaller| &smaller.problem);
     let samples =
         if has_lists_on_demand(problem, options) { Samples::without_order(problem) } else { Samples::new(problem) };
-    let samples = samples.in_units_of(problem);
+    let mut samples = samples.in_units_of(problem);
+    samples.avoided = avoided;
     let view = View::root(&samples);
-    let known = known.map(|known| known.map_costs(|cost| samples.counted(cost)));
+    let known = known.map(|known| known.without(samples.base_cost()).map_costs(|cost| samples.counted(cost)));
     if let Some(known) = &known {
         known.check(&samples, &view, problem.depth, problem.sensor_cost.len())?;
     }

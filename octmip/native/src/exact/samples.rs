@@ -19,7 +19,7 @@ pub(crate) mod unit;
 use std::sync::Arc;
 
 use crate::costs::ClassCosts;
-use crate::exact::samples::merging::merged;
+use crate::exact::samples::merging::{Merged, merged};
 use crate::exact::samples::unit::{common_divisor, rounded_up, unit};
 use crate::exact::switches::Switches;
 use crate::problem::Problem;
@@ -67,8 +67,10 @@ pub(crate) struct Samples {
     pub(crate) leaf_size: usize,
     /// What one unit of ranges, multiplicities and penalty is in the problem; the base is in the problem's own.
     pub(crate) unit: i64,
-    /// Rows of the problem that each sample is (`n`); none: one each.
+    /// Rows of the problem that each sample is (`n`), for a log, which counts those; none: one each.
     rows: Vec<u32>,
+    /// What every tree of the problem costs more than these samples do, in the problem's own unit.
+    pub(crate) avoided: i64,
 }
 
 impl Samples {
@@ -113,6 +115,7 @@ impl Samples {
             leaf_size: problem.leaf_size,
             unit: 1,
             rows: Vec::new(),
+            avoided: 0,
         };
         samples.set_gains(problem);
         samples
@@ -139,16 +142,18 @@ impl Samples {
 
     /// The samples of a problem, equal ones merged where that is on.
     pub(crate) fn in_few_rows(problem: &Problem, switches: &Switches) -> Self {
-        let smaller = if switches.merging { merged(problem) } else { None };
+        let smaller = if switches.merging { merged(problem, switches.cancelling) } else { None };
         match smaller {
-            Some((smaller, rows)) => Self::new(&smaller).in_units_of(&smaller).of_rows(rows),
+            Some(Merged { problem, rows, avoided }) => {
+                Self { rows, avoided, ..Self::new(&problem).in_units_of(&problem) }
+            }
             None => Self::new(problem).in_units_of(problem),
         }
     }
 
-    /// The same where each sample is so many rows (`n`) of a larger problem: a log counts those.
-    pub(crate) fn of_rows(self, rows: Vec<u32>) -> Self {
-        Self { rows, ..self }
+    /// What no tree avoids, in the problem's own unit.
+    pub(crate) fn base_cost(&self) -> i64 {
+        self.base.iter().sum::<i64>() + self.avoided
     }
 
     /// Rows of the problem among the first so many samples of a list, for each of some cuts.

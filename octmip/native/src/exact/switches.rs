@@ -27,6 +27,8 @@ crate::switches::switches! {
     group_skip,
     /// Search on equal samples merged.
     merging,
+    /// Take from equal samples what they gain under every label.
+    cancelling,
     /// The widest vectors of the machine.
     vectors,
 }
@@ -34,6 +36,6 @@ crate::switches::switches! {
 impl Switches {
     /// Without the prunes that the checker of a log does not know.
     pub(crate) fn of_logs(self) -> Self {
-        Self { set_range: false, ..self }
+        Self { set_range: false, cancelling: false, ..self }
     }
 }

@@ -4,7 +4,6 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::control::{Limits, Progress};
-use crate::costs::base_cost;
 use crate::exact::effort::Control;
 use crate::exact::node::result::{FeatureIncumbent, Solved};
 use crate::exact::node::search::Cut;
@@ -56,15 +55,14 @@ fn branch_and_bound(
         incumbent.map(|(objective, rows)| Ok::<_, PyErr>((objective, tree_from_rows(rows)?))).transpose()?;
     let switches = switches(Switches::without(&off))?;
     let options = Options { limits: limits(limit_values), n_threads, incumbent, switches };
-    let base = base_cost(&problem.inner);
     let mut unsaved = None;
     let (every, taker, row) = checkpoint.map_or((0.0, None, None), |(every, taker, row)| (every, Some(taker), row));
-    let known = row.map(|row| known_from_row(row, base)).transpose()?;
+    let known = row.map(known_from_row).transpose()?;
     let (workers, round) = submit.map_or((None, 0), |(submit, round)| (Some(Workers::new(submit)), round));
     let ask = |level: usize, cut: &Cut, control: &Control| ask_for(workers.as_ref()?, level, cut, control);
     let elsewhere = workers.as_ref().map(|_| Elsewhere { ask: &ask, round });
     let outcome = supervised(py, progress.as_ref(), |keep_going| {
-        let mut save = |known: &Known| hand_out(taker.as_ref(), known, base, &mut unsaved);
+        let mut save = |known: &Known| hand_out(taker.as_ref(), known, &mut unsaved);
         let saver = taker.is_some().then_some(Saver { every, save: &mut save });
         let has_failed = || workers.as_ref().is_some_and(Workers::has_failed);
         let mut keep_going = |state| keep_going(state) && !has_failed();
@@ -100,13 +98,12 @@ struct PyCutSolver {
 #[pymethods]
 impl PyCutSolver {
     #[new]
-    fn new(problem: &PyProblem, off: Vec<String>) -> PyResult<Self> {
-        Ok(Self { inner: CutSolver::new(&problem.inner, switches(Switches::without(&off))?) })
+    fn new(problem: &PyProblem, off: Vec<String>, is_logged: bool) -> PyResult<Self> {
+        Ok(Self { inner: CutSolver::new(&problem.inner, switches(Switches::without(&off))?, is_logged) })
     }
 
     /// Solve a cut at a level, with what a log says of it if one is written; None when Ctrl-C stopped it.
-    #[pyo3(signature = (level, row, is_logged=false))]
-    fn solve(&self, py: Python<'_>, level: usize, row: CutRow, is_logged: bool) -> PyResult<Option<SolvedRow>> {
+    fn solve(&self, py: Python<'_>, level: usize, row: CutRow) -> PyResult<Option<SolvedRow>> {
         let (feature, position, left, right, target, slack) = row;
         let cut = Cut { feature, position, bounds: [left, right], target, slack };
         if !self.inner.has(&cut) {
@@ -116,7 +113,7 @@ impl PyCutSolver {
         let state = Progress { seconds: 0.0, objective: 0, bound: 0, n_nodes: 0 };
         let solved = supervised(py, None, |keep_going| {
             let control = Control::reading(supervision.flag());
-            let work = || self.inner.solve(level, &cut, is_logged, &control);
+            let work = || self.inner.solve(level, &cut, &control);
             supervision.run(work, || supervision.poll(&mut *keep_going, state))
         })?;
         Ok(solved.map(|solved| {
@@ -127,7 +124,7 @@ impl PyCutSolver {
 }
 
 /// Give Python what is known; what it raises stops the search and is kept.
-fn hand_out(taker: Option<&Py<PyAny>>, known: &Known, base: i64, unsaved: &mut Option<PyErr>) -> bool {
+fn hand_out(taker: Option<&Py<PyAny>>, known: &Known, unsaved: &mut Option<PyErr>) -> bool {
     let Some(taker) = taker else { return true };
     let pairs = |cuts: &[FeatureIncumbent]| -> Vec<_> { cuts.iter().map(|cut| (cut.cost, cut.position)).collect() };
     let cut = |cut: &Solved| (cut.feature, cut.position, cut.bounds[0], cut.bounds[1]);
@@ -138,7 +135,7 @@ fn hand_out(taker: Option<&Py<PyAny>>, known: &Known, base: i64, unsaved: &mut O
         pairs(&known.incumbents),
         known.cuts.iter().map(cut).collect(),
         known.bound,
-        (known.best.0 + base, rows_from_tree(&known.best.1)),
+        (known.best.0, rows_from_tree(&known.best.1)),
         known.sets.clone(),
         known.n_nodes,
     );
@@ -146,7 +143,7 @@ fn hand_out(taker: Option<&Py<PyAny>>, known: &Known, base: i64, unsaved: &mut O
     taken.map_err(|raised| *unsaved = Some(raised)).is_ok()
 }
 
-fn known_from_row(row: KnownRow, base: i64) -> PyResult<Known> {
+fn known_from_row(row: KnownRow) -> PyResult<Known> {
     let (level, whole, order, incumbents, cuts, bound, (objective, rows), sets, n_nodes) = row;
     let from_pairs = |pairs: Vec<(i64, usize)>| -> Vec<_> {
         pairs.into_iter().map(|(cost, position)| FeatureIncumbent { cost, position }).collect()
@@ -159,7 +156,7 @@ fn known_from_row(row: KnownRow, base: i64) -> PyResult<Known> {
         incumbents: from_pairs(incumbents),
         cuts: cuts.into_iter().map(cut).collect(),
         bound,
-        best: (objective - base, tree_from_rows(rows)?),
+        best: (objective, tree_from_rows(rows)?),
         n_nodes,
         sets,
     })

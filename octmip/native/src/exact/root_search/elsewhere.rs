@@ -53,20 +53,21 @@ pub struct CutSolver {
     samples: Samples,
     view: View,
     switches: Switches,
+    is_logged: bool,
 }
 
 impl CutSolver {
-    /// Of a problem, by the same numbering of samples as the search that asks.
-    pub fn new(problem: &Problem, switches: Switches) -> Self {
+    /// Of a problem, by the same numbering of samples as the search that asks, or the writer of its log.
+    pub fn new(problem: &Problem, switches: Switches, is_logged: bool) -> Self {
+        let switches = if is_logged { switches.of_logs() } else { switches };
         let samples = Samples::in_few_rows(problem, &switches);
-        Self { view: View::root(&samples), samples, switches }
+        Self { view: View::root(&samples), samples, switches, is_logged }
     }
 
-    /// The children of a cut at a level, with what a log says of them where it is asked for; None when it was stopped.
-    pub(crate) fn solve(&self, level: usize, cut: &Cut, is_logged: bool, control: &Control) -> Option<SolvedCut> {
-        let switches = if is_logged { self.switches.of_logs() } else { self.switches };
-        let mut search = Search::new(&self.samples, switches, control, level);
-        search.log = is_logged.then(Log::default);
+    /// The children of a cut at a level, with what a log says of them where one is written; None when it was stopped.
+    pub(crate) fn solve(&self, level: usize, cut: &Cut, control: &Control) -> Option<SolvedCut> {
+        let mut search = Search::new(&self.samples, self.switches, control, level);
+        search.log = self.is_logged.then(Log::default);
         if level == 3 {
             search.prepare(&self.view);
         }

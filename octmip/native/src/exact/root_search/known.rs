@@ -13,7 +13,7 @@ use crate::tree::Tree;
 /// Sensors that a node of the search over sensor sets holds and bans.
 pub(crate) type Held = (Vec<bool>, Vec<bool>);
 
-/// Proven bounds and best tree of a search. Costs are above the base.
+/// Proven bounds and best tree of a search. Costs are above the base, in a file but that of the tree.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Known {
     /// Levels of the trees whose root was searched, 3 or more; those of fewer levels are done.
@@ -47,6 +47,12 @@ impl Known {
         self.order.iter_mut().chain(&mut self.incumbents).for_each(mapped);
         self.cuts.iter_mut().for_each(|cut| cut.bounds = cut.bounds.map(&to));
         (self.whole, self.bound, self.best.0) = (to(self.whole), to(self.bound), to(self.best.0));
+        self
+    }
+
+    /// The same with so much less in the cost of its tree.
+    pub(crate) fn without(mut self, base: i64) -> Self {
+        self.best.0 -= base;
         self
     }
 

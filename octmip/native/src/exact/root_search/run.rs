@@ -71,7 +71,7 @@ impl<'a, 's> Run<'a, 's> {
         known: Option<Known>,
         saver: Option<Saver<'s>>,
     ) -> Self {
-        let base: i64 = samples.base.iter().sum();
+        let base = samples.base_cost();
         let mut run = Run {
             problem,
             samples,
@@ -196,6 +196,7 @@ impl Run<'_, '_> {
                 sets: None,
             }
             .map_costs(|cost| samples.cost(cost))
+            .without(-samples.base_cost())
         };
         let elsewhere = self.elsewhere;
         let work = || match elsewhere {

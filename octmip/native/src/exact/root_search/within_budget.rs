@@ -49,6 +49,7 @@ impl Run<'_, '_> {
                 sets: Some(sets.open()),
             }
             .map_costs(|cost| samples.cost(cost))
+            .without(-samples.base_cost())
         };
         let mut due = std::mem::take(&mut self.due);
         self.supervision.run_all(

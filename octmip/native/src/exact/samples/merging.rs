@@ -1,29 +1,64 @@
-//! The same problem in fewer rows: samples that no split can part, of one class, are one of their weight together.
+//! The same problem in fewer rows: what no split can part is counted once.
 //!
-//! Every tree sends equal samples to one leaf, so both problems have the same trees at the same cost. It does not hold
+//! ```text
+//! equal samples of one class    one sample of their weight together
+//! and of every class            the gain that they have under each label is taken from all of them
+//! ```
+//!
+//! Every tree sends equal samples to one leaf, so the first leaves all trees their cost. So does the second, but for what
+//! is `avoided`: where each class gains under one label, a label of its own, and the group gains m or more under each of K
+//! labels, its leaf predicts one of them, gains m by it, and loses m by every other. Two classes are never in one group
+//! after it; the ranges of the rest are smaller, and with them everything that bounds costs by ranges. Neither holds
 //! where leaves have a least size, as samples are counted there. Only features that a split may use are compared.
 
 use std::sync::Arc;
 
+use crate::costs::ClassCosts;
+use crate::exact::samples::unit::common_divisor;
 use crate::problem::Problem;
 
 /// Rows that must go for the smaller problem to be worth its memory: one in so many.
 const WORTH: usize = 16;
 
-/// The problem with equal samples merged, each where the first of them was, and how many rows of the problem each of
-/// them is; None where too few are equal.
-pub(crate) fn merged(problem: &Problem) -> Option<(Problem, Vec<u32>)> {
+/// A problem in fewer rows.
+pub(crate) struct Merged {
+    /// Of the samples that are left, each where the first of its rows was.
+    pub(crate) problem: Problem,
+    /// Rows of the larger problem that each sample is (`n`).
+    pub(crate) rows: Vec<u32>,
+    /// What every tree costs more in the larger problem.
+    pub(crate) avoided: i64,
+}
+
+/// The problem with equal samples merged; None where too few are equal. `cancels`: also those of different classes.
+pub(crate) fn merged(problem: &Problem, cancels: bool) -> Option<Merged> {
     if problem.leaf_size > 1 || problem.n < 2 {
         return None;
     }
     let usable: Vec<usize> = (0..problem.p).filter(|&f| problem.allowed[f] && problem.n_ranks[f] > 1).collect();
-    let first = first_equal(problem, &usable)?;
-    let kept: Vec<usize> = (0..problem.n).filter(|&i| first[i] as usize == i).collect();
-    let (mut weights, mut rows) = (vec![0i64; problem.n], vec![0u32; problem.n]);
-    for (&own, &to) in problem.weights.iter().zip(&first) {
-        weights[to as usize] += own;
-        rows[to as usize] += 1;
+    let groups = Groups::of(problem, &usable)?;
+    let gains = if cancels { single_gains(problem) } else { None };
+    let (mut weights, mut rows, mut avoided) = (vec![0i64; problem.n], vec![0u32; problem.n], 0);
+    groups.for_each(problem, &usable, |group| {
+        let mut firsts: Vec<u32> = Vec::new(); // of each class
+        for &i in group {
+            let known = firsts.iter().find(|&&first| problem.labels[first as usize] == problem.labels[i as usize]);
+            let to = known.copied().unwrap_or(i) as usize;
+            if known.is_none() {
+                firsts.push(i);
+            }
+            weights[to] += problem.weights[i as usize];
+            rows[to] += 1;
+        }
+        if let Some(gains) = gains.as_ref().filter(|gains| firsts.len() == gains.len()) {
+            avoided += cancel(problem, gains, &firsts, &mut weights);
+            firsts.iter().filter(|&&i| weights[i as usize] == 0).for_each(|&i| rows[i as usize] = 0);
+        }
+    });
+    if rows.iter().all(|&count| count == 0) {
+        rows[0] = 1; // a sample without weight, as there has to be one
     }
+    let kept: Vec<usize> = (0..problem.n).filter(|&i| rows[i] > 0).collect();
     // Features that no split may use keep their rows, though not all their values: nothing reads them.
     let ranks = (0..problem.p).flat_map(|f| kept.iter().map(move |&i| problem.feature(f)[i])).collect();
     let smaller = Problem {
@@ -39,42 +74,80 @@ pub(crate) fn merged(problem: &Problem) -> Option<(Problem, Vec<u32>)> {
         planes: None,
         ..*problem
     };
-    Some((smaller, kept.iter().map(|&i| rows[i]).collect()))
+    Some(Merged { problem: smaller, rows: kept.iter().map(|&i| rows[i]).collect(), avoided })
 }
 
-/// The first sample that is equal to each one (`n`), itself where there is none before; None where too few are equal.
-fn first_equal(problem: &Problem, usable: &[usize]) -> Option<Vec<u32>> {
-    let hashes = hashes(problem, usable);
-    let mut order: Vec<u32> = (0..problem.n as u32).collect();
-    order.sort_unstable_by_key(|&i| (hashes[i as usize], i));
-    let same_hash = |pair: &[u32]| hashes[pair[0] as usize] == hashes[pair[1] as usize];
-    if order.windows(2).filter(|pair| same_hash(pair)).count() * WORTH < problem.n {
-        return None;
+/// The gain of each class where each gains under one label, no two under the same (`n_classes`).
+fn single_gains(problem: &Problem) -> Option<Vec<i64>> {
+    let costs = ClassCosts::of(problem);
+    let mut is_taken = vec![false; problem.n_classes];
+    (0..problem.n_classes)
+        .map(|class| {
+            let (label, gain) = costs.only_gain(class)?;
+            (gain > 0 && !std::mem::replace(&mut is_taken[label], true)).then_some(gain)
+        })
+        .collect()
+}
+
+/// Take what a group gains under every label from the weights of its samples, one of each class; what no tree avoids of
+/// their cost.
+fn cancel(problem: &Problem, gains: &[i64], firsts: &[u32], weights: &mut [i64]) -> i64 {
+    let classes = || firsts.iter().map(|&i| (i as usize, problem.labels[i as usize] as usize));
+    let least = classes().map(|(i, class)| weights[i] * gains[class]).min().unwrap_or(0);
+    // Weights are whole numbers, so what is taken from each is a multiple of all gains.
+    let multiple = gains.iter().try_fold(1i64, |all, &gain| (all / common_divisor(all, gain)).checked_mul(gain));
+    let taken = multiple.map_or(0, |multiple| least - least % multiple);
+    let costs = ClassCosts::of(problem);
+    let mut base = 0;
+    for (i, class) in classes() {
+        weights[i] -= taken / gains[class];
+        base += taken / gains[class] * costs.base(class);
     }
-    let mut first: Vec<u32> = (0..problem.n as u32).collect();
-    for run in order.chunk_by(|&a, &b| hashes[a as usize] == hashes[b as usize]) {
-        let mut different: Vec<u32> = Vec::new(); // more than one where hashes are equal and samples are not
-        for &i in run {
-            match different.iter().find(|&&known| are_equal(problem, usable, known as usize, i as usize)) {
-                Some(&known) => first[i as usize] = known,
-                None => different.push(i),
+    base + taken * (gains.len() as i64 - 1)
+}
+
+/// Samples in the order of a number that equal ones share.
+struct Groups {
+    hashes: Vec<u64>,
+    order: Vec<u32>,
+}
+
+impl Groups {
+    /// None where too few samples are equal.
+    fn of(problem: &Problem, usable: &[usize]) -> Option<Self> {
+        let hashes = hashes(problem, usable);
+        let mut order: Vec<u32> = (0..problem.n as u32).collect();
+        order.sort_unstable_by_key(|&i| (hashes[i as usize], i));
+        let n_equal = order.windows(2).filter(|pair| hashes[pair[0] as usize] == hashes[pair[1] as usize]).count();
+        (n_equal * WORTH >= problem.n).then_some(Self { hashes, order })
+    }
+
+    /// Go through the groups of equal samples, those of each ascending.
+    fn for_each(&self, problem: &Problem, usable: &[usize], mut act: impl FnMut(&[u32])) {
+        let are_equal = |a: u32, b: u32| {
+            usable.iter().map(|&f| problem.feature(f)).all(|ranks| ranks[a as usize] == ranks[b as usize])
+        };
+        for run in self.order.chunk_by(|&a, &b| self.hashes[a as usize] == self.hashes[b as usize]) {
+            if run.len() == 1 {
+                act(run);
+                continue;
+            }
+            let mut rest = run.to_vec(); // more than one group where hashes are equal and samples are not
+            while let Some(&first) = rest.first() {
+                let group: Vec<u32> = rest.extract_if(.., |i| are_equal(first, *i)).collect();
+                act(&group);
             }
         }
     }
-    Some(first)
-}
-
-fn are_equal(problem: &Problem, usable: &[usize], a: usize, b: usize) -> bool {
-    problem.labels[a] == problem.labels[b] && usable.iter().all(|&f| problem.feature(f)[a] == problem.feature(f)[b])
 }
 
 /// A number for each sample (`n`), the same for equal ones.
 fn hashes(problem: &Problem, usable: &[usize]) -> Vec<u64> {
     const ODD: u64 = 0x9E37_79B9_7F4A_7C15; // 2^64 over the golden ratio
-    let mut hashes: Vec<u64> = problem.labels.iter().map(|&label| u64::from(label)).collect();
+    let mut hashes = vec![0; problem.n];
     for &f in usable {
         for (hash, &rank) in hashes.iter_mut().zip(problem.feature(f)) {
-            *hash = (hash.rotate_left(23) ^ u64::from(rank)).wrapping_mul(ODD);
+            *hash = (u64::rotate_left(*hash, 23) ^ u64::from(rank)).wrapping_mul(ODD);
         }
     }
     hashes
@@ -108,23 +181,53 @@ mod tests {
     #[test]
     fn equal_samples_of_a_class_become_one_where_the_first_was() {
         let given = problem(&[[0, 2], [1, 1], [0, 2], [0, 2]], &[0, 1, 0, 1], &[2, 3, 5, 7]);
-        let (found, rows) = merged(&given).expect("fewer");
+        let Merged { problem: found, rows, avoided } = merged(&given, false).expect("fewer");
         assert_eq!((found.n, found.ranks.to_vec()), (3, vec![0, 1, 0, 2, 1, 2]));
         assert_eq!((found.labels, found.weights, rows), (vec![0, 1, 1], vec![7, 3, 7], vec![2, 1, 1]));
+        assert_eq!(avoided, 0);
+    }
+
+    #[test]
+    fn equal_samples_of_both_classes_leave_the_difference_and_what_no_tree_avoids() {
+        let mut given = problem(&[[0, 2], [1, 1], [0, 2], [0, 2]], &[0, 1, 0, 1], &[2, 3, 5, 9]);
+        let Merged { problem: found, rows, avoided } = merged(&given, true).expect("fewer");
+        assert_eq!((found.ranks.to_vec(), found.labels, found.weights), (vec![1, 0, 1, 2], vec![1, 1], vec![3, 2]));
+        assert_eq!((rows, avoided), (vec![1, 1], 7));
+        // A row of class 0 gains 3 or 0, one of class 1 gains 2 or 0: of 21 and 16, twelve are taken.
+        given.weights[3] = 8;
+        given.costs = vec![1, 4, 2, 0];
+        let Merged { problem: found, avoided, .. } = merged(&given, true).expect("fewer");
+        assert_eq!((found.labels, found.weights), (vec![0, 1, 1], vec![3, 3, 2]));
+        assert_eq!(avoided, 4 + 12);
+    }
+
+    #[test]
+    fn one_sample_is_left_where_all_cancel() {
+        let given = problem(&[[0, 2], [0, 2]], &[0, 1], &[3, 3]);
+        let Merged { problem: found, avoided, .. } = merged(&given, true).expect("fewer");
+        assert_eq!((found.n, found.weights, avoided), (1, vec![0], 3));
+    }
+
+    #[test]
+    fn classes_that_gain_under_one_label_together_are_merged_only() {
+        let mut given = problem(&[[0, 2], [0, 2]], &[0, 1], &[3, 3]);
+        given.costs = vec![0, 1, 0, 1];
+        let Merged { problem: found, avoided, .. } = merged(&given, true).expect("fewer");
+        assert_eq!((found.weights, avoided), (vec![3, 3], 0));
     }
 
     #[test]
     fn features_that_no_split_may_use_part_nothing() {
         let mut given = problem(&[[0, 2], [0, 1], [1, 0]], &[0, 0, 1], &[1, 1, 1]);
-        assert!(merged(&given).is_none());
+        assert!(merged(&given, true).is_none());
         given.allowed[1] = false;
-        assert_eq!(merged(&given).expect("fewer").0.weights, vec![2, 1]);
+        assert_eq!(merged(&given, true).expect("fewer").problem.weights, vec![2, 1]);
     }
 
     #[test]
     fn samples_that_are_counted_stay_apart() {
         let mut given = problem(&[[0, 2], [0, 2]], &[0, 0], &[1, 1]);
         given.leaf_size = 2;
-        assert!(merged(&given).is_none());
+        assert!(merged(&given, true).is_none());
     }
 }
