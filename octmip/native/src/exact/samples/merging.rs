@@ -5,11 +5,13 @@
 //! and of every class            the gain that they have under each label is taken from all of them
 //! ```
 //!
-//! Every tree sends equal samples to one leaf, so the first leaves all trees their cost. So does the second, but for what
-//! is `avoided`: where each class gains under one label, a label of its own, and the group gains m or more under each of K
-//! labels, its leaf predicts one of them, gains m by it, and loses m by every other. Two classes are never in one group
-//! after it; the ranges of the rest are smaller, and with them everything that bounds costs by ranges. Neither holds
-//! where leaves have a least size, as samples are counted there. Only features that a split may use are compared.
+//! Every tree sends equal samples to one leaf, so the first leaves all trees their cost. So does the second, but for
+//! what is `avoided`: where each class gains under one label, a label of its own, and the group gains m or more under
+//! each of K labels, its leaf predicts one of them, gains m by it, and loses m by every other. Of two classes one is
+//! left in a group; the ranges of the rest are smaller, and with them everything that bounds costs by ranges.
+//!
+//! Neither holds where leaves have a least size, as samples are counted there. Only features that a split may use are
+//! compared.
 
 use std::sync::Arc;
 
