@@ -58,6 +58,17 @@ def test_no_log_proves_more_than_the_optimum(log):
     assert 60 < proven < 180
 
 
+def test_rows_are_counted_as_they_are_where_equal_ones_are_merged(log):
+    features = np.array([0.0, 0, 0, 1, 2, 2, 3])[:, None]
+    problem = Problem(features, np.array([0, 0, 0, 1, 0, 1, 1]), depth=2)
+    text = proof_log(problem)
+    assert "\nF 0 3 1 2\n" in text
+    assert check_proof(problem, log(text)).bound == 1
+    for inside in ("2 2 2", "3 1 1", "1 3 2", "3 1 3"):
+        with pytest.raises(CertificateError, match="line 7: feature 0 has no cut"):
+            check_proof(problem, log(text.replace("F 0 3 1 2", f"F 0 {inside}")))
+
+
 def accepted(problem, path):
     try:
         check_proof(problem, path)

@@ -7,6 +7,7 @@
 mod checker;
 mod inequalities;
 mod label_sets;
+mod merging;
 mod nodes;
 mod stumps;
 mod walk;
@@ -16,11 +17,14 @@ use crate::problem::Problem;
 use crate::refusal::Checked;
 use crate::threads::check_parts;
 use checker::Checker;
+use merging::merged;
 use walk::Walk;
 
 /// Check that the rest of a log proves that every tree costs `claim` or more.
 pub(crate) fn check(q: &Problem, cursor: Cursor<'_>, claim: i64, n_threads: usize) -> Checked<()> {
-    let checker = Checker::new(q);
+    let merged = merged(q);
+    let (q, rows) = merged.as_ref().map_or((q, &[][..]), |(q, rows)| (q, &rows[..]));
+    let checker = Checker::new(q, rows);
     let (counted, last_line) = Walk::new(&checker, cursor).cases(claim)?;
     check_parts(counted.len(), n_threads, last_line, |part| checker.counted_node(&counted[part]))
 }

@@ -19,14 +19,14 @@ pub(super) enum Place {
 /// A problem, and what its samples cost.
 pub(super) struct Checker<'a> {
     pub(super) q: &'a Problem,
+    /// Rows of the log's problem that each sample is; none: one each.
+    rows: &'a [u32],
     /// Cost of each sample under its most expensive label.
     pub(super) worst: Vec<i64>,
     /// Labels of each sample that save some of that, and how much.
     pub(super) savings: Vec<Vec<(usize, i64)>>,
     /// The number that all savings are whole multiples of: sums of them are counted in it.
     pub(super) unit: i64,
-    /// No sum of savings in that unit, or of samples, is larger.
-    pub(super) most: i64,
     /// The labels that trees of 0, 1, 2 and so on levels may give.
     pub(super) label_sets: Vec<LabelSets>,
     /// All samples in the order of each feature that may be used, and last in their own.
@@ -34,8 +34,8 @@ pub(super) struct Checker<'a> {
 }
 
 impl<'a> Checker<'a> {
-    /// The checker of a problem.
-    pub(super) fn new(q: &'a Problem) -> Self {
+    /// The checker of a problem whose samples are so many rows of the log's.
+    pub(super) fn new(q: &'a Problem, rows: &'a [u32]) -> Self {
         let cost = |i: usize, k| q.weights[i] * q.cost(q.labels[i] as usize, k);
         let worst = |i| (0..q.n_classes).map(|k| cost(i, k)).max().unwrap_or(0);
         let saving = |i, k| Some((k, worst(i) - cost(i, k))).filter(|saving| saving.1 > 0);
@@ -44,8 +44,8 @@ impl<'a> Checker<'a> {
         let labels = labels_worth_giving(q);
         Self {
             q,
+            rows,
             unit,
-            most: ((0..q.n).map(worst).sum::<i64>() / unit).max(2 * q.n as i64 + 1),
             worst: (0..q.n).map(worst).collect(),
             savings,
             label_sets: (0..=q.depth).map(|depth| LabelSets::new(q, &labels, depth)).collect(),
@@ -91,6 +91,11 @@ impl Checker<'_> {
         let mut kept = vec![!is_left; self.q.n];
         left.iter().for_each(|&i| kept[i as usize] = is_left);
         orders.iter().map(|order| order.iter().copied().filter(|&i| kept[i as usize]).collect()).collect()
+    }
+
+    /// Rows of the log's problem that a sample is.
+    pub(super) fn rows_of(&self, sample: u32) -> usize {
+        self.rows.get(sample as usize).map_or(1, |&rows| rows as usize)
     }
 
     /// Whether the first `cut` samples, not none and not all, lie below the others.

@@ -29,13 +29,20 @@ impl Checker<'_> {
         self.check_node(&orders, node.depth, (costs[cuts.len()][1], &cuts), claim)
     }
 
-    /// The cuts that a line names, feature and samples to the left: a feature, the first cut and steps to the others.
+    /// The cuts that a line names, feature and samples to the left: a feature, rows left of the first cut and steps to
+    /// the others.
     pub(super) fn cuts_of(&self, numbers: &[i64], orders: &Orders, line: usize) -> Checked<Vec<(usize, usize)>> {
         let f = numbers.first().map_or(self.q.p, |&f| f as usize);
-        let (mut k, mut cuts) = (0usize, Vec::new());
+        let order: &[u32] = if f < self.q.p { &orders[f] } else { &[] };
+        let (mut rows, mut passed, mut k, mut cuts) = (0usize, 0, 0, Vec::new());
         for &step in numbers.iter().skip(1) {
-            k = k.saturating_add(step as usize);
-            ensure!(f < self.q.p && self.is_between(f, &orders[f], k), line, "feature {f} has no cut {k} here");
+            rows = rows.saturating_add(step as usize);
+            while passed < rows && k < order.len() {
+                passed += self.rows_of(order[k]);
+                k += 1;
+            }
+            let is_cut = passed == rows && self.is_between(f, order, k);
+            ensure!(is_cut, line, "feature {f} has no cut {rows} here");
             cuts.push((f, k));
         }
         Ok(cuts)

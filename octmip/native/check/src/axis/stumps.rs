@@ -52,7 +52,11 @@ impl<T: Lane> Savings<T> {
 impl Checker<'_> {
     /// The cheapest trees of one split at most, on sets of the samples and on what is left outside each set.
     pub(super) fn stumps(&self, orders: &Orders, sets: &[&[u32]]) -> Vec<[i64; 2]> {
-        match self.most {
+        let all = &orders[self.q.p];
+        let worst = all.iter().map(|&i| self.worst[i as usize]).sum::<i64>() / self.unit;
+        let is_counted = self.q.leaf_size > 1;
+        // No sum of savings in the unit, or of samples where these are counted, is larger.
+        match worst.max(if is_counted { 2 * self.q.n as i64 + 1 } else { 0 }) {
             ..0x8000 => self.stumps_in::<i16>(orders, sets),
             0x8000..0x8000_0000 => self.stumps_in::<i32>(orders, sets),
             _ => self.stumps_in::<i64>(orders, sets),
@@ -62,8 +66,24 @@ impl Checker<'_> {
     /// The same in numbers of one width, no sum too large for it.
     fn stumps_in<T: Lane>(&self, orders: &Orders, sets: &[&[u32]]) -> Vec<[i64; 2]> {
         let cuts: Vec<Vec<usize>> = (0..self.q.p).map(|f| self.cuts_to_count(f, &orders[f])).collect();
-        let savings = Savings::<T>::new(self.savings.iter().map(Vec::as_slice), self.unit);
-        sets.chunks(LANES).flat_map(|sets| self.count(orders, &cuts, &savings, sets)).collect()
+        let all = &orders[self.q.p];
+        let savings = Savings::<T>::new(all.iter().map(|&i| &self.savings[i as usize][..]), self.unit);
+        // Samples by their place in the node: what is counted of them lies side by side.
+        let mut place = vec![0; self.q.n];
+        all.iter().zip(0u32..).for_each(|(&i, k)| place[i as usize] = k);
+        let placed = |order: &Vec<u32>| order.iter().map(|&i| place[i as usize]).collect();
+        let placed: Orders = orders.iter().map(placed).collect();
+        let mut is_in = vec![[of::<T>(0); LANES]; all.len()]; // all bits of a lane, or none
+        let mut costs = Vec::with_capacity(sets.len());
+        for sets in sets.chunks(LANES) {
+            is_in.fill([of(0); LANES]);
+            for (lane, set) in sets.iter().enumerate() {
+                set.iter().for_each(|&i| is_in[place[i as usize] as usize][lane] = of(-1));
+            }
+            let saved = self.count(&placed, &cuts, &savings, &is_in);
+            costs.extend(sets.iter().enumerate().map(|(lane, set)| self.costs(all, set, &saved, lane)));
+        }
+        costs
     }
 
     /// The cuts of a feature that may be the best of some part of the samples, ascending.
@@ -87,26 +107,22 @@ impl Checker<'_> {
         ends.windows(3).filter(|around| !is_inside_run(around)).map(|around| around[1]).collect()
     }
 
-    /// The same for as many sets as there are lanes. What a tree costs is what its samples cost under their most
-    /// expensive labels, less what the best labels on both sides save of that.
+    /// What the best labels save on both sides of the best cut, and of one leaf, inside and outside as many sets as
+    /// there are lanes.
     fn count<T: Lane>(
         &self,
         orders: &Orders,
         cuts: &[Vec<usize>],
         savings: &Savings<T>,
-        sets: &[&[u32]],
-    ) -> Vec<[i64; 2]> {
-        let mut is_in = vec![[of::<T>(0); LANES]; self.q.n]; // all bits of a lane, or none
-        for (lane, set) in sets.iter().enumerate() {
-            set.iter().for_each(|&i| is_in[i as usize][lane] = of(-1));
-        }
+        is_in: &[Lanes<T>],
+    ) -> [[Lanes<T>; 2]; 2] {
         let mut saved = [[of::<T>(0); LANES]; 2];
         for (order, cuts) in orders.iter().zip(cuts) {
             let (n, mut first, mut c) = (order.len(), Vec::with_capacity(cuts.len()), cuts.len());
-            self.saved(order.iter(), cuts, &is_in, savings, |best| first.push(*best));
-            let is_wide = self.are_wide(order, cuts, &is_in);
+            self.saved(order.iter(), cuts, is_in, savings, |best| first.push(*best));
+            let is_wide = self.are_wide(order, cuts, is_in);
             let backwards: Vec<usize> = cuts.iter().rev().map(|k| n - k).collect();
-            self.saved(order.iter().rev(), &backwards, &is_in, savings, |last| {
+            self.saved(order.iter().rev(), &backwards, is_in, savings, |last| {
                 c -= 1;
                 for side in 0..2 {
                     let mut both = std::array::from_fn(|lane| first[c][side][lane] + last[side][lane]);
@@ -119,17 +135,20 @@ impl Checker<'_> {
         }
         let all = &orders[self.q.p];
         let mut one_leaf = [[of::<T>(0); LANES]; 2];
-        self.saved(all.iter(), &[all.len()], &is_in, savings, |best| one_leaf = *best);
+        self.saved(all.iter(), &[all.len()], is_in, savings, |best| one_leaf = *best);
+        [saved, one_leaf]
+    }
+
+    /// The cost of the cheapest trees on a set and outside it: what its samples cost under their most expensive labels,
+    /// less what the best labels save of that.
+    fn costs<T: Lane>(&self, all: &[u32], set: &[u32], saved: &[[Lanes<T>; 2]; 2], lane: usize) -> [i64; 2] {
         let worst_of = |ids: &[u32]| ids.iter().map(|&i| self.worst[i as usize]).sum::<i64>();
-        let cost = |(lane, set): (usize, &&[u32])| {
-            let left = worst_of(set);
-            let worst = [left, worst_of(all) - left];
-            [0, 1].map(|side| {
-                let split = worst[side] - self.unit * saved[side][lane].into() + self.q.penalty;
-                split.min(worst[side] - self.unit * one_leaf[side][lane].into())
-            })
-        };
-        sets.iter().enumerate().map(cost).collect()
+        let inside = worst_of(set);
+        let worst = [inside, worst_of(all) - inside];
+        [0, 1].map(|side| {
+            let [split, leaf] = [0, 1].map(|of| worst[side] - self.unit * saved[of][side][lane].into());
+            leaf.min(split + self.q.penalty)
+        })
     }
 
     /// For each cut and side the lanes, all of their bits, in which both leaves hold enough samples; None if any do.
@@ -152,7 +171,7 @@ impl Checker<'_> {
 
     /// What the best label saves of the first samples of an order, inside and outside each set, after each of these
     /// numbers of samples. What a label saves outside a set is what it saves of all less what it saves inside. More
-    /// samples never save less by a label: the most so far is the most.
+    /// samples never save less by a label: the most so far is the most of the labels that saved anything since.
     fn saved<'o, T: Lane>(
         &self,
         mut order: impl Iterator<Item = &'o u32>,
@@ -163,6 +182,7 @@ impl Checker<'_> {
     ) {
         let mut best = [[of(0); LANES]; 2];
         let (mut all, mut inside) = (vec![of::<T>(0); self.q.n_classes], vec![best[0]; self.q.n_classes]);
+        let (mut has_grown, mut grown) = (vec![false; self.q.n_classes], Vec::new());
         let mut n_counted = 0;
         for &stop in stops {
             for &i in order.by_ref().take(stop - n_counted) {
@@ -170,10 +190,17 @@ impl Checker<'_> {
                 for &(k, saving) in by.of(i) {
                     let (all, inside) = (&mut all[k], &mut inside[k]);
                     *all = *all + saving;
-                    *inside = std::array::from_fn(|lane| inside[lane] + (saving & is_in[lane]));
-                    raise(&mut best[0], inside);
-                    raise(&mut best[1], &std::array::from_fn(|lane| *all - inside[lane]));
+                    inside.iter_mut().zip(is_in).for_each(|(inside, &is_in)| *inside = *inside + (saving & is_in));
+                    if !std::mem::replace(&mut has_grown[k], true) {
+                        grown.push(k);
+                    }
                 }
+            }
+            for k in grown.drain(..) {
+                let (all, inside) = (all[k], &inside[k]);
+                has_grown[k] = false;
+                raise(&mut best[0], inside);
+                raise(&mut best[1], &std::array::from_fn(|lane| all - inside[lane]));
             }
             n_counted = stop;
             see(&best);
