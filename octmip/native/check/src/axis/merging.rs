@@ -1,8 +1,8 @@
 //! The same problem in fewer rows: equal samples of one class counted as one of their weight together.
 //!
-//! Samples that agree in every feature that a split may use go to one leaf of every tree, so both problems have the same
-//! trees at the same cost. Where leaves have a least size they are counted, and stay apart. A log counts the rows of
-//! the larger problem, so it is kept how many of them each sample is.
+//! Samples that agree in every feature that a split may use go to one leaf of every tree, so both problems have the
+//! same trees at the same cost. Where leaves have a least size they are counted, and stay apart. A log counts the rows
+//! of the larger problem, so it is kept how many of them each sample is.
 
 use std::sync::Arc;
 
