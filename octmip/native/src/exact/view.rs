@@ -87,22 +87,30 @@ impl View {
 
     /// The label of the best leaf, the lowest among equals.
     pub(crate) fn best_label(&self) -> usize {
-        let best = self.total_range - self.leaf();
-        self.totals.iter().position(|&gain| gain == best).unwrap_or(0)
+        first_largest(&self.totals)
     }
 
     /// The samples on one side of the cut at position `k` of feature `f`.
     pub(crate) fn side(&self, samples: &Samples, f: usize, k: usize, side: usize) -> Self {
-        let ids = self.with_list(f, |list| if side == 0 { list[..k].to_vec() } else { list[k..].to_vec() });
-        let mut is_here = vec![false; samples.n];
-        ids.iter().for_each(|&i| is_here[i as usize] = true);
-        let mut view = Self { len: ids.len(), ..Self::default() };
+        let (mut view, is_here) = self.totals_of_side(samples, f, k, side);
         match &self.on_demand {
             Some(lists) => view.on_demand = Some(lists.part(is_here)),
             None => view.lists = Arc::new(self.lists.iter().copied().filter(|&i| is_here[i as usize]).collect()),
         }
-        view.recount(samples, ids.into_iter());
         view
+    }
+
+    /// The same without lists, and which of all samples (`n`) are in it.
+    pub(crate) fn totals_of_side(&self, samples: &Samples, f: usize, k: usize, side: usize) -> (Self, Vec<bool>) {
+        let mut is_here = vec![false; samples.n];
+        let mut view = Self::default();
+        self.with_list(f, |list| {
+            let ids = if side == 0 { &list[..k] } else { &list[k..] };
+            ids.iter().for_each(|&i| is_here[i as usize] = true);
+            view.len = ids.len();
+            view.recount(samples, ids.iter().copied());
+        });
+        (view, is_here)
     }
 
     /// Fill `sides` with the samples left and right of the cut at position `k` of feature `f`.
@@ -144,4 +152,9 @@ impl View {
             self.total_range += samples.ranges[i as usize];
         }
     }
+}
+
+/// The first of the largest numbers.
+pub(crate) fn first_largest(numbers: &[i64]) -> usize {
+    (0..numbers.len()).rev().max_by_key(|&k| numbers[k]).unwrap_or(0)
 }

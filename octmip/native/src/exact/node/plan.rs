@@ -1,8 +1,8 @@
 //! A tree found, its last levels left to be looked up again when it is wanted.
 
 use crate::exact::samples::Samples;
-use crate::exact::stumps::scan::best_cut;
-use crate::exact::view::View;
+use crate::exact::stumps::scan::{BestCut, best_cut};
+use crate::exact::view::{View, first_largest};
 use crate::tree::Tree;
 
 /// The best tree of a search, in short; only the plan that wins becomes a tree.
@@ -36,18 +36,16 @@ impl Plan {
     pub(crate) fn tree(&self, samples: &Samples, view: &View) -> Tree {
         match self {
             Self::Leaf => Tree::leaf(samples.labels[view.best_label()]),
-            Self::Stump => match best_stump(samples, view) {
-                Some((f, cut)) => {
-                    Self::Split { feature: f, cut, sides: Box::new([Self::Leaf, Self::Leaf]) }.tree(samples, view)
-                }
-                None => Self::Leaf.tree(samples, view),
-            },
+            Self::Stump => stump(samples, view, view, |_| true),
             Self::Split { feature, cut, sides } => {
                 let ranks = samples.ranks_of(*feature);
                 let k = view.with_list(*feature, |list| list.partition_point(|&i| ranks[i as usize] <= *cut));
-                let [left, right] = [0, 1].map(|side| {
-                    let part = view.side(samples, *feature, k, side);
-                    sides[side].tree(samples, &part)
+                let [left, right] = [0, 1].map(|side| match &sides[side] {
+                    Self::Stump => {
+                        let (part, is_here) = view.totals_of_side(samples, *feature, k, side);
+                        stump(samples, view, &part, |i| is_here[i as usize])
+                    }
+                    plan => plan.tree(samples, &view.side(samples, *feature, k, side)),
                 });
                 Tree::join(samples.features[*feature], *cut, &left, &right)
             }
@@ -56,15 +54,27 @@ impl Plan {
     }
 }
 
-/// Feature and cut of the best stump, the lowest among equals; None when no split is worth its price.
-fn best_stump(samples: &Samples, view: &View) -> Option<(usize, u32)> {
-    let mut best: Option<(i64, usize, u32)> = None;
+/// The best tree of one split on the part of a view that is here, the first among equals; a leaf when no split is worth
+/// its price. The part has its totals, and no lists.
+fn stump(samples: &Samples, view: &View, part: &View, is_here: impl Fn(u32) -> bool) -> Tree {
+    let mut best: Option<(BestCut, usize)> = None;
     for f in 0..samples.p {
-        let found = view.with_list(f, |list| best_cut(samples, list, f, &view.totals, view.len, |_| true));
-        if let Some(found) = found.filter(|found| best.is_none_or(|(gain, _, _)| found.gain > gain)) {
-            best = Some((found.gain, f, found.cut));
+        let found = view.with_list(f, |list| best_cut(samples, list, f, &part.totals, part.len, &is_here));
+        if let Some(found) = found.filter(|found| best.is_none_or(|(best, _)| found.gain > best.gain)) {
+            best = Some((found, f));
         }
     }
-    let leaf = view.total_range - view.leaf();
-    best.filter(|&(gain, _, _)| gain - samples.penalty > leaf).map(|(_, f, cut)| (f, cut))
+    let leaf = part.total_range - part.leaf();
+    let Some((BestCut { cut, .. }, f)) = best.filter(|(best, _)| best.gain - samples.penalty > leaf) else {
+        return Plan::Leaf.tree(samples, part);
+    };
+    let ranks = samples.ranks_of(f);
+    let mut left = vec![0; samples.n_labels];
+    view.with_list(f, |list| {
+        let is_left = |i: &u32| ranks[*i as usize] <= cut && is_here(*i);
+        list.iter().copied().filter(is_left).for_each(|i| samples.count(i, 1, &mut left));
+    });
+    let right: Vec<i64> = part.totals.iter().zip(&left).map(|(all, left)| all - left).collect();
+    let [left, right] = [left, right].map(|totals| Tree::leaf(samples.labels[first_largest(&totals)]));
+    Tree::join(samples.features[f], cut, &left, &right)
 }
