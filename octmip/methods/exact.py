@@ -119,7 +119,7 @@ def branch_and_bound(
     keeper = None if checkpoint is None else Keeper(problem, ranks, checkpoint, started)
     search = _Search(problem, limits, n_jobs, progress, started, ranks, keeper, every)
     if proof is not None:  # a log has no line for these bounds, and to search them out takes longer than the limit
-        search.off = [*search.off, "level_below", "cancelling"]
+        search.off = [*search.off, "level_below", "label_sets", "cancelling"]
     with ExitStack() as stack:
         search.cluster = stack.enter_context(opened({"cluster": cluster}, n_jobs))["cluster"]
         search.search(start)

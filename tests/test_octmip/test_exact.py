@@ -13,13 +13,13 @@ from octmip.methods import native_call
 from octmip.methods.exact import branch_and_bound
 from octmip.problem import Problem
 from octmip.proof import check_proof
-from octmip.solution import Limits, Stop
+from octmip.solution import Limits, Progress, Stop
 from octmip.tree import HyperplaneSplit, Leaf, Split, n_splits
 
 
-def without(prune: str, problem: Problem) -> Solution:
+def without(prune: str, problem: Problem, limits: Limits | None = None) -> Solution:
     with native_call.without(prune):
-        return branch_and_bound(problem)
+        return branch_and_bound(problem, limits=limits or Limits())
 
 
 def random_problem(seed: int, depth: int | None = None) -> Problem:
@@ -171,6 +171,36 @@ def test_equal_samples_of_several_classes_bound_the_cost_at_every_depth() -> Non
     found = branch_and_bound(problem, limits=Limits(nodes=1))
     assert found.stop is Stop.NODES
     assert 1000 < least <= found.bound
+
+
+@pytest.mark.parametrize(("depth", "n_classes"), [(5, 5), (5, 6), (6, 5)])
+def test_deep_trees_of_many_labels_are_bounded_by_shallow_ones_of_sets_of_labels(depth: int, n_classes: int) -> None:
+    rng = np.random.default_rng(depth + n_classes)
+    features = rng.integers(0, 40, (1000, 3)).astype(float)
+    labels = (features @ [3, 5, 0]).astype(int) // 29 % n_classes
+    labels = np.where(rng.random(1000) < 0.3, rng.integers(0, n_classes, 1000), labels)
+    problem, limits = Problem(features, labels, depth=depth), Limits(nodes=50_000)
+    reports: list[Progress] = []
+    found = branch_and_bound(problem, limits=limits, progress=reports.append)
+    assert found.stop is Stop.NODES
+    assert without("label_sets", problem, limits).bound == 0 < found.bound <= found.objective
+    assert reports[-1].bound <= found.bound
+
+
+@pytest.mark.parametrize(
+    "options", [{}, {"leaf_penalty": 0.5}, {"costs": np.abs(np.subtract.outer(range(6), range(6)))}]
+)
+def test_that_bound_is_none_above_the_optimum(options: dict[str, object]) -> None:
+    """Proofs that begin with it end with the answer of those that do not."""
+    for seed in range(3):
+        rng = np.random.default_rng(seed)
+        problem = Problem(rng.integers(0, 9, (40, 2)).astype(float), rng.integers(0, 6, 40), depth=5, **options)
+        reports: list[Progress] = []
+        found, alone = branch_and_bound(problem, progress=reports.append), without("label_sets", problem)
+        assert max(report.bound for report in reports) <= alone.objective
+        assert (found.objective, found.bound, found.stop) == (alone.objective, alone.bound, Stop.OPTIMAL)
+        assert found.n_nodes != alone.n_nodes
+        assert branch_and_bound(problem, n_jobs=3).tree == found.tree
 
 
 def test_float64_values_a_millionth_apart_are_told_apart() -> None:

@@ -25,7 +25,7 @@ use crate::exact::switches::Switches;
 use crate::problem::Problem;
 
 use directions::doubled_spans;
-use label_sets::LabelSets;
+use label_sets::{LabelSets, few_sets};
 
 /// Samples, gains and limits; read by all threads.
 #[derive(Debug, Clone)]
@@ -223,10 +223,35 @@ impl Samples {
         }
         self.gains = profiles.concat();
         if !self.is_single {
-            self.spans = doubled_spans(&self.gains, self.n_labels);
-            let sizes = (1..self.n_labels).map(|level| 1 << level).take_while(|&size| size < self.n_labels);
-            self.sets = sizes.map(|size| LabelSets::new(&self.gains, self.n_labels, size)).collect();
+            self.set_bounds();
         }
+    }
+
+    /// What bounds samples of profiles that gain in several labels.
+    fn set_bounds(&mut self) {
+        self.spans = doubled_spans(&self.gains, self.n_labels);
+        let sizes = (1..self.n_labels).map(|level| 1 << level).take_while(|&size| size < self.n_labels);
+        self.sets = sizes.map(|size| LabelSets::new(&self.gains, self.n_labels, size)).collect();
+    }
+
+    /// The same where a leaf predicts a set of so many labels, and each sample gets the best of them; None where that
+    /// costs nothing, or where these sets are too many.
+    ///
+    /// No tree of depth `d` costs less than the best of these of depth `l`, with sets of `2^(d - l)` labels: cut it off
+    /// at that depth; what was below a node predicts that many labels at most.
+    pub(crate) fn of_label_sets(&self, size: usize) -> Option<Self> {
+        let sets = few_sets(self.n_labels, size)?;
+        let best = |row: &[i64], set: &Vec<usize>| set.iter().map(|&label| row[label]).max().unwrap_or(0);
+        let rows = self.gains.chunks(self.n_labels);
+        let mut relaxed = Self {
+            n_labels: sets.len(),
+            labels: (0..sets.len() as u32).collect(),
+            is_single: false,
+            gains: rows.flat_map(|row| sets.iter().map(move |set| best(row, set))).collect(),
+            ..self.clone()
+        };
+        relaxed.set_bounds();
+        Some(relaxed)
     }
 
     /// The sets of as many labels as a child of this many leaves may predict, where they bound anything.

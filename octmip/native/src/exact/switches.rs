@@ -15,6 +15,8 @@ crate::switches::switches! {
     shallower_first,
     /// Show the bound that follows from trees of one level fewer.
     level_below,
+    /// Show the bound of shallower trees whose leaves predict sets of labels.
+    label_sets,
     /// Solve children beyond what their own cut needs.
     slack,
     /// Take features in the order of their incumbents one level lower.

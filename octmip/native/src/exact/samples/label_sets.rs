@@ -5,6 +5,8 @@ pub(crate) const WIDTH: usize = 8;
 
 /// Most sets; with more the bound is left out, as its memory and time would show.
 const MOST_SETS: usize = 64;
+/// Most sets that leaves predict in place of labels.
+const MOST_PREDICTED: usize = 16;
 
 /// The sets of as many labels as a tree has leaves.
 #[derive(Debug, Clone, Default)]
@@ -74,6 +76,12 @@ pub(crate) fn width(n: usize, n_leaves: usize) -> Option<usize> {
 /// The same, at most, for as many labels or fewer: labels that are never worth predicting fall away.
 pub(crate) fn most_width(n: usize, n_leaves: usize) -> usize {
     (0..=n).filter_map(|n| width(n, n_leaves)).max().unwrap_or(0)
+}
+
+/// The sets of `size` of `n` labels; None where they are all labels, or more than are worth being predicted as labels
+/// are.
+pub(crate) fn few_sets(n: usize, size: usize) -> Option<Vec<Vec<usize>>> {
+    (size < n && n_sets(n, size)? <= MOST_PREDICTED).then(|| subsets(n, size))
 }
 
 /// Number of subsets of `k` of `n`, None when it is very large.
