@@ -9,6 +9,7 @@ import time
 from collections.abc import Iterator
 from unittest.mock import patch
 
+import dask
 import numpy as np
 import pandas as pd
 import pytest
@@ -16,7 +17,7 @@ from distributed import Client, LocalCluster
 
 from octmip import Limits, Problem, Progress, Solution, Stop, _native, solve
 from octmip.cli import main
-from octmip.cluster import Cluster, open_cluster
+from octmip.cluster import RESTART, Cluster, open_cluster
 from octmip.errors import DataError, SolverError
 from octmip.methods.exact import branch_and_bound
 from octmip.methods.search import local_search
@@ -26,11 +27,22 @@ from octmip.tradeoff import choose_tree, trace_frontier
 
 
 @pytest.fixture(scope="module")
-def client() -> Iterator[Client]:
-    """Two processes with one thread each, on the loopback."""
+def two_workers() -> Iterator[Client]:
+    """Two processes with one thread each, on the loopback; one that was killed has long to come back."""
     options = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": "127.0.0.1:0", "host": "127.0.0.1"}
-    with LocalCluster(**options, silence_logs=50) as cluster, Client(cluster) as client:
+    with (
+        dask.config.set({"distributed.deploy.lost-worker-timeout": RESTART}),
+        LocalCluster(**options, silence_logs=50) as cluster,
+        Client(cluster) as client,
+    ):
         yield client
+
+
+@pytest.fixture
+def client(two_workers: Client) -> Client:
+    """Both workers, whatever the test before has killed."""
+    two_workers.wait_for_workers(2, timeout=120)
+    return two_workers
 
 
 def hard(n: int = 400, depth: int = 3, **options: object) -> Problem:
