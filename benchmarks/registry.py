@@ -54,6 +54,7 @@ FAMILIES = {
     "exports": "benchmarks.cases.fuzz.exports",
     "soak": "benchmarks.cases.fuzz.soak",
     "fuzz_kills": "benchmarks.cases.fuzz.kills",
+    "fuzz_workers": "benchmarks.cases.fuzz.workers",
     "fem_mesh": "benchmarks.cases.fem.mesh",
     "fem_shells": "benchmarks.cases.fem.shells",
     "fem_calculix": "benchmarks.cases.fem.calculix",

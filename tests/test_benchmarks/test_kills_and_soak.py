@@ -1,9 +1,9 @@
-"""A short kill and a short soak: the long ones are `python -m benchmarks.run fuzz_kills` and `soak --limit 1800`."""
+"""Short kills and a short soak: the long ones are the families `fuzz_kills`, `fuzz_workers` and `soak --limit 1800`."""
 
 import numpy as np
 import pytest
 
-from benchmarks.cases.fuzz import kills, soak
+from benchmarks.cases.fuzz import kills, soak, workers
 
 
 @pytest.mark.parametrize("kind", ["page", "deck", "tree"])
@@ -17,6 +17,11 @@ def test_half_a_file_would_be_seen(monkeypatch):
 
     monkeypatch.setitem(kills.WRITERS, "page", half)
     assert not kills.is_whole_or_absent("page", 0)
+
+
+def test_a_killed_worker_costs_no_answer(monkeypatch):
+    line = workers.kill_workers(0, 2)
+    assert (line["solves"], line["bad"], line["kills"] >= 2) == (2, 0, True)
 
 
 @pytest.mark.parametrize("kind", [kind for kind in soak.KINDS if kind not in (soak.mixed_integer, soak.searched)])
