@@ -39,10 +39,11 @@ pub(crate) fn merged(problem: &Problem, cancels: bool) -> Option<Merged> {
     }
     let usable: Vec<usize> = (0..problem.p).filter(|&f| problem.allowed[f] && problem.n_ranks[f] > 1).collect();
     let groups = Groups::of(problem, &usable)?;
-    let gains = if cancels { single_gains(problem) } else { None };
+    let single = if cancels { SingleGains::of(problem) } else { None };
     let (mut weights, mut rows, mut avoided) = (vec![0i64; problem.n], vec![0u32; problem.n], 0);
+    let mut firsts: Vec<u32> = Vec::new(); // of each class of a group
     groups.for_each(problem, &usable, |group| {
-        let mut firsts: Vec<u32> = Vec::new(); // of each class
+        firsts.clear();
         for &i in group {
             let known = firsts.iter().find(|&&first| problem.labels[first as usize] == problem.labels[i as usize]);
             let to = known.copied().unwrap_or(i) as usize;
@@ -52,8 +53,8 @@ pub(crate) fn merged(problem: &Problem, cancels: bool) -> Option<Merged> {
             weights[to] += problem.weights[i as usize];
             rows[to] += 1;
         }
-        if let Some(gains) = gains.as_ref().filter(|gains| firsts.len() == gains.len()) {
-            avoided += cancel(problem, gains, &firsts, &mut weights);
+        if let Some(single) = single.as_ref().filter(|_| firsts.len() == problem.n_classes) {
+            avoided += single.cancel(problem, &firsts, &mut weights);
             firsts.iter().filter(|&&i| weights[i as usize] == 0).for_each(|&i| rows[i as usize] = 0);
         }
     });
@@ -79,33 +80,45 @@ pub(crate) fn merged(problem: &Problem, cancels: bool) -> Option<Merged> {
     Some(Merged { problem: smaller, rows: kept.iter().map(|&i| rows[i]).collect(), avoided })
 }
 
-/// The gain of each class where each gains under one label, no two under the same (`n_classes`).
-fn single_gains(problem: &Problem) -> Option<Vec<i64>> {
-    let costs = ClassCosts::of(problem);
-    let mut is_taken = vec![false; problem.n_classes];
-    (0..problem.n_classes)
-        .map(|class| {
-            let (label, gain) = costs.only_gain(class)?;
-            (gain > 0 && !std::mem::replace(&mut is_taken[label], true)).then_some(gain)
-        })
-        .collect()
+/// What one unit of weight of each class gains and costs at least, where each class gains under one label and no two
+/// under the same.
+struct SingleGains {
+    gains: Vec<i64>,
+    bases: Vec<i64>,
+    /// Least common multiple of the gains.
+    multiple: i64,
 }
 
-/// Take what a group gains under every label from the weights of its samples, one of each class; what no tree avoids of
-/// their cost.
-fn cancel(problem: &Problem, gains: &[i64], firsts: &[u32], weights: &mut [i64]) -> i64 {
-    let classes = || firsts.iter().map(|&i| (i as usize, problem.labels[i as usize] as usize));
-    let least = classes().map(|(i, class)| weights[i] * gains[class]).min().unwrap_or(0);
-    // Weights are whole numbers, so what is taken from each is a multiple of all gains.
-    let multiple = gains.iter().try_fold(1i64, |all, &gain| (all / common_divisor(all, gain)).checked_mul(gain));
-    let taken = multiple.map_or(0, |multiple| least - least % multiple);
-    let costs = ClassCosts::of(problem);
-    let mut base = 0;
-    for (i, class) in classes() {
-        weights[i] -= taken / gains[class];
-        base += taken / gains[class] * costs.base(class);
+impl SingleGains {
+    /// None where some class gains under no label or several, or shares its label.
+    fn of(problem: &Problem) -> Option<Self> {
+        let costs = ClassCosts::of(problem);
+        let mut is_taken = vec![false; problem.n_classes];
+        let classes = 0..problem.n_classes;
+        let gain_of = |class| {
+            let (label, gain) = costs.only_gain(class)?;
+            (gain > 0 && !std::mem::replace(&mut is_taken[label], true)).then_some(gain)
+        };
+        let gains: Vec<i64> = classes.clone().map(gain_of).collect::<Option<_>>()?;
+        let multiple = gains.iter().try_fold(1i64, |all, &gain| (all / common_divisor(all, gain)).checked_mul(gain))?;
+        Some(Self { gains, bases: classes.map(|class| costs.base(class)).collect(), multiple })
     }
-    base + taken * (gains.len() as i64 - 1)
+
+    /// Take what a group gains under every label from the weights of its samples, one of each class; what no tree
+    /// avoids of their cost.
+    fn cancel(&self, problem: &Problem, firsts: &[u32], weights: &mut [i64]) -> i64 {
+        let classes = || firsts.iter().map(|&i| (i as usize, problem.labels[i as usize] as usize));
+        let least = classes().map(|(i, class)| weights[i] * self.gains[class]).min().unwrap_or(0);
+        // Weights are whole numbers, so what is taken from each is a multiple of all gains.
+        let taken = least - least % self.multiple;
+        let mut avoided = taken * (firsts.len() as i64 - 1);
+        for (i, class) in classes() {
+            let weight = taken / self.gains[class];
+            weights[i] -= weight;
+            avoided += weight * self.bases[class];
+        }
+        avoided
+    }
 }
 
 /// Samples in the order of a number that equal ones share.
@@ -124,17 +137,17 @@ impl Groups {
         (n_equal * WORTH >= problem.n).then_some(Self { hashes, order })
     }
 
-    /// Go through the groups of equal samples, those of each ascending.
+    /// Go through the groups of equal samples, each ascending: several of one hash where it is equal and they are not.
     fn for_each(&self, problem: &Problem, usable: &[usize], mut act: impl FnMut(&[u32])) {
         let are_equal = |a: u32, b: u32| {
             usable.iter().map(|&f| problem.feature(f)).all(|ranks| ranks[a as usize] == ranks[b as usize])
         };
         for run in self.order.chunk_by(|&a, &b| self.hashes[a as usize] == self.hashes[b as usize]) {
-            if run.len() == 1 {
+            if run.iter().all(|&i| are_equal(run[0], i)) {
                 act(run);
                 continue;
             }
-            let mut rest = run.to_vec(); // more than one group where hashes are equal and samples are not
+            let mut rest = run.to_vec();
             while let Some(&first) = rest.first() {
                 let group: Vec<u32> = rest.extract_if(.., |i| are_equal(first, *i)).collect();
                 act(&group);
