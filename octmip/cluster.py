@@ -13,6 +13,7 @@ import logging
 import os
 import threading
 import time
+import warnings
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from importlib import import_module
@@ -65,16 +66,27 @@ class Cluster:
         found.
     n_lost
         tasks that were lost with their workers and sent again by this side; Dask itself does more of that.
+    is_waiting
+        whether no worker is left, and a warning has said so.
     """
 
     client: Any
     round_size: int = 0
     n_lost: int = 0
+    is_waiting: bool = False
 
     @property
     def n_workers(self) -> int:
         """Number of workers now."""
         return len(self._workers)
+
+    def has_workers(self) -> bool:
+        """Whether there is a worker; where none is left a warning says so, once until there is one again."""
+        is_left = self.n_workers > 0
+        if not is_left and not self.is_waiting:
+            warnings.warn("no worker of the cluster is left: what is not done waits for one", stacklevel=2)
+        self.is_waiting = not is_left
+        return is_left
 
     @property
     def n_threads(self) -> int:
@@ -179,7 +191,7 @@ class _Task:
             return False
         if not self._is_lost() or self.n_lost == MOST_LOST:
             return True
-        if self.cluster.n_workers:
+        if self.cluster.has_workers():
             self.n_lost += 1
             self.cluster.n_lost += 1
             self.shared.send_again(self.held)
