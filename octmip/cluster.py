@@ -24,12 +24,15 @@ from octmip.errors import DataError, SolverError, needed_by
 LOCAL = "local"
 MOST_LOST = 20
 """Times that one task may be lost with its worker: a task that ends its worker each time would be sent for ever."""
-PATIENCE = "30s"
-"""Time in which a scheduler has to answer."""
+PATIENCE = 30.0
+"""Seconds in which a scheduler has to answer, and a first worker to be there."""
 PAUSE = 0.2
 """Seconds before what was lost is looked at, or sent, again."""
 RESTART = "300s"
 """Time in which a killed process of this machine has to be there again; Dask's 15 s are too short on a busy one."""
+
+ENDED = (OSError, LookupError, ValueError, AssertionError)
+"""What Dask raises, by the moment, where a worker ends while it is sent something."""
 
 
 class Future(Protocol):
@@ -126,35 +129,42 @@ class Shared:
         Raises
         ------
         SolverError
-            there was no worker from the beginning, or one ends whenever the value is sent.
+            there is no worker, or one ends whenever the value is sent.
         """
-        for left in reversed(range(MOST_LOST)):
+        for _ in range(MOST_LOST):
             try:
-                # In a list: of a tuple, named ones too, Dask would send each part by itself.
-                (self.held,) = self.cluster.client.scatter([self.value], hash=False)
+                self._scatter(PATIENCE)
                 return
-            except (OSError, LookupError, ValueError, AssertionError) as error:
-                # What Dask raises, by the moment, where the worker ends meanwhile.
-                if isinstance(error, TimeoutError) and self.held is None:
-                    raise SolverError(
-                        "no worker to send the problem to; expected one at least; start one (dask worker ADDRESS) and "
-                        "run again"
-                    ) from error
-                if not left:
-                    raise SolverError(
-                        f"the problem was lost on its way to the workers {MOST_LOST} times ({type(error).__name__}); "
-                        "expected workers with memory enough for it; give them more, or use fewer on each machine"
-                    ) from error
+            except TimeoutError as error:
+                raise SolverError(
+                    "no worker to send the problem to; expected one at least; start one (dask worker ADDRESS) and run "
+                    "again"
+                ) from error
+            except ENDED as error:
+                name = type(error).__name__
                 time.sleep(PAUSE)
+        raise SolverError(
+            f"the problem was lost on its way to the workers {MOST_LOST} times ({name}); expected workers with memory "
+            "enough for it; give them more, or use fewer on each machine"
+        )
 
-    def send_again(self, lost: Any) -> None:
+    def send_again(self, lost: Any) -> bool:
         """Send the value again for a task that was lost with `lost`, unless that was done since for another task.
 
         Whether a value is lost cannot be asked of `lost` itself: where the only worker that has it ends before Dask has
-        made its future, the future never hears of it.
+        made its future, the future never hears of it. False: this try has failed.
         """
-        if self.held is lost:
-            self.send()
+        if self.held is not lost:
+            return True
+        try:
+            self._scatter(PAUSE)
+        except ENDED:
+            return False
+        return True
+
+    def _scatter(self, timeout: float) -> None:
+        # In a list: of a tuple, named ones too, Dask would send each part by itself.
+        (self.held,) = self.cluster.client.scatter([self.value], hash=False, timeout=timeout)
 
 
 @dataclass(slots=True)
@@ -168,6 +178,9 @@ class _Task:
     future: Any = None
     held: Any = None
     n_lost: int = field(default=0)
+    is_done: bool = False
+    value: Any = None
+    error: Exception | None = None
     woken: threading.Event = field(default_factory=threading.Event)
 
     def __post_init__(self) -> None:
@@ -186,34 +199,43 @@ class _Task:
         return self.done()
 
     def done(self) -> bool:
-        """Whether it has ended; a task that was lost has not, and is sent again as soon as there is a worker."""
-        if not self.future.done():
-            return False
-        if not self._is_lost() or self.n_lost == MOST_LOST:
-            return True
+        """Whether its result is here, or its error; a task that was lost is sent again as soon as there is a worker.
+
+        The result is fetched here, not in `result`: its worker may end between the two, and whoever waits in steps
+        keeps its limits.
+        """
+        if self.is_done or not self.future.done():
+            return self.is_done
+        try:
+            self.value = self.future.result()
+        except Exception as error:
+            if not self._is_lost():
+                self.error = error
+            elif self.n_lost < MOST_LOST:
+                self._replace()
+                return False
+            else:
+                self.error = SolverError(
+                    f"a task was lost with its worker {self.n_lost} times ({type(error).__name__}); expected workers "
+                    "with memory enough for it; give them more, or use fewer on each machine"
+                )
+        self.is_done = True
+        return True
+
+    def _replace(self) -> None:
         if self.cluster.has_workers():
             self.n_lost += 1
-            self.cluster.n_lost += 1
-            self.shared.send_again(self.held)
-            self._send()
-        return False
+            if self.shared.send_again(self.held):
+                self.cluster.n_lost += 1
+                self._send()
 
     def result(self) -> Any:
         """Return the result; raise `SolverError` where it was lost too often, else what the task raised."""
-        while True:
-            try:
-                return self.future.result()
-            except Exception as error:
-                if not self._is_lost():
-                    raise
-                if self.n_lost == MOST_LOST:
-                    raise SolverError(
-                        f"a task was lost with its worker {self.n_lost} times ({type(error).__name__}); expected "
-                        "workers with memory enough for it; give them more, or use fewer on each machine"
-                    ) from error
-            # Its worker has ended after the task and before the result was fetched.
-            while not self.wait(PAUSE):
-                pass
+        while not self.wait(PAUSE):
+            pass
+        if self.error is not None:
+            raise self.error
+        return self.value
 
     def _is_lost(self) -> bool:
         status = self.future.status
