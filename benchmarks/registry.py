@@ -17,7 +17,6 @@ FAMILIES = {
     "exact_growth": "benchmarks.cases.exact.growth",
     "exact_large": "benchmarks.cases.exact.large",
     "exact_proofs": "benchmarks.cases.exact.proofs",
-    "veripb": "benchmarks.cases.exact.veripb",
     "exact_cluster": "benchmarks.cases.exact.cluster",
     "near_agreement": "benchmarks.cases.near.agreement",
     "near_strains": "benchmarks.cases.near.strains",

@@ -52,7 +52,6 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
         "formats.tree_file": 5,
         "formats.regression_file": 5,
         "proof": 5,
-        "pseudo_boolean": 5,
         "set_certificate": 5,
         "mip": 7,
         "methods.exact": 7,

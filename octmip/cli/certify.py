@@ -1,9 +1,8 @@
 """Recompute what a tree file claims, sample by sample, from the tree and its training data alone.
 
 What the file says of samples held out is recomputed, too. With --proof, a checker that knows no solver also checks a
-proof log: that no tree of the problem costs less than the bound. With --veripb, the program veripb, which others wrote,
-checks a proof on the formula of the problem, made anew from the data. Exit code 0: every claim holds. 1: one does not,
-and one line says which. 2: a file cannot be read.
+proof log: that no tree of the problem costs less than the bound. Exit code 0: every claim holds. 1: one does not, and
+one line says which. 2: a file cannot be read.
 """
 
 import argparse
@@ -21,7 +20,6 @@ from octmip.formats.regression_file import is_regression_file
 from octmip.formats.tree_file import TreeFile, finite_or_none, read_tree_file
 from octmip.problem import Problem
 from octmip.proof import ProofReport, check_proof
-from octmip.pseudo_boolean import VeripbReport, check_with_veripb
 from octmip.report.text import number, percent, solution_text
 from octmip.tradeoff import Samples, Score, score
 
@@ -29,7 +27,6 @@ EXAMPLES = """\
   octmip certify tree.json iris.csv
   octmip certify tree.json train.csv --test test.csv
   octmip certify tree.json iris.csv --proof proof.log --threads 2
-  octmip certify tree.json iris.csv --veripb proof.pbp
 """
 
 
@@ -39,7 +36,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     group.add_argument("tree", metavar="TREE.json", help="tree file of octmip solve --out")
     group.add_argument("data", metavar="DATA", help=f"the table that it was trained on; {TABLE_HELP}")
     group.add_argument("--proof", metavar="LOG", help="also check this proof log of octmip solve --proof")
-    group.add_argument("--veripb", metavar="PBP", help="also let veripb check this proof of octmip solve --proof")
     group.add_argument("--test", metavar="FILE", help="the other table that the tree was tested on (solve --test)")
     group = parser.add_argument_group("table")
     group.add_argument("--label", metavar="COL", help="column with the class (default: that of the training)")
@@ -67,10 +63,8 @@ def run(arguments: argparse.Namespace) -> int:
         certificate = certify(training.problem, file.solution)
         held_out = _checked_held_out(arguments, file, training)
     proof = _checked_proof(arguments, training.problem, file)
-    verified = _checked_by_veripb(arguments, training.problem, file)
     if arguments.json:
         log = {} if proof is None else {"proof": dataclasses.asdict(proof)}
-        log |= {} if verified is None else {"veripb": dataclasses.asdict(verified)}
         held = {} if held_out is None else {"held_out": score_json(held_out)}
         n_samples = training.problem.n_samples
         print_json({"is_certified": True, "n_samples": n_samples, **_fields(certificate), **held, **log})
@@ -83,11 +77,6 @@ def run(arguments: argparse.Namespace) -> int:
         print("held out: not recomputed, the samples are of another table; give it with --test")
     if proof is not None:
         print(f"proof: no tree costs less than {number(proof.bound)}; {proof.n_lines} lines, {proof.seconds:.3g} s")
-    if verified is not None:
-        print(
-            f"{verified.checker}: no tree costs less than {number(verified.bound)}, and the tree costs "
-            f"{number(verified.objective)}; proof of {verified.n_bytes} bytes, {verified.seconds:.3g} s"
-        )
     print(printable(verdict(training.problem, file.solution, certificate)))
     return 0
 
@@ -118,13 +107,6 @@ def _checked_proof(arguments: argparse.Namespace, problem: Problem, file: TreeFi
         return None
     with ElapsedLine("checking the proof"):
         return check_proof(problem, arguments.proof, bound=file.solution.bound, n_jobs=arguments.threads)
-
-
-def _checked_by_veripb(arguments: argparse.Namespace, problem: Problem, file: TreeFile) -> VeripbReport | None:
-    if not arguments.veripb:
-        return None
-    with ElapsedLine("veripb checks the proof"):
-        return check_with_veripb(problem, arguments.veripb, file.tree, file.solution.bound)
 
 
 def _fields(certificate: Certificate) -> dict[str, object]:

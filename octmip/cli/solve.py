@@ -35,7 +35,6 @@ from octmip.formats.files import check_writable
 from octmip.formats.names import visible
 from octmip.formats.problem_file import write_problem_file
 from octmip.formats.tree_file import leaf_counts, read_tree_file, record_tree, tree_for, write_tree_file
-from octmip.pseudo_boolean import check_possible, is_pseudo_boolean
 from octmip.report.text import solution_text, tree_text
 from octmip.solution import ProofError, Solution
 from octmip.solver import ASSISTANTS, chosen_method, solve
@@ -71,8 +70,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--proof",
         metavar="LOG",
-        help="write a proof log that octmip certify --proof checks (exact); a name that ends in .pbp: a proof for the "
-        "checker veripb, its formula beside it (axis, depth 1 and 2)",
+        help="write a proof log that octmip certify --proof checks (exact)",
     )
     group.add_argument(
         "--checkpoint",
@@ -95,8 +93,6 @@ def run(arguments: argparse.Namespace) -> int:
     for path in filter(None, (arguments.out, arguments.write_problem)):
         check_writable(path)
     if _is_regression(arguments):
-        if is_pseudo_boolean(arguments.proof):
-            raise DataError(f"--proof {arguments.proof} is for classes, but --target asks for numbers; leave out .pbp")
         if arguments.cluster is not None:
             raise DataError(
                 "--cluster is for classes (--label); regression trees are solved by --threads; leave it out"
@@ -109,8 +105,6 @@ def run(arguments: argparse.Namespace) -> int:
             f"--checkpoint keeps what methods 'exact' and 'search' have found; got method {arguments.method!r}; "
             "leave it out"
         )
-    if is_pseudo_boolean(arguments.proof):
-        check_possible(question.problem, arguments.proof)
     if arguments.write_problem:
         write_problem_file(arguments.write_problem, question.problem)
     incumbent = tree_for(question.problem, read_tree_file(arguments.incumbent)) if arguments.incumbent else None

@@ -44,7 +44,6 @@ from octmip.methods.shared_work import submitter
 from octmip.methods.ties import UNBROKEN, Effort, break_ties
 from octmip.problem import Problem
 from octmip.proof import log_header
-from octmip.pseudo_boolean import check_possible, is_pseudo_boolean, write_proof
 from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop
 from octmip.tree import Node, centred
 
@@ -82,8 +81,7 @@ def branch_and_bound(
     progress
         called with a `Progress` about every 50 ms.
     proof
-        file for a log that `octmip.proof.check_proof` verifies; it takes a second search, about as long. A name
-        that ends in .pbp: a proof for the checker veripb, its formula beside it (`octmip.pseudo_boolean`).
+        file for a log that `octmip.proof.check_proof` verifies; it takes a second search, about as long.
     checkpoint
         file in which what is proven is kept, and at the end; where it exists the search goes on from it, and the
         bound rests on it (`details["resumed_from"]`). From depth 3 on: what is kept are solved cuts of the root.
@@ -113,8 +111,6 @@ def branch_and_bound(
     start = feasible_incumbent(problem, incumbent)
     if proof is not None:
         check_writable(proof)
-    if proof is not None and is_pseudo_boolean(proof):
-        check_possible(problem, proof)
     ranks = rank_features(problem)
     keeper = None if checkpoint is None else Keeper(problem, ranks, checkpoint, started)
     search = _Search(problem, limits, n_jobs, progress, started, ranks, keeper, every)
@@ -282,20 +278,11 @@ class _Search:
         """Write a log that proves the best bound of this search, and return that bound."""
         assert self.proven is not None
         native, costs, claim = self.proven
-        if is_pseudo_boolean(path):
-            return self._write_pseudo_boolean(path, costs.value(claim))
         body = _native.prove(native, claim, self.n_jobs, submit=self._submit(costs, [], is_logged=True))
         if body is None:
             raise SolverError(f"the proof of the bound {costs.value(claim)} was interrupted; {path} is not written")
         write_log(path, log_header(self.problem, costs, claim) + body + "end\n")
         return costs.value(claim)
-
-    def _write_pseudo_boolean(self, path: Path, bound: float) -> float:
-        assert self.tree is not None
-        try:
-            return write_proof(path, self.problem, self.tree, bound)
-        except KeyboardInterrupt:
-            raise SolverError(f"the proof of the bound {bound} was interrupted; {path} is not written") from None
 
 
 def _check(problem: Problem, n_jobs: int) -> None:

@@ -45,7 +45,6 @@ from octmip.methods.native_call import (
 )
 from octmip.problem import Problem
 from octmip.proof import check_proof, log_header
-from octmip.pseudo_boolean import check_possible, is_pseudo_boolean
 from octmip.solution import Limits, Progress, ProgressCallback, ProofError, Solution, Stop
 from octmip.tree import HyperplaneSplit, Leaf, Node, Split, goes_left, midpoint
 
@@ -106,8 +105,6 @@ def two_feature_branch_and_bound(
         )
     if proof is not None:
         check_writable(proof)
-    if proof is not None and is_pseudo_boolean(proof):
-        check_possible(problem, proof)  # refuses: those proofs are of axis-aligned trees
     start, known = time.perf_counter(), feasible_incumbent(problem, incumbent)
     if problem.depth > MOST_DEPTH:
         return _bounded(problem, known, start, progress, (limits, seed, n_jobs))

@@ -21,7 +21,6 @@ from octmip.encoding import Ranks, tree_from_rows
 from octmip.encoding.numbers import rounded_down
 from octmip.errors import ProblemError
 from octmip.formats.files import check_writable
-from octmip.pseudo_boolean import is_pseudo_boolean
 from octmip.regression.certificate import checked_incumbent
 from octmip.regression.grid import Grid
 from octmip.regression.problem import RegressionProblem
@@ -82,8 +81,6 @@ def exact_regression(
         raise ProblemError(f"n_jobs is {n_jobs}; expected 1 or more")
     search = _Search(problem, limits, n_jobs, progress)
     search.keep(checked_incumbent(problem, incumbent))
-    if is_pseudo_boolean(proof):
-        raise ProblemError(f"proof {proof} is for classes, but this problem asks for numbers; leave out .pbp")
     if proof is not None:
         check_writable(proof)
     search.search()
