@@ -10,8 +10,7 @@ exact     branch and bound over thresholds          exact (search first  exact
 oct       Bertsimas & Dunn's OCT, HiGHS             search, HiGHS        HiGHS
 oct_h     Bertsimas & Dunn's OCT-H, HiGHS           search, HiGHS        HiGHS
 flow      the strengthened formulation, HiGHS       search, HiGHS        HiGHS
-benders   Benders on HiGHS: axis-aligned trees, and search, HiGHS        HiGHS
-          hyperplanes of few features to depth 2
+benders   Benders on HiGHS: axis-aligned trees      search, HiGHS        HiGHS
 auto      exact for axis-aligned trees, search for hyperplanes (whose proofs end in time for few features only)
 
 HiGHS works alone unless it is given assistance (`options={"assist": ("exact", "search")}`): the exact core's bound

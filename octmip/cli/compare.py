@@ -28,7 +28,7 @@ from octmip.tradeoff import score
 TIMES = tuple(f"{100 * gap:g} %" for gap in GAPS)
 DEFAULTS = {
     "axis": ("cart", "search", "exact", "benders", "flow", "oct"),
-    "hyperplane": ("cart", "search", "benders", "flow", "oct_h"),
+    "hyperplane": ("cart", "search", "flow", "oct_h"),
 }
 
 EXAMPLES = """\

@@ -99,10 +99,9 @@ def test_an_interrupt_in_a_round_ends_every_thread_and_keeps_the_bound():
     assert not [thread for thread in threading.enumerate()[n_threads:] if "ThreadPool" in thread.name]
 
 
-@pytest.mark.parametrize("options", [{"depth": 3}, {"leaf_size": 2}, {"leaf_penalty": 1.0}, {"sensor_budget": 1}])
-def test_hyperplanes_with_what_their_cuts_do_not_speak_about_are_refused(options):
-    with pytest.raises(ProblemError, match="choose 'flow'"):
-        solve_benders(mixed(20, 2, 2, 0, split="hyperplane", **({"depth": 2} | options)))
+def test_hyperplanes_are_refused():
+    with pytest.raises(ProblemError, match=r"benders.*axis-aligned"):
+        solve_benders(mixed(20, 2, 2, 0, split="hyperplane", depth=2))
 
 
 def best_price(problem: Problem, samples: np.ndarray) -> float:
@@ -171,9 +170,7 @@ rng = np.random.default_rng(0)
 features = rng.normal(size=(60, 3)).round(1)
 found = solve_benders(Problem(features, (features.sum(axis=1) > 0).astype(int), depth=2))
 print(found.stop, found.objective)
-lines = Problem(features[:14].round(), rng.integers(0, 2, 14), depth=2, split="hyperplane", split_size=2)
-print(solve_benders(lines).stop)
 """
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
-    assert [line.split()[0] for line in done.stdout.splitlines()] == ["optimal", "optimal"]
+    assert [line.split()[0] for line in done.stdout.splitlines()] == ["optimal"]

@@ -15,7 +15,6 @@ from octmip.problem import Problem
 from octmip.solution import Limits
 from octmip.solver import solve
 
-LINES: ProblemOptions = {"depth": 2, "split": "hyperplane", "split_size": 2}
 PROBLEMS: tuple[tuple[str, ProblemOptions, Callable[[], Table]], ...] = (
     ("iris, depth 2", {"depth": 2}, partial(uci, "iris")),
     ("iris, depth 3", {"depth": 3}, partial(uci, "iris")),
@@ -27,8 +26,6 @@ PROBLEMS: tuple[tuple[str, ProblemOptions, Callable[[], Table]], ...] = (
     ("published mu2, 350 rows, depth 2", {"depth": 2}, lambda: first_rows(published("mu2", 0), 350)),
     ("published mu2, 1750 rows, depth 2", {"depth": 2}, lambda: published("mu2", 0)),
     ("published mu1, 350 rows, depth 3", {"depth": 3}, lambda: first_rows(published("mu1", 0), 350)),
-    ("iris, depth 2, two features", LINES, partial(uci, "iris")),
-    ("wine, depth 2, two features", LINES, partial(uci, "wine")),
 )
 
 

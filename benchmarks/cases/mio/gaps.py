@@ -41,12 +41,12 @@ PROBLEMS: tuple[tuple[str, Callable[[], Table], ProblemOptions], ...] = (
 
 
 def methods(problem: Problem) -> dict[str, Callable[..., Solution]]:
-    """Return the four methods for a problem, by name."""
+    """Return the methods for a problem, by name."""
     if problem.split == "axis":
         return {"printed": solve_oct, "strengthened": solve_flow, "Benders": solve_benders, "exact": branch_and_bound}
     strengthened = partial(solve_oct_h, strengthen=True)
     exact = two_feature_branch_and_bound
-    return {"printed": solve_oct_h, "strengthened": strengthened, "Benders": solve_benders, "exact": exact}
+    return {"printed": solve_oct_h, "strengthened": strengthened, "exact": exact}
 
 
 def results(limit: float, threads: list[int]) -> Iterator[Line]:

@@ -22,7 +22,6 @@ from octmip.solution import Limits, Solution
 SECONDS = (0.5, 1.0, 2.0, 5.0)
 AXIS: dict[str, Callable[..., Solution]] = {"oct": solve_oct, "flow": solve_flow, "benders": solve_benders}
 PLANES: dict[str, Callable[..., Solution]] = {"oct_h": solve_oct_h, "flow h": partial(solve_oct_h, strengthen=True)}
-LINES: dict[str, Callable[..., Solution]] = {**PLANES, "benders": solve_benders}
 CASES: tuple[tuple[str, Callable[[], Table], ProblemOptions, dict[str, Callable[..., Solution]]], ...] = (
     ("published mu2, 1750 rows, depth 2", lambda: published("mu2", 0), {"depth": 2}, AXIS),
     ("published mu2, 1750 rows, depth 3", lambda: published("mu2", 0), {"depth": 3}, AXIS),
@@ -36,9 +35,9 @@ CASES: tuple[tuple[str, Callable[[], Table], ProblemOptions, dict[str, Callable[
         "published mu2, 350 rows, depth 2, two features",
         lambda: first_rows(published("mu2", 0), 350),
         {"depth": 2, "split": "hyperplane", "split_size": 2},
-        LINES,
+        PLANES,
     ),
-    ("wine, depth 2, hyperplanes", partial(uci, "wine"), {"depth": 2, "split": "hyperplane", "split_size": 2}, LINES),
+    ("wine, depth 2, hyperplanes", partial(uci, "wine"), {"depth": 2, "split": "hyperplane", "split_size": 2}, PLANES),
 )
 
 

@@ -12,9 +12,9 @@ import numpy as np
 
 from octmip.mip.benders.memory import Memory
 from octmip.mip.benders.node import NodeSearch, Tasks
-from octmip.mip.benders.planes.solver import solve_planes
 from octmip.mip.benders.question import Question
 from octmip.mip.benders.run import Runner
+from octmip.mip.blocks import axis
 from octmip.mip.columns import over_columns
 from octmip.mip.engine import Clock, LimitReachedError
 from octmip.mip.highs import process
@@ -38,7 +38,6 @@ def solve_benders(
     seed: int = 0,
     n_jobs: int = 1,
     progress: ProgressCallback | None = None,
-    mu: float | None = None,
 ) -> Solution:
     """Solve OCT by logic-based Benders decomposition on HiGHS and return the tree and the bound.
 
@@ -56,8 +55,7 @@ def solve_benders(
     SolverError
         HiGHS cannot be run, or refuses a model.
     """
-    if problem.split == "hyperplane":
-        return solve_planes(problem, limits=limits, incumbent=incumbent, seed=seed, progress=progress, mu=mu)
+    axis.require_axis(problem, METHOD)
     clock = Clock(limits, time.perf_counter())
     if problem.sensor_budget is not None:  # masters are linear programs, solved here; joint sides are not
         process.warm()
