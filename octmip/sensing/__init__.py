@@ -4,24 +4,10 @@ placement   the sensors that the best tree reads and the value of each further o
             rules and designs of experiment, to compare with
 shared      trees for several labels under one budget of sensors, each sensor paid for once, with proof and certificate
 sequential  sensors read one after the other, paid for when a path reaches them: the best tree, proof and certificate
-failure     scenarios of failed sensors and their certificate; trees of least expected or least worst cost over them;
-            surrogate splits and imputation for a missing reading; detection of the failed gauge at a stated
-            false-alarm rate
+failed_gauge  the failed gauge found at a stated false-alarm rate, and its reading replaced by what the others say
 """
 
-from octmip.sensing.failure.detection import FaultDetector, power
-from octmip.sensing.failure.imputation import Imputation
-from octmip.sensing.failure.robust import solve_expected, solve_worst
-from octmip.sensing.failure.scenarios import (
-    DEAD,
-    FailureCertificate,
-    FailureProblem,
-    Fault,
-    Scenario,
-    certify_failures,
-    failures,
-)
-from octmip.sensing.failure.surrogates import GuardedSplit, GuardedTree, Surrogate, with_surrogates
+from octmip.sensing.failed_gauge import FaultDetector, Imputation, power
 from octmip.sensing.placement.designs import InformationDesign, by_chance, by_information, by_reading, by_tree
 from octmip.sensing.placement.placement import (
     Placement,
@@ -39,32 +25,22 @@ from octmip.sensing.shared.certificate import JointCertificate, certify_joint
 from octmip.sensing.shared.solution import BaselineSplit, JointSolution
 
 __all__ = [
-    "DEAD",
     "BaselineSplit",
-    "FailureCertificate",
-    "FailureProblem",
-    "Fault",
     "FaultDetector",
     "Group",
-    "GuardedSplit",
-    "GuardedTree",
     "Imputation",
     "InformationDesign",
     "JointCertificate",
     "JointSolution",
     "Placement",
-    "Scenario",
     "SequentialCertificate",
     "SequentialProblem",
-    "Surrogate",
     "by_chance",
     "by_information",
     "by_reading",
     "by_tree",
-    "certify_failures",
     "certify_joint",
     "certify_sequential",
-    "failures",
     "label_bound",
     "place_sensors",
     "placement_frontier",
@@ -73,8 +49,5 @@ __all__ = [
     "problem_on",
     "sample_bound",
     "shared_budget",
-    "solve_expected",
     "solve_sequential",
-    "solve_worst",
-    "with_surrogates",
 ]

@@ -26,7 +26,6 @@ from octmip.methods.exact import branch_and_bound
 from octmip.monitor.compiled import CompiledTree
 from octmip.monitor.export import c_source, onnx_model, sql, sql_expression
 from octmip.proof import check_proof, checker_question
-from octmip.sensing.failure.surrogates import with_surrogates
 from octmip.solution import Solution, Stop
 from octmip.tree import Node, centred, condition, goes_left, splits, with_sides_for_gaps, without_empty_sides
 
@@ -160,12 +159,8 @@ def test_hyperplanes_over_missing_readings_are_refused():
 
 def test_what_counts_on_every_reading_refuses_a_problem_that_lacks_some():
     problem = Problem([[NAN, 1.0], [0.0, 1.0], [1.0, 2.0]], [0, 1, 0], depth=1)
-    for refused in (
-        lambda: with_surrogates(problem, Leaf(0)),
-        lambda: solve(problem, "flow", options={"assist": ("search",)}),
-    ):
-        with pytest.raises(ProblemError, match=r"1 reading is missing \(NaN\), and .*; expected every reading; "):
-            refused()
+    with pytest.raises(ProblemError, match=r"1 reading is missing \(NaN\), and .*; expected every reading; "):
+        solve(problem, "flow", options={"assist": ("search",)})
 
 
 def test_an_incumbent_with_sides_is_taken():

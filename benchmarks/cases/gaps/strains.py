@@ -3,7 +3,7 @@
 `python -m benchmarks.run gaps_strains --limit 60`: for each seed and depth a tree trained on readings of which a fifth
 is lost, and one trained on all of them; both tested on full readings, and with each gauge that the tree reads dead.
 What is trained on full readings has to be told what to do then: to take the heavier side (`Problem.gaps`), the mean of
-the training in place of the reading, or the surrogate splits of `octmip.sensing`.
+the training in place of the reading, or what the other gauges say (`octmip.sensing.Imputation`).
 """
 
 import time
@@ -19,7 +19,7 @@ from benchmarks.tables import Line
 from femlib.dataset import Dataset, Recipe, build_dataset, published_strains
 from octmip.problem import Problem
 from octmip.report.markdown import markdown_table
-from octmip.sensing.failure.surrogates import with_surrogates
+from octmip.sensing import Imputation
 from octmip.solution import Limits
 from octmip.solver import solve
 from octmip.tree import Node, features_used, predict
@@ -71,12 +71,16 @@ def _rules(problem: Problem, tree: Node) -> dict[str, "partial[NDArray[np.int64]
     return {
         "the heavier side": partial(predict, tree),
         "means of the training": partial(_filled, tree, means),
-        "surrogate splits": partial(with_surrogates(problem, tree).predict),
+        "imputed from the others": partial(_imputed, tree, Imputation.fit(problem.features)),
     }
 
 
 def _filled(tree: Node, means: Floats, features: Floats) -> NDArray[np.int64]:
     return predict(tree, np.where(np.isnan(features), means, features))
+
+
+def _imputed(tree: Node, imputation: Imputation, features: Floats) -> NDArray[np.int64]:
+    return predict(tree, imputation.impute(features))
 
 
 def _error(problem: Problem, codes: NDArray[np.int64], data: Dataset) -> float:

@@ -1,4 +1,6 @@
-"""Detection of a failed gauge: each gauge against what the others say, at a stated false-alarm rate.
+"""A failed gauge: found at a stated false-alarm rate, and its reading replaced by what the others say.
+
+**Detection** sets each gauge against the others.
 
 A healthy reading at a state s of the library is x = m_s + e, e ~ N(0, diag(sd^2)), the states alike in probability.
 Leave gauge i out: the others have the density p(x_-i), a mixture over the states, and gauge i given them p(x_i | x_-i).
@@ -9,6 +11,13 @@ If a failed gauge may read anything, alike over its range, the odds that gauge i
 so one number, surprise_i = -log(p(x_i | x_-i) sd_i), both raises the alarm and names the gauge. The alarm limit is the
 quantile of the largest surprise over all gauges in readings drawn from the library: the rate holds for a whole reading.
 Source: Bayes' rule; leave-one-out predictive densities: S. Geisser, Predictive Inference (1993), chapter 2.
+
+**Imputation** is the conditional mean of a normal distribution. With mean m and covariance C of the training readings,
+missing gauges a and those at hand b,
+
+    x_a = m_a + C_ab C_bb^+ (x_b - m_b).
+
+Source: T. W. Anderson, An Introduction to Multivariate Statistical Analysis (2003), theorem 2.5.1.
 """
 
 from collections.abc import Sequence
@@ -130,6 +139,40 @@ class FaultDetector:
             if len(rows) == 0:
                 break
             out[rows, named[rows]] = np.nan
+        return out
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Imputation:
+    """Mean (n_features,) and covariance (n_features, n_features) of training readings."""
+
+    mean: Floats
+    covariance: Floats
+
+    @classmethod
+    def fit(cls, features: Floats) -> "Imputation":
+        """Return the imputation learnt from features (n_samples, n_features) without gaps."""
+        return cls(features.mean(axis=0, dtype=np.float64), np.atleast_2d(np.cov(features, rowvar=False)))
+
+    def impute(self, features: Floats) -> Floats:
+        """Return features (n, n_features) with every NaN replaced; a row without any reading becomes the mean.
+
+        Raises
+        ------
+        DataError
+            the features have another number of columns.
+        """
+        if features.ndim != 2 or features.shape[1] != len(self.mean):
+            raise DataError(f"features has shape {features.shape}; expected (n, {len(self.mean)}); give every feature")
+        out, is_missing = features.copy(), np.isnan(features)
+        patterns, of_row = np.unique(is_missing, axis=0, return_inverse=True)
+        for k, gone in enumerate(patterns):
+            if not gone.any():
+                continue
+            rows = np.flatnonzero(of_row.ravel() == k)
+            slope = self.covariance[np.ix_(gone, ~gone)] @ np.linalg.pinv(self.covariance[np.ix_(~gone, ~gone)])
+            known = features[np.ix_(rows, ~gone)] - self.mean[~gone]
+            out[np.ix_(rows, gone)] = self.mean[gone] + known @ slope.T
         return out
 
 

@@ -1,1 +1,0 @@
-"""Failure: trees and detectors for sensors that fail."""
