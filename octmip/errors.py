@@ -4,7 +4,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 EXTRA_OF = {
-    "pyomo": "mio",
     "cvxpy": "sensing",
     "matplotlib": "report",
     "jinja2": "report",

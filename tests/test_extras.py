@@ -15,7 +15,7 @@ from femlib import errors as femlib_errors
 from octmip import errors as octmip_errors
 
 ROOT = Path(__file__).parent.parent
-OPTIONAL = ("pyomo", "cvxpy", "pyfe3d", "matplotlib", "jinja2", "pyarrow", "onnx", "meshio")
+OPTIONAL = ("cvxpy", "pyfe3d", "matplotlib", "jinja2", "pyarrow", "onnx", "meshio")
 
 REFUSE = f"""
 import sys
@@ -95,10 +95,6 @@ def plot():
     import octmip.plot
 
 
-def paper():
-    from octmip.mip.paper_models import oct
-
-
 def design():
     from octmip.sensing.placement.designs import by_information
     by_information(problem, 2.0, np.ones((2, 1)))
@@ -114,7 +110,7 @@ def meshes():
     femlib.read("x.msh")
 
 
-for use in (beam, meshes, stored, pictures, plot, paper, design, onnx):
+for use in (beam, meshes, stored, pictures, plot, design, onnx):
     said[use.__name__] = sentence(use)
 print(json.dumps(said))
 """
@@ -165,7 +161,6 @@ def test_the_command_needs_no_extra_for_what_is_no_picture(said):
         ("stored", "pyarrow"),
         ("pictures", "matplotlib"),
         ("plot", "matplotlib"),
-        ("paper", "pyomo"),
         ("design", "cvxpy"),
         ("onnx", "onnx"),
     ],

@@ -20,7 +20,7 @@ from femlib.wing import Wing
 from octmip.formats.files import write_bytes
 from octmip.plot import partition_figure, tree_figure
 
-PACKAGES = ("octmip", "numpy", "scipy", "pandas", "scikit-learn", "pyomo", "highspy", "pyfe3d", "matplotlib")
+PACKAGES = ("octmip", "numpy", "scipy", "pandas", "scikit-learn", "highspy", "pyfe3d", "matplotlib")
 
 
 def write_results(

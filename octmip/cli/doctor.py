@@ -40,7 +40,6 @@ class Extra:
 
 EXTRAS: Mapping[str, Extra] = MappingProxyType(
     {
-        "mio": Extra(("pyomo",), "the mixed-integer statements as Pyomo models"),
         "sensing": Extra(("cvxpy",), "sensor placement by convex relaxation"),
         "wing": Extra(("pyfe3d",), "beams in femlib's structures"),
         "report": Extra(("matplotlib", "jinja2"), "pages and drawings"),

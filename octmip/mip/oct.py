@@ -115,7 +115,7 @@ def encode(
     prices: Prices | None = None,
     rows: Rows | None = None,
 ) -> Oct:
-    """Return OCT as rows, built family by family: the model of `octmip.mip.paper_models.oct`, forty times faster.
+    """Return OCT as rows, built family by family: the Pyomo model of `benchmarks.oracles`, forty times faster.
 
     Parameters
     ----------

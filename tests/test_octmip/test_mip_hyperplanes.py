@@ -9,6 +9,7 @@ import pyomo.environ as pyo
 import pytest
 from pyomo.repn import generate_standard_repn
 
+from benchmarks.oracles.paper_models import oct_h as paper
 from octmip import HyperplaneSplit, Leaf, Problem, Split, certify
 from octmip.errors import ProblemError
 from octmip.mip import flow, oct_h
@@ -17,7 +18,6 @@ from octmip.mip.blocks.hyperplanes import choose_mu, space_of
 from octmip.mip.flow import solve_flow
 from octmip.mip.incumbent import canonicalise
 from octmip.mip.oct_h import solve_oct_h
-from octmip.mip.paper_models import oct_h as paper
 from octmip.tree import predict
 from tests.test_octmip.test_mip import uci
 from tests.test_octmip.test_mip_rows import rows_of, rows_of_pyomo

@@ -7,12 +7,12 @@ import pyomo.environ as pyo
 import pytest
 from pyomo.repn import generate_standard_repn
 
+from benchmarks.oracles.paper_models import oct as paper
 from benchmarks.oracles.strategies import random_problem, random_tree
 from octmip.encoding import rank_features, rows_from_tree, tree_from_rows
 from octmip.mip import flow, oct
 from octmip.mip.blocks.heap import Heap, place, to_tree
 from octmip.mip.incumbent import canonicalise
-from octmip.mip.paper_models import oct as paper
 from octmip.mip.rows import Rows
 from octmip.tree import Leaf, Split
 from tests.test_octmip.test_mip import CASES

@@ -8,11 +8,11 @@ import pyomo
 
 from benchmarks.cpu import cpu_seconds
 from benchmarks.data import first_rows, published
+from benchmarks.oracles.paper_models import oct as paper
 from benchmarks.tables import Line
 from octmip.methods.cart import greedy_tree
 from octmip.mip import flow, oct, oct_h
 from octmip.mip.highs import highs, worker
-from octmip.mip.paper_models import oct as paper
 from octmip.problem import Problem
 from octmip.tree import Node
 

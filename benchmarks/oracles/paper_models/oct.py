@@ -4,12 +4,12 @@ from typing import Any
 
 import pyomo.environ as pyo
 
+from benchmarks.oracles.paper_models.leaves import add_leaves
+from benchmarks.oracles.paper_models.limits import add_limits
 from octmip.encoding import rank_features
 from octmip.mip.blocks import axis
 from octmip.mip.blocks.heap import Heap
 from octmip.mip.oct import scaled_features
-from octmip.mip.paper_models.leaves import add_leaves
-from octmip.mip.paper_models.limits import add_limits
 from octmip.problem import Problem
 from octmip.problem_values import refuse_gaps
 

@@ -4,10 +4,10 @@ from typing import Any
 
 import pyomo.environ as pyo
 
+from benchmarks.oracles.paper_models.leaves import add_leaves
+from benchmarks.oracles.paper_models.limits import add_limits
 from octmip.mip.blocks.heap import Heap
 from octmip.mip.blocks.hyperplanes import space_of, usable_features
-from octmip.mip.paper_models.leaves import add_leaves
-from octmip.mip.paper_models.limits import add_limits
 from octmip.problem import Problem
 from octmip.problem_values import refuse_gaps
 
