@@ -1,10 +1,17 @@
-"""Numbers of float64 in exact arithmetic: every one is a whole number times a power of two."""
+"""Numbers of float64 in exact arithmetic: every one is a whole number times a power of two.
+
+Whatever decides between two costs compares them here: `exact_objective` of a tree, `exact_sum` of weights, and what is
+shown is rounded afterwards, a bound by `rounded_down`. A rounded sum is not compared with an exact one.
+"""
 
 import math
 from fractions import Fraction
 
 import numpy as np
 from numpy.typing import NDArray
+
+from octmip.problem import Problem
+from octmip.tree import Node, complexity, predict
 
 MOST = 2**62  # larger whole numbers do not enter the native core
 
@@ -46,3 +53,13 @@ def rounded_down(exact: Fraction) -> float:
     """Return the largest float64 that is not above a number."""
     nearest = float(exact)
     return nearest if Fraction(nearest) <= exact else math.nextafter(nearest, -math.inf)
+
+
+def exact_objective(problem: Problem, tree: Node) -> Fraction:
+    """Return the objective of a tree, none of its digits lost."""
+    predicted, paid = predict(tree, problem.features), complexity(tree) * Fraction(problem.leaf_penalty)
+    for code, prices in enumerate(problem.costs.tolist()):
+        for label in np.unique(predicted[problem.codes == code]).tolist():
+            rows = (problem.codes == code) & (predicted == label)
+            paid += exact_sum(problem.weights[rows]) * Fraction(prices[label])
+    return paid

@@ -15,11 +15,12 @@ from itertools import groupby
 
 from octmip.certificate import checked_leaf_index
 from octmip.encoding import tree_from_rows
+from octmip.encoding.numbers import exact_objective
 from octmip.encoding.ranks import Ranks
 from octmip.encoding.rows import threshold_of_cut
 from octmip.errors import ProblemError, SolverError
 from octmip.near_sets.near_set import Cut, Entry, NearOptimalSet, NearTree, Place, RootInterval
-from octmip.near_sets.whole_numbers import WholeProblem, exact_objective, whole_problem
+from octmip.near_sets.whole_numbers import WholeProblem, whole_problem
 from octmip.problem import Problem
 from octmip.solution import Limits, ProgressCallback, Solution, Stop
 from octmip.solver import solve

@@ -1,6 +1,5 @@
 """The set of all trees near the optimum: how many they are, what they read, and any of them when asked for."""
 
-import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -135,14 +134,14 @@ class NearOptimalSet:
         return {sensor: sum(n for read, n in of_sets if sensor in read) for sensor in self.problem.sensors}
 
     @property
-    def least_reading(self) -> dict[str, float]:
+    def least_reading(self) -> dict[str, Fraction]:
         """Least objective of the counted trees that read each sensor, of those that any reads."""
-        least: dict[str, float] = {}
+        least: dict[str, Fraction] = {}
         for place in self._places:
             cost, mask, _ = place.entry
             for s, sensor in enumerate(self.problem.sensors):
                 if mask >> s & 1:
-                    least[sensor] = min(least.get(sensor, math.inf), float(cost * self._unit))
+                    least[sensor] = min(least.get(sensor, cost * self._unit), cost * self._unit)
         return least
 
     def best(self, n: int) -> list[NearTree]:

@@ -6,6 +6,9 @@ forced    the least objective of the trees that read it. A split between two lea
 role      needed       without > limit: every tree of the near-optimal set reads it
           useless      forced > limit: no tree of the set reads it
           replaceable  some trees of the set read it and others do not
+
+Costs are compared in exact arithmetic, as in the count of trees near the optimum. Where rounding leaves open which side
+of the limit the optimum without a sensor lies on, the trees without it are counted.
 """
 
 import enum
@@ -13,16 +16,18 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
 
+from octmip.encoding.numbers import exact_objective
 from octmip.encoding.ranks import Ranks
 from octmip.encoding.rows import cut_as_split
 from octmip.errors import ProblemError
 from octmip.near_sets.counting import near_optimal
-from octmip.near_sets.whole_numbers import exact_objective, whole_problem
+from octmip.near_sets.whole_numbers import whole_problem
 from octmip.problem import Problem
 from octmip.solution import Limits, ProgressCallback, Solution, Stop
 from octmip.solver import solve
@@ -56,6 +61,10 @@ class Loss:
         the best tree found.
     read
         sensors that it reads.
+    cost
+        the objective, none of its digits lost.
+    least
+        no tree without them costs less, in exact arithmetic.
     """
 
     sensors: tuple[str, ...]
@@ -63,6 +72,8 @@ class Loss:
     bound: float
     tree: Node
     read: tuple[str, ...]
+    cost: Fraction
+    least: Fraction
 
     @property
     def is_proven(self) -> bool:
@@ -109,7 +120,7 @@ class SensorRoles:
     solution
         the best tree with all sensors.
     limit
-        the most that a near-optimal tree costs.
+        the most that a near-optimal tree costs, exactly.
     roles
         of every sensor.
     pairs
@@ -122,7 +133,7 @@ class SensorRoles:
 
     problem: Problem
     solution: Solution
-    limit: float
+    limit: Fraction
     roles: tuple[SensorRole, ...]
     pairs: tuple[Loss, ...]
     stop: Stop
@@ -178,9 +189,10 @@ def sensor_roles(
     solution = calls.solve(problem, None)
     calls.known.append(_loss(problem, (), solution))
     forced, proven = _forced(problem, solution, calls)
-    limit = math.nextafter(solution.objective + within, math.inf) if within else solution.objective
+    leaves = (exact_objective(problem, Leaf(label)) for label in range(problem.n_classes))
+    limit = min(calls.known[0].cost, *leaves, *forced) + Fraction(within)
     roles = tuple(
-        _role(calls.without((sensor,)), calls.known[0], limit, forced[s], proven)
+        _role(calls.compared(calls.without((sensor,)), limit), calls.known[0], limit, forced[s], proven)
         for s, sensor in enumerate(problem.sensors)
     )
     both = tuple(calls.without(pair) for pair in combinations(problem.sensors, 2)) if pairs else ()
@@ -191,7 +203,9 @@ def sensor_roles(
 def _loss(problem: Problem, sensors: tuple[str, ...], solution: Solution) -> Loss:
     assert solution.tree is not None
     bound = solution.objective if solution.is_optimal else solution.bound
-    return Loss(sensors, solution.objective, bound, solution.tree, problem.sensors_used(solution.tree))
+    cost = exact_objective(problem, solution.tree)
+    least = min(cost, Fraction(max(solution.bound, 0.0)))
+    return Loss(sensors, solution.objective, bound, solution.tree, problem.sensors_used(solution.tree), cost, least)
 
 
 class _Calls:
@@ -227,33 +241,55 @@ class _Calls:
         for known in self.known:
             if set(known.sensors) <= set(sensors) and not set(known.read) & set(sensors):
                 return replace(known, sensors=sensors)
-        left = [f for f, name in enumerate(self.problem.sensor_of_feature or ()) if name not in sensors]
-        left = [f for f in left if self.problem.is_allowed((f,))]
-        if left:
-            narrower = replace(self.problem, allowed_splits=[[f] for f in left])
-        else:
-            narrower = replace(self.problem, leaf_size=self.problem.n_samples)  # no split is left: a leaf
-        found = _loss(self.problem, sensors, self.solve(narrower, None))
+        found = _loss(self.problem, sensors, self.solve(self._narrower(sensors), None))
         # No tree of a narrower problem is better than one of a wider: bounds go on.
-        wider = [known.bound for known in self.known if set(known.sensors) <= set(sensors)]
-        found = replace(found, bound=min(found.objective, max(found.bound, *wider)))
+        wider = [known for known in self.known if set(known.sensors) <= set(sensors)]
+        bound = min(found.objective, max(found.bound, *(known.bound for known in wider)))
+        found = replace(found, bound=bound, least=min(found.cost, max(found.least, *(known.least for known in wider))))
         self.known.append(found)
         return found
 
+    def _narrower(self, sensors: tuple[str, ...]) -> Problem:
+        """Return the problem without some sensors."""
+        left = [f for f, name in enumerate(self.problem.sensor_of_feature or ()) if name not in sensors]
+        left = [f for f in left if self.problem.is_allowed((f,))]
+        if left:
+            return replace(self.problem, allowed_splits=[[f] for f in left])
+        return replace(self.problem, leaf_size=self.problem.n_samples)  # no split is left: a leaf
 
-def _role(without: Loss, best: Loss, limit: float, forced: float, forced_is_proven: bool) -> SensorRole:
-    if without.bound > limit:
+    def compared(self, loss: Loss, limit: Fraction) -> Loss:
+        """Return a loss whose optimum lies within the limit or beyond for certain, where its proof is whole."""
+        if not (loss.is_proven and loss.least <= limit < loss.cost):
+            return loss
+        counted = near_optimal(
+            self._narrower(loss.sensors),
+            within=0,
+            limits=self.remaining,
+            most_predictions=0,
+            incumbent=loss.tree,
+            n_jobs=self.n_jobs,
+        )
+        if counted.optimum is None:
+            self.stop = counted.stop
+            return loss
+        (best,) = counted.best(1)
+        read, paid, cost = self.problem.sensors_used(best.tree), best.objective, counted.optimum
+        return Loss(loss.sensors, paid, paid, best.tree, read, cost, cost)
+
+
+def _role(without: Loss, best: Loss, limit: Fraction, forced: Fraction | float, forced_is_proven: bool) -> SensorRole:
+    if without.least > limit:
         role = Role.NEEDED
-    elif without.objective > limit or (forced > limit and not forced_is_proven):
+    elif without.cost > limit or (forced > limit and not forced_is_proven):
         role = Role.UNKNOWN
     else:
         role = Role.USELESS if forced > limit else Role.REPLACEABLE
     instead = tuple(name for name in without.read if name not in best.read)
-    return SensorRole(without.sensors[0], without, forced, forced_is_proven, role, instead)
+    return SensorRole(without.sensors[0], without, float(forced), forced_is_proven, role, instead)
 
 
-def _forced(problem: Problem, solution: Solution, calls: _Calls) -> tuple[list[float], bool]:
-    """Return the least objective of the trees that read each sensor, and whether all are proven."""
+def _forced(problem: Problem, solution: Solution, calls: _Calls) -> tuple[list[Fraction | float], bool]:
+    """Return the least objective of the trees that read each sensor, exact or infinite, and whether all are proven."""
     if sum(problem.sensor_costs) > problem.sensor_limit:
         return _forced_by_sets(problem, solution, calls)
     assert solution.tree is not None
@@ -273,7 +309,7 @@ def _forced(problem: Problem, solution: Solution, calls: _Calls) -> tuple[list[f
         more, stop = _least(whole.native.readers, wanted, calls)
         found = [more[s] if s in open_ones else found[s] for s in range(len(known))]
     costs = [cost if units is None else units for units, cost in zip(found, known, strict=True)]
-    return [NO_TREE if cost > whole.most else float(whole.cost(cost)) for cost in costs], stop is None
+    return [NO_TREE if cost > whole.most else whole.cost(cost) for cost in costs], stop is None
 
 
 def _least(
@@ -286,9 +322,9 @@ def _least(
     return found, stop
 
 
-def _forced_by_sets(problem: Problem, solution: Solution, calls: _Calls) -> tuple[list[float], bool]:
+def _forced_by_sets(problem: Problem, solution: Solution, calls: _Calls) -> tuple[list[Fraction | float], bool]:
     """Return the same under a budget of sensors: sets of trees, each twice as wide, until every sensor is read."""
-    least = dict.fromkeys(problem.sensors, NO_TREE)
+    least: dict[str, Fraction | float] = dict.fromkeys(problem.sensors, NO_TREE)
     most = float(problem.weights.sum() * problem.costs.max()) + problem.leaf_penalty * 2**problem.depth
     margin = max(problem.least_saving if math.isfinite(problem.least_saving) else most, most / 256)
     while True:

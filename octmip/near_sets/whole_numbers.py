@@ -14,7 +14,7 @@ from octmip.encoding import Ranks, integer_costs, native_problem, rank_features
 from octmip.encoding.numbers import power_of_two, whole_exponent
 from octmip.errors import ProblemError
 from octmip.problem import Problem
-from octmip.tree import Node, complexity, predict
+from octmip.tree import Node
 
 NARROW, WIDE = 2**61, 2**125
 
@@ -81,14 +81,3 @@ def whole_problem(problem: Problem, tree: Node, by_sets: bool) -> WholeProblem:
             f"trees cannot be told apart by the sensors that they read: {error}; use fewer features, or no budget"
         ) from error
     return WholeProblem(native, ranks, exponent, most)
-
-
-def exact_objective(problem: Problem, tree: Node) -> Fraction:
-    """Return the objective of a tree without rounding."""
-    predicted = predict(tree, problem.features)
-    paid = Fraction(0)
-    for code in range(problem.n_classes):
-        for label in np.unique(predicted[problem.codes == code]).tolist():
-            weights = problem.weights[(problem.codes == code) & (predicted == label)].tolist()
-            paid += sum(map(Fraction, weights), Fraction(0)) * Fraction(float(problem.costs[code, label]))
-    return paid + complexity(tree) * Fraction(problem.leaf_penalty)

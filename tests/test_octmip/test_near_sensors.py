@@ -53,6 +53,52 @@ def test_objectives_without_and_forced_are_those_of_enumeration(seed: int) -> No
         check_forced(problem, role, best)
 
 
+def decimal(seed: int) -> Problem:
+    """Return a problem of decimal weights and costs, whose sums in float64 depend on their order."""
+    rng = np.random.default_rng(seed)
+    n = int(rng.integers(4, 8))
+    labels = rng.integers(0, 2, n)
+    labels[:2] = 0, 1
+    costs = rng.choice([0.1, 0.3, 0.7, 1.1], (2, 2)) * (1 - np.eye(2))
+    weights = rng.choice([0.1, 0.2, 0.3, 0.7], n)
+    return Problem(rng.integers(0, 3, (n, 3)), labels, depth=int(rng.integers(1, 3)), weights=weights, costs=costs)
+
+
+def role_by_enumeration(problem: Problem, sensor: str, limit: Fraction) -> Role:
+    sets = recount(problem, limit).by_sensors
+    n_reading = sum(sensor in read for read in sets)
+    return Role.USELESS if not n_reading else Role.NEEDED if n_reading == len(sets) else Role.REPLACEABLE
+
+
+@pytest.mark.parametrize("within", [0.0, 0.1])
+def test_roles_are_those_of_enumeration_in_exact_arithmetic(within: float) -> None:
+    for seed in range(60):
+        problem = decimal(seed)
+        found = sensor_roles(problem, within)
+        assert found.is_proven
+        worst = Fraction(float(problem.weights.sum() * problem.costs.max()))
+        assert found.limit == recount(problem, worst).least + Fraction(within), f"seed {seed}"
+        for role in found.roles:
+            assert role.role is role_by_enumeration(problem, role.sensor, found.limit), f"seed {seed}, {role.sensor}"
+
+
+def test_a_sensor_that_the_optimal_tree_reads_is_not_useless() -> None:
+    features = [[1, 0], [2, 1], [0, 0], [1, 0], [0, 0]]
+    weights, costs = [0.1, 0.1, 0.3, 0.1, 0.7], [[0, 0.7], [0.1, 0]]
+    found = sensor_roles(Problem(features, [0, 1, 0, 1, 1], depth=1, weights=weights, costs=costs))
+    assert found.problem.sensors_used(found.solution.tree)
+    assert [role.role for role in found.roles] == [Role.REPLACEABLE, Role.REPLACEABLE]
+
+
+def test_the_optimum_without_a_sensor_is_never_that_without_another() -> None:
+    """A tree that is best without one sensor and does not read another is no best tree without the other alone."""
+    for seed in range(40):
+        problem = decimal(seed)
+        for role in sensor_roles(problem).roles:
+            wanted = optimum_without(problem, (role.sensor,))
+            assert math.isclose(role.without.objective, wanted), f"seed {seed}, {role.sensor}"
+
+
 def stairs(n: int = 12) -> Problem:
     """Return samples that the first feature parts, the second all but one, the third not at all."""
     rng = np.random.default_rng(0)

@@ -89,7 +89,7 @@ def as_json(found: SensorRoles) -> dict[str, Any]:
         "format_version": VERSION,
         "objective": found.solution.objective,
         "bound": finite_or_none(found.solution.bound),
-        "limit": found.limit,
+        "limit": float(found.limit),
         "is_proven": found.is_proven,
         "sensors": [_role_json(found, role) for role in found.roles],
         "pairs": [_loss_json(found, loss) for loss in found.pairs],
@@ -135,7 +135,7 @@ def _text(found: SensorRoles) -> str:
         for role in found.roles
     ]
     parts = [
-        f"optimum {number(best)}, near-optimal up to {number(found.limit)}",
+        f"optimum {number(best)}, near-optimal up to {number(float(found.limit))}",
         markdown_table(rows, ("sensor", "role", "without", "price", "forced", "instead")),
     ]
     if found.pairs:
