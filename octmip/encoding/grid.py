@@ -103,8 +103,8 @@ class _Grid:
 
     def __init__(self, problem: Problem, excess: _Excess, exponent: int) -> None:
         self.problem, self.excess, self.exponent = problem, excess, exponent
-        self.step = _common_step(problem, excess, exponent)
         above = int(Fraction(excess.most) * power_of_two(excess.scale + exponent)) + 1
+        self.step = _common_step(problem, excess, exponent, above)
         self.cap = -(-above // self.step) * self.step
         self.weights = np.zeros(problem.n_samples, dtype=np.int64)
         self.rows = problem.codes.copy()
@@ -181,7 +181,10 @@ class _Grid:
     ) -> tuple[float, list[int], NDArray[np.int64]]:
         """Return what rounding may lose on the grid, prices and weights, with so many binary digits for the prices."""
         row = [int(price * power_of_two(digits)) for price in prices]
-        most = min(MOST, 4 * self.cap // max(*row, 1) + 1)
+        if not any(row):  # nothing is left of the prices, so all that the samples cost is lost
+            everything = float(max(prices) * power_of_two(self.exponent)) * float(weights.sum())
+            return everything, row, np.zeros(len(weights), dtype=np.int64)
+        most = min(MOST, 4 * self.cap // max(row) + 1)
         rounded = floors(weights, power_of_two(self.exponent - digits), most)
         short = max(price * power_of_two(digits) - cost for price, cost in zip(prices, row, strict=True))
         n_short = 0 if self.exponent - digits >= whole_exponent(weights) else len(weights)
@@ -221,14 +224,15 @@ class _Grid:
         return base
 
 
-def _common_step(problem: Problem, excess: _Excess, exponent: int) -> int:
-    """Return the number on the grid that all costs and the penalty are multiples of but for rounding, else 1."""
+def _common_step(problem: Problem, excess: _Excess, exponent: int, above: int) -> int:
+    """Return the number on the grid that costs and penalty up to `above` are multiples of but for rounding, else 1."""
     if len(np.unique(problem.weights)) > MOST_DISTINCT:
         return 1
     counted = [np.unique(problem.weights[problem.codes == c]).tolist() for c in range(problem.n_classes)]
     pairs = zip(counted, excess.exact, strict=True)
     values = {Fraction(weight) * price for weights, row in pairs for weight in weights for price in set(row)}
-    scaled = sorted(value * power_of_two(exponent) for value in values | {Fraction(problem.leaf_penalty)} if value)
+    scaled = sorted(value * power_of_two(exponent) for value in values | {Fraction(problem.leaf_penalty)})
+    scaled = [value for value in scaled if 0 < value <= above]  # what is more is lowered to the cap
     if not scaled or len(scaled) > MOST_DISTINCT or scaled[-1] > MOST_STEPS * scaled[0]:
         return 1
     numbers = np.array([float(value / scaled[0]) for value in scaled])

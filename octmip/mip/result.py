@@ -9,6 +9,7 @@ import math
 from dataclasses import dataclass
 from fractions import Fraction
 
+from octmip.encoding.numbers import rounded_down
 from octmip.mip.highs.highs import VERSION
 from octmip.mip.prices import Prices
 from octmip.mip.rows import Rows
@@ -59,6 +60,8 @@ class RunResult:
         no tree of the model is priced below it.
     refuted
         why HiGHS is not believed; "" if it is.
+    is_outside
+        whether the best tree is none of the model, which holds the mu-separated trees only.
     """
 
     known: Known
@@ -68,6 +71,7 @@ class RunResult:
     n_nodes: int = 0
     price_bound: int = 0
     refuted: str = ""
+    is_outside: bool = False
 
     def better(self, problem: Problem, tree: Node) -> None:
         """Take a tree that is better than the best one."""
@@ -93,7 +97,10 @@ def solution_of(
     """
     objective = problem.objective(result.tree)
     tolerance = _tolerance(problem, result.known.prices, objective)
-    bound = max(_believed_bound(problem, result), Fraction(max(given_bound, 0.0)))
+    proven = _believed_bound(problem, result)
+    if result.is_outside and proven > Fraction(objective):
+        result.details |= _better_outside(str(result.details["scope"]), rounded_down(proven), objective)
+    bound = max(proven, Fraction(max(given_bound, 0.0)))
     if problem.has_integer_costs:
         bound = Fraction(math.ceil(bound))
     bound = min(bound, Fraction(objective))
@@ -108,7 +115,7 @@ def solution_of(
     return Solution(
         tree=result.tree,
         objective=objective,
-        bound=_rounded_down(bound),
+        bound=rounded_down(bound),
         stop=stop,
         seconds=seconds,
         n_nodes=result.n_nodes,
@@ -123,18 +130,24 @@ def solution_of(
 def _believed_bound(problem: Problem, result: RunResult) -> Fraction:
     """Return the bound of a run in the problem's units; 0, which always holds, when a known tree contradicts it.
 
-    A tree that contradicts it may be one that the model leaves out (OCT-H's narrow bands): then the bound holds
-    for trees that are worse than a known one.
+    A tree that the model leaves out (OCT-H's narrow bands) contradicts nothing: the bound is one of the trees of the
+    model, and may lie above it.
     """
     prices = result.known.prices
     cheapest = min(prices.of_tree(problem, tree) for tree in (result.tree, result.known.tree))
-    if result.price_bound > cheapest:
+    if result.price_bound > cheapest and not result.is_outside:
         result.refuted = result.refuted or (
             f"HiGHS claims that no tree of its model is priced below {result.price_bound} but one of "
             f"{cheapest} is known"
         )
         return Fraction(0)
-    return max(min(prices.lower_bound(result.price_bound), Fraction(result.known.objective)), Fraction(0))
+    return max(prices.lower_bound(result.price_bound), Fraction(0))
+
+
+def _better_outside(scope: str, proven: float, objective: float) -> dict[str, object]:
+    """Return the details of a run whose best tree is none of the trees that its bound speaks about."""
+    words = f"none of them costs less than {proven:.6g}; the tree found, of {objective:.6g}, is a better one outside"
+    return {"scope": f"{scope} ({words})", "bound_in_scope": proven}
 
 
 def _tolerance(problem: Problem, prices: Prices, objective: float) -> float:
@@ -143,11 +156,6 @@ def _tolerance(problem: Problem, prices: Prices, objective: float) -> float:
         return 0.0
     tolerance = float(prices.above + prices.below) * (1 + 1e-9) + 4e-16 * objective
     return tolerance if tolerance < problem.least_saving else 0.0
-
-
-def _rounded_down(number: Fraction) -> float:
-    nearest = float(number)
-    return nearest if Fraction(nearest) <= number else math.nextafter(nearest, -math.inf)
 
 
 def normalised(problem: Problem, objective: float) -> dict[str, object]:

@@ -1,6 +1,8 @@
 """Weights and costs as whole numbers: exact where they can be, rounded down and said so elsewhere."""
 
+import itertools
 import math
+from dataclasses import replace
 from fractions import Fraction
 from operator import le
 
@@ -8,8 +10,9 @@ import numpy as np
 import pytest
 
 from benchmarks.oracles.strategies import random_problem, wide_problem
-from octmip import Leaf, Problem, Split
+from octmip import Leaf, Problem, Split, solve
 from octmip.encoding import grid, integer_costs
+from octmip.encoding.numbers import exact_objective
 
 X, Y = np.arange(6.0)[:, None], [0, 1, 0, 1, 1, 0]
 
@@ -90,3 +93,45 @@ def test_what_no_prediction_avoids_is_counted_apart():
     exact = sum(Fraction(w) * Fraction(c) for w, c in zip(problem.weights, cheapest, strict=True))
     assert costs.base == exact
     assert costs.value(0) <= exact
+
+
+def lossy(seed: int, kind: str) -> Problem:
+    """Return a problem whose costs span more digits than the grid has, rounded in one of its three ways."""
+    rng = np.random.default_rng(seed)
+    n = 12
+    features, labels = np.arange(float(n))[:, None], np.arange(n) % 3
+    weights = 10.0 ** rng.uniform(-6, 6, n)
+    if kind == "one price":
+        return Problem(features, labels, depth=1, weights=weights)
+    costs = 10.0 ** rng.uniform(-6, 0, (3, 3)) * (1 - np.eye(3))
+    return Problem(features, labels, depth=1, weights=weights, costs=costs)
+
+
+@pytest.mark.parametrize(("kind", "most_own_rows"), [("one price", 64), ("rows of their own", 64), ("products", 0)])
+def test_the_tolerance_covers_what_rounding_takes_from_a_tree_no_worse_than_the_known(kind, most_own_rows, monkeypatch):
+    monkeypatch.setattr(grid, "MOST_OWN_ROWS", most_own_rows)
+    n_rounded = 0
+    for seed in range(40):
+        problem = lossy(seed, kind)
+        costs = integer_costs(problem)
+        known = min(exact_objective(problem, Leaf(label)) for label in range(3))
+        for cut in range(problem.n_samples - 1):
+            for left, right in itertools.product(range(3), repeat=2):
+                tree = Split(0, cut + 0.5, Leaf(left), Leaf(right))
+                exact = exact_objective(problem, tree)
+                if exact <= known:
+                    held = costs.base + costs.whole_objective(problem, tree) * Fraction(2) ** -costs.exponent
+                    n_rounded += held < exact
+                    assert held <= exact <= held + Fraction(costs.tolerance), f"seed {seed}"
+    assert n_rounded > 100
+
+
+def test_a_penalty_that_no_tree_pays_takes_no_digits():
+    """No answer costs more than another, so any split is too dear; the penalty has 59 digits of its own."""
+    costs, weights = [[1, 1], [1e-6, 0]], [1, 1, 1, 0]
+    problem = Problem([[0], [1], [2], [3]], [0, 0, 0, 1], depth=1, weights=weights, costs=costs, leaf_penalty=0.008)
+    solution = solve(problem)
+    assert (solution.objective, solution.bound) == (3, 3)
+    assert isinstance(solution.tree, Leaf)
+    for size in (1e-300, 1e-30, 1e-3, 1e3, 1e30, 1e300):
+        assert solve(replace(problem, leaf_penalty=size)).is_optimal
