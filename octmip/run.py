@@ -1,14 +1,20 @@
 """Run: how a problem is solved, apart from the problem, handed on as one by functions that solve several alike."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+import inspect
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, fields
 from types import MappingProxyType
 from typing import Any, Literal
 
+from octmip.errors import ProblemError
 from octmip.solution import Limits, ProgressCallback
 
 Method = Literal["auto", "search", "exact", "oct", "oct_h", "flow", "benders", "cart"]
 NO_OPTIONS: Mapping[str, Any] = MappingProxyType({})
+SHARED = frozenset({"problem", "limits", "incumbent", "seed", "n_jobs", "progress"})
+"""What every solver is called with: no options."""
+ASSISTANTS = ("exact", "search")
+"""Who may assist HiGHS."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,3 +43,29 @@ class Run:
     n_jobs: int = 1
     options: Mapping[str, Any] = field(default_factory=lambda: NO_OPTIONS)
     progress: ProgressCallback | None = None
+
+
+def options_of(solver: Callable[..., Any], request: type[Any] | None = None) -> set[str]:
+    """Return the options that a solver takes, by HiGHS those that its request to the engine has too."""
+    parameters = inspect.signature(solver).parameters.values()
+    options = {parameter.name for parameter in parameters if parameter.kind is not parameter.VAR_KEYWORD} - SHARED
+    if request is None:
+        return options
+    return (options | {field.name for field in fields(request)} | {"assist"}) - SHARED - {"method"}
+
+
+def check_options(who: str, known: set[str], options: Mapping[str, Any]) -> None:
+    """Check the names of options, and the assistants.
+
+    Raises
+    ------
+    ProblemError
+        an option is none of those that `who` takes, or an assistant is unknown.
+    """
+    unknown = [option for option in options if option not in known]
+    if unknown:
+        takes = ", ".join(sorted(known)) or "none"
+        raise ProblemError(f"{who} takes no option {unknown[0]!r}; expected some of: {takes}")
+    assist = options.get("assist", ())
+    if not isinstance(assist, tuple | list | set) or not set(assist) <= set(ASSISTANTS):
+        raise ProblemError(f"assist is {assist!r}; expected a tuple of some of {', '.join(ASSISTANTS)}")

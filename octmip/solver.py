@@ -18,7 +18,6 @@ becomes a row of its model, or trees of further local searches are handed to it 
 """
 
 import importlib
-import inspect
 import math
 import time
 from collections.abc import Callable, Mapping
@@ -31,17 +30,16 @@ from octmip.errors import CertificateError, ProblemError, SolverError
 from octmip.formats.solves_file import SolvesFile, key_of
 from octmip.problem import Problem
 from octmip.regression.problem import RegressionProblem
-from octmip.run import NO_OPTIONS, Run
+from octmip.run import ASSISTANTS as ASSISTANTS
+from octmip.run import NO_OPTIONS, Run, check_options, options_of
 from octmip.run import Method as Method
 from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop
-from octmip.tree import Node
+from octmip.tree import Node, complexity
 
 # An incumbent may take this share of the time when time is limited: what remains is the proof's.
 SEARCH_SHARE = 0.2
 # And it makes fewer restarts than a search by itself: after the first few a proof gains more from the time.
 FIRST_RESTARTS = 4
-ASSISTANTS = ("exact", "search")
-"""Who may assist HiGHS."""
 TURN_SECONDS = 5.0
 """A search that assists takes so long at most, so that it ends soon after HiGHS."""
 
@@ -168,9 +166,7 @@ def _solve_regression(problem: RegressionProblem, run: Run, incumbent: Node | So
     if run.method not in known:
         raise ProblemError(f"method is {run.method!r}; a regression problem takes one of {', '.join(known)}")
     solver = cast(Callable[..., Solution], known[run.method].load())
-    unknown = set(run.options) - set(inspect.signature(solver).parameters)
-    if unknown:
-        raise ProblemError(f"regression by {run.method!r} takes no option {min(unknown)!r}")
+    check_options(f"regression by {run.method!r}", options_of(solver), run.options)
     solution = solver(
         problem,
         limits=run.limits,
@@ -180,11 +176,7 @@ def _solve_regression(problem: RegressionProblem, run: Run, incumbent: Node | So
         progress=run.progress,
         **run.options,
     )
-    try:
-        certify(problem, solution)
-    except CertificateError as error:
-        raise SolverError(f"{solution.solver} returned a solution that its certificate refutes: {error}") from error
-    return solution
+    return _checked(problem, solution)
 
 
 def solve_run(problem: Problem, run: Run, incumbent: Node | Solution | None = None) -> Solution:
@@ -200,13 +192,13 @@ def solve_run(problem: Problem, run: Run, incumbent: Node | Solution | None = No
     if "solves" in run.options:
         return _kept_solve(problem, run, incumbent)
     name = chosen_method(problem, run.method)
-    first = _checked_incumbent(problem, incumbent)
     # Loaded before the clock starts: its import is not the solver's time.
-    _check_options(name, _registration(problem, name).load(), run.options)
+    check_options(f"method {name!r}", _options_of(problem, name), run.options)
+    first = _checked_incumbent(problem, incumbent, run)
     start = time.perf_counter()
     with opened(run.options, run.n_jobs) as options:
         solution = _result(_Call(problem, replace(run, options=options), start), name, first)
-    return _checked(problem, replace(solution, seconds=time.perf_counter() - start))
+    return _checked(problem, replace(solution, seconds=time.perf_counter() - start), run.options)
 
 
 def _kept_solve(problem: Problem, run: Run, incumbent: Node | Solution | None) -> Solution:
@@ -216,7 +208,7 @@ def _kept_solve(problem: Problem, run: Run, incumbent: Node | Solution | None) -
     kept, key = SolvesFile(run.options["solves"], version), key_of(problem, asked, incumbent)
     found = kept.find(problem, key)
     if found is not None:
-        return _checked(problem, found)
+        return _checked(problem, found, asked.options)
     solution = solve_run(problem, asked, incumbent)
     if solution.stop is not Stop.INTERRUPTED:
         kept.keep(problem, key, solution)
@@ -272,7 +264,7 @@ class _Call:
         run, spent = self.run, time.perf_counter() - self.start
         seconds = share * max(0.0, run.limits.seconds - spent)
         limits = replace(run.limits, seconds=seconds if turn == 0 else min(seconds, TURN_SECONDS))
-        return _registration(self.problem, name).load()(
+        solution = _registration(self.problem, name).load()(
             self.problem,
             limits=limits,
             incumbent=tree,
@@ -281,6 +273,7 @@ class _Call:
             progress=self._shifted_progress(spent) if turn == 0 else None,
             **options,
         )
+        return _fitting(self.problem, solution, run.options)
 
     def _shifted_progress(self, spent: float) -> Callable[[Progress], None] | None:
         progress = self.run.progress
@@ -289,19 +282,26 @@ class _Call:
         return lambda state: progress(replace(state, seconds=state.seconds + spent))
 
 
-def _check_options(name: str, solver: Solver, options: Mapping[str, Any]) -> None:
-    parameters = inspect.signature(solver).parameters
-    if "assist" in options and REGISTRY[name].is_mixed_integer:
-        assist = options["assist"]
-        if not isinstance(assist, tuple | list | set) or not set(assist) <= set(ASSISTANTS):
-            raise ProblemError(f"assist is {assist!r}; expected a tuple of some of {', '.join(ASSISTANTS)}")
-        options = {key: value for key, value in options.items() if key != "assist"}
-    takes_any = any(parameter.kind is parameter.VAR_KEYWORD for parameter in parameters.values())
-    shared = {"problem", "limits", "incumbent", "seed", "n_jobs", "progress"}
-    unknown = [option for option in options if option in shared or (option not in parameters and not takes_any)]
-    if unknown:
-        known = ", ".join(sorted(set(parameters) - shared)) or "none"
-        raise ProblemError(f"method {name!r} takes no option {unknown[0]!r}; expected some of: {known}")
+def _options_of(problem: Problem, name: str) -> set[str]:
+    solver = _registration(problem, name).load()
+    if not REGISTRY[name].is_mixed_integer:
+        return options_of(solver)
+    from octmip.mip.engine import Request
+
+    return options_of(solver, Request)
+
+
+def _fitting(problem: Problem, solution: Solution, options: Mapping[str, Any]) -> Solution:
+    """Return a solution whose tree has as many splits as the options allow: the best pruning where it has more."""
+    if options.get("max_splits") is None or solution.tree is None:
+        return solution
+    from octmip.mip.incumbent import pruned
+
+    tree = pruned(problem, solution.tree, options["max_splits"])
+    if tree is solution.tree:
+        return solution
+    stop = Stop.FINISHED if solution.stop is Stop.OPTIMAL else solution.stop
+    return replace(solution, tree=tree, objective=problem.objective(tree), stop=stop)
 
 
 def _result(call: _Call, name: str, first: Solution | None) -> Solution:
@@ -311,7 +311,7 @@ def _result(call: _Call, name: str, first: Solution | None) -> Solution:
         if first.stop is Stop.INTERRUPTED:
             return first
     # Checked before the better tree is taken: what an incumbent covers up would be a wrong claim all the same.
-    solution = _checked(call.problem, _solved(call, name, first))
+    solution = _checked(call.problem, _solved(call, name, first), call.run.options)
     return _with_better_tree(solution, first) if REGISTRY[name].proves else solution
 
 
@@ -361,7 +361,7 @@ def _assisted(call: _Call, name: str, first: Solution | None) -> Solution:
         return call.solve(name, tree, options=own | {"inject": injector})
 
 
-def _checked_incumbent(problem: Problem, incumbent: Node | Solution | None) -> Solution | None:
+def _checked_incumbent(problem: Problem, incumbent: Node | Solution | None, run: Run) -> Solution | None:
     tree = incumbent.tree if isinstance(incumbent, Solution) else incumbent
     if tree is None:
         return None
@@ -370,7 +370,8 @@ def _checked_incumbent(problem: Problem, incumbent: Node | Solution | None) -> S
     except CertificateError as error:
         raise ProblemError(f"the incumbent is no tree of this problem: {error}") from error
     objective = problem.objective(tree)
-    return Solution(tree, objective, -math.inf, Stop.FINISHED, 0.0, 0, "incumbent", "1", 0)
+    given = Solution(tree, objective, -math.inf, Stop.FINISHED, 0.0, 0, "incumbent", "1", 0)
+    return _fitting(problem, given, run.options)
 
 
 def _with_better_tree(solution: Solution, first: Solution | None) -> Solution:
@@ -382,9 +383,14 @@ def _with_better_tree(solution: Solution, first: Solution | None) -> Solution:
     return better
 
 
-def _checked(problem: Problem, solution: Solution) -> Solution:
+def _checked(
+    problem: Problem | RegressionProblem, solution: Solution, options: Mapping[str, Any] = NO_OPTIONS
+) -> Solution:
     if solution.tree is None:
         return solution
+    most, read = options.get("max_splits"), complexity(solution.tree)
+    if most is not None and read > most:
+        raise SolverError(f"{solution.solver} returned {read} features in splits; expected max_splits={most} at most")
     try:
         certify(problem, solution)
     except CertificateError as error:

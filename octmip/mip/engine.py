@@ -2,10 +2,11 @@
 
 HiGHS works in floating point with tolerances, so a "solution" of its model need not be one of the problem, and a bound
 need not hold. The objective that it is given is made of whole numbers of moderate size (`octmip.mip.prices`); its bound
-is lowered by what its tolerances allow (`octmip.mip.highs.claims`); its splits become a tree, every sample is routed
-through that tree, and the objective is counted again. If the count is worse than HiGHS claims, or better than it says
-any tree can be, the run is repeated with tighter tolerances. What is contradicted even then is not believed: the best
-tree known comes back with a bound that holds, and `Stop.NUMERICS` (`octmip.mip.result`).
+is lowered by what its tolerances allow (`octmip.mip.highs.claims`); its objective is counted from its values; its
+splits become a tree, every sample is routed through that tree, and the objective is counted again. If the count is
+worse than HiGHS claims, or better than it says any tree can be, the run is repeated with tighter tolerances and without
+a start. What is contradicted even then is not believed: the best tree known comes back with a bound that holds, and
+`Stop.NUMERICS` (`octmip.mip.result`).
 """
 
 import math
@@ -87,6 +88,8 @@ class Request:
         name of the solver.
     limits, incumbent, seed, n_jobs, progress
         as in `octmip.solver.solve`.
+    max_splits
+        at most so many splits (features summed over the splits), the C of Bertsimas & Dunn's tuning; None: no limit.
     lower_bound
         a bound proven elsewhere, for instance by `octmip.methods.exact`; enters the model as the bound of a column
         that is the objective, and is named in the details.
@@ -104,6 +107,7 @@ class Request:
     seed: int = 0
     n_jobs: int = 1
     progress: ProgressCallback | None = None
+    max_splits: int | None = None
     lower_bound: float = -math.inf
     inject: Callable[[float], Node | None] | None = None
     write: Path | str | None = None
@@ -163,7 +167,7 @@ def solve_formulation(problem: Problem, encode: Callable[[Known], Formulation], 
     Raises
     ------
     ProblemError
-        the incumbent is deeper than the problem allows, or the lower bound is none.
+        the incumbent is deeper than the problem allows, the lower bound is none, or `max_splits` is no whole number.
     SolverError
         HiGHS cannot be run, or refuses the model.
     """
@@ -192,7 +196,7 @@ def solve_formulation(problem: Problem, encode: Callable[[Known], Formulation], 
 
 
 def _known(problem: Problem, request: Request, clock: Clock) -> Known:
-    tree = starting_tree(problem, request.incumbent, request.seed)
+    tree = starting_tree(problem, request.incumbent, request.seed, request.max_splits)
     objective = problem.objective(tree)
     if request.lower_bound > objective * (1 + 1e-9):
         raise ProblemError(
@@ -205,19 +209,20 @@ def _known(problem: Problem, request: Request, clock: Clock) -> Known:
 def run_formulation(
     problem: Problem, formulation: Formulation, request: Request, clock: Clock, result: RunResult
 ) -> None:
-    """Start HiGHS on a formulation, again with finer tolerances if need be, and keep the outcome in `result`."""
+    """Run HiGHS on a formulation, again with finer tolerances if need be, and keep the outcome in `result`."""
     rows, prices = formulation.rows, formulation.prices
     if not math.isinf(request.lower_bound):
         rows.bound_objective(min(prices.priced_bound(request.lower_bound), prices.of_tree(problem, result.known.tree)))
     if request.write is not None:
         highs.write(rows, Path(request.write))
-    result.details |= _describe(formulation, request, clock)
+    result.details |= _describe(problem, formulation, request, clock)
     result.details["build_seconds"] = clock.seconds
     start, result.details["start"] = _start_values(problem, formulation, result.known.tree)
     exact = accuracy(rows, prices, formulation.tolerance)
-    for tolerance in dict.fromkeys((exact.tolerance, FINEST)):
+    # HiGHS 1.16.0 may take a start for cheaper than it is, and what it finds too: benchmarks/instances/highs_start.py.
+    for tolerance, values in ((exact.tolerance, start), (FINEST, None)):
         exact = replace(exact, tolerance=tolerance)
-        result.refuted = _run_once(problem, formulation, request, clock, result, exact, start)
+        result.refuted = _run_once(problem, formulation, request, clock, result, exact, values)
         if not result.refuted:
             return
 
@@ -257,7 +262,7 @@ def _run_once(
         absolute_gap=exact.absolute_gap,
         lp_solver="ipm" if rows.n_columns > MOST_SIMPLEX_COLUMNS else "choose",
     )
-    inject = None if request.inject is None else _injector(problem, formulation, request.inject, result)
+    inject = None if request.inject is None else _injector(problem, formulation, request, result)
     progress = None if request.progress is None else _in_true_units(prices, request.progress)
     outcome = highs.run(rows, options, start=start, progress=progress, inject=inject)
     _note_run(result, outcome, start, formulation, exact)
@@ -266,14 +271,21 @@ def _run_once(
         return f"HiGHS ended with {outcome.status}"
     if outcome.values is None:
         return ""
-    decoded = decode(problem, formulation, outcome.values)
-    reason = refutation(problem, outcome.objective, result.price_bound, decoded)
+    decoded = decode(problem, formulation, outcome.values, request.max_splits)
+    reason = refutation(problem, outcome, result.price_bound, decoded)
     try:
         checked_leaf_index(problem, decoded.tree)
     except CertificateError as error:
         return reason or f"HiGHS's tree is no tree of the problem: {error}"
     result.better(problem, decoded.tree)
+    result.is_outside = _is_outside(problem, formulation, result.tree)
     return reason
+
+
+def _is_outside(problem: Problem, formulation: Formulation, tree: Node) -> bool:
+    """Whether a tree is none of those that the model holds, where it does not hold all."""
+    placed = place(tree, formulation.heap, problem.features)
+    return not formulation.scope.startswith("all") and formulation.start(placed) is None
 
 
 def _note_run(
@@ -300,17 +312,21 @@ def _in_true_units(prices: Prices, progress: ProgressCallback) -> ProgressCallba
     )
 
 
-def decode(problem: Problem, formulation: Formulation, values: NDArray[np.float64]) -> Decoded:
+def decode(
+    problem: Problem, formulation: Formulation, values: NDArray[np.float64], max_splits: int | None = None
+) -> Decoded:
     """Return the tree that a solution stands for, every sample re-routed through it."""
     raw = to_tree(formulation.heap, formulation.splits(values), formulation.labels(values))
-    return Decoded(formulation.prices.of_tree(problem, raw), canonicalise(problem, raw))
+    return Decoded(formulation.prices.of_tree(problem, raw), canonicalise(problem, raw, max_splits))
 
 
-def refutation(problem: Problem, claimed: float, bound: float, decoded: Decoded) -> str:
-    """Return why HiGHS's price or bound cannot be true of the decoded tree, "" when they can."""
-    if decoded.price > claimed + 0.5:
+def refutation(problem: Problem, outcome: highs.Outcome, bound: float, decoded: Decoded) -> str:
+    """Return why HiGHS's price or bound cannot be true of its solution, or of the decoded tree, "" when they can."""
+    if outcome.objective > outcome.claimed + 0.5:
+        return f"HiGHS claims objective {outcome.claimed} but its own solution has {outcome.objective}"
+    if decoded.price > outcome.objective + 0.5:
         return (
-            f"HiGHS claims objective {claimed} but its tree costs {decoded.price} "
+            f"HiGHS claims objective {outcome.objective} but its tree costs {decoded.price} "
             f"when all {problem.n_samples} samples are routed through it"
         )
     if decoded.price < bound - 0.5:
@@ -319,15 +335,17 @@ def refutation(problem: Problem, claimed: float, bound: float, decoded: Decoded)
 
 
 def _injector(
-    problem: Problem, formulation: Formulation, source: Callable[[float], Node | None], result: RunResult
+    problem: Problem, formulation: Formulation, request: Request, result: RunResult
 ) -> Callable[[float], NDArray[np.float64] | None]:
-    """Return the function that hands the trees of a source to HiGHS; `result` takes each whatever HiGHS makes of it."""
+    """Return the function that hands the trees of `inject` to HiGHS; `result` takes each whatever HiGHS makes of it."""
+    source = request.inject
+    assert source is not None
 
     def give(best: float) -> NDArray[np.float64] | None:
         tree = source(formulation.prices.true(best))
         if tree is None:
             return None
-        tree = canonicalise(problem, tree)
+        tree = canonicalise(problem, tree, request.max_splits)
         if depth(tree) > formulation.heap.depth or formulation.prices.of_tree(problem, tree) > best - 0.5:
             return None
         checked_leaf_index(problem, tree)
@@ -341,10 +359,21 @@ def _injector(
     return give
 
 
-def _describe(formulation: Formulation, request: Request, clock: Clock) -> dict[str, object]:
+def _scope(problem: Problem, formulation: Formulation, request: Request) -> str:
+    """Return the trees that the bound speaks about, in words: fewer than the formulation's under `max_splits`."""
+    most = request.max_splits
+    if most is None or most >= (2**problem.depth - 1) * problem.max_split_size:
+        return formulation.scope
+    counted = f"split{'s' * (most != 1)}"
+    if problem.max_split_size > 1:
+        counted = f"feature{'s' * (most != 1)} in all splits"
+    return f"trees of at most {most} {counted} among {formulation.scope}"
+
+
+def _describe(problem: Problem, formulation: Formulation, request: Request, clock: Clock) -> dict[str, object]:
     rows, prices = formulation.rows, formulation.prices
     details: dict[str, object] = {
-        "scope": formulation.scope,
+        "scope": _scope(problem, formulation, request),
         **formulation.notes,
         "model": {
             "rows": rows.n_rows,

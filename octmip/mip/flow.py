@@ -263,7 +263,6 @@ def solve_flow(
     seed: int = 0,
     n_jobs: int = 1,
     progress: ProgressCallback | None = None,
-    max_splits: int | None = None,
     mu: float | None = None,
     fix: int = 2,
     **request: Any,
@@ -274,14 +273,12 @@ def solve_flow(
     ----------
     incumbent
         tree to start from; None: CART's.
-    max_splits
-        at most so many splits (features summed over the splits).
     mu
         strictness of hyperplanes; None: chosen from the data by the rule of `octmip.mip.blocks.hyperplanes`.
     fix
         how far cuts are left out of the model beforehand: the levels of `octmip.mip.blocks.fixing`.
     request
-        the other fields of `octmip.mip.engine.Request`.
+        the other fields of `octmip.mip.engine.Request`, among them ``max_splits``.
 
     Raises
     ------
@@ -291,6 +288,8 @@ def solve_flow(
     settings = Request("flow", limits, incumbent, seed, n_jobs, progress, **request)
 
     def build(known: Known) -> Flow:
-        return encode(problem, known.tree, max_splits=max_splits, mu=mu, fix=fix, prices=known.prices, rows=known.rows)
+        return encode(
+            problem, known.tree, max_splits=settings.max_splits, mu=mu, fix=fix, prices=known.prices, rows=known.rows
+        )
 
     return solve_formulation(problem, build, settings)

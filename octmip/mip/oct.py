@@ -172,7 +172,6 @@ def solve_oct(
     seed: int = 0,
     n_jobs: int = 1,
     progress: ProgressCallback | None = None,
-    max_splits: int | None = None,
     strengthen: bool = False,
     **request: Any,
 ) -> Solution:
@@ -182,12 +181,10 @@ def solve_oct(
     ----------
     incumbent
         tree to start from; None: CART's.
-    max_splits
-        at most so many splits.
     strengthen
         use the rows of `octmip.mip.flow`, the same trees with a far better bound, instead of the printed.
     request
-        the other fields of `octmip.mip.engine.Request`.
+        the other fields of `octmip.mip.engine.Request`, among them ``max_splits``.
 
     Raises
     ------
@@ -201,7 +198,9 @@ def solve_oct(
 
     def build(known: Known) -> Oct | flow.Flow:
         if strengthen:
-            return flow.encode(problem, known.tree, max_splits=max_splits, prices=known.prices, rows=known.rows)
-        return encode(problem, max_splits=max_splits, prices=known.prices, rows=known.rows)
+            return flow.encode(
+                problem, known.tree, max_splits=settings.max_splits, prices=known.prices, rows=known.rows
+            )
+        return encode(problem, max_splits=settings.max_splits, prices=known.prices, rows=known.rows)
 
     return solve_formulation(problem, build, settings)

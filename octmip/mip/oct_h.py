@@ -148,7 +148,6 @@ def solve_oct_h(
     seed: int = 0,
     n_jobs: int = 1,
     progress: ProgressCallback | None = None,
-    max_splits: int | None = None,
     strengthen: bool = False,
     mu: float | None = None,
     **request: Any,
@@ -159,14 +158,12 @@ def solve_oct_h(
     ----------
     incumbent
         tree to start from; None: CART's.
-    max_splits
-        at most so many features summed over the splits.
     strengthen
         use the rows of `octmip.mip.flow` instead of the printed ones.
     mu
         strictness; None: chosen from the data by the rule of `octmip.mip.blocks.hyperplanes`.
     request
-        the other fields of `octmip.mip.engine.Request`.
+        the other fields of `octmip.mip.engine.Request`, among them ``max_splits``.
 
     Raises
     ------
@@ -181,10 +178,12 @@ def solve_oct_h(
 
     def build(known: Known) -> OctH | flow.Flow:
         if strengthen:
-            return flow.encode(problem, known.tree, max_splits=max_splits, mu=mu, prices=known.prices, rows=known.rows)
+            return flow.encode(
+                problem, known.tree, max_splits=settings.max_splits, mu=mu, prices=known.prices, rows=known.rows
+            )
         heap = Heap(problem.depth)
         placed = place(known.tree, heap, problem.features)
         strictness = choose_mu(space_of(problem, centred=False), placed, heap) if mu is None else mu
-        return encode(problem, strictness, max_splits=max_splits, prices=known.prices, rows=known.rows)
+        return encode(problem, strictness, max_splits=settings.max_splits, prices=known.prices, rows=known.rows)
 
     return solve_formulation(problem, build, settings)

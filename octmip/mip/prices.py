@@ -50,6 +50,8 @@ class Prices:
         value of one unit of price in the problem's objective.
     above, below
         the most that rounding gave or took, in the problem's objective.
+    limit
+        what costs more is cut to just above it, so no bound above it is one of the problem; None: nothing is cut.
     """
 
     weights: NDArray[np.float64]
@@ -59,6 +61,7 @@ class Prices:
     unit: Fraction = Fraction(1)
     above: Fraction = Fraction(0)
     below: Fraction = Fraction(0)
+    limit: Fraction | None = None
 
     @property
     def n_profiles(self) -> int:
@@ -90,7 +93,8 @@ class Prices:
 
     def lower_bound(self, price: int) -> Fraction:
         """Return the least cost of a tree in the problem's units when none is priced below `price`."""
-        return self.unit * price - self.above
+        bound = self.unit * price - self.above
+        return bound if self.limit is None else min(bound, self.limit)
 
     def priced_bound(self, bound: float) -> int:
         """Return the least price of a tree, unless it is cut, when none truly costs less than `bound`."""
@@ -124,6 +128,7 @@ def whole_prices(problem: Problem, known: float) -> Prices:
         rounding.unit,
         rounding.above,
         rounding.below,
+        rounding.limit,
     )
 
 

@@ -12,7 +12,9 @@ The mixed-integer forms go another way, because a small alpha beside error count
 penalty is varied but the number of splits, C = 1, 2, ...: minimise R subject to C(T) <= C.
 Source: Bertsimas & Dunn (2017), Optimal classification trees, section 2.4; alpha = lambda / baseline.
 
-Every solve starts from the best tree found so far, those of smaller depth included.
+Every solve starts from the best tree found so far, those of smaller depth included. Where the number of splits is
+varied, CART's tree and one of search are found first, and of all trees known the best pruning to that number is the
+start: so no point of the path is worse than CART.
 """
 
 import math
@@ -26,7 +28,7 @@ from octmip.errors import ProblemError
 from octmip.problem import Problem
 from octmip.run import NO_OPTIONS, Run
 from octmip.solution import Limits, ProgressCallback, Solution, Stop
-from octmip.solver import Method, chosen_method, solve_run
+from octmip.solver import FIRST_RESTARTS, SEARCH_SHARE, Method, chosen_method, solve_run
 from octmip.tree import Leaf, Node, complexity
 
 BY_SPLITS = ("oct", "oct_h", "flow")
@@ -253,11 +255,15 @@ class _Tracer:
 
     def by_splits(self, most_solves: int) -> bool:
         """Allow one split more at a time; return whether all numbers of splits have been solved."""
+        from octmip.mip.incumbent import pruned  # only here: scikit-learn takes a while
+
         bounds = [(0, self.free.baseline)]  # without a split there is only the leaf
         largest = (2**self.free.depth - 1) * self.free.max_split_size
+        if not self._first_trees():
+            return False
         for most in range(1, min(largest, most_solves) + 1):
-            allowed = [known for known in self.best.values() if known.complexity <= most]
-            start = min(allowed, key=lambda known: (known.cost, known.complexity)).tree
+            starts = [pruned(self.free, known.tree, most) for known in self.best.values()]
+            start = min(starts, key=lambda tree: (self.free.objective(tree), complexity(tree)))
             solution = self._solve(self.free, start, {"max_splits": most})
             # Fewer splits are allowed too, so bounds of larger numbers hold for smaller ones; never the other way.
             bounds.append((most, solution.bound))
@@ -268,6 +274,17 @@ class _Tracer:
         for penalty in (0.0, *(a.slope_to(b) for a, b in pairwise(self.hull()))):
             self.bounds[penalty] = min(bound + penalty * count for count, bound in bounds)
         return True
+
+    def _first_trees(self) -> bool:
+        """Add the trees of CART and of a search that takes as long as before a proof; return whether Ctrl-C let it."""
+        limits = replace(self.run.limits, seconds=SEARCH_SHARE * self.run.limits.seconds)
+        kept = {name: value for name, value in self.run.options.items() if name == "solves"}
+        for method, options in (("cart", kept), ("search", kept | {"restarts": FIRST_RESTARTS})):
+            first = solve_run(self.free, replace(self.run, method=method, limits=limits, options=options))
+            if first.tree is not None:
+                self.add(first.tree)
+            self.is_interrupted |= first.stop is Stop.INTERRUPTED
+        return not self.is_interrupted
 
     def _solve_at(self, penalty: float) -> None:
         start = min(self.best.values(), key=lambda known: (known.price(penalty), known.complexity)).tree

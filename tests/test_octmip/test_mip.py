@@ -151,9 +151,15 @@ def test_the_printed_form_leaks_at_unsplit_nodes_and_the_closed_form_does_not():
 def test_a_solution_that_routing_contradicts_is_refused():
     problem = blobs(depth=2)
     decoded = engine.Decoded(price=7.0, tree=Leaf(0))
-    assert "claims objective 6" in engine.refutation(problem, 6, 5, decoded)
-    assert "no tree is below 8" in engine.refutation(problem, 7, 8, decoded)
-    assert engine.refutation(problem, 7, 6, decoded) == ""
+    assert "claims objective 6" in engine.refutation(problem, outcome_of(6, 6), 5, decoded)
+    assert "no tree is below 8" in engine.refutation(problem, outcome_of(7, 7), 8, decoded)
+    assert "claims objective 6 but its own solution has 7" in engine.refutation(problem, outcome_of(7, 6), 6, decoded)
+    assert engine.refutation(problem, outcome_of(7, 7), 6, decoded) == ""
+
+
+def outcome_of(objective: float, claimed: float) -> highs.Outcome:
+    """Return the outcome of a run whose solution has an objective and is claimed to have one."""
+    return highs.Outcome(None, objective, claimed, claimed, Stop.OPTIMAL, "kOptimal", 1, 0.0, claimed, claimed)
 
 
 def test_what_a_leaking_model_claims_is_not_believed_and_said_with_both_numbers():

@@ -10,12 +10,13 @@ import pytest
 from pyomo.repn import generate_standard_repn
 
 from benchmarks.oracles.paper_models import oct_h as paper
-from octmip import HyperplaneSplit, Leaf, Problem, Split, certify
+from octmip import HyperplaneSplit, Leaf, Problem, Split, Stop, certify, solve
 from octmip.errors import ProblemError
 from octmip.mip import flow, oct_h
 from octmip.mip.blocks.heap import Heap, place, to_tree
 from octmip.mip.blocks.hyperplanes import choose_mu, space_of
 from octmip.mip.flow import solve_flow
+from octmip.mip.highs import claims
 from octmip.mip.incumbent import canonicalise
 from octmip.mip.oct_h import solve_oct_h
 from octmip.tree import predict
@@ -193,6 +194,32 @@ def test_an_axis_tree_that_mu_leaves_out_is_still_returned():
     certify(problem, solution)
     assert solution.objective == 0
     assert not solution.details["start"]["accepted"]
+
+
+@pytest.mark.parametrize("solver", [solve_oct_h, solve_flow])
+def test_what_is_proven_of_mu_separated_trees_stays_where_a_narrower_tree_is_better(solver):
+    rng = np.random.default_rng(0)
+    features = rng.random((12, 2))
+    features[6:] = features[:6] + rng.normal(size=(6, 2)) * 2e-3
+    labels = rng.integers(0, 2, 12)
+    labels[:2] = 0, 1
+    problem = Problem(features, labels, depth=1, split="hyperplane")
+    narrow = solve(problem, "exact")
+    solution = solver(problem, incumbent=narrow.tree, mu=0.005)
+    certify(problem, solution)
+    assert solution.objective == solution.bound == narrow.objective == 2
+    assert solution.details["bound_in_scope"] == 3
+    assert "mu-separated" in solution.details["scope"]
+    words = "(none of them costs less than 3; the tree found, of 2, is a better one outside)"
+    assert solution.details["scope"].endswith(words)
+    assert "numerics" not in solution.details
+
+
+def test_a_bound_above_a_tree_of_its_own_model_is_not_believed(monkeypatch):
+    problem = whole(depth=1, integer_normals=None)
+    monkeypatch.setattr(claims.Accuracy, "bound", lambda self, outcome: 10**6)
+    solution = solve_oct_h(problem)
+    assert (solution.bound, solution.stop) == (0, Stop.NUMERICS)
 
 
 def test_strictness_is_exact_for_decimal_features_and_whole_coefficients():

@@ -1,6 +1,7 @@
 """Weights, costs, penalties and features of any size: what HiGHS says of them must hold in the problem's own units."""
 
 import math
+from dataclasses import asdict, replace
 from fractions import Fraction
 from functools import partial
 
@@ -16,6 +17,7 @@ from octmip.mip.flow import solve_flow
 from octmip.mip.highs import claims, highs
 from octmip.mip.oct import solve_oct
 from octmip.mip.oct_h import solve_oct_h
+from octmip.mip.rows import Rows
 from octmip.tree import HyperplaneSplit, Split
 
 SIZES = {
@@ -139,7 +141,7 @@ def test_a_bound_is_lowered_by_the_gap_and_by_what_reduced_costs_allow():
     exact = claims.Accuracy(tolerance=1e-6, dual_tolerance=1e-7, error=0.04)
     ended = {"values": None, "n_nodes": 1, "seconds": 0.0, "first_incumbent": 7.0, "root_bound": 0.0, "status": ""}
     for objective, bound, believed in ((7.0, 7.0, 7), (7.0, 6.07, 7), (7.0, 6.03, 6), (7.0, -math.inf, 0), (7, 5.0, 5)):
-        outcome = highs.Outcome(objective=objective, bound=bound, stop=Stop.OPTIMAL, **ended)
+        outcome = highs.Outcome(objective=objective, claimed=objective, bound=bound, stop=Stop.OPTIMAL, **ended)
         assert exact.bound(outcome) == believed
 
 
@@ -151,6 +153,35 @@ def test_a_bound_that_a_known_tree_contradicts_is_not_believed(monkeypatch):
     assert solution.stop is Stop.NUMERICS
     assert solution.bound == 0 < solution.objective
     assert "but one of" in solution.details["numerics"] or "its own costs" in solution.details["numerics"]
+
+
+def test_an_objective_is_counted_from_the_values_and_a_start_that_is_mispriced_is_left_out(monkeypatch):
+    problem, starts, run = Problem([[0.0], [1.0], [2.0]], [0, 1, 0], depth=1), [], highs.run
+
+    def says_zero_where_a_start_is_given(rows, options, *, start, **more):
+        starts.append(start)
+        outcome = run(rows, options, start=start, **more)
+        return outcome if start is None else replace(outcome, claimed=0.0, bound=0.0)
+
+    monkeypatch.setattr(highs, "run", says_zero_where_a_start_is_given)
+    solution = solve_oct(problem)
+    assert (solution.objective, solution.bound, solution.stop) == (1, 1, Stop.OPTIMAL)
+    assert starts[0] is not None
+    assert starts[1:] == [None]
+
+
+def test_what_highs_says_of_a_solution_is_not_what_it_costs(monkeypatch):
+    rows = Rows()
+    rows.columns("x", (range(2),), cost=1.0)
+    supervisor = highs._Supervisor(None, rows, Limits(), None, None)
+    supervisor._note(("incumbent", -5.0, np.array([3.0, 1.0])))
+    supervisor._note(("incumbent", -9.0, np.array([4.0, 1.0])))
+    assert (supervisor.objective, supervisor.claimed) == (4.0, -5.0)
+    ended = {"values": np.array([1.0, 0.0]), "objective": 0.0, "bound": 0.0, "n_nodes": 1, "status": "kOptimal"}
+    outcome = supervisor._done(ended | {"state": asdict(supervisor.state)})
+    assert (outcome.objective, outcome.claimed, outcome.bound) == (1.0, 0.0, 0.0)
+    exact = claims.Accuracy(tolerance=1e-6, dual_tolerance=1e-7, error=0.0)
+    assert exact.bound(outcome) == 0
 
 
 def test_a_failure_of_highs_leaves_the_start_and_says_so(monkeypatch):

@@ -18,6 +18,7 @@ from octmip.mip.flow import solve_flow
 from octmip.mip.highs import highs, process, worker
 from octmip.mip.oct import encode, solve_oct
 from octmip.mip.oct_h import solve_oct_h
+from octmip.mip.rows import Rows
 from tests.test_octmip.test_mip import blobs
 
 needs_proc = pytest.mark.skipif(not os.path.exists("/proc/self/stat"), reason="the system shows no processes")
@@ -72,7 +73,7 @@ def test_a_worker_that_does_not_obey_is_killed_and_waited_for(monkeypatch):
         pid = lent.process.pid
         lent.send("run", {"model": highs.arrays(encode(blobs(depth=1)).rows), "options": {}, "start": None})
         os.kill(pid, signal.SIGSTOP)  # as silent as a process can be
-        supervisor = highs._Supervisor(lent, Limits(seconds=0.05), None, None)
+        supervisor = highs._Supervisor(lent, Rows(), Limits(seconds=0.05), None, None)
         outcome = supervisor.over({"model": {}, "options": {}, "start": None, "takes_trees": False})
     assert outcome.stop is Stop.TIME
     assert "killed" in outcome.status

@@ -170,6 +170,14 @@ def test_an_option_that_the_solver_does_not_take_is_refused():
     assert solve(STRIPES, method="search", options={"restarts": 2}).objective == 0
 
 
+def test_an_option_that_a_mixed_integer_method_does_not_take_is_refused_with_those_that_it_takes():
+    takes = "assist, inject, lower_bound, max_splits, relaxation, strengthen, write"
+    with pytest.raises(ProblemError, match=f"method 'oct' takes no option 'mip_rel_gap'; expected some of: {takes}$"):
+        solve(STRIPES, "oct", options={"mip_rel_gap": 0.1})
+    with pytest.raises(ProblemError, match="takes no option 'method'"):
+        solve(STRIPES, "flow", options={"method": "exact"})
+
+
 @pytest.mark.parametrize("split", ["axis", "hyperplane"])
 def test_prunes_are_switched_off_by_tests_only(split):
     with pytest.raises(ProblemError, match="method 'exact' takes no option '_off'"):

@@ -81,7 +81,9 @@ class Outcome:
     values
         (n_columns,) the best solution, None without one.
     objective
-        its objective; +inf without one.
+        its objective, counted from its values; +inf without one.
+    claimed
+        what HiGHS says its objective is.
     bound
         dual bound; -inf without one.
     stop
@@ -100,6 +102,7 @@ class Outcome:
 
     values: NDArray[np.float64] | None
     objective: float
+    claimed: float
     bound: float
     stop: Stop
     status: str
@@ -134,7 +137,8 @@ def run(
         HiGHS refused the model or an option, or its process cannot be started.
     """
     with lent_worker() as lent:
-        return _Supervisor(lent, options.limits, progress, inject).over(_job(rows, _settings(options), start, inject))
+        supervisor = _Supervisor(lent, rows, options.limits, progress, inject)
+        return supervisor.over(_job(rows, _settings(options), start, inject))
 
 
 def arrays(rows: Rows, *, named: bool = False) -> dict[str, Any]:
@@ -171,8 +175,8 @@ def write(rows: Rows, path: Path) -> None:
 def relax(rows: Rows, limits: Limits = Limits()) -> float:  # noqa: B008  (frozen)
     """Return the bound of the linear relaxation of a model; -inf when the limits do not suffice."""
     with lent_worker() as lent:
-        settings: dict[str, Any] = {"solve_relaxation": True}
-        outcome = _Supervisor(lent, limits, None, None).over(_job(rows, settings, None, None))
+        settings: dict[str, Any] = {"solve_relaxation": True, **_threads(1)}
+        outcome = _Supervisor(lent, rows, limits, None, None).over(_job(rows, settings, None, None))
     return outcome.objective if outcome.status == "kOptimal" else -math.inf
 
 
@@ -193,10 +197,14 @@ def _settings(options: Options) -> dict[str, Any]:
         "primal_feasibility_tolerance": min(options.tolerance, 1e-7),
         "dual_feasibility_tolerance": options.dual_tolerance,
         "random_seed": options.seed % 2**31,
-        "threads": options.threads,
-        "parallel": "on" if options.threads > 1 else "off",
+        **_threads(options.threads),
     }
     return settings | ({"mip_max_nodes": int(limits.nodes)} if math.isfinite(limits.nodes) else {})
+
+
+def _threads(n_threads: int) -> dict[str, Any]:
+    """Return the options for so many threads: left to itself, HiGHS takes those of the machine from 1.16 on."""
+    return {"threads": n_threads, "parallel": "on" if n_threads > 1 else "off"}
 
 
 class _Supervisor:
@@ -205,15 +213,16 @@ class _Supervisor:
     def __init__(
         self,
         lent: Worker,
+        rows: Rows,
         limits: Limits,
         progress: ProgressCallback | None,
         inject: Callable[[float], NDArray[np.float64] | None] | None,
     ) -> None:
-        self.worker, self.limits, self.progress, self.inject = lent, limits, progress, inject
+        self.worker, self.rows, self.limits, self.progress, self.inject = lent, rows, limits, progress, inject
         self.began = time.perf_counter()
         self.state = worker.State()
         self.values: NDArray[np.float64] | None = None
-        self.objective = math.inf
+        self.objective = self.claimed = math.inf
         self.stop: Stop | None = None  # why this side wants an end
         self.patience = math.inf  # when the worker is killed [s since the beginning]
         self.most_memory = math.inf
@@ -255,8 +264,8 @@ class _Supervisor:
             self.most_memory = resident_bytes(self.worker.process.pid) + self.limits.memory
         elif kind == "state":
             self.state = worker.State(**what[0])
-        elif kind == "incumbent" and what[0] < self.objective:
-            self.objective, self.values = what
+        elif kind == "incumbent":
+            self._take(*what)
         elif kind == "done":
             return self._done(what[0])
         elif kind == "failed":
@@ -264,6 +273,12 @@ class _Supervisor:
         elif kind == "closed":
             return self._closed()
         return None
+
+    def _take(self, claimed: float, values: NDArray[np.float64], *, is_last: bool = False) -> None:
+        """Keep a solution that is better than the one so far, or the last one: by its values, not by what is said."""
+        objective = self.rows.objective(values)
+        if is_last or objective < self.objective:
+            self.objective, self.claimed, self.values = objective, claimed, values
 
     def _closed(self) -> Outcome:
         code = self.worker.process.wait()
@@ -307,7 +322,7 @@ class _Supervisor:
     def _done(self, end: dict[str, Any]) -> Outcome:
         self.state = worker.State(**end["state"])
         if end["values"] is not None and math.isfinite(end["objective"]):
-            self.objective, self.values = end["objective"], end["values"]
+            self._take(end["objective"], end["values"], is_last=True)
         self.state.n_nodes = end["n_nodes"]
         known = _STOPS.get(end["status"], Stop.NUMERICS)
         stop = self.stop if known is Stop.INTERRUPTED and self.stop is not None else known
@@ -326,6 +341,7 @@ class _Supervisor:
         return Outcome(
             values=self.values,
             objective=self.objective,
+            claimed=self.claimed,
             bound=bound,
             stop=stop,
             status=status,

@@ -1,0 +1,155 @@
+"""`max_splits` holds for every method that takes it: in the start, in the trees found, and on every way out."""
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from benchmarks.oracles.strategies import random_problem
+from octmip import Leaf, Limits, Problem, Split, Stop, certify, solve, solver
+from octmip.errors import ProblemError, SolverError
+from octmip.mip.flow import solve_flow
+from octmip.mip.incumbent import canonicalise, pruned
+from octmip.mip.oct import solve_oct
+from octmip.mip.oct_h import solve_oct_h
+from octmip.tradeoff import trace_path
+from octmip.tree import HyperplaneSplit, Node, complexity
+from tests.test_octmip.test_mip import uci
+
+METHODS = {"oct": {}, "strengthened oct": {"strengthen": True}, "flow": {}}
+STAIRS = Split(0, 0.5, Leaf(0), Split(0, 1.5, Leaf(1), Split(0, 2.5, Leaf(0), Leaf(1))))
+
+
+def stairs(**options: object) -> Problem:
+    """Return five samples on a line, the labels of which need three splits."""
+    return Problem([[0.0], [1.0], [2.0], [3.0], [3.0]], [0, 1, 0, 1, 1], depth=3, **options)
+
+
+def random(seed: int, **options: object) -> Problem:
+    """Return a problem whose best tree of depth 2 has three splits."""
+    rng = np.random.default_rng(seed)
+    labels = rng.integers(0, 3, 12)
+    labels[:2] = 0, 1
+    return Problem(rng.normal(size=(12, 2)), labels, depth=2, class_names=(0, 1, 2), **options)
+
+
+def prunings(problem: Problem, node: Node) -> list[Node]:
+    """Return every way to put leaves in place of splits."""
+    cut = [Leaf(label) for label in range(problem.n_classes)]
+    if isinstance(node, Leaf):
+        return cut
+    sides = [prunings(problem, side) for side in (node.left, node.right)]
+    return cut + [replace(node, left=left, right=right) for left in sides[0] for right in sides[1]]
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("seed", range(6))
+def test_one_split_is_the_best_stump_and_two_are_two_at_most(method, seed):
+    problem = random(seed)
+    name, options = method.split()[-1], METHODS[method]
+    one = solve(problem, name, options=options | {"max_splits": 1})
+    assert complexity(one.tree) <= 1
+    assert one.objective == one.bound == solve(replace(problem, depth=1), "exact").objective
+    assert one.stop is Stop.OPTIMAL
+    assert one.details["scope"] == "trees of at most 1 split among all axis-aligned trees"
+    two = solve(problem, name, options=options | {"max_splits": 2})
+    certify(problem, two)
+    assert complexity(two.tree) <= 2
+    assert two.is_optimal
+    assert solve(problem, "exact").objective <= two.objective <= one.objective
+
+
+def test_iris_with_one_split_is_proven_to_miss_fifty():
+    for name, options in (("flow", {}), ("oct", {"strengthen": True})):
+        solution = solve(uci("iris", depth=2), name, options=options | {"max_splits": 1})
+        assert (solution.objective, solution.bound) == (50, 50)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_features_of_hyperplanes_are_counted_one_by_one(seed):
+    problem = random(seed, split="hyperplane")
+    for method in ("oct_h", "flow"):
+        solution = solve(problem, method, options={"max_splits": 1})
+        certify(problem, solution)
+        assert complexity(solution.tree) <= 1
+        assert solution.details["scope"].startswith("trees of at most 1 feature in all splits among mu-separated")
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_tree_is_pruned_to_the_best_of_all_its_prunings(seed):
+    rng = np.random.default_rng(seed)
+    problem = random_problem(rng, max_samples=9, max_depth=3)
+    tree = solve(replace(problem, leaf_penalty=0.0), "exact").tree
+    for most in range(complexity(tree) + 2):
+        found = pruned(problem, tree, most)
+        allowed = [t for t in [*prunings(problem, tree), tree] if complexity(t) <= most]
+        assert complexity(found) <= most
+        if most < complexity(tree):
+            assert problem.objective(found) == pytest.approx(min(map(problem.objective, allowed)))
+        else:
+            assert found is tree
+
+
+def test_a_hyperplane_that_is_too_wide_goes_and_a_narrow_one_below_it_goes_with_it():
+    problem = replace(random(0), split="hyperplane")
+    tree = HyperplaneSplit((0, 1), (1.0, 1.0), 0.0, Split(0, 0.0, Leaf(0), Leaf(1)), Leaf(2))
+    assert complexity(pruned(problem, tree, 2)) in (0, 2)
+    assert pruned(problem, tree, 1) == Leaf(int(problem.class_costs().argmin()))
+
+
+@pytest.mark.parametrize("given", [solve_oct, solve_flow, solve_oct_h])
+def test_a_start_with_too_many_splits_is_pruned_whoever_is_called(given):
+    problem = stairs(split="hyperplane" if given is solve_oct_h else "axis")
+    solution = given(problem, incumbent=STAIRS, max_splits=1, limits=Limits(seconds=0.0))
+    certify(problem, solution)
+    assert complexity(solution.tree) <= 1
+    assert solution.objective == 1
+
+
+def test_a_tree_that_is_handed_over_or_assists_is_pruned_too():
+    problem = stairs()
+    solution = solve_oct(problem, max_splits=1, inject=lambda best: STAIRS)
+    assert (complexity(solution.tree), solution.objective) == (1, 1)
+    solution = solve(problem, "flow", options={"max_splits": 1, "assist": ("exact",)})
+    assert (complexity(solution.tree), solution.objective, solution.bound) == (1, 1, 1)
+
+
+@pytest.mark.parametrize("assist", [(), ("exact",)])
+def test_ctrl_c_returns_a_tree_of_no_more_splits(assist, monkeypatch):
+    def interrupted(problem, **options):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("octmip.mip.flow.solve_flow", interrupted)
+    solution = solve(stairs(), "flow", incumbent=STAIRS, options={"max_splits": 1, "assist": assist})
+    assert solution.stop is Stop.INTERRUPTED
+    assert (complexity(solution.tree), solution.objective) == (1, 1)
+
+
+def test_a_tree_of_more_splits_is_never_returned(monkeypatch):
+    monkeypatch.setattr(solver, "_fitting", lambda problem, solution, options: solution)
+    with pytest.raises(SolverError, match="returned 3 features in splits; expected max_splits=1 at most"):
+        solve(stairs(), "flow", incumbent=STAIRS, options={"max_splits": 1})
+
+
+@pytest.mark.parametrize("most", [-1, 1.5, "two"])
+@pytest.mark.parametrize("method", ["oct", "flow"])
+def test_a_number_of_splits_that_is_none_is_refused(method, most):
+    with pytest.raises(ProblemError, match="max_splits is"):
+        solve(stairs(), method, options={"max_splits": most})
+
+
+def test_a_path_over_splits_is_never_worse_than_cart_nor_than_its_prunings():
+    rng = np.random.default_rng(1)
+    features = rng.normal(size=(150, 6))
+    labels = (features[:, 0] * features[:, 1] + 0.5 * rng.normal(size=150) > 0).astype(int) + (features[:, 2] > 1)
+    problem = Problem(features, labels, depth=3)
+    path = trace_path(problem, method="oct", limits=Limits(seconds=0.2))
+    cart = solve(problem, "cart").tree
+    for most in range(complexity(cart) + 1):
+        tree = pruned(problem, canonicalise(problem, cart), most)
+        for penalty in (0.0, 1.0, 5.0):
+            best = path.best_at(penalty)
+            priced = replace(problem, leaf_penalty=penalty)
+            assert best.cost + penalty * best.complexity <= priced.objective(tree)
+    assert all(larger.cost < smaller.cost for larger, smaller in pairwise(path.trees))
