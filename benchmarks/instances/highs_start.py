@@ -2,7 +2,7 @@
 
 import highspy
 
-START = [0, 1, 1, 1, 1, 0, 1, 0, 0, 2, 0]  # keeps every row and costs 1
+START = [0.0, 1, 1, 1, 1, 0, 1, 0, 0, 2, 0]  # keeps every row and costs 1
 
 
 def main() -> None:

@@ -263,7 +263,7 @@ def _run_once(
         lp_solver="ipm" if rows.n_columns > MOST_SIMPLEX_COLUMNS else "choose",
     )
     inject = None if request.inject is None else _injector(problem, formulation, request, result)
-    progress = None if request.progress is None else _in_true_units(prices, request.progress)
+    progress = None if request.progress is None else _in_true_units(prices, request.progress, clock)
     outcome = highs.run(rows, options, start=start, progress=progress, inject=inject)
     _note_run(result, outcome, start, formulation, exact)
     result.stop, result.n_nodes, result.price_bound = outcome.stop, outcome.n_nodes, exact.bound(outcome)
@@ -306,9 +306,15 @@ def _note_run(
         said["accepted"] = bool(first <= formulation.rows.objective(start) + 0.5)
 
 
-def _in_true_units(prices: Prices, progress: ProgressCallback) -> ProgressCallback:
+def _in_true_units(prices: Prices, progress: ProgressCallback, clock: Clock) -> ProgressCallback:
+    """Return the callback for states of HiGHS: in the problem's units, in seconds since the run began."""
     return lambda state: progress(
-        replace(state, objective=prices.true(state.objective), bound=prices.true(state.bound))
+        replace(
+            state,
+            seconds=clock.seconds,
+            objective=prices.true(state.objective),
+            bound=prices.true(state.bound),
+        )
     )
 
 

@@ -190,7 +190,8 @@ def sensor_roles(
     calls.known.append(_loss(problem, (), solution))
     forced, proven = _forced(problem, solution, calls)
     leaves = (exact_objective(problem, Leaf(label)) for label in range(problem.n_classes))
-    limit = min(calls.known[0].cost, *leaves, *forced) + Fraction(within)
+    read = (cost for cost in forced if isinstance(cost, Fraction))
+    limit = min([calls.known[0].cost, *leaves, *read]) + Fraction(within)
     roles = tuple(
         _role(calls.compared(calls.without((sensor,)), limit), calls.known[0], limit, forced[s], proven)
         for s, sensor in enumerate(problem.sensors)

@@ -20,10 +20,12 @@ start: so no point of the path is worse than CART.
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
 from octmip.cluster import opened
+from octmip.encoding.numbers import exact_objective, rounded_down
 from octmip.errors import ProblemError
 from octmip.problem import Problem
 from octmip.run import NO_OPTIONS, Run
@@ -33,7 +35,7 @@ from octmip.tree import Leaf, Node, complexity
 
 BY_SPLITS = ("oct", "oct_h", "flow")
 MOST_SOLVES = 32
-_ROUNDING = 1e-9  # two sums of the same numbers in another order differ by less, relatively
+_ROUNDING = Fraction(1, 2**50)  # of an objective: it is rounded three times
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,7 +110,8 @@ class PenaltyPath:
 
     def bound_at(self, penalty: float) -> float:
         """Return a lower bound of z at a penalty: z is concave, so above the chord between any two of its bounds."""
-        return _bound_at(self.bounds, penalty)
+        bound = _bound_at(self.bounds, penalty)
+        return rounded_down(bound) if isinstance(bound, Fraction) else bound
 
 
 def trace_path(
@@ -272,15 +275,17 @@ class _Tracer:
         if largest > most_solves:
             return False  # nothing is known of larger trees
         for penalty in (0.0, *(a.slope_to(b) for a, b in pairwise(self.hull()))):
-            self.bounds[penalty] = min(bound + penalty * count for count, bound in bounds)
+            at = [Fraction(bound) + Fraction(penalty) * count for count, bound in bounds if math.isfinite(bound)]
+            self.bounds[penalty] = rounded_down(min(at)) if len(at) == len(bounds) else -math.inf
         return True
 
     def _first_trees(self) -> bool:
         """Add the trees of CART and of a search that takes as long as before a proof; return whether Ctrl-C let it."""
         limits = replace(self.run.limits, seconds=SEARCH_SHARE * self.run.limits.seconds)
         kept = {name: value for name, value in self.run.options.items() if name == "solves"}
-        for method, options in (("cart", kept), ("search", kept | {"restarts": FIRST_RESTARTS})):
-            first = solve_run(self.free, replace(self.run, method=method, limits=limits, options=options))
+        cart = replace(self.run, method="cart", limits=limits, options=kept)
+        for run in (cart, replace(cart, method="search", options=kept | {"restarts": FIRST_RESTARTS})):
+            first = solve_run(self.free, run)
             if first.tree is not None:
                 self.add(first.tree)
             self.is_interrupted |= first.stop is Stop.INTERRUPTED
@@ -318,22 +323,27 @@ class _Tracer:
             # z is concave and the tree's line touches it at both ends of the interval, so all along it. Past the
             # last end nothing changes any more: the leaf has no split to pay for.
             finite = [penalty for penalty in (low, high) if math.isfinite(penalty)]
-            is_proven = all(self._meets(_bound_at(bounds, penalty), known.price(penalty)) for penalty in finite)
+            cost = exact_objective(self.free, known.tree)
+            prices = [cost + Fraction(penalty) * known.complexity for penalty in finite]
+            is_proven = all(
+                self._meets(_bound_at(bounds, penalty), price) for penalty, price in zip(finite, prices, strict=True)
+            )
             trees.append(PathTree(known.tree, known.cost, known.complexity, low, high, is_proven))
         return PenaltyPath(self.free, tuple(trees), bounds, self.n_solves, is_whole, self.is_interrupted)
 
-    def _meets(self, bound: float, price: float) -> bool:
-        return bound >= price - self.tolerance - _ROUNDING * max(1.0, abs(price))
+    def _meets(self, bound: Fraction | float, price: Fraction) -> bool:
+        return bound >= price * (1 - _ROUNDING) - Fraction(self.tolerance)
 
 
-def _bound_at(bounds: Sequence[tuple[float, float]], penalty: float) -> float:
-    """Return the best bound that concavity and monotony of z allow at a penalty from bounds elsewhere."""
+def _bound_at(bounds: Sequence[tuple[float, float]], penalty: float) -> Fraction | float:
+    """Return the best bound that concavity and monotony of z allow at a penalty from bounds elsewhere, exactly."""
     below = [(at, bound) for at, bound in bounds if at <= penalty]
     above = [(at, bound) for at, bound in bounds if at > penalty]
-    best = max((bound for _, bound in below), default=-math.inf)
+    known = [bound for _, bound in below if math.isfinite(bound)]
+    best: Fraction | float = Fraction(max(known)) if known else -math.inf
     for low, bound_low in below:
         for high, bound_high in above:
             if math.isfinite(bound_low) and math.isfinite(bound_high):
-                share = (penalty - low) / (high - low)
-                best = max(best, (1 - share) * bound_low + share * bound_high)
+                share = (Fraction(penalty) - Fraction(low)) / (Fraction(high) - Fraction(low))
+                best = max(best, (1 - share) * Fraction(bound_low) + share * Fraction(bound_high))
     return best

@@ -72,11 +72,31 @@ def test_a_hand_broken_claim_fails_with_a_sentence(changes, sentence):
         certify(PROBLEM, dataclasses.replace(SOLUTION, **changes))
 
 
-def test_a_bound_above_the_best_leaf_fails():
+@pytest.mark.parametrize("bound", [5.5, 3.0, math.nextafter(2.0, 3.0)])
+def test_a_bound_above_the_best_leaf_fails(bound):
     problem = problem_with(leaf_penalty=5.0)
-    claim = dataclasses.replace(STUMP, objective=6.0, bound=5.5)
+    claim = dataclasses.replace(STUMP, objective=6.0, bound=bound)
     with pytest.raises(CertificateError, match=r"one leaf alone costs 2\.0"):
         certify(problem, claim)
+
+
+@pytest.mark.parametrize("bound", [math.nextafter(1.0, 2.0), 1.5, 1.999, 2.0])
+def test_a_bound_above_the_own_tree_fails_however_little_and_below_the_best_leaf(bound):
+    assert certify(PROBLEM, STUMP).objective == 1
+    with pytest.raises(CertificateError, match="claims that no tree is below"):
+        certify(PROBLEM, dataclasses.replace(STUMP, bound=bound))
+
+
+@pytest.mark.parametrize("share", [1e-9, 0.5, 0.9])
+def test_a_bound_above_a_tree_of_real_weights_fails(share):
+    problem = problem_with(weights=[0.1, 0.2, 0.3, 0.4, 0.7])
+    objective = problem.objective(STUMP.tree)
+    claim = dataclasses.replace(STUMP, objective=objective, bound=objective)
+    certify(problem, claim)
+    least = problem.least_saving
+    certify(problem, dataclasses.replace(claim, bound=objective + 0.5 * least, tolerance=0.6 * least))
+    with pytest.raises(CertificateError, match=r"claims that no tree is below|one leaf alone"):
+        certify(problem, dataclasses.replace(claim, bound=objective * (1 + share)))
 
 
 @pytest.mark.parametrize(

@@ -52,6 +52,16 @@ def test_a_bound_of_a_wider_limit_serves_the_tighter_ones():
     assert same.stop is Stop.OPTIMAL
 
 
+def test_a_bound_that_is_taken_over_never_exceeds_the_tree_of_its_point():
+    """Sums of two problems are rounded each for itself: the wider bound may lie above the tighter tree by a hair."""
+    above = math.nextafter(7.0, 8.0)
+    tight = Solution(Leaf(0), 7.0, 1.0, Stop.TIME, 0.0, 0, "exact", "1", 0)
+    wide = Solution(Leaf(0), above, above, Stop.OPTIMAL, 0.0, 0, "exact", "1", 0)
+    after = _with_bounds_of_wider_limits([Point(1, PROBLEM, tight), Point(2, PROBLEM, wide)])
+    assert [point.solution.bound for point in after] == [7.0, above]
+    assert after[0].solution.stop is Stop.OPTIMAL
+
+
 def test_values_are_taken_in_order_whatever_order_they_come_in():
     points = trace_frontier(PROBLEM, "depth", [2, 1], method="cart", limits=Limits(seconds=10))
     assert [point.problem.depth for point in points] == [1, 2]

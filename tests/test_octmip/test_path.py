@@ -124,6 +124,20 @@ def test_a_path_that_is_cut_short_says_so_and_proves_only_what_it_saw():
     assert not any(c.is_proven for c in cut.trees)
 
 
+@pytest.mark.parametrize("size", [1e-12, 1.0, 1e12])
+def test_a_tree_is_proven_at_any_size_of_weights_only_where_its_bound_meets_it(size, monkeypatch):
+    problem = replace(blobs(depth=2), weights=np.full(len(blobs(depth=2).codes), size))
+    assert all(best_tree.is_proven for best_tree in trace_path(problem, method="exact").trees)
+
+    def half_proven(problem, *args):
+        solution = solve_run(problem, *args)
+        return replace(solution, bound=(1 - 1e-11) * solution.bound, stop=Stop.TIME)
+
+    monkeypatch.setattr(paths, "solve_run", half_proven)
+    path = trace_path(problem, method="exact")
+    assert not any(best_tree.is_proven for best_tree in path.trees if best_tree.cost)
+
+
 def test_ctrl_c_ends_the_path_with_what_is_known(monkeypatch):
     def interrupted(problem, *args):
         return replace(solve_run(problem, *args), stop=Stop.INTERRUPTED)

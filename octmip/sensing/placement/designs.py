@@ -53,7 +53,7 @@ class InformationDesign:
     log_det
         mean over states of log det of the information of those sensors (parameters scaled, see below).
     relaxed_log_det
-        of the relaxation: no choice within the budget has more.
+        of the relaxation, the gap of its dual added: no choice within the budget has more.
     shares
         (n_sensors,) of the relaxation, 0 to 1; the sensors are those of largest share.
     """
@@ -139,7 +139,31 @@ def _relaxation(
         raise SolverError(f"the relaxation of the D-optimal design failed: {error}") from error
     if shares.value is None or not math.isfinite(relaxation.value):
         raise SolverError(f"the relaxation of the D-optimal design ended {relaxation.status!r}; expected an optimum")
-    return np.clip(shares.value, 0.0, 1.0), float(relaxation.value)
+    found = np.clip(shares.value, 0.0, 1.0)
+    return found, _upper_bound(information, costs, budget, found)
+
+
+def _upper_bound(
+    information: NDArray[np.float64], costs: NDArray[np.float64], budget: float, shares: NDArray[np.float64]
+) -> float:
+    """Return what the mean log det of no shares within the budget exceeds, shown by shares that need not be optimal.
+
+    The log det is concave, so its tangent at any shares lies above it:
+        f(v) <= f(w) + g @ (v - w),     g_j = mean over states of trace(M_s(w)^-1 F_sj),     M_s(w) = sum_j w_j F_sj
+    and g @ v is largest, within 0 <= v <= 1 and the budget, for the sensors that give most for their cost.
+    """
+    matrices = np.einsum("j,sjkl->skl", shares, information)
+    value = float(np.linalg.slogdet(matrices)[1].mean())
+    gradient = np.einsum("skl,sjlk->sj", np.linalg.inv(matrices), information).mean(axis=0)
+    left, most = budget * (1 + 1e-9) + 1e-9, 0.0  # choices may exceed the budget by so much: `_payable`
+    with np.errstate(divide="ignore", invalid="ignore"):
+        by_worth = np.argsort(-gradient / costs, kind="stable")
+    for j in by_worth.tolist():
+        share = 1.0 if costs[j] <= left else left / float(costs[j])
+        most, left = most + share * float(gradient[j]), max(0.0, left - share * float(costs[j]))
+    # The tangent meets the log det at w, where g @ w is the number of parameters.
+    bound = value + most - float(gradient @ shares)
+    return bound + 1e-12 * (abs(value) + float(information.shape[2]) + most)
 
 
 def by_tree(

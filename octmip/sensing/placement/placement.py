@@ -15,11 +15,13 @@ disjoint parts of the samples add up (`sample_bound`). Neither is tight where a 
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from itertools import combinations
 from typing import Any, Literal
 
 import numpy as np
 
+from octmip.encoding.numbers import exact_sum, rounded_down
 from octmip.errors import ProblemError
 from octmip.problem import Problem
 from octmip.run import NO_OPTIONS, Run
@@ -226,14 +228,18 @@ def label_bound(problem: Problem) -> float:
     The least cost over the sets of so many classes when every sample gets the cheapest class of the set; 0 or more.
     """
     n_leaves, n_classes = 2**problem.depth, problem.n_classes
-    paid = np.bincount(problem.codes, problem.weights, n_classes)
+    paid = [exact_sum(problem.weights[problem.codes == code]) for code in range(n_classes)]
     size = min(n_leaves, n_classes)
     if math.comb(n_classes, size) > MOST_LABEL_SETS:
         return 0.0
-    sets = combinations(range(n_classes), size)
-    least = min(float(paid @ problem.costs[:, list(chosen)].min(axis=1)) for chosen in sets)
-    # Whole numbers are exact; each term of another sum may be rounded up, and a bound must not be.
-    return least if problem.has_integer_costs else least * (1 - (problem.n_samples + n_classes + 2) * 2.0**-52)
+    rounded = np.array([float(weight) for weight in paid])
+    sets = [list(chosen) for chosen in combinations(range(n_classes), size)]
+    least = np.array([rounded @ problem.costs[:, chosen].min(axis=1) for chosen in sets])
+    # Only sets that are cheapest but for rounding are added up exactly: there may be thousands.
+    near = [chosen for chosen, cost in zip(sets, least.tolist(), strict=True) if cost <= least.min() * (1 + 1e-9)]
+    prices = ([Fraction(price) for price in problem.costs[:, chosen].min(axis=1).tolist()] for chosen in near)
+    sums = (sum((w * c for w, c in zip(paid, row, strict=True)), Fraction(0)) for row in prices)
+    return rounded_down(min(sums))
 
 
 def sample_bound(
@@ -284,5 +290,4 @@ def sample_bound(
                 leaf_penalty=0.0,
             )
             total.append(max(0.0, solve_run(part, run).bound))
-    total_cost = math.fsum(total)
-    return total_cost if problem.has_integer_costs else math.nextafter(total_cost, -math.inf)
+    return rounded_down(sum(map(Fraction, total), Fraction(0)))

@@ -94,6 +94,30 @@ def test_compare_shows_every_method_and_the_gap_to_the_best_bound(data, run, mon
     assert reached == [False, True, False]
 
 
+def test_compare_runs_the_method_that_proves_splits_over_two_features(data, run):
+    words = ["compare", data, "--label", "y", "--depth", 1, "--features", "a,b", "--split", "hyperplane"]
+    rows = json.loads(run(*words, "--split-size", 2, "--seconds", 20, "--json")[1])["rows"]
+    by_method = {row["method"]: row for row in rows}
+    assert by_method["exact"]["stop"] == "optimal"
+    assert not any("error" in row for row in rows)
+    for row in rows:
+        assert all(seconds is None or seconds <= row["seconds"] for seconds in row["seconds_to_gap"].values())
+
+
+def test_compare_starts_the_methods_by_highs_from_the_tree_of_cart(data, run, monkeypatch):
+    starts = {}
+
+    def noted(problem, method, limits=solver.Limits(), incumbent=None, **settings):  # noqa: B008 - frozen
+        starts[method] = incumbent
+        return solver.solve(problem, method, limits, incumbent, **settings)
+
+    monkeypatch.setattr("octmip.cli.compare.solve", noted)
+    words = ["compare", data, "--label", "y", "--depth", 1, "--features", "a", "--methods", "search,exact,oct,flow"]
+    assert run(*words)[0] == 0
+    assert starts["search"] is starts["exact"] is None
+    assert starts["oct"] == starts["flow"] != None  # noqa: E711 - a tree
+
+
 def test_frontier_shows_one_row_for_each_value(data, run, tmp_path):
     words = ["frontier", data, "--label", "y", "--features", "a,b", "--depth", 3, "--over", "depth"]
     code, out, err = run(*words, "--out", tmp_path / "f.png")

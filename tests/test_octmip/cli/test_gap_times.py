@@ -7,13 +7,17 @@ from octmip.solution import Progress, Solution, Stop
 from octmip.tree import Leaf
 
 
-def test_the_first_report_within_a_gap_counts_and_the_end_closes_the_rest(monkeypatch):
-    clock = iter([0.0, 1.0, 2.0, 3.0, 4.0])
-    monkeypatch.setattr("octmip.cli.gap_times.time.perf_counter", lambda: next(clock))
+def test_the_first_report_within_a_gap_counts_and_the_end_closes_the_rest():
     shown: list[Progress] = []
     times = GapTimes(shown.append)
-    for bound in (-math.inf, 95.0, 96.0):
-        times(Progress(0.0, 100.0, bound, 0))
+    for seconds, bound in ((1.0, -math.inf), (2.0, 95.0), (3.0, 96.0)):
+        times(Progress(seconds, 100.0, bound, 0))
     found = times.at_end(Solution(Leaf(0), 100.0, 97.0, Stop.TIME, 4.0, 1, "exact", "1", 0))
     assert found == {"10 %": 2.0, "1 %": None, "0 %": None}
     assert len(shown) == 3
+
+
+def test_the_end_is_timed_by_the_clock_of_the_solution():
+    times = GapTimes(lambda state: None)
+    found = times.at_end(Solution(Leaf(0), 100.0, 100.0, Stop.OPTIMAL, 0.25, 1, "exact", "1", 0))
+    assert set(found.values()) == {0.25}
